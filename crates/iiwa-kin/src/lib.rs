@@ -1,0 +1,33 @@
+//! Kinematics of the KUKA LBR iiwa: robot models, forward kinematics, Jacobian, URDF in and out.
+//! It knows nothing of motion.
+//!
+//! ```
+//! use iiwa_kin::Robot;
+//!
+//! let robot = Robot::lbr_iiwa_7_r800();
+//! let stretched_out = robot.tcp(&[0.0; 7]);
+//! assert!((stretched_out.position_m[2] - 1.292).abs() < 1e-12);
+//! ```
+//!
+//! Units are SI and radians. Joints are plain arrays of seven; joint 1 is index 0 and carries the
+//! others. Poses are given in `iiwa_link_0`, the base: z up, origin in the middle of its foot.
+//!
+//! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
+//! Chalmers 2019, chapter 2.3, cited as "Larsen 2019".
+
+mod batch;
+mod dh;
+mod forward;
+pub mod json;
+mod limits;
+mod pose;
+mod robot;
+mod trig;
+
+pub use dh::DhRow;
+pub use limits::Limits;
+pub use pose::Pose;
+pub use robot::{Assumption, Lengths, Robot};
+
+/// Positions, or any other quantity, of the seven joints; rad unless the name says otherwise.
+pub type Joints = [f64; 7];

@@ -1,0 +1,217 @@
+//! Robot models: lengths, limits, masses.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::{DhRow, Joints, Limits};
+
+/// Twists alpha_1 to alpha_7 of the LBR iiwa, in quarter turns (Larsen 2019, Table 1).
+pub(crate) const TWIST_QUARTERS: [i8; 7] = [-1, 1, 1, -1, -1, 1, 0];
+
+/// The four lengths that tell one LBR iiwa from another, in m.
+///
+/// All other Denavit-Hartenberg lengths are zero: the axes of shoulder, elbow and wrist meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Lengths {
+    /// d1: base to shoulder.
+    pub base_m: f64,
+    /// d3: shoulder to elbow.
+    pub upper_arm_m: f64,
+    /// d5: elbow to wrist.
+    pub forearm_m: f64,
+    /// d7: wrist to the flange's face. 126 mm for the plain flange (35 mm), 152 mm for the "Touch"
+    /// media flange (61 mm) of Larsen 2019, Table 1.
+    pub flange_m: f64,
+}
+
+/// A figure of a model that no source states.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Assumption {
+    /// What is assumed, as the field is named: `acceleration`, `jerk`, `masses`.
+    pub what: String,
+    /// Where the figure comes from instead.
+    pub basis: String,
+}
+
+/// A model of the KUKA LBR iiwa.
+///
+/// ```
+/// use iiwa_kin::Robot;
+///
+/// let robot = Robot::lbr_iiwa_7_r800();
+/// let tcp = robot.tcp(&[0.0, 0.5, 0.0, -1.0, 0.0, 0.7, 0.0]);
+/// assert!((tcp.position_m[0] - 0.713_659_663).abs() < 1e-9);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot {
+    pub(crate) name: String,
+    pub(crate) lengths: Lengths,
+    pub(crate) limits: Limits,
+    pub(crate) link_mass_kg: [f64; 8],
+    pub(crate) assumptions: Vec<Assumption>,
+}
+
+impl Default for Robot {
+    /// The LBR iiwa 7 R800.
+    fn default() -> Self {
+        Self::lbr_iiwa_7_r800()
+    }
+}
+
+impl Robot {
+    /// Names of the built-in models.
+    pub const BUILT_IN: [&'static str; 2] = ["lbr_iiwa_7_r800", "lbr_iiwa_14_r820"];
+
+    /// LBR iiwa 7 R800 with the media flange "Touch".
+    ///
+    /// Lengths and speeds: Larsen 2019, Tables 1 and 2; accelerations: Table 2; jerks: the means of
+    /// Table 5; positions and torques: KUKA data sheet; masses: the CAD model of `lbr_description`.
+    #[must_use]
+    pub fn lbr_iiwa_7_r800() -> Self {
+        Self {
+            name: Self::BUILT_IN[0].to_owned(),
+            lengths: Lengths { base_m: 0.340, upper_arm_m: 0.400, forearm_m: 0.400, flange_m: 0.152 },
+            limits: Limits {
+                position_rad: rad([170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0]),
+                velocity_rad_s: rad([98.0, 98.0, 100.0, 130.0, 140.0, 180.0, 180.0]),
+                acceleration_rad_s2: rad([490.0, 490.0, 500.0, 650.0, 700.0, 900.0, 900.0]),
+                jerk_rad_s3: rad(IIWA_7_JERK_DEG_S3),
+                torque_nm: [176.0, 176.0, 110.0, 110.0, 110.0, 40.0, 40.0],
+            },
+            link_mass_kg: IIWA_7_MASS_KG,
+            assumptions: vec![Assumption {
+                what: "masses".to_owned(),
+                basis: "a CAD estimate; published models differ by tens of percent".to_owned(),
+            }],
+        }
+    }
+
+    /// LBR iiwa 14 R820 with the media flange "Touch".
+    ///
+    /// Lengths, positions, speeds and torques: KUKA data sheet. Accelerations, jerks and masses are
+    /// assumptions, see [`Robot::assumptions`].
+    #[must_use]
+    pub fn lbr_iiwa_14_r820() -> Self {
+        let velocity_deg_s = [85.0, 85.0, 100.0, 75.0, 130.0, 135.0, 135.0];
+        let acceleration_deg_s2 = velocity_deg_s.map(|v| ACCELERATION_PER_SPEED * v);
+        let small = Self::lbr_iiwa_7_r800();
+        let mut jerk_rad_s3 = rad(acceleration_deg_s2);
+        for (j, jerk) in jerk_rad_s3.iter_mut().enumerate() {
+            *jerk *= small.limits.jerk_rad_s3[j] / small.limits.acceleration_rad_s2[j];
+        }
+        Self {
+            name: Self::BUILT_IN[1].to_owned(),
+            lengths: Lengths { base_m: 0.360, upper_arm_m: 0.420, ..small.lengths },
+            limits: Limits {
+                velocity_rad_s: rad(velocity_deg_s),
+                acceleration_rad_s2: rad(acceleration_deg_s2),
+                jerk_rad_s3,
+                torque_nm: [320.0, 320.0, 176.0, 176.0, 110.0, 40.0, 40.0],
+                ..small.limits
+            },
+            link_mass_kg: IIWA_7_MASS_KG.map(|m| m * IIWA_14_WEIGHT_KG / IIWA_7_WEIGHT_KG),
+            assumptions: vec![
+                Assumption {
+                    what: "acceleration".to_owned(),
+                    basis: "5/s times the speed limit, as measured on the LBR iiwa 7".to_owned(),
+                },
+                Assumption {
+                    what: "jerk".to_owned(),
+                    basis: "the LBR iiwa 7's ratio of jerk to acceleration".to_owned(),
+                },
+                Assumption {
+                    what: "masses".to_owned(),
+                    basis: "the LBR iiwa 7's CAD estimate, scaled by the weights".to_owned(),
+                },
+            ],
+        }
+    }
+
+    /// The built-in model called `name`, one of [`Robot::BUILT_IN`].
+    #[must_use]
+    pub fn built_in(name: &str) -> Option<Self> {
+        match Self::BUILT_IN.iter().position(|known| *known == name)? {
+            0 => Some(Self::lbr_iiwa_7_r800()),
+            _ => Some(Self::lbr_iiwa_14_r820()),
+        }
+    }
+
+    /// The model's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The model's lengths.
+    #[must_use]
+    pub fn lengths(&self) -> &Lengths {
+        &self.lengths
+    }
+
+    /// The joints' limits.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// Masses of link 0 (the base) to link 7, in kg.
+    #[must_use]
+    pub fn link_mass_kg(&self) -> &[f64; 8] {
+        &self.link_mass_kg
+    }
+
+    /// Figures of this model that no source states.
+    #[must_use]
+    pub fn assumptions(&self) -> &[Assumption] {
+        &self.assumptions
+    }
+
+    /// Whether the figures called `what` (say, `acceleration`) are an assumption.
+    #[must_use]
+    pub fn assumes(&self, what: &str) -> bool {
+        self.assumptions.iter().any(|a| a.what == what)
+    }
+
+    /// The Denavit-Hartenberg table (Larsen 2019, Table 1).
+    #[must_use]
+    pub fn dh(&self) -> [DhRow; 7] {
+        let l = &self.lengths;
+        let d = [l.base_m, 0.0, l.upper_arm_m, 0.0, l.forearm_m, 0.0, l.flange_m];
+        std::array::from_fn(|j| DhRow {
+            a_m: 0.0,
+            alpha_rad: f64::from(TWIST_QUARTERS[j]) * FRAC_PI_2,
+            d_m: d[j],
+        })
+    }
+
+    /// For each joint, how far the TCP can be from its axis at most, in m.
+    ///
+    /// It is the joint's largest share in the TCP's speed: `|dp/dq_j| <= axis_reach_m()[j]`. The
+    /// axes of joints 1 and 2 meet in the shoulder, those of 3 and 4 in the elbow (and 3 runs
+    /// through it), those of 5 and 6 in the wrist; joint 7's axis runs through the TCP.
+    #[must_use]
+    pub fn axis_reach_m(&self) -> Joints {
+        let l = &self.lengths;
+        let wrist = l.flange_m;
+        let elbow = l.forearm_m + wrist;
+        let shoulder = l.upper_arm_m + elbow;
+        [shoulder, shoulder, elbow, elbow, wrist, wrist, 0.0]
+    }
+}
+
+/// Means of Larsen 2019, Table 5.
+const IIWA_7_JERK_DEG_S3: Joints =
+    [10_384.86, 7_757.85, 9_986.65, 9_700.18, 19_406.08, 32_260.39, 33_028.15];
+
+/// CAD masses of links 0 to 7 in the public `lbr_description` (Apache-2.0).
+const IIWA_7_MASS_KG: [f64; 8] = [4.856, 3.394, 4.032, 3.394, 4.032, 1.529, 2.404, 0.259];
+const IIWA_7_WEIGHT_KG: f64 = 23.9;
+const IIWA_14_WEIGHT_KG: f64 = 29.9;
+
+/// Ratio of measured acceleration to catalogue speed on every joint of the LBR iiwa 7, in 1/s
+/// (Larsen 2019, Tables 2 and 4).
+const ACCELERATION_PER_SPEED: f64 = 5.0;
+
+fn rad(deg: Joints) -> Joints {
+    deg.map(f64::to_radians)
+}
