@@ -1,1 +1,49 @@
-//! placeholder
+//! Motion programs of the KUKA LBR iiwa, and the geometric path that the arm takes through them:
+//! lines in joint space, and blends that round off their corners. It knows nothing of time.
+//!
+//! ```
+//! use iiwa_kin::Robot;
+//! use iiwa_path::{Path, Program};
+//!
+//! let program = Program::from_json(r#"{
+//!     "version": 1,
+//!     "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+//!     "motions": [
+//!         { "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0], "blend": { "cart_mm": 50 } },
+//!         { "type": "ptp", "joints_deg": [40, 30, 0, -60, 0, 90, 0] }
+//!     ]
+//! }"#)?;
+//! let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+//! let (corner, blend) = path.blends().next().expect("one corner is blended away");
+//! println!("a turn by {:.1} deg, by way of {:?}", corner.gamma_deg, blend.at(0.5).q);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A path is a list of [`Step`]s. Those that move hold a [`Segment`], which gives the joint
+//! positions and their first three derivatives at any s in [0, 1].
+//!
+//! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
+//! Chalmers 2019, chapters 2.3 and 4, cited as "Larsen 2019".
+
+mod circle;
+mod crossing;
+mod fault;
+mod grid;
+mod line;
+mod path;
+mod polynomial;
+mod program;
+mod segment;
+mod vector;
+mod wire;
+
+pub use circle::CircularBlend;
+pub use crossing::BlendSearch;
+pub use fault::{Fault, Field};
+pub use grid::Grid;
+pub use line::Line;
+pub use path::{BlendShape, Corner, MotionLimits, Path, PathOptions, Step};
+pub use polynomial::{Continuity, KAPPA_MIN_ACCELERATION, PolynomialBlend, kappa_iiwa};
+pub use program::{Blend, Motion, Program, Ptp};
+pub use segment::{Derivatives, Segment};
+pub use wire::ProgramError;

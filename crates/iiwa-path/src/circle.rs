@@ -1,0 +1,58 @@
+//! Blends along a circle in joint space (Larsen 2019, Eq. 27 to 32; Kunz and Stilman 2012).
+
+use iiwa_kin::Joints;
+
+use crate::{segment::Derivatives, vector};
+
+/// An arc that touches both neighbours of a blend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CircularBlend {
+    centre: Joints,
+    /// From the centre to the start, and along the incoming direction: each as long as the radius.
+    x: Joints,
+    y: Joints,
+    gamma: f64,
+    length: f64,
+}
+
+impl CircularBlend {
+    /// The arc about `target_rad` between unit directions `y0` and `y1`, which it leaves and meets
+    /// `reach_rad` from the target.
+    pub(crate) fn new(target_rad: &Joints, y0: &Joints, y1: &Joints, reach_rad: f64) -> Self {
+        let gamma = vector::angle(y0, y1);
+        let radius = reach_rad / (gamma / 2.0).tan();
+        // From the target to the centre, along the bisector of the corner.
+        let inwards = vector::sub(y1, y0);
+        let distance = reach_rad / (gamma / 2.0).sin();
+        let centre =
+            vector::add_scaled(target_rad, distance / vector::norm(&inwards), &inwards);
+        let start = vector::add_scaled(target_rad, -reach_rad, y0);
+        Self {
+            x: vector::sub(&start, &centre),
+            y: vector::scale(radius, y0),
+            centre,
+            gamma,
+            length: radius * gamma,
+        }
+    }
+
+    /// Length of the arc in joint space, in rad.
+    #[must_use]
+    pub fn length_rad(&self) -> f64 {
+        self.length
+    }
+
+    /// Position and derivatives at `s` in [0, 1].
+    #[must_use]
+    pub fn at(&self, s: f64) -> Derivatives {
+        let (sin, cos) = (s * self.gamma).sin_cos();
+        let g = self.gamma;
+        let mix = |a: f64, b: f64| vector::add_scaled(&vector::scale(a, &self.x), b, &self.y);
+        Derivatives {
+            q: vector::add_scaled(&mix(cos, sin), 1.0, &self.centre),
+            dq: mix(-g * sin, g * cos),
+            ddq: mix(-g * g * cos, -g * g * sin),
+            dddq: mix(g * g * g * sin, -g * g * g * cos),
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Where a segment leaves the sphere about the point that is blended away.
+//!
+//! All three searches walk from that point back along a segment, in u: 0 at the point, 1 at the
+//! segment's other end (Larsen 2019 counts s = 1 - u), and look no further than the half,
+//! u = 1/2, so that the blends at the two ends of a segment never overlap.
+
+use iiwa_kin::{Joints, Robot};
+
+use crate::vector;
+
+/// How the crossing is searched for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum BlendSearch {
+    /// The crossing nearest to the blended point, provably.
+    #[default]
+    FirstCrossing,
+    /// Bisection (Larsen 2019, Algorithm 1): may find another crossing than the nearest.
+    Algorithm1,
+    /// Steps of 0.001 (Larsen 2019, Algorithm 2): may step over a pair of crossings, and is late by
+    /// up to one step.
+    Algorithm2,
+}
+
+/// A blend reaches at most half-way into a segment.
+pub(crate) const HALF: f64 = 0.5;
+
+impl BlendSearch {
+    /// Where the segment from `point_rad` to `other_end_rad` first leaves the sphere of `radius_m`
+    /// about the TCP at `point_rad`, in u; none if it does not within the first half.
+    #[must_use]
+    pub fn crossing(
+        self,
+        robot: &Robot,
+        point_rad: &Joints,
+        other_end_rad: &Joints,
+        radius_m: f64,
+    ) -> Option<f64> {
+        let walk = Walk {
+            robot,
+            point: point_rad,
+            way: vector::sub(other_end_rad, point_rad),
+            centre: robot.tcp_position(point_rad),
+        };
+        match self {
+            Self::FirstCrossing => walk.first_crossing(radius_m),
+            Self::Algorithm1 => walk.algorithm_1(radius_m),
+            Self::Algorithm2 => walk.algorithm_2(radius_m),
+        }
+    }
+}
+
+struct Walk<'a> {
+    robot: &'a Robot,
+    point: &'a Joints,
+    way: Joints,
+    centre: [f64; 3],
+}
+
+impl Walk<'_> {
+    fn distance(&self, u: f64) -> f64 {
+        let p = self.robot.tcp_position(&vector::add_scaled(self.point, u, &self.way));
+        (0..3).map(|i| (p[i] - self.centre[i]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Squared distance from the sphere's centre, and half its derivative by u.
+    fn squared_distance(&self, u: f64) -> (f64, f64) {
+        let q = vector::add_scaled(self.point, u, &self.way);
+        let (p, v) = self.robot.tcp_motion(&q, &self.way);
+        (0..3).fold((0.0, 0.0), |(square, rate), i| {
+            let d = p[i] - self.centre[i];
+            (square + d * d, rate + d * v[i])
+        })
+    }
+
+    /// Bounds that hold everywhere on the segment: of the TCP's speed |dp/du| (m), and of its
+    /// acceleration |d2p/du2| (m).
+    ///
+    /// Joint j moves the TCP by at most its distance from the joint's axis, r_j, a unit of angle.
+    /// The second derivative by joints i <= j is the axis of i across that motion, so it is no
+    /// longer than r_j either.
+    fn bounds(&self) -> (f64, f64) {
+        let reach = self.robot.axis_reach_m();
+        let mut before = 0.0;
+        let (mut speed, mut acceleration) = (0.0, 0.0);
+        for (way, reach) in self.way.iter().zip(reach) {
+            let way = way.abs();
+            speed += way * reach;
+            acceleration += (2.0 * before + way) * way * reach;
+            before += way;
+        }
+        (speed, acceleration)
+    }
+
+    /// Walks by steps that cannot reach the sphere, and ends on it.
+    ///
+    /// With f the squared distance from the centre, f'' = 2 |p'|^2 + 2 (p - c) p'' is at most
+    /// K = 2 (L^2 + r A) inside the sphere, L and A the bounds of speed and acceleration. So
+    /// f(u + h) <= f + f' h + K/2 h^2, and the h that brings the right side to r^2 is a step on
+    /// which the sphere is not crossed. Near a crossing the steps turn into Newton's, from inside.
+    fn first_crossing(&self, radius: f64) -> Option<f64> {
+        let (speed, acceleration) = self.bounds();
+        let half_k = speed * speed + radius * acceleration;
+        let square = radius * radius;
+        let mut u = 0.0;
+        loop {
+            let (f, half_rate) = self.squared_distance(u);
+            let gap = square - f;
+            if gap <= REACHED * square {
+                return Some(u);
+            }
+            let root = (half_rate * half_rate + half_k * gap).sqrt();
+            // The same solution in the two forms that do not cancel.
+            u += if half_rate >= 0.0 {
+                gap / (half_rate + root)
+            } else {
+                (root - half_rate) / half_k
+            };
+            if !(u <= HALF) {
+                return None;
+            }
+        }
+    }
+
+    fn algorithm_1(&self, radius: f64) -> Option<f64> {
+        let mut s = 1.0;
+        let mut step = 1.0;
+        let mut distance: f64 = 0.0;
+        // Out of reach, the bisection runs into the far end and would never stop.
+        while (distance - radius).abs() > ALGORITHM_1_TOLERANCE_M && step > f64::EPSILON {
+            step /= 2.0;
+            s += if distance >= radius { step } else { -step };
+            distance = self.distance(1.0 - s);
+        }
+        let found = (distance - radius).abs() <= ALGORITHM_1_TOLERANCE_M;
+        (found && 1.0 - s <= HALF).then_some(1.0 - s)
+    }
+
+    fn algorithm_2(&self, radius: f64) -> Option<f64> {
+        // Counting the steps keeps s a multiple of the step; the thesis subtracts it repeatedly.
+        (1..=ALGORITHM_2_STEPS)
+            .map(|step| f64::from(step) * (HALF / f64::from(ALGORITHM_2_STEPS)))
+            .find(|&u| self.distance(u) >= radius)
+    }
+}
+
+/// Share of the squared radius that counts as having reached the sphere.
+const REACHED: f64 = 1e-13;
+/// epsilon of Larsen 2019, Algorithm 1.
+const ALGORITHM_1_TOLERANCE_M: f64 = 1e-9;
+/// Steps of 0.001 up to the half (Larsen 2019, Algorithm 2).
+const ALGORITHM_2_STEPS: u32 = 500;

@@ -1,0 +1,171 @@
+//! What can be wrong with a program.
+
+use std::fmt;
+
+use iiwa_kin::json::{Place, Step, locate};
+
+use crate::program::Blend;
+
+/// Something in a motion program that cannot be planned. Motions count from 0 here and from 1 in
+/// the message.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// The list of motions is empty.
+    #[error("the program has no motions; add at least one")]
+    NoMotions,
+    /// A joint is outside its limit, or not a number.
+    #[error(
+        "{}: joint {joint} is at {} deg, its limit is +-{} deg",
+        place_name(*.motion), degrees(*.found_rad), degrees(*.limit_rad)
+    )]
+    JointOutside {
+        /// The motion, or none for the start pose.
+        motion: Option<usize>,
+        /// The joint, from 1.
+        joint: usize,
+        /// Where it is, in rad.
+        found_rad: f64,
+        /// Where it may be, in rad.
+        limit_rad: f64,
+    },
+    /// A relative speed, acceleration or jerk is not in (0, 1].
+    #[error("motion {}: {field} is {found}; it must be above 0 and at most 1", .motion + 1)]
+    Share {
+        /// The motion.
+        motion: usize,
+        /// Which of the three.
+        field: Field,
+        /// What it is.
+        found: f64,
+    },
+    /// A wait is negative, longer than a year, or not a number.
+    #[error("motion {}: a wait of {found} s; it must be from 0 to {max_s} s", .motion + 1)]
+    Wait {
+        /// The motion.
+        motion: usize,
+        /// What it is, in s.
+        found: f64,
+        /// What it may be, in s.
+        max_s: f64,
+    },
+    /// A blend's size is out of range.
+    #[error("motion {}: {}", .motion + 1, blend_range(*.blend))]
+    Blend {
+        /// The motion.
+        motion: usize,
+        /// What it is.
+        blend: Blend,
+    },
+    /// The last motion has a blend.
+    #[error("motion {} is the last one and has nothing to blend into; remove its blend", .motion + 1)]
+    BlendAtTheEnd {
+        /// The motion.
+        motion: usize,
+    },
+    /// A motion before a wait has a blend.
+    #[error(
+        "motion {} is followed by a wait and has nothing to blend into; remove its blend",
+        .motion + 1
+    )]
+    BlendBeforeWait {
+        /// The motion.
+        motion: usize,
+    },
+    /// A blend carries the path outside the position limits.
+    #[error(
+        "motion {}: its blend carries joint {joint} to {} deg, its limit is +-{} deg; \
+         choose a smaller blend or move the target",
+        .motion + 1, degrees(*.found_rad), degrees(*.limit_rad)
+    )]
+    BlendOutside {
+        /// The motion that is blended away.
+        motion: usize,
+        /// The joint, from 1.
+        joint: usize,
+        /// Where it goes, in rad.
+        found_rad: f64,
+        /// Where it may go, in rad.
+        limit_rad: f64,
+    },
+}
+
+/// A motion's relative limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Field {
+    /// `velocity_rel`.
+    Velocity,
+    /// `acceleration_rel`.
+    Acceleration,
+    /// `jerk_rel`.
+    Jerk,
+}
+
+impl Field {
+    fn key(self) -> &'static str {
+        match self {
+            Self::Velocity => "velocity_rel",
+            Self::Acceleration => "acceleration_rel",
+            Self::Jerk => "jerk_rel",
+        }
+    }
+}
+
+impl fmt::Display for Field {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.key())
+    }
+}
+
+impl Fault {
+    /// The place of the fault in the program's JSON text.
+    #[must_use]
+    pub fn place_in(&self, text: &str) -> Place {
+        use Step::{Index, Key};
+        let motions = Key("motions");
+        match *self {
+            Self::NoMotions => locate(text, &[motions]),
+            Self::JointOutside { motion, joint, .. } => {
+                let owner = match motion {
+                    None => vec![Key("start")],
+                    Some(index) => vec![motions, Index(index)],
+                };
+                // The joints are under one of two keys: the longer way down is the right one.
+                ["joints_rad", "joints_deg"]
+                    .map(|key| [owner.as_slice(), &[Key(key), Index(joint - 1)]].concat())
+                    .map(|path| locate(text, &path))
+                    .into_iter()
+                    .min_by_key(|place| place.span.len())
+                    .unwrap_or_else(|| locate(text, &owner))
+            }
+            Self::Share { motion, field, .. } => {
+                locate(text, &[motions, Index(motion), Key(field.key())])
+            }
+            Self::Wait { motion, .. } => locate(text, &[motions, Index(motion), Key("seconds")]),
+            Self::Blend { motion, .. }
+            | Self::BlendAtTheEnd { motion }
+            | Self::BlendBeforeWait { motion }
+            | Self::BlendOutside { motion, .. } => {
+                locate(text, &[motions, Index(motion), Key("blend")])
+            }
+        }
+    }
+}
+
+fn place_name(motion: Option<usize>) -> String {
+    motion.map_or_else(|| "the start pose".to_owned(), |index| format!("motion {}", index + 1))
+}
+
+/// Degrees with as many places as tell a value from its limit, and no more.
+fn degrees(rad: f64) -> f64 {
+    (rad.to_degrees() * 1e6).round() / 1e6
+}
+
+fn blend_range(blend: Blend) -> String {
+    match blend {
+        Blend::Fraction(b) => format!("the blend's fraction is {b}; it must be from 0 to 0.5"),
+        Blend::SunriseRel(x) => format!("the blend's sunrise_rel is {x}; it must be from 0 to 1"),
+        Blend::CartMm(r) => format!("the blend's cart_mm is {r}; it must be 0 or more"),
+    }
+}

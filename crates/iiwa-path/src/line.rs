@@ -1,0 +1,45 @@
+//! Straight lines in joint space.
+
+use iiwa_kin::Joints;
+
+use crate::{segment::Derivatives, vector};
+
+/// A PTP segment: `q(s) = start + s direction` (Larsen 2019, Eq. 10).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    start: Joints,
+    direction: Joints,
+    length: f64,
+}
+
+impl Line {
+    /// The line from `start_rad` to `end_rad`.
+    #[must_use]
+    pub fn new(start_rad: Joints, end_rad: Joints) -> Self {
+        let direction = vector::sub(&end_rad, &start_rad);
+        Self { start: start_rad, direction, length: vector::norm(&direction) }
+    }
+
+    /// From one end to the other, in rad: dq/ds.
+    #[must_use]
+    pub fn direction_rad(&self) -> &Joints {
+        &self.direction
+    }
+
+    /// Length in joint space (Euclidean norm), in rad.
+    #[must_use]
+    pub fn length_rad(&self) -> f64 {
+        self.length
+    }
+
+    /// Position and derivatives at `s` in [0, 1].
+    #[must_use]
+    pub fn at(&self, s: f64) -> Derivatives {
+        Derivatives {
+            q: vector::add_scaled(&self.start, s, &self.direction),
+            dq: self.direction,
+            ddq: [0.0; 7],
+            dddq: [0.0; 7],
+        }
+    }
+}

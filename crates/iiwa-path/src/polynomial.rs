@@ -1,0 +1,232 @@
+//! Blends by polynomials (Larsen 2019, Eq. 13 to 26, 38 and 39).
+
+use iiwa_kin::Joints;
+
+use crate::{grid::Grid, segment::Derivatives, vector};
+
+/// Up to which derivative a blend continues its neighbours: N of Larsen 2019, Eq. 14.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Continuity {
+    /// N = 1: the direction.
+    First,
+    /// N = 2: the curvature too. All of Larsen 2019's figures use it.
+    #[default]
+    Second,
+    /// N = 3: its rate of change too.
+    Third,
+}
+
+/// Polynomials in s up to degree 8, lowest power first.
+type Polynomial = [f64; 9];
+
+impl Continuity {
+    /// alpha of Larsen 2019, Eq. 18.
+    const fn alpha(self) -> Polynomial {
+        match self {
+            Self::First => [0.0, 0.0, 3.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Self::Second => [0.0, 0.0, 0.0, 10.0, -15.0, 6.0, 0.0, 0.0, 0.0],
+            Self::Third => [0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0, 0.0],
+        }
+    }
+
+    /// beta of Larsen 2019, Eq. 21 with k = 1. The sign of N = 2 differs from the other two.
+    const fn beta(self) -> Polynomial {
+        match self {
+            Self::First => [0.0, 0.0, 1.0, -2.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+            Self::Second => [0.0, 0.0, 0.0, -1.0, 3.0, -3.0, 1.0, 0.0, 0.0],
+            Self::Third => [0.0, 0.0, 0.0, 0.0, 1.0, -4.0, 6.0, -4.0, 1.0],
+        }
+    }
+
+    /// Largest value of |beta| on [0, 1], at s = 1/2.
+    const fn beta_peak(self) -> f64 {
+        match self {
+            Self::First => 1.0 / 16.0,
+            Self::Second => 1.0 / 64.0,
+            Self::Third => 1.0 / 256.0,
+        }
+    }
+}
+
+/// Value and first three derivatives of a polynomial.
+fn evaluate(polynomial: &Polynomial, s: f64) -> [f64; 4] {
+    // Horner's scheme on the value and, one step behind each, on the derivatives (over their
+    // factorials).
+    let [mut p, mut p1, mut p2, mut p3] = [0.0; 4];
+    for c in polynomial.iter().rev() {
+        p3 = p3 * s + p2;
+        p2 = p2 * s + p1;
+        p1 = p1 * s + p;
+        p = p * s + c;
+    }
+    [p, p1, 2.0 * p2, 6.0 * p3]
+}
+
+/// The parts of a blend that do not depend on its size and angle, at one s: value and derivatives
+/// of `s + alpha`, `s alpha` and `beta`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Basis {
+    along: [f64; 4],
+    across: [f64; 4],
+    bulge: [f64; 4],
+}
+
+impl Basis {
+    pub(crate) fn at(continuity: Continuity, s: f64) -> Self {
+        let alpha = continuity.alpha();
+        let mut along = alpha;
+        along[1] += 1.0;
+        let across: Polynomial = std::array::from_fn(|i| if i == 0 { 0.0 } else { alpha[i - 1] });
+        Self {
+            along: evaluate(&along, s),
+            across: evaluate(&across, s),
+            bulge: evaluate(&continuity.beta(), s),
+        }
+    }
+}
+
+/// Coefficients of the kappa polynomial of Larsen 2019, Eq. 38, for gamma in degrees.
+const KAPPA: [f64; 3] = [-3.974_264_71, 0.006_260_16, 0.000_284_72];
+
+/// kappa of the LBR iiwa at the angle gamma between the two directions, in degrees: 0 straight on,
+/// 180 turned back (Larsen 2019, Eq. 38).
+#[must_use]
+pub fn kappa_iiwa(gamma_deg: f64) -> f64 {
+    (KAPPA[2] * gamma_deg + KAPPA[1]) * gamma_deg + KAPPA[0]
+}
+
+/// k that minimises the mean squared second derivative of a blend of continuity N = 2 (Larsen 2019,
+/// Eq. 22 to 26).
+pub const KAPPA_MIN_ACCELERATION: f64 = 7.5;
+
+/// A blend that mixes its two neighbours by polynomials.
+///
+/// With d0 and d1 the ways from the blend's start to the target that is blended away, and from
+/// there to its end, Larsen 2019's Eq. 39 (of which Eq. 13 and 26 are special cases) reads
+/// `q(s) = start + (s + alpha) d0 + (s alpha - kappa beta) (d1 - d0)`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolynomialBlend {
+    start: Joints,
+    d0: Joints,
+    turn: Joints,
+    reach: f64,
+    kappa: f64,
+    continuity: Continuity,
+}
+
+impl PolynomialBlend {
+    /// The blend about `target_rad` from `start_rad` to `end_rad`, which are equally far from it.
+    #[must_use]
+    pub fn new(
+        start_rad: Joints,
+        target_rad: Joints,
+        end_rad: Joints,
+        kappa: f64,
+        continuity: Continuity,
+    ) -> Self {
+        let d0 = vector::sub(&target_rad, &start_rad);
+        let d1 = vector::sub(&end_rad, &target_rad);
+        let turn = vector::sub(&d1, &d0);
+        Self { start: start_rad, d0, turn, reach: vector::norm(&d0), kappa, continuity }
+    }
+
+    /// Distance in joint space from the target to the blend's start and to its end, in rad.
+    #[must_use]
+    pub fn reach_rad(&self) -> f64 {
+        self.reach
+    }
+
+    /// Position and derivatives at `s` in [0, 1].
+    #[must_use]
+    pub fn at(&self, s: f64) -> Derivatives {
+        let basis = Basis::at(self.continuity, s);
+        let [q, dq, ddq, dddq] = std::array::from_fn(|n| {
+            let along = basis.along[n];
+            let across = basis.across[n] - self.kappa * basis.bulge[n];
+            std::array::from_fn(|j| along * self.d0[j] + across * self.turn[j])
+        });
+        Derivatives { q: vector::add_scaled(&q, 1.0, &self.start), dq, ddq, dddq }
+    }
+
+    #[inline(always)]
+    pub(crate) fn rates(
+        &self,
+        grid: &Grid,
+        scale: &Joints,
+        dq: &mut [[f64; 8]],
+        ddq: &mut [[f64; 8]],
+    ) {
+        let mut d0 = [0.0; 8];
+        let mut turn = [0.0; 8];
+        for j in 0..7 {
+            d0[j] = self.d0[j] * scale[j];
+            turn[j] = self.turn[j] * scale[j];
+        }
+        let basis = grid.basis(self.continuity);
+        for ((basis, dq), ddq) in
+            basis.iter().zip(&mut dq[..basis.len()]).zip(&mut ddq[..basis.len()])
+        {
+            let across1 = basis.across[1] - self.kappa * basis.bulge[1];
+            let across2 = basis.across[2] - self.kappa * basis.bulge[2];
+            for j in 0..8 {
+                dq[j] = basis.along[1] * d0[j] + across1 * turn[j];
+                ddq[j] = basis.along[2] * d0[j] + across2 * turn[j];
+            }
+        }
+    }
+
+    /// How far the blend may go beyond the box about start, target and end, at most, in rad.
+    ///
+    /// Its alpha part mixes points of its two neighbours and stays inside the box.
+    pub(crate) fn overshoot_bound(&self, joint: usize) -> f64 {
+        self.kappa.abs() * self.continuity.beta_peak() * self.turn[joint].abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_meet_their_constraints() {
+        for (n, continuity) in
+            [(1, Continuity::First), (2, Continuity::Second), (3, Continuity::Third)]
+        {
+            for (polynomial, end) in [(continuity.alpha(), 1.0), (continuity.beta(), 0.0)] {
+                let (at0, at1) = (evaluate(&polynomial, 0.0), evaluate(&polynomial, 1.0));
+                assert_eq!((at0[0], at1[0]), (0.0, end));
+                for k in 1..=n {
+                    assert_eq!((at0[k], at1[k]), (0.0, 0.0), "derivative {k} of N = {n}");
+                }
+            }
+            let middle = evaluate(&continuity.beta(), 0.5);
+            assert_eq!(middle[0].abs(), continuity.beta_peak());
+            assert!(middle[1].abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn kappa_matches_the_stated_values() {
+        assert!((kappa_iiwa(0.0) + 3.974).abs() < 5e-4);
+        assert!(kappa_iiwa(107.7).abs() < 5e-3);
+        assert!((kappa_iiwa(180.0) - 6.378).abs() < 5e-4);
+    }
+
+    /// Larsen 2019 states that k = 15/2 minimises the mean squared second derivative (Eq. 22).
+    #[test]
+    fn fifteen_halves_minimises_the_acceleration() {
+        let cost = |kappa: f64| {
+            let mut end = [0.0; 7];
+            (end[0], end[1]) = (0.3, 0.4);
+            let mut target = [0.0; 7];
+            target[0] = 0.5;
+            let blend =
+                PolynomialBlend::new([0.0; 7], target, end, kappa, Continuity::Second);
+            (0..1000)
+                .map(|i| vector::norm(&blend.at((f64::from(i) + 0.5) / 1000.0).ddq).powi(2))
+                .sum::<f64>()
+        };
+        let best = cost(KAPPA_MIN_ACCELERATION);
+        assert!(best < cost(7.4) && best < cost(7.6));
+    }
+}

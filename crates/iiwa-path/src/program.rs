@@ -1,0 +1,185 @@
+//! The motion program: what the robot is told to do.
+
+use iiwa_kin::{Joints, Limits};
+
+use crate::fault::{Fault, Field};
+
+/// A motion program (version 1).
+///
+/// [`Program::from_json`] reads one; a program made in code is checked when its path is made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Program {
+    /// Name of a built-in model or of a robot profile file; the LBR iiwa 7 R800 if absent.
+    pub robot: Option<String>,
+    /// Where the arm stands before the first motion, in rad.
+    pub start_rad: Joints,
+    /// What it does, in order.
+    pub motions: Vec<Motion>,
+}
+
+/// One entry of a program's list of motions.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Motion {
+    /// A point-to-point motion: a straight line in joint space.
+    Ptp(Ptp),
+    /// The arm stands still.
+    Wait {
+        /// For how long, in s.
+        seconds: f64,
+    },
+}
+
+/// A point-to-point motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ptp {
+    /// Where it ends, or would end if it were not blended away, in rad.
+    pub target_rad: Joints,
+    /// Share of each joint's speed limit, in (0, 1] (Larsen 2019, Eq. 35).
+    pub velocity_rel: Joints,
+    /// Share of each joint's acceleration limit, in (0, 1].
+    pub acceleration_rel: Joints,
+    /// Share of each joint's jerk limit, in (0, 1].
+    pub jerk_rel: Joints,
+    /// How the target is blended away; without it the arm stops there and settles.
+    pub blend: Option<Blend>,
+}
+
+impl Ptp {
+    /// A motion to `target_rad` at full speed that ends in a stop.
+    #[must_use]
+    pub fn to(target_rad: Joints) -> Self {
+        Self {
+            target_rad,
+            velocity_rel: [1.0; 7],
+            acceleration_rel: [1.0; 7],
+            jerk_rel: [1.0; 7],
+            blend: None,
+        }
+    }
+
+    /// The same motion at a share of every joint's speed limit, in (0, 1].
+    #[must_use]
+    pub fn velocity(self, velocity_rel: f64) -> Self {
+        Self { velocity_rel: [velocity_rel; 7], ..self }
+    }
+
+    /// The same motion, blended into the next one.
+    #[must_use]
+    pub fn blend(self, blend: Blend) -> Self {
+        Self { blend: Some(blend), ..self }
+    }
+}
+
+/// Where the arm may leave the straight line to the target and cut the corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Blend {
+    /// b_% of Larsen 2019, Eq. 36: a share of each neighbouring segment, 0 to 0.5.
+    Fraction(f64),
+    /// Sunrise's `setBlendingRel`, 0 to 1, where 1 is half of a segment; below 0.05 it is a stop.
+    SunriseRel(f64),
+    /// b_r of Larsen 2019: a radius about the target, in mm; below 4 mm it is a stop.
+    CartMm(f64),
+}
+
+/// Sunrise takes a relative blend below this as an exact stop.
+const SUNRISE_REL_MIN: f64 = 0.05;
+/// Sunrise takes a Cartesian blend below this as an exact stop, in mm.
+const CART_MM_MIN: f64 = 4.0;
+
+impl Blend {
+    /// The blend without those too small to have an effect, and in the thesis's own terms.
+    pub(crate) fn effective(self) -> Option<Zone> {
+        match self {
+            Self::Fraction(b) => (b > 0.0).then_some(Zone::Fraction(b)),
+            Self::SunriseRel(x) => (x >= SUNRISE_REL_MIN).then_some(Zone::Fraction(x / 2.0)),
+            Self::CartMm(r) => (r >= CART_MM_MIN).then_some(Zone::RadiusM(r * 1e-3)),
+        }
+    }
+}
+
+/// The two kinds of blends of Larsen 2019, section 4.1.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Zone {
+    Fraction(f64),
+    RadiusM(f64),
+}
+
+impl Program {
+    /// Finds the first thing in the program that no robot with these `limits` could do.
+    ///
+    /// # Errors
+    ///
+    /// A [`Fault`] that says what is wrong in which motion.
+    pub fn check(&self, limits: &Limits) -> Result<(), Fault> {
+        self.check_numbers()?;
+        check_joints(None, &self.start_rad, limits)?;
+        for (index, motion) in self.motions.iter().enumerate() {
+            if let Motion::Ptp(ptp) = motion {
+                check_joints(Some(index), &ptp.target_rad, limits)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks all that can be checked without a robot.
+    pub(crate) fn check_numbers(&self) -> Result<(), Fault> {
+        if self.motions.is_empty() {
+            return Err(Fault::NoMotions);
+        }
+        for (motion, entry) in self.motions.iter().enumerate() {
+            match entry {
+                Motion::Ptp(ptp) => self.check_ptp(motion, ptp)?,
+                Motion::Wait { seconds } if !(0.0..=MAX_WAIT_S).contains(seconds) => {
+                    return Err(Fault::Wait { motion, found: *seconds, max_s: MAX_WAIT_S });
+                }
+                Motion::Wait { .. } => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn check_ptp(&self, motion: usize, ptp: &Ptp) -> Result<(), Fault> {
+        let shares = [
+            (Field::Velocity, &ptp.velocity_rel),
+            (Field::Acceleration, &ptp.acceleration_rel),
+            (Field::Jerk, &ptp.jerk_rel),
+        ];
+        for (field, values) in shares {
+            if let Some(&found) = values.iter().find(|v| !(**v > 0.0 && **v <= 1.0)) {
+                return Err(Fault::Share { motion, field, found });
+            }
+        }
+        let Some(blend) = ptp.blend else { return Ok(()) };
+        let (found, max) = match blend {
+            Blend::Fraction(b) => (b, 0.5),
+            Blend::SunriseRel(x) => (x, 1.0),
+            Blend::CartMm(r) => (r, f64::MAX),
+        };
+        if !(0.0..=max).contains(&found) {
+            return Err(Fault::Blend { motion, blend });
+        }
+        match self.motions.get(motion + 1) {
+            _ if blend.effective().is_none() => Ok(()),
+            None => Err(Fault::BlendAtTheEnd { motion }),
+            Some(Motion::Wait { .. }) => Err(Fault::BlendBeforeWait { motion }),
+            Some(Motion::Ptp(_)) => Ok(()),
+        }
+    }
+}
+
+/// A wait above a year is a slip of the pen, and would fill a disk with samples.
+const MAX_WAIT_S: f64 = 365.0 * 24.0 * 3600.0;
+
+fn check_joints(motion: Option<usize>, joints: &Joints, limits: &Limits) -> Result<(), Fault> {
+    match limits.outside(joints) {
+        None => Ok(()),
+        Some(j) => Err(Fault::JointOutside {
+            motion,
+            joint: j + 1,
+            found_rad: joints[j],
+            limit_rad: limits.position_rad[j],
+        }),
+    }
+}

@@ -1,0 +1,459 @@
+//! The program's JSON form. The types here are the ones that are read, written and described by
+//! the JSON Schema.
+
+use std::{borrow::Cow, fmt};
+
+use iiwa_kin::{Joints, json::Place};
+use schemars::JsonSchema;
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{Error as _, IgnoredAny, SeqAccess, Visitor},
+};
+use serde_json::value::RawValue;
+
+use crate::{
+    fault::Fault,
+    program::{Blend, Motion, Program, Ptp},
+};
+
+/// The version of the program format that this library reads.
+const VERSION: u64 = 1;
+
+/// Why a text is no motion program.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProgramError {
+    /// The text is not JSON, or not the JSON that is asked for.
+    #[error("{}{what}, at {place}", motion_prefix(*.motion))]
+    Json {
+        /// What was found, and what was expected.
+        what: String,
+        /// The motion, from 0, if it is in one.
+        motion: Option<usize>,
+        /// Where.
+        place: Place,
+    },
+    /// The program is of another version.
+    #[error("this is a program of version {found}; version {VERSION} is understood, at {place}")]
+    Version {
+        /// The version found.
+        found: u64,
+        /// Where.
+        place: Place,
+    },
+    /// The program is well-formed and asks for something impossible.
+    #[error("{fault}, at {place}")]
+    Fault {
+        /// What is wrong.
+        fault: Fault,
+        /// Where.
+        place: Place,
+    },
+}
+
+impl ProgramError {
+    /// Where in the text.
+    #[must_use]
+    pub fn place(&self) -> &Place {
+        match self {
+            Self::Json { place, .. } | Self::Version { place, .. } | Self::Fault { place, .. } => {
+                place
+            }
+        }
+    }
+
+    /// What is wrong, without the place.
+    #[must_use]
+    pub fn what(&self) -> String {
+        match self {
+            Self::Json { what, motion, .. } => format!("{}{what}", motion_prefix(*motion)),
+            Self::Version { found, .. } => {
+                format!("this is a program of version {found}; version {VERSION} is understood")
+            }
+            Self::Fault { fault, .. } => fault.to_string(),
+        }
+    }
+}
+
+fn motion_prefix(motion: Option<usize>) -> String {
+    motion.map_or_else(String::new, |index| format!("motion {}: ", index + 1))
+}
+
+impl Program {
+    /// Reads a motion program (version 1) and checks all that can be checked without a robot.
+    ///
+    /// # Errors
+    ///
+    /// If the text is not a program, or asks for something that no robot can do; the error says
+    /// where in the text.
+    pub fn from_json(text: &str) -> Result<Self, ProgramError> {
+        let wire: ProgramWire<'_> = serde_json::from_str(text).map_err(|error| {
+            // Another version may have other keys: that is then the thing to say.
+            match serde_json::from_str::<VersionOnly>(text) {
+                Ok(VersionOnly { version: Some(found) }) if found != VERSION => {
+                    version_error(text, found)
+                }
+                _ => json_error(text, text, None, &error),
+            }
+        })?;
+        if wire.version != VERSION {
+            return Err(version_error(text, wire.version));
+        }
+        let start_rad = wire.start.joints().map_err(|what| ProgramError::Json {
+            what: what.to_owned(),
+            motion: None,
+            place: iiwa_kin::json::locate(text, &[iiwa_kin::json::Step::Key("start")]),
+        })?;
+        let motions = wire
+            .motions
+            .iter()
+            .enumerate()
+            .map(|(index, raw)| motion(text, index, raw.get()))
+            .collect::<Result<_, _>>()?;
+        let program = Self { robot: wire.robot, start_rad, motions };
+        program
+            .check_numbers()
+            .map_err(|fault| ProgramError::Fault { place: fault.place_in(text), fault })?;
+        Ok(program)
+    }
+
+    /// The program as JSON (version 1), joints in rad, so that it reads back as it is.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let wire = ProgramOut {
+            version: VERSION,
+            robot: self.robot.as_deref(),
+            start: StartWire { joints_rad: Some(self.start_rad), joints_deg: None },
+            motions: self.motions.iter().map(MotionWire::from).collect(),
+        };
+        // Only a map with keys that are no strings could fail.
+        serde_json::to_string_pretty(&wire).unwrap_or_default()
+    }
+
+    /// The JSON Schema of a motion program (draft 2020-12).
+    #[must_use]
+    pub fn schema() -> serde_json::Value {
+        schemars::schema_for!(ProgramWire<'_>).to_value()
+    }
+}
+
+fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
+    let fail = |error: &serde_json::Error| json_error(text, raw, Some(index), error);
+    let wrong = |what: String| ProgramError::Json {
+        what,
+        motion: Some(index),
+        place: iiwa_kin::json::locate(
+            text,
+            &[iiwa_kin::json::Step::Key("motions"), iiwa_kin::json::Step::Index(index)],
+        ),
+    };
+    let tag: Tag<'_> = serde_json::from_str(raw).map_err(|error| fail(&error))?;
+    match tag.r#type.as_deref() {
+        Some("ptp") => {
+            let wire: PtpWire = serde_json::from_str(raw).map_err(|error| fail(&error))?;
+            wire.motion().map_err(|what| wrong(what.to_owned()))
+        }
+        Some("wait") => {
+            let wire: WaitWire = serde_json::from_str(raw).map_err(|error| fail(&error))?;
+            Ok(Motion::Wait { seconds: wire.seconds })
+        }
+        Some(other) => Err(wrong(format!("unknown type `{other}`; `ptp` and `wait` are known"))),
+        None => Err(wrong("it has no `type`; `ptp` and `wait` are known".to_owned())),
+    }
+}
+
+fn json_error(
+    text: &str,
+    part: &str,
+    motion: Option<usize>,
+    error: &serde_json::Error,
+) -> ProgramError {
+    // The place is told apart, and in the whole text: cut it off the message.
+    let message = error.to_string();
+    let what = message.rsplit_once(" at line ").map_or(message.as_str(), |(what, _)| what);
+    ProgramError::Json { what: what.to_owned(), motion, place: Place::of_error(text, part, error) }
+}
+
+fn version_error(text: &str, found: u64) -> ProgramError {
+    let place = iiwa_kin::json::locate(text, &[iiwa_kin::json::Step::Key("version")]);
+    ProgramError::Version { found, place }
+}
+
+#[derive(Deserialize)]
+struct VersionOnly {
+    version: Option<u64>,
+}
+
+#[derive(Deserialize)]
+struct Tag<'a> {
+    #[serde(borrow)]
+    r#type: Option<Cow<'a, str>>,
+}
+
+/// A motion program for the KUKA LBR iiwa.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "iiwasim motion program", rename = "Program")]
+struct ProgramWire<'a> {
+    /// Version of this format.
+    #[schemars(extend("const" = 1))]
+    version: u64,
+    /// A built-in model (`lbr_iiwa_7_r800`, `lbr_iiwa_14_r820`) or a robot profile file.
+    #[serde(default)]
+    robot: Option<String>,
+    /// Where the arm stands before the first motion.
+    start: StartWire,
+    /// What it does, in order.
+    #[serde(borrow)]
+    #[schemars(with = "Vec<MotionWire>", length(min = 1))]
+    motions: Vec<&'a RawValue>,
+}
+
+#[derive(Serialize)]
+struct ProgramOut<'a> {
+    version: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    robot: Option<&'a str>,
+    start: StartWire,
+    motions: Vec<MotionWire>,
+}
+
+/// The start pose: either `joints_deg` or `joints_rad`.
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(
+    rename = "Start",
+    extend("oneOf" = [{"required": ["joints_deg"]}, {"required": ["joints_rad"]}])
+)]
+struct StartWire {
+    /// Joints A1 to A7, in rad.
+    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[f64; 7]")]
+    joints_rad: Option<Joints>,
+    /// Joints A1 to A7, in degrees.
+    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[f64; 7]")]
+    joints_deg: Option<Joints>,
+}
+
+impl StartWire {
+    fn joints(&self) -> Result<Joints, &'static str> {
+        joints_of(self.joints_rad, self.joints_deg)
+    }
+}
+
+fn joints_of(rad: Option<Joints>, deg: Option<Joints>) -> Result<Joints, &'static str> {
+    match (rad, deg) {
+        (Some(rad), None) => Ok(rad),
+        (None, Some(deg)) => Ok(deg.map(f64::to_radians)),
+        (None, None) => Err("the joints are missing: give `joints_deg` or `joints_rad`"),
+        (Some(_), Some(_)) => Err("give either `joints_deg` or `joints_rad`, not both"),
+    }
+}
+
+/// One entry of the list of motions.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(rename = "Motion")]
+enum MotionWire {
+    Ptp(PtpWire),
+    Wait(WaitWire),
+}
+
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[schemars(inline)]
+enum PtpTag {
+    #[serde(rename = "ptp")]
+    Ptp,
+}
+
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[schemars(inline)]
+enum WaitTag {
+    #[serde(rename = "wait")]
+    Wait,
+}
+
+/// A point-to-point motion, with its target in either `joints_deg` or `joints_rad`.
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(
+    rename = "Ptp",
+    extend("oneOf" = [{"required": ["joints_deg"]}, {"required": ["joints_rad"]}])
+)]
+struct PtpWire {
+    r#type: PtpTag,
+    /// Joints A1 to A7, in rad.
+    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[f64; 7]")]
+    joints_rad: Option<Joints>,
+    /// Joints A1 to A7, in degrees.
+    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[f64; 7]")]
+    joints_deg: Option<Joints>,
+    /// Share of the speed limits, above 0 and at most 1: one for all joints or one a joint.
+    #[serde(default, skip_serializing_if = "Share::is_full")]
+    velocity_rel: Share,
+    /// Share of the acceleration limits, above 0 and at most 1.
+    #[serde(default, skip_serializing_if = "Share::is_full")]
+    acceleration_rel: Share,
+    /// Share of the jerk limits, above 0 and at most 1.
+    #[serde(default, skip_serializing_if = "Share::is_full")]
+    jerk_rel: Share,
+    /// How the target is blended away; without it the arm stops there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    blend: Option<BlendWire>,
+}
+
+/// The arm stands still.
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Wait")]
+struct WaitWire {
+    r#type: WaitTag,
+    /// For how long, in s.
+    #[schemars(range(min = 0))]
+    seconds: f64,
+}
+
+/// Where the arm may leave the line to the target and cut the corner.
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "Blend")]
+enum BlendWire {
+    /// A share of each neighbouring motion (Larsen 2019, Eq. 36).
+    Fraction(#[schemars(range(min = 0, max = 0.5))] f64),
+    /// Sunrise's `setBlendingRel`: 1 is half of a motion, below 0.05 the arm stops.
+    SunriseRel(#[schemars(range(min = 0, max = 1))] f64),
+    /// A radius about the target in mm; below 4 the arm stops.
+    CartMm(#[schemars(range(min = 0))] f64),
+}
+
+impl PtpWire {
+    fn motion(self) -> Result<Motion, &'static str> {
+        Ok(Motion::Ptp(Ptp {
+            target_rad: joints_of(self.joints_rad, self.joints_deg)?,
+            velocity_rel: self.velocity_rel.each(),
+            acceleration_rel: self.acceleration_rel.each(),
+            jerk_rel: self.jerk_rel.each(),
+            blend: self.blend.map(|blend| match blend {
+                BlendWire::Fraction(b) => Blend::Fraction(b),
+                BlendWire::SunriseRel(x) => Blend::SunriseRel(x),
+                BlendWire::CartMm(r) => Blend::CartMm(r),
+            }),
+        }))
+    }
+}
+
+impl From<&Motion> for MotionWire {
+    fn from(motion: &Motion) -> Self {
+        match motion {
+            Motion::Wait { seconds } => {
+                Self::Wait(WaitWire { r#type: WaitTag::Wait, seconds: *seconds })
+            }
+            Motion::Ptp(ptp) => Self::Ptp(PtpWire {
+                r#type: PtpTag::Ptp,
+                joints_rad: Some(ptp.target_rad),
+                joints_deg: None,
+                velocity_rel: Share::from(ptp.velocity_rel),
+                acceleration_rel: Share::from(ptp.acceleration_rel),
+                jerk_rel: Share::from(ptp.jerk_rel),
+                blend: ptp.blend.map(|blend| match blend {
+                    Blend::Fraction(b) => BlendWire::Fraction(b),
+                    Blend::SunriseRel(x) => BlendWire::SunriseRel(x),
+                    Blend::CartMm(r) => BlendWire::CartMm(r),
+                }),
+            }),
+        }
+    }
+}
+
+/// One share for all joints, or one a joint.
+#[derive(Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+enum Share {
+    All(#[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))] f64),
+    Each(Joints),
+}
+
+impl Default for Share {
+    fn default() -> Self {
+        Self::All(1.0)
+    }
+}
+
+impl Share {
+    fn is_full(&self) -> bool {
+        *self == Self::default()
+    }
+
+    fn each(self) -> Joints {
+        match self {
+            Self::All(share) => [share; 7],
+            Self::Each(shares) => shares,
+        }
+    }
+}
+
+impl From<Joints> for Share {
+    fn from(shares: Joints) -> Self {
+        if shares.iter().all(|share| *share == shares[0]) {
+            Self::All(shares[0])
+        } else {
+            Self::Each(shares)
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Share {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ShareVisitor;
+        impl<'de> Visitor<'de> for ShareVisitor {
+            type Value = Share;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number above 0 and at most 1, or seven of them")
+            }
+            fn visit_f64<E>(self, value: f64) -> Result<Share, E> {
+                Ok(Share::All(value))
+            }
+            fn visit_u64<E>(self, value: u64) -> Result<Share, E> {
+                Ok(Share::All(value as f64))
+            }
+            fn visit_i64<E>(self, value: i64) -> Result<Share, E> {
+                Ok(Share::All(value as f64))
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Share, A::Error> {
+                Seven("seven shares, for joints A1 to A7").visit_seq(seq).map(Share::Each)
+            }
+        }
+        deserializer.deserialize_any(ShareVisitor)
+    }
+}
+
+/// Reads exactly seven numbers and says what they should have been.
+struct Seven(&'static str);
+
+impl<'de> Visitor<'de> for Seven {
+    type Value = Joints;
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Joints, A::Error> {
+        let mut joints = [0.0; 7];
+        let mut count = 0;
+        while count < 7 {
+            let Some(value) = seq.next_element()? else { break };
+            joints[count] = value;
+            count += 1;
+        }
+        while count >= 7 && seq.next_element::<IgnoredAny>()?.is_some() {
+            count += 1;
+        }
+        if count == 7 { Ok(joints) } else { Err(A::Error::invalid_length(count, &self)) }
+    }
+}
+
+fn seven<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Joints>, D::Error> {
+    deserializer.deserialize_seq(Seven("seven joint angles, A1 to A7")).map(Some)
+}

@@ -1,0 +1,109 @@
+//! How close a piece comes to its limits, and for how long it is at each.
+
+use crate::{
+    figures::{Kind, Limit},
+    stretch::Node,
+};
+
+/// Above this share of a limit, a joint counts as being at it.
+const SATURATED: f64 = 0.995;
+
+/// Largest value over limit that is taken for rounding.
+pub(crate) const TOLERANCE: f64 = 1e-6;
+
+/// For each joint, the largest share of its limit, and the time at it in s. The eighth number is
+/// zero and fills the vector register.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Load {
+    pub(crate) velocity: Shares,
+    pub(crate) acceleration: Shares,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Shares {
+    pub(crate) peak: [f64; 8],
+    pub(crate) time_s: [f64; 8],
+}
+
+impl Shares {
+    #[inline(always)]
+    fn add(&mut self, share: &[f64; 8], dt: f64) {
+        for j in 0..8 {
+            self.peak[j] = if share[j] > self.peak[j] { share[j] } else { self.peak[j] };
+            self.time_s[j] += if share[j] >= SATURATED { dt } else { 0.0 };
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        for j in 0..8 {
+            self.peak[j] = self.peak[j].max(other.peak[j]);
+            self.time_s[j] += other.time_s[j];
+        }
+    }
+}
+
+impl Load {
+    /// Adds the intervals between `nodes`, whose derivatives `dq` and `ddq` are in units of the
+    /// acceleration limits; `velocity` as for the sweep.
+    #[inline(always)]
+    pub(crate) fn add(
+        &mut self,
+        nodes: &[Node],
+        dq: &[[f64; 8]],
+        ddq: &[[f64; 8]],
+        velocity: &[f64; 8],
+    ) {
+        for i in 0..nodes.len() - 1 {
+            let (from, to) = (&nodes[i], &nodes[i + 1]);
+            let dt = to.t_s - from.t_s;
+            let (mut speeds, mut accelerations) = ([0.0; 8], [0.0; 8]);
+            for j in 0..8 {
+                let speed = [dq[i][j] * from.rate, dq[i + 1][j] * to.rate];
+                let acceleration = [
+                    dq[i][j] * from.u[0] + ddq[i][j] * from.rate * from.rate,
+                    dq[i + 1][j] * from.u[1] + ddq[i + 1][j] * to.rate * to.rate,
+                ];
+                speeds[j] = larger(speed) * velocity[j];
+                accelerations[j] = larger(acceleration);
+            }
+            self.velocity.add(&speeds, dt);
+            self.acceleration.add(&accelerations, dt);
+        }
+    }
+
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.velocity.merge(&other.velocity);
+        self.acceleration.merge(&other.acceleration);
+    }
+
+    /// The largest share of any limit, and which one it is.
+    pub(crate) fn worst(&self) -> (Limit, f64) {
+        self.largest(|shares| &shares.peak)
+    }
+
+    /// The limit that is kept for the longest time, or else the one that is come closest to.
+    pub(crate) fn limit(&self) -> Limit {
+        let (limit, time_s) = self.largest(|shares| &shares.time_s);
+        if time_s > 0.0 { limit } else { self.worst().0 }
+    }
+
+    fn largest(&self, value: impl Fn(&Shares) -> &[f64; 8]) -> (Limit, f64) {
+        let mut best = (Limit { joint: 1, kind: Kind::Velocity }, 0.0);
+        for (kind, shares) in
+            [(Kind::Velocity, &self.velocity), (Kind::Acceleration, &self.acceleration)]
+        {
+            for (j, &value) in value(shares)[..7].iter().enumerate() {
+                if value > best.1 {
+                    best = (Limit { joint: j + 1, kind }, value);
+                }
+            }
+        }
+        best
+    }
+}
+
+#[inline(always)]
+fn larger([a, b]: [f64; 2]) -> f64 {
+    let (a, b) = (a.abs(), b.abs());
+    if a > b { a } else { b }
+}

@@ -1,0 +1,196 @@
+//! The figures of a trajectory: how long each motion takes and what limits it.
+
+use std::fmt;
+
+use iiwa_kin::Joints;
+use iiwa_path::Step;
+
+use crate::{
+    audit::Load,
+    stretch::{PieceKind, Stretch},
+};
+
+/// A joint's limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limit {
+    /// The joint, from 1.
+    pub joint: usize,
+    /// Which of its limits.
+    pub kind: Kind,
+}
+
+/// The kinds of limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Kind {
+    /// Speed.
+    Velocity,
+    /// Acceleration.
+    Acceleration,
+}
+
+impl Kind {
+    /// Its name in files: `velocity` or `acceleration`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+        }
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Where the time goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// Moving, in s.
+    pub motion_time_s: f64,
+    /// Standing until settled, in s.
+    pub settle_time_s: f64,
+    /// Waiting, in s.
+    pub wait_time_s: f64,
+}
+
+impl Totals {
+    /// All of it, in s.
+    #[must_use]
+    pub fn cycle_time_s(&self) -> f64 {
+        self.motion_time_s + self.settle_time_s + self.wait_time_s
+    }
+
+    /// Adds a stretch's time.
+    pub fn add(&mut self, stretch: &Stretch) {
+        for piece in stretch.pieces() {
+            let time_s = match piece.kind {
+                PieceKind::Line | PieceKind::Blend => &mut self.motion_time_s,
+                PieceKind::Settle => &mut self.settle_time_s,
+                PieceKind::Wait => &mut self.wait_time_s,
+            };
+            *time_s += piece.end_s - piece.start_s;
+        }
+    }
+}
+
+/// The figures of one entry of the program's list of motions.
+///
+/// A motion lasts from where its limits begin to hold, which is the start of the blend that leads
+/// into it, to the start of the blend that leads out of it, or to its stop. The settle time after
+/// the stop is not part of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionFigures {
+    /// Its place in the program, from 0.
+    pub motion: usize,
+    /// What it is.
+    pub kind: MotionType,
+    /// When it starts, in s.
+    pub start_s: f64,
+    /// When it ends, in s.
+    pub end_s: f64,
+    /// Top speed: the largest share of a joint's speed limit (the robot's, not the motion's).
+    pub peak_velocity_rel: f64,
+    /// The limit that it is at for the longest time; none if nothing moves.
+    pub limited_by: Option<Limit>,
+}
+
+/// The types of motions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MotionType {
+    /// Point to point.
+    Ptp,
+    /// A wait.
+    Wait,
+}
+
+impl MotionType {
+    /// Its name in programs: `ptp` or `wait`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ptp => "ptp",
+            Self::Wait => "wait",
+        }
+    }
+}
+
+/// The figures of one blend.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlendFigures {
+    /// The motion whose target is blended away, from 0.
+    pub motion: usize,
+    /// Angle of the corner, in degrees: 0 straight on, 180 turned back.
+    pub gamma_deg: f64,
+    /// Where it starts, in rad.
+    pub start_rad: Joints,
+    /// Its middle, at s = 1/2, in rad.
+    pub mid_rad: Joints,
+    /// Where it ends, in rad.
+    pub end_rad: Joints,
+    /// The TCP in the middle, in m.
+    pub mid_tcp_m: [f64; 3],
+    /// When it starts, in s.
+    pub start_s: f64,
+    /// When it ends, in s.
+    pub end_s: f64,
+}
+
+impl Stretch {
+    /// The figures of the motions of this stretch, in order.
+    #[must_use]
+    pub fn motions(&self) -> Vec<MotionFigures> {
+        self.pieces
+            .chunk_by(|a, b| a.motion == b.motion)
+            .map(|pieces| {
+                let mut load = Load::default();
+                let mut peak_velocity_rel = 0.0_f64;
+                for piece in pieces {
+                    load.merge(&piece.load);
+                    peak_velocity_rel = peak_velocity_rel.max(piece.peak_velocity_rel);
+                }
+                let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
+                let settles = last.kind == PieceKind::Settle;
+                MotionFigures {
+                    motion: first.motion,
+                    kind: match first.kind {
+                        PieceKind::Wait => MotionType::Wait,
+                        _ => MotionType::Ptp,
+                    },
+                    start_s: first.start_s,
+                    end_s: if settles { last.start_s } else { last.end_s },
+                    peak_velocity_rel,
+                    limited_by: first.kind.moves().then(|| load.limit()),
+                }
+            })
+            .collect()
+    }
+
+    /// The figures of the blends of this stretch, in order.
+    #[must_use]
+    pub fn blends(&self) -> Vec<BlendFigures> {
+        self.pieces
+            .iter()
+            .filter_map(|piece| match &self.path.steps()[piece.step] {
+                Step::Move { segment, blend: Some(corner), .. } => {
+                    let mid_rad = segment.at(0.5).q;
+                    Some(BlendFigures {
+                        motion: corner.motion,
+                        gamma_deg: corner.gamma_deg,
+                        start_rad: segment.at(0.0).q,
+                        mid_rad,
+                        end_rad: segment.at(1.0).q,
+                        mid_tcp_m: self.path.robot().tcp_position(&mid_rad),
+                        start_s: piece.start_s,
+                        end_s: piece.end_s,
+                    })
+                }
+                _ => None,
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,316 @@
+//! Finds the stamps of a path, one stretch at a time.
+
+use iiwa_kin::Joints;
+use iiwa_path::{Grid, Path, Segment, Step};
+
+use crate::{
+    SETTLE_TIME_S,
+    audit::{Load, TOLERANCE},
+    profile::LineLimits,
+    stretch::{Node, Piece, PieceKind, Stretch},
+    interval,
+    sweep::{self, Sample},
+    timing::{Timing, TimingError},
+};
+
+/// Plans a path stretch by stretch: an iterator that needs memory for one of them only.
+#[derive(Debug)]
+pub struct Planner {
+    path: Path,
+    grid: Grid,
+    /// The next of the path's steps.
+    step: usize,
+    time_s: f64,
+    rest_rad: Joints,
+    scratch: Scratch,
+}
+
+/// Memory that is used again for each stretch.
+#[derive(Debug, Default)]
+struct Scratch {
+    /// The nodes of all segments.
+    samples: Vec<Sample>,
+    /// Derivatives at the nodes of one segment.
+    dq: Vec<[f64; 8]>,
+    ddq: Vec<[f64; 8]>,
+}
+
+impl Planner {
+    /// A planner for `path`.
+    #[must_use]
+    pub fn new(path: &Path, timing: Timing) -> Self {
+        let Timing::Acceleration(options) = timing;
+        let grid = Grid::new(options.samples.max(2));
+        let nodes = grid.intervals() + 1;
+        Self {
+            path: path.clone(),
+            grid,
+            step: 0,
+            time_s: 0.0,
+            rest_rad: *path.start_rad(),
+            scratch: Scratch {
+                samples: Vec::new(),
+                dq: vec![[0.0; 8]; nodes],
+                ddq: vec![[0.0; 8]; nodes],
+            },
+        }
+    }
+
+    /// Share of the path's steps that are planned, 0 to 1.
+    #[must_use]
+    pub fn progress(&self) -> f64 {
+        self.step as f64 / self.path.steps().len().max(1) as f64
+    }
+}
+
+impl Iterator for Planner {
+    type Item = Result<Stretch, TimingError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let steps = self.path.steps();
+        let first = self.step;
+        let moves = |step: &Step| matches!(step, Step::Move { .. });
+        let rest = first + steps[first..].iter().take_while(|step| moves(step)).count();
+        let end = rest + steps[rest..].iter().take_while(|step| !moves(step)).count();
+        if first == end {
+            return None;
+        }
+        self.step = end;
+        let mut stretch = Stretch {
+            path: self.path.clone(),
+            start_s: self.time_s,
+            rest_rad: match steps[first..rest].last() {
+                Some(Step::Move { segment, .. }) => segment.at(1.0).q,
+                _ => self.rest_rad,
+            },
+            pieces: Vec::with_capacity(end - first),
+            nodes: Vec::new(),
+        };
+        let result = pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                Plan {
+                    path: &self.path,
+                    grid: &self.grid,
+                    scratch: &mut self.scratch,
+                }
+                .moves(first..rest, &mut stretch)
+            },
+        );
+        if let Err(error) = result {
+            self.step = steps.len();
+            return Some(Err(error));
+        }
+        let mut time_s = stretch.end_s();
+        for step in rest..end {
+            let (kind, motion, seconds) = match steps[step] {
+                Step::Settle { motion } => (PieceKind::Settle, motion, SETTLE_TIME_S),
+                Step::Wait { motion, seconds } => (PieceKind::Wait, motion, seconds),
+                _ => continue,
+            };
+            stretch.pieces.push(Piece {
+                kind,
+                motion,
+                start_s: time_s,
+                end_s: time_s + seconds,
+                peak_velocity_rel: 0.0,
+                limited_by: None,
+                load: Load::default(),
+                step,
+                nodes: 0..0,
+            });
+            time_s += seconds;
+        }
+        self.time_s = time_s;
+        self.rest_rad = stretch.rest_rad;
+        Some(Ok(stretch))
+    }
+}
+
+/// What one stretch is planned with.
+struct Plan<'a> {
+    path: &'a Path,
+    grid: &'a Grid,
+    scratch: &'a mut Scratch,
+}
+
+/// A segment and its limits, in the form that the sweep takes.
+struct Leg<'a> {
+    segment: &'a Segment,
+    motion: usize,
+    is_blend: bool,
+    /// One over each acceleration limit.
+    scale: Joints,
+    /// Acceleration limits over velocity limits, in 1/s.
+    velocity: [f64; 8],
+    line: Option<LineLimits>,
+}
+
+impl<'a> Plan<'a> {
+    #[inline(always)]
+    fn leg(&self, step: usize) -> Option<Leg<'a>> {
+        let path: &'a Path = self.path;
+        let Step::Move { motion, segment, blend } = &path.steps()[step] else { return None };
+        let limits = &path.limits()[*motion];
+        let acceleration = &limits.acceleration_rad_s2;
+        let mut velocity = [0.0; 8];
+        for j in 0..7 {
+            velocity[j] = acceleration[j] / limits.velocity_rad_s[j];
+        }
+        Some(Leg {
+            segment,
+            motion: *motion,
+            is_blend: blend.is_some(),
+            scale: acceleration.map(|a| 1.0 / a),
+            velocity,
+            line: segment.as_line().map(|line| {
+                LineLimits::new(line.direction_rad(), &limits.velocity_rad_s, acceleration)
+            }),
+        })
+    }
+
+    fn nodes(&self, leg: &Leg<'_>) -> usize {
+        if leg.line.is_some() { 2 } else { self.grid.intervals() + 1 }
+    }
+
+    /// Plans the moves among `steps` and adds them to `stretch`.
+    #[inline(always)]
+    fn moves(
+        &mut self,
+        steps: std::ops::Range<usize>,
+        stretch: &mut Stretch,
+    ) -> Result<(), TimingError> {
+        let total = steps.clone().filter_map(|step| self.leg(step)).map(|leg| self.nodes(&leg)).sum();
+        let mut samples = std::mem::take(&mut self.scratch.samples);
+        samples.clear();
+        samples.resize(total, Sample::default());
+
+        // Backwards, from rest: at each node the largest x that all that follows allows.
+        let mut next: Option<(f64, f64)> = None;
+        let mut to = total;
+        for step in steps.clone().rev() {
+            let Some(leg) = self.leg(step) else { continue };
+            let from = to - self.nodes(&leg);
+            let tangent = leg.segment.end_tangent_rad();
+            let end = next.map_or(0.0, |(x, its)| x * (its / tangent).powi(2));
+            let samples = &mut samples[from..to];
+            if let Some(line) = &leg.line {
+                samples[1].x = end.min(line.x_max);
+                samples[0].x = line.reach(samples[1].x);
+            } else {
+                self.sample(&leg);
+                let Scratch { dq, ddq, .. } = &*self.scratch;
+                sweep::backward(dq, ddq, &leg.velocity, end, samples);
+            }
+            next = Some((samples[0].x, tangent));
+            to = from;
+        }
+
+        // Forwards, from rest: as fast as that allows.
+        let mut last: Option<(f64, f64)> = None;
+        let mut from = 0;
+        let mut t_s = 0.0;
+        for step in steps {
+            let Some(leg) = self.leg(step) else { continue };
+            let to = from + self.nodes(&leg);
+            let tangent = leg.segment.end_tangent_rad();
+            let start = last.map_or(0.0, |(x, its)| x * (its / tangent).powi(2));
+            let samples = &mut samples[from..to];
+            let first_node = stretch.nodes.len();
+            if let Some(line) = &leg.line {
+                let x0 = start.min(samples[0].x);
+                let x1 = line.reach(x0).min(samples[1].x);
+                samples[1].x = x1;
+                let mut row = [0.0; 8];
+                let direction = leg.segment.at(0.0).dq;
+                for j in 0..7 {
+                    row[j] = direction[j] * leg.scale[j];
+                }
+                self.scratch.dq[..2].fill(row);
+                self.scratch.ddq[..2].fill([0.0; 8]);
+                stamp(line.fastest(x0, x1), &mut t_s, &mut stretch.nodes);
+            } else {
+                self.sample(&leg);
+                let Scratch { dq, ddq, .. } = &*self.scratch;
+                sweep::forward(dq, ddq, &leg.velocity, start, samples);
+                let n = (samples.len() - 1) as f64;
+                let nodes = samples.iter().enumerate().map(|(i, &sample)| (i as f64 / n, sample));
+                stamp(nodes, &mut t_s, &mut stretch.nodes);
+            }
+            last = Some((samples[samples.len() - 1].x, tangent));
+            from = to;
+            self.finish_piece(&leg, step, first_node, t_s, stretch)?;
+        }
+        self.scratch.samples = samples;
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn sample(&mut self, leg: &Leg<'_>) {
+        let Scratch { dq, ddq, .. } = &mut *self.scratch;
+        leg.segment.rates(self.grid, &leg.scale, dq, ddq);
+    }
+
+    /// Checks the nodes from `first_node` on against the limits and makes them a piece.
+    #[inline(always)]
+    fn finish_piece(
+        &self,
+        leg: &Leg<'_>,
+        step: usize,
+        first_node: usize,
+        end_s: f64,
+        stretch: &mut Stretch,
+    ) -> Result<(), TimingError> {
+        let nodes = &stretch.nodes[first_node..];
+        let Scratch { dq, ddq, .. } = &*self.scratch;
+        let mut load = Load::default();
+        if leg.line.is_some() {
+            // dq/ds is the same at all nodes of a line: one interval after the other.
+            for pair in nodes.windows(2) {
+                load.add(pair, dq, ddq, &leg.velocity);
+            }
+        } else {
+            load.add(nodes, dq, ddq, &leg.velocity);
+        }
+        let motion = leg.motion;
+        if !(end_s.is_finite() && nodes.windows(2).all(|pair| pair[1].t_s > pair[0].t_s)) {
+            return Err(TimingError::Stuck { motion });
+        }
+        let (limit, ratio) = load.worst();
+        if !(ratio <= 1.0 + TOLERANCE) {
+            let crate::Limit { joint, kind } = limit;
+            return Err(TimingError::LimitExceeded { motion, joint, kind, ratio });
+        }
+        // Shares of the motion's limits become shares of the robot's.
+        let own = &self.path.limits()[motion].velocity_rad_s;
+        let full = &self.path.robot().limits().velocity_rad_s;
+        let peak_velocity_rel =
+            (0..7).map(|j| load.velocity.peak[j] * own[j] / full[j]).fold(0.0, f64::max);
+        stretch.pieces.push(Piece {
+            kind: if leg.is_blend { PieceKind::Blend } else { PieceKind::Line },
+            motion,
+            start_s: stretch.start_s + nodes[0].t_s,
+            end_s: stretch.start_s + end_s,
+            peak_velocity_rel,
+            limited_by: Some(load.limit()),
+            load,
+            step,
+            nodes: first_node..stretch.nodes.len(),
+        });
+        Ok(())
+    }
+}
+
+/// Gives samples at s their time, counted on from `t_s`.
+#[inline(always)]
+fn stamp(samples: impl Iterator<Item = (f64, Sample)>, t_s: &mut f64, nodes: &mut Vec<Node>) {
+    let first = nodes.len();
+    for (s, Sample { x, u }) in samples {
+        let rate = x.sqrt();
+        if nodes.len() > first {
+            let last = nodes[nodes.len() - 1];
+            *t_s += interval::duration(s - last.s, last.rate, rate, last.u);
+        }
+        nodes.push(Node { t_s: *t_s, s, rate, u });
+    }
+}

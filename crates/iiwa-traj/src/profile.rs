@@ -1,0 +1,77 @@
+//! Speeds along a straight line.
+//!
+//! Everything here is in x = (ds/dt)^2, which changes linearly with s when d2s/dt2 is constant.
+
+use crate::sweep::Sample;
+
+/// Limits along a line with s in [0, 1].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LineLimits {
+    /// Largest x, in 1/s^2.
+    pub(crate) x_max: f64,
+    /// Largest |d2s/dt2|, in 1/s^2.
+    pub(crate) u_max: f64,
+}
+
+impl LineLimits {
+    /// Limits along `direction` (dq/ds, in rad) under limits of velocity and acceleration, of
+    /// which the smallest quotient decides: all joints move in proportion.
+    pub(crate) fn new(direction: &[f64; 7], velocity: &[f64; 7], acceleration: &[f64; 7]) -> Self {
+        let smallest = |limit: &[f64; 7]| {
+            direction.iter().zip(limit).map(|(d, l)| l / d.abs()).fold(f64::INFINITY, f64::min)
+        };
+        Self { x_max: smallest(velocity).powi(2), u_max: smallest(acceleration) }
+    }
+
+    /// Largest x at one end, when it is `x` at the other.
+    pub(crate) fn reach(&self, x: f64) -> f64 {
+        (x + 2.0 * self.u_max).min(self.x_max)
+    }
+
+    /// The fastest way from x0 at s = 0 to x1 at s = 1: up to four nodes (s, x), between which
+    /// d2s/dt2 is constant. The ends must be within reach of each other.
+    pub(crate) fn fastest(&self, x0: f64, x1: f64) -> impl Iterator<Item = (f64, Sample)> {
+        let top = (0.5 * (x0 + x1) + self.u_max).min(self.x_max).max(x0).max(x1);
+        let up = (top - x0) / (2.0 * self.u_max);
+        let down = 1.0 - (top - x1) / (2.0 * self.u_max);
+        // Phases shorter than this share of the line are rounding.
+        const NONE: f64 = 1e-12;
+        let top_starts = (up > NONE && up < 1.0 - NONE).then_some((up, top));
+        let last = if top_starts.is_some() { up } else { 0.0 };
+        let top_ends = (down > last + NONE && down < 1.0 - NONE).then_some((down, top));
+        let nodes = [Some((0.0, x0)), top_starts, top_ends, Some((1.0, x1))];
+        let nexts = [top_starts.or(top_ends).unwrap_or((1.0, x1)), top_ends.unwrap_or((1.0, x1)), (1.0, x1), (1.0, x1)];
+        std::iter::zip(nodes, nexts).filter_map(|(node, (next_s, next_x))| {
+            let (s, x) = node?;
+            let u = if next_s > s { (next_x - x) / (2.0 * (next_s - s)) } else { 0.0 };
+            Some((s, Sample { x, u: [u; 2] }))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn duration(limits: LineLimits, x0: f64, x1: f64) -> f64 {
+        let nodes: Vec<_> = limits.fastest(x0, x1).collect();
+        nodes.windows(2).map(|w| 2.0 * (w[1].0 - w[0].0) / (w[0].1.x.sqrt() + w[1].1.x.sqrt())).sum()
+    }
+
+    #[test]
+    fn trapezoid_and_triangle() {
+        // Speed 2/s reached after 0.5 s and a quarter ... of the way each: 1 = 0.5 + 2 * t.
+        let trapezoid = LineLimits { x_max: 1.0, u_max: 2.0 };
+        assert!((duration(trapezoid, 0.0, 0.0) - 1.5).abs() < 1e-15);
+        let triangle = LineLimits { x_max: 100.0, u_max: 4.0 };
+        assert!((duration(triangle, 0.0, 0.0) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn one_ramp_is_two_nodes() {
+        let limits = LineLimits { x_max: 10.0, u_max: 2.0 };
+        assert_eq!(limits.fastest(1.0, 5.0).count(), 2);
+        assert_eq!(limits.fastest(5.0, 1.0).count(), 2);
+        assert_eq!(limits.fastest(10.0, 10.0).count(), 2);
+    }
+}

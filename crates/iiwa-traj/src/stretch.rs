@@ -1,0 +1,188 @@
+//! A part of a trajectory from one stop to the next.
+
+use std::ops::Range;
+
+use iiwa_kin::Joints;
+use iiwa_path::{Path, Segment, Step};
+
+use crate::{audit::Load, figures::Limit, interval};
+
+/// A part of a trajectory: the arm moves without a stop, then it stands.
+///
+/// Stretches are independent of each other: a long program is planned and written one by one.
+/// Times are counted from the start of the program.
+#[derive(Clone, Debug)]
+pub struct Stretch {
+    pub(crate) path: Path,
+    pub(crate) start_s: f64,
+    /// Where it ends and rests, in rad.
+    pub(crate) rest_rad: Joints,
+    pub(crate) pieces: Vec<Piece>,
+    pub(crate) nodes: Vec<Node>,
+}
+
+/// A line, a blend or a rest.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// What it is.
+    pub kind: PieceKind,
+    /// The motion whose limits hold, from 0.
+    pub motion: usize,
+    /// When it starts, in s.
+    pub start_s: f64,
+    /// When it ends, in s.
+    pub end_s: f64,
+    /// Top speed: the largest share of a joint's speed limit (the robot's, not the motion's).
+    pub peak_velocity_rel: f64,
+    /// The limit that the piece is at for the longest time; none at rest.
+    pub limited_by: Option<Limit>,
+    pub(crate) load: Load,
+    /// Place of the segment among the path's steps.
+    pub(crate) step: usize,
+    pub(crate) nodes: Range<usize>,
+}
+
+/// What a piece of a trajectory is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PieceKind {
+    /// A straight line in joint space.
+    Line,
+    /// A blend.
+    Blend,
+    /// Standing until settled.
+    Settle,
+    /// A wait of the program.
+    Wait,
+}
+
+impl PieceKind {
+    /// Its name in files: `line`, `blend`, `settle` or `wait`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Line => "line",
+            Self::Blend => "blend",
+            Self::Settle => "settle",
+            Self::Wait => "wait",
+        }
+    }
+
+    /// Whether the arm moves.
+    #[must_use]
+    pub fn moves(self) -> bool {
+        matches!(self, Self::Line | Self::Blend)
+    }
+}
+
+/// A sample of a piece. Until the next one, d2s/dt2 changes linearly with s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// Time since the start of the stretch, in s.
+    pub t_s: f64,
+    /// Path parameter within the piece's segment, 0 to 1.
+    pub s: f64,
+    /// ds/dt, in 1/s.
+    pub rate: f64,
+    /// d2s/dt2 just after this node and just before the next one, in 1/s^2.
+    pub u: [f64; 2],
+}
+
+/// What the arm does at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// When, in s.
+    pub t_s: f64,
+    /// Position, in rad.
+    pub q: Joints,
+    /// Velocity, in rad/s.
+    pub dq: Joints,
+    /// Acceleration, in rad/s^2. Where it jumps, the value after the jump.
+    pub ddq: Joints,
+    /// The motion, from 0.
+    pub motion: usize,
+}
+
+impl Stretch {
+    /// When it starts, in s.
+    #[must_use]
+    pub fn start_s(&self) -> f64 {
+        self.start_s
+    }
+
+    /// When it ends, in s.
+    #[must_use]
+    pub fn end_s(&self) -> f64 {
+        self.pieces.last().map_or(self.start_s, |piece| piece.end_s)
+    }
+
+    /// Its pieces, in order.
+    #[must_use]
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// The segment that a piece moves along; none at rest.
+    #[must_use]
+    pub fn segment(&self, piece: &Piece) -> Option<&Segment> {
+        match &self.path.steps()[piece.step] {
+            Step::Move { segment, .. } => Some(segment),
+            _ => None,
+        }
+    }
+
+    /// The samples of a piece at which the stamps were found.
+    #[must_use]
+    pub fn nodes(&self, piece: &Piece) -> &[Node] {
+        &self.nodes[piece.nodes.clone()]
+    }
+
+    /// What the arm does at `t_s`, which is moved into the stretch if it is outside. O(log n).
+    #[must_use]
+    pub fn at(&self, t_s: f64) -> State {
+        let t_s = t_s.clamp(self.start_s, self.end_s());
+        let next = self.pieces.partition_point(|piece| piece.end_s <= t_s);
+        let Some(piece) = self.pieces.get(next).or(self.pieces.last()) else {
+            return self.rest(t_s, 0);
+        };
+        let Some(segment) = self.segment(piece) else { return self.rest(t_s, piece.motion) };
+        let nodes = self.nodes(piece);
+        let t = t_s - self.start_s;
+        let node = nodes.partition_point(|node| node.t_s <= t).clamp(1, nodes.len() - 1) - 1;
+        self.state(t_s, piece, segment, &nodes[node], &nodes[node + 1])
+    }
+
+    /// What the arm does at each node of the stretch, and at the start and end of each rest.
+    pub fn states(&self) -> impl Iterator<Item = State> {
+        self.pieces.iter().flat_map(move |piece| {
+            let moving = self.segment(piece).into_iter().flat_map(move |segment| {
+                let nodes = self.nodes(piece);
+                // The last node is the first one of what follows.
+                nodes.windows(2).map(move |pair| {
+                    self.state(self.start_s + pair[0].t_s, piece, segment, &pair[0], &pair[1])
+                })
+            });
+            let resting = (!piece.kind.moves()).then(|| self.rest(piece.start_s, piece.motion));
+            moving.chain(resting)
+        })
+    }
+
+    fn rest(&self, t_s: f64, motion: usize) -> State {
+        State { t_s, q: self.rest_rad, dq: [0.0; 7], ddq: [0.0; 7], motion }
+    }
+
+    fn state(&self, t_s: f64, piece: &Piece, segment: &Segment, from: &Node, to: &Node) -> State {
+        let dt = (t_s - self.start_s - from.t_s).clamp(0.0, to.t_s - from.t_s);
+        let (ds, rate) = interval::at(dt, to.s - from.s, from.rate, from.u);
+        let share = (ds / (to.s - from.s)).clamp(0.0, 1.0);
+        let u = from.u[0] + share * (from.u[1] - from.u[0]);
+        let d = segment.at(from.s + share * (to.s - from.s));
+        State {
+            t_s,
+            q: d.q,
+            dq: d.dq.map(|v| v * rate),
+            ddq: std::array::from_fn(|j| d.dq[j] * u + d.ddq[j] * rate * rate),
+            motion: piece.motion,
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! What limits the stamps.
+
+/// The limits that a trajectory keeps, and how its stamps are found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Timing {
+    /// Velocity and acceleration, by the sample sweep of Larsen 2019, section 2.4.
+    Acceleration(SweepOptions),
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self::Acceleration(SweepOptions::default())
+    }
+}
+
+impl Timing {
+    /// The name of the timing: `acceleration`.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Acceleration(_) => "acceleration",
+        }
+    }
+}
+
+/// How fine the sweep is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SweepOptions {
+    /// N: intervals a segment (Larsen 2019, section 2.4.1); 100 by default, at least 2.
+    ///
+    /// Lines need none: limits do not change along them, so that the fastest way over a line is to
+    /// speed up, to keep the speed and to slow down, at instants that are found in closed form.
+    pub samples: usize,
+}
+
+impl Default for SweepOptions {
+    fn default() -> Self {
+        Self { samples: 100 }
+    }
+}
+
+/// Why a path got no stamps.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TimingError {
+    /// The stamps that were found do not keep the limits. A trajectory is never handed out then.
+    #[error(
+        "motion {}: the stamps found for it take joint {joint} to {ratio} times its {kind} limit; \
+         this is a fault of the planner, please report the program",
+        .motion + 1
+    )]
+    LimitExceeded {
+        /// The motion, from 0.
+        motion: usize,
+        /// The joint, from 1.
+        joint: usize,
+        /// Which limit.
+        kind: crate::Kind,
+        /// Value over limit.
+        ratio: f64,
+    },
+    /// The arm would come to rest within a motion.
+    #[error("motion {}: no way was found to move through it; please report the program", .motion + 1)]
+    Stuck {
+        /// The motion, from 0.
+        motion: usize,
+    },
+}

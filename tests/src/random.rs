@@ -1,0 +1,102 @@
+//! Random programs: everything that a program may hold, the odd things more often than in life.
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_path::{Blend, Motion, Path, Program, Ptp};
+use proptest::prelude::*;
+
+/// How far a motion goes: whole sweeps of the arm, short moves, tiny ones, and none.
+fn step() -> impl Strategy<Value = Joints> {
+    let size = prop_oneof![
+        6 => Just(1.5),
+        4 => Just(0.3),
+        1 => Just(1e-3),
+        1 => Just(1e-6),
+        1 => Just(0.0),
+    ];
+    let some_joints = prop_oneof![
+        4 => Just([true; 7]),
+        1 => prop::array::uniform7(any::<bool>()),
+        1 => (0..7_usize).prop_map(|j| std::array::from_fn(|k| k == j)),
+    ];
+    (size, some_joints, prop::array::uniform7(-1.0..1.0_f64))
+        .prop_map(|(size, some, step)| {
+            std::array::from_fn(|j| if some[j] { size * step[j] } else { 0.0 })
+        })
+}
+
+fn share() -> impl Strategy<Value = f64> {
+    prop_oneof![3 => Just(1.0), 3 => 0.05..1.0_f64, 1 => Just(0.01)]
+}
+
+fn blend() -> impl Strategy<Value = Option<Blend>> {
+    prop_oneof![
+        2 => Just(None),
+        3 => (0.0..0.5_f64).prop_map(|b| Some(Blend::Fraction(b))),
+        2 => Just(Some(Blend::Fraction(0.5))),
+        1 => (0.0..1.0_f64).prop_map(|x| Some(Blend::SunriseRel(x))),
+        3 => (1.0..300.0_f64).prop_map(|r| Some(Blend::CartMm(r))),
+    ]
+}
+
+#[derive(Clone, Debug)]
+enum Draft {
+    Go { step: Joints, velocity: f64, acceleration: f64, blend: Option<Blend> },
+    /// Back to where the motion before came from: an exact turn-back.
+    Back { velocity: f64, blend: Option<Blend> },
+    /// On in the same direction.
+    On { by: f64, blend: Option<Blend> },
+    Wait(f64),
+}
+
+fn draft() -> impl Strategy<Value = Draft> {
+    prop_oneof![
+        12 => (step(), share(), share(), blend()).prop_map(|(step, velocity, acceleration, blend)| {
+            Draft::Go { step, velocity, acceleration, blend }
+        }),
+        1 => (share(), blend()).prop_map(|(velocity, blend)| Draft::Back { velocity, blend }),
+        1 => (0.1..1.0_f64, blend()).prop_map(|(by, blend)| Draft::On { by, blend }),
+        1 => (0.0..2.0_f64).prop_map(Draft::Wait),
+    ]
+}
+
+/// Programs of up to `most` motions for the LBR iiwa 7 that [`Path::new`] takes.
+pub fn programs(most: usize) -> impl Strategy<Value = Program> {
+    (prop::array::uniform7(-1.2..1.2_f64), prop::collection::vec(draft(), 1..=most))
+        .prop_map(|(start_rad, drafts)| program(start_rad, &drafts))
+        .prop_filter("a blend swings out of the limits", |program| {
+            Path::new(program, &Robot::default()).is_ok()
+        })
+}
+
+fn program(start_rad: Joints, drafts: &[Draft]) -> Program {
+    let limits = Robot::default().limits().position_rad;
+    let inside = |q: Joints| std::array::from_fn(|j| q[j].clamp(-limits[j], limits[j]));
+    let (mut before, mut at) = (start_rad, start_rad);
+    let mut motions: Vec<_> = drafts
+        .iter()
+        .map(|draft| {
+            let (target, velocity, acceleration, blend) = match *draft {
+                Draft::Wait(seconds) => return Motion::Wait { seconds },
+                Draft::Go { step, velocity, acceleration, blend } => {
+                    (std::array::from_fn(|j| at[j] + step[j]), velocity, acceleration, blend)
+                }
+                Draft::Back { velocity, blend } => (before, velocity, 1.0, blend),
+                Draft::On { by, blend } => {
+                    (std::array::from_fn(|j| at[j] + by * (at[j] - before[j])), 1.0, 1.0, blend)
+                }
+            };
+            before = at;
+            at = inside(target);
+            let ptp = Ptp { acceleration_rel: [acceleration; 7], blend, ..Ptp::to(at) };
+            Motion::Ptp(ptp.velocity(velocity))
+        })
+        .collect();
+    for i in 0..motions.len() {
+        if !matches!(motions.get(i + 1), Some(Motion::Ptp(_)))
+            && let Motion::Ptp(ptp) = &mut motions[i]
+        {
+            ptp.blend = None;
+        }
+    }
+    Program { robot: None, start_rad, motions }
+}

@@ -1,0 +1,85 @@
+//! Programs with the answers of an independent solver, in `fixtures/reference/programs.json`.
+
+use iiwa_path::Program;
+use serde::Deserialize;
+
+/// One program and its answers.
+#[derive(Debug)]
+pub struct Case {
+    /// Its number.
+    pub id: usize,
+    /// The program.
+    pub program: Program,
+    /// Answers.
+    pub answers: Answers,
+}
+
+/// What the independent solver found.
+#[derive(Debug, Deserialize)]
+pub struct Answers {
+    /// Time in motion, without settling.
+    pub motion_s: MotionTime,
+    /// Time for settling, in s.
+    pub settle_s: f64,
+    /// Blends, in order.
+    pub blends: Vec<BlendAnswer>,
+}
+
+/// Time in motion, in s.
+#[derive(Debug, Deserialize)]
+pub struct MotionTime {
+    /// Under limits of velocity and acceleration; good to 0.02 %.
+    pub acceleration: f64,
+    /// Under limits of jerk too; good to 0.1 %, from below.
+    pub jerk: f64,
+}
+
+/// A blend.
+#[derive(Debug, Deserialize)]
+pub struct BlendAnswer {
+    /// Angle of the corner, in degrees.
+    pub gamma_deg: f64,
+    /// Where it starts, in rad.
+    pub start_rad: [f64; 7],
+    /// Where it ends, in rad.
+    pub end_rad: [f64; 7],
+    /// Where it is at s = 1/2, in rad.
+    pub mid_rad: [f64; 7],
+    /// The TCP there, in m.
+    pub mid_tcp_m: [f64; 3],
+}
+
+#[derive(Deserialize)]
+struct File {
+    cases: Vec<RawCase>,
+}
+
+#[derive(Deserialize)]
+struct RawCase {
+    id: usize,
+    program: serde_json::Value,
+    #[serde(flatten)]
+    answers: Answers,
+}
+
+/// All reference programs.
+///
+/// # Panics
+///
+/// If the file is missing or not as expected.
+#[must_use]
+pub fn cases() -> Vec<Case> {
+    let text = std::fs::read_to_string(crate::fixture("reference/programs.json"))
+        .unwrap_or_else(|error| panic!("the reference programs: {error}"));
+    let file: File = serde_json::from_str(&text)
+        .unwrap_or_else(|error| panic!("the reference programs: {error}"));
+    file.cases
+        .into_iter()
+        .map(|case| Case {
+            id: case.id,
+            program: Program::from_json(&case.program.to_string())
+                .unwrap_or_else(|error| panic!("reference program {}: {error}", case.id)),
+            answers: case.answers,
+        })
+        .collect()
+}

@@ -1,0 +1,62 @@
+//! The reference programs, cross-validated against an independent solver's answers.
+
+use iiwa_kin::Robot;
+use iiwa_path::Path;
+use iiwa_traj::{SETTLE_TIME_S, SweepOptions, Timing, Trajectory};
+use iiwasim_tests::reference::{Case, cases};
+
+fn path(case: &Case) -> Path {
+    Path::new(&case.program, &Robot::lbr_iiwa_7_r800()).unwrap()
+}
+
+fn close<const N: usize>(found: [f64; N], expected: [f64; N], what: &str) {
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-6, "{what}: {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn blends() {
+    for case in cases() {
+        let path = path(&case);
+        let robot = path.robot();
+        assert_eq!(path.blends().count(), case.answers.blends.len(), "program {}", case.id);
+        for ((corner, blend), answer) in path.blends().zip(&case.answers.blends) {
+            let what = format!("program {}, blend after motion {}", case.id, corner.motion + 1);
+            close([corner.gamma_deg], [answer.gamma_deg], &what);
+            close(blend.at(0.0).q, answer.start_rad, &what);
+            close(blend.at(0.5).q, answer.mid_rad, &what);
+            close(blend.at(1.0).q, answer.end_rad, &what);
+            close(robot.tcp_position(&blend.at(0.5).q), answer.mid_tcp_m, &what);
+        }
+    }
+}
+
+fn largest_time_error(samples: usize) -> f64 {
+    let timing = Timing::Acceleration(SweepOptions { samples, ..SweepOptions::default() });
+    let mut largest = 0.0_f64;
+    for case in cases() {
+        let trajectory = Trajectory::plan(&path(&case), timing).unwrap();
+        let expected = case.answers.motion_s.acceleration;
+        let error = trajectory.motion_time_s() / expected - 1.0;
+        println!("program {:2}, N = {samples}: {:+.5} %", case.id, 100.0 * error);
+        largest = largest.max(error.abs());
+        let settle = case.answers.settle_s;
+        assert!((trajectory.totals().settle_time_s - settle).abs() < 1e-9, "program {}", case.id);
+        let stops = settle / SETTLE_TIME_S;
+        assert!((stops - stops.round()).abs() < 1e-9);
+        let cycle = trajectory.motion_time_s() + settle;
+        assert!((trajectory.cycle_time_s() - cycle).abs() < 1e-9);
+    }
+    largest
+}
+
+#[test]
+fn cycle_times_at_the_default_samples() {
+    assert!(largest_time_error(SweepOptions::default().samples) < 1e-3);
+}
+
+#[test]
+fn cycle_times_with_many_samples() {
+    assert!(largest_time_error(1600) < 3e-4);
+}
