@@ -21,10 +21,22 @@ impl DhRow {
         let (st, ct) = theta_rad.sin_cos();
         let (sa, ca) = self.alpha_rad.sin_cos();
         Matrix4::new(
-            ct, -st * ca, st * sa, self.a_m * ct,
-            st, ct * ca, -ct * sa, self.a_m * st,
-            0.0, sa, ca, self.d_m,
-            0.0, 0.0, 0.0, 1.0,
+            ct,
+            -st * ca,
+            st * sa,
+            self.a_m * ct,
+            st,
+            ct * ca,
+            -ct * sa,
+            self.a_m * st,
+            0.0,
+            sa,
+            ca,
+            self.d_m,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
         )
     }
 }

@@ -100,7 +100,7 @@ mod tests {
     fn finds_a_value() {
         use Step::{Index, Key};
         let place = locate(TEXT, &[Key("motions"), Index(0), Key("joints_deg"), Index(2)]);
-        assert_eq!((place.line, place.column, &TEXT[place.span]), (3, 29, "30"));
+        assert_eq!((place.line, place.column, &TEXT[place.span]), (3, 30, "30"));
     }
 
     #[test]
@@ -114,13 +114,13 @@ mod tests {
         let part = &TEXT[TEXT.find("[1").unwrap()..TEXT.find(" }\n").unwrap()];
         let error = serde_json::from_str::<Vec<f64>>(part).unwrap_err();
         let place = Place::of_error(TEXT, part, &error);
-        assert_eq!((place.line, place.column), (3, 26), "{error}");
+        assert_eq!((place.line, place.column), (3, 27), "{error}");
     }
 
     #[test]
     fn survives_a_text_that_ends_early() {
         let text = "{\n";
         let error = serde_json::from_str::<BTreeMap<String, f64>>(text).unwrap_err();
-        assert_eq!(Place::of_error(text, text, &error).span, 1..2);
+        assert_eq!(Place::of_error(text, text, &error).span, 2..2);
     }
 }

@@ -21,13 +21,17 @@ mod forward;
 pub mod json;
 mod limits;
 mod pose;
+mod profile;
 mod robot;
 mod trig;
+mod urdf;
 
 pub use dh::DhRow;
 pub use limits::Limits;
 pub use pose::Pose;
-pub use robot::{Assumption, Lengths, Robot};
+pub use profile::ProfileError;
+pub use robot::{Assumption, BadLength, Lengths, Robot};
+pub use urdf::{LimitDifference, Listed, UrdfError, UrdfReport};
 
 /// Positions, or any other quantity, of the seven joints; rad unless the name says otherwise.
 pub type Joints = [f64; 7];

@@ -13,8 +13,10 @@ pub struct Pose {
 
 impl Pose {
     /// The frame that everything else is given in.
-    pub const IDENTITY: Self =
-        Self { position_m: [0.0; 3], rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
+    pub const IDENTITY: Self = Self {
+        position_m: [0.0; 3],
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    };
 
     /// The pose as an isometry (translation in m).
     #[must_use]

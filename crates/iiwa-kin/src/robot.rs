@@ -51,6 +51,17 @@ pub struct Robot {
     pub(crate) assumptions: Vec<Assumption>,
 }
 
+/// Longest length of a model, in m.
+pub(crate) const MAX_LENGTH_M: f64 = 10.0;
+
+/// A length that no robot can have.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("a length of {found_m} m; it must be above 0 and at most {MAX_LENGTH_M} m")]
+pub struct BadLength {
+    /// The length asked for, in m.
+    pub found_m: f64,
+}
+
 impl Default for Robot {
     /// The LBR iiwa 7 R800.
     fn default() -> Self {
@@ -70,7 +81,12 @@ impl Robot {
     pub fn lbr_iiwa_7_r800() -> Self {
         Self {
             name: Self::BUILT_IN[0].to_owned(),
-            lengths: Lengths { base_m: 0.340, upper_arm_m: 0.400, forearm_m: 0.400, flange_m: 0.152 },
+            lengths: Lengths {
+                base_m: 0.340,
+                upper_arm_m: 0.400,
+                forearm_m: 0.400,
+                flange_m: 0.152,
+            },
             limits: Limits {
                 position_rad: rad([170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0]),
                 velocity_rad_s: rad([98.0, 98.0, 100.0, 130.0, 140.0, 180.0, 180.0]),
@@ -134,6 +150,19 @@ impl Robot {
             0 => Some(Self::lbr_iiwa_7_r800()),
             _ => Some(Self::lbr_iiwa_14_r820()),
         }
+    }
+
+    /// The same robot with another flange: d7 is `flange_m`, wrist to the flange's face in m.
+    ///
+    /// # Errors
+    ///
+    /// If the length is not a number, not above 0 or above 10 m.
+    pub fn with_flange_m(mut self, flange_m: f64) -> Result<Self, BadLength> {
+        if !(flange_m.is_normal() && flange_m > 0.0 && flange_m <= MAX_LENGTH_M) {
+            return Err(BadLength { found_m: flange_m });
+        }
+        self.lengths.flange_m = flange_m;
+        Ok(self)
     }
 
     /// The model's name.

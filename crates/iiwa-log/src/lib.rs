@@ -1,1 +1,61 @@
-//! placeholder
+//! Recordings of a KUKA LBR iiwa as MCAP files that ROS 2 tools and viewers open.
+//!
+//! A [`Writer`] takes joint states, transforms, poses, motions and a trajectory by the time since
+//! the start of the motion and writes them, compressed, into anything that is [`Write`] and
+//! [`Seek`]. [`Recording`] reads such a file back, and [`Reader`] does it entry by entry. The
+//! topics and their types are those of [`Topic`].
+//!
+//! Lengths are in m, angles in rad, times in s. The same calls give the same bytes.
+//!
+//! ```
+//! use std::io::Cursor;
+//! use std::time::Duration;
+//!
+//! use iiwa_log::{Config, Recording, Writer};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mut writer = Writer::new(Cursor::new(Vec::new()), Config::default())?;
+//! for tick in 0..=250 {
+//!     let t = Duration::from_millis(4 * tick);
+//!     let angle = t.as_secs_f64();
+//!     writer.joint_state(t, &[angle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], &[1.0; 7])?;
+//! }
+//! let file = writer.finish()?.into_inner();
+//!
+//! let recording = Recording::from_bytes(&file)?;
+//! assert_eq!(recording.joint_states.len(), 251);
+//! assert_eq!(recording.joint_states[250].t_s, 1.0);
+//! assert_eq!(recording.joint_states[250].q[0], 1.0);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`Write`]: std::io::Write
+//! [`Seek`]: std::io::Seek
+
+mod cdr;
+mod error;
+mod reader;
+mod recording;
+mod ros;
+mod topic;
+mod trajectory;
+mod writer;
+
+pub use error::{ReadError, WriteError};
+pub use reader::{Entry, Reader};
+pub use recording::{Attachment, JointSample, Motion, MotionSample, PoseSample, Recording};
+pub use topic::Topic;
+pub use trajectory::{TrajectoryMessage, TrajectoryPoint};
+pub use writer::{Config, DEFAULT_EPOCH, Frame, Writer};
+
+/// The joints' names in messages, from the base to the flange, as in the robot's URDF.
+pub const JOINT_NAMES: [&str; 7] = [
+    "iiwa_joint_1",
+    "iiwa_joint_2",
+    "iiwa_joint_3",
+    "iiwa_joint_4",
+    "iiwa_joint_5",
+    "iiwa_joint_6",
+    "iiwa_joint_7",
+];

@@ -250,13 +250,13 @@ impl Builder<'_> {
             BlendShape::Alpha(continuity) => continuity,
             _ => Continuity::Second,
         };
-        let (start, end) = (turn.start(), turn.end());
         let segment = if turn.is_straight() {
-            Segment::Line(Line::new(start, end))
+            Segment::Line(Line::new(turn.start(), turn.end()))
         } else if shape == BlendShape::Circle {
             Segment::Circle(CircularBlend::new(&turn.target, &turn.y0, &turn.y1, turn.reach))
         } else {
-            Segment::Polynomial(PolynomialBlend::new(start, turn.target, end, kappa, continuity))
+            let (d0, d1) = (vector::scale(turn.reach, &turn.y0), vector::scale(turn.reach, &turn.y1));
+            Segment::Polynomial(PolynomialBlend::new(&turn.target, d0, &d1, kappa, continuity))
         };
         if segment.end_tangent_rad() <= NO_MOTION_RAD {
             // A circle that turns back has no radius: it stops where it starts.
@@ -374,8 +374,8 @@ impl Turn {
         vector::angle(&self.y0, &self.y1)
     }
 
-    /// Whether the corner is none: the blend would differ from a straight line by rounding only.
+    /// Whether the corner is none, but for rounding.
     fn is_straight(&self) -> bool {
-        self.gamma_rad() * self.reach <= NO_MOTION_RAD
+        self.gamma_rad() <= 1e-8
     }
 }

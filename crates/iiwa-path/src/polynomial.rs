@@ -115,19 +115,25 @@ pub struct PolynomialBlend {
 }
 
 impl PolynomialBlend {
-    /// The blend about `target_rad` from `start_rad` to `end_rad`, which are equally far from it.
+    /// The blend that arrives by `d0_rad` at `target_rad` and leaves by `d1_rad`; both equally long.
+    ///
+    /// Taking the ways rather than the points keeps all digits of blends that are tiny.
     #[must_use]
     pub fn new(
-        start_rad: Joints,
-        target_rad: Joints,
-        end_rad: Joints,
+        target_rad: &Joints,
+        d0_rad: Joints,
+        d1_rad: &Joints,
         kappa: f64,
         continuity: Continuity,
     ) -> Self {
-        let d0 = vector::sub(&target_rad, &start_rad);
-        let d1 = vector::sub(&end_rad, &target_rad);
-        let turn = vector::sub(&d1, &d0);
-        Self { start: start_rad, d0, turn, reach: vector::norm(&d0), kappa, continuity }
+        Self {
+            start: vector::sub(target_rad, &d0_rad),
+            turn: vector::sub(d1_rad, &d0_rad),
+            reach: vector::norm(&d0_rad),
+            d0: d0_rad,
+            kappa,
+            continuity,
+        }
     }
 
     /// Distance in joint space from the target to the blend's start and to its end, in rad.
@@ -216,12 +222,10 @@ mod tests {
     #[test]
     fn fifteen_halves_minimises_the_acceleration() {
         let cost = |kappa: f64| {
-            let mut end = [0.0; 7];
-            (end[0], end[1]) = (0.3, 0.4);
-            let mut target = [0.0; 7];
-            target[0] = 0.5;
-            let blend =
-                PolynomialBlend::new([0.0; 7], target, end, kappa, Continuity::Second);
+            let (mut d0, mut d1) = ([0.0; 7], [0.0; 7]);
+            d0[0] = 0.5;
+            (d1[0], d1[1]) = (-0.3, 0.4);
+            let blend = PolynomialBlend::new(&[0.0; 7], d0, &d1, kappa, Continuity::Second);
             (0..1000)
                 .map(|i| vector::norm(&blend.at((f64::from(i) + 0.5) / 1000.0).ddq).powi(2))
                 .sum::<f64>()

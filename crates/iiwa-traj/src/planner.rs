@@ -127,6 +127,9 @@ impl Iterator for Planner {
     }
 }
 
+/// Most sweeps of one stretch until none of its intervals has to be tightened.
+const ROUNDS: usize = 30;
+
 /// What one stretch is planned with.
 struct Plan<'a> {
     path: &'a Path,
@@ -185,9 +188,34 @@ impl<'a> Plan<'a> {
         samples.clear();
         samples.resize(total, Sample::default());
 
+        for _ in 0..ROUNDS {
+            if !self.sweep(steps.clone(), &mut samples, stretch)? {
+                break;
+            }
+            stretch.pieces.clear();
+            stretch.nodes.clear();
+        }
+        if stretch.pieces.is_empty() && !steps.is_empty() {
+            let motion = self.leg(steps.start).map_or(0, |leg| leg.motion);
+            return Err(TimingError::Stuck { motion });
+        }
+        self.scratch.samples = samples;
+        Ok(())
+    }
+
+    /// Sweeps backwards and forwards once. True if intervals had to be tightened, which makes another
+    /// time necessary.
+    #[inline(always)]
+    fn sweep(
+        &mut self,
+        steps: std::ops::Range<usize>,
+        samples: &mut [Sample],
+        stretch: &mut Stretch,
+    ) -> Result<bool, TimingError> {
+        let mut tightened = false;
         // Backwards, from rest: at each node the largest x that all that follows allows.
         let mut next: Option<(f64, f64)> = None;
-        let mut to = total;
+        let mut to = samples.len();
         for step in steps.clone().rev() {
             let Some(leg) = self.leg(step) else { continue };
             let from = to - self.nodes(&leg);
@@ -233,16 +261,18 @@ impl<'a> Plan<'a> {
                 self.sample(&leg);
                 let Scratch { dq, ddq, .. } = &*self.scratch;
                 sweep::forward(dq, ddq, &leg.velocity, start, samples);
+                tightened |= sweep::tighten(dq, ddq, &leg.velocity, samples);
                 let n = (samples.len() - 1) as f64;
                 let nodes = samples.iter().enumerate().map(|(i, &sample)| (i as f64 / n, sample));
                 stamp(nodes, &mut t_s, &mut stretch.nodes);
             }
             last = Some((samples[samples.len() - 1].x, tangent));
             from = to;
-            self.finish_piece(&leg, step, first_node, t_s, stretch)?;
+            if !tightened {
+                self.finish_piece(&leg, step, first_node, t_s, stretch)?;
+            }
         }
-        self.scratch.samples = samples;
-        Ok(())
+        Ok(tightened)
     }
 
     #[inline(always)]
@@ -273,7 +303,7 @@ impl<'a> Plan<'a> {
             load.add(nodes, dq, ddq, &leg.velocity);
         }
         let motion = leg.motion;
-        if !(end_s.is_finite() && nodes.windows(2).all(|pair| pair[1].t_s > pair[0].t_s)) {
+        if !end_s.is_finite() {
             return Err(TimingError::Stuck { motion });
         }
         let (limit, ratio) = load.worst();
@@ -305,11 +335,13 @@ impl<'a> Plan<'a> {
 #[inline(always)]
 fn stamp(samples: impl Iterator<Item = (f64, Sample)>, t_s: &mut f64, nodes: &mut Vec<Node>) {
     let first = nodes.len();
-    for (s, Sample { x, u }) in samples {
+    for (s, Sample { x, u, .. }) in samples {
         let rate = x.sqrt();
         if nodes.len() > first {
             let last = nodes[nodes.len() - 1];
-            *t_s += interval::duration(s - last.s, last.rate, rate, last.u);
+            // At least the next number: over long stretches, tiny intervals are lost in rounding.
+            let dt = interval::duration(s - last.s, last.rate, rate, last.u);
+            *t_s = (*t_s + dt).max(t_s.next_up());
         }
         nodes.push(Node { t_s: *t_s, s, rate, u });
     }

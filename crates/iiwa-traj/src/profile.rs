@@ -44,7 +44,7 @@ impl LineLimits {
         std::iter::zip(nodes, nexts).filter_map(|(node, (next_s, next_x))| {
             let (s, x) = node?;
             let u = if next_s > s { (next_x - x) / (2.0 * (next_s - s)) } else { 0.0 };
-            Some((s, Sample { x, u: [u; 2] }))
+            Some((s, Sample { x, u: [u; 2], ..Sample::default() }))
         })
     }
 }

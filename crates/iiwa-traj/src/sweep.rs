@@ -12,6 +12,10 @@
 //! both ends have to keep the limits, which wastes half of what the bounds change from node to node
 //! and makes the time too long by a share of 1/N. With u linear the error falls with 1/N^2.
 //!
+//! Where q' changes its direction, as in a turn-back, a large x or u costs nothing at a node and much
+//! next to it. Intervals that exceed a limit half-way are therefore tightened ([`tighten`]), and swept
+//! again.
+//!
 //! All numbers are in units of the limits: derivatives are divided by the joint's acceleration
 //! limit, so that the limit is 1. The eighth of each row of eight is zero.
 
@@ -20,11 +24,15 @@ type Row = [f64; 8];
 /// Above any x or u that a limit leaves.
 const UNLIMITED: f64 = 1e30;
 
+/// Share of a limit by which an interval may exceed it between its ends.
+const SWING: f64 = 0.003;
+
 /// What the limits leave at one node: x at most `cap`, and for each joint u within the band
-/// `slope x - half` to `slope x + half`.
+/// `lower x - half` to `upper x + half`.
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
-    slope: Row,
+    lower: Row,
+    upper: Row,
     half: Row,
     cap: f64,
 }
@@ -32,26 +40,28 @@ struct Bounds {
 impl Bounds {
     /// `velocity` holds the acceleration limits over the velocity limits, in 1/s.
     #[inline(always)]
-    fn new(dq: &Row, ddq: &Row, velocity: &Row, intervals: f64) -> Self {
+    fn new(dq: &Row, ddq: &Row, velocity: &Row, h: f64) -> Self {
         let mut speed = [0.0; 8];
+        let (mut lower, mut upper, mut half) = ([0.0; 8], [0.0; 8], [0.0; 8]);
         for j in 0..8 {
-            speed[j] = dq[j].abs() * velocity[j];
+            let (p, bend) = (dq[j].abs(), ddq[j].abs());
+            // Where q' changes its sign next to the node, the limits at the node alone would leave x
+            // and u free, and speed and acceleration beside it with them: q' of one and a half
+            // intervals away bounds the one, of half an interval, in both directions, the other.
+            let beside = 1.5 * h * bend;
+            speed[j] = velocity[j] * if p < beside { beside } else { p };
+            let nearby = 0.5 * h * bend;
+            let turns = p < nearby;
+            let inverse = 1.0 / (if turns { nearby } else { p }).max(1.0 / UNLIMITED);
+            let slope = -ddq[j] * inverse.copysign(dq[j]);
+            lower[j] = if turns { bend * inverse } else { slope };
+            upper[j] = if turns { -bend * inverse } else { slope };
+            half[j] = inverse;
         }
         let fastest = max(&speed);
         let cap = if fastest > 1e-15 { 1.0 / (fastest * fastest) } else { UNLIMITED };
-        // A joint that hardly moves with s leaves u free; it still limits x.
-        let hardly = 1e-10 / (cap * intervals);
-        let (mut slope, mut half, mut caps) = ([0.0; 8], [0.0; 8], [0.0; 8]);
-        for j in 0..8 {
-            let inverse = 1.0 / dq[j];
-            let free = dq[j].abs() <= hardly;
-            slope[j] = if free { 0.0 } else { -ddq[j] * inverse };
-            half[j] = if free { UNLIMITED } else { inverse.abs() };
-            let bend = ddq[j].abs();
-            caps[j] = if free && bend * cap > 1.0 { 1.0 / bend } else { cap };
-        }
-        let mut bounds = Self { slope, half, cap: min(&caps) };
-        if bounds.least(bounds.cap) > bounds.most(bounds.cap) {
+        let mut bounds = Self { lower, upper, half, cap };
+        if bounds.least(cap) > bounds.most(cap) {
             bounds.lower_cap();
         }
         bounds
@@ -62,7 +72,7 @@ impl Bounds {
     fn most(&self, x: f64) -> f64 {
         let mut u = [0.0; 8];
         for j in 0..8 {
-            u[j] = self.slope[j] * x + self.half[j];
+            u[j] = self.upper[j] * x + self.half[j];
         }
         min(&u)
     }
@@ -72,7 +82,7 @@ impl Bounds {
     fn least(&self, x: f64) -> f64 {
         let mut u = [0.0; 8];
         for j in 0..8 {
-            u[j] = self.slope[j] * x - self.half[j];
+            u[j] = self.lower[j] * x - self.half[j];
         }
         max(&u)
     }
@@ -88,12 +98,12 @@ impl Bounds {
             let x = self.cap;
             let (mut most, mut least) = ((f64::INFINITY, 0.0), (f64::NEG_INFINITY, 0.0));
             for j in 0..7 {
-                let (slope, half) = (self.slope[j], self.half[j]);
-                if slope * x + half < most.0 {
-                    most = (slope * x + half, slope);
+                let (upper, lower, half) = (self.upper[j], self.lower[j], self.half[j]);
+                if upper * x + half < most.0 {
+                    most = (upper * x + half, upper);
                 }
-                if slope * x - half > least.0 {
-                    least = (slope * x - half, slope);
+                if lower * x - half > least.0 {
+                    least = (lower * x - half, lower);
                 }
             }
             let (width, change) = (most.0 - least.0, most.1 - least.1);
@@ -110,7 +120,7 @@ impl Bounds {
     fn largest_start(&self, h: f64, c: f64) -> f64 {
         let mut x = [0.0; 8];
         for j in 0..8 {
-            let factor = 1.0 + h * self.slope[j];
+            let factor = 1.0 + h * self.lower[j];
             let bound = (c + h * self.half[j]) / factor;
             x[j] = if factor > 1e-9 { bound } else { UNLIMITED };
         }
@@ -122,62 +132,99 @@ impl Bounds {
     fn largest_end(&self, h: f64, c: f64) -> f64 {
         let mut x = [0.0; 8];
         for j in 0..8 {
-            let factor = 1.0 - h * self.slope[j];
+            let factor = 1.0 - h * self.upper[j];
             let bound = (c + h * self.half[j]) / factor;
             x[j] = if factor > 1e-9 { bound } else { UNLIMITED };
         }
         min(&x)
     }
+}
 
-    /// Largest `y - h least(y)` for y up to `end`: a concave function of y.
-    #[inline(never)]
-    fn best_end(&self, h: f64, end: f64) -> f64 {
-        let value = |y: f64| y - h * self.least(y);
-        let (mut low, mut high) = (0.0, end);
-        for _ in 0..100 {
-            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-            if value(a) < value(b) { low = a } else { high = b }
+/// An interval between two nodes.
+#[derive(Clone, Copy)]
+struct Interval<'a> {
+    h: f64,
+    /// Whether u has to be the same at both ends.
+    even: bool,
+    start: &'a Bounds,
+    end: &'a Bounds,
+}
+
+impl Interval<'_> {
+    /// Largest x at the start from which `end` or less is reached at the end.
+    #[inline(always)]
+    fn backward(&self, end: f64) -> f64 {
+        let Self { h, even, start, end: next } = *self;
+        let brake = end - h * next.least(end);
+        // Arriving at `end` while speeding up: arriving slower may allow for more.
+        let strange = even || brake < 0.5 * end;
+        if strange {
+            return self.search(end, start.cap);
         }
-        value(0.5 * (low + high))
+        let x = start.largest_start(h, brake).min(start.cap);
+        if end - h * next.most(end) <= x + h * start.most(x) { x } else { self.search(end, x) }
     }
-}
 
-/// Largest x at the start of an interval, not above the start's cap, from which `end` or less is
-/// reached at its end.
-#[inline(always)]
-fn back_step(h: f64, start: &Bounds, next: &Bounds, end: f64) -> f64 {
-    let mut brake = end - h * next.least(end);
-    if brake < 0.5 * end {
-        // Arriving at `end` would take speeding up: arriving slower may allow for more.
-        brake = next.best_end(h, end);
+    /// Largest x at the end, not above `cap`, that is reached from `x` at the start, where the
+    /// limits leave u from `least` to `most`.
+    #[inline(always)]
+    fn forward(&self, x: f64, least: f64, most: f64, cap: f64) -> f64 {
+        let Self { h, even, end: next, .. } = *self;
+        let y = next.largest_end(h, x + h * most).min(cap);
+        let brake = x + h * least;
+        let kept = y - h * next.least(y) >= brake - 1e-12 * x;
+        if kept && !even { y } else { self.reachable(x, cap).1 }
     }
-    let x = start.largest_start(h, brake).min(start.cap);
-    let drive = x + h * start.most(x);
-    if end - h * next.most(end) <= drive {
-        return x;
-    }
-    // `end` is out of reach: it will arrive slower, and has to be able to.
-    let arrive = next.largest_end(h, drive);
-    if arrive - h * next.least(arrive) >= x + h * start.least(x) {
-        return x;
-    }
-    squeeze(h, start, next, end, x)
-}
 
-/// [`back_step`] where the limits leave next to nothing. What is possible from one x is possible
-/// from any smaller one, in proportion.
-#[inline(never)]
-fn squeeze(h: f64, start: &Bounds, next: &Bounds, end: f64, x: f64) -> f64 {
-    let possible = |x: f64| {
-        let arrive = next.largest_end(h, x + h * start.most(x)).min(end);
-        arrive - h * next.least(arrive) >= x + h * start.least(x)
-    };
-    let (mut low, mut high) = (0.0, x);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if possible(middle) { low = middle } else { high = middle }
+    /// Largest x at the start, not above `x`, from which something up to `end` is reached.
+    ///
+    /// What is possible from one x is possible from any smaller one, in proportion: bisection.
+    #[inline(never)]
+    fn search(&self, end: f64, x: f64) -> f64 {
+        let possible = |x: f64| {
+            let (low, high) = self.reachable(x, end);
+            low <= high
+        };
+        if possible(x) {
+            return x;
+        }
+        let (mut low, mut high) = (0.0, x);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if possible(middle) { low = middle } else { high = middle }
+        }
+        low
     }
-    low
+
+    /// Smallest and largest x at the end, not above `cap`, that are reached from `x` at the start;
+    /// none if the first is above the second.
+    #[inline(never)]
+    fn reachable(&self, x: f64, cap: f64) -> (f64, f64) {
+        let (least, most) = (self.start.least(x), self.start.most(x));
+        // With u the same at both ends, each end's band has to hold it alone, over both halves.
+        let (h, brake, drive, mut low, mut high) = if self.even {
+            let h = 2.0 * self.h;
+            (h, x, x, x + h * least, (x + h * most).min(cap))
+        } else {
+            (self.h, x + self.h * least, x + self.h * most, 0.0, cap)
+        };
+        for j in 0..7 {
+            // y - h (upper y + half) <= drive.
+            let factor = 1.0 - h * self.end.upper[j];
+            let half = h * self.end.half[j];
+            if factor > 1e-9 {
+                high = high.min((drive + half) / factor);
+            }
+            // y - h (lower y - half) >= brake.
+            let factor = 1.0 - h * self.end.lower[j];
+            if factor > 1e-9 {
+                low = low.max((brake - half) / factor);
+            } else if factor < -1e-9 {
+                high = high.min((brake - half) / factor);
+            }
+        }
+        (low.max(0.0), high)
+    }
 }
 
 #[inline(always)]
@@ -203,12 +250,22 @@ fn fold(values: &Row, pick: impl Fn(f64, f64) -> f64) -> f64 {
 }
 
 /// A node of the sweep.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     /// (ds/dt)^2, in 1/s^2.
     pub(crate) x: f64,
     /// d2s/dt2 at the start and at the end of the interval that begins here, in 1/s^2.
     pub(crate) u: [f64; 2],
+    /// Whether u has to be the same at both ends of the interval that begins here.
+    pub(crate) even: bool,
+    /// Largest x here, beside what the limits at this node allow.
+    pub(crate) x_max: f64,
+}
+
+impl Default for Sample {
+    fn default() -> Self {
+        Self { x: 0.0, u: [0.0; 2], even: false, x_max: UNLIMITED }
+    }
 }
 
 /// Sets the `x` of `samples` to the largest at each node from which all that follows can be kept,
@@ -225,14 +282,14 @@ pub(crate) fn backward(
     samples: &mut [Sample],
 ) {
     let n = samples.len() - 1;
-    let intervals = n as f64;
-    let h = 1.0 / intervals;
-    let mut next = Bounds::new(&dq[n], &ddq[n], velocity, intervals);
-    let mut x = next.cap.min(end);
+    let h = 1.0 / n as f64;
+    let mut next = Bounds::new(&dq[n], &ddq[n], velocity, h);
+    let mut x = next.cap.min(end).min(samples[n].x_max);
     samples[n].x = x;
     for i in (0..n).rev() {
-        let bounds = Bounds::new(&dq[i], &ddq[i], velocity, intervals);
-        x = back_step(h, &bounds, &next, x);
+        let mut bounds = Bounds::new(&dq[i], &ddq[i], velocity, h);
+        bounds.cap = bounds.cap.min(samples[i].x_max);
+        x = Interval { h, even: samples[i].even, start: &bounds, end: &next }.backward(x);
         samples[i].x = x;
         next = bounds;
     }
@@ -249,24 +306,71 @@ pub(crate) fn forward(
     samples: &mut [Sample],
 ) {
     let n = samples.len() - 1;
-    let intervals = n as f64;
-    let h = 1.0 / intervals;
-    let bounds = Bounds::new(&dq[0], &ddq[0], velocity, intervals);
+    let h = 1.0 / n as f64;
+    let mut bounds = Bounds::new(&dq[0], &ddq[0], velocity, h);
     let mut x = samples[0].x.min(start);
     let (mut least, mut most) = (bounds.least(x), bounds.most(x));
     samples[0].x = x;
     for i in 0..n {
-        let next = Bounds::new(&dq[i + 1], &ddq[i + 1], velocity, intervals);
-        let y = next.largest_end(h, x + h * most).min(samples[i + 1].x).max(0.0);
+        let next = Bounds::new(&dq[i + 1], &ddq[i + 1], velocity, h);
+        let even = samples[i].even;
+        let y = Interval { h, even, start: &bounds, end: &next }
+            .forward(x, least, most, samples[i + 1].x)
+            .max(0.0);
         let (next_least, next_most) = (next.least(y), next.most(y));
         // The same u at both ends where the limits leave the choice.
-        let sum = (y - x) * intervals;
+        let sum = (y - x) / h;
         let u_start = within(0.5 * sum, least, most);
         let u_end = within(sum - u_start, next_least, next_most);
-        samples[i].u = [sum - u_end, u_end];
+        samples[i].u = if even { [0.5 * sum; 2] } else { [sum - u_end, u_end] };
         samples[i + 1].x = y;
-        (x, least, most) = (y, next_least, next_most);
+        (x, least, most, bounds) = (y, next_least, next_most, next);
     }
+}
+
+/// Looks for intervals in which a joint exceeds a limit half-way, and tightens them: u has to be the
+/// same at both ends, or x lower. True if there are any.
+#[inline(always)]
+pub(crate) fn tighten(
+    dq: &[Row],
+    ddq: &[Row],
+    velocity: &Row,
+    samples: &mut [Sample],
+) -> bool {
+    let n = samples.len() - 1;
+    let h = 1.0 / n as f64;
+    let mut any = false;
+    for i in 0..n {
+        let Sample { x, u, even, .. } = samples[i];
+        let u_half = 0.5 * (u[0] + u[1]);
+        let x_half = x + h * (0.75 * u[0] + 0.25 * u[1]);
+        let (mut acceleration, mut speed) = ([0.0; 8], [0.0; 8]);
+        for j in 0..8 {
+            // Of the cubic with the same values of q' and q'' at both ends.
+            let rise = dq[i + 1][j] - dq[i][j];
+            let p = dq[i][j] + 0.5 * rise + 0.125 * h * (ddq[i][j] - ddq[i + 1][j]);
+            let r = 1.5 * rise / h - 0.25 * (ddq[i][j] + ddq[i + 1][j]);
+            acceleration[j] = (p * u_half + r * x_half).abs();
+            speed[j] = p.abs() * velocity[j];
+        }
+        let speed = max(&speed);
+        let square = speed * speed * x_half;
+        if square > 1.0 + SWING {
+            samples[i].x_max = x / square;
+            samples[i + 1].x_max = samples[i + 1].x / square;
+            any = true;
+        }
+        let acceleration = max(&acceleration);
+        if acceleration > 1.0 + SWING {
+            if even {
+                samples[i].x_max = x / acceleration;
+                samples[i + 1].x_max = samples[i + 1].x / acceleration;
+            }
+            samples[i].even = true;
+            any = true;
+        }
+    }
+    any
 }
 
 /// `value`, moved into `low` to `high`; unlike `clamp`, whatever the order of the two.

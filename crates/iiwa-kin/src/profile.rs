@@ -1,0 +1,543 @@
+//! The robot profile: a JSON file that overrides parts of a built-in model.
+
+use std::{fmt, marker::PhantomData};
+
+use schemars::JsonSchema;
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{MapAccess, Visitor, value::MapAccessDeserializer},
+};
+
+use crate::{
+    Joints, Lengths, Robot,
+    json::{
+        Place,
+        Step::{self, Index, Key},
+        locate,
+    },
+    robot::MAX_LENGTH_M,
+};
+
+/// The version of the profile format that this library reads and writes.
+const VERSION: u64 = 1;
+
+/// Longest profile that is read, in bytes; a full one has about two thousand.
+const MAX_BYTES: usize = 1 << 20;
+
+/// Largest number of a profile whose key has no closer bound, in the key's unit.
+const MAX_NUMBER: f64 = 1e9;
+
+/// Why a text is no robot profile.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProfileError {
+    /// The text is not JSON, or not the JSON that is asked for.
+    #[error("{problem}, at {at}")]
+    Json {
+        /// Where.
+        at: Place,
+        /// What was found, and what was expected.
+        problem: String,
+    },
+    /// The text is too long to be a profile.
+    #[error("this is {found} bytes long; a robot profile has at most {MAX_BYTES}, at {at}")]
+    TooLong {
+        /// Where: the start of the text.
+        at: Place,
+        /// Its length in bytes.
+        found: usize,
+    },
+    /// The profile is of another version.
+    #[error("this is a robot profile of version {found}; write version {VERSION}, at {at}")]
+    Version {
+        /// Where.
+        at: Place,
+        /// The version found.
+        found: u64,
+    },
+    /// The profile builds on a model that is not built in.
+    #[error("no built-in model is called {found:?}; choose one of {}, at {at}", Robot::BUILT_IN.join(", "))]
+    UnknownBase {
+        /// Where.
+        at: Place,
+        /// The name found.
+        found: String,
+    },
+    /// The name is empty, too long or has control characters.
+    #[error(
+        "the name {found:?} cannot be used; write 1 to {MAX_NAME} characters, none of them a \
+         control character, at {at}"
+    )]
+    Name {
+        /// Where.
+        at: Place,
+        /// The name found.
+        found: String,
+    },
+    /// A list has too many or too few numbers.
+    #[error("{key} has {found} numbers; write {expected}, one for each {}, at {at}", owner(.key))]
+    Count {
+        /// Where.
+        at: Place,
+        /// The list.
+        key: &'static str,
+        /// How many numbers it has.
+        found: usize,
+        /// How many it must have.
+        expected: usize,
+    },
+    /// A number is out of range.
+    #[error("{what} is {found:?}; it must be above 0 and at most {max:?}, at {at}")]
+    Number {
+        /// Where.
+        at: Place,
+        /// The key, and the joint (from 1) or the link (from 0).
+        what: String,
+        /// What it is, in the key's unit.
+        found: f64,
+        /// What it may be, in the key's unit.
+        max: f64,
+    },
+}
+
+/// Longest name of a robot, in characters.
+const MAX_NAME: usize = 100;
+
+impl ProfileError {
+    /// Where in the text.
+    #[must_use]
+    pub fn place(&self) -> &Place {
+        match self {
+            Self::Json { at, .. }
+            | Self::TooLong { at, .. }
+            | Self::Version { at, .. }
+            | Self::UnknownBase { at, .. }
+            | Self::Name { at, .. }
+            | Self::Count { at, .. }
+            | Self::Number { at, .. } => at,
+        }
+    }
+
+    /// What is wrong, without the place.
+    #[must_use]
+    pub fn what(&self) -> String {
+        let message = self.to_string();
+        let place = format!(", at {}", self.place());
+        message.strip_suffix(&place).unwrap_or(&message).to_owned()
+    }
+}
+
+/// A robot model for iiwasim: a built-in model and what is different from it.
+#[derive(Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "iiwasim robot profile", rename = "RobotProfile")]
+struct Wire {
+    /// Version of this format.
+    #[schemars(extend("const" = VERSION))]
+    version: u64,
+    /// The built-in model to start from.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(
+        with = "String",
+        extend("enum" = Robot::BUILT_IN, "default" = Robot::BUILT_IN[0])
+    )]
+    base: Option<String>,
+    /// The robot's name; the built-in model's when left out.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String", length(min = 1, max = MAX_NAME))]
+    name: Option<String>,
+    /// Lengths of the Denavit-Hartenberg table, in mm.
+    #[serde(default, deserialize_with = "given_object", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "LengthsWire")]
+    lengths_mm: Option<LengthsWire>,
+    /// Largest distance of joints A1 to A7 from zero, in degrees.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(360.0)))]
+    position_limit_deg: Option<Vec<f64>>,
+    /// Largest speeds, in degrees/s.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_NUMBER)))]
+    velocity_limit_deg_s: Option<Vec<f64>>,
+    /// Largest accelerations, in degrees/s^2.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_NUMBER)))]
+    acceleration_limit_deg_s2: Option<Vec<f64>>,
+    /// Largest jerks, in degrees/s^3.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_NUMBER)))]
+    jerk_limit_deg_s3: Option<Vec<f64>>,
+    /// Largest torques, in Nm.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_NUMBER)))]
+    torque_limit_nm: Option<Vec<f64>>,
+    /// Masses of link 0 (the base) to link 7, in kg.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 8), extend("items" = positive(MAX_NUMBER)))]
+    link_mass_kg: Option<Vec<f64>>,
+}
+
+/// Lengths in mm; those left out are the built-in model's.
+#[derive(Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Lengths")]
+struct LengthsWire {
+    /// d1: base to shoulder.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_LENGTH_M * 1e3))]
+    base: Option<f64>,
+    /// d3: shoulder to elbow.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_LENGTH_M * 1e3))]
+    upper_arm: Option<f64>,
+    /// d5: elbow to wrist.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_LENGTH_M * 1e3))]
+    forearm: Option<f64>,
+    /// d7: wrist to the flange's face.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_LENGTH_M * 1e3))]
+    flange: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct VersionOnly {
+    version: u64,
+}
+
+/// A key that is there has a value: null is not one.
+fn given<'de, T: Deserialize<'de>, D: Deserializer<'de>>(reader: D) -> Result<Option<T>, D::Error> {
+    T::deserialize(reader).map(Some)
+}
+
+fn given_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    reader: D,
+) -> Result<Option<T>, D::Error> {
+    Object::deserialize(reader).map(|object| Some(object.0))
+}
+
+/// A structure that is written as a JSON object. Left to itself, serde takes a list for one too.
+struct Object<T>(T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        struct OfMap<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for OfMap<T> {
+            type Value = T;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+                T::deserialize(MapAccessDeserializer::new(map))
+            }
+        }
+        reader.deserialize_map(OfMap(PhantomData)).map(Self)
+    }
+}
+
+/// JSON Schema of a number above 0.
+fn positive(max: f64) -> serde_json::Value {
+    serde_json::json!({ "type": "number", "exclusiveMinimum": 0, "maximum": max })
+}
+
+/// What the numbers of the list `key` belong to.
+fn owner(key: &str) -> &'static str {
+    if key == MASSES { "link, the base included" } else { "joint" }
+}
+
+const POSITIONS: &str = "position_limit_deg";
+const VELOCITIES: &str = "velocity_limit_deg_s";
+const ACCELERATIONS: &str = "acceleration_limit_deg_s2";
+const JERKS: &str = "jerk_limit_deg_s3";
+const TORQUES: &str = "torque_limit_nm";
+const MASSES: &str = "link_mass_kg";
+
+impl Robot {
+    /// Reads a robot profile (version 1): a built-in model, and what is different from it.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    ///
+    /// let robot = Robot::from_profile(r#"{ "version": 1, "lengths_mm": { "flange": 126 } }"#)?;
+    /// assert_eq!(robot.lengths().flange_m, 0.126);
+    /// # Ok::<(), iiwa_kin::ProfileError>(())
+    /// ```
+    ///
+    /// A figure that the profile gives is no [assumption](Robot::assumptions) any more.
+    ///
+    /// # Errors
+    ///
+    /// If the text is not a profile, or has a number that no robot can have; the error says where
+    /// in the text.
+    pub fn from_profile(text: &str) -> Result<Self, ProfileError> {
+        if text.len() > MAX_BYTES {
+            let at = Place::of_span(text, 0..0);
+            return Err(ProfileError::TooLong { at, found: text.len() });
+        }
+        let version = |found| {
+            let at = locate(text, &[Key("version")]);
+            ProfileError::Version { at, found }
+        };
+        let Object(wire) = serde_json::from_str::<Object<Wire>>(text).map_err(|error| {
+            // Another version may have other keys: that is then the thing to say.
+            match serde_json::from_str::<Object<VersionOnly>>(text) {
+                Ok(Object(other)) if other.version != VERSION => version(other.version),
+                _ => {
+                    let message = error.to_string();
+                    // The place is told apart, and in characters: cut it off the message.
+                    let problem = message.rsplit_once(" at line ").map_or(&*message, |(p, _)| p);
+                    let at = Place::of_error(text, text, &error);
+                    ProfileError::Json { at, problem: problem.to_owned() }
+                }
+            }
+        })?;
+        if wire.version != VERSION {
+            return Err(version(wire.version));
+        }
+        wire.robot(text)
+    }
+
+    /// The robot as a profile (version 1, pretty-printed JSON), for [`Robot::from_profile`].
+    ///
+    /// Holds what differs from the built-in model that is most alike. Numbers read back as they
+    /// are, but for the last bit of one that no number of degrees (or mm) stands for; a robot that
+    /// was itself read from a profile reads back exactly.
+    #[must_use]
+    pub fn to_profile(&self) -> String {
+        let wire = Self::BUILT_IN
+            .iter()
+            .filter_map(|name| Self::built_in(name))
+            .map(|base| Wire::of(self, &base))
+            // Rather some more numbers than a wrong word about where they come from.
+            .min_by_key(|wire| {
+                let read_back = wire.robot("");
+                let same = read_back.is_ok_and(|robot| robot.assumptions == self.assumptions);
+                (!same, wire.overrides())
+            })
+            .unwrap_or_default();
+        // Only a map with keys that are no strings could fail.
+        serde_json::to_string_pretty(&wire).unwrap_or_default()
+    }
+
+    /// The JSON Schema of a robot profile (draft 2020-12).
+    #[must_use]
+    pub fn profile_schema() -> serde_json::Value {
+        schemars::schema_for!(Wire).to_value()
+    }
+
+    fn forget_assumption(&mut self, what: &str) {
+        self.assumptions.retain(|assumption| assumption.what != what);
+    }
+}
+
+impl Wire {
+    /// The robot that this profile describes; `text` is what it was read from.
+    fn robot(&self, text: &str) -> Result<Robot, ProfileError> {
+        let mut robot = match &self.base {
+            None => Robot::default(),
+            Some(name) => Robot::built_in(name).ok_or_else(|| ProfileError::UnknownBase {
+                at: locate(text, &[Key("base")]),
+                found: name.clone(),
+            })?,
+        };
+        if let Some(name) = &self.name {
+            // Names end up in XML, which has no way to write control characters.
+            let printable = |c: char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
+            if name.is_empty() || name.chars().count() > MAX_NAME || !name.chars().all(printable) {
+                let at = locate(text, &[Key("name")]);
+                return Err(ProfileError::Name { at, found: name.clone() });
+            }
+            robot.name.clone_from(name);
+        }
+        if let Some(lengths) = &self.lengths_mm {
+            for ((key, found), length) in lengths.entries().into_iter().zip(robot.lengths.all()) {
+                if let Some(mm) = found {
+                    let path = [Key("lengths_mm"), Key(key)];
+                    let what = || format!("lengths_mm: {key}");
+                    *length = checked(text, &path, mm, MAX_LENGTH_M * 1e3, what, from_mm)?;
+                }
+            }
+        }
+        let limits = &mut robot.limits;
+        for (key, numbers, max, unit, field) in [
+            (POSITIONS, &self.position_limit_deg, 360.0, DEG, &mut limits.position_rad),
+            (VELOCITIES, &self.velocity_limit_deg_s, MAX_NUMBER, DEG, &mut limits.velocity_rad_s),
+            (
+                ACCELERATIONS,
+                &self.acceleration_limit_deg_s2,
+                MAX_NUMBER,
+                DEG,
+                &mut limits.acceleration_rad_s2,
+            ),
+            (JERKS, &self.jerk_limit_deg_s3, MAX_NUMBER, DEG, &mut limits.jerk_rad_s3),
+            (TORQUES, &self.torque_limit_nm, MAX_NUMBER, SAME, &mut limits.torque_nm),
+        ] {
+            if let Some(numbers) = numbers {
+                *field = list(text, key, numbers, max, unit)?;
+            }
+        }
+        if let Some(numbers) = &self.link_mass_kg {
+            robot.link_mass_kg = list(text, MASSES, numbers, MAX_NUMBER, SAME)?;
+            robot.forget_assumption("masses");
+        }
+        if self.acceleration_limit_deg_s2.is_some() {
+            robot.forget_assumption("acceleration");
+        }
+        if self.jerk_limit_deg_s3.is_some() {
+            robot.forget_assumption("jerk");
+        }
+        Ok(robot)
+    }
+
+    /// What `robot` has that `base` has not.
+    fn of(robot: &Robot, base: &Robot) -> Self {
+        let deg = |values: &Joints, of_base: &Joints, what: &str| {
+            let known = base.assumes(what) && !robot.assumes(what);
+            (known || differ(values, of_base)).then(|| values.map(|v| unconvert(v, DEG)).to_vec())
+        };
+        let (limits, of_base) = (robot.limits(), base.limits());
+        let mm = |value: f64, of_base: f64| {
+            differ(&[value], &[of_base]).then(|| unconvert(value, from_mm))
+        };
+        let (l, b) = (robot.lengths(), base.lengths());
+        let known_masses = base.assumes("masses") && !robot.assumes("masses");
+        Self {
+            version: VERSION,
+            base: Some(base.name.clone()),
+            name: (robot.name != base.name).then(|| robot.name.clone()),
+            lengths_mm: (l != b).then(|| LengthsWire {
+                base: mm(l.base_m, b.base_m),
+                upper_arm: mm(l.upper_arm_m, b.upper_arm_m),
+                forearm: mm(l.forearm_m, b.forearm_m),
+                flange: mm(l.flange_m, b.flange_m),
+            }),
+            position_limit_deg: deg(&limits.position_rad, &of_base.position_rad, ""),
+            velocity_limit_deg_s: deg(&limits.velocity_rad_s, &of_base.velocity_rad_s, ""),
+            acceleration_limit_deg_s2: deg(
+                &limits.acceleration_rad_s2,
+                &of_base.acceleration_rad_s2,
+                "acceleration",
+            ),
+            jerk_limit_deg_s3: deg(&limits.jerk_rad_s3, &of_base.jerk_rad_s3, "jerk"),
+            torque_limit_nm: differ(&limits.torque_nm, &of_base.torque_nm)
+                .then(|| limits.torque_nm.to_vec()),
+            link_mass_kg: (known_masses || differ(&robot.link_mass_kg, &base.link_mass_kg))
+                .then(|| robot.link_mass_kg.to_vec()),
+        }
+    }
+
+    /// How many keys override the built-in model.
+    fn overrides(&self) -> usize {
+        let lengths = self.lengths_mm.as_ref().map_or(0, |lengths| {
+            lengths.entries().into_iter().filter(|(_, length)| length.is_some()).count()
+        });
+        lengths
+            + [
+                self.name.is_some(),
+                self.position_limit_deg.is_some(),
+                self.velocity_limit_deg_s.is_some(),
+                self.acceleration_limit_deg_s2.is_some(),
+                self.jerk_limit_deg_s3.is_some(),
+                self.torque_limit_nm.is_some(),
+                self.link_mass_kg.is_some(),
+            ]
+            .into_iter()
+            .filter(|&given| given)
+            .count()
+    }
+}
+
+impl LengthsWire {
+    /// Keys and values, in the order of [`Lengths::all`].
+    fn entries(&self) -> [(&'static str, Option<f64>); 4] {
+        [
+            ("base", self.base),
+            ("upper_arm", self.upper_arm),
+            ("forearm", self.forearm),
+            ("flange", self.flange),
+        ]
+    }
+}
+
+impl Lengths {
+    fn all(&mut self) -> [&mut f64; 4] {
+        [&mut self.base_m, &mut self.upper_arm_m, &mut self.forearm_m, &mut self.flange_m]
+    }
+}
+
+/// From a profile's unit to SI.
+type ToSi = fn(f64) -> f64;
+
+const DEG: ToSi = f64::to_radians;
+const SAME: ToSi = |value| value;
+
+fn from_mm(mm: f64) -> f64 {
+    mm / 1e3
+}
+
+/// Whether any bit differs.
+fn differ(a: &[f64], b: &[f64]) -> bool {
+    a.iter().map(|v| v.to_bits()).ne(b.iter().map(|v| v.to_bits()))
+}
+
+fn list<const N: usize>(
+    text: &str,
+    key: &'static str,
+    numbers: &[f64],
+    max: f64,
+    to_si: ToSi,
+) -> Result<[f64; N], ProfileError> {
+    if numbers.len() != N {
+        let at = locate(text, &[Key(key)]);
+        return Err(ProfileError::Count { at, key, found: numbers.len(), expected: N });
+    }
+    let mut values = [0.0; N];
+    for (index, value) in values.iter_mut().enumerate() {
+        let what = || {
+            if key == MASSES {
+                format!("{key}: link {index}")
+            } else {
+                format!("{key}: joint {}", index + 1)
+            }
+        };
+        *value = checked(text, &[Key(key), Index(index)], numbers[index], max, what, to_si)?;
+    }
+    Ok(values)
+}
+
+fn checked(
+    text: &str,
+    path: &[Step<'_>],
+    found: f64,
+    max: f64,
+    what: impl Fn() -> String,
+    to_si: ToSi,
+) -> Result<f64, ProfileError> {
+    let value = to_si(found);
+    // Not so small either that it loses digits on the way to SI.
+    if value.is_normal() && found > 0.0 && found <= max {
+        Ok(value)
+    } else {
+        Err(ProfileError::Number { at: locate(text, path), what: what(), found, max })
+    }
+}
+
+/// A number that `to_si` turns into `value`, with few digits if such a one does; the closest if
+/// none does.
+fn unconvert(value: f64, to_si: ToSi) -> f64 {
+    let near = value / to_si(1.0);
+    let rounded = (12..=16).filter_map(|digits| format!("{near:.digits$e}").parse::<f64>().ok());
+    let around = [near, near.next_down(), near.next_up()];
+    let mut best = near;
+    for candidate in rounded.chain(around) {
+        let error = (to_si(candidate) - value).abs();
+        if error == 0.0 {
+            return candidate;
+        }
+        if error < (to_si(best) - value).abs() {
+            best = candidate;
+        }
+    }
+    best
+}

@@ -1,0 +1,301 @@
+//! Robot profiles: what is read, what is refused and where, and what is written.
+
+// Figures are compared to the last bit on purpose; helpers of tests may fail.
+#![allow(clippy::float_cmp, clippy::unwrap_used)]
+
+use std::time::Instant;
+
+use iiwa_kin::{BadLength, ProfileError, Robot};
+use proptest::prelude::*;
+
+fn refused(text: &str) -> ProfileError {
+    Robot::from_profile(text).unwrap_err()
+}
+
+#[test]
+fn an_empty_profile_is_the_default() {
+    assert_eq!(Robot::from_profile("{\"version\": 1}").unwrap(), Robot::default());
+    let big = r#"{ "version": 1, "base": "lbr_iiwa_14_r820" }"#;
+    assert_eq!(Robot::from_profile(big).unwrap(), Robot::lbr_iiwa_14_r820());
+}
+
+#[test]
+fn every_part_can_be_overridden() {
+    let robot = Robot::from_profile(
+        r#"{
+            "version": 1,
+            "base": "lbr_iiwa_14_r820",
+            "name": "cell 3",
+            "lengths_mm": { "base": 361, "upper_arm": 419.5, "forearm": 402, "flange": 126 },
+            "position_limit_deg": [160, 110, 160, 110, 160, 110, 360],
+            "velocity_limit_deg_s": [1, 2, 3, 4, 5, 6, 7],
+            "acceleration_limit_deg_s2": [10, 20, 30, 40, 50, 60, 70],
+            "jerk_limit_deg_s3": [100, 200, 300, 400, 500, 600, 700],
+            "torque_limit_nm": [11, 12, 13, 14, 15, 16, 17],
+            "link_mass_kg": [8, 7, 6, 5, 4, 3, 2, 1]
+        }"#,
+    )
+    .unwrap();
+    assert_eq!(robot.name(), "cell 3");
+    let l = robot.lengths();
+    assert_eq!([l.base_m, l.upper_arm_m, l.forearm_m, l.flange_m], [0.361, 0.4195, 0.402, 0.126]);
+    let limits = robot.limits();
+    assert_eq!(limits.position_rad[0], 160_f64.to_radians());
+    assert_eq!(limits.position_rad[6], std::f64::consts::TAU);
+    assert_eq!(limits.velocity_rad_s[6], 7_f64.to_radians());
+    assert_eq!(limits.acceleration_rad_s2[0], 10_f64.to_radians());
+    assert_eq!(limits.jerk_rad_s3[3], 400_f64.to_radians());
+    assert_eq!(limits.torque_nm[1], 12.0);
+    assert_eq!(robot.link_mass_kg()[7], 1.0);
+    assert!(robot.assumptions().is_empty());
+    assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
+}
+
+#[test]
+fn what_is_given_is_no_assumption() {
+    let read = |key: &str, numbers: &str| {
+        let text =
+            format!(r#"{{ "version": 1, "base": "lbr_iiwa_14_r820", "{key}": [{numbers}] }}"#);
+        Robot::from_profile(&text).unwrap()
+    };
+    for (what, key, numbers) in [
+        ("acceleration", "acceleration_limit_deg_s2", "1, 2, 3, 4, 5, 6, 7"),
+        ("jerk", "jerk_limit_deg_s3", "1, 2, 3, 4, 5, 6, 7"),
+        ("masses", "link_mass_kg", "1, 2, 3, 4, 5, 6, 7, 8"),
+        // The very figures that are assumed are known when they are given.
+        ("acceleration", "acceleration_limit_deg_s2", "425, 425, 500, 375, 650, 675, 675"),
+    ] {
+        let robot = read(key, numbers);
+        assert!(!robot.assumes(what), "{what}");
+        assert_eq!(robot.assumptions().len(), 2);
+        assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
+    }
+    assert_eq!(read("torque_limit_nm", "1, 2, 3, 4, 5, 6, 7").assumptions().len(), 3);
+}
+
+/// Line, column, text at that place, and part of the message.
+#[test]
+fn says_what_is_wrong_and_where() {
+    for (text, line, column, span, message) in [
+        ("", 1, 1, "", "EOF"),
+        ("plan", 1, 1, "p", "expected value"),
+        ("[1]", 1, 1, "[", "invalid type: sequence, expected an object"),
+        ("{ \"version\": 1, \"lengths_mm\": [340] }", 1, 30, " ", "expected an object"),
+        ("{\n  \"version\": 1", 2, 14, "1", "EOF"),
+        ("{}", 1, 2, "}", "missing field `version`"),
+        ("{ \"version\": \"1\" }", 1, 16, "\"", "expected u64"),
+        ("{\n \"version\": 2,\n \"new\": 1 }", 2, 13, "2", "profile of version 2; write version 1"),
+        (
+            "{ \"version\": 1,\n  \"speed\": 3 }",
+            2,
+            9,
+            "\"",
+            "unknown field `speed`, expected one of",
+        ),
+        (
+            "{ \"version\": 1,\n  \"lengths_mm\": { \"flnge\": 3 } }",
+            2,
+            25,
+            "\"",
+            "unknown field `flnge`, expected one of `base`",
+        ),
+        ("{ \"version\": 1, \"version\": 1 }", 1, 25, "\"", "duplicate field"),
+        (
+            "{ \"version\": 1,\n  \"base\": \"kr_16\" }",
+            2,
+            11,
+            "\"kr_16\"",
+            "\"kr_16\"; choose one of lbr_iiwa_7_r800, lbr_iiwa_14_r820",
+        ),
+        ("{ \"version\": 1, \"name\": \"\" }", 1, 25, "\"\"", "1 to 100 characters"),
+        ("{ \"version\": 1, \"name\": \"a\\u0007\" }", 1, 25, "\"a\\u0007\"", "control character"),
+        ("{ \"version\": 1, \"name\": null }", 1, 28, "l", "expected a string"),
+        (
+            "{ \"version\": 1,\n  \"lengths_mm\": { \"base\": 340, \"flange\": -1 } }",
+            2,
+            42,
+            "-1",
+            "lengths_mm: flange is -1.0; it must be above 0 and at most 10000.0",
+        ),
+        ("{ \"version\": 1, \"lengths_mm\": { \"base\": 1e-320 } }", 1, 41, "1e-320", "above 0"),
+        (
+            "{ \"version\": 1,\n  \"velocity_limit_deg_s\":\n    [1, 2, 3, 4, 5, 6] }",
+            3,
+            5,
+            "[1, 2, 3, 4, 5, 6]",
+            "velocity_limit_deg_s has 6 numbers; write 7, one for each joint",
+        ),
+        (
+            "{ \"version\": 1, \"jerk_limit_deg_s3\": [1, 2, 3, 4, 5, 6, 7, 8] }",
+            1,
+            38,
+            "[1, 2, 3, 4, 5, 6, 7, 8]",
+            "has 8 numbers",
+        ),
+        ("{ \"version\": 1, \"torque_limit_nm\": [] }", 1, 36, "[]", "has 0 numbers"),
+        (
+            "{ \"version\": 1, \"link_mass_kg\": [1, 2, 3, 4, 5, 6, 7] }",
+            1,
+            33,
+            "[1, 2, 3, 4, 5, 6, 7]",
+            "has 7 numbers; write 8, one for each link",
+        ),
+        (
+            "{ \"version\": 1, \"link_mass_kg\": [1, 2, 3, 4, 5, 6, 7, 0] }",
+            1,
+            55,
+            "0",
+            "link_mass_kg: link 7 is 0.0",
+        ),
+        (
+            "{ \"version\": 1, \"name\": \"ü\",\n \"position_limit_deg\": [1, 2, 3, 4, 5, 361, 7] }",
+            2,
+            40,
+            "361",
+            "position_limit_deg: joint 6 is 361.0; it must be above 0 and at most 360.0",
+        ),
+        (
+            "{ \"version\": 1, \"name\": \"ü\", \"torque_limit_nm\": [1, 2, 3, -4, 5, 6, 7] }",
+            1,
+            59,
+            "-4",
+            "torque_limit_nm: joint 4 is -4.0",
+        ),
+        ("{ \"version\": 1, \"torque_limit_nm\": [NaN] }", 1, 37, "N", "expected value"),
+        ("{ \"version\": 1, \"torque_limit_nm\": [1e400] }", 1, 41, "0", "number out of range"),
+        ("{ \"version\": 1, \"torque_limit_nm\": [null] }", 1, 40, "l", "expected f64"),
+        ("{ \"version\": 1, \"torque_limit_nm\": [1e10] }", 1, 36, "[1e10]", "has 1 numbers"),
+        ("{ \"version\": 1, \"torque_limit_nm\": 5 }", 1, 36, "5", "expected a sequence"),
+    ] {
+        let error = refused(text);
+        let place = error.place();
+        assert_eq!((place.line, place.column), (line, column), "{text}: {error}");
+        assert_eq!(&text[place.span.clone()], span, "{text}: {error}");
+        assert!(error.what().contains(message), "{text}: {error}");
+        assert_eq!(error.to_string(), format!("{}, at line {line}, column {column}", error.what()));
+    }
+}
+
+#[test]
+fn long_and_deep_texts_are_refused_quickly() {
+    let start = Instant::now();
+    let deep = "[".repeat(200_000_000);
+    assert!(matches!(refused(&deep), ProfileError::TooLong { found: 200_000_000, .. }));
+    for open in ["[", "{\"a\":", "{\"version\":", "{\"version\":1,\"torque_limit_nm\":["] {
+        let error = refused(&open.repeat(30_000));
+        assert!(matches!(error, ProfileError::Json { .. }), "{error}");
+    }
+    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+}
+
+#[test]
+fn every_end_of_a_profile_is_refused() {
+    let text = "{ \"version\": 1, \"name\": \"ü\", \"link_mass_kg\": [1, 2, 3, 4, 5, 6, 7, 8] }";
+    for end in (0..text.len()).filter(|&end| text.is_char_boundary(end)) {
+        assert!(refused(&text[..end]).place().span.end <= end);
+    }
+    Robot::from_profile(text).unwrap();
+}
+
+#[test]
+fn built_in_models_read_back_exactly() {
+    for name in Robot::BUILT_IN {
+        let robot = Robot::built_in(name).unwrap();
+        let text = robot.to_profile();
+        assert_eq!(text, format!("{{\n  \"version\": 1,\n  \"base\": \"{name}\"\n}}"));
+        assert_eq!(Robot::from_profile(&text).unwrap(), robot);
+    }
+    let short = Robot::default().with_flange_m(0.126).unwrap();
+    assert!(short.to_profile().contains("\"flange\": 126.0\n"));
+    assert_eq!(Robot::from_profile(&short.to_profile()).unwrap(), short);
+}
+
+#[test]
+fn a_flange_has_a_length() {
+    for found_m in [0.0, -0.1, 1e-320, 10.1, f64::INFINITY] {
+        let error = Robot::default().with_flange_m(found_m).unwrap_err();
+        assert_eq!(error, BadLength { found_m });
+    }
+    assert!(Robot::default().with_flange_m(f64::NAN).is_err());
+}
+
+#[test]
+fn the_schema_has_every_key() {
+    let schema = Robot::profile_schema();
+    let keys = schema["properties"].as_object().unwrap();
+    assert_eq!(keys.len(), 10);
+    assert_eq!(schema["additionalProperties"], false);
+    assert_eq!(schema["required"], serde_json::json!(["version"]));
+    assert_eq!(keys["version"]["const"], 1);
+    assert_eq!(keys["base"]["enum"], serde_json::json!(Robot::BUILT_IN));
+    assert_eq!(keys["base"]["type"], "string");
+    let positions = &keys["position_limit_deg"];
+    assert_eq!((&positions["minItems"], &positions["maxItems"]), (&7.into(), &7.into()));
+    assert_eq!(positions["items"]["maximum"], 360.0);
+    assert_eq!(keys["link_mass_kg"]["minItems"], 8);
+}
+
+fn numbers<const N: usize>(max: f64) -> impl Strategy<Value = Option<Vec<f64>>> {
+    let number = prop_oneof![
+        (1..=1_000_000_u32).prop_map(move |n| f64::from(n) * 1e-6 * max),
+        (1e-6..1.0_f64).prop_map(move |share| share * max),
+    ];
+    prop::option::of(prop::collection::vec(number, N))
+}
+
+prop_compose! {
+    fn any_profile()(
+        big in any::<bool>(),
+        name in prop::option::of("[a-z ü\"\\\\<&]{1,20}"),
+        lengths in numbers::<4>(10_000.0),
+        position in numbers::<7>(360.0),
+        velocity in numbers::<7>(1e3),
+        acceleration in numbers::<7>(1e4),
+        jerk in numbers::<7>(1e9),
+        torque in numbers::<7>(500.0),
+        mass in numbers::<8>(50.0),
+    ) -> serde_json::Value {
+        let mut profile = serde_json::json!({
+            "version": 1,
+            "base": Robot::BUILT_IN[usize::from(big)],
+            "name": name,
+            "lengths_mm": lengths.map(|l| serde_json::json!({
+                "base": l[0], "upper_arm": l[1], "forearm": l[2], "flange": l[3],
+            })),
+            "position_limit_deg": position,
+            "velocity_limit_deg_s": velocity,
+            "acceleration_limit_deg_s2": acceleration,
+            "jerk_limit_deg_s3": jerk,
+            "torque_limit_nm": torque,
+            "link_mass_kg": mass,
+        });
+        profile.as_object_mut().unwrap().retain(|_, value| !value.is_null());
+        profile
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_profile_reads_back_exactly(profile in any_profile()) {
+        let robot = Robot::from_profile(&profile.to_string()).unwrap();
+        let text = robot.to_profile();
+        let again = Robot::from_profile(&text).unwrap();
+        prop_assert_eq!(&again, &robot);
+        prop_assert_eq!(again.to_profile(), text);
+    }
+
+    /// A length that no decimal number of mm stands for.
+    #[test]
+    fn any_length_reads_back_to_the_last_bit(flange_m in 1e-3..10.0_f64) {
+        let robot = Robot::default().with_flange_m(flange_m).unwrap();
+        let again = Robot::from_profile(&robot.to_profile()).unwrap().lengths().flange_m;
+        prop_assert!(again >= flange_m.next_down() && again <= flange_m.next_up());
+    }
+
+    #[test]
+    fn any_text_is_refused_with_a_place(text in "[{}\\[\\]:,\"a-z0-9ü .\\\\\n-]{0,60}") {
+        if let Err(error) = Robot::from_profile(&text) {
+            prop_assert!(error.place().span.end <= text.len());
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! What can go wrong when a recording is written or read.
+
+use std::io;
+use std::time::Duration;
+
+use crate::Topic;
+
+/// Why a recording could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The stream or the container refused.
+    #[error("cannot write the MCAP file")]
+    Mcap {
+        /// What the container says.
+        #[source]
+        source: mcap::McapError,
+    },
+    /// A message could not be encoded.
+    #[error("cannot encode a message for {topic}")]
+    Encode {
+        /// The topic of the message.
+        topic: Topic,
+        /// What the encoder says.
+        #[source]
+        source: cdr_encoding::Error,
+    },
+    /// A stamp that is not later than the one before it on the same topic.
+    #[error("{topic} at {t:?} after {previous:?}: stamps must increase")]
+    NotIncreasing {
+        /// The topic.
+        topic: Topic,
+        /// The refused time.
+        t: Duration,
+        /// The time before it.
+        previous: Duration,
+    },
+    /// A stamp that does not fit into a ROS 2 time, which ends in 2038.
+    #[error("{topic} at {t:?} after an epoch of {epoch:?} since 1970 is past the year 2038")]
+    StampOutOfRange {
+        /// The topic.
+        topic: Topic,
+        /// Time since the epoch.
+        t: Duration,
+        /// The epoch, since 1970.
+        epoch: Duration,
+    },
+    /// An epoch that does not fit into a ROS 2 time.
+    #[error("an epoch of {epoch:?} since 1970 is past the year 2038")]
+    EpochOutOfRange {
+        /// The epoch, since 1970.
+        epoch: Duration,
+    },
+    /// A limiting joint that the robot does not have.
+    #[error("limiting joint {joint} at {t:?}: the joints are 1 to 7")]
+    NoSuchJoint {
+        /// The refused joint.
+        joint: u8,
+        /// The time of the motion.
+        t: Duration,
+    },
+    /// More points than a message can count.
+    #[error("a joint trajectory holds at most {} points", u32::MAX)]
+    TooManyPoints,
+}
+
+impl From<mcap::McapError> for WriteError {
+    fn from(source: mcap::McapError) -> Self {
+        Self::Mcap { source }
+    }
+}
+
+/// Why a recording could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The stream failed.
+    #[error("reading failed after {offset} bytes")]
+    Io {
+        /// Bytes read so far.
+        offset: u64,
+        /// What the stream says.
+        #[source]
+        source: io::Error,
+    },
+    /// The file stops in the middle, as one does whose writer was killed.
+    #[error("the file is cut off: it ends after {offset} bytes and {messages} whole messages")]
+    Truncated {
+        /// The length of what there is.
+        offset: u64,
+        /// Messages read up to there.
+        messages: u64,
+    },
+    /// Not an MCAP file, or a damaged one.
+    #[error(
+        "not a sound MCAP file: damaged in its first {offset} bytes, after {messages} messages"
+    )]
+    Mcap {
+        /// Bytes read so far; the damage lies before.
+        offset: u64,
+        /// Messages read so far.
+        messages: u64,
+        /// What the container says.
+        #[source]
+        source: mcap::McapError,
+    },
+    /// A topic of a recording that carries something else.
+    #[error("{topic} carries {found}, expected {expected}")]
+    WrongType {
+        /// The topic.
+        topic: Topic,
+        /// Type and encodings that a recording has there.
+        expected: String,
+        /// Type and encodings in the file.
+        found: String,
+    },
+    /// A message that does not decode.
+    #[error("{topic} at {t_s} s: {what}")]
+    Message {
+        /// The topic.
+        topic: Topic,
+        /// Log time since the first message, s.
+        t_s: f64,
+        /// What does not fit.
+        what: String,
+    },
+    /// Joints with other names.
+    #[error("{topic} at {t_s} s: joint {index} is `{found}`, expected `{expected}`")]
+    JointName {
+        /// The topic.
+        topic: Topic,
+        /// Log time since the first message, s.
+        t_s: f64,
+        /// The place in the list, from 1.
+        index: usize,
+        /// The name that belongs there.
+        expected: &'static str,
+        /// The name that is there.
+        found: String,
+    },
+    /// A list that does not have one entry a joint.
+    #[error("{topic} at {t_s} s: {found} entries in `{field}`, expected 7")]
+    JointCount {
+        /// The topic.
+        topic: Topic,
+        /// Log time since the first message, s.
+        t_s: f64,
+        /// The field of the message.
+        field: &'static str,
+        /// How many entries it has.
+        found: usize,
+    },
+    /// A second message where a recording has one.
+    #[error("{topic} at {t_s} s: a second message, expected one in the file")]
+    Repeated {
+        /// The topic.
+        topic: Topic,
+        /// Time since the first message, s.
+        t_s: f64,
+    },
+}

@@ -1,0 +1,406 @@
+//! Reading a recording, one entry after the other.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::{ErrorKind, Read};
+use std::sync::Arc;
+use std::time::Duration;
+
+use mcap::McapError;
+use mcap::records::{Record, op};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use serde::Deserialize;
+
+use crate::error::ReadError;
+use crate::ros::{
+    JointState, JointTrajectory, Joints, Motion as MotionMessage, Names, PoseStamped, Text, Time,
+};
+use crate::{
+    Attachment, JOINT_NAMES, JointSample, Motion, MotionSample, PoseSample, Topic, TrajectoryPoint,
+    cdr,
+};
+
+/// No record or chunk may be longer: 512 MiB, a trajectory of 2.6 million points. It keeps a
+/// damaged length from asking for more memory than there is.
+const RECORD_LIMIT_BYTES: usize = 512 * 1024 * 1024;
+
+/// The least and the most to ask of the stream at once, bytes.
+const READ_BYTES: std::ops::RangeInclusive<usize> = 64 * 1024..=1024 * 1024;
+
+/// One entry of a recording. Times are in s since the [epoch](Reader::epoch).
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Entry {
+    /// A message of `/joint_states`.
+    JointState(JointSample),
+    /// A message of `/tcp_pose`.
+    TcpPose(PoseSample),
+    /// A message of `/motion`.
+    Motion(MotionSample),
+    /// A message of `/joint_trajectory`.
+    Trajectory {
+        /// The start of the trajectory, s.
+        t_s: f64,
+        /// Its nodes.
+        points: Vec<TrajectoryPoint>,
+    },
+    /// A message of `/robot_description`.
+    RobotDescription {
+        /// When it was published, s.
+        t_s: f64,
+        /// The robot.
+        urdf: String,
+    },
+    /// An attachment.
+    Attachment(Attachment),
+    /// A metadata record.
+    Metadata {
+        /// Name of the record.
+        name: String,
+        /// Its keys and values.
+        entries: BTreeMap<String, String>,
+    },
+}
+
+/// Reads a recording from a stream in one pass, holding a chunk at a time.
+///
+/// An iterator over the entries in the order of the file; it ends after the first error. Topics
+/// other than those of [`Topic`] are passed over, and so is `/tf`, which follows from the joint
+/// positions. All checksums of the file are checked.
+pub struct Reader<R> {
+    stream: R,
+    mcap: LinearReader,
+    schemas: BTreeMap<u16, (String, String)>,
+    channels: BTreeMap<u16, Option<Topic>>,
+    epoch_ns: Option<u64>,
+    frame_id: Arc<str>,
+    offset: u64,
+    messages: u64,
+    done: bool,
+}
+
+impl<R> std::fmt::Debug for Reader<R> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Reader")
+            .field("channels", &self.channels)
+            .field("epoch_ns", &self.epoch_ns)
+            .field("offset", &self.offset)
+            .field("messages", &self.messages)
+            .field("done", &self.done)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<R: Read> Reader<R> {
+    /// Begins to read at the current position of `stream`. Buffering it is not needed.
+    pub fn new(stream: R) -> Self {
+        let options = LinearReaderOptions::default()
+            .with_prevalidate_chunk_crcs(true)
+            .with_validate_data_section_crc(true)
+            .with_validate_summary_section_crc(true)
+            .with_check_finishes_after_end_magic(true)
+            .with_record_length_limit(RECORD_LIMIT_BYTES);
+        Self {
+            stream,
+            mcap: LinearReader::new_with_options(options),
+            schemas: BTreeMap::new(),
+            channels: BTreeMap::new(),
+            epoch_ns: None,
+            frame_id: Arc::from(""),
+            offset: 0,
+            messages: 0,
+            done: false,
+        }
+    }
+
+    /// The instant of `t_s` = 0 as the time since 1970-01-01T00:00:00Z: the log time of the first
+    /// message. `None` before there was one.
+    #[must_use]
+    pub fn epoch(&self) -> Option<Duration> {
+        self.epoch_ns.map(Duration::from_nanos)
+    }
+
+    /// Reads up to the next entry.
+    fn advance(&mut self) -> Result<Option<Entry>, ReadError> {
+        loop {
+            let need = match self.mcap.next_event() {
+                None => return Ok(None),
+                Some(Err(source)) => return Err(broken(self.offset, self.messages, source)),
+                Some(Ok(LinearReadEvent::ReadRequest(need))) => need,
+                Some(Ok(LinearReadEvent::Record { data, opcode })) => {
+                    let record = parse(opcode, data)
+                        .map_err(|source| broken(self.offset, self.messages, source))?;
+                    let Some(record) = record else { continue };
+                    let mut content = Content {
+                        schemas: &mut self.schemas,
+                        channels: &mut self.channels,
+                        epoch_ns: &mut self.epoch_ns,
+                        frame_id: &mut self.frame_id,
+                        offset: self.offset,
+                        messages: &mut self.messages,
+                    };
+                    match content.take(record)? {
+                        None => continue,
+                        entry => return Ok(entry),
+                    }
+                }
+            };
+            let room = self.mcap.insert(need.clamp(*READ_BYTES.start(), *READ_BYTES.end()));
+            let read = loop {
+                match self.stream.read(room) {
+                    Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                    Err(source) => return Err(ReadError::Io { offset: self.offset, source }),
+                    Ok(read) => break read,
+                }
+            };
+            self.mcap.notify_read(read);
+            self.offset += read as u64;
+        }
+    }
+}
+
+impl<R: Read> Iterator for Reader<R> {
+    type Item = Result<Entry, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.done {
+            return None;
+        }
+        let entry = self.advance().transpose();
+        self.done = !matches!(entry, Some(Ok(_)));
+        entry
+    }
+}
+
+fn broken(offset: u64, messages: u64, source: McapError) -> ReadError {
+    match source {
+        McapError::UnexpectedEof => ReadError::Truncated { offset, messages },
+        source => ReadError::Mcap { offset, messages, source },
+    }
+}
+
+/// Parses the records that a recording is made of, and passes over the others.
+fn parse(opcode: u8, data: &[u8]) -> Result<Option<Record<'_>>, McapError> {
+    match opcode {
+        op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA => {}
+        op::ATTACHMENT if attachment_is_whole(data) => {}
+        op::ATTACHMENT => {
+            let available = data.len() as u64;
+            return Err(McapError::BadAttachmentLength { header: available, available });
+        }
+        _ => return Ok(None),
+    }
+    mcap::parse_record(opcode, data).map(Some)
+}
+
+/// Whether there is room for what the lengths in an attachment say. The parser counts on it.
+fn attachment_is_whole(data: &[u8]) -> bool {
+    fn rest(data: &[u8]) -> Option<&[u8]> {
+        let mut rest = data.get(16..)?;
+        for _ in 0..2 {
+            let (len, tail) = rest.split_first_chunk()?;
+            rest = tail.get(usize::try_from(u32::from_le_bytes(*len)).ok()?..)?;
+        }
+        let (len, tail) = rest.split_first_chunk()?;
+        let len = usize::try_from(u64::from_le_bytes(*len)).ok()?;
+        tail.get(len.checked_add(4)?..)?;
+        Some(tail)
+    }
+    rest(data).is_some()
+}
+
+/// The reader's knowledge of the file, apart from the container that lends the records.
+struct Content<'a> {
+    schemas: &'a mut BTreeMap<u16, (String, String)>,
+    channels: &'a mut BTreeMap<u16, Option<Topic>>,
+    epoch_ns: &'a mut Option<u64>,
+    frame_id: &'a mut Arc<str>,
+    offset: u64,
+    messages: &'a mut u64,
+}
+
+impl Content<'_> {
+    fn take(&mut self, record: Record<'_>) -> Result<Option<Entry>, ReadError> {
+        match record {
+            Record::Schema { header, .. } => {
+                self.schemas.insert(header.id, (header.name, header.encoding));
+                Ok(None)
+            }
+            Record::Channel(channel) => {
+                let topic = Topic::from_name(&channel.topic);
+                if let Some(topic) = topic {
+                    self.check_type(topic, &channel)?;
+                }
+                self.channels.insert(channel.id, topic);
+                Ok(None)
+            }
+            Record::Message { header, data } => {
+                let epoch_ns = *self.epoch_ns.get_or_insert(header.log_time);
+                let topic = *self.channels.get(&header.channel_id).ok_or_else(|| {
+                    let source = McapError::UnknownChannel(header.sequence, header.channel_id);
+                    broken(self.offset, *self.messages, source)
+                })?;
+                *self.messages += 1;
+                let Some(topic) = topic else { return Ok(None) };
+                let body = Body { topic, epoch_ns, log_ns: header.log_time, bytes: &data };
+                self.message(&body)
+            }
+            Record::Attachment { header, data, .. } => Ok(Some(Entry::Attachment(Attachment {
+                name: header.name,
+                media_type: header.media_type,
+                bytes: data.into_owned(),
+            }))),
+            Record::Metadata(metadata) => {
+                Ok(Some(Entry::Metadata { name: metadata.name, entries: metadata.metadata }))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    fn check_type(&self, topic: Topic, channel: &mcap::records::Channel) -> Result<(), ReadError> {
+        let expected = (topic.type_name(), "ros2msg", "cdr");
+        let (name, schema_encoding) = self
+            .schemas
+            .get(&channel.schema_id)
+            .map_or(("nothing", "no schema"), |(name, encoding)| (name, encoding));
+        let found = (name, schema_encoding, channel.message_encoding.as_str());
+        if found == expected {
+            return Ok(());
+        }
+        let show =
+            |(name, schema, message): (&str, &str, &str)| format!("{name} ({message}, {schema})");
+        Err(ReadError::WrongType { topic, expected: show(expected), found: show(found) })
+    }
+
+    fn message(&mut self, body: &Body<'_>) -> Result<Option<Entry>, ReadError> {
+        Ok(Some(match body.topic {
+            Topic::Tf => return Ok(None),
+            Topic::JointStates => Entry::JointState(body.joint_state()?),
+            Topic::TcpPose => {
+                let message: PoseStamped<'_> = body.decode()?;
+                if **self.frame_id != *message.header.frame_id {
+                    *self.frame_id = Arc::from(message.header.frame_id.as_ref());
+                }
+                Entry::TcpPose(PoseSample {
+                    t_s: body.stamp_s(message.header.stamp)?,
+                    frame_id: Arc::clone(self.frame_id),
+                    position_m: message.position,
+                    rotation_xyzw: message.orientation,
+                })
+            }
+            Topic::Motion => Entry::Motion(body.motion()?),
+            Topic::JointTrajectory => body.trajectory()?,
+            Topic::RobotDescription => {
+                let text: Text<'_> = body.decode()?;
+                Entry::RobotDescription { t_s: body.t_s(), urdf: text.data.into_owned() }
+            }
+        }))
+    }
+}
+
+/// A message of a known topic, still encoded.
+struct Body<'a> {
+    topic: Topic,
+    epoch_ns: u64,
+    log_ns: u64,
+    bytes: &'a [u8],
+}
+
+impl<'a> Body<'a> {
+    fn decode<T: Deserialize<'a>>(&self) -> Result<T, ReadError> {
+        cdr::decode(self.bytes).map_err(|what| self.error(what))
+    }
+
+    fn joint_state(&self) -> Result<JointSample, ReadError> {
+        let message: JointState<'_> = self.decode()?;
+        self.check_names("name", message.name)?;
+        Ok(JointSample {
+            t_s: self.stamp_s(message.header.stamp)?,
+            q: self.seven("position", &message.position)?,
+            dq: self.seven("velocity", &message.velocity)?,
+        })
+    }
+
+    fn motion(&self) -> Result<MotionSample, ReadError> {
+        let message: MotionMessage<'_> = self.decode()?;
+        let limiting_joint = match message.limiting_joint {
+            0 => None,
+            1..=7 => u8::try_from(message.limiting_joint).ok(),
+            other => return Err(self.error(format!("limiting joint {other}, expected 0 to 7"))),
+        };
+        Ok(MotionSample {
+            t_s: self.stamp_s(message.header.stamp)?,
+            motion: Motion {
+                index: message.index,
+                kind: Cow::Owned(message.kind.into_owned()),
+                limiting_joint,
+                limiting_kind: Cow::Owned(message.limiting_kind.into_owned()),
+            },
+        })
+    }
+
+    fn trajectory(&self) -> Result<Entry, ReadError> {
+        let message: JointTrajectory<'_> = self.decode()?;
+        self.check_names("joint_names", message.joint_names)?;
+        let point = |(i, point): (usize, &crate::ros::JointTrajectoryPoint)| {
+            Ok(TrajectoryPoint {
+                time_from_start: point.time_from_start.to_duration().ok_or_else(|| {
+                    self.error(format!("point {i}: time {:?}", point.time_from_start))
+                })?,
+                positions: self.seven("positions", &point.positions)?,
+                velocities: self.seven("velocities", &point.velocities)?,
+                accelerations: self.seven("accelerations", &point.accelerations)?,
+            })
+        };
+        Ok(Entry::Trajectory {
+            t_s: self.stamp_s(message.header.stamp)?,
+            points: message.points.iter().enumerate().map(point).collect::<Result<_, _>>()?,
+        })
+    }
+
+    fn check_names(&self, field: &'static str, names: Names) -> Result<(), ReadError> {
+        let (topic, t_s) = (self.topic, self.t_s());
+        match names {
+            Names::Iiwa => Ok(()),
+            Names::Other { index, found } => Err(ReadError::JointName {
+                topic,
+                t_s,
+                index: index + 1,
+                expected: JOINT_NAMES.get(index).copied().unwrap_or_default(),
+                found,
+            }),
+            Names::Count(found) => Err(ReadError::JointCount { topic, t_s, field, found }),
+        }
+    }
+
+    fn seven(&self, field: &'static str, joints: &Joints) -> Result<[f64; 7], ReadError> {
+        joints.seven().ok_or(ReadError::JointCount {
+            topic: self.topic,
+            t_s: self.t_s(),
+            field,
+            found: joints.len,
+        })
+    }
+
+    /// A header's stamp, s since the epoch.
+    fn stamp_s(&self, stamp: Time) -> Result<f64, ReadError> {
+        let since_1970 =
+            stamp.to_duration().ok_or_else(|| self.error(format!("stamp {stamp:?}")))?;
+        Ok(self.since_epoch(since_1970))
+    }
+
+    /// The log time, s since the epoch.
+    fn t_s(&self) -> f64 {
+        self.since_epoch(Duration::from_nanos(self.log_ns))
+    }
+
+    fn since_epoch(&self, since_1970: Duration) -> f64 {
+        let epoch = Duration::from_nanos(self.epoch_ns);
+        let gap_s = since_1970.abs_diff(epoch).as_secs_f64();
+        if since_1970 < epoch { -gap_s } else { gap_s }
+    }
+
+    fn error(&self, what: String) -> ReadError {
+        ReadError::Message { topic: self.topic, t_s: self.t_s(), what }
+    }
+}

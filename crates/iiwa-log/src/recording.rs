@@ -1,0 +1,139 @@
+//! A recording in memory.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::error::ReadError;
+use crate::{Entry, Reader, Topic, TrajectoryPoint};
+
+/// The state of the seven joints at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointSample {
+    /// Time since the epoch, s.
+    pub t_s: f64,
+    /// Joint positions, rad.
+    pub q: [f64; 7],
+    /// Joint velocities, rad/s.
+    pub dq: [f64; 7],
+}
+
+/// The pose of the flange at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseSample {
+    /// Time since the epoch, s.
+    pub t_s: f64,
+    /// The frame that the pose is given in.
+    pub frame_id: Arc<str>,
+    /// The flange's origin, m.
+    pub position_m: [f64; 3],
+    /// The flange's rotation, unit quaternion x, y, z, w.
+    pub rotation_xyzw: [f64; 4],
+}
+
+/// A piece of the path, for the time at which it begins.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Motion<'a> {
+    /// The place in the program, from 1.
+    pub index: u32,
+    /// What it is: `line`, `blend`, `settle` or `wait`.
+    pub kind: Cow<'a, str>,
+    /// The joint whose limit bites first, 1 to 7.
+    pub limiting_joint: Option<u8>,
+    /// Which of its limits: `velocity`, `acceleration` or `jerk`; empty without a joint.
+    pub limiting_kind: Cow<'a, str>,
+}
+
+/// The start of a piece of the path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionSample {
+    /// Time since the epoch, s.
+    pub t_s: f64,
+    /// The piece that begins.
+    pub motion: Motion<'static>,
+}
+
+/// A file inside the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Attachment {
+    /// File name.
+    pub name: String,
+    /// Media type, such as `application/json`.
+    pub media_type: String,
+    /// Content.
+    pub bytes: Vec<u8>,
+}
+
+/// A whole recording in memory.
+///
+/// `/tf` is not read: it follows from the joint positions. For a file that should not be held in
+/// memory there is [`Reader`].
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Recording {
+    /// The stamp of the first message since 1970-01-01T00:00:00Z: the instant of `t_s` = 0.
+    pub epoch: Duration,
+    /// `/joint_states`, in the order of the file.
+    pub joint_states: Vec<JointSample>,
+    /// `/tcp_pose`, in the order of the file.
+    pub tcp_poses: Vec<PoseSample>,
+    /// `/motion`, in the order of the file.
+    pub motions: Vec<MotionSample>,
+    /// The nodes of `/joint_trajectory`; empty when there is none.
+    pub trajectory: Vec<TrajectoryPoint>,
+    /// `/robot_description`, a URDF.
+    pub robot_description: Option<String>,
+    /// Attachments, in the order of the file.
+    pub attachments: Vec<Attachment>,
+    /// Metadata records by name; a later record of a name replaces entries of an earlier one.
+    pub metadata: BTreeMap<String, BTreeMap<String, String>>,
+}
+
+impl Recording {
+    /// Reads a whole recording from the bytes of a file.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read).
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
+        Self::read(bytes)
+    }
+
+    /// Reads a whole recording from a stream.
+    ///
+    /// # Errors
+    ///
+    /// Any [`ReadError`]: a file that is cut off or damaged, a known topic with another type or
+    /// other joints, a second trajectory or robot description.
+    pub fn read<R: Read>(stream: R) -> Result<Self, ReadError> {
+        let mut reader = Reader::new(stream);
+        let mut recording = Self::default();
+        let mut has_trajectory = false;
+        for entry in reader.by_ref() {
+            match entry? {
+                Entry::JointState(sample) => recording.joint_states.push(sample),
+                Entry::TcpPose(sample) => recording.tcp_poses.push(sample),
+                Entry::Motion(sample) => recording.motions.push(sample),
+                Entry::Trajectory { t_s, points } => {
+                    if std::mem::replace(&mut has_trajectory, true) {
+                        return Err(ReadError::Repeated { topic: Topic::JointTrajectory, t_s });
+                    }
+                    recording.trajectory = points;
+                }
+                Entry::RobotDescription { t_s, urdf } => {
+                    if recording.robot_description.replace(urdf).is_some() {
+                        return Err(ReadError::Repeated { topic: Topic::RobotDescription, t_s });
+                    }
+                }
+                Entry::Attachment(attachment) => recording.attachments.push(attachment),
+                Entry::Metadata { name, entries } => {
+                    recording.metadata.entry(name).or_default().extend(entries);
+                }
+            }
+        }
+        recording.epoch = reader.epoch().unwrap_or_default();
+        Ok(recording)
+    }
+}

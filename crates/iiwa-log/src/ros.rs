@@ -1,0 +1,230 @@
+//! The ROS 2 messages of a recording as CDR sees them: fields in order, one type both ways.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::time::Duration;
+
+use serde::de::{DeserializeSeed, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::JOINT_NAMES;
+
+/// `builtin_interfaces/msg/Time`, and `Duration` with the same fields.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Time {
+    pub(crate) sec: i32,
+    pub(crate) nanosec: u32,
+}
+
+impl Time {
+    /// `None` past 2^31 - 1 seconds.
+    pub(crate) fn from_duration(duration: Duration) -> Option<Self> {
+        let sec = i32::try_from(duration.as_secs()).ok()?;
+        Some(Self { sec, nanosec: duration.subsec_nanos() })
+    }
+
+    /// `None` when negative or when the nanoseconds do not fit into a second.
+    pub(crate) fn to_duration(self) -> Option<Duration> {
+        let sec = u64::try_from(self.sec).ok()?;
+        (self.nanosec < 1_000_000_000).then(|| Duration::new(sec, self.nanosec))
+    }
+}
+
+/// `std_msgs/msg/Header`.
+#[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Header<'a> {
+    pub(crate) stamp: Time,
+    pub(crate) frame_id: Cow<'a, str>,
+}
+
+/// `std_msgs/msg/String`.
+#[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Text<'a> {
+    pub(crate) data: Cow<'a, str>,
+}
+
+/// `sensor_msgs/msg/JointState`.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct JointState<'a> {
+    pub(crate) header: Header<'a>,
+    pub(crate) name: Names,
+    pub(crate) position: Joints,
+    pub(crate) velocity: Joints,
+    pub(crate) effort: Joints,
+}
+
+/// `geometry_msgs/msg/PoseStamped`. Vectors and quaternions are runs of doubles on the wire.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct PoseStamped<'a> {
+    pub(crate) header: Header<'a>,
+    pub(crate) position: [f64; 3],
+    pub(crate) orientation: [f64; 4],
+}
+
+/// `geometry_msgs/msg/TransformStamped`.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct TransformStamped<'a> {
+    pub(crate) header: Header<'a>,
+    pub(crate) child_frame_id: Cow<'a, str>,
+    pub(crate) translation: [f64; 3],
+    pub(crate) rotation: [f64; 4],
+}
+
+/// `trajectory_msgs/msg/JointTrajectory`.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct JointTrajectory<'a> {
+    pub(crate) header: Header<'a>,
+    pub(crate) joint_names: Names,
+    pub(crate) points: Vec<JointTrajectoryPoint>,
+}
+
+/// `trajectory_msgs/msg/JointTrajectoryPoint`.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct JointTrajectoryPoint {
+    pub(crate) positions: Joints,
+    pub(crate) velocities: Joints,
+    pub(crate) accelerations: Joints,
+    pub(crate) effort: Joints,
+    pub(crate) time_from_start: Time,
+}
+
+/// `iiwasim_msgs/msg/Motion`.
+#[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Motion<'a> {
+    pub(crate) header: Header<'a>,
+    pub(crate) index: u32,
+    pub(crate) kind: Cow<'a, str>,
+    pub(crate) limiting_joint: u32,
+    pub(crate) limiting_kind: Cow<'a, str>,
+}
+
+/// A `float64[]` that should have one value a joint. Keeps the length that was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Joints {
+    pub(crate) len: usize,
+    values: [f64; 7],
+}
+
+impl Joints {
+    pub(crate) const EMPTY: Self = Self { len: 0, values: [0.0; 7] };
+
+    pub(crate) fn seven(&self) -> Option<[f64; 7]> {
+        (self.len == self.values.len()).then_some(self.values)
+    }
+}
+
+impl From<[f64; 7]> for Joints {
+    fn from(values: [f64; 7]) -> Self {
+        Self { len: values.len(), values }
+    }
+}
+
+impl Serialize for Joints {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.values[..self.len.min(self.values.len())].serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Joints {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Values;
+
+        impl<'de> Visitor<'de> for Values {
+            type Value = Joints;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a sequence of doubles")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Joints, A::Error> {
+                let mut joints = Joints::EMPTY;
+                while let Some(value) = seq.next_element()? {
+                    if let Some(slot) = joints.values.get_mut(joints.len) {
+                        *slot = value;
+                    }
+                    joints.len += 1;
+                }
+                Ok(joints)
+            }
+        }
+
+        deserializer.deserialize_seq(Values)
+    }
+}
+
+/// A `string[]` that should be [`JOINT_NAMES`]. Keeps the first difference that was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Names {
+    /// The seven names of the iiwa, in order.
+    Iiwa,
+    /// The name at `index` is another one.
+    Other { index: usize, found: String },
+    /// More or fewer than seven names, the common ones right.
+    Count(usize),
+}
+
+impl Serialize for Names {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(JOINT_NAMES)
+    }
+}
+
+impl<'de> Deserialize<'de> for Names {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct List;
+
+        impl<'de> Visitor<'de> for List {
+            type Value = Names;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a sequence of joint names")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Names, A::Error> {
+                let mut count = 0;
+                let mut names = Names::Iiwa;
+                while let Some(found) =
+                    seq.next_element_seed(Name(JOINT_NAMES.get(count).copied()))?
+                {
+                    if let (Names::Iiwa, Some(found)) = (&names, found) {
+                        names = Names::Other { index: count, found };
+                    }
+                    count += 1;
+                }
+                Ok(if names == Names::Iiwa && count != JOINT_NAMES.len() {
+                    Names::Count(count)
+                } else {
+                    names
+                })
+            }
+        }
+
+        deserializer.deserialize_seq(List)
+    }
+}
+
+/// Reads one name and gives it back only if it is not the expected one.
+struct Name(Option<&'static str>);
+
+impl<'de> DeserializeSeed<'de> for Name {
+    type Value = Option<String>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_str(self)
+    }
+}
+
+impl Visitor<'_> for Name {
+    type Value = Option<String>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a joint name")
+    }
+
+    fn visit_str<E>(self, found: &str) -> Result<Self::Value, E> {
+        Ok(match self.0 {
+            Some(expected) if expected != found => Some(found.to_owned()),
+            _ => None,
+        })
+    }
+}

@@ -1,0 +1,346 @@
+//! Writing a recording.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::{Seek, Write};
+use std::time::Duration;
+
+use mcap::records::MessageHeader;
+use serde::{Serialize, Serializer};
+
+use crate::error::WriteError;
+use crate::ros::{
+    Header, JointState, Joints, Motion as MotionMessage, Names, PoseStamped, Text, Time,
+    TransformStamped,
+};
+use crate::{Motion, Topic, TrajectoryMessage, cdr};
+
+/// 2020-01-01T00:00:00Z as the time since 1970-01-01T00:00:00Z (Unix time 1 577 836 800 s).
+///
+/// A fixed instant, so that the same program gives the same bytes, and late enough for viewers
+/// that take early stamps for durations.
+#[expect(clippy::duration_suboptimal_units, reason = "Unix time is in seconds")]
+pub const DEFAULT_EPOCH: Duration = Duration::from_secs(1_577_836_800);
+
+/// Bytes of a chunk before compression. The writer holds a chunk's index, never its messages.
+const CHUNK_BYTES: u64 = 1024 * 1024;
+
+/// The fastest of the levels that zstd counts upwards; joint values hardly compress further.
+const ZSTD_LEVEL: u32 = 1;
+
+/// What a recording is written with.
+#[derive(Clone, Debug)]
+pub struct Config {
+    /// The instant of `t` = 0, as the time since 1970-01-01T00:00:00Z.
+    pub epoch: Duration,
+    /// The name of the writing program, as it stands in the file's header.
+    pub library: String,
+}
+
+impl Default for Config {
+    /// [`DEFAULT_EPOCH`] and this crate's name and version.
+    fn default() -> Self {
+        Self {
+            epoch: DEFAULT_EPOCH,
+            library: concat!(env!("CARGO_PKG_NAME"), "/", env!("CARGO_PKG_VERSION")).to_owned(),
+        }
+    }
+}
+
+/// The pose of one coordinate frame in another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame<'a> {
+    /// The frame that the pose is given in.
+    pub parent: &'a str,
+    /// The frame whose pose it is.
+    pub child: &'a str,
+    /// The origin of `child` in `parent`, m.
+    pub translation_m: [f64; 3],
+    /// The rotation from `child` to `parent`, unit quaternion x, y, z, w.
+    pub rotation_xyzw: [f64; 4],
+}
+
+/// Writes a recording into a stream, in one pass.
+///
+/// Every method takes the time `t` since the start of the motion and stamps its message with
+/// [`Config::epoch`] + `t`, as header stamp, log time and publish time alike. Within a topic the
+/// times must increase; between topics they may come in any order, and viewers are fastest when
+/// they come in the order of time.
+///
+/// Memory stays at a few megabytes: what grows with the length is an index entry of some 200
+/// bytes a chunk, that is for every megabyte of messages.
+///
+/// The bytes depend on the calls and on [`Config`] alone. Call [`finish`](Self::finish): a writer
+/// that is dropped ends the file as well, but nobody hears of errors.
+pub struct Writer<W: Write + Seek> {
+    mcap: mcap::Writer<W>,
+    epoch: Duration,
+    epoch_ns: u64,
+    channels: [Channel; Topic::ALL.len()],
+    buffer: Vec<u8>,
+}
+
+/// What a topic has seen so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Channel {
+    open: bool,
+    sequence: u32,
+    last: Option<Duration>,
+}
+
+impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Writer")
+            .field("epoch", &self.epoch)
+            .field("channels", &self.channels)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<W: Write + Seek> Writer<W> {
+    /// Begins a recording in an empty stream. Over old content the file would not come out right:
+    /// the container goes on at the end of the stream after every chunk.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::EpochOutOfRange`] for an epoch past 2038, [`WriteError::Mcap`] when the
+    /// stream refuses.
+    pub fn new(stream: W, config: Config) -> Result<Self, WriteError> {
+        let Config { epoch, library } = config;
+        let epoch_ns = Time::from_duration(epoch)
+            .and_then(|_| u64::try_from(epoch.as_nanos()).ok())
+            .ok_or(WriteError::EpochOutOfRange { epoch })?;
+        // The number of threads would otherwise follow the machine, and the bytes with it.
+        let mcap = mcap::WriteOptions::new()
+            .profile("ros2")
+            .library(library)
+            .compression(Some(mcap::Compression::Zstd))
+            .compression_level(ZSTD_LEVEL)
+            .compression_threads(0)
+            .chunk_size(Some(CHUNK_BYTES))
+            .create(stream)?;
+        let channels = [Channel::default(); Topic::ALL.len()];
+        Ok(Self { mcap, epoch, epoch_ns, channels, buffer: Vec::new() })
+    }
+
+    /// Writes positions (rad) and velocities (rad/s) of the seven joints to `/joint_states`.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::NotIncreasing`], [`WriteError::StampOutOfRange`] or [`WriteError::Mcap`].
+    pub fn joint_state(
+        &mut self,
+        t: Duration,
+        positions: &[f64; 7],
+        velocities: &[f64; 7],
+    ) -> Result<(), WriteError> {
+        let topic = Topic::JointStates;
+        let header = Header { stamp: self.stamp(topic, t)?, frame_id: "".into() };
+        let message = JointState {
+            header,
+            name: Names::Iiwa,
+            position: Joints::from(*positions),
+            velocity: Joints::from(*velocities),
+            effort: Joints::EMPTY,
+        };
+        self.encode_and_write(topic, t, &message)
+    }
+
+    /// Writes the poses of all `frames` as one message to `/tf`.
+    ///
+    /// # Errors
+    ///
+    /// As [`joint_state`](Self::joint_state).
+    pub fn transforms(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<(), WriteError> {
+        let topic = Topic::Tf;
+        let message = Transforms { stamp: self.stamp(topic, t)?, frames };
+        self.encode_and_write(topic, t, &message)
+    }
+
+    /// Writes the pose of the flange in `frame_id` to `/tcp_pose`: position in m, rotation as a
+    /// unit quaternion x, y, z, w.
+    ///
+    /// # Errors
+    ///
+    /// As [`joint_state`](Self::joint_state).
+    pub fn tcp_pose(
+        &mut self,
+        t: Duration,
+        frame_id: &str,
+        position_m: [f64; 3],
+        rotation_xyzw: [f64; 4],
+    ) -> Result<(), WriteError> {
+        let topic = Topic::TcpPose;
+        let header = Header { stamp: self.stamp(topic, t)?, frame_id: frame_id.into() };
+        let message = PoseStamped { header, position: position_m, orientation: rotation_xyzw };
+        self.encode_and_write(topic, t, &message)
+    }
+
+    /// Writes the robot's URDF to `/robot_description`.
+    ///
+    /// # Errors
+    ///
+    /// As [`joint_state`](Self::joint_state).
+    pub fn robot_description(&mut self, t: Duration, urdf: &str) -> Result<(), WriteError> {
+        let message = Text { data: urdf.into() };
+        self.encode_and_write(Topic::RobotDescription, t, &message)
+    }
+
+    /// Writes a whole trajectory that starts at `t` to `/joint_trajectory`.
+    ///
+    /// # Errors
+    ///
+    /// As [`joint_state`](Self::joint_state).
+    pub fn joint_trajectory(
+        &mut self,
+        t: Duration,
+        message: TrajectoryMessage,
+    ) -> Result<(), WriteError> {
+        let topic = Topic::JointTrajectory;
+        let stamp = self.stamp(topic, t)?;
+        let bytes = message.stamped(stamp);
+        // A reader unpacks a chunk as a whole: nothing else belongs into one with a giant.
+        let alone = bytes.len() as u64 > CHUNK_BYTES;
+        if alone {
+            self.mcap.flush()?;
+        }
+        self.write(topic, t, &bytes)?;
+        if alone {
+            self.mcap.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Writes the start of a piece of the path to `/motion`.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::NoSuchJoint`] for a limiting joint other than 1 to 7, and as
+    /// [`joint_state`](Self::joint_state).
+    pub fn motion(&mut self, t: Duration, motion: &Motion<'_>) -> Result<(), WriteError> {
+        let topic = Topic::Motion;
+        if let Some(joint) = motion.limiting_joint.filter(|joint| !(1..=7).contains(joint)) {
+            return Err(WriteError::NoSuchJoint { joint, t });
+        }
+        let message = MotionMessage {
+            header: Header { stamp: self.stamp(topic, t)?, frame_id: "".into() },
+            index: motion.index,
+            kind: Cow::Borrowed(&motion.kind),
+            limiting_joint: motion.limiting_joint.map_or(0, u32::from),
+            limiting_kind: Cow::Borrowed(&motion.limiting_kind),
+        };
+        self.encode_and_write(topic, t, &message)
+    }
+
+    /// Attaches a file, dated at the epoch. Ends the current chunk, so attach before or after the
+    /// messages rather than between them.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::Mcap`].
+    pub fn attach(&mut self, name: &str, media_type: &str, bytes: &[u8]) -> Result<(), WriteError> {
+        self.mcap.attach(&mcap::Attachment {
+            log_time: self.epoch_ns,
+            create_time: self.epoch_ns,
+            name: name.to_owned(),
+            media_type: media_type.to_owned(),
+            data: Cow::Borrowed(bytes),
+        })?;
+        Ok(())
+    }
+
+    /// Writes a metadata record. Ends the current chunk, like [`attach`](Self::attach).
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::Mcap`].
+    pub fn metadata(
+        &mut self,
+        name: &str,
+        entries: &BTreeMap<String, String>,
+    ) -> Result<(), WriteError> {
+        self.mcap.write_metadata(&mcap::records::Metadata {
+            name: name.to_owned(),
+            metadata: entries.clone(),
+        })?;
+        Ok(())
+    }
+
+    /// Writes the summary, flushes and gives the stream back.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::Mcap`].
+    pub fn finish(mut self) -> Result<W, WriteError> {
+        self.mcap.finish()?;
+        Ok(self.mcap.into_inner())
+    }
+
+    /// The instant of `t` as a message carries it.
+    fn stamp(&self, topic: Topic, t: Duration) -> Result<Time, WriteError> {
+        self.epoch.checked_add(t).and_then(Time::from_duration).ok_or(WriteError::StampOutOfRange {
+            topic,
+            t,
+            epoch: self.epoch,
+        })
+    }
+
+    fn encode_and_write<T: Serialize>(
+        &mut self,
+        topic: Topic,
+        t: Duration,
+        message: &T,
+    ) -> Result<(), WriteError> {
+        let mut buffer = std::mem::take(&mut self.buffer);
+        let result = cdr::encode(&mut buffer, message)
+            .map_err(|source| WriteError::Encode { topic, source })
+            .and_then(|()| self.write(topic, t, &buffer));
+        self.buffer = buffer;
+        result
+    }
+
+    fn write(&mut self, topic: Topic, t: Duration, bytes: &[u8]) -> Result<(), WriteError> {
+        let out_of_range = || WriteError::StampOutOfRange { topic, t, epoch: self.epoch };
+        let stamp = self.stamp(topic, t)?.to_duration().ok_or_else(out_of_range)?;
+        let time = u64::try_from(stamp.as_nanos()).map_err(|_| out_of_range())?;
+
+        let place = topic as usize;
+        let channel = self.channels[place];
+        if let Some(previous) = channel.last.filter(|last| t <= *last) {
+            return Err(WriteError::NotIncreasing { topic, t, previous });
+        }
+        // Numbers fixed by the topic, so that they do not follow the order of the calls.
+        #[expect(clippy::cast_possible_truncation, reason = "six topics")]
+        let id = place as u16 + 1;
+        if !channel.open {
+            let schema = topic.schema();
+            self.mcap.add_schema_with_id(id, topic.type_name(), "ros2msg", schema.as_bytes())?;
+            let qos = topic.offered_qos_profiles().to_owned();
+            let metadata = BTreeMap::from([("offered_qos_profiles".to_owned(), qos)]);
+            self.mcap.add_channel_with_id(id, id, topic.name(), "cdr", &metadata)?;
+        }
+        let sequence = channel.sequence;
+        let header = MessageHeader { channel_id: id, sequence, log_time: time, publish_time: time };
+        self.mcap.write_to_known_channel(&header, bytes)?;
+        self.channels[place] =
+            Channel { open: true, sequence: sequence.wrapping_add(1), last: Some(t) };
+        Ok(())
+    }
+}
+
+/// `tf2_msgs/msg/TFMessage`, made of borrowed frames.
+struct Transforms<'a> {
+    stamp: Time,
+    frames: &'a [Frame<'a>],
+}
+
+impl Serialize for Transforms<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.frames.iter().map(|frame| TransformStamped {
+            header: Header { stamp: self.stamp, frame_id: frame.parent.into() },
+            child_frame_id: frame.child.into(),
+            translation: frame.translation_m,
+            rotation: frame.rotation_xyzw,
+        }))
+    }
+}

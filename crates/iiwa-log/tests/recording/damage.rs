@@ -1,0 +1,203 @@
+//! Files that are cut off, damaged or not of this robot give errors that say so.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::sync::Arc;
+
+use crate::sample::sample;
+use iiwa_log::{DEFAULT_EPOCH, JOINT_NAMES, ReadError, Recording, Topic};
+use mcap::{Channel, Message, Schema, WriteOptions};
+
+/// A file with one message, of this schema and content.
+fn foreign(topic: Topic, type_name: &str, encoding: &str, data: &[u8]) -> Vec<u8> {
+    let schema = Schema {
+        id: 1,
+        name: type_name.into(),
+        encoding: "ros2msg".into(),
+        data: Cow::Owned(topic.schema().into_bytes()),
+    };
+    let channel = Channel {
+        id: 1,
+        topic: topic.name().into(),
+        schema: Some(Arc::new(schema)),
+        message_encoding: encoding.into(),
+        metadata: BTreeMap::new(),
+    };
+    let mut writer = WriteOptions::new().create(Cursor::new(Vec::new())).unwrap();
+    let time = u64::try_from(DEFAULT_EPOCH.as_nanos()).unwrap();
+    writer
+        .write(&Message {
+            channel: Arc::new(channel),
+            sequence: 0,
+            log_time: time,
+            publish_time: time,
+            data: Cow::Borrowed(data),
+        })
+        .unwrap();
+    writer.finish().unwrap();
+    writer.into_inner().into_inner()
+}
+
+/// A CDR body, field by field.
+#[derive(Default)]
+struct Body(Vec<u8>);
+
+impl Body {
+    fn word(mut self, value: u32) -> Self {
+        self.0.resize(self.0.len().next_multiple_of(4), 0);
+        self.0.extend(value.to_le_bytes());
+        self
+    }
+
+    fn text(self, text: &str) -> Self {
+        let mut body = self.word(u32::try_from(text.len()).unwrap() + 1);
+        body.0.extend(text.as_bytes());
+        body.0.push(0);
+        body
+    }
+
+    fn doubles(self, values: &[f64]) -> Self {
+        let mut body = self.word(u32::try_from(values.len()).unwrap());
+        for value in values {
+            body.0.resize(body.0.len().next_multiple_of(8), 0);
+            body.0.extend(value.to_le_bytes());
+        }
+        body
+    }
+
+    fn header(sec: u32, nanosec: u32) -> Self {
+        Self::default().word(sec).word(nanosec).text("")
+    }
+
+    fn finish(self) -> Vec<u8> {
+        [&[0, 1, 0, 0], &*self.0].concat()
+    }
+}
+
+fn joint_state(names: &[&str], positions: &[f64], velocities: &[f64]) -> Vec<u8> {
+    let mut body = Body::header(1_577_836_800, 0).word(u32::try_from(names.len()).unwrap());
+    for name in names {
+        body = body.text(name);
+    }
+    body.doubles(positions).doubles(velocities).doubles(&[]).finish()
+}
+
+fn read_joint_state(data: &[u8]) -> Result<Recording, ReadError> {
+    let topic = Topic::JointStates;
+    Recording::from_bytes(&foreign(topic, topic.type_name(), "cdr", data))
+}
+
+#[test]
+fn a_foreign_writer_is_understood() {
+    let recording = read_joint_state(&joint_state(&JOINT_NAMES, &[0.5; 7], &[0.25; 7])).unwrap();
+    assert_eq!(recording.joint_states[0].q, [0.5; 7]);
+    assert_eq!(recording.joint_states[0].dq, [0.25; 7]);
+}
+
+#[test]
+fn other_joints_are_named() {
+    let mut names = JOINT_NAMES;
+    names[2] = "lbr_A3";
+    let error = read_joint_state(&joint_state(&names, &[0.0; 7], &[0.0; 7])).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "/joint_states at 0 s: joint 3 is `lbr_A3`, expected `iiwa_joint_3`"
+    );
+
+    let error =
+        read_joint_state(&joint_state(&JOINT_NAMES[..6], &[0.0; 6], &[0.0; 6])).unwrap_err();
+    assert_eq!(error.to_string(), "/joint_states at 0 s: 6 entries in `name`, expected 7");
+}
+
+#[test]
+fn wrong_lengths_name_the_field() {
+    let cases = [(8, 7, "8 entries in `position`"), (7, 0, "0 entries in `velocity`")];
+    for (positions, velocities, expected) in cases {
+        let values = [0.0; 8];
+        let data = joint_state(&JOINT_NAMES, &values[..positions], &values[..velocities]);
+        let error = read_joint_state(&data).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn messages_that_do_not_decode() {
+    let good = joint_state(&JOINT_NAMES, &[0.0; 7], &[0.0; 7]);
+    for len in 0..good.len() {
+        let error = read_joint_state(&good[..len]).unwrap_err();
+        assert!(matches!(error, ReadError::Message { .. }), "{len}: {error}");
+    }
+    let mut big_endian = good.clone();
+    big_endian[1] = 0;
+    let error = read_joint_state(&big_endian).unwrap_err().to_string();
+    assert!(error.contains("representation 00 00"), "{error}");
+    let longer = [&*good, &[0; 16]].concat();
+    let error = read_joint_state(&longer).unwrap_err().to_string();
+    assert!(error.contains("16 bytes left over"), "{error}");
+    // A count that no memory could hold.
+    let data = Body::header(0, 0).word(u32::MAX).finish();
+    assert!(matches!(read_joint_state(&data), Err(ReadError::Message { .. })));
+    // A stamp that is not one.
+    let mut stamp = good;
+    stamp[8..12].copy_from_slice(&u32::MAX.to_le_bytes());
+    let error = read_joint_state(&stamp).unwrap_err().to_string();
+    assert!(error.contains("stamp Time"), "{error}");
+}
+
+#[test]
+fn other_types_are_refused() {
+    let topic = Topic::JointStates;
+    let data = joint_state(&JOINT_NAMES, &[0.0; 7], &[0.0; 7]);
+    let file = foreign(topic, "std_msgs/msg/String", "cdr", &data);
+    let error = Recording::from_bytes(&file).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "/joint_states carries std_msgs/msg/String (cdr, ros2msg), \
+         expected sensor_msgs/msg/JointState (cdr, ros2msg)"
+    );
+    let file = foreign(topic, topic.type_name(), "json", &data);
+    assert!(matches!(Recording::from_bytes(&file), Err(ReadError::WrongType { .. })));
+}
+
+#[test]
+fn cut_off_files_are_errors() {
+    let file = sample();
+    let most = mcap::MessageStream::new(&file).unwrap().count() as u64;
+    for len in (0..file.len()).step_by(97).chain([file.len() - 1]) {
+        let error = Recording::from_bytes(&file[..len]).unwrap_err();
+        assert!(
+            matches!(error, ReadError::Truncated { offset, messages }
+                if offset == len as u64 && messages <= most),
+            "{len}: {error}"
+        );
+    }
+}
+
+#[test]
+fn damaged_bytes_never_panic() {
+    let file = sample();
+    let whole = Recording::from_bytes(&file).unwrap();
+    let mut survivors = 0;
+    for at in (0..file.len()).step_by(89).chain(0..120).chain(file.len() - 240..file.len()) {
+        for flip in [0x01, 0x80, 0xff] {
+            let mut bytes = file.clone();
+            bytes[at] ^= flip;
+            // The header's library and summary offsets may change without harm to the content.
+            if let Ok(recording) = Recording::from_bytes(&bytes) {
+                assert_eq!(recording, whole, "byte {at} went unnoticed");
+                survivors += 1;
+            }
+        }
+    }
+    assert!(survivors < 40, "{survivors} flips went unnoticed");
+}
+
+#[test]
+fn other_files_are_not_recordings() {
+    for bytes in [&b""[..], b"{\"version\": 1}", &[0; 4096]] {
+        assert!(Recording::from_bytes(bytes).is_err());
+    }
+    let file = [sample(), vec![0]].concat();
+    assert!(matches!(Recording::from_bytes(&file), Err(ReadError::Mcap { .. })));
+}

@@ -1,0 +1,11 @@
+//! Recordings from the outside: written, read back, and damaged.
+
+#![expect(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a failed test is a panic, and what is read back is what was written, bit by bit"
+)]
+
+mod damage;
+mod round_trip;
+mod sample;
