@@ -1,1 +1,12 @@
-//! placeholder
+//! What the benches share: what they are run on, and the peers that they are held against.
+
+pub mod dh_product;
+pub mod joints;
+pub mod long_program;
+pub mod machine;
+pub mod reference;
+pub mod topp_ra;
+pub mod urdf_chain;
+
+/// Anything that keeps a bench from running.
+pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;

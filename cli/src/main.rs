@@ -1,2 +1,42 @@
-//! placeholder
-fn main() {}
+//! `iiwasim`: which path will the arm take through a motion program, and how long will it take?
+//!
+//! Results go to standard output, everything else to standard error. This file alone decides on the
+//! exit code: 0 done; 1 it failed while running; 2 wrong usage or invalid input; 3 done, but a gate
+//! was not met.
+
+mod args;
+mod commands;
+mod failure;
+mod figures;
+mod input;
+mod output;
+mod picture;
+mod table;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Arguments, Command};
+use failure::Failure;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match arguments.command {
+        Command::Plan(options) => commands::plan::run(&options),
+        Command::Fk(options) => commands::fk::run(&options),
+        Command::Robot(options) => commands::robot::run(&options),
+        Command::Schema(options) => commands::schema::run(&options),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.report();
+            ExitCode::from(match failure {
+                Failure::Run { .. } => 1,
+                Failure::Input(_) => 2,
+                Failure::Gate(_) => 3,
+            })
+        }
+    }
+}

@@ -1,6 +1,10 @@
 //! Forward kinematics of many poses at once.
 
-use crate::{Joints, Pose, Robot, forward::chain, trig::sin_cos};
+use crate::{
+    Joints, Pose, Robot,
+    forward::{chain, tcp},
+    trig::{reduced, reducible},
+};
 
 /// Poses computed side by side: two vector registers of four, or one of eight.
 const LANES: usize = 8;
@@ -15,49 +19,51 @@ impl Robot {
     /// If the two slices differ in length.
     pub fn tcp_batch(&self, joints_rad: &[Joints], poses: &mut [Pose]) {
         assert_eq!(joints_rad.len(), poses.len(), "one pose for each set of joints");
-        let d = self.offsets();
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || batch(&d, joints_rad, poses),
-        );
+        pulp::Arch::new().dispatch(Batch { d: self.offsets(), joints: joints_rad, poses });
     }
 }
 
-#[inline(always)]
-fn batch(d: &[f64; 4], joints: &[Joints], poses: &mut [Pose]) {
-    let (blocks, rest) = joints.as_chunks::<LANES>();
-    let (pose_blocks, pose_rest) = poses.as_chunks_mut::<LANES>();
-    for (block, out) in blocks.iter().zip(pose_blocks) {
-        *out = lanes(d, block);
-    }
-    if !rest.is_empty() {
-        let mut block = [[0.0; 7]; LANES];
-        block[..rest.len()].copy_from_slice(rest);
-        pose_rest.copy_from_slice(&lanes(d, &block)[..rest.len()]);
-    }
+/// Not a closure: those reach the function with vector instructions by way of a shim that is not
+/// inlined into it, and so stays without them.
+struct Batch<'a> {
+    d: [f64; 4],
+    joints: &'a [Joints],
+    poses: &'a mut [Pose],
 }
 
-#[inline(always)]
-fn lanes(d: &[f64; 4], block: &[Joints; LANES]) -> [Pose; LANES] {
-    let mut s = [[0.0; LANES]; 7];
-    let mut c = [[0.0; LANES]; 7];
-    for j in 0..7 {
-        let angles: [f64; LANES] = std::array::from_fn(|l| block[l][j]);
-        (s[j], c[j]) = sin_cos(&angles);
-    }
-    // Twelve numbers a pose, one row of lanes each: the loop over lanes becomes vector code.
-    let mut rows = [[0.0; LANES]; 12];
-    for l in 0..LANES {
-        let frame = chain(d, &std::array::from_fn(|j| s[j][l]), &std::array::from_fn(|j| c[j][l]));
-        for i in 0..3 {
-            rows[i][l] = frame.x[i];
-            rows[3 + i][l] = frame.y[i];
-            rows[6 + i][l] = frame.z[i];
-            rows[9 + i][l] = frame.p[i];
+impl pulp::NullaryFnOnce for Batch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let (blocks, rest) = self.joints.as_chunks::<LANES>();
+        let (pose_blocks, pose_rest) = self.poses.as_chunks_mut::<LANES>();
+        for (block, out) in blocks.iter().zip(pose_blocks) {
+            if reducible(block.as_flattened()) {
+                lanes(&self.d, block, out);
+            } else {
+                one_by_one(&self.d, block, out);
+            }
         }
+        one_by_one(&self.d, rest, pose_rest);
     }
-    std::array::from_fn(|l| Pose {
-        position_m: std::array::from_fn(|i| rows[9 + i][l]),
-        rotation: std::array::from_fn(|i| [rows[i][l], rows[3 + i][l], rows[6 + i][l]]),
-    })
+}
+
+#[inline(never)]
+fn one_by_one(d: &[f64; 4], joints: &[Joints], poses: &mut [Pose]) {
+    for (joints, pose) in joints.iter().zip(poses) {
+        *pose = tcp(d, joints);
+    }
+}
+
+/// [`tcp`] of angles that are [`reducible`]: the loops over lanes become vector code.
+#[inline(always)]
+fn lanes(d: &[f64; 4], block: &[Joints; LANES], out: &mut [Pose; LANES]) {
+    for l in 0..LANES {
+        let (mut s, mut c) = ([0.0; 7], [0.0; 7]);
+        for j in 0..7 {
+            (s[j], c[j]) = reduced(block[l][j]);
+        }
+        out[l] = chain(d, &s, &c).pose();
+    }
 }

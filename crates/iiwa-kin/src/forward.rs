@@ -81,6 +81,12 @@ pub(crate) fn chain(d: &[f64; 4], s: &Joints, c: &Joints) -> Frame {
     frame
 }
 
+#[inline(always)]
+pub(crate) fn tcp(d: &[f64; 4], joints_rad: &Joints) -> Pose {
+    let (s, c) = sin_cos_of_joints(joints_rad);
+    chain(d, &s, &c).pose()
+}
+
 /// One link backwards: a vector in the frame after joint `j`, given in the frame before it.
 #[inline(always)]
 fn rotate_back(j: usize, v: Vec3, s: f64, c: f64) -> Vec3 {
@@ -104,8 +110,7 @@ impl Robot {
     /// Pose of the TCP (the flange's face) in the base frame, at `joints_rad` (Larsen 2019, Eq. 9).
     #[must_use]
     pub fn tcp(&self, joints_rad: &Joints) -> Pose {
-        let (s, c) = sin_cos_of_joints(joints_rad);
-        chain(&self.offsets(), &s, &c).pose()
+        tcp(&self.offsets(), joints_rad)
     }
 
     /// Position of the TCP in the base frame, in m. Joint 7 has no part in it.

@@ -1,19 +1,14 @@
 //! The robot profile: a JSON file that overrides parts of a built-in model.
 
-use std::{fmt, marker::PhantomData};
-
 use schemars::JsonSchema;
-use serde::{
-    Deserialize, Deserializer, Serialize,
-    de::{MapAccess, Visitor, value::MapAccessDeserializer},
-};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::{
     Joints, Lengths, Robot,
     json::{
-        Place,
+        Object, Place,
         Step::{self, Index, Key},
-        locate,
+        locate, problem,
     },
     robot::MAX_LENGTH_M,
 };
@@ -215,27 +210,6 @@ fn given_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     Object::deserialize(reader).map(|object| Some(object.0))
 }
 
-/// A structure that is written as a JSON object. Left to itself, serde takes a list for one too.
-struct Object<T>(T);
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
-    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
-        struct OfMap<T>(PhantomData<T>);
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for OfMap<T> {
-            type Value = T;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
-                T::deserialize(MapAccessDeserializer::new(map))
-            }
-        }
-        reader.deserialize_map(OfMap(PhantomData)).map(Self)
-    }
-}
-
 /// JSON Schema of a number above 0.
 fn positive(max: f64) -> serde_json::Value {
     serde_json::json!({ "type": "number", "exclusiveMinimum": 0, "maximum": max })
@@ -284,11 +258,8 @@ impl Robot {
             match serde_json::from_str::<Object<VersionOnly>>(text) {
                 Ok(Object(other)) if other.version != VERSION => version(other.version),
                 _ => {
-                    let message = error.to_string();
-                    // The place is told apart, and in characters: cut it off the message.
-                    let problem = message.rsplit_once(" at line ").map_or(&*message, |(p, _)| p);
                     let at = Place::of_error(text, text, &error);
-                    ProfileError::Json { at, problem: problem.to_owned() }
+                    ProfileError::Json { at, problem: problem(&error) }
                 }
             }
         })?;

@@ -34,18 +34,22 @@ const COS: [f64; 7] = [
     1.0 / 20_922_789_888_000.0,
 ];
 
+/// Whether [`reduced`] is right for all of `angles`; false also if one is not a number.
+#[inline(always)]
+pub(crate) fn reducible(angles: &[f64]) -> bool {
+    angles.iter().fold(true, |all, x| all & (x.abs() <= MAX_REDUCED_RAD))
+}
+
 /// Sine and cosine of `x` rad, for |x| up to [`MAX_REDUCED_RAD`]; error below 2 ulp of 1.
 #[inline(always)]
-fn reduced(x: f64) -> (f64, f64) {
+pub(crate) fn reduced(x: f64) -> (f64, f64) {
     let shifted = x * std::f64::consts::FRAC_2_PI + ROUND;
     let quarter_turns = shifted.to_bits();
     let k = shifted - ROUND;
     let r = ((x - k * HALF_PI[0]) - k * HALF_PI[1]) - k * HALF_PI[2];
     let z = r * r;
-    let sin = SIN.iter().rev().fold(0.0, |sum, c| sum * z + c);
-    let cos = COS.iter().rev().fold(0.0, |sum, c| sum * z + c);
-    let sin = r + r * z * sin;
-    let cos = (1.0 - 0.5 * z) + z * z * cos;
+    let sin = r + r * z * series(&SIN, z);
+    let cos = (1.0 - 0.5 * z) + z * z * series(&COS, z);
 
     // Odd quarter turns swap the two; two bits of the count give the signs.
     let swap = (quarter_turns & 1).wrapping_neg();
@@ -56,21 +60,27 @@ fn reduced(x: f64) -> (f64, f64) {
     (f64::from_bits(sin ^ exchange ^ sin_sign), f64::from_bits(cos ^ exchange ^ cos_sign))
 }
 
+#[inline(always)]
+fn series([first @ .., last]: &[f64; 7], z: f64) -> f64 {
+    first.iter().rev().fold(*last, |sum, c| sum * z + c)
+}
+
 /// Sine and cosine of each of `angles`, in rad.
 #[inline(always)]
 pub(crate) fn sin_cos<const N: usize>(angles: &[f64; N]) -> ([f64; N], [f64; N]) {
-    let mut sin = [0.0; N];
-    let mut cos = [0.0; N];
+    if !reducible(angles) {
+        return by_the_standard_library(angles);
+    }
+    let (mut sin, mut cos) = ([0.0; N], [0.0; N]);
     for i in 0..N {
         (sin[i], cos[i]) = reduced(angles[i]);
     }
-    // Also true for NaN, which the standard library passes on.
-    if !angles.iter().all(|x| x.abs() <= MAX_REDUCED_RAD) {
-        for i in 0..N {
-            (sin[i], cos[i]) = angles[i].sin_cos();
-        }
-    }
     (sin, cos)
+}
+
+#[cold]
+fn by_the_standard_library<const N: usize>(angles: &[f64; N]) -> ([f64; N], [f64; N]) {
+    (angles.map(f64::sin), angles.map(f64::cos))
 }
 
 #[cfg(test)]

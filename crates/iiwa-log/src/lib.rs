@@ -35,6 +35,7 @@
 
 mod cdr;
 mod error;
+mod plan;
 mod reader;
 mod recording;
 mod ros;
@@ -43,6 +44,7 @@ mod trajectory;
 mod writer;
 
 pub use error::{ReadError, WriteError};
+pub use plan::{LINK_NAMES, PlanConfig, PlanWriter};
 pub use reader::{Entry, Reader};
 pub use recording::{Attachment, JointSample, Motion, MotionSample, PoseSample, Recording};
 pub use topic::Topic;

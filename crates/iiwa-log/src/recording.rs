@@ -106,21 +106,28 @@ impl Recording {
     /// # Errors
     ///
     /// Any [`ReadError`]: a file that is cut off or damaged, a known topic with another type or
-    /// other joints, a second trajectory or robot description.
+    /// other joints, a second robot description.
     pub fn read<R: Read>(stream: R) -> Result<Self, ReadError> {
         let mut reader = Reader::new(stream);
         let mut recording = Self::default();
-        let mut has_trajectory = false;
         for entry in reader.by_ref() {
             match entry? {
                 Entry::JointState(sample) => recording.joint_states.push(sample),
                 Entry::TcpPose(sample) => recording.tcp_poses.push(sample),
                 Entry::Motion(sample) => recording.motions.push(sample),
                 Entry::Trajectory { t_s, points } => {
-                    if std::mem::replace(&mut has_trajectory, true) {
-                        return Err(ReadError::Repeated { topic: Topic::JointTrajectory, t_s });
-                    }
-                    recording.trajectory = points;
+                    let start = Duration::try_from_secs_f64(t_s).unwrap_or_default();
+                    // A part of a long trajectory begins with the last point of the part before.
+                    let last = recording.trajectory.last().map(|point| point.time_from_start);
+                    recording.trajectory.extend(
+                        points
+                            .into_iter()
+                            .map(|point| TrajectoryPoint {
+                                time_from_start: start + point.time_from_start,
+                                ..point
+                            })
+                            .filter(|point| last.is_none_or(|last| point.time_from_start > last)),
+                    );
                 }
                 Entry::RobotDescription { t_s, urdf } => {
                     if recording.robot_description.replace(urdf).is_some() {

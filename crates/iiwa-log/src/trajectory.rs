@@ -65,6 +65,12 @@ impl TrajectoryMessage {
         Ok(message)
     }
 
+    /// The time of the last point, since the start of the trajectory.
+    #[must_use]
+    pub fn last(&self) -> Option<Duration> {
+        self.last
+    }
+
     /// Appends a point.
     ///
     /// # Errors

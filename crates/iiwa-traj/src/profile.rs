@@ -34,8 +34,8 @@ impl LineLimits {
         let top = (0.5 * (x0 + x1) + self.u_max).min(self.x_max).max(x0).max(x1);
         let up = (top - x0) / (2.0 * self.u_max);
         let down = 1.0 - (top - x1) / (2.0 * self.u_max);
-        // Phases shorter than this share of the line are rounding.
-        const NONE: f64 = 1e-12;
+        // Phases shorter than this share of the line are left out: u would be lost in rounding.
+        const NONE: f64 = 1e-7;
         let top_starts = (up > NONE && up < 1.0 - NONE).then_some((up, top));
         let last = if top_starts.is_some() { up } else { 0.0 };
         let top_ends = (down > last + NONE && down < 1.0 - NONE).then_some((down, top));

@@ -1,0 +1,48 @@
+//! Forward kinematics, in time a pose.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use iiwa_kin::{Joints, Pose, Robot};
+use iiwasim_benches::{dh_product::DhProduct, joints::poses, urdf_chain::UrdfChain};
+
+const POSES: usize = 1024;
+
+fn forward(criterion: &mut Criterion) {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let joints = poses(&robot, POSES);
+    let mut group = criterion.benchmark_group("forward kinematics");
+    group.throughput(Throughput::Elements(POSES as u64));
+
+    let mut each = |name: &str, run: &dyn Fn(&Joints)| {
+        group.bench_function(name, |bencher| bencher.iter(|| joints.iter().for_each(run)));
+    };
+    each("iiwa-kin tcp", &|q| {
+        black_box(robot.tcp(black_box(q)));
+    });
+    each("iiwa-kin tcp_position", &|q| {
+        black_box(robot.tcp_position(black_box(q)));
+    });
+    each("seven std sin_cos alone", &|q| {
+        black_box(black_box(q).map(f64::sin_cos));
+    });
+    let product = DhProduct::new(&robot);
+    each("nalgebra 4x4 DH product", &|q| {
+        black_box(product.tcp(black_box(q)));
+    });
+    match UrdfChain::new(&robot) {
+        Ok(chain) => each("k", &|q| {
+            black_box(chain.tcp(black_box(q)));
+        }),
+        Err(error) => eprintln!("k: {error}"),
+    }
+
+    let mut found = vec![Pose::IDENTITY; POSES];
+    group.bench_function("iiwa-kin tcp_batch", |bencher| {
+        bencher.iter(|| robot.tcp_batch(black_box(&joints), black_box(&mut found)));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, forward);
+criterion_main!(benches);

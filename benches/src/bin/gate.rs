@@ -1,0 +1,235 @@
+//! Holds instruction counts against `benches/baseline.json`, and fails when one has grown.
+//!
+//! Counts are callgrind's. Each workload is run a few times and then more often, in processes of
+//! their own: the difference is the workload's alone. Counts depend on the level of instructions
+//! that the crates find, so that the baseline holds one set for each level.
+//!
+//! `cargo run --release -p iiwasim-benches --bin gate`; with `-- --renew` it writes the baseline.
+#![expect(clippy::print_stdout, reason = "a table is what it is for")]
+
+use std::{
+    collections::BTreeMap,
+    env, fs,
+    hint::black_box,
+    process::{Command, ExitCode},
+};
+
+use iiwa_kin::{Pose, Robot};
+use iiwa_path::{BlendSearch, Path, Program};
+use iiwa_traj::{Timing, Trajectory};
+use iiwasim_benches::{Result, joints::poses, machine, reference};
+use serde::{Deserialize, Serialize};
+
+const BASELINE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/baseline.json");
+/// Largest growth that passes.
+const TOLERANCE: f64 = 0.05;
+/// How often each workload runs in the shorter and in the longer process.
+const RUNS: [u64; 2] = [2, 12];
+
+/// Counts by level of instructions.
+type Baseline = BTreeMap<String, Counts>;
+
+#[derive(Deserialize, Serialize)]
+struct Counts {
+    /// What they were counted with.
+    rustc: String,
+    valgrind: String,
+    /// Instructions of one run of each workload.
+    instructions: BTreeMap<String, u64>,
+}
+
+#[derive(Clone, Copy)]
+enum Workload {
+    Forward,
+    ForwardBatch,
+    BlendSearch,
+    Sweep,
+    Plan,
+}
+
+impl Workload {
+    const ALL: [Self; 5] =
+        [Self::Forward, Self::ForwardBatch, Self::BlendSearch, Self::Sweep, Self::Plan];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Forward => "forward kinematics, 1000 poses",
+            Self::ForwardBatch => "forward kinematics, batch of 1000",
+            Self::BlendSearch => "blend search, 54 first crossings",
+            Self::Sweep => "stamps of ten motions",
+            Self::Plan => "ten motions from JSON to stamps",
+        }
+    }
+
+    fn run(self, runs: u64) -> Result<()> {
+        let robot = Robot::lbr_iiwa_7_r800();
+        match self {
+            Self::Forward => {
+                let joints = poses(&robot, 1000);
+                for q in (0..runs).flat_map(|_| &joints) {
+                    black_box(robot.tcp(black_box(q)));
+                }
+            }
+            Self::ForwardBatch => {
+                let joints = poses(&robot, 1000);
+                let mut found = vec![Pose::IDENTITY; joints.len()];
+                for _ in 0..runs {
+                    robot.tcp_batch(black_box(&joints), black_box(&mut found));
+                }
+            }
+            Self::BlendSearch => {
+                let searches = reference::searches()?;
+                for search in (0..runs).flat_map(|_| &searches) {
+                    black_box(black_box(search).run(BlendSearch::FirstCrossing, &robot));
+                }
+            }
+            Self::Sweep => {
+                let program = Program::from_json(&reference::ten_motions()?)?;
+                let path = Path::new(&program, &robot)?;
+                for _ in 0..runs {
+                    black_box(Trajectory::plan(black_box(&path), Timing::default())?);
+                }
+            }
+            Self::Plan => {
+                let text = reference::ten_motions()?;
+                for _ in 0..runs {
+                    let program = Program::from_json(black_box(&text))?;
+                    let path = Path::new(&program, &robot)?;
+                    black_box(Trajectory::plan(&path, Timing::default())?);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn main() -> Result<ExitCode> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments.as_slice() {
+        [] => check(),
+        ["--renew"] => renew(),
+        // In the processes that are counted.
+        ["--level"] => {
+            println!("{}", machine::instruction_level());
+            Ok(ExitCode::SUCCESS)
+        }
+        ["--run", workload, runs] => {
+            Workload::ALL[workload.parse::<usize>()?].run(runs.parse()?)?;
+            Ok(ExitCode::SUCCESS)
+        }
+        _ => Err("it takes no arguments but --renew".into()),
+    }
+}
+
+fn check() -> Result<ExitCode> {
+    let level = counted(&["--level"])?.prints;
+    let baseline = baseline()?;
+    let Some(expected) = baseline.get(&level) else {
+        let known: Vec<_> = baseline.keys().map(String::as_str).collect();
+        println!(
+            "NOT CHECKED: no baseline for {level}, only for {}. `gate --renew` adds one.",
+            known.join(", ")
+        );
+        return Ok(ExitCode::SUCCESS);
+    };
+    let found = count()?;
+    println!("Instructions, {level}. A growth above {:.0} % fails.\n", 100.0 * TOLERANCE);
+    println!("| workload | baseline | now | change | |");
+    println!("|---|---:|---:|---:|---|");
+    let (mut grown, mut shrunk, mut missing) = (false, false, false);
+    for (name, &now) in &found.instructions {
+        let Some(&before) = expected.instructions.get(name) else {
+            println!("| {name} | none | {now} | | not checked |");
+            missing = true;
+            continue;
+        };
+        let change = now as f64 / before as f64 - 1.0;
+        let verdict = if change > TOLERANCE {
+            grown = true;
+            "**grown**"
+        } else if change < -TOLERANCE {
+            shrunk = true;
+            "shrunk"
+        } else {
+            "kept"
+        };
+        println!("| {name} | {before} | {now} | {:+.2} % | {verdict} |", 100.0 * change);
+    }
+    if expected.rustc != found.rustc {
+        println!("\nThe baseline is by {}, the figures are by {}.", expected.rustc, found.rustc);
+    }
+    if grown {
+        println!("\nIf the growth is meant: `gate --renew`, and say why in the commit.");
+        return Ok(ExitCode::FAILURE);
+    }
+    if shrunk || missing {
+        println!("\n`gate --renew` makes these the baseline.");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn renew() -> Result<ExitCode> {
+    let level = counted(&["--level"])?.prints;
+    let mut baseline = baseline()?;
+    let counts = count()?;
+    for (name, count) in &counts.instructions {
+        println!("{name}: {count}");
+    }
+    baseline.insert(level.clone(), counts);
+    fs::write(BASELINE, serde_json::to_string_pretty(&baseline)? + "\n")?;
+    println!("{BASELINE} now holds these for {level}");
+    Ok(ExitCode::SUCCESS)
+}
+
+fn baseline() -> Result<Baseline> {
+    match fs::read_to_string(BASELINE) {
+        Ok(text) => Ok(serde_json::from_str(&text)?),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Baseline::new()),
+        Err(error) => Err(format!("{BASELINE}: {error}").into()),
+    }
+}
+
+/// Counts all workloads.
+fn count() -> Result<Counts> {
+    let mut instructions = BTreeMap::new();
+    for (i, workload) in Workload::ALL.iter().enumerate() {
+        let run = |runs: u64| counted(&["--run", &i.to_string(), &runs.to_string()]);
+        let [few, many] = RUNS;
+        let difference = run(many)?.instructions.saturating_sub(run(few)?.instructions);
+        instructions.insert(workload.name().to_owned(), difference / (many - few));
+    }
+    Ok(Counts {
+        rustc: machine::version("rustc"),
+        valgrind: machine::version("valgrind"),
+        instructions,
+    })
+}
+
+struct Counted {
+    prints: String,
+    instructions: u64,
+}
+
+/// Runs this program with `arguments` under callgrind.
+fn counted(arguments: &[&str]) -> Result<Counted> {
+    let mut valgrind = Command::new("valgrind");
+    valgrind.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]);
+    let output = match valgrind.arg(env::current_exe()?).args(arguments).output() {
+        Ok(output) => output,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            return Err("valgrind is missing; install it (`apt install valgrind`)".into());
+        }
+        Err(error) => return Err(format!("valgrind: {error}").into()),
+    };
+    let says = String::from_utf8_lossy(&output.stderr);
+    if !output.status.success() {
+        return Err(format!("under valgrind: {}\n{says}", output.status).into());
+    }
+    let collected = says.lines().find_map(|line| line.split_once("Collected :"));
+    let (_, collected) = collected.ok_or_else(|| format!("valgrind gave no count:\n{says}"))?;
+    Ok(Counted {
+        prints: String::from_utf8_lossy(&output.stdout).trim().to_owned(),
+        instructions: collected.trim().parse()?,
+    })
+}

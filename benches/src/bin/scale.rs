@@ -1,0 +1,104 @@
+//! Prints how time and memory grow with the length of a program, as a Markdown table.
+//!
+//! Each case runs in a process of its own, which reports the most memory that it ever held.
+#![expect(clippy::print_stdout, reason = "a table is what it is for")]
+
+use std::{env, fs, path::Path as FilePath, process::Command, time::Instant};
+
+use iiwa_kin::Robot;
+use iiwa_path::{Path, Program};
+use iiwa_traj::{Planner, Timing};
+use iiwasim_benches::{
+    Result,
+    long_program::{Kind, text},
+    machine,
+};
+use serde::{Deserialize, Serialize};
+
+const MOTIONS: [usize; 4] = [100, 1_000, 10_000, 100_000];
+
+/// What a case's process reports.
+#[derive(Deserialize, Serialize)]
+struct Report {
+    parse_ms: f64,
+    path_ms: f64,
+    plan_ms: f64,
+    cycle_time_s: f64,
+    /// Before anything was done, and at most.
+    memory_mb: [f64; 2],
+}
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    match arguments.as_slice() {
+        [] => print_table(),
+        [flag, file] if flag == "--case" => {
+            println!("{}", serde_json::to_string(&measure(FilePath::new(file))?)?);
+            Ok(())
+        }
+        _ => Err("it takes no arguments".into()),
+    }
+}
+
+fn print_table() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    println!("On {}, {}.\n", machine::processor(), machine::instruction_level());
+    println!(
+        "| motions | blends | JSON | parse | path | plan | together | a motion | memory, at most |"
+    );
+    println!("|---:|---|---:|---:|---:|---:|---:|---:|---:|");
+    for kind in Kind::ALL {
+        for motions in MOTIONS {
+            let file = folder.path().join("program.json");
+            fs::write(&file, text(kind, motions))?;
+            let output = Command::new(env::current_exe()?).arg("--case").arg(&file).output()?;
+            if !output.status.success() {
+                let says = String::from_utf8_lossy(&output.stderr).into_owned();
+                return Err(format!("{motions} motions, {}: {says}", kind.name()).into());
+            }
+            let report: Report = serde_json::from_slice(&output.stdout)?;
+            let Report { parse_ms, path_ms, plan_ms, .. } = report;
+            let all_ms = parse_ms + path_ms + plan_ms;
+            println!(
+                "| {motions} | {} | {:.1} MB | {parse_ms:.1} ms | {path_ms:.1} ms | {plan_ms:.1} ms \
+                 | {all_ms:.1} ms | {:.1} us | {:.1} MB |",
+                kind.name(),
+                fs::metadata(&file)?.len() as f64 * 1e-6,
+                1e3 * all_ms / motions as f64,
+                report.memory_mb[1],
+            );
+        }
+    }
+    Ok(())
+}
+
+fn measure(file: &FilePath) -> Result<Report> {
+    let idle_mb = peak_memory_mb()?;
+    let robot = Robot::lbr_iiwa_7_r800();
+    let mut start = Instant::now();
+    let mut lap_ms = || {
+        let lap = start.elapsed();
+        start = Instant::now();
+        1e3 * lap.as_secs_f64()
+    };
+    let program = Program::from_json(&fs::read_to_string(file)?)?;
+    let parse_ms = lap_ms();
+    let path = Path::new(&program, &robot)?;
+    drop(program);
+    let path_ms = lap_ms();
+    let mut cycle_time_s = 0.0;
+    for stretch in Planner::new(&path, Timing::default()) {
+        cycle_time_s = stretch?.end_s();
+    }
+    let plan_ms = lap_ms();
+    let memory_mb = [idle_mb, peak_memory_mb()?];
+    Ok(Report { parse_ms, path_ms, plan_ms, cycle_time_s, memory_mb })
+}
+
+/// The most memory that this process has held so far, in MB of 10^6 bytes.
+fn peak_memory_mb() -> Result<f64> {
+    let status = fs::read_to_string("/proc/self/status")?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|line| line.trim().strip_suffix("kB")).ok_or("no VmHWM")?;
+    Ok(kib.trim().parse::<f64>()? * 1024.0 * 1e-6)
+}

@@ -1,0 +1,39 @@
+//! What figures were measured on.
+
+use std::{fs, process::Command};
+
+/// The level of instructions that the crates use here: they pick it when they run.
+#[must_use]
+pub fn instruction_level() -> &'static str {
+    match pulp::Arch::new() {
+        #[cfg(target_arch = "x86_64")]
+        pulp::Arch::V3(_) => "x86-64-v3",
+        _ if cfg!(target_arch = "x86_64") => "x86-64",
+        _ => std::env::consts::ARCH,
+    }
+}
+
+/// The first line that a program prints with `--version`; `none` if there is no such program.
+#[must_use]
+pub fn version(program: &str) -> String {
+    let output = Command::new(program).arg("--version").output();
+    let text = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
+    text.ok().and_then(|text| text.lines().next().map(str::to_owned)).unwrap_or("none".to_owned())
+}
+
+/// The processor's name and its number of threads.
+#[must_use]
+pub fn processor() -> String {
+    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let field = |name: &str| {
+        let line = info.lines().find(|line| line.starts_with(name));
+        line.and_then(|line| line.split_once(':')).map_or("unknown", |(_, value)| value.trim())
+    };
+    let threads = std::thread::available_parallelism().map_or(1, Into::into);
+    format!(
+        "{} (family {}, model {}), {threads} threads",
+        field("model name"),
+        field("cpu family"),
+        field("model\t")
+    )
+}

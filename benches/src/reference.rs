@@ -1,0 +1,82 @@
+//! The reference programs, in `fixtures/reference/programs.json`.
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_path::{BlendSearch, Blend, Motion, Program};
+use serde_json::Value;
+
+use crate::Result;
+
+/// The texts of all reference programs, in order. The first has ten motions over a wide space, all
+/// of them blended by a quarter of their segments.
+///
+/// # Errors
+///
+/// If the file is missing or not as expected.
+pub fn texts() -> Result<Vec<String>> {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/reference/programs.json");
+    let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
+    let file: Value = serde_json::from_str(&text)?;
+    let cases = file["cases"].as_array().ok_or("the reference programs have no cases")?;
+    Ok(cases.iter().map(|case| case["program"].to_string()).collect())
+}
+
+/// The text of the first reference program.
+///
+/// # Errors
+///
+/// If there is none.
+pub fn ten_motions() -> Result<String> {
+    Ok(texts()?.swap_remove(0))
+}
+
+/// One search for the place where a blend starts or ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Search {
+    /// The target that is blended away, in rad.
+    pub point_rad: Joints,
+    /// The other end of the segment before or after it, in rad.
+    pub other_end_rad: Joints,
+    /// Radius of the blend, in m.
+    pub radius_m: f64,
+}
+
+impl Search {
+    /// The crossing that `search` finds, as a share of the segment; none if it finds none.
+    #[must_use]
+    pub fn run(&self, search: BlendSearch, robot: &Robot) -> Option<f64> {
+        search.crossing(robot, &self.point_rad, &self.other_end_rad, self.radius_m)
+    }
+}
+
+/// Both searches of each blend with a radius in the reference programs.
+///
+/// # Errors
+///
+/// If the programs cannot be read.
+pub fn searches() -> Result<Vec<Search>> {
+    let mut searches = Vec::new();
+    for text in texts()? {
+        let program = Program::from_json(&text)?;
+        let targets: Vec<_> = program
+            .motions
+            .iter()
+            .filter_map(|motion| match motion {
+                Motion::Ptp(ptp) => Some(ptp),
+                _ => None,
+            })
+            .collect();
+        let mut before = program.start_rad;
+        for (i, ptp) in targets.iter().enumerate() {
+            let point_rad = ptp.target_rad;
+            if let (Some(Blend::CartMm(radius_mm)), Some(next)) = (ptp.blend, targets.get(i + 1)) {
+                searches.extend([before, next.target_rad].map(|other_end_rad| Search {
+                    point_rad,
+                    other_end_rad,
+                    radius_m: radius_mm * 1e-3,
+                }));
+            }
+            before = point_rad;
+        }
+    }
+    Ok(searches)
+}

@@ -1,0 +1,116 @@
+//! Peer: time stamps under limits of velocity and acceleration by the `topp2_ra` of the crate
+//! `copp`, a TOPP-RA (Pham and Pham 2018) with the limits kept at both ends of each interval.
+
+use copp::{diag::CoppError, robot::Robot, solver::topp2_ra as ra};
+use iiwa_path::{Path, Step};
+use nalgebra::DMatrix;
+
+use crate::Result;
+
+type Row = [f64; 7];
+
+/// A path from its start to its first stop, sampled: derivatives by the distance in joint space,
+/// and limits.
+#[derive(Debug, Default)]
+pub struct Samples {
+    /// Distance from the start, as long as the tangents of the pieces, in rad.
+    distance: Vec<f64>,
+    first: Vec<Row>,
+    second: Vec<Row>,
+    velocity: Vec<Row>,
+    acceleration: Vec<Row>,
+}
+
+impl Samples {
+    /// Samples `path` at `intervals` even intervals a segment.
+    ///
+    /// # Errors
+    ///
+    /// If the arm stops before the path's last segment: the peer has no notion of a stop.
+    pub fn new(path: &Path, intervals: usize) -> Result<Self> {
+        let moves = path.steps().iter().take_while(|step| matches!(step, Step::Move { .. })).count();
+        let (moves, rest) = path.steps().split_at(moves);
+        if rest.iter().any(|step| matches!(step, Step::Move { .. })) {
+            return Err("the program stops in between".into());
+        }
+        let mut samples = Self::default();
+        let mut start = 0.0;
+        for step in moves {
+            let Step::Move { motion, segment, .. } = step else { continue };
+            let limits = &path.limits()[*motion];
+            let length = segment.end_tangent_rad();
+            for i in 0..=intervals {
+                let s = i as f64 / intervals as f64;
+                let at = segment.at(s);
+                if i == 0 && let Some(last) = samples.velocity.len().checked_sub(1) {
+                    // Both neighbours' limits hold where they meet.
+                    least(&mut samples.velocity[last], &limits.velocity_rad_s);
+                    least(&mut samples.acceleration[last], &limits.acceleration_rad_s2);
+                    continue;
+                }
+                samples.distance.push(start + s * length);
+                samples.first.push(at.dq.map(|v| v / length));
+                samples.second.push(at.ddq.map(|v| v / (length * length)));
+                samples.velocity.push(limits.velocity_rad_s);
+                samples.acceleration.push(limits.acceleration_rad_s2);
+            }
+            start += length;
+        }
+        Ok(samples)
+    }
+
+    /// The number of nodes.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.distance.len()
+    }
+
+    /// The solver's problem: its own copy of the samples.
+    ///
+    /// # Errors
+    ///
+    /// If the solver does not take them.
+    pub fn problem(&self) -> std::result::Result<Problem, CoppError> {
+        let n = self.nodes();
+        let matrix = |rows: &[Row]| DMatrix::from_column_slice(7, n, rows.as_flattened());
+        let (first, second) = (matrix(&self.first), matrix(&self.second));
+        let (velocity, acceleration) = (matrix(&self.velocity), matrix(&self.acceleration));
+        // Positions matter to limits of torque alone.
+        let position = DMatrix::zeros(7, n);
+        let mut robot = Robot::with_capacity(7, n);
+        robot
+            .with_s(&self.distance)?
+            .with_q(&position.as_view(), &first.as_view(), &second.as_view(), None, 0)?
+            .with_axial_velocity(&velocity.as_view(), &(-&velocity).as_view(), 0)?
+            .with_axial_acceleration(&acceleration.as_view(), &(-&acceleration).as_view(), 0)?;
+        Ok(Problem { robot, distance: self.distance.clone() })
+    }
+}
+
+fn least(values: &mut Row, others: &Row) {
+    for (value, other) in values.iter_mut().zip(others) {
+        *value = value.min(*other);
+    }
+}
+
+/// The solver's problem.
+pub struct Problem {
+    robot: Robot<usize>,
+    distance: Vec<f64>,
+}
+
+impl Problem {
+    /// Solves it, and gives the time in motion in s.
+    ///
+    /// # Errors
+    ///
+    /// If the solver finds none.
+    pub fn solve(&self) -> std::result::Result<f64, CoppError> {
+        let last = self.distance.len() - 1;
+        let problem =
+            ra::Topp2ProblemBuilder::new(&self.robot, (0, last), (0.0, 0.0)).build()?;
+        let squared_speed =
+            ra::topp2_ra(&problem, &ra::ReachSet2OptionsBuilder::new().build()?)?;
+        Ok(ra::s_to_t_topp2(&self.distance, &squared_speed, 0.0)?.0)
+    }
+}

@@ -1,0 +1,6 @@
+//! One file a command.
+
+pub(crate) mod fk;
+pub(crate) mod plan;
+pub(crate) mod robot;
+pub(crate) mod schema;

@@ -1,0 +1,50 @@
+//! `iiwasim fk`.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::{args::Fk, failure::Failure, input::find_robot, output};
+
+#[derive(Serialize)]
+struct Answer<'a> {
+    position_m: [f64; 3],
+    rotation: [[f64; 3]; 3],
+    robot: &'a str,
+}
+
+/// Prints the pose of the flange.
+pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
+    let robot = find_robot(&options.robot, Path::new("."))?;
+    let joints = options.joints.rad();
+    if let Some(j) = robot.limits().outside(&joints) {
+        return Err(Failure::input(format!(
+            "joint {} is at {:.3} deg, its limit is +-{:.3} deg",
+            j + 1,
+            joints[j].to_degrees(),
+            robot.limits().position_rad[j].to_degrees()
+        )));
+    }
+    let pose = robot.tcp(&joints);
+    if options.json {
+        let answer = Answer {
+            position_m: pose.position_m,
+            rotation: pose.rotation,
+            robot: robot.name(),
+        };
+        let json = serde_json::to_string(&answer)
+            .map_err(|error| Failure::run("cannot write the answer", &error))?;
+        return output::print(&format!("{json}\n"));
+    }
+    let [x, y, z] = pose.position_m.map(|v| v * 1e3);
+    let mut text = format!("position   {x:10.3} {y:10.3} {z:10.3}  mm\n");
+    for (name, row) in ["rotation", "", ""].iter().zip(pose.rotation) {
+        let [a, b, c] = row;
+        text += &format!("{name:<10} {a:10.6} {b:10.6} {c:10.6}\n");
+    }
+    // A turns about z, then B about the new y, then C about the new x, as KUKA does it.
+    let (c, b, a) = pose.to_isometry().rotation.euler_angles();
+    let [a, b, c] = [a, b, c].map(f64::to_degrees);
+    text += &format!("A, B, C    {a:10.3} {b:10.3} {c:10.3}  deg\n");
+    output::print(&text)
+}

@@ -1,0 +1,19 @@
+//! `iiwasim schema`.
+
+use iiwa_kin::Robot;
+use iiwa_path::Program;
+
+use crate::{
+    args::{Format, Schema},
+    failure::Failure,
+    output,
+};
+
+/// Prints a JSON Schema.
+pub(crate) fn run(options: &Schema) -> Result<(), Failure> {
+    let schema = match options.format {
+        Format::Program => Program::schema(),
+        Format::Profile => Robot::profile_schema(),
+    };
+    output::print(&format!("{schema:#}\n"))
+}

@@ -1,0 +1,86 @@
+//! How a command can fail, and how that is told.
+
+use std::{error::Error, fmt::Write as _, io::Write as _};
+
+use iiwa_kin::json::Place;
+use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
+
+/// Why a command did not do what it was asked for.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// The input is not what it should be.
+    Input(Report),
+    /// It failed while running.
+    Run { what: String, cause: Option<String> },
+    /// It was done, but a gate was not met.
+    Gate(String),
+}
+
+impl Failure {
+    /// Input of which nothing can be shown.
+    pub(crate) fn input(what: impl Into<String>) -> Self {
+        Self::Input(Report::new(Problem { what: what.into(), text: None, place: None }))
+    }
+
+    /// A fault at a place in a text.
+    pub(crate) fn in_text(what: &str, place: &Place, name: &str, text: &str) -> Self {
+        Self::Input(Report::new(Problem {
+            what: format!("{name}, {place}: {what}"),
+            text: excerpt(text, place).then(|| NamedSource::new(name, text.to_owned())),
+            place: Some(place.clone()),
+        }))
+    }
+
+    /// Something that went wrong on the way, and why.
+    pub(crate) fn run(what: impl Into<String>, error: &dyn Error) -> Self {
+        let mut cause = error.to_string();
+        let mut source = error.source();
+        while let Some(error) = source {
+            let _ = write!(cause, ": {error}");
+            source = error.source();
+        }
+        Self::Run { what: what.into(), cause: Some(cause) }
+    }
+
+    /// Tells it on standard error.
+    pub(crate) fn report(&self) {
+        let text = match self {
+            Self::Input(report) => format!("{report:?}"),
+            Self::Run { what, cause: Some(cause) } => format!("Error: {what}: {cause}"),
+            Self::Run { what, cause: None } => format!("Error: {what}"),
+            Self::Gate(what) => format!("Gate not met: {what}"),
+        };
+        // If standard error is closed, there is nobody to tell.
+        let _ = writeln!(anstream::stderr(), "{}", text.trim_end());
+    }
+}
+
+/// Whether the lines about a place are short enough to be shown.
+fn excerpt(text: &str, place: &Place) -> bool {
+    const LONGEST_LINE: usize = 400;
+    let from = text[..place.span.start].rfind('\n').map_or(0, |at| at + 1);
+    let to = text[from..].lines().take(3).map(str::len).max().unwrap_or(0);
+    let before = text[..from].trim_end_matches('\n').rsplit('\n').next().map_or(0, str::len);
+    to <= LONGEST_LINE && before <= LONGEST_LINE
+}
+
+#[derive(Debug, thiserror::Error)]
+#[error("{what}")]
+struct Problem {
+    what: String,
+    text: Option<NamedSource<String>>,
+    place: Option<Place>,
+}
+
+impl Diagnostic for Problem {
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.text.as_ref().map(|text| text as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let place = self.place.as_ref().filter(|_| self.text.is_some())?;
+        // A whole object is shown by where it begins.
+        let span = place.span.start..place.span.end.min(place.span.start + 60);
+        Some(Box::new(std::iter::once(LabeledSpan::at(span, "here"))))
+    }
+}

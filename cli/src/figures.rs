@@ -1,0 +1,133 @@
+//! The figures of a plan, as they are printed and as they stand in the MCAP file.
+
+use std::collections::BTreeMap;
+
+use iiwa_kin::Robot;
+use iiwa_traj::{BlendFigures, MotionFigures, Stretch, Totals};
+use serde::Serialize;
+
+/// The `--json` object of `iiwasim plan`.
+#[derive(Debug, Serialize)]
+pub(crate) struct Figures {
+    pub(crate) cycle_time_s: f64,
+    pub(crate) motion_time_s: f64,
+    pub(crate) settle_time_s: f64,
+    pub(crate) wait_time_s: f64,
+    pub(crate) timing: &'static str,
+    pub(crate) robot: String,
+    pub(crate) samples: u32,
+    /// Limits of the robot that no source states and that the figures rest on.
+    pub(crate) assumptions: Vec<String>,
+    pub(crate) motions: Vec<MotionRow>,
+    pub(crate) blends: Vec<BlendRow>,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct MotionRow {
+    /// The place in the program, from 1.
+    pub(crate) index: usize,
+    pub(crate) r#type: &'static str,
+    pub(crate) start_s: f64,
+    pub(crate) end_s: f64,
+    pub(crate) peak_velocity_rel: f64,
+    pub(crate) limited_by: Option<LimitRow>,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct LimitRow {
+    pub(crate) joint: usize,
+    pub(crate) kind: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct BlendRow {
+    pub(crate) after_motion: usize,
+    pub(crate) gamma_deg: f64,
+    pub(crate) start_rad: [f64; 7],
+    pub(crate) end_rad: [f64; 7],
+    pub(crate) mid_rad: [f64; 7],
+    pub(crate) mid_tcp_m: [f64; 3],
+    pub(crate) start_s: f64,
+    pub(crate) end_s: f64,
+}
+
+impl Figures {
+    /// Figures of nothing yet.
+    pub(crate) fn new(timing: &'static str, robot: &Robot, samples: u32) -> Self {
+        Self {
+            cycle_time_s: 0.0,
+            motion_time_s: 0.0,
+            settle_time_s: 0.0,
+            wait_time_s: 0.0,
+            timing,
+            robot: robot.name().to_owned(),
+            samples,
+            assumptions: robot
+                .assumptions()
+                .iter()
+                .filter(|assumption| assumption.what == "acceleration")
+                .map(|assumption| format!("{}: {}", assumption.what, assumption.basis))
+                .collect(),
+            motions: Vec::new(),
+            blends: Vec::new(),
+        }
+    }
+
+    /// Adds a stretch.
+    pub(crate) fn add(&mut self, stretch: &Stretch) {
+        let mut totals = Totals {
+            motion_time_s: self.motion_time_s,
+            settle_time_s: self.settle_time_s,
+            wait_time_s: self.wait_time_s,
+        };
+        totals.add(stretch);
+        self.cycle_time_s = totals.cycle_time_s();
+        self.motion_time_s = totals.motion_time_s;
+        self.settle_time_s = totals.settle_time_s;
+        self.wait_time_s = totals.wait_time_s;
+        self.motions.extend(stretch.motions().iter().map(MotionRow::from));
+        self.blends.extend(stretch.blends().iter().map(BlendRow::from));
+    }
+
+    /// One entry for each key: texts as they are, everything else as JSON.
+    pub(crate) fn metadata(&self) -> BTreeMap<String, String> {
+        let Ok(serde_json::Value::Object(object)) = serde_json::to_value(self) else {
+            return BTreeMap::new();
+        };
+        let text = |value| match value {
+            serde_json::Value::String(text) => text,
+            other => other.to_string(),
+        };
+        object.into_iter().map(|(key, value)| (key, text(value))).collect()
+    }
+}
+
+impl From<&MotionFigures> for MotionRow {
+    fn from(figures: &MotionFigures) -> Self {
+        Self {
+            index: figures.motion + 1,
+            r#type: figures.kind.name(),
+            start_s: figures.start_s,
+            end_s: figures.end_s,
+            peak_velocity_rel: figures.peak_velocity_rel,
+            limited_by: figures
+                .limited_by
+                .map(|limit| LimitRow { joint: limit.joint, kind: limit.kind.name() }),
+        }
+    }
+}
+
+impl From<&BlendFigures> for BlendRow {
+    fn from(figures: &BlendFigures) -> Self {
+        Self {
+            after_motion: figures.motion + 1,
+            gamma_deg: figures.gamma_deg,
+            start_rad: figures.start_rad,
+            end_rad: figures.end_rad,
+            mid_rad: figures.mid_rad,
+            mid_tcp_m: figures.mid_tcp_m,
+            start_s: figures.start_s,
+            end_s: figures.end_s,
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Tables on the terminal.
+
+use std::fmt::Write as _;
+
+use comfy_table::{Cell, CellAlignment, Table, presets};
+
+use crate::figures::{Figures, MotionRow};
+
+/// Motions that are shown at the start and at the end of a long program.
+const SHOWN: usize = 100;
+
+/// A table with a head, columns of numbers to the right.
+pub(crate) fn table(head: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.set_header(head.iter().copied());
+    for (index, title) in head.iter().enumerate() {
+        let words = ["", "type", "limited by", "robot", "quantity", "unit"];
+        if !words.contains(title)
+            && let Some(column) = table.column_mut(index)
+        {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+/// The figures of a plan, for people.
+pub(crate) fn figures(figures: &Figures) -> String {
+    let head = ["motion", "type", "start s", "end s", "duration s", "top speed %", "limited by"];
+    let mut table = table(&head);
+    let motions = &figures.motions;
+    if motions.len() <= 2 * SHOWN {
+        motions.iter().for_each(|row| add(&mut table, row));
+    } else {
+        motions[..SHOWN].iter().for_each(|row| add(&mut table, row));
+        let hidden = motions.len() - 2 * SHOWN;
+        table.add_row(["...".to_owned(), format!("{hidden} more, see --json")]);
+        motions[motions.len() - SHOWN..].iter().for_each(|row| add(&mut table, row));
+    }
+    let mut text = format!("{table}\n\n");
+    let Figures { cycle_time_s, motion_time_s, settle_time_s, wait_time_s, .. } = figures;
+    let _ = writeln!(
+        text,
+        "Cycle time {cycle_time_s:.3} s = {motion_time_s:.3} s motion + {settle_time_s:.3} s settling \
+         + {wait_time_s:.3} s waiting"
+    );
+    let _ = writeln!(text, "{}, limits of {}", figures.robot, match figures.timing {
+        "acceleration" => "velocity and acceleration",
+        other => other,
+    });
+    for assumption in &figures.assumptions {
+        let _ = writeln!(text, "Assumed, not from a source: {assumption}");
+    }
+    text
+}
+
+fn add(table: &mut Table, row: &MotionRow) {
+    let limit = row
+        .limited_by
+        .as_ref()
+        .map_or_else(String::new, |limit| format!("A{} {}", limit.joint, limit.kind));
+    let speed = row.limited_by.as_ref().map_or_else(String::new, |_| {
+        format!("{:.1}", 100.0 * row.peak_velocity_rel)
+    });
+    table.add_row([
+        Cell::new(row.index),
+        Cell::new(row.r#type),
+        Cell::new(format!("{:.3}", row.start_s)),
+        Cell::new(format!("{:.3}", row.end_s)),
+        Cell::new(format!("{:.3}", row.end_s - row.start_s)),
+        Cell::new(speed),
+        Cell::new(limit),
+    ]);
+}

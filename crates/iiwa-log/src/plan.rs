@@ -1,0 +1,209 @@
+//! Writing a planned trajectory, stretch by stretch.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::{Seek, Write};
+use std::time::Duration;
+
+use iiwa_kin::{DhRow, Joints, Robot};
+use iiwa_traj::{State, Stretch};
+
+use crate::{Config, Frame, Motion, TrajectoryMessage, TrajectoryPoint, WriteError, Writer};
+
+/// The links' names in messages, from the base to the flange, as in the robot's URDF.
+pub const LINK_NAMES: [&str; 9] = [
+    "iiwa_link_0",
+    "iiwa_link_1",
+    "iiwa_link_2",
+    "iiwa_link_3",
+    "iiwa_link_4",
+    "iiwa_link_5",
+    "iiwa_link_6",
+    "iiwa_link_7",
+    "iiwa_link_ee",
+];
+
+/// How a plan is written.
+#[derive(Clone, Debug)]
+pub struct PlanConfig {
+    /// Joint states a second.
+    pub rate_hz: f64,
+    /// How the file is written.
+    pub file: Config,
+}
+
+impl Default for PlanConfig {
+    /// 250 joint states a second.
+    fn default() -> Self {
+        Self { rate_hz: 250.0, file: Config::default() }
+    }
+}
+
+/// Writes a trajectory into an MCAP file while it is planned: what it needs of memory does not grow
+/// with the program.
+///
+/// The trajectory itself is one message on `/joint_trajectory`. Above a hundred thousand points,
+/// some twenty megabytes, it goes on in another message, stamped with its own start and beginning
+/// with the last point of the one before.
+#[derive(Debug)]
+pub struct PlanWriter<W: Write + Seek> {
+    writer: Writer<W>,
+    robot: Robot,
+    dh: [DhRow; 7],
+    urdf: String,
+    rate_hz: f64,
+    /// Joint states written so far.
+    ticks: u64,
+    part: TrajectoryMessage,
+    part_start: Duration,
+    last: Option<State>,
+}
+
+/// Points of a trajectory in one message.
+const POINTS: usize = 100_000;
+
+impl<W: Write + Seek> PlanWriter<W> {
+    /// Begins a file for `robot` in an empty stream.
+    ///
+    /// # Errors
+    ///
+    /// Any [`WriteError`].
+    pub fn new(stream: W, robot: &Robot, config: PlanConfig) -> Result<Self, WriteError> {
+        let mut writer = Writer::new(stream, config.file)?;
+        let urdf = robot.to_urdf();
+        writer.robot_description(Duration::ZERO, &urdf)?;
+        Ok(Self {
+            writer,
+            robot: robot.clone(),
+            dh: robot.dh(),
+            urdf,
+            rate_hz: config.rate_hz,
+            ticks: 0,
+            part: TrajectoryMessage::new()?,
+            part_start: Duration::ZERO,
+            last: None,
+        })
+    }
+
+    /// Writes a stretch; they come in order.
+    ///
+    /// # Errors
+    ///
+    /// Any [`WriteError`].
+    pub fn stretch(&mut self, stretch: &Stretch) -> Result<(), WriteError> {
+        let mut pieces = stretch
+            .pieces()
+            .iter()
+            .filter(|piece| duration(piece.end_s) > duration(piece.start_s))
+            .peekable();
+        loop {
+            // Pieces and samples in the order of time: viewers read such files fastest.
+            let t_s = self.ticks as f64 / self.rate_hz;
+            if let Some(piece) = pieces.next_if(|piece| piece.start_s <= t_s || t_s >= stretch.end_s())
+            {
+                let motion = Motion {
+                    index: u32::try_from(piece.motion + 1).unwrap_or(u32::MAX),
+                    kind: Cow::Borrowed(piece.kind.name()),
+                    limiting_joint: piece.limited_by.and_then(|l| u8::try_from(l.joint).ok()),
+                    limiting_kind: Cow::Borrowed(piece.limited_by.map_or("", |l| l.kind.name())),
+                };
+                self.writer.motion(duration(piece.start_s), &motion)?;
+            } else if t_s < stretch.end_s() {
+                self.sample(&stretch.at(t_s))?;
+                self.ticks += 1;
+            } else {
+                break;
+            }
+        }
+        for state in stretch.states() {
+            self.node(&state)?;
+        }
+        self.last = Some(stretch.at(stretch.end_s()));
+        Ok(())
+    }
+
+    /// Writes the end, the `metadata` record `iiwasim`, the URDF and the `attachments` (name, media
+    /// type, content), and completes the file.
+    ///
+    /// # Errors
+    ///
+    /// Any [`WriteError`].
+    pub fn finish(
+        mut self,
+        metadata: &BTreeMap<String, String>,
+        attachments: &[(&str, &str, &[u8])],
+    ) -> Result<W, WriteError> {
+        if let Some(end) = self.last {
+            // The last tick may be the end already, but for rounding.
+            let last_tick = self.ticks.checked_sub(1).map(|k| k as f64 / self.rate_hz);
+            if last_tick.is_none_or(|t_s| duration(t_s) < duration(end.t_s)) {
+                self.sample(&end)?;
+            }
+            self.node(&end)?;
+        }
+        self.writer.joint_trajectory(self.part_start, self.part)?;
+        for (name, media_type, bytes) in attachments {
+            self.writer.attach(name, media_type, bytes)?;
+        }
+        self.writer.attach("robot.urdf", "application/xml", self.urdf.as_bytes())?;
+        self.writer.metadata("iiwasim", metadata)?;
+        self.writer.finish()
+    }
+
+    /// One instant on `/joint_states`, `/tf` and `/tcp_pose`.
+    fn sample(&mut self, state: &State) -> Result<(), WriteError> {
+        let t = duration(state.t_s);
+        self.writer.joint_state(t, &state.q, &state.dq)?;
+        self.writer.transforms(t, &link_frames(&self.dh, &state.q))?;
+        let tcp = self.robot.tcp(&state.q);
+        self.writer.tcp_pose(t, LINK_NAMES[0], tcp.position_m, tcp.quaternion_xyzw())
+    }
+
+    /// One point of `/joint_trajectory`.
+    fn node(&mut self, state: &State) -> Result<(), WriteError> {
+        let t = duration(state.t_s);
+        let point = |start: Duration| TrajectoryPoint {
+            time_from_start: t.saturating_sub(start),
+            positions: state.q,
+            velocities: state.dq,
+            accelerations: state.ddq,
+        };
+        let next = point(self.part_start);
+        if self.part.last().is_some_and(|last| next.time_from_start <= last) {
+            // Closer to the point before than a nanosecond.
+            return Ok(());
+        }
+        self.part.push(&next)?;
+        if self.part.len() >= POINTS {
+            let full = std::mem::replace(&mut self.part, TrajectoryMessage::new()?);
+            self.writer.joint_trajectory(self.part_start, full)?;
+            self.part_start = t;
+            self.part.push(&point(t))?;
+        }
+        Ok(())
+    }
+}
+
+/// Each link's frame in the one before it, as in the URDF: past the shift and the twist of the
+/// joint before, turned by the joint.
+fn link_frames(dh: &[DhRow; 7], joints_rad: &Joints) -> [Frame<'static>; 8] {
+    std::array::from_fn(|link| {
+        let (d_m, alpha) = match link.checked_sub(1) {
+            Some(before) => (dh[before].d_m, dh[before].alpha_rad),
+            None => (0.0, 0.0),
+        };
+        let theta = joints_rad.get(link).copied().unwrap_or(0.0);
+        let ((sa, ca), (st, ct)) = ((0.5 * alpha).sin_cos(), (0.5 * theta).sin_cos());
+        Frame {
+            parent: LINK_NAMES[link],
+            child: LINK_NAMES[link + 1],
+            translation_m: [0.0, 0.0, d_m],
+            rotation_xyzw: [sa * ct, -sa * st, ca * st, ca * ct],
+        }
+    })
+}
+
+/// A time in s, to the nearest nanosecond.
+fn duration(t_s: f64) -> Duration {
+    Duration::try_from_secs_f64(t_s).unwrap_or_default()
+}
