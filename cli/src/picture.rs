@@ -35,6 +35,13 @@ const SHADE: RGBColor = RGBColor(225, 232, 240);
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 900;
 
+/// The backend draws in whole units: it gets a larger canvas, which the picture then shows small.
+const FINE: u32 = 4;
+
+/// Radius of a circle at a blend's end, and length of a line in a legend.
+const DOT: i32 = 20;
+const DASH: i32 = 72;
+
 /// Samples that a picture can show; a longer program is thinned out.
 const SAMPLES: usize = 20_000;
 
@@ -100,15 +107,16 @@ impl Picture {
     pub(crate) fn draw(&self) -> Result<String, Failure> {
         let mut svg = String::new();
         {
-            let root = SVGBackend::with_string(&mut svg, (WIDTH, HEIGHT)).into_drawing_area();
+            let root = SVGBackend::with_string(&mut svg, (FINE * WIDTH, FINE * HEIGHT)).into_drawing_area();
             let failed = |error: &dyn std::error::Error| Failure::run("cannot draw the picture", error);
             root.fill(&WHITE).map_err(|error| failed(&error))?;
-            let (top, bottom) = root.split_vertically(HEIGHT * 3 / 5);
+            let (top, bottom) = root.split_vertically(FINE * HEIGHT * 3 / 5);
             self.draw_path(&top).map_err(|error| failed(&*error))?;
             self.draw_speeds(&bottom).map_err(|error| failed(&*error))?;
             root.present().map_err(|error| failed(&error))?;
         }
-        Ok(svg)
+        let size = |factor: u32| format!("width=\"{}\" height=\"{}\"", factor * WIDTH, factor * HEIGHT);
+        Ok(svg.replacen(&size(FINE), &size(1), 1))
     }
 
     /// The flange's path in the plane that shows most of it, with the same scale on both axes.
@@ -124,52 +132,59 @@ impl Picture {
         let names = ["x", "y", "z"];
 
         let (width, height) = area.dim_in_pixel();
-        let plot = (f64::from(width) - 110.0, f64::from(height) - 110.0);
-        let scale = (extent(across) / plot.0).max(extent(up) / plot.1).max(0.05) * 1.1;
+        let frame = f64::from(FINE) * 110.0;
+        let plot = (f64::from(width) - frame, f64::from(height) - frame);
+        let scale = (extent(across) / plot.0).max(extent(up) / plot.1).max(0.05 / f64::from(FINE)) * 1.1;
         let axis = |axis: usize, pixels: f64| {
             let middle = 0.5 * (ranges[axis].0 + ranges[axis].1);
             middle - 0.5 * scale * pixels..middle + 0.5 * scale * pixels
         };
         let mut chart = ChartBuilder::on(area)
             .caption("Path of the flange, coloured by the fastest joint's share of its limit", font())
-            .margin(14)
-            .x_label_area_size(44)
-            .y_label_area_size(62)
+            .margin(14 * FINE)
+            .x_label_area_size(44 * FINE)
+            .y_label_area_size(62 * FINE)
             .build_cartesian_2d(axis(across, plot.0), axis(up, plot.1))?;
         chart
             .configure_mesh()
             .light_line_style(WHITE)
-            .bold_line_style(SHADE)
-            .axis_style(INK)
+            .bold_line_style(SHADE.stroke_width(FINE))
+            .axis_style(INK.stroke_width(FINE))
             .label_style(font())
+            .x_label_formatter(&|v| format!("{v:.0}"))
+            .y_label_formatter(&|v| format!("{v:.0}"))
             .x_desc(format!("{} in mm", names[across]))
             .y_desc(format!("{} in mm", names[up]))
             .draw()?;
         let point = |mm: [f64; 3]| (mm[across], mm[up]);
         for blend in &self.blends {
             for end in blend.ends_mm {
-                chart.draw_series([Circle::new(point(end), 5, INK.stroke_width(1))])?;
+                chart.draw_series([Circle::new(point(end), DOT, INK.stroke_width(1 * FINE))])?;
             }
         }
-        for pair in self.samples.windows(2) {
-            let fastest = pair[0].speed.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
-            let line = vec![point(pair[0].tcp_mm), point(pair[1].tcp_mm)];
-            chart.draw_series([PathElement::new(line, shade(fastest).stroke_width(3))])?;
+        let mut from = 0;
+        for run in self.samples.chunk_by(|a, b| tone(a) == tone(b)) {
+            // Each run of one colour reaches to the first point of the next.
+            let to = (from + run.len()).min(self.samples.len() - 1);
+            let line: Vec<_> = self.samples[from..=to].iter().map(|s| point(s.tcp_mm)).collect();
+            let colour = shade(f64::from(tone(&run[0])) / f64::from(TONES));
+            chart.draw_series([PathElement::new(line, colour.stroke_width(3 * FINE))])?;
+            from = to;
         }
         for share in 0..=4 {
             let share = f64::from(share) / 4.0;
             chart
-                .draw_series(LineSeries::new([], shade(share).stroke_width(4)))?
+                .draw_series(LineSeries::new([], shade(share).stroke_width(4 * FINE)))?
                 .label(format!("{:.0} %", 100.0 * share))
                 .legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + 18, y)], shade(share).stroke_width(4))
+                    PathElement::new([(x, y), (x + DASH, y)], shade(share).stroke_width(4 * FINE))
                 });
         }
         if !self.blends.is_empty() {
             chart
-                .draw_series([Circle::new(point(self.blends[0].ends_mm[0]), 5, INK.stroke_width(1))])?
+                .draw_series([Circle::new(point(self.blends[0].ends_mm[0]), DOT, INK.stroke_width(1 * FINE))])?
                 .label("start and end of blends")
-                .legend(|(x, y)| Circle::new((x + 9, y), 5, INK.stroke_width(1)));
+                .legend(|(x, y)| Circle::new((x + DASH / 2, y), DOT, INK.stroke_width(1 * FINE)));
         }
         legend(&mut chart)
     }
@@ -179,9 +194,9 @@ impl Picture {
         let end = self.samples.last().map_or(1.0, |sample| sample.t_s).max(1e-3);
         let mut chart = ChartBuilder::on(area)
             .caption("Joint speeds in % of their limits, blends shaded", font())
-            .margin(14)
-            .x_label_area_size(44)
-            .y_label_area_size(62)
+            .margin(14 * FINE)
+            .x_label_area_size(44 * FINE)
+            .y_label_area_size(62 * FINE)
             .build_cartesian_2d(0.0..end, -105.0..105.0)?;
         chart.draw_series(self.blends.iter().map(|blend| {
             Rectangle::new([(blend.start_s, -105.0), (blend.end_s, 105.0)], SHADE.filled())
@@ -189,9 +204,10 @@ impl Picture {
         chart
             .configure_mesh()
             .light_line_style(WHITE.mix(0.0))
-            .bold_line_style(SHADE)
-            .axis_style(INK)
+            .bold_line_style(SHADE.stroke_width(FINE))
+            .axis_style(INK.stroke_width(FINE))
             .label_style(font())
+            .y_label_formatter(&|v| format!("{v:.0}"))
             .x_desc("time in s")
             .y_desc("speed in %")
             .draw()?;
@@ -201,10 +217,10 @@ impl Picture {
             }
             let points = self.samples.iter().map(|s| (s.t_s, 100.0 * s.speed[joint]));
             chart
-                .draw_series(LineSeries::new(points, colour.stroke_width(2)))?
+                .draw_series(LineSeries::new(points, colour.stroke_width(2 * FINE)))?
                 .label(format!("A{}", joint + 1))
                 .legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2))
+                    PathElement::new([(x, y), (x + DASH, y)], colour.stroke_width(2 * FINE))
                 });
         }
         legend(&mut chart)
@@ -214,8 +230,8 @@ impl Picture {
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 
-fn font() -> (&'static str, i32) {
-    ("sans-serif", 15)
+fn font() -> (&'static str, u32) {
+    ("sans-serif", 15 * FINE)
 }
 
 type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
@@ -224,11 +240,24 @@ fn legend<'a>(chart: &mut Chart<'a>) -> Drawn {
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperRight)
+        .legend_area_size(30 * FINE)
+        .margin(8 * FINE)
         .background_style(WHITE.mix(0.85))
-        .border_style(SHADE)
+        .border_style(SHADE.stroke_width(FINE))
         .label_font(font())
         .draw()?;
     Ok(())
+}
+
+/// Steps of colour from standstill to full speed.
+const TONES: u8 = 40;
+
+/// The fastest joint's share of its limit, in steps of colour.
+fn tone(sample: &Sample) -> u8 {
+    let fastest = sample.speed.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to TONES")]
+    let tone = (fastest.min(1.0) * f64::from(TONES)).round() as u8;
+    tone
 }
 
 /// The colour of a share of the speed limit.

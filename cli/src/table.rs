@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use comfy_table::{Cell, CellAlignment, Table, presets};
+use comfy_table::{Cell, CellAlignment, LineStyle, Table, presets};
 
 use crate::figures::{Figures, MotionRow};
 
@@ -12,7 +12,7 @@ const SHOWN: usize = 100;
 /// A table with a head, columns of numbers to the right.
 pub(crate) fn table(head: &[&str]) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::NOTHING.header_separator(LineStyle::none().fill('─').junction('─')));
     table.set_header(head.iter().copied());
     for (index, title) in head.iter().enumerate() {
         let words = ["", "type", "limited by", "robot", "quantity", "unit"];

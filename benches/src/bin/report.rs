@@ -1,2 +1,265 @@
-//! placeholder
-fn main() {}
+//! Prints what `cargo bench -p iiwasim-benches` has measured, with ratios, required figures and
+//! accuracies, as Markdown tables.
+#![expect(clippy::print_stdout, reason = "tables are what it is for")]
+
+use std::{
+    env, fs,
+    path::{Path as FilePath, PathBuf},
+};
+
+use iiwa_kin::Robot;
+use iiwa_path::{BlendSearch, Path, Program};
+use iiwa_traj::{SweepOptions, Timing, Trajectory};
+use iiwasim_benches::{Result, machine, reference, topp_ra::Samples};
+use serde_json::Value;
+
+/// A bench's figures.
+struct Figure {
+    name: String,
+    median_ns: f64,
+    /// What `median_ns` is for: so many poses, searches, samples.
+    elements: Option<f64>,
+}
+
+impl Figure {
+    fn each_ns(&self) -> f64 {
+        self.median_ns / self.elements.unwrap_or(1.0)
+    }
+}
+
+/// The figures of one group of benches.
+struct Group {
+    title: &'static str,
+    element: &'static str,
+    figures: Vec<Figure>,
+}
+
+impl Group {
+    /// Reads a group from the folder where `criterion` keeps it.
+    fn read(
+        folder: &FilePath,
+        title: &'static str,
+        element: &'static str,
+        names: &[&str],
+    ) -> Result<Self> {
+        let mut figures = Vec::new();
+        for bench in subfolders(&folder.join(title))? {
+            let (Ok(about), Ok(estimates)) = (
+                json(&bench.join("new/benchmark.json")),
+                json(&bench.join("new/estimates.json")),
+            ) else {
+                continue;
+            };
+            let number = |value: &Value| value.as_f64();
+            figures.push(Figure {
+                name: about["function_id"].as_str().unwrap_or_default().to_owned(),
+                median_ns: number(&estimates["median"]["point_estimate"])
+                    .ok_or_else(|| format!("{}: no median", bench.display()))?,
+                elements: number(&about["throughput"]["Elements"]),
+            });
+        }
+        let place = |figure: &Figure| names.iter().position(|name| *name == figure.name);
+        figures.retain(|figure| place(figure).is_some());
+        figures.sort_by_key(place);
+        Ok(Self { title, element, figures })
+    }
+
+    fn get(&self, name: &str) -> Option<&Figure> {
+        self.figures.iter().find(|figure| figure.name == name)
+    }
+
+    /// Ratios are to the first figure.
+    fn print(&self) {
+        let each = !self.element.is_empty();
+        println!("\n### {}\n", self.title);
+        if self.figures.is_empty() {
+            println!("Not measured.");
+            return;
+        }
+        if each {
+            println!("| | time | {0}s | time a {0} | ratio | ratio a {0} |", self.element);
+            println!("|---|---:|---:|---:|---:|---:|");
+        } else {
+            println!("| | time |\n|---|---:|");
+        }
+        let first = &self.figures[0];
+        for figure in &self.figures {
+            print!("| {} | {} |", figure.name, time(figure.median_ns));
+            if each {
+                print!(
+                    " {} | {} | {:.2} | {:.2} |",
+                    figure.elements.unwrap_or(1.0),
+                    time(figure.each_ns()),
+                    figure.median_ns / first.median_ns,
+                    figure.each_ns() / first.each_ns(),
+                );
+            }
+            println!();
+        }
+    }
+}
+
+fn main() -> Result<()> {
+    let folder = criterion_folder()?;
+    let read = |title, element, names: &[&str]| Group::read(&folder, title, element, names);
+    let forward = read(
+        "forward kinematics",
+        "pose",
+        &[
+            "iiwa-kin tcp",
+            "iiwa-kin tcp_position",
+            "iiwa-kin tcp_batch",
+            "seven std sin_cos alone",
+            "nalgebra 4x4 DH product",
+            "k",
+        ],
+    )?;
+    let search =
+        read("blend search", "search", &["first crossing", "algorithm 1", "algorithm 2"])?;
+    let stamps = read(
+        "stamps",
+        "node",
+        &[
+            "iiwa-traj plan",
+            "iiwa-traj plan, 1000 motions",
+            "copp topp2_ra, solver alone",
+            "copp topp2_ra, from samples",
+            "copp topp2_ra, from the path",
+        ],
+    )?;
+    let ten = read("ten motions", "", &["Program::from_json", "Path::new", "Trajectory::plan"])?;
+    let command = read("command", "", &["iiwasim plan", "iiwasim --version"])?;
+
+    println!(
+        "On {}, {}, by {}.",
+        machine::processor(),
+        machine::instruction_level(),
+        machine::version("rustc")
+    );
+    print_required(&search, &stamps, &command);
+    for group in [&forward, &search, &stamps, &ten, &command] {
+        group.print();
+    }
+    print_found_crossings()?;
+    print_accuracy()
+}
+
+/// A ratio or a time, and the largest that it may be.
+fn print_required(search: &Group, stamps: &Group, command: &Group) {
+    let each = |group: &Group, name: &str| group.get(name).map(Figure::each_ns);
+    let ratio = |a: Option<f64>, b: Option<f64>| Some(a? / b?);
+    let sweep = each(stamps, "iiwa-traj plan");
+    let copp = each(stamps, "copp topp2_ra, from samples");
+    let share = |value: f64| format!("1/{:.1}", 1.0 / value);
+    let times = |value: f64| time(value);
+    type Format<'a> = &'a dyn Fn(f64) -> String;
+    let rows: [(&str, Option<f64>, f64, Format<'_>); 4] = [
+        (
+            "blend search: first crossing over algorithm 2",
+            ratio(each(search, "first crossing"), each(search, "algorithm 2")),
+            1.0 / 5.0,
+            &share,
+        ),
+        ("stamps, path included: time a node of the sweep", sweep, 100.0, &times),
+        ("stamps: time a node over copp's", ratio(sweep, copp), 1.0 / 5.0, &share),
+        ("`iiwasim plan`, ten motions, process and MCAP", each(command, "iiwasim plan"), 30e6, &times),
+    ];
+    println!("\n### required\n\n| | at most | measured | |\n|---|---:|---:|---|");
+    for (what, value, limit, format) in rows {
+        let (found, verdict) = match value {
+            Some(value) => (format(value), if value <= limit { "kept" } else { "**missed**" }),
+            None => ("not measured".to_owned(), ""),
+        };
+        println!("| {what} | {} | {found} | {verdict} |", format(limit));
+    }
+}
+
+/// What the searches of the bench find.
+fn print_found_crossings() -> Result<()> {
+    let robot = Robot::lbr_iiwa_7_r800();
+    println!("\n### crossings found\n");
+    println!("| | found | none in the half | farther out than the first crossing by > 0.001 |");
+    println!("|---|---:|---:|---:|");
+    let searches = reference::searches()?;
+    for (name, kind) in [
+        ("first crossing", BlendSearch::FirstCrossing),
+        ("algorithm 1", BlendSearch::Algorithm1),
+        ("algorithm 2", BlendSearch::Algorithm2),
+    ] {
+        let found: Vec<_> = searches.iter().map(|search| search.run(kind, &robot)).collect();
+        let misses = searches.iter().zip(&found).filter(|(search, found)| {
+            let first = search.run(BlendSearch::FirstCrossing, &robot);
+            first.is_some_and(|first| found.is_none_or(|found| found > first + 0.001 + 1e-9))
+        });
+        let some = found.iter().flatten().count();
+        println!("| {name} | {some} | {} | {} |", found.len() - some, misses.count());
+    }
+    Ok(())
+}
+
+/// Errors of the time in motion of the first reference program.
+fn print_accuracy() -> Result<()> {
+    const FINE: usize = 20_000;
+    let program = Program::from_json(&reference::ten_motions()?)?;
+    let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+    let ours = |samples: usize| -> Result<f64> {
+        let timing = Timing::Acceleration(SweepOptions { samples });
+        Ok(Trajectory::plan(&path, timing)?.motion_time_s())
+    };
+    let theirs = |intervals: usize| -> Result<f64> {
+        Ok(Samples::new(&path, intervals)?.problem()?.solve()?)
+    };
+    let exact = ours(FINE)?;
+    println!("\n### accuracy\n");
+    println!("Time in motion of the ten motions; its error against iiwa-traj at N = {FINE}.\n");
+    println!("| intervals a segment | iiwa-traj | error | copp | error |");
+    println!("|---:|---:|---:|---:|---:|");
+    for n in [25, 50, 100, 200, 400, 1000, 4000] {
+        let (a, b) = (ours(n)?, theirs(n)?);
+        let error = |time_s: f64| format!("{:+.5} %", 100.0 * (time_s / exact - 1.0));
+        println!("| {n} | {a:.6} s | {} | {b:.6} s | {} |", error(a), error(b));
+    }
+    println!("| {FINE} | {exact:.6} s | | | |");
+    Ok(())
+}
+
+/// A time with three digits.
+fn time(ns: f64) -> String {
+    let (value, unit) = match ns {
+        ns if ns < 1e3 => (ns, "ns"),
+        ns if ns < 1e6 => (ns * 1e-3, "us"),
+        ns => (ns * 1e-6, "ms"),
+    };
+    let digits = if value < 10.0 { 2 } else { usize::from(value < 100.0) };
+    format!("{value:.digits$} {unit}")
+}
+
+/// Where `criterion` keeps its figures.
+fn criterion_folder() -> Result<PathBuf> {
+    let folder = match env::var_os("CRITERION_HOME") {
+        Some(home) => home.into(),
+        // target/release/report, beside it target/criterion.
+        None => env::current_exe()?
+            .ancestors()
+            .nth(2)
+            .ok_or("where are the figures?")?
+            .join("criterion"),
+    };
+    if !folder.is_dir() {
+        let missing = folder.display();
+        return Err(format!("{missing} is missing: run `cargo bench -p iiwasim-benches`").into());
+    }
+    Ok(folder)
+}
+
+fn subfolders(folder: &FilePath) -> Result<Vec<PathBuf>> {
+    match fs::read_dir(folder) {
+        Ok(entries) => Ok(entries.map(|e| Ok(e?.path())).collect::<std::io::Result<_>>()?),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Vec::new()),
+        Err(error) => Err(format!("{}: {error}", folder.display()).into()),
+    }
+}
+
+fn json(file: &FilePath) -> Result<Value> {
+    Ok(serde_json::from_str(&fs::read_to_string(file)?)?)
+}

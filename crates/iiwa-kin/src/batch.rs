@@ -1,18 +1,24 @@
 //! Forward kinematics of many poses at once.
 
+#![expect(
+    clippy::inline_always,
+    reason = "kernels must be inlined into the function that enables vector instructions"
+)]
+
+use std::array::from_fn;
+
 use crate::{
     Joints, Pose, Robot,
     forward::{chain, tcp},
     trig::{reduced, reducible},
 };
 
-/// Poses computed side by side: two vector registers of four, or one of eight.
+/// Poses computed side by side: two vector registers of four numbers.
 const LANES: usize = 8;
 
 impl Robot {
     /// Poses of the TCP for each of `joints_rad`, written to `poses`; the same numbers as
-    /// [`Robot::tcp`], bit for bit, at a fraction of its time. Uses the widest vector instructions
-    /// that the machine has.
+    /// [`Robot::tcp`], bit for bit, at a fraction of its time. Uses AVX2 where the machine has it.
     ///
     /// # Panics
     ///
@@ -38,11 +44,33 @@ impl pulp::NullaryFnOnce for Batch<'_> {
     fn call(self) {
         let (blocks, rest) = self.joints.as_chunks::<LANES>();
         let (pose_blocks, pose_rest) = self.poses.as_chunks_mut::<LANES>();
-        for (block, out) in blocks.iter().zip(pose_blocks) {
-            if reducible(block.as_flattened()) {
-                lanes(&self.d, block, out);
-            } else {
-                one_by_one(&self.d, block, out);
+        // Loops over lanes become vector code. The arrays are out here to be cleared only once.
+        let (mut s, mut c) = ([[0.0; LANES]; 7], [[0.0; LANES]; 7]);
+        let mut frames = [[0.0; LANES]; 12];
+        for (block, poses) in blocks.iter().zip(pose_blocks) {
+            if !reducible(block.as_flattened()) {
+                one_by_one(&self.d, block, poses);
+                continue;
+            }
+            for j in 0..7 {
+                for l in 0..LANES {
+                    (s[j][l], c[j][l]) = reduced(block[l][j]);
+                }
+            }
+            for l in 0..LANES {
+                let frame = chain(&self.d, &from_fn(|j| s[j][l]), &from_fn(|j| c[j][l]));
+                for i in 0..3 {
+                    frames[i][l] = frame.x[i];
+                    frames[3 + i][l] = frame.y[i];
+                    frames[6 + i][l] = frame.z[i];
+                    frames[9 + i][l] = frame.p[i];
+                }
+            }
+            for l in 0..LANES {
+                poses[l] = Pose {
+                    position_m: from_fn(|i| frames[9 + i][l]),
+                    rotation: from_fn(|i| from_fn(|axis| frames[3 * axis + i][l])),
+                };
             }
         }
         one_by_one(&self.d, rest, pose_rest);
@@ -53,17 +81,5 @@ impl pulp::NullaryFnOnce for Batch<'_> {
 fn one_by_one(d: &[f64; 4], joints: &[Joints], poses: &mut [Pose]) {
     for (joints, pose) in joints.iter().zip(poses) {
         *pose = tcp(d, joints);
-    }
-}
-
-/// [`tcp`] of angles that are [`reducible`]: the loops over lanes become vector code.
-#[inline(always)]
-fn lanes(d: &[f64; 4], block: &[Joints; LANES], out: &mut [Pose; LANES]) {
-    for l in 0..LANES {
-        let (mut s, mut c) = ([0.0; 7], [0.0; 7]);
-        for j in 0..7 {
-            (s[j], c[j]) = reduced(block[l][j]);
-        }
-        out[l] = chain(d, &s, &c).pose();
     }
 }

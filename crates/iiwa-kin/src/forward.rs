@@ -3,6 +3,11 @@
 //! All link lengths `a` of the LBR iiwa are zero and all twists are quarter turns, so that a link's
 //! transform is a rotation in a plane, an exchange of two axes and a shift along one.
 
+#![expect(
+    clippy::inline_always,
+    reason = "kernels must be inlined into the function that enables vector instructions"
+)]
+
 use nalgebra::SMatrix;
 
 use crate::{Joints, Pose, Robot, robot::TWIST_QUARTERS, trig::sin_cos};
@@ -120,11 +125,9 @@ impl Robot {
         let d = self.offsets();
         let mut p = [0.0, 0.0, d[3]];
         for j in (0..6).rev() {
+            p = rotate_back(j, p, s[j], c[j]);
             if j % 2 == 0 {
-                p = rotate_back(j, p, s[j], c[j]);
                 p[2] += d[j / 2];
-            } else {
-                p = rotate_back(j, p, s[j], c[j]);
             }
         }
         p

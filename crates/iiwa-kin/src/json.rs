@@ -58,11 +58,16 @@ impl Place {
                 let end = part.trim_end().len();
                 end..end
             }
-            Category::Syntax => match token_at(part, read.saturating_sub(1)) {
-                // Within a string it is one character that is wrong.
-                Some(token) if !part[token.clone()].starts_with('"') => token,
-                _ => read.saturating_sub(1)..read,
-            },
+            Category::Syntax => {
+                // A word like `tru` is found wrong at what follows it.
+                let behind = if error.to_string().starts_with("expected ident") { 2 } else { 1 };
+                let at = read.saturating_sub(behind);
+                match token_at(part, at) {
+                    // Within a string it is one character that is wrong.
+                    Some(token) if !part[token.clone()].starts_with('"') => token,
+                    _ => at..read,
+                }
+            }
             Category::Data => wrong_value(part, read),
         };
         let base = offset_in(text, part).unwrap_or(0);
@@ -100,7 +105,7 @@ pub fn problem(error: &serde_json::Error) -> String {
             };
             return format!("expected {expected}, found {}", shown(found));
         }
-        return format!("{said}{}; known is {expected}", shown(found));
+        return format!("{said}{}, expected {expected}", shown(found));
     }
     let key = |start: &str| message.strip_prefix(start);
     if let Some(key) = key("missing field ") {
@@ -352,7 +357,7 @@ mod tests {
             ("[\n  [1]]", 2, 3, "[", "expected an object, found a list"),
             ("[[1]]", 1, 2, "[", "expected an object, found a list"),
             ("[ 17, 1]", 1, 3, "17", "expected an object, found `17`"),
-            ("[{\"y\": 1}]", 1, 3, "\"y\"", "unknown key `y`; known is `x`"),
+            ("[{\"y\": 1}]", 1, 3, "\"y\"", "unknown key `y`, expected `x`"),
             ("[{\"x\": 1.5}]", 1, 8, "1.5", "expected a list, found `1.5`"),
             ("[{\"x\":{}}]", 1, 7, "{", "expected a list, found an object"),
             ("[{\"x\": [1, [2]]}]", 1, 12, "[", "expected a number, found a list"),
@@ -369,10 +374,16 @@ mod tests {
             ("[{\"x\": [NaN]}]", 1, 9, "NaN", "this is not JSON: a value is expected"),
             ("[{\"x\": [tru]}]", 1, 9, "tru", "this is not JSON: a value is expected"),
             ("[{\"x\": [1}]", 1, 10, "}", "expected `,` or `]`"),
-            ("[{\"x\": [1],}]", 1, 13, "}", "trailing comma"),
+            ("[{\"x\": [1],}]", 1, 12, "}", "trailing comma"),
             ("[{x: 1}]", 1, 3, "x", "a key is expected, in double quotes"),
             ("[{\"ü\": [1], \"\\q\": 1}]", 1, 15, "q", "invalid escape"),
-            ("[{\"x\": []},\n {\"x\": [], \"x\": []}]", 2, 11, "\"x\"", "the key `x` is there twice"),
+            (
+                "[{\"x\": []},\n {\"x\": [], \"x\": []}]",
+                2,
+                11,
+                "\"x\"",
+                "the key `x` is there twice",
+            ),
             ("[{\"x\": []},\n  { }]", 2, 3, "{", "the key `x` is missing"),
             ("[] 7", 1, 4, "7", "there is more text after the end"),
             ("[{\"x\": [1, 2\n\n", 1, 14, "", "the text ends too early"),

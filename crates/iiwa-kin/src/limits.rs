@@ -24,6 +24,7 @@ impl Limits {
     pub fn outside(&self, joints_rad: &Joints) -> Option<usize> {
         // A thousandth of an arc second: a limit typed in degrees must not fail by rounding.
         const ROUNDING_RAD: f64 = 5e-9;
-        (0..7).find(|&j| !(joints_rad[j].abs() <= self.position_rad[j] + ROUNDING_RAD))
+        let range_rad = self.position_rad.map(|limit| limit + ROUNDING_RAD);
+        (0..7).find(|&j| !(-range_rad[j]..=range_rad[j]).contains(&joints_rad[j]))
     }
 }

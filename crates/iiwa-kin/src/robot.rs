@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::{DhRow, Joints, Limits};
 
-/// Twists alpha_1 to alpha_7 of the LBR iiwa, in quarter turns (Larsen 2019, Table 1).
+/// Twists `alpha_1` to `alpha_7` of the LBR iiwa, in quarter turns (Larsen 2019, Table 1).
 pub(crate) const TWIST_QUARTERS: [i8; 7] = [-1, 1, 1, -1, -1, 1, 0];
 
 /// The four lengths that tell one LBR iiwa from another, in m.

@@ -4,6 +4,11 @@
 //! turns it into vector instructions, and it uses only additions, multiplications and bit
 //! operations, so that every machine gets the same bits.
 
+#![expect(
+    clippy::inline_always,
+    reason = "kernels must be inlined into the function that enables vector instructions"
+)]
+
 /// Largest angle, in rad, for which the reduction below is exact to double precision.
 const MAX_REDUCED_RAD: f64 = 1.0e6;
 
@@ -14,24 +19,22 @@ const ROUND: f64 = 6_755_399_441_055_744.0;
 const HALF_PI: [f64; 3] =
     [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
 
-// Taylor coefficients. On |r| <= pi/4 the first term left out is below 5e-17 of the result.
-const SIN: [f64; 7] = [
-    -1.0 / 6.0,
-    1.0 / 120.0,
-    -1.0 / 5_040.0,
-    1.0 / 362_880.0,
-    -1.0 / 39_916_800.0,
-    1.0 / 6_227_020_800.0,
-    -1.0 / 1_307_674_368_000.0,
+// Coefficients of fdlibm (`k_sin.c` and `k_cos.c`, Sun Microsystems 1993) for |r| <= pi/4.
+const SIN: [f64; 6] = [
+    -1.666_666_666_666_663_2e-1,
+    8.333_333_333_322_49e-3,
+    -1.984_126_982_985_795e-4,
+    2.755_731_370_707_007e-6,
+    -2.505_076_025_340_686_3e-8,
+    1.589_690_995_211_55e-10,
 ];
-const COS: [f64; 7] = [
-    1.0 / 24.0,
-    -1.0 / 720.0,
-    1.0 / 40_320.0,
-    -1.0 / 3_628_800.0,
-    1.0 / 479_001_600.0,
-    -1.0 / 87_178_291_200.0,
-    1.0 / 20_922_789_888_000.0,
+const COS: [f64; 6] = [
+    4.166_666_666_666_66e-2,
+    -1.388_888_888_887_411e-3,
+    2.480_158_728_947_673e-5,
+    -2.755_731_435_139_066_3e-7,
+    2.087_572_321_298_175e-9,
+    -1.135_964_755_778_819_5e-11,
 ];
 
 /// Whether [`reduced`] is right for all of `angles`; false also if one is not a number.
@@ -60,9 +63,11 @@ pub(crate) fn reduced(x: f64) -> (f64, f64) {
     (f64::from_bits(sin ^ exchange ^ sin_sign), f64::from_bits(cos ^ exchange ^ cos_sign))
 }
 
+/// The polynomial in `z` (Estrin's scheme: a short chain of steps that wait for each other).
 #[inline(always)]
-fn series([first @ .., last]: &[f64; 7], z: f64) -> f64 {
-    first.iter().rev().fold(*last, |sum, c| sum * z + c)
+fn series(c: &[f64; 6], z: f64) -> f64 {
+    let z2 = z * z;
+    ((c[0] + c[1] * z) + (c[2] + c[3] * z) * z2) + (c[4] + c[5] * z) * (z2 * z2)
 }
 
 /// Sine and cosine of each of `angles`, in rad.

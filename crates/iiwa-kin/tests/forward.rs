@@ -1,5 +1,8 @@
 //! Forward kinematics against published figures, the plain matrix product and itself.
 
+// Of two ways to the same number, the same number is asked for.
+#![allow(clippy::float_cmp)]
+
 use iiwa_kin::{Joints, Pose, Robot};
 use nalgebra::{Matrix4, Vector3};
 use proptest::prelude::*;
@@ -71,12 +74,23 @@ proptest! {
     }
 
     #[test]
-    fn a_batch_is_bit_for_bit_the_same(all in prop::collection::vec(any_joints(), 0..40)) {
+    fn a_batch_is_bit_for_bit_the_same(
+        mut all in prop::collection::vec(any_joints(), 0..40),
+        huge in prop::option::of((0..40_usize, 0..7_usize)),
+    ) {
+        if let Some((pose, joint)) = huge
+            && let Some(q) = all.get_mut(pose)
+        {
+            q[joint] *= 1e9;
+        }
         let robot = Robot::default();
         let mut poses = vec![Pose::IDENTITY; all.len()];
         robot.tcp_batch(&all, &mut poses);
         for (q, pose) in all.iter().zip(&poses) {
-            prop_assert_eq!(*pose, robot.tcp(q));
+            let bits = |pose: &Pose| {
+                (pose.position_m.map(f64::to_bits), pose.rotation.map(|row| row.map(f64::to_bits)))
+            };
+            prop_assert_eq!(bits(pose), bits(&robot.tcp(q)));
         }
     }
 }

@@ -90,14 +90,14 @@ fn says_what_is_wrong_and_where() {
             2,
             3,
             "\"speed\"",
-            "unknown key `speed`; known is one of",
+            "unknown key `speed`, expected one of",
         ),
         (
             "{ \"version\": 1,\n  \"lengths_mm\": { \"flnge\": 3 } }",
             2,
             19,
             "\"flnge\"",
-            "unknown key `flnge`; known is one of `base`",
+            "unknown key `flnge`, expected one of `base`",
         ),
         ("{ \"version\": 1, \"version\": 1 }", 1, 17, "\"version\"", "there twice"),
         (

@@ -159,7 +159,7 @@ fn place_name(motion: Option<usize>) -> String {
 
 /// Degrees with as many places as tell a value from its limit, and no more.
 fn degrees(rad: f64) -> f64 {
-    (rad.to_degrees() * 1e6).round() / 1e6
+    (rad.to_degrees() * 1e7).round() / 1e7
 }
 
 fn blend_range(blend: Blend) -> String {

@@ -3,7 +3,10 @@
 
 use std::{borrow::Cow, fmt};
 
-use iiwa_kin::{Joints, json::Place};
+use iiwa_kin::{
+    Joints,
+    json::{Object, Place, Step, element_at, locate, problem},
+};
 use schemars::JsonSchema;
 use serde::{
     Deserialize, Deserializer, Serialize,
@@ -87,10 +90,11 @@ impl Program {
     /// If the text is not a program, or asks for something that no robot can do; the error says
     /// where in the text.
     pub fn from_json(text: &str) -> Result<Self, ProgramError> {
-        let wire: ProgramWire<'_> = serde_json::from_str(text).map_err(|error| {
+        let wire = serde_json::from_str::<Object<ProgramWire<'_>>>(text);
+        let Object(wire) = wire.map_err(|error| {
             // Another version may have other keys: that is then the thing to say.
-            match serde_json::from_str::<VersionOnly>(text) {
-                Ok(VersionOnly { version: Some(found) }) if found != VERSION => {
+            match serde_json::from_str::<Object<VersionOnly>>(text) {
+                Ok(Object(VersionOnly { version: Some(found) })) if found != VERSION => {
                     version_error(text, found)
                 }
                 _ => json_error(text, text, None, &error),
@@ -100,9 +104,9 @@ impl Program {
             return Err(version_error(text, wire.version));
         }
         let start_rad = wire.start.joints().map_err(|what| ProgramError::Json {
-            what: what.to_owned(),
+            what: format!("the start pose: {what}"),
             motion: None,
-            place: iiwa_kin::json::locate(text, &[iiwa_kin::json::Step::Key("start")]),
+            place: locate(text, &[Step::Key("start")]),
         })?;
         let motions = wire
             .motions
@@ -138,29 +142,33 @@ impl Program {
 }
 
 fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
-    let fail = |error: &serde_json::Error| json_error(text, raw, Some(index), error);
-    let wrong = |what: String| ProgramError::Json {
-        what,
-        motion: Some(index),
-        place: iiwa_kin::json::locate(
-            text,
-            &[iiwa_kin::json::Step::Key("motions"), iiwa_kin::json::Step::Index(index)],
-        ),
+    let fail = |error: serde_json::Error| json_error(text, raw, Some(index), &error);
+    let wrong = |what: String, key: Option<&str>| {
+        let path = [Step::Key("motions"), Step::Index(index)].into_iter().chain(key.map(Step::Key));
+        let place = locate(text, &path.collect::<Vec<_>>());
+        ProgramError::Json { what, motion: Some(index), place }
     };
-    let tag: Tag<'_> = serde_json::from_str(raw).map_err(|error| fail(&error))?;
+    let Object(tag) = serde_json::from_str::<Object<Tag<'_>>>(raw).map_err(fail)?;
     match tag.r#type.as_deref() {
         Some("ptp") => {
-            let wire: PtpWire = serde_json::from_str(raw).map_err(|error| fail(&error))?;
-            wire.motion().map_err(|what| wrong(what.to_owned()))
+            let Object(wire) = serde_json::from_str::<Object<PtpWire>>(raw).map_err(fail)?;
+            wire.motion().map_err(|what| wrong(what.to_owned(), None))
         }
         Some("wait") => {
-            let wire: WaitWire = serde_json::from_str(raw).map_err(|error| fail(&error))?;
+            let Object(wire) = serde_json::from_str::<Object<WaitWire>>(raw).map_err(fail)?;
             Ok(Motion::Wait { seconds: wire.seconds })
         }
-        Some(other) => Err(wrong(format!("unknown type `{other}`; `ptp` and `wait` are known"))),
-        None => Err(wrong("it has no `type`; `ptp` and `wait` are known".to_owned())),
+        Some(other) => {
+            let other: String = other.chars().take(MAX_SHOWN).collect();
+            let what = format!("unknown type `{other}`; `ptp` and `wait` are known");
+            Err(wrong(what, Some("type")))
+        }
+        None => Err(wrong("it has no `type`; `ptp` and `wait` are known".to_owned(), None)),
     }
 }
+
+/// Longest unknown type that a message repeats, in characters.
+const MAX_SHOWN: usize = 60;
 
 fn json_error(
     text: &str,
@@ -168,15 +176,14 @@ fn json_error(
     motion: Option<usize>,
     error: &serde_json::Error,
 ) -> ProgramError {
-    // The place is told apart, and in the whole text: cut it off the message.
-    let message = error.to_string();
-    let what = message.rsplit_once(" at line ").map_or(message.as_str(), |(what, _)| what);
-    ProgramError::Json { what: what.to_owned(), motion, place: Place::of_error(text, part, error) }
+    let place = Place::of_error(text, part, error);
+    // What is no JSON at all is found before the text is taken apart.
+    let motion = motion.or_else(|| element_at(text, "motions", place.span.start));
+    ProgramError::Json { what: problem(error), motion, place }
 }
 
 fn version_error(text: &str, found: u64) -> ProgramError {
-    let place = iiwa_kin::json::locate(text, &[iiwa_kin::json::Step::Key("version")]);
-    ProgramError::Version { found, place }
+    ProgramError::Version { found, place: locate(text, &[Step::Key("version")]) }
 }
 
 #[derive(Deserialize)]
@@ -202,6 +209,7 @@ struct ProgramWire<'a> {
     #[serde(default)]
     robot: Option<String>,
     /// Where the arm stands before the first motion.
+    #[serde(deserialize_with = "object")]
     start: StartWire,
     /// What it does, in order.
     #[serde(borrow)]
@@ -301,7 +309,11 @@ struct PtpWire {
     #[serde(default, skip_serializing_if = "Share::is_full")]
     jerk_rel: Share,
     /// How the target is blended away; without it the arm stops there.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "object_or_null",
+        skip_serializing_if = "Option::is_none"
+    )]
     blend: Option<BlendWire>,
 }
 
@@ -311,13 +323,13 @@ struct PtpWire {
 #[schemars(rename = "Wait")]
 struct WaitWire {
     r#type: WaitTag,
-    /// For how long, in s.
-    #[schemars(range(min = 0))]
+    /// For how long, in s: at most a year.
+    #[schemars(range(min = 0, max = 31_536_000))]
     seconds: f64,
 }
 
 /// Where the arm may leave the line to the target and cut the corner.
-#[derive(Deserialize, Serialize, JsonSchema)]
+#[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "Blend")]
 enum BlendWire {
@@ -327,6 +339,28 @@ enum BlendWire {
     SunriseRel(#[schemars(range(min = 0, max = 1))] f64),
     /// A radius about the target in mm; below 4 the arm stops.
     CartMm(#[schemars(range(min = 0))] f64),
+}
+
+/// What serde says of enumerations would not tell anybody what to write.
+impl<'de> Deserialize<'de> for BlendWire {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Sizes {
+            fraction: Option<f64>,
+            sunrise_rel: Option<f64>,
+            cart_mm: Option<f64>,
+        }
+        let sizes = Sizes::deserialize(deserializer)?;
+        match (sizes.fraction, sizes.sunrise_rel, sizes.cart_mm) {
+            (Some(b), None, None) => Ok(Self::Fraction(b)),
+            (None, Some(x), None) => Ok(Self::SunriseRel(x)),
+            (None, None, Some(r)) => Ok(Self::CartMm(r)),
+            _ => Err(D::Error::custom(
+                "a blend has exactly one of `fraction`, `sunrise_rel` and `cart_mm`",
+            )),
+        }
+    }
 }
 
 impl PtpWire {
@@ -374,7 +408,12 @@ impl From<&Motion> for MotionWire {
 #[schemars(inline)]
 enum Share {
     All(#[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))] f64),
-    Each(Joints),
+    Each(
+        #[schemars(extend(
+            "items" = { "type": "number", "exclusiveMinimum": 0, "maximum": 1 }
+        ))]
+        Joints,
+    ),
 }
 
 impl Default for Share {
@@ -456,4 +495,15 @@ impl<'de> Visitor<'de> for Seven {
 
 fn seven<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Joints>, D::Error> {
     deserializer.deserialize_seq(Seven("seven joint angles, A1 to A7")).map(Some)
+}
+
+fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+    Object::deserialize(deserializer).map(|object| object.0)
+}
+
+fn object_or_null<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    let object = Option::<Object<T>>::deserialize(deserializer)?;
+    Ok(object.map(|object| object.0))
 }

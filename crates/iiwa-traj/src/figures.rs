@@ -72,7 +72,7 @@ impl Totals {
                 PieceKind::Settle => &mut self.settle_time_s,
                 PieceKind::Wait => &mut self.wait_time_s,
             };
-            *time_s += piece.end_s - piece.start_s;
+            *time_s += piece.duration_s;
         }
     }
 }

@@ -32,6 +32,8 @@ pub struct Piece {
     pub start_s: f64,
     /// When it ends, in s.
     pub end_s: f64,
+    /// How long it takes, in s; not rounded by how late it is.
+    pub duration_s: f64,
     /// Top speed: the largest share of a joint's speed limit (the robot's, not the motion's).
     pub peak_velocity_rel: f64,
     /// The limit that the piece is at for the longest time; none at rest.

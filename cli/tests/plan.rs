@@ -1,0 +1,322 @@
+//! `iiwasim plan` from outside: files, exit codes, messages.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+    time::{Duration, Instant},
+};
+
+use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};
+use predicates::str::{contains, is_empty};
+use tempfile::{TempDir, tempdir};
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)
+}
+
+fn iiwasim(folder: &TempDir, arguments: &[&str]) -> Assert {
+    cargo_bin_cmd!("iiwasim").current_dir(folder).args(arguments).assert()
+}
+
+fn plan(folder: &TempDir, program: &Path, arguments: &[&str]) -> Assert {
+    cargo_bin_cmd!("iiwasim")
+        .current_dir(folder)
+        .arg("plan")
+        .arg(program)
+        .args(arguments)
+        .assert()
+}
+
+fn files(folder: &TempDir) -> Vec<String> {
+    let names = fs::read_dir(folder).unwrap();
+    let mut names: Vec<_> =
+        names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+fn figures(assert: Assert) -> serde_json::Value {
+    serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
+}
+
+const START: &str = r#""start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }"#;
+
+fn program(motions: &str) -> String {
+    format!("{{\n  \"version\": 1,\n  {START},\n  \"motions\": [\n    {motions}\n  ]\n}}\n")
+}
+
+/// `count` motions there and back again, all blended.
+fn long_program(count: usize) -> String {
+    let motion = |i: usize| {
+        let a = if i % 2 == 0 { 10 } else { -10 };
+        let blend = if i + 1 < count { r#", "blend": { "fraction": 0.25 }"# } else { "" };
+        format!(r#"{{ "type": "ptp", "joints_deg": [{a}, {}, 0, -60, 0, 90, 0]{blend} }}"#, i % 7)
+    };
+    program(&(0..count).map(motion).collect::<Vec<_>>().join(",\n"))
+}
+
+#[test]
+fn writes_a_file_and_a_table() {
+    let folder = tempdir().unwrap();
+    plan(&folder, &fixture("appendix-b.json"), &[])
+        .success()
+        .stdout(contains("Cycle time 8.69").and(contains("A6 velocity")))
+        .stderr(is_empty());
+    assert_eq!(files(&folder), ["appendix-b.mcap"]);
+}
+
+use predicates::prelude::PredicateBooleanExt;
+
+#[test]
+fn figures_are_as_promised() {
+    let folder = tempdir().unwrap();
+    let program = fixture("waits-and-stops.json");
+    let figures = figures(plan(&folder, &program, &["--json", "-o", "x.mcap"]));
+    let number = |key: &str| figures[key].as_f64().unwrap();
+    let sum = number("motion_time_s") + number("settle_time_s") + number("wait_time_s");
+    assert!((number("cycle_time_s") - sum).abs() < 1e-12);
+    assert_eq!((number("settle_time_s"), number("wait_time_s")), (0.2, 0.5));
+    assert_eq!(figures["timing"], "acceleration");
+    assert_eq!(figures["robot"], "lbr_iiwa_7_r800");
+    assert_eq!(figures["samples"], 100);
+    assert_eq!(figures["output"], "x.mcap");
+    let motions = figures["motions"].as_array().unwrap();
+    let indices: Vec<_> = motions.iter().map(|m| m["index"].as_u64().unwrap()).collect();
+    assert_eq!(indices, [1, 2, 3, 4, 5, 6, 7, 8]);
+    assert_eq!((&motions[2]["type"], &motions[2]["limited_by"]), (&"wait".into(), &().into()));
+    assert_eq!(motions[0]["limited_by"]["joint"], 1);
+    assert_eq!(motions[0]["limited_by"]["kind"], "velocity");
+    let blends = figures["blends"].as_array().unwrap();
+    let after: Vec<_> = blends.iter().map(|b| b["after_motion"].as_u64().unwrap()).collect();
+    assert_eq!(after, [1, 4, 5]);
+    for key in ["gamma_deg", "start_rad", "end_rad", "mid_rad", "mid_tcp_m", "start_s", "end_s"] {
+        assert!(!blends[0][key].is_null(), "{key}");
+    }
+    assert!((blends[0]["gamma_deg"].as_f64().unwrap() - 90.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_same_program_gives_the_same_bytes() {
+    let folder = tempdir().unwrap();
+    for output in ["a.mcap", "b.mcap"] {
+        plan(&folder, &fixture("ten-motions.json"), &["-o", output]).success();
+    }
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(read("a.mcap"), read("b.mcap"));
+    plan(&folder, &fixture("ten-motions.json"), &["-o", "c.mcap", "--epoch", "2021-01-01T00:00:00Z"])
+        .success();
+    assert_ne!(read("a.mcap"), read("c.mcap"));
+}
+
+#[test]
+fn reads_standard_input() {
+    let folder = tempdir().unwrap();
+    cargo_bin_cmd!("iiwasim")
+        .current_dir(&folder)
+        .args(["plan", "-"])
+        .write_stdin(fs::read(fixture("appendix-b.json")).unwrap())
+        .assert()
+        .success();
+    assert_eq!(files(&folder), ["program.mcap"]);
+}
+
+#[test]
+fn a_gate_that_is_not_met_exits_with_3() {
+    let folder = tempdir().unwrap();
+    let program = fixture("appendix-b.json");
+    plan(&folder, &program, &["--no-output", "--max-cycle-time", "9"]).success();
+    plan(&folder, &program, &["--no-output", "--json", "--max-cycle-time", "8.5"])
+        .code(3)
+        .stdout(contains("cycle_time_s"))
+        .stderr(contains("8.696 s, more than 8.5 s"));
+    assert!(files(&folder).is_empty());
+}
+
+#[test]
+fn the_picture_in_the_docs_is_what_the_program_draws() {
+    let folder = tempdir().unwrap();
+    plan(&folder, &fixture("appendix-b.json"), &["--no-output", "--picture", "b.svg"]).success();
+    let drawn = fs::read_to_string(folder.path().join("b.svg")).unwrap();
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/appendix-b.svg");
+    assert!(drawn == fs::read_to_string(docs).unwrap(), "renew docs/appendix-b.svg");
+}
+
+/// Runs a bad program: exit code 2, all `words` in the message, and no trace in the folder.
+fn refuses(program: &str, words: &[&str]) {
+    let folder = tempdir().unwrap();
+    let inputs = tempdir().unwrap();
+    let input = inputs.path().join("program.json");
+    fs::write(&input, program).unwrap();
+    fs::write(folder.path().join("kept.mcap"), "as it was").unwrap();
+    let assert = plan(&folder, &input, &["-o", "kept.mcap"]).code(2).stdout(is_empty());
+    let message = String::from_utf8_lossy(&assert.get_output().stderr).replace("\n  │ ", " ");
+    for word in words {
+        assert!(message.contains(word), "`{word}` is missing in:\n{message}");
+    }
+    assert_eq!(files(&folder), ["kept.mcap"]);
+    assert_eq!(fs::read_to_string(folder.path().join("kept.mcap")).unwrap(), "as it was");
+}
+
+#[test]
+fn bad_programs_exit_with_2_and_leave_no_trace() {
+    let ptp = |rest: &str| {
+        program(&format!(r#"{{ "type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 9]{rest} }}"#))
+    };
+    let joints = |list: &str| program(&format!(r#"{{ "type": "ptp", "joints_deg": [{list}] }}"#));
+    let line = "line 5";
+    refuses("motions: none", &["line 1, column 1"]);
+    refuses(&ptp("")[..60], &["line 4"]);
+    refuses(&ptp("").replace("motions", "moves"), &["line 4", "moves"]);
+    refuses(&ptp(r#", "speed": 1"#), &[line, "motion 1", "speed"]);
+    refuses(&ptp("").replace("ptp", "lin"), &[line, "motion 1", "lin", "ptp"]);
+    refuses(&ptp("").replace("\"version\": 1", "\"version\": 2"), &["line 2", "version 2"]);
+    refuses(
+        &ptp("").replace("\"version\": 1", "\"version\": 1, \"robot\": \"r2d2\""),
+        &["line 2", "r2d2", "lbr_iiwa_14_r820"],
+    );
+    refuses(&joints("1, 2, 3, 4, 5, 6"), &[line, "motion 1", "6", "seven"]);
+    refuses(&joints("1, 2, 3, 4, 5, 6, 7, 8"), &[line, "motion 1", "8", "seven"]);
+    refuses(&joints("NaN, 2, 3, 4, 5, 6, 7"), &[line]);
+    refuses(&joints("1e400, 2, 3, 4, 5, 6, 7"), &[line]);
+    refuses(&joints("0, 120.001, 0, 0, 0, 0, 0"), &[line, "joint 2", "120.001", "120"]);
+    for bad in ["0", "-0.5", "1.001"] {
+        refuses(&ptp(&format!(r#", "velocity_rel": {bad}"#)), &[line, "motion 1", "velocity_rel"]);
+    }
+    let blended = |blend: &str| {
+        program(&format!(
+            "{{ \"type\": \"ptp\", \"joints_deg\": [0, 0, 0, 0, 0, 0, 9], \"blend\": {blend} }},\n    \
+             {{ \"type\": \"ptp\", \"joints_deg\": [0, 0, 0, 9, 0, 0, 9] }}"
+        ))
+    };
+    refuses(&blended(r#"{ "fraction": 0.51 }"#), &[line, "motion 1", "0.51"]);
+    refuses(&blended(r#"{ "cart_mm": -5 }"#), &[line, "motion 1", "-5"]);
+    refuses(&ptp(r#", "blend": { "fraction": 0.2 }"#), &[line, "motion 1", "last"]);
+    let wait = blended(r#"{ "fraction": 0.2 }"#)
+        .replace(r#"{ "type": "ptp", "joints_deg": [0, 0, 0, 9, 0, 0, 9] }"#, r#"{ "type": "wait", "seconds": 1 }"#);
+    refuses(&wait, &[line, "motion 1", "wait"]);
+    refuses(&ptp("").replace(START, r#""robot": "lbr_iiwa_7_r800""#), &["start"]);
+    refuses(&program(""), &["line 4", "no motions"]);
+    refuses(&"[".repeat(1 << 20), &["line 1"]);
+    // Nearly straight on at the limit, the blend swings out beyond it.
+    let swing = program(
+        "{ \"type\": \"ptp\", \"joints_deg\": [0, 119.9, 0, 0, 0, 0, 0], \"blend\": { \"fraction\": 0.5 } },\n    \
+         { \"type\": \"ptp\", \"joints_deg\": [100, 119.9, 0, 0, 0, 0, 0] }",
+    );
+    refuses(&swing, &[line, "motion 1", "joint 2", "blend"]);
+}
+
+#[test]
+fn wrong_usage_exits_with_2() {
+    let folder = tempdir().unwrap();
+    iiwasim(&folder, &["plan"]).code(2).stderr(contains("PROGRAM.json"));
+    iiwasim(&folder, &["plan", "missing.json"]).code(2).stderr(contains("missing.json"));
+    iiwasim(&folder, &["plan", "x.json", "--samples", "0"]).code(2);
+    iiwasim(&folder, &["plan", "x.json", "--no-output", "-o", "y"]).code(2);
+    iiwasim(&folder, &["fk", "--joints-deg", "1,2,3"]).code(2).stderr(contains("3 numbers"));
+    iiwasim(&folder, &["fk", "--joints-deg", "0,121,0,0,0,0,0"]).code(2).stderr(contains("joint 2"));
+    iiwasim(&folder, &["robot", "r2d2"]).code(2).stderr(contains("lbr_iiwa_7_r800"));
+    fs::write(folder.path().join("latin.json"), b"{ \"robot\": \"\xe9\" }").unwrap();
+    iiwasim(&folder, &["plan", "latin.json"]).code(2).stderr(contains("UTF-8"));
+}
+
+#[test]
+fn an_output_that_cannot_be_written_exits_with_1() {
+    let folder = tempdir().unwrap();
+    let program = fixture("appendix-b.json");
+    plan(&folder, &program, &["-o", "missing/x.mcap"]).code(1).stderr(contains("missing/x.mcap"));
+    plan(&folder, &program, &["-o", "."]).code(1).stderr(contains("cannot write"));
+    assert!(files(&folder).is_empty());
+}
+
+/// A file size limit stands for a full disk: the write fails half-way.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_exits_with_1_and_keeps_the_old_file() {
+    let folder = tempdir().unwrap();
+    fs::write(folder.path().join("kept.mcap"), "as it was").unwrap();
+    let output = Command::new("sh")
+        .current_dir(&folder)
+        .arg("-c")
+        .arg(r#"trap "" XFSZ; ulimit -f 16; exec "$0" plan "$1" -o kept.mcap"#)
+        .arg(assert_cmd::cargo::cargo_bin!("iiwasim"))
+        .arg(fixture("ten-motions.json"))
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("kept.mcap"), "{message}");
+    assert_eq!(files(&folder), ["kept.mcap"]);
+    assert_eq!(fs::read_to_string(folder.path().join("kept.mcap")).unwrap(), "as it was");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_exits_with_1_and_keeps_the_old_file() {
+    let folder = tempdir().unwrap();
+    let inputs = tempdir().unwrap();
+    let input = inputs.path().join("long.json");
+    // Stops all the way: many stretches, between which an interrupt is noticed.
+    let program = long_program(20_000).replace(r#", "blend": { "fraction": 0.25 }"#, "");
+    fs::write(&input, program).unwrap();
+    fs::write(folder.path().join("kept.mcap"), "as it was").unwrap();
+    let mut child = Command::new(assert_cmd::cargo::cargo_bin!("iiwasim"))
+        .current_dir(&folder)
+        .arg("plan")
+        .arg(&input)
+        .args(["-o", "kept.mcap"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let started = Instant::now();
+    while files(&folder).len() < 2 && started.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    assert_eq!(files(&folder), ["kept.mcap"]);
+    assert_eq!(fs::read_to_string(folder.path().join("kept.mcap")).unwrap(), "as it was");
+}
+
+#[test]
+fn other_commands_answer() {
+    let folder = tempdir().unwrap();
+    let fk = iiwasim(&folder, &["fk", "--json", "--joints-rad", "0,0.5,0,-1,0,0.7,0"]);
+    let fk = figures(fk);
+    assert!((fk["position_m"][0].as_f64().unwrap() - 0.713_659_663).abs() < 1e-9);
+    assert!((fk["position_m"][2].as_f64().unwrap() - 0.629_875_736).abs() < 1e-9);
+    assert_eq!(fk["robot"], "lbr_iiwa_7_r800");
+    let schema = figures(iiwasim(&folder, &["schema"]));
+    assert_eq!(schema["title"], "iiwasim motion program");
+    iiwasim(&folder, &["robot"]).success().stdout(contains("lbr_iiwa_14_r820"));
+    iiwasim(&folder, &["robot", "lbr_iiwa_14_r820"])
+        .success()
+        .stdout(contains("acceleration assumed"));
+}
+
+#[test]
+fn a_profile_is_found_beside_the_program() {
+    let folder = tempdir().unwrap();
+    let programs = tempdir().unwrap();
+    let profile = r#"{ "version": 1, "name": "slow", "velocity_limit_deg_s": [9, 9, 9, 9, 9, 9, 9] }"#;
+    fs::write(programs.path().join("slow.json"), profile).unwrap();
+    let text = fs::read_to_string(fixture("appendix-b.json")).unwrap();
+    let input = programs.path().join("program.json");
+    fs::write(&input, text.replace("lbr_iiwa_7_r800", "slow.json")).unwrap();
+    let slow = figures(plan(&folder, &input, &["--json", "--no-output"]));
+    assert_eq!(slow["robot"], "slow");
+    assert!(slow["cycle_time_s"].as_f64().unwrap() > 60.0);
+    let own = figures(plan(&folder, &input, &["--json", "--no-output", "--robot", "lbr_iiwa_7_r800"]));
+    assert!(own["cycle_time_s"].as_f64().unwrap() < 9.0);
+    fs::write(programs.path().join("slow.json"), profile.replace("9, 9]", "9]")).unwrap();
+    plan(&folder, &input, &[]).code(2).stderr(contains("slow.json").and(contains("line 1")));
+}
+
+#[test]
+fn assumed_limits_are_named() {
+    let folder = tempdir().unwrap();
+    let assert = plan(&folder, &fixture("appendix-b.json"), &["--no-output", "--robot", "lbr_iiwa_14_r820"]);
+    assert.success().stdout(contains("Assumed").and(contains("acceleration")));
+}

@@ -1,0 +1,169 @@
+//! The seven joints among all those of a URDF.
+
+use std::collections::HashMap;
+
+use nalgebra::{Isometry3, UnitQuaternion};
+
+use super::{Listed, UrdfError, joint::Joint, read::Description};
+use crate::Joints;
+
+/// Seven revolute joints and the fixed ones between and behind them.
+pub(super) struct Chain<'a> {
+    pub(super) base: &'a str,
+    pub(super) tip: &'a str,
+    pub(super) joints: Vec<&'a Joint<'a>>,
+    /// Which of the joints are revolute.
+    moving: [usize; 7],
+}
+
+impl<'a> Chain<'a> {
+    pub(super) fn revolute(&self) -> [&'a Joint<'a>; 7] {
+        self.moving.map(|index| self.joints[index])
+    }
+
+    /// Poses, in the base, of the seven joints (before they turn) and of the tip.
+    pub(super) fn poses(&self, joints_rad: &Joints) -> ([Isometry3<f64>; 7], Isometry3<f64>) {
+        let mut pose = Isometry3::identity();
+        let mut poses = [pose; 7];
+        let mut number = 0;
+        for joint in &self.joints {
+            pose *= joint.origin;
+            if joint.is_revolute() {
+                poses[number] = pose;
+                pose *= UnitQuaternion::from_axis_angle(&joint.axis, joints_rad[number]);
+                number += 1;
+            }
+        }
+        (poses, pose)
+    }
+}
+
+impl<'t> Description<'t> {
+    /// The chain of seven revolute joints that ends at `tip`, or at the one link that it can.
+    pub(super) fn chain(&self, tip: Option<&str>) -> Result<Chain<'_>, UrdfError> {
+        let index_of: HashMap<&str, usize> =
+            self.links.iter().enumerate().map(|(i, name)| (name.as_str(), i)).collect();
+        let find = |joint: &Joint<'_>, link: &str| {
+            index_of.get(link).copied().ok_or_else(|| UrdfError::UnknownLink {
+                at: joint.at.place(),
+                joint: joint.name.clone(),
+                link: link.to_owned(),
+            })
+        };
+        let mut above: Vec<Option<(&Joint<'_>, usize)>> = vec![None; self.links.len()];
+        let mut below: Vec<Vec<usize>> = vec![Vec::new(); self.links.len()];
+        for joint in &self.joints {
+            let (parent, child) = (find(joint, &joint.parent)?, find(joint, &joint.child)?);
+            if above[child].is_some() {
+                return Err(UrdfError::SecondParent {
+                    at: joint.at.place(),
+                    joint: joint.name.clone(),
+                    link: joint.child.clone(),
+                });
+            }
+            above[child] = Some((joint, parent));
+            below[parent].push(child);
+        }
+        let tip = match tip {
+            Some(tip) => *index_of.get(tip).ok_or_else(|| UrdfError::UnknownTip {
+                at: self.at.place(),
+                tip: tip.to_owned(),
+                links: Listed(self.links.clone()),
+            })?,
+            None => self.default_tip(&above, &below)?,
+        };
+        let mut joints = Vec::new();
+        let mut link = tip;
+        while let Some((joint, parent)) = above[link] {
+            joints.push(joint);
+            if joints.len() > self.joints.len() {
+                return Err(UrdfError::Cycle {
+                    at: joint.at.place(),
+                    link: self.links[tip].clone(),
+                });
+            }
+            link = parent;
+        }
+        joints.reverse();
+        self.seven(joints, &self.links[tip])
+    }
+
+    /// The chain without its mounting, if it has seven revolute joints and fixed ones.
+    fn seven<'a>(
+        &'a self,
+        mut joints: Vec<&'a Joint<'t>>,
+        tip: &'a str,
+    ) -> Result<Chain<'a>, UrdfError> {
+        if let Some(joint) = joints.iter().find(|joint| !joint.is_revolute() && !joint.is_fixed()) {
+            let kind = if joint.mimics { "mimic" } else { &joint.kind };
+            return Err(UrdfError::JointKind {
+                at: joint.at.place(),
+                joint: joint.name.clone(),
+                found: kind.to_owned(),
+            });
+        }
+        let mounting = joints.iter().take_while(|joint| joint.is_fixed()).count();
+        joints.drain(..mounting);
+        let moving: Vec<usize> = (0..joints.len()).filter(|&i| joints[i].is_revolute()).collect();
+        match <[usize; 7]>::try_from(moving) {
+            Ok(moving) => Ok(Chain { base: &joints[0].parent, tip, moving, joints }),
+            Err(moving) => Err(UrdfError::JointCount {
+                at: joints.last().map_or(self.at, |joint| joint.at).place(),
+                tip: tip.to_owned(),
+                found: moving.len(),
+            }),
+        }
+    }
+
+    /// The link at the end of the longest chain with exactly seven revolute joints and otherwise
+    /// fixed ones; if there is none, the link at the end of the longest chain.
+    fn default_tip(
+        &self,
+        above: &[Option<(&Joint<'_>, usize)>],
+        below: &[Vec<usize>],
+    ) -> Result<usize, UrdfError> {
+        // Per link, from the roots down: joints above it, and how many of them are revolute, if
+        // all others are fixed.
+        let mut queue: Vec<(usize, usize, Option<usize>)> = (0..self.links.len())
+            .filter(|&i| above[i].is_none())
+            .map(|i| (i, 0, Some(0)))
+            .collect();
+        let (mut longest, mut tips, mut tip_depth) = ((0, 0), Vec::new(), 0);
+        let mut next = 0;
+        while let Some(&(link, depth, revolute)) = queue.get(next) {
+            next += 1;
+            if depth > longest.1 {
+                longest = (link, depth);
+            }
+            if revolute == Some(7) {
+                if depth > tip_depth {
+                    tips.clear();
+                    tip_depth = depth;
+                }
+                // Links come in the order of their depth.
+                tips.push(link);
+            }
+            queue.extend(below[link].iter().map(|&child| {
+                let revolute = match above[child] {
+                    Some((joint, _)) if joint.is_revolute() => revolute.map(|n| n + 1),
+                    Some((joint, _)) if joint.is_fixed() => revolute,
+                    _ => None,
+                };
+                (child, depth + 1, revolute)
+            }));
+        }
+        match *tips {
+            [] if self.links.is_empty() => Err(UrdfError::Missing {
+                at: self.at.place(),
+                owner: "the robot".to_owned(),
+                missing: "<link>",
+            }),
+            [] => Ok(longest.0),
+            [tip] => Ok(tip),
+            _ => Err(UrdfError::AmbiguousTip {
+                at: self.at.place(),
+                links: Listed(tips.into_iter().map(|tip| self.links[tip].clone()).collect()),
+            }),
+        }
+    }
+}

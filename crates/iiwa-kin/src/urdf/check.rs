@@ -1,0 +1,182 @@
+//! A URDF held against a model.
+
+use nalgebra::Vector3;
+
+use super::{LIMITS, UrdfError, chain::Chain, read::Description};
+use crate::{Joints, Robot};
+
+/// How a URDF compares with a model: what [`Robot::check_urdf`] found.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct UrdfReport {
+    /// The link that joint 1 stands on; it is taken as the model's base.
+    pub base: String,
+    /// The link that is taken as the model's flange.
+    pub tip: String,
+    /// Names of the seven joints, from the base on.
+    pub joints: [String; 7],
+    /// On how many poses the two were compared.
+    pub poses: usize,
+    /// The largest distance between the two flanges, in m.
+    pub position_deviation_m: f64,
+    /// The largest angle between the two flanges, in rad.
+    pub rotation_deviation_rad: f64,
+    /// Limits that differ by more than a thousandth.
+    pub limits: Vec<LimitDifference>,
+}
+
+impl UrdfReport {
+    /// How far the flanges may be apart, in m: the iiwa's repeatability (KUKA data sheet). A URDF
+    /// that has its quarter turns as 1.5708 stays below it.
+    pub const TOLERANCE_M: f64 = 1e-4;
+
+    /// How far the flanges may be turned, in rad.
+    pub const TOLERANCE_RAD: f64 = 1e-4;
+}
+
+/// A joint's limit that a URDF has another figure for.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LimitDifference {
+    /// The joint, from 1.
+    pub joint: usize,
+    /// Which limit, as the URDF calls it: `lower` (rad), `upper` (rad), `effort` (Nm) or
+    /// `velocity` (rad/s).
+    pub limit: &'static str,
+    /// The URDF's figure, if it has one.
+    pub urdf: Option<f64>,
+    /// The model's figure.
+    pub model: f64,
+}
+
+impl Robot {
+    /// Holds a URDF against this model: same axes, same flange, same limits.
+    ///
+    /// The chain runs from the link that joint 1 stands on (what is below it is the mounting) to
+    /// `tip`, or without one to the end of the fixed joints behind joint 7. Its frames may lie
+    /// anywhere along their axes. Base and tip must be the model's base and flange.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    ///
+    /// let robot = Robot::lbr_iiwa_7_r800();
+    /// let report = robot.check_urdf(&robot.to_urdf(), None)?;
+    /// assert_eq!(report.tip, "iiwa_link_ee");
+    /// assert!(report.position_deviation_m < 1e-12);
+    /// # Ok::<(), iiwa_kin::UrdfError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If the text is no URDF, has no such chain of seven revolute joints, or if the two flanges
+    /// are apart by more than [`UrdfReport::TOLERANCE_M`] or [`UrdfReport::TOLERANCE_RAD`]; the
+    /// error then names the first joint that is off. Limits that differ are not an error.
+    pub fn check_urdf(&self, urdf: &str, tip: Option<&str>) -> Result<UrdfReport, UrdfError> {
+        let description = Description::read(urdf)?;
+        let chain = description.chain(tip)?;
+        let zero = [0.0; 7];
+        let mut largest = self.deviation(&chain, &zero);
+        for pose in 1..POSES {
+            let found = self.deviation(&chain, &self.test_pose(pose));
+            largest = (largest.0.max(found.0), largest.1.max(found.1));
+        }
+        let (position_m, rotation_rad) = largest;
+        if position_m > UrdfReport::TOLERANCE_M || rotation_rad > UrdfReport::TOLERANCE_RAD {
+            return Err(self.culprit(&description, &chain, position_m, rotation_rad));
+        }
+        Ok(UrdfReport {
+            base: chain.base.to_owned(),
+            tip: chain.tip.to_owned(),
+            joints: chain.revolute().map(|joint| joint.name.clone()),
+            poses: POSES,
+            position_deviation_m: position_m,
+            rotation_deviation_rad: rotation_rad,
+            limits: self.limit_differences(&chain),
+        })
+    }
+
+    /// Distance (m) and angle (rad) between the flanges of model and URDF.
+    fn deviation(&self, chain: &Chain<'_>, joints_rad: &Joints) -> (f64, f64) {
+        let model = self.tcp(joints_rad);
+        let (_, tip) = chain.poses(joints_rad);
+        let distance = (tip.translation.vector - Vector3::from(model.position_m)).norm();
+        let apart = tip.rotation.to_rotation_matrix().into_inner() - model.rotation_matrix();
+        // Unlike the arc cosine of a trace, exact for small angles.
+        let angle = 2.0 * (apart.norm() / 8.0_f64.sqrt()).min(1.0).asin();
+        (finite(distance), finite(angle))
+    }
+
+    /// Pose `index` of a fixed sequence that fills the joints' range evenly.
+    fn test_pose(&self, index: usize) -> Joints {
+        // Multiples of the square roots of primes, each wrapped around.
+        const PRIMES: Joints = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0];
+        std::array::from_fn(|j| {
+            let share = (index as f64 * PRIMES[j].sqrt()).fract();
+            (2.0 * share - 1.0) * self.limits().position_rad[j]
+        })
+    }
+
+    /// The first axis that is off, or the tip.
+    ///
+    /// A chain is given by its axes at the zero pose and its tip there (the product of
+    /// exponentials), wherever its frames lie.
+    fn culprit(
+        &self,
+        description: &Description<'_>,
+        chain: &Chain<'_>,
+        position_m: f64,
+        rotation_rad: f64,
+    ) -> UrdfError {
+        // Small deviations add up: the first joint's share is below the whole.
+        const SHARE: f64 = 0.1;
+        let model = self.link_poses(&[0.0; 7]);
+        let (axes, _) = chain.poses(&[0.0; 7]);
+        for (j, joint) in chain.revolute().into_iter().enumerate() {
+            let rotation = model[j + 1].rotation_matrix();
+            let expected = rotation.column(2).into_owned();
+            let found = axes[j].rotation * joint.axis;
+            let shift = axes[j].translation.vector - Vector3::from(model[j + 1].position_m);
+            let distance = finite((shift - expected * shift.dot(&expected)).norm());
+            let angle = finite(found.cross(&expected).norm().atan2(found.dot(&expected)));
+            if distance > SHARE * UrdfReport::TOLERANCE_M
+                || angle > SHARE * UrdfReport::TOLERANCE_RAD
+            {
+                return UrdfError::Axis {
+                    at: joint.at.place(),
+                    number: j + 1,
+                    joint: joint.name.clone(),
+                    position_m: distance,
+                    rotation_rad: angle,
+                };
+            }
+        }
+        UrdfError::Tip {
+            at: chain.joints.last().map_or(description.at, |last| last.at).place(),
+            tip: chain.tip.to_owned(),
+            position_m,
+            rotation_rad,
+        }
+    }
+
+    fn limit_differences(&self, chain: &Chain<'_>) -> Vec<LimitDifference> {
+        let mut differences = Vec::new();
+        for (j, joint) in chain.revolute().into_iter().enumerate() {
+            let model = self.limits().of_urdf(j);
+            for ((limit, urdf), model) in LIMITS.into_iter().zip(joint.limits).zip(model) {
+                let same = urdf.is_some_and(|urdf| (urdf - model).abs() <= 1e-3 * model.abs());
+                if !same {
+                    differences.push(LimitDifference { joint: j + 1, limit, urdf, model });
+                }
+            }
+        }
+        differences
+    }
+}
+
+/// Poses that two chains are compared on.
+const POSES: usize = 128;
+
+/// Sizes that overflow are infinitely far off.
+fn finite(deviation: f64) -> f64 {
+    if deviation.is_nan() { f64::INFINITY } else { deviation }
+}

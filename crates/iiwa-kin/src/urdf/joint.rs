@@ -1,0 +1,103 @@
+//! One joint of a URDF.
+
+use nalgebra::{Isometry3, Unit, Vector3};
+
+use super::{
+    LIMITS, UrdfError,
+    tag::{At, Tag},
+};
+
+/// A joint of a URDF.
+pub(super) struct Joint<'t> {
+    pub(super) name: String,
+    pub(super) at: At<'t>,
+    pub(super) kind: String,
+    pub(super) mimics: bool,
+    pub(super) parent: String,
+    pub(super) child: String,
+    pub(super) origin: Isometry3<f64>,
+    pub(super) axis: Unit<Vector3<f64>>,
+    /// In the order of [`LIMITS`].
+    pub(super) limits: [Option<f64>; 4],
+}
+
+impl Joint<'_> {
+    pub(super) fn is_revolute(&self) -> bool {
+        self.kind == "revolute" && !self.mimics
+    }
+
+    pub(super) fn is_fixed(&self) -> bool {
+        self.kind == "fixed" && !self.mimics
+    }
+}
+
+/// A joint while its parts are read.
+pub(super) struct Draft<'t> {
+    pub(super) joint: Joint<'t>,
+    /// The parts that were there.
+    parts: Vec<String>,
+}
+
+impl<'t> Draft<'t> {
+    pub(super) fn new(tag: &Tag<'_, 't>) -> Result<Self, UrdfError> {
+        let name = tag.required("name", "a joint")?;
+        let joint = Joint {
+            at: tag.at,
+            kind: tag.required("type", &format!("joint {name:?}"))?,
+            name,
+            mimics: false,
+            parent: String::new(),
+            child: String::new(),
+            origin: Isometry3::identity(),
+            axis: Vector3::x_axis(),
+            limits: [None; 4],
+        };
+        Ok(Self { joint, parts: Vec::new() })
+    }
+
+    /// Takes in one child element of the joint.
+    pub(super) fn part(
+        &mut self,
+        element: &[u8],
+        tag: &Tag<'_, 't>,
+        quaternions: bool,
+    ) -> Result<(), UrdfError> {
+        let joint = &mut self.joint;
+        let part = String::from_utf8_lossy(element).into_owned();
+        let owner = format!("the {part} of joint {:?}", joint.name);
+        match &*part {
+            "parent" => joint.parent = tag.required("link", &owner)?,
+            "child" => joint.child = tag.required("link", &owner)?,
+            "origin" => joint.origin = tag.origin(quaternions)?,
+            "axis" => {
+                let axis: Vector3<f64> = tag.numbers("xyz")?.unwrap_or([1.0, 0.0, 0.0]).into();
+                // Scaled first, so that its square neither overflows nor vanishes.
+                joint.axis = Unit::try_new(axis / axis.amax(), 0.0).ok_or_else(|| {
+                    UrdfError::ZeroAxis { at: tag.at.place(), joint: joint.name.clone() }
+                })?;
+            }
+            "limit" => {
+                for (limit, key) in joint.limits.iter_mut().zip(LIMITS) {
+                    *limit = tag.numbers(key)?.map(|[number]| number);
+                }
+            }
+            "mimic" => joint.mimics = true,
+            _ => return Ok(()),
+        }
+        if self.parts.contains(&part) {
+            return Err(UrdfError::Duplicate { at: tag.at.place(), owner });
+        }
+        self.parts.push(part);
+        Ok(())
+    }
+
+    pub(super) fn finish(self) -> Result<Joint<'t>, UrdfError> {
+        for (part, missing) in [("parent", "<parent>"), ("child", "<child>")] {
+            if !self.parts.iter().any(|known| known == part) {
+                let owner = format!("joint {:?}", self.joint.name);
+                return Err(UrdfError::Missing { at: self.joint.at.place(), owner, missing });
+            }
+        }
+        Ok(self.joint)
+    }
+}

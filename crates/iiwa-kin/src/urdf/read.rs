@@ -1,0 +1,113 @@
+//! The links and joints of a URDF, from its text.
+
+use std::collections::HashSet;
+
+use quick_xml::{Reader, events::Event};
+
+use super::{
+    UrdfError,
+    joint::{Draft, Joint},
+    tag::{At, Tag},
+};
+use crate::json::Place;
+
+/// The links and joints of a URDF.
+pub(super) struct Description<'t> {
+    /// Where the root element is.
+    pub(super) at: At<'t>,
+    pub(super) links: Vec<String>,
+    pub(super) joints: Vec<Joint<'t>>,
+}
+
+impl<'t> Description<'t> {
+    /// Reads the links and joints; what else a URDF has is skipped.
+    ///
+    /// One pass over the text without recursion, however deep it is nested.
+    pub(super) fn read(text: &'t str) -> Result<Self, UrdfError> {
+        let mut reader = Reader::from_str(text);
+        let mut depth = 0_usize;
+        let mut description: Option<Self> = None;
+        let mut quaternions = false;
+        let mut draft: Option<Draft<'t>> = None;
+        let mut names = HashSet::new();
+        loop {
+            let start = offset(reader.buffer_position());
+            let event = reader.read_event();
+            let (element, is_open) = match event {
+                Err(error) => {
+                    let byte = offset(reader.error_position());
+                    return Err(UrdfError::Xml {
+                        at: Place::of_span(text, byte..byte + 1),
+                        problem: error.to_string(),
+                    });
+                }
+                Ok(Event::Start(element)) => (element, true),
+                Ok(Event::Empty(element)) => (element, false),
+                Ok(Event::End(_)) => {
+                    depth = depth.saturating_sub(1);
+                    if depth == 1
+                        && let (Some(done), Some(description)) = (draft.take(), &mut description)
+                    {
+                        description.joints.push(done.finish()?);
+                    }
+                    continue;
+                }
+                Ok(Event::Eof) => {
+                    let problem = match description {
+                        _ if depth > 0 => format!("it ends inside {depth} open elements"),
+                        None => "it has no element".to_owned(),
+                        Some(description) => return Ok(description),
+                    };
+                    let at = Place::of_span(text, text.len()..text.len());
+                    return Err(UrdfError::Xml { at, problem });
+                }
+                Ok(_) => continue,
+            };
+            let at = At { text, start, end: offset(reader.buffer_position()) };
+            let tag = Tag { element: &element, at };
+            match (depth, element.name().as_ref(), &mut description, &mut draft) {
+                (0, _, Some(_), _) => {
+                    let problem = "it has a second outermost element".to_owned();
+                    return Err(UrdfError::Xml { at: at.place(), problem });
+                }
+                (0, b"robot", None, _) => {
+                    quaternions = tag.attribute("version")?.is_some_and(|v| v.trim() != "1.0");
+                    description = Some(Self { at, links: Vec::new(), joints: Vec::new() });
+                }
+                (0, name, None, _) => {
+                    let found = String::from_utf8_lossy(name).into_owned();
+                    return Err(UrdfError::NotUrdf { at: at.place(), found });
+                }
+                (1, b"link", Some(description), _) => {
+                    let name = tag.required("name", "a link")?;
+                    unique(&mut names, format!("link {name:?}"), at)?;
+                    description.links.push(name);
+                }
+                (1, b"joint", Some(description), _) => {
+                    let new = Draft::new(&tag)?;
+                    unique(&mut names, format!("joint {:?}", new.joint.name), at)?;
+                    if is_open {
+                        draft = Some(new);
+                    } else {
+                        description.joints.push(new.finish()?);
+                    }
+                }
+                (2, name, _, Some(draft)) => draft.part(name, &tag, quaternions)?,
+                _ => {}
+            }
+            depth += usize::from(is_open);
+        }
+    }
+}
+
+/// Checks that `name` is not among `names` yet, and adds it.
+fn unique(names: &mut HashSet<String>, name: String, at: At<'_>) -> Result<(), UrdfError> {
+    match names.replace(name) {
+        None => Ok(()),
+        Some(owner) => Err(UrdfError::Duplicate { at: at.place(), owner }),
+    }
+}
+
+fn offset(byte: u64) -> usize {
+    usize::try_from(byte).unwrap_or(usize::MAX)
+}

@@ -1,0 +1,132 @@
+//! What the arm looks like: cylinders and spheres, so that its URDF needs no mesh files.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Shapes of link 0 to link 7, each in its link's frame.
+///
+/// A limb is cut in two where the iiwa's joint 1, 3, 5 or 7 cuts it. The frames lie at both ends of
+/// the limbs, d1, d3, d5 and d7 (links 0 and 1: foot; 2 and 3: shoulder; 4 and 5: elbow; 6 and 7:
+/// wrist); the z axis of an odd link runs up its limb, that of an even link across it.
+pub(super) fn of_links([base, upper_arm, forearm, flange]: [f64; 4]) -> [Vec<Shape>; 8] {
+    let (base_cut, upper_cut) = (0.45 * base, 0.5 * upper_arm);
+    let (fore_cut, flange_cut) = (0.5 * forearm, 0.55 * flange);
+    let limb = |radius, from, to| Shape::cylinder(Along::Z, radius, from, to, SILVER);
+    let half_limb = |radius, to| Shape::cylinder(Along::Y, radius, 0.0, to, SILVER);
+    let ring = |radius, at: f64, width| {
+        Shape::cylinder(Along::Z, radius, at - width / 2.0, at + width / 2.0, ORANGE)
+    };
+    let hub = |radius, half_width: f64| {
+        Shape::cylinder(Along::Z, radius, -half_width, half_width, ORANGE)
+    };
+    let ball = |radius, at| Shape::sphere(radius, at, SILVER);
+    [
+        vec![
+            Shape::cylinder(Along::Z, 0.115, 0.0, 0.2 * base, GRAPHITE),
+            limb(0.09, 0.2 * base, base_cut),
+        ],
+        vec![ring(0.087, base_cut, 0.02), limb(0.08, base_cut, base), ball(0.082, base)],
+        // The upper arm runs along -y.
+        vec![hub(0.074, 0.096), half_limb(0.076, -upper_cut)],
+        vec![
+            ring(0.081, upper_cut, 0.02),
+            limb(0.072, upper_cut, upper_arm),
+            ball(0.077, upper_arm),
+        ],
+        // The forearm runs along +y.
+        vec![hub(0.07, 0.09), half_limb(0.07, fore_cut)],
+        vec![ring(0.075, fore_cut, 0.02), limb(0.058, fore_cut, forearm), ball(0.064, forearm)],
+        // The flange lies along -y.
+        vec![hub(0.058, 0.075), half_limb(0.054, -flange_cut)],
+        vec![
+            ring(0.051, flange_cut, 0.01),
+            Shape::cylinder(Along::Z, 0.045, flange_cut, flange, GRAPHITE),
+        ],
+    ]
+}
+
+/// A primitive shape in its link's frame, in m.
+pub(super) struct Shape {
+    pub(super) solid: Solid,
+    pub(super) center: [f64; 3],
+    pub(super) paint: Paint,
+}
+
+pub(super) enum Solid {
+    Cylinder { along: Along, radius: f64, length: f64 },
+    Sphere { radius: f64 },
+}
+
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Along {
+    Y,
+    Z,
+}
+
+/// A colour and its name.
+#[derive(Clone, Copy)]
+pub(super) struct Paint {
+    pub(super) name: &'static str,
+    pub(super) rgba: &'static str,
+}
+
+const SILVER: Paint = Paint { name: "iiwa_silver", rgba: "0.78 0.79 0.8 1" };
+const ORANGE: Paint = Paint { name: "iiwa_orange", rgba: "0.95 0.42 0.08 1" };
+const GRAPHITE: Paint = Paint { name: "iiwa_graphite", rgba: "0.3 0.31 0.33 1" };
+
+impl Shape {
+    fn cylinder(along: Along, radius: f64, from: f64, to: f64, paint: Paint) -> Self {
+        let middle = f64::midpoint(from, to);
+        let center = match along {
+            Along::Y => [0.0, middle, 0.0],
+            Along::Z => [0.0, 0.0, middle],
+        };
+        Self { solid: Solid::Cylinder { along, radius, length: (to - from).abs() }, center, paint }
+    }
+
+    fn sphere(radius: f64, height: f64, paint: Paint) -> Self {
+        Self { solid: Solid::Sphere { radius }, center: [0.0, 0.0, height], paint }
+    }
+
+    /// Volume in m^3.
+    fn volume(&self) -> f64 {
+        match self.solid {
+            Solid::Cylinder { radius, length, .. } => PI * radius * radius * length,
+            Solid::Sphere { radius } => 4.0 / 3.0 * PI * radius.powi(3),
+        }
+    }
+
+    /// Moments of inertia about its own centre, divided by the mass, in m^2.
+    fn inertia_per_kg(&self) -> [f64; 3] {
+        match self.solid {
+            Solid::Cylinder { along, radius, length } => {
+                let spin = radius * radius / 2.0;
+                let tilt = (3.0 * radius * radius + length * length) / 12.0;
+                match along {
+                    Along::Y => [tilt, spin, tilt],
+                    Along::Z => [tilt, tilt, spin],
+                }
+            }
+            Solid::Sphere { radius } => [0.4 * radius * radius; 3],
+        }
+    }
+}
+
+/// Centre of `shapes`, in m, and their inertia tensor about it, in kg m^2, at uniform density; where
+/// two of them overlap, both count.
+pub(super) fn inertia(shapes: &[Shape], mass_kg: f64) -> (Vector3<f64>, Matrix3<f64>) {
+    let volume: f64 = shapes.iter().map(Shape::volume).sum();
+    let share = |shape: &Shape| shape.volume() / volume;
+    let center = shapes
+        .iter()
+        .fold(Vector3::zeros(), |sum, shape| sum + Vector3::from(shape.center) * share(shape));
+    let mut inertia = Matrix3::zeros();
+    for shape in shapes {
+        let arm = Vector3::from(shape.center) - center;
+        let steiner = Matrix3::from_diagonal_element(arm.norm_squared()) - arm * arm.transpose();
+        let own = Matrix3::from_diagonal(&Vector3::from(shape.inertia_per_kg()));
+        inertia += (own + steiner) * (share(shape) * mass_kg);
+    }
+    (center, inertia)
+}

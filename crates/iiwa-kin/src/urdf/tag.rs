@@ -1,0 +1,92 @@
+//! Start tags, their attributes and where they are.
+
+use nalgebra::{Isometry3, Quaternion, Translation3, Unit, UnitQuaternion};
+use quick_xml::events::BytesStart;
+
+use super::UrdfError;
+use crate::json::Place;
+
+/// Bytes of a text: a place that is not counted out in lines before it is needed.
+#[derive(Clone, Copy)]
+pub(super) struct At<'t> {
+    pub(super) text: &'t str,
+    pub(super) start: usize,
+    pub(super) end: usize,
+}
+
+impl At<'_> {
+    pub(super) fn place(self) -> Place {
+        Place::of_span(self.text, self.start..self.end)
+    }
+}
+
+/// The start tag of an element.
+pub(super) struct Tag<'a, 't> {
+    pub(super) element: &'a BytesStart<'a>,
+    pub(super) at: At<'t>,
+}
+
+impl Tag<'_, '_> {
+    pub(super) fn attribute(&self, name: &str) -> Result<Option<String>, UrdfError> {
+        let xml = |problem: String| UrdfError::Xml { at: self.at.place(), problem };
+        let mut found = None;
+        // The library's own search for duplicates takes a time that grows with their square.
+        for attribute in self.element.attributes().with_checks(false) {
+            let attribute = attribute.map_err(|error| xml(error.to_string()))?;
+            if attribute.key.as_ref() == name.as_bytes() {
+                let value = attribute
+                    .decode_and_unescape_value(self.element.decoder())
+                    .map_err(|error| xml(error.to_string()))?;
+                if found.replace(value.into_owned()).is_some() {
+                    return Err(xml(format!("the attribute {name} is there twice")));
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    pub(super) fn required(&self, name: &'static str, owner: &str) -> Result<String, UrdfError> {
+        self.attribute(name)?.ok_or_else(|| UrdfError::Missing {
+            at: self.at.place(),
+            owner: owner.to_owned(),
+            missing: name,
+        })
+    }
+
+    /// The attribute's `N` numbers, if it is there.
+    pub(super) fn numbers<const N: usize>(
+        &self,
+        name: &str,
+    ) -> Result<Option<[f64; N]>, UrdfError> {
+        let Some(found) = self.attribute(name)? else { return Ok(None) };
+        let numbers: Option<Vec<f64>> = found
+            .split_whitespace()
+            .take(N + 1)
+            .map(|number| number.parse().ok().filter(|number: &f64| number.is_finite()))
+            .collect();
+        match numbers.and_then(|numbers| <[f64; N]>::try_from(numbers).ok()) {
+            Some(numbers) => Ok(Some(numbers)),
+            None => Err(UrdfError::Numbers {
+                at: self.at.place(),
+                attribute: name.to_owned(),
+                found: found.chars().take(80).collect(),
+                expected: N,
+            }),
+        }
+    }
+
+    /// An origin. Versions after 1.0 may have a quaternion; readers of 1.0 skip it.
+    pub(super) fn origin(&self, quaternions: bool) -> Result<Isometry3<f64>, UrdfError> {
+        let xyz = self.numbers("xyz")?.unwrap_or([0.0; 3]);
+        let rotation = match self.numbers("rpy")? {
+            Some([roll, pitch, yaw]) => UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+            None if quaternions => {
+                let [x, y, z, w] = self.numbers("quat_xyzw")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+                let quaternion = Quaternion::new(w, x, y, z);
+                Unit::try_new(quaternion, 1e-9).unwrap_or_else(UnitQuaternion::identity)
+            }
+            None => UnitQuaternion::identity(),
+        };
+        Ok(Isometry3::from_parts(Translation3::from(xyz), rotation))
+    }
+}

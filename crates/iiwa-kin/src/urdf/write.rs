@@ -1,0 +1,152 @@
+//! A model written as a URDF.
+
+use std::{
+    f64::consts::FRAC_PI_2,
+    fmt::Display,
+    io::{self, Write as _},
+};
+
+use quick_xml::{
+    ElementWriter, Writer,
+    events::{BytesDecl, BytesText, Event},
+};
+
+use super::{
+    LIMITS,
+    shapes::{self, Along, Shape, Solid},
+};
+use crate::Robot;
+
+/// Writing to it does not fail.
+type Xml = Writer<Vec<u8>>;
+
+impl Robot {
+    /// The model as a URDF: links `iiwa_link_0` to `iiwa_link_7` and `iiwa_link_ee`, joints
+    /// `iiwa_joint_1` to `iiwa_joint_7` and `iiwa_joint_ee`; m, rad, kg, Nm.
+    ///
+    /// The links' frames are those of [`Robot::link_poses`]. The shapes are cylinders and spheres,
+    /// so that the text needs no mesh files. Each link has its mass; centre and inertia are
+    /// estimates, those of its shapes at uniform density.
+    ///
+    /// Cross-validated: the crate `k` finds the same poses in it.
+    #[must_use]
+    pub fn to_urdf(&self) -> String {
+        let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
+        let _ = self.write_urdf(&mut xml);
+        String::from_utf8_lossy(&xml.into_inner()).into_owned()
+    }
+
+    fn write_urdf(&self, xml: &mut Xml) -> io::Result<()> {
+        const NOTE: &str = " Inertias are estimates: primitive shapes of uniform density. ";
+        xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+        element(xml, "robot", &[("name", &self.name())], |xml| {
+            xml.write_event(Event::Comment(BytesText::from_escaped(NOTE)))?;
+            for (link, shapes) in shapes::of_links(self.offsets()).iter().enumerate() {
+                element(xml, "link", &[("name", &format_args!("iiwa_link_{link}"))], |xml| {
+                    write_inertial(xml, shapes, self.link_mass_kg()[link])?;
+                    shapes.iter().try_for_each(|shape| write_shape(xml, "visual", shape))?;
+                    shapes.iter().try_for_each(|shape| write_shape(xml, "collision", shape))
+                })?;
+            }
+            empty(xml, "link", &[("name", &"iiwa_link_ee")])?;
+            (0..8).try_for_each(|joint| self.write_joint(xml, joint))
+        })?;
+        writeln!(xml.get_mut())
+    }
+
+    /// Joint `j` from 0: the seven, then the fixed one of the flange.
+    fn write_joint(&self, xml: &mut Xml, j: usize) -> io::Result<()> {
+        let dh = self.dh();
+        let moves = j < 7;
+        let number = if moves { (j + 1).to_string() } else { "ee".to_owned() };
+        let name = format_args!("iiwa_joint_{number}");
+        let kind = if moves { "revolute" } else { "fixed" };
+        // From the joint before: its row of the table.
+        let (shift_m, twist_rad) =
+            j.checked_sub(1).map_or((0.0, 0.0), |before| (dh[before].d_m, dh[before].alpha_rad));
+        element(xml, "joint", &[("name", &name), ("type", &kind)], |xml| {
+            write_origin(xml, [0.0, 0.0, shift_m], twist_rad)?;
+            empty(xml, "parent", &[("link", &format_args!("iiwa_link_{j}"))])?;
+            empty(xml, "child", &[("link", &format_args!("iiwa_link_{number}"))])?;
+            if !moves {
+                return Ok(());
+            }
+            empty(xml, "axis", &[("xyz", &"0 0 1")])?;
+            let limits = self.limits().of_urdf(j);
+            let limits: [_; 4] = std::array::from_fn(|i| (LIMITS[i], &limits[i] as &dyn Display));
+            empty(xml, "limit", &limits)
+        })
+    }
+}
+
+fn write_shape(xml: &mut Xml, role: &str, shape: &Shape) -> io::Result<()> {
+    element(xml, role, &[], |xml| {
+        let twist_rad = match shape.solid {
+            Solid::Cylinder { along: Along::Y, .. } => FRAC_PI_2,
+            _ => 0.0,
+        };
+        write_origin(xml, shape.center, twist_rad)?;
+        element(xml, "geometry", &[], |xml| match shape.solid {
+            Solid::Cylinder { radius, length, .. } => {
+                empty(xml, "cylinder", &[("radius", &radius), ("length", &length)])
+            }
+            Solid::Sphere { radius } => empty(xml, "sphere", &[("radius", &radius)]),
+        })?;
+        if role != "visual" {
+            return Ok(());
+        }
+        element(xml, "material", &[("name", &shape.paint.name)], |xml| {
+            empty(xml, "color", &[("rgba", &shape.paint.rgba)])
+        })
+    })
+}
+
+fn write_inertial(xml: &mut Xml, shapes: &[Shape], mass_kg: f64) -> io::Result<()> {
+    let (center, inertia) = shapes::inertia(shapes, mass_kg);
+    element(xml, "inertial", &[], |xml| {
+        write_origin(xml, center.into(), 0.0)?;
+        empty(xml, "mass", &[("value", &mass_kg)])?;
+        let tensor: [(&str, &dyn Display); 6] = [
+            ("ixx", &inertia[(0, 0)]),
+            ("ixy", &inertia[(0, 1)]),
+            ("ixz", &inertia[(0, 2)]),
+            ("iyy", &inertia[(1, 1)]),
+            ("iyz", &inertia[(1, 2)]),
+            ("izz", &inertia[(2, 2)]),
+        ];
+        empty(xml, "inertia", &tensor)
+    })
+}
+
+/// An origin that is turned about x by `twist_rad` only.
+fn write_origin(xml: &mut Xml, xyz_m: [f64; 3], twist_rad: f64) -> io::Result<()> {
+    // Without a minus in front of a zero.
+    let [x, y, z] = xyz_m.map(|v| v + 0.0);
+    let (xyz, rpy) = (format_args!("{x} {y} {z}"), format_args!("{twist_rad} 0 0"));
+    empty(xml, "origin", &[("xyz", &xyz), ("rpy", &rpy)])
+}
+
+type Attributes<'a> = &'a [(&'a str, &'a dyn Display)];
+
+fn element(
+    xml: &mut Xml,
+    name: &str,
+    attributes: Attributes<'_>,
+    content: impl FnOnce(&mut Xml) -> io::Result<()>,
+) -> io::Result<()> {
+    start(xml, name, attributes).write_inner_content(content).map(|_| ())
+}
+
+fn empty(xml: &mut Xml, name: &str, attributes: Attributes<'_>) -> io::Result<()> {
+    start(xml, name, attributes).write_empty().map(|_| ())
+}
+
+fn start<'a>(
+    xml: &'a mut Xml,
+    name: &'a str,
+    attributes: Attributes<'_>,
+) -> ElementWriter<'a, Vec<u8>> {
+    attributes.iter().fold(xml.create_element(name), |element, (key, value)| {
+        element.with_attribute((*key, value.to_string().as_str()))
+    })
+}

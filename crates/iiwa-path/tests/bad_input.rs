@@ -1,0 +1,414 @@
+//! Bad programs: each is refused, with a message that names the place.
+
+// Helpers of tests may fail.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::time::{Duration, Instant};
+
+use iiwa_kin::{Robot, json::Place};
+use iiwa_path::{Motion, Path, Program, ProgramError, Ptp};
+
+const GOOD: &str = r#"{
+  "version": 1,
+  "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+  "motions": [
+    { "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0], "blend": { "cart_mm": 50 } },
+    { "type": "ptp", "joints_rad": [1, 0.5, 0, -1, 0, 1.5, 0], "velocity_rel": 0.75 },
+    { "type": "wait", "seconds": 0.5 },
+    { "type": "ptp", "joints_deg": [40, 30, 0, -60, 0, 90, 0] }
+  ]
+}
+"#;
+
+/// What is wrong with `text` (its message without the place), and where.
+fn refused(text: &str) -> (String, Place) {
+    let (what, place, whole) = match Program::from_json(text) {
+        Err(error) => (error.what(), error.place().clone(), error.to_string()),
+        Ok(program) => {
+            let fault = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
+            let place = fault.place_in(text);
+            (fault.to_string(), place.clone(), format!("{fault}, at {place}"))
+        }
+    };
+    let Place { line, column, .. } = place;
+    assert_eq!(whole, format!("{what}, at line {line}, column {column}"));
+    (what, place)
+}
+
+/// Replaces `old` by `new` in the good program and expects it to be refused with the message
+/// `what`, at a place where the text starts with `found`.
+fn check(old: &str, new: &str, (line, column): (usize, usize), found: &str, what: &str) {
+    assert!(GOOD.contains(old), "{old}");
+    let text = GOOD.replacen(old, new, 1);
+    let (message, place) = refused(&text);
+    assert_eq!(message, what, "{new}");
+    assert_eq!((place.line, place.column), (line, column), "{new}: {message}");
+    assert!(text[place.span.clone()].starts_with(found), "{new}: {}", &text[place.span]);
+}
+
+#[test]
+fn the_good_program_is_good() {
+    Path::new(&Program::from_json(GOOD).unwrap(), &Robot::lbr_iiwa_7_r800()).unwrap();
+}
+
+#[test]
+fn not_json() {
+    for (text, line, column, what) in [
+        ("", 1, 1, "the text ends too early"),
+        ("\n\n", 1, 1, "the text ends too early"),
+        ("plan.json", 1, 1, "this is not JSON: a value is expected"),
+        ("\u{feff}{}", 1, 1, "this is not JSON: a value is expected"),
+        ("<xml/>", 1, 1, "this is not JSON: a value is expected"),
+        ("[]", 1, 1, "expected an object, found a list"),
+        ("null", 1, 1, "expected an object, found null"),
+        ("\"{}\"", 1, 1, "expected an object, found string \"{}\""),
+        ("{}", 1, 1, "the key `version` is missing"),
+    ] {
+        let (message, place) = refused(text);
+        assert_eq!((message.as_str(), place.line, place.column), (what, line, column), "{text}");
+    }
+    let value = "this is not JSON: a value is expected";
+    check("[0, 30,", "[NaN, 30,", (5, 37), "NaN", &format!("motion 1: {value}"));
+    check("0.5 }", "NaN }", (7, 34), "NaN", &format!("motion 3: {value}"));
+    check("0.5 }", "1e400 }", (7, 34), "1e400", "motion 3: the number is too large");
+    check("0.5 }", "-Infinity }", (7, 34), "-Infinity", "motion 3: invalid number");
+    check("[0, 30,", "[1e400, 30,", (5, 37), "1e400", "motion 1: the number is too large");
+    check("[0, 30,", "[0, 30 30,", (5, 43), "30", "motion 1: expected `,` or `]`");
+    check("90, 0] }\n", "90, 0] },\n", (9, 3), "]", "trailing comma");
+    check("0.5 },", "0.5 }", (8, 5), "{", "motion 3: expected `,` or `]`");
+    check("\"type\"", "type", (5, 7), "type", "motion 1: a key is expected, in double quotes");
+    check("\n}\n", "\n}\n}", (11, 1), "}", "there is more text after the end");
+}
+
+#[test]
+fn cut_off_anywhere() {
+    let whole = GOOD.trim_end().len();
+    for end in 0..whole {
+        let text = &GOOD[..end];
+        let error = Program::from_json(text).unwrap_err();
+        let place = error.place();
+        assert_eq!(place.span.start, text.trim_end().len(), "{text}: {error}");
+        assert!(place.span.end <= text.len());
+        assert_eq!(place.line, text.trim_end().split('\n').count(), "{text}");
+        assert!(error.what().ends_with("the text ends too early"), "{text}: {error}");
+    }
+    let error = Program::from_json(&GOOD[..GOOD.find("0.75").unwrap()]).unwrap_err();
+    assert_eq!(error.to_string(), "motion 2: the text ends too early, at line 6, column 81");
+}
+
+/// Whatever one slip of the finger does, there is no panic, and errors have a place.
+#[test]
+fn a_byte_too_many_or_too_few() {
+    let text = GOOD.replace("wait", "wäit");
+    for at in (0..text.len()).filter(|&at| text.is_char_boundary(at)) {
+        let next = (at + 1..).find(|&next| text.is_char_boundary(next)).unwrap();
+        let less = [&text[..at], &text[next..]].concat();
+        for text in ["\"", "{", "]", ",", "\\", "-", "9", "é"]
+            .map(|more| [&text[..at], more, &text[at..]].concat())
+            .into_iter()
+            .chain([less])
+        {
+            let (_, place) = refused(&text);
+            assert!(place.span.end <= text.len() && place.line > 0 && place.column > 0, "{text}");
+            assert!(text.is_char_boundary(place.span.start), "{text}");
+        }
+    }
+}
+
+#[test]
+fn unknown_names() {
+    let ptp = "one of `type`, `joints_rad`, `joints_deg`, `velocity_rel`, `acceleration_rel`, \
+               `jerk_rel`, `blend`";
+    let what = format!("motion 2: unknown key `velocity`, expected {ptp}");
+    check("\"velocity_rel\"", "\"velocity\"", (6, 64), "\"velocity\"", &what);
+    let what = "unknown key `robots`, expected one of `version`, `robot`, `start`, `motions`";
+    check("\"start\"", "\"robots\": [], \"start\"", (3, 3), "\"robots\"", what);
+    let what = "unknown key `joints`, expected `joints_rad` or `joints_deg`";
+    check("\"joints_deg\"", "\"joints\"", (3, 14), "\"joints\"", what);
+    let what = "motion 3: unknown key `second`, expected `type` or `seconds`";
+    check("\"seconds\"", "\"second\"", (7, 23), "\"second\"", what);
+    let what = "motion 1: unknown key `radius`, expected one of `fraction`, `sunrise_rel`, \
+                `cart_mm`";
+    check("\"cart_mm\"", "\"radius\"", (5, 74), "\"radius\"", what);
+
+    let known = "`ptp` and `wait` are known";
+    let what = format!("motion 3: unknown type `lin`; {known}");
+    check("\"wait\"", "\"lin\"", (7, 15), "\"lin\"", &what);
+    let what = format!("motion 3: it has no `type`; {known}");
+    check("\"type\": \"wait\", ", "", (7, 5), "{", &what);
+    let what = "motion 3: expected a string, found `3`";
+    check("\"wait\"", "3", (7, 15), "3", what);
+    let what = "motion 3: the key `type` is there twice";
+    check("\"wait\"", "\"wait\", \"type\": \"ptp\"", (7, 23), "\"type\"", what);
+}
+
+#[test]
+fn another_version() {
+    let what = "this is a program of version 2; version 1 is understood";
+    check("1,", "2,", (2, 14), "2", what);
+    check("1,", "2, \"cell\": {},", (2, 14), "2", what);
+    check("1,", "0,", (2, 14), "0", "this is a program of version 0; version 1 is understood");
+    check("1,", "\"1\",", (2, 14), "\"1\"", "expected a whole number, 0 or more, found string \"1\"");
+    check("1,", "1.0,", (2, 14), "1.0", "expected a whole number, 0 or more, found `1.0`");
+    check("1,", "-1,", (2, 14), "-1", "expected a whole number, 0 or more, found `-1`");
+    check("\"version\": 1,", "", (1, 1), "{", "the key `version` is missing");
+}
+
+#[test]
+fn joints_that_are_not_seven_numbers() {
+    let seven = "expected seven joint angles, A1 to A7, found";
+    let at = (5, 36);
+    check("[0, 30, 0,", "[30, 0,", at, "[", &format!("motion 1: {seven} 6"));
+    check("[0, 30, 0,", "[0, 30, 0, 0,", at, "[", &format!("motion 1: {seven} 8"));
+    check("[0, 30, 0, -60, 0, 90, 0]", "[]", at, "[", &format!("motion 1: {seven} 0"));
+    check("[0, 30, 0, -60, 0, 90, 0]", "3", at, "3", &format!("motion 1: {seven} `3`"));
+    check("[0, 30, 0, -60, 0, 90, 0]", "null", at, "null", &format!("motion 1: {seven} null"));
+    check("[0, 0, 0, 0, 0, 0, 0]", "[0, 0]", (3, 28), "[", &format!("{seven} 2"));
+    let number = "motion 1: expected a number, found";
+    check("[0, 30,", "[0, \"30\",", (5, 40), "\"30\"", &format!("{number} string \"30\""));
+    check("[0, 30,", "[0, [30],", (5, 40), "[", &format!("{number} a list"));
+    check("[0, 30,", "[0, null,", (5, 40), "null", &format!("{number} null"));
+
+    let none = "the joints are missing: give `joints_deg` or `joints_rad`";
+    let both = "give either `joints_deg` or `joints_rad`, not both";
+    check("{ \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }", "{}", (3, 12), "{}", &format!(
+        "the start pose: {none}"
+    ));
+    let two = "\"joints_rad\": [0, 0, 0, 0, 0, 0, 0], \"joints_deg\": [0, 30,";
+    check("\"joints_deg\": [0, 30,", two, (5, 5), "{", &format!("motion 1: {both}"));
+    let two = "\"joints_rad\": [0, 0, 0, 0, 0, 0, 0], \"joints_deg\": [0, 0,";
+    check("\"joints_deg\": [0, 0,", two, (3, 12), "{", &format!("the start pose: {both}"));
+    let joints = "\"joints_deg\": [40, 30, 0, -60, 0, 90, 0]";
+    check(&format!(", {joints}"), "", (8, 5), "{", &format!("motion 4: {none}"));
+    check(joints, &format!("{joints}, {joints}"), (8, 64), "\"joints_deg\"", 
+        "motion 4: the key `joints_deg` is there twice");
+}
+
+/// serde's derive would take the values of an object's keys in a list.
+#[test]
+fn lists_for_objects() {
+    let what = "expected an object, found a list";
+    let wait = "{ \"type\": \"wait\", \"seconds\": 0.5 }";
+    check(wait, "[\"wait\", 0.5]", (7, 5), "[", &format!("motion 3: {what}"));
+    check(wait, "7", (7, 5), "7", "motion 3: expected an object, found `7`");
+    check(wait, "null", (7, 5), "null", "motion 3: expected an object, found null");
+    let start = "{ \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }";
+    check(start, "[[0, 0, 0, 0, 0, 0, 0]]", (3, 12), "[", what);
+    check("{ \"cart_mm\": 50 }", "[50]", (5, 72), "[", &format!("motion 1: {what}"));
+    let text = "[1, null, { \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }, [{ \"type\": \"wait\", \
+                \"seconds\": 1 }]]";
+    assert_eq!(refused(text).0, what);
+    let text = "{ \"version\": 1, \"start\": { \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }, \
+                \"motions\": { \"type\": \"wait\" } }";
+    let (what, place) = refused(text);
+    assert_eq!(what, "expected a list, found an object");
+    assert_eq!(place.span.start, text.rfind('{').unwrap());
+}
+
+#[test]
+fn a_joint_outside_its_limits() {
+    let limits = [170, 120, 170, 120, 170, 120, 175];
+    for (joint, limit) in (1..).zip(limits) {
+        for sign in [-1, 1] {
+            let text = |by: &str| {
+                let mut joints = ["0"; 7].map(str::to_owned);
+                joints[joint - 1] = format!("{}{by}", sign * limit);
+                GOOD.replace("[40, 30, 0, -60, 0, 90, 0]", &format!("[{}]", joints.join(", ")))
+            };
+            let at_the_limit = Program::from_json(&text("")).unwrap();
+            Path::new(&at_the_limit, &Robot::lbr_iiwa_7_r800()).unwrap();
+
+            let text = text(".001");
+            let (what, place) = refused(&text);
+            let found = format!("{}.001", sign * limit);
+            assert_eq!(
+                what,
+                format!("motion 4: joint {joint} is at {found} deg, its limit is +-{limit} deg")
+            );
+            assert_eq!((place.line, place.column), (8, 37 + 3 * (joint - 1)));
+            assert_eq!(&text[place.span], found);
+        }
+    }
+    let what = "the start pose: joint 2 is at -120.001 deg, its limit is +-120 deg";
+    check("[0, 0,", "[0, -120.001,", (3, 32), "-120.001", what);
+    let what = "motion 2: joint 4 is at -171.8873385 deg, its limit is +-120 deg";
+    check("0.5, 0, -1,", "0.5, 0, -3,", (6, 48), "-3", what);
+    // A million and more is no reason to print nonsense.
+    let what = "motion 1: joint 1 is at 100000000000000000000 deg, its limit is +-170 deg";
+    check("[0, 30,", "[1e20, 30,", (5, 37), "1e20", what);
+}
+
+#[test]
+fn a_limit_typed_in_rad() {
+    let text = |rad: f64| GOOD.replace("[1, 0.5,", &format!("[{rad}, 0.5,"));
+    let limit = 170_f64.to_radians();
+    for rad in [limit, limit.next_up(), 2.967_059_73] {
+        let program = Program::from_json(&text(rad)).unwrap();
+        Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
+    }
+    // One that is barely outside is not said to be at its limit.
+    let (what, _) = refused(&text(limit + 6e-9));
+    assert_eq!(what, "motion 2: joint 1 is at 170.0000003 deg, its limit is +-170 deg");
+}
+
+#[test]
+fn not_a_number_in_a_program_made_in_code() {
+    let mut target = [0.0; 7];
+    for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        target[2] = wrong;
+        let motions = vec![Motion::Ptp(Ptp::to([0.0; 7])), Motion::Ptp(Ptp::to(target))];
+        let program = Program { robot: None, start_rad: [0.0; 7], motions };
+        let fault = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
+        let expected = format!("motion 2: joint 3 is at {wrong} deg, its limit is +-170 deg");
+        assert_eq!(fault.to_string(), expected);
+        let program = Program { start_rad: target, ..program };
+        let fault = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
+        assert!(fault.to_string().starts_with("the start pose: joint 3 is at "), "{fault}");
+    }
+}
+
+/// Along joint 1 with joint 2 at its limit: at small angles the LBR iiwa swings out before it
+/// turns in (Larsen 2019, Eq. 38 is negative there).
+#[test]
+fn a_blend_that_swings_out_of_the_limits() {
+    let text = r#"{
+  "version": 1,
+  "start": { "joints_deg": [0, 120, 0, 0, 0, 0, 0] },
+  "motions": [
+    { "type": "wait", "seconds": 0 },
+    { "type": "ptp", "joints_deg": [60, 120, 0, 0, 0, 0, 0], "blend": { "fraction": 0.5 } },
+    { "type": "ptp", "joints_deg": [120, 100, 0, 0, 0, 0, 0] }
+  ]
+}"#;
+    let (what, place) = refused(text);
+    let start = "motion 2: its blend carries joint 2 to ";
+    let end = " deg, its limit is +-120 deg; choose a smaller blend or move the target";
+    let found = what.strip_prefix(start).and_then(|what| what.strip_suffix(end));
+    let found: f64 = found.unwrap_or_else(|| panic!("{what}")).parse().unwrap();
+    assert!(found > 120.001 && found < 121.0, "{what}");
+    assert_eq!((place.line, place.column, &text[place.span]), (6, 71, "{ \"fraction\": 0.5 }"));
+
+    // A blend that stays inside is fine, although its bulge might leave the limits elsewhere.
+    let inside = text.replace("120, 0, 0, 0, 0, 0]", "119, 0, 0, 0, 0, 0]");
+    Path::new(&Program::from_json(&inside).unwrap(), &Robot::lbr_iiwa_7_r800()).unwrap();
+}
+
+#[test]
+fn shares_out_of_range() {
+    for (share, found) in [("0", "0"), ("-0.5", "-0.5"), ("1.001", "1.001"), ("1e308", "1e308")] {
+        let number = share.parse::<f64>().unwrap();
+        for key in ["velocity_rel", "acceleration_rel", "jerk_rel"] {
+            let what = format!("motion 2: {key} is {number}; it must be above 0 and at most 1");
+            let column = 66 + key.len();
+            check("\"velocity_rel\": 0.75", &format!("\"{key}\": {share}"), (6, column + 2), found, &what);
+        }
+    }
+    let what = "motion 2: velocity_rel is 2; it must be above 0 and at most 1";
+    check("0.75", "[1, 1, 1, 1, 1, 1, 2]", (6, 80), "[", what);
+    let seven = "motion 2: expected seven shares, for joints A1 to A7, found 3";
+    check("0.75", "[1, 1, 1]", (6, 80), "[", seven);
+    let share = "motion 2: expected a number above 0 and at most 1, or seven of them, found";
+    check("0.75", "\"fast\"", (6, 80), "\"fast\"", &format!("{share} string \"fast\""));
+    check("0.75", "{}", (6, 80), "{", &format!("{share} an object"));
+    check("0.75", "null", (6, 80), "null", &format!("{share} null"));
+    check("0.75", "1e400", (6, 80), "1e400", "motion 2: the number is too large");
+}
+
+#[test]
+fn waits_out_of_range() {
+    for (seconds, found) in [("-0.001", "-0.001"), ("1e9", "1000000000")] {
+        let what = format!("motion 3: a wait of {found} s; it must be from 0 to 31536000 s");
+        check("0.5 }", &format!("{seconds} }}"), (7, 34), seconds, &what);
+    }
+    check("0.5 }", "\"1 s\" }", (7, 34), "\"1 s\"", "motion 3: expected a number, found string \"1 s\"");
+    check(", \"seconds\": 0.5", "", (7, 5), "{", "motion 3: the key `seconds` is missing");
+}
+
+#[test]
+fn blends_out_of_range() {
+    let at = (5, 72);
+    for (blend, what) in [
+        ("\"fraction\": 0.5001", "fraction is 0.5001; it must be from 0 to 0.5"),
+        ("\"fraction\": -0.1", "fraction is -0.1; it must be from 0 to 0.5"),
+        ("\"sunrise_rel\": 1.01", "sunrise_rel is 1.01; it must be from 0 to 1"),
+        ("\"sunrise_rel\": -1", "sunrise_rel is -1; it must be from 0 to 1"),
+        ("\"cart_mm\": -50", "cart_mm is -50; it must be 0 or more"),
+    ] {
+        check("\"cart_mm\": 50", blend, at, "{", &format!("motion 1: the blend's {what}"));
+    }
+    let one = "motion 1: a blend has exactly one of `fraction`, `sunrise_rel` and `cart_mm`";
+    check("{ \"cart_mm\": 50 }", "{}", at, "{", one);
+    check("\"cart_mm\": 50", "\"cart_mm\": 50, \"fraction\": 0.1", at, "{", one);
+    check("\"cart_mm\": 50", "\"cart_mm\": null", at, "{", one);
+    let object = "motion 1: expected an object, found";
+    check("{ \"cart_mm\": 50 }", "50", at, "50", &format!("{object} `50`"));
+    check("{ \"cart_mm\": 50 }", "\"fraction\"", at, "\"", &format!("{object} string \"fraction\""));
+    check("50 }", "\"50\" }", (5, 85), "\"50\"", "motion 1: expected a number, found string \"50\"");
+}
+
+#[test]
+fn a_blend_into_nothing() {
+    let remove = "has nothing to blend into; remove its blend";
+    let blend = "0.75, \"blend\": { \"fraction\": 0.25 }";
+    let what = format!("motion 2 is followed by a wait and {remove}");
+    check("0.75", blend, (6, 95), "{", &what);
+    let what = format!("motion 4 is the last one and {remove}");
+    check("90, 0] }\n", "90, 0], \"blend\": { \"sunrise_rel\": 0.05 } }\n", (8, 73), "{", &what);
+    check("90, 0] }\n", "90, 0], \"blend\": { \"cart_mm\": 4 } }\n", (8, 73), "{", &what);
+    // A blend that is a stop has no need of anything to blend into.
+    for stop in ["\"sunrise_rel\": 0.049", "\"cart_mm\": 3.9", "\"fraction\": 0"] {
+        let text = GOOD.replace("0.75", &format!("0.75, \"blend\": {{ {stop} }}"));
+        Path::new(&Program::from_json(&text).unwrap(), &Robot::lbr_iiwa_7_r800()).unwrap();
+    }
+}
+
+#[test]
+fn nothing_to_start_from_and_nothing_to_do() {
+    let start = "  \"start\": { \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] },\n";
+    check(start, "", (1, 1), "{", "the key `start` is missing");
+    check(start, "  \"start\": null,\n", (3, 12), "null", "expected an object, found null");
+    let motions = &GOOD[GOOD.find("[\n").unwrap()..=GOOD.rfind(']').unwrap()];
+    let what = "the program has no motions; add at least one";
+    check(motions, "[]", (4, 14), "[]", what);
+    check(&format!(",\n  \"motions\": {motions}"), "", (1, 1), "{", "the key `motions` is missing");
+}
+
+#[test]
+fn brackets_without_end() {
+    const N: usize = 20_000_000;
+    let start = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }, "motions": "#;
+    let far = "the text ends too early";
+    for (before, bracket, what) in [
+        ("", "[", "expected an object, found a list"),
+        ("", "{", "a key is expected, in double quotes"),
+        ("{\"motions\":", "[", far),
+        ("{\"motions\":", "{\"a\":", "expected a list, found an object"),
+        ("{\"version\":", "[", "expected a whole number, 0 or more, found a list"),
+        ("{\"robot\":", "[", "expected a string, found a list"),
+        ("{\"start\":", "[", "expected an object, found a list"),
+        (start, "[", far),
+        (&format!("{start}["), "[", far),
+        (&format!("{start}["), "{\"type\":", far),
+    ] {
+        let text = format!("{before}{}", bracket.repeat(N / bracket.len()));
+        let clock = Instant::now();
+        let error = Program::from_json(&text).unwrap_err();
+        let taken = clock.elapsed();
+        assert!(taken < Duration::from_secs(10), "{before}{bracket}: {taken:?}");
+        assert!(error.what().ends_with(what), "{before}{bracket}: {error}");
+        assert!(error.to_string().len() < 200, "{before}{bracket}");
+    }
+    // Brackets that are closed again.
+    for (open, close) in [("[", "]"), ("{\"type\":", "}")] {
+        let deep = open.repeat(N / 20) + "1" + &close.repeat(N / 20);
+        let text = format!("{start}[{deep}] }}");
+        let error = Program::from_json(&text).unwrap_err();
+        assert!(error.what().starts_with("motion 1: expected "), "{error}");
+    }
+}
+
+#[test]
+fn errors_can_be_matched_on() {
+    let error = Program::from_json(&GOOD.replace("1,", "3,")).unwrap_err();
+    assert!(matches!(error, ProgramError::Version { found: 3, .. }), "{error:?}");
+}

@@ -1,0 +1,287 @@
+//! Where the path runs: derivatives, joins, and the search for the start of Cartesian blends.
+
+// Helpers of tests may fail.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_path::{
+    Blend, BlendSearch, BlendShape, Continuity, Motion, Path, PathOptions, Program, Ptp, Segment,
+    Step,
+};
+use proptest::prelude::*;
+
+const SHAPES: [BlendShape; 6] = [
+    BlendShape::Iiwa,
+    BlendShape::Alpha(Continuity::First),
+    BlendShape::Alpha(Continuity::Second),
+    BlendShape::Alpha(Continuity::Third),
+    BlendShape::MinAcceleration,
+    BlendShape::Circle,
+];
+
+/// How many derivatives by arc length are continuous where a blend meets a line.
+fn smoothness(shape: BlendShape) -> usize {
+    match shape {
+        BlendShape::Alpha(Continuity::First) | BlendShape::Circle => 1,
+        BlendShape::Alpha(Continuity::Third) => 3,
+        _ => 2,
+    }
+}
+
+fn norm(v: &Joints) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+fn minus(a: &Joints, b: &Joints) -> Joints {
+    std::array::from_fn(|j| a[j] - b[j])
+}
+
+fn between(a: &Joints, b: &Joints, u: f64) -> Joints {
+    std::array::from_fn(|j| a[j] + u * (b[j] - a[j]))
+}
+
+fn path(shape: BlendShape, start: Joints, motions: Vec<Ptp>) -> Path {
+    let motions = motions.into_iter().map(Motion::Ptp).collect();
+    let program = Program { robot: None, start_rad: start, motions };
+    let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
+    Path::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
+}
+
+fn segments(path: &Path) -> impl Iterator<Item = &Segment> {
+    path.steps().iter().filter_map(|step| match step {
+        Step::Move { segment, .. } => Some(segment),
+        _ => None,
+    })
+}
+
+fn shape() -> impl Strategy<Value = BlendShape> {
+    prop::sample::select(&SHAPES[..])
+}
+
+/// Well inside the limits, so that no blend leaves them.
+fn pose() -> impl Strategy<Value = Joints> {
+    prop::array::uniform7(-1.2..1.2_f64)
+}
+
+fn far_apart(poses: &[Joints]) -> bool {
+    poses.windows(2).all(|pair| norm(&minus(&pair[1], &pair[0])) > 0.3)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, ..ProptestConfig::default() })]
+
+    #[test]
+    fn derivatives_are_those_of_the_position(
+        shape in shape(), poses in prop::array::uniform3(pose()), fraction in 0.05..0.5_f64,
+        s in 0.01..0.99_f64,
+    ) {
+        prop_assume!(far_apart(&poses));
+        let [a, b, c] = poses;
+        let path = path(shape, a, vec![Ptp::to(b).blend(Blend::Fraction(fraction)), Ptp::to(c)]);
+        for segment in segments(&path) {
+            const H: f64 = 1e-3;
+            // Five-point differences: exact but for h^4 / 30 times the fifth derivative.
+            let difference = |of: fn(&Segment, f64) -> Joints| -> Joints {
+                let at = |k: f64| of(segment, s + k * H);
+                let [m2, m1, p1, p2] = [at(-2.0), at(-1.0), at(1.0), at(2.0)];
+                std::array::from_fn(|j| {
+                    (m2[j] - p2[j] + 8.0 * (p1[j] - m1[j])) / (12.0 * H)
+                })
+            };
+            let at = segment.at(s);
+            let close = |found: Joints, expected: Joints| norm(&minus(&found, &expected)) < 2e-7;
+            prop_assert!(close(at.dq, difference(|segment, s| segment.at(s).q)));
+            prop_assert!(close(at.ddq, difference(|segment, s| segment.at(s).dq)));
+            prop_assert!(close(at.dddq, difference(|segment, s| segment.at(s).ddq)));
+        }
+    }
+
+    /// By arc length, since s runs at another pace in each piece.
+    #[test]
+    fn pieces_join_smoothly(
+        shape in shape(), poses in prop::array::uniform5(pose()),
+        fractions in prop::array::uniform3(0.05..=0.5_f64),
+    ) {
+        prop_assume!(far_apart(&poses));
+        let motions = (1..5)
+            .map(|i| Ptp { blend: fractions.get(i - 1).copied().map(Blend::Fraction), ..Ptp::to(poses[i]) })
+            .collect();
+        let path = path(shape, poses[0], motions);
+        let pieces: Vec<_> = segments(&path).collect();
+        prop_assert!(pieces.len() >= 5);
+        prop_assert_eq!(pieces[0].at(0.0).q, poses[0]);
+        prop_assert!(norm(&minus(&pieces[pieces.len() - 1].at(1.0).q, &poses[4])) < 1e-14);
+        for pair in pieces.windows(2) {
+            let (before, after) = (pair[0].at(1.0), pair[1].at(0.0));
+            let (t0, t1) = (pair[0].end_tangent_rad(), pair[1].end_tangent_rad());
+            prop_assert!((norm(&before.dq) / t0 - 1.0).abs() < 1e-9);
+            prop_assert!((norm(&after.dq) / t1 - 1.0).abs() < 1e-9);
+            prop_assert!(norm(&minus(&before.q, &after.q)) < 1e-9);
+            // Slivers of lines have their direction from a difference of 1e-16.
+            if t0.min(t1) < 1e-6 {
+                continue;
+            }
+            let by_length = |v: Joints, t: f64, n: i32| v.map(|v| v / t.powi(n));
+            let jump = |a: Joints, b: Joints, n: i32| {
+                norm(&minus(&by_length(a, t0, n), &by_length(b, t1, n)))
+            };
+            prop_assert!(jump(before.dq, after.dq, 1) < 1e-9);
+            if smoothness(shape) >= 2 {
+                prop_assert!(jump(before.ddq, after.ddq, 2) < 1e-9);
+            }
+            if smoothness(shape) >= 3 {
+                prop_assert!(jump(before.dddq, after.dddq, 3) < 1e-7);
+            }
+        }
+    }
+
+    /// Larsen 2019, Algorithm 3, and Eq. 28 for the angle.
+    #[test]
+    fn blends_reach_equally_far_on_both_sides(
+        shape in shape(), poses in prop::array::uniform3(pose()), size in 4.0..1000.0_f64,
+    ) {
+        prop_assume!(far_apart(&poses));
+        let [a, b, c] = poses;
+        let path = path(shape, a, vec![Ptp::to(b).blend(Blend::CartMm(size)), Ptp::to(c)]);
+        let (corner, blend) = path.blends().next().unwrap();
+        let (start, end) = (blend.at(0.0).q, blend.at(1.0).q);
+        let reach = [norm(&minus(&b, &start)), norm(&minus(&end, &b))];
+        prop_assert!((reach[0] - reach[1]).abs() < 1e-12);
+        let lengths = [norm(&minus(&b, &a)), norm(&minus(&c, &b))];
+        prop_assert!(reach[0] <= 0.5 * lengths[0].min(lengths[1]) + 1e-12);
+        let cosine = (0..7).map(|j| (b[j] - a[j]) * (c[j] - b[j])).sum::<f64>();
+        let gamma = (cosine / (lengths[0] * lengths[1])).acos().to_degrees();
+        prop_assert!((corner.gamma_deg - gamma).abs() < 1e-6);
+
+        // One of the two ends is on the sphere, unless the half of a segment comes first.
+        let robot = path.robot();
+        let crossing = |other: &Joints, length: f64| {
+            BlendSearch::FirstCrossing.crossing(robot, &b, other, size * 1e-3).unwrap_or(0.5) * length
+        };
+        let expected = crossing(&a, lengths[0]).min(crossing(&c, lengths[1]));
+        prop_assert!((reach[0] - expected).abs() < 1e-12);
+    }
+}
+
+/// Distance of the TCP from where it is at `point`, in m.
+fn distance(robot: &Robot, point: &Joints, other: &Joints, u: f64) -> f64 {
+    let (a, b) = (robot.tcp_position(point), robot.tcp_position(&between(point, other, u)));
+    (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+}
+
+fn anywhere() -> impl Strategy<Value = Joints> {
+    let limits = Robot::lbr_iiwa_7_r800().limits().position_rad;
+    prop::array::uniform7(-1.0..=1.0_f64)
+        .prop_map(move |share| std::array::from_fn(|j| share[j] * limits[j]))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+    /// Against brute force.
+    #[test]
+    fn the_first_crossing_is_the_first(
+        point in anywhere(), other in anywhere(), radius in prop_oneof![1e-3..0.1_f64, 0.1..1.5_f64],
+    ) {
+        const SAMPLES: u32 = 1000;
+        let robot = Robot::lbr_iiwa_7_r800();
+        let found = BlendSearch::FirstCrossing.crossing(&robot, &point, &other, radius);
+        if let Some(u) = found {
+            prop_assert!((0.0..=0.5).contains(&u));
+            prop_assert!((distance(&robot, &point, &other, u) - radius).abs() < 1e-9);
+        }
+        let end = found.unwrap_or(0.5);
+        for i in 0..SAMPLES {
+            let u = end * f64::from(i) / f64::from(SAMPLES);
+            prop_assert!(distance(&robot, &point, &other, u) < radius + 1e-12, "already at {u}");
+        }
+
+        // Algorithm 2 is never earlier, and late by a step at most unless the arm comes back.
+        let late = BlendSearch::Algorithm2.crossing(&robot, &point, &other, radius);
+        let Some(u) = found else {
+            prop_assert!(late.is_none_or(|late| late == 0.5));
+            return Ok(());
+        };
+        prop_assert!(late.is_none_or(|late| late >= u - 1e-9));
+        let stays = (0..=100).all(|i| {
+            distance(&robot, &point, &other, u + 1e-5 * f64::from(i)) >= radius - 1e-12
+        });
+        if stays && u <= 0.499 {
+            prop_assert!(late.unwrap() <= u + 0.001 + 1e-9);
+        }
+
+        // Algorithm 1 finds some crossing or none.
+        if let Some(u) = BlendSearch::Algorithm1.crossing(&robot, &point, &other, radius) {
+            prop_assert!((distance(&robot, &point, &other, u) - radius).abs() <= 1e-9);
+        }
+    }
+
+    /// All three come to an end out of reach, and where nothing moves.
+    #[test]
+    fn no_search_hangs(
+        point in anywhere(), other in anywhere(), still in any::<bool>(), radius in prop_oneof![3.0..10.0_f64, 3.0..1e100_f64],
+    ) {
+        let robot = Robot::lbr_iiwa_7_r800();
+        let other = if still { point } else { other };
+        for search in [BlendSearch::FirstCrossing, BlendSearch::Algorithm1, BlendSearch::Algorithm2] {
+            prop_assert_eq!(search.crossing(&robot, &point, &other, radius), None);
+        }
+    }
+}
+
+/// Only joint 7 turns: the TCP is on its axis and does not move.
+#[test]
+fn a_tcp_that_does_not_move_crosses_no_sphere() {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let point = [0.3, 0.4, 0.5, -0.6, 0.7, 0.8, -2.0];
+    let other = [0.3, 0.4, 0.5, -0.6, 0.7, 0.8, 2.0];
+    for search in [BlendSearch::FirstCrossing, BlendSearch::Algorithm1, BlendSearch::Algorithm2] {
+        assert_eq!(search.crossing(&robot, &point, &other, 0.004), None, "{search:?}");
+    }
+}
+
+/// The TCP moves away to 332.564 mm and comes back, and is outside of 332.563 mm for less than one
+/// step of Algorithm 2, which steps over both crossings. Found by a search among random poses.
+#[test]
+fn a_sphere_that_is_crossed_twice_within_one_step() {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let point = [160.0, 15.0, 145.0, -60.0, -50.0, -40.0, 0.0].map(f64::to_radians);
+    let other = [-160.0, -15.0, 0.0, 115.0, -45.0, -60.0, 0.0].map(f64::to_radians);
+    let radius = 0.332_563_5;
+    let distance = |u: f64| distance(&robot, &point, &other, u);
+
+    // Outside between two multiples of 0.001, inside at both.
+    assert!(distance(0.217) < radius && distance(0.2175) > radius && distance(0.218) < radius);
+
+    let first = BlendSearch::FirstCrossing.crossing(&robot, &point, &other, radius).unwrap();
+    assert!(first > 0.217 && first < 0.2175, "{first}");
+    assert!((distance(first) - radius).abs() < 1e-9);
+
+    // Algorithm 2 sees neither, and the sphere is not reached again before the half.
+    assert_eq!(BlendSearch::Algorithm2.crossing(&robot, &point, &other, radius), None);
+
+    // To the point and back: the arm leaves its line where it should, or more than twice too early.
+    let reach = |blend_search| {
+        let ptp = Ptp::to(point).blend(Blend::CartMm(1e3 * radius));
+        let motions = vec![Motion::Ptp(ptp), Motion::Ptp(Ptp::to(other))];
+        let program = Program { robot: None, start_rad: other, motions };
+        let options = PathOptions { blend_search, ..PathOptions::default() };
+        let path = Path::with_options(&program, &robot, options).unwrap();
+        path.blends().next().unwrap().1.end_tangent_rad()
+    };
+    let length = norm(&minus(&other, &point));
+    assert!((reach(BlendSearch::FirstCrossing) / length - first).abs() < 1e-12);
+    assert!((reach(BlendSearch::Algorithm2) / length - 0.5).abs() < 1e-12);
+}
+
+/// Algorithm 1 halves the segment, and may end at another crossing than the nearest.
+#[test]
+fn algorithm_1_may_find_another_crossing() {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let point = [160.0, 15.0, 145.0, -60.0, -50.0, -40.0, 0.0].map(f64::to_radians);
+    let other = [-160.0, -15.0, 0.0, 115.0, -45.0, -60.0, 0.0].map(f64::to_radians);
+    let radius = 0.332_563_5;
+    let first = BlendSearch::FirstCrossing.crossing(&robot, &point, &other, radius).unwrap();
+    let found = BlendSearch::Algorithm1.crossing(&robot, &point, &other, radius);
+    assert!(found.is_none_or(|found| found > first + 1e-4), "{found:?}");
+}

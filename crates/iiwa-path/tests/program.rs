@@ -1,0 +1,234 @@
+//! What a program says: the JSON form, and what its words mean.
+
+// Numbers come back to the last bit on purpose; helpers of tests may fail.
+#![allow(clippy::float_cmp, clippy::unwrap_used)]
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_path::{Blend, Motion, Path, Program, Ptp, Step};
+use proptest::prelude::*;
+
+fn read(motions: &str) -> Program {
+    Program::from_json(&format!(
+        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [{motions}] }}"#
+    ))
+    .unwrap()
+}
+
+fn path(program: &Program) -> Path {
+    Path::new(program, &Robot::lbr_iiwa_7_r800()).unwrap()
+}
+
+/// Two motions at a right angle, with `blend` between them.
+fn corner(blend: Option<Blend>) -> Path {
+    let first = Ptp { blend, ..Ptp::to([0.8, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]) };
+    let second = Ptp::to([0.8, 0.6, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    path(&Program {
+        robot: None,
+        start_rad: [0.0; 7],
+        motions: vec![Motion::Ptp(first), Motion::Ptp(second)],
+    })
+}
+
+fn reach(path: &Path) -> f64 {
+    path.blends().next().unwrap().1.end_tangent_rad()
+}
+
+fn any_share() -> impl Strategy<Value = Joints> {
+    let one = || prop_oneof![Just(1.0), 1e-3..1.0_f64, Just(f64::MIN_POSITIVE)];
+    prop_oneof![one().prop_map(|share| [share; 7]), prop::array::uniform7(one())]
+}
+
+fn any_joints() -> impl Strategy<Value = Joints> {
+    use prop::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
+    prop_oneof![
+        prop::array::uniform7(-3.0..3.0_f64),
+        prop::array::uniform7(POSITIVE | NEGATIVE | NORMAL | SUBNORMAL | ZERO),
+    ]
+}
+
+fn any_blend() -> impl Strategy<Value = Option<Blend>> {
+    prop_oneof![
+        Just(None),
+        (0.0..=0.5_f64).prop_map(|b| Some(Blend::Fraction(b))),
+        (0.0..=1.0_f64).prop_map(|x| Some(Blend::SunriseRel(x))),
+        (0.0..1e6_f64).prop_map(|r| Some(Blend::CartMm(r))),
+    ]
+}
+
+fn any_motion() -> impl Strategy<Value = Motion> {
+    prop_oneof![
+        1 => (0.0..1e6_f64).prop_map(|seconds| Motion::Wait { seconds }),
+        4 => (any_joints(), any_share(), any_share(), any_share(), any_blend()).prop_map(
+            |(target_rad, velocity_rel, acceleration_rel, jerk_rel, blend)| {
+                Motion::Ptp(Ptp { target_rad, velocity_rel, acceleration_rel, jerk_rel, blend })
+            }
+        ),
+    ]
+}
+
+fn any_program() -> impl Strategy<Value = Program> {
+    let motions = prop::collection::vec(any_motion(), 1..10);
+    (prop::option::of(".{0,20}"), any_joints(), motions).prop_map(
+        |(robot, start_rad, mut motions)| {
+            for i in 0..motions.len() {
+                if !matches!(motions.get(i + 1), Some(Motion::Ptp(_)))
+                    && let Motion::Ptp(ptp) = &mut motions[i]
+                {
+                    ptp.blend = None;
+                }
+            }
+            Program { robot, start_rad, motions }
+        },
+    )
+}
+
+proptest! {
+    #[test]
+    fn json_reads_back_as_it_was(program in any_program()) {
+        let json = program.to_json();
+        prop_assert_eq!(Program::from_json(&json).unwrap(), program);
+    }
+
+    /// What is written is what the schema asks for.
+    #[test]
+    fn json_fits_the_schema(program in any_program()) {
+        let json: serde_json::Value = serde_json::from_str(&program.to_json()).unwrap();
+        let result = jsonschema::validate(&Program::schema(), &json);
+        prop_assert!(result.is_ok(), "{}: {}", result.unwrap_err(), json);
+    }
+}
+
+#[test]
+fn degrees_and_radians_are_the_same_joints() {
+    let program = read(
+        r#"{ "type": "ptp", "joints_deg": [90, -45, 30, 60, 180, 0, 1] },
+           { "type": "ptp", "joints_rad": [1, 2, 3, -1, -2, -3, 0.5] }"#,
+    );
+    let [Motion::Ptp(deg), Motion::Ptp(rad)] = program.motions.as_slice() else {
+        panic!("two motions")
+    };
+    use std::f64::consts::PI;
+    let expected = [PI / 2.0, -PI / 4.0, PI / 6.0, PI / 3.0, PI, 0.0, PI / 180.0];
+    for (found, expected) in deg.target_rad.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-15);
+    }
+    assert_eq!(rad.target_rad, [1.0, 2.0, 3.0, -1.0, -2.0, -3.0, 0.5]);
+}
+
+#[test]
+fn what_is_left_out_is_full_speed_to_a_stop() {
+    let program = read(r#"{ "type": "ptp", "joints_rad": [1, 1, 1, 1, 1, 1, 1] }"#);
+    assert_eq!(program.motions, [Motion::Ptp(Ptp::to([1.0; 7]))]);
+    assert_eq!(program.robot, None);
+}
+
+#[test]
+fn shares_for_all_joints_or_one_each() {
+    let program = read(
+        r#"{ "type": "ptp", "joints_rad": [1, 1, 1, 1, 1, 1, 1], "velocity_rel": 0.5,
+             "acceleration_rel": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], "jerk_rel": 1 }"#,
+    );
+    let path = path(&program);
+    let (limits, robot) = (&path.limits()[0], path.robot().limits());
+    for j in 0..7 {
+        assert_eq!(limits.velocity_rad_s[j], 0.5 * robot.velocity_rad_s[j]);
+        let share = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7][j];
+        assert_eq!(limits.acceleration_rad_s2[j], share * robot.acceleration_rad_s2[j]);
+        assert_eq!(limits.jerk_rad_s3[j], robot.jerk_rad_s3[j]);
+    }
+    assert!(program.to_json().contains("0.7"));
+    assert_eq!(Program::from_json(&program.to_json()).unwrap(), program);
+}
+
+#[test]
+fn a_fraction_is_of_the_shorter_neighbour() {
+    for fraction in [0.01, 0.25, 0.5] {
+        let path = corner(Some(Blend::Fraction(fraction)));
+        assert!((reach(&path) - 0.6 * fraction).abs() < 1e-15);
+    }
+}
+
+/// Sunrise's 1 is half of a motion.
+#[test]
+fn sunrise_rel_is_twice_the_fraction() {
+    for x in [0.05, 0.3, 1.0] {
+        let sunrise = corner(Some(Blend::SunriseRel(x)));
+        let fraction = corner(Some(Blend::Fraction(0.5 * x)));
+        assert_eq!(sunrise.steps(), fraction.steps());
+    }
+}
+
+#[test]
+fn small_blends_are_stops() {
+    let stop = corner(None);
+    let settles = stop.steps().iter().filter(|step| matches!(step, Step::Settle { .. })).count();
+    assert_eq!(settles, 2);
+    for blend in [
+        Blend::SunriseRel(0.049_999),
+        Blend::SunriseRel(0.0),
+        Blend::CartMm(3.999),
+        Blend::CartMm(0.0),
+        Blend::Fraction(0.0),
+    ] {
+        let path = corner(Some(blend));
+        assert_eq!(path.steps(), stop.steps(), "{blend:?}");
+    }
+    for blend in [Blend::SunriseRel(0.05), Blend::CartMm(4.0), Blend::Fraction(1e-6)] {
+        let path = corner(Some(blend));
+        assert_eq!(path.blends().count(), 1, "{blend:?}");
+        let settles = path.steps().iter().filter(|step| matches!(step, Step::Settle { .. }));
+        assert_eq!(settles.count(), 1, "{blend:?}");
+    }
+}
+
+/// A blend rounds a corner between two motions that move: beside one that does not, the arm stops.
+#[test]
+fn a_repeated_target_only_settles() {
+    let (a, b) = ([0.5; 7], [0.2; 7]);
+    let blend = Blend::Fraction(0.25);
+    let go = |to: Joints| Ptp::to(to);
+    for (first, second) in [
+        (go(a), go(a)),
+        (go(a).blend(blend), go(a)),
+        (go(a), go(a).blend(blend)),
+        (go(a).blend(blend), go(a).blend(blend)),
+    ] {
+        let motions = vec![Motion::Ptp(first), Motion::Ptp(second), Motion::Ptp(go(b))];
+        let path = path(&Program { robot: None, start_rad: [0.0; 7], motions });
+        assert_eq!(path.blends().count(), 0);
+        let kinds: Vec<_> = path
+            .steps()
+            .iter()
+            .map(|step| match step {
+                Step::Move { motion, .. } => ("move", *motion),
+                Step::Settle { motion } => ("settle", *motion),
+                _ => panic!("{step:?}"),
+            })
+            .collect();
+        assert_eq!(
+            kinds,
+            [("move", 0), ("settle", 0), ("settle", 1), ("move", 2), ("settle", 2)]
+        );
+    }
+}
+
+#[test]
+fn a_wait_stands_after_settling() {
+    let program = read(
+        r#"{ "type": "wait", "seconds": 1 },
+           { "type": "ptp", "joints_rad": [1, 0, 0, 0, 0, 0, 0] },
+           { "type": "wait", "seconds": 0 }, { "type": "wait", "seconds": 2.5 }"#,
+    );
+    let path = path(&program);
+    let steps = path.steps();
+    assert_eq!(steps[0], Step::Wait { motion: 0, seconds: 1.0 });
+    assert!(matches!(steps[1], Step::Move { motion: 1, blend: None, .. }));
+    assert_eq!(
+        steps[2..],
+        [
+            Step::Settle { motion: 1 },
+            Step::Wait { motion: 2, seconds: 0.0 },
+            Step::Wait { motion: 3, seconds: 2.5 }
+        ]
+    );
+}
