@@ -166,7 +166,7 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
     let joints = |list: &str| program(&format!(r#"{{ "type": "ptp", "joints_deg": [{list}] }}"#));
     let line = "line 5";
     refuses("motions: none", &["line 1, column 1"]);
-    refuses(&ptp("")[..60], &["line 4"]);
+    refuses(&ptp("")[..60], &["line 3", "ends too early"]);
     refuses(&ptp("").replace("motions", "moves"), &["line 4", "moves"]);
     refuses(&ptp(r#", "speed": 1"#), &[line, "motion 1", "speed"]);
     refuses(&ptp("").replace("ptp", "lin"), &[line, "motion 1", "lin", "ptp"]);
@@ -198,11 +198,12 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
     refuses(&ptp("").replace(START, r#""robot": "lbr_iiwa_7_r800""#), &["start"]);
     refuses(&program(""), &["line 4", "no motions"]);
     refuses(&"[".repeat(1 << 20), &["line 1"]);
-    // Nearly straight on at the limit, the blend swings out beyond it.
+    // Nearly straight on and up to the limit, the blend swings out beyond it.
     let swing = program(
-        "{ \"type\": \"ptp\", \"joints_deg\": [0, 119.9, 0, 0, 0, 0, 0], \"blend\": { \"fraction\": 0.5 } },\n    \
-         { \"type\": \"ptp\", \"joints_deg\": [100, 119.9, 0, 0, 0, 0, 0] }",
-    );
+        "{ \"type\": \"ptp\", \"joints_deg\": [0, 119.99, 0, 0, 0, 0, 0], \"blend\": { \"fraction\": 0.5 } },\n    \
+         { \"type\": \"ptp\", \"joints_deg\": [160, 119.99, 0, 0, 0, 0, 0] }",
+    )
+    .replace("[0, 0, 0, 0, 0, 0, 0]", "[-160, 60, 0, 0, 0, 0, 0]");
     refuses(&swing, &[line, "motion 1", "joint 2", "blend"]);
 }
 

@@ -81,8 +81,8 @@ pub struct Path {
 pub enum Step {
     /// It moves, within the limits of `motion`.
     Move {
-        /// The motion whose limits hold. In a blend it is the following one (Larsen 2019,
-        /// Appendix B).
+        /// The motion whose limits hold. In a blend it is the following one: so it is for speed
+        /// (Larsen 2019, Appendix B), and taken to be for the others.
         motion: usize,
         /// Where it moves.
         segment: Segment,
@@ -115,7 +115,8 @@ pub struct Corner {
     pub gamma_deg: f64,
 }
 
-/// A motion's limits: the robot's, times the motion's shares (Larsen 2019, Eq. 33 and 35).
+/// A motion's limits: the robot's, times the motion's shares (Larsen 2019, Eq. 33, and 35 for the
+/// share of speed).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionLimits {
     /// In rad/s.

@@ -9,7 +9,7 @@ use crate::{grid::Grid, segment::Derivatives, vector};
 pub enum Continuity {
     /// N = 1: the direction.
     First,
-    /// N = 2: the curvature too. All of Larsen 2019's figures use it.
+    /// N = 2: the curvature too. k = 15/2 and kappa(gamma) of Larsen 2019 go with it.
     #[default]
     Second,
     /// N = 3: its rate of change too.

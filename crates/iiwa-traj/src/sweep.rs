@@ -5,7 +5,7 @@
 //! `x[i+1] = x[i] + h (u_start + u_end)`. The acceleration of joint j is `q'_j u + q''_j x`; its
 //! limit leaves u a band at each node, which depends on x there. A sweep backwards finds how fast
 //! the arm may be at each node and still slow down in time for all that follows; a sweep forwards
-//! then goes as fast as that allows. "At least one joint is always in saturation" is what comes
+//! then goes as fast as that allows. "At least one joint is always running in saturation" is what comes
 //! out: the fastest stamps on this grid.
 //!
 //! The two passes are those of TOPP-RA (Pham and Pham 2018). There u is constant in an interval and

@@ -27,7 +27,7 @@ impl Timing {
 /// How fine the sweep is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SweepOptions {
-    /// N: intervals a segment (Larsen 2019, section 2.4.1); 100 by default, at least 2.
+    /// Intervals a blend, close to N of Larsen 2019, section 2.4.1; 100 by default, at least 2.
     ///
     /// Lines need none: limits do not change along them, so that the fastest way over a line is to
     /// speed up, to keep the speed and to slow down, at instants that are found in closed form.
