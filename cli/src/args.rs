@@ -190,18 +190,18 @@ impl Joints {
 pub(crate) struct Robot {
     /// Built-in model or robot profile
     #[arg(value_name = "NAME|FILE")]
-    pub(crate) robot: Option<String>,
+    pub(crate) model: Option<String>,
 
     /// Print the model as a robot profile, to be changed and used with --robot
-    #[arg(long, requires = "robot", conflicts_with = "urdf")]
+    #[arg(long, requires = "model", conflicts_with = "urdf")]
     pub(crate) json: bool,
 
     /// Print the model as a URDF with simple shapes
-    #[arg(long, requires = "robot")]
+    #[arg(long, requires = "model")]
     pub(crate) urdf: bool,
 
     /// Check a URDF of the robot against the model
-    #[arg(long, value_name = "FILE.urdf", requires = "robot", conflicts_with_all = ["urdf", "json"])]
+    #[arg(long, value_name = "FILE.urdf", requires = "model", conflicts_with_all = ["urdf", "json"])]
     pub(crate) check: Option<PathBuf>,
 }
 

@@ -30,7 +30,8 @@ impl Text {
         } else {
             (path.display().to_string(), fs::read(path))
         };
-        let bytes = bytes.map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
+        let bytes =
+            bytes.map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Self { text: text.trim_start_matches('\u{feff}').to_owned(), name }),
             Err(_) => Err(Failure::input(format!("{name} is not text in UTF-8"))),
@@ -41,9 +42,8 @@ impl Text {
 /// Reads a program, and its robot unless `robot` names another one.
 pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<(Text, Program, Robot), Failure> {
     let text = Text::read(path)?;
-    let program = Program::from_json(&text.text).map_err(|error| {
-        Failure::in_text(&error.what(), error.place(), &text.name, &text.text)
-    })?;
+    let program = Program::from_json(&text.text)
+        .map_err(|error| Failure::in_text(&error.what(), error.place(), &text.name, &text.text))?;
     let robot = match (robot, &program.robot) {
         (Some(name), _) => find_robot(name, Path::new("."))?,
         (None, None) => Robot::default(),

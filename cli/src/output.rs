@@ -23,7 +23,8 @@ pub(crate) struct Output {
 impl Output {
     /// Begins a file that will be at `path`.
     pub(crate) fn new(path: &Path) -> Result<Self, Failure> {
-        let refuse = |error: &io::Error| Failure::run(format!("cannot write {}", path.display()), error);
+        let refuse =
+            |error: &io::Error| Failure::run(format!("cannot write {}", path.display()), error);
         if path.is_dir() {
             return Err(refuse(&io::Error::from(io::ErrorKind::IsADirectory)));
         }
@@ -57,9 +58,10 @@ impl Output {
     pub(crate) fn complete(self) -> Result<(), Failure> {
         check_interrupt()?;
         let path = self.path;
-        self.file.persist(&path).map(drop).map_err(|error| {
-            Failure::run(format!("cannot write {}", path.display()), &error.error)
-        })
+        self.file
+            .persist(&path)
+            .map(drop)
+            .map_err(|error| Failure::run(format!("cannot write {}", path.display()), &error.error))
     }
 }
 
@@ -67,7 +69,10 @@ impl Output {
 pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
     let output = Output::new(path)?;
     let mut stream = output.stream()?;
-    stream.write_all(content).and_then(|()| stream.flush()).map_err(|error| output.failure(&error))?;
+    stream
+        .write_all(content)
+        .and_then(|()| stream.flush())
+        .map_err(|error| output.failure(&error))?;
     output.complete()
 }
 

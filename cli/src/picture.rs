@@ -6,8 +6,8 @@ use plotters::{
     chart::ChartContext,
     coord::{Shift, cartesian::Cartesian2d, types::RangedCoordf64},
     prelude::{
-        ChartBuilder, Circle, DrawingArea, IntoDrawingArea, LineSeries, PathElement, RGBColor,
-        Rectangle, SVGBackend, SeriesLabelPosition, WHITE, Color,
+        ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, LineSeries, PathElement,
+        RGBColor, Rectangle, SVGBackend, SeriesLabelPosition, WHITE,
     },
 };
 
@@ -107,20 +107,23 @@ impl Picture {
     pub(crate) fn draw(&self) -> Result<String, Failure> {
         let mut svg = String::new();
         {
-            let root = SVGBackend::with_string(&mut svg, (FINE * WIDTH, FINE * HEIGHT)).into_drawing_area();
-            let failed = |error: &dyn std::error::Error| Failure::run("cannot draw the picture", error);
+            let root = SVGBackend::with_string(&mut svg, (FINE * WIDTH, FINE * HEIGHT))
+                .into_drawing_area();
+            let failed =
+                |error: &dyn std::error::Error| Failure::run("cannot draw the picture", error);
             root.fill(&WHITE).map_err(|error| failed(&error))?;
             let (top, bottom) = root.split_vertically(FINE * HEIGHT * 3 / 5);
             self.draw_path(&top).map_err(|error| failed(&*error))?;
             self.draw_speeds(&bottom).map_err(|error| failed(&*error))?;
             root.present().map_err(|error| failed(&error))?;
         }
-        let size = |factor: u32| format!("width=\"{}\" height=\"{}\"", factor * WIDTH, factor * HEIGHT);
+        let size =
+            |factor: u32| format!("width=\"{}\" height=\"{}\"", factor * WIDTH, factor * HEIGHT);
         Ok(svg.replacen(&size(FINE), &size(1), 1))
     }
 
     /// The flange's path in the plane that shows most of it, with the same scale on both axes.
-    fn draw_path<'a>(&self, area: &Area<'a>) -> Drawn {
+    fn draw_path(&self, area: &Area<'_>) -> Drawn {
         let range = |axis: usize| {
             let values = self.samples.iter().map(|sample| sample.tcp_mm[axis]);
             values.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
@@ -134,13 +137,17 @@ impl Picture {
         let (width, height) = area.dim_in_pixel();
         let frame = f64::from(FINE) * 110.0;
         let plot = (f64::from(width) - frame, f64::from(height) - frame);
-        let scale = (extent(across) / plot.0).max(extent(up) / plot.1).max(0.05 / f64::from(FINE)) * 1.1;
+        let scale =
+            (extent(across) / plot.0).max(extent(up) / plot.1).max(0.05 / f64::from(FINE)) * 1.1;
         let axis = |axis: usize, pixels: f64| {
             let middle = 0.5 * (ranges[axis].0 + ranges[axis].1);
             middle - 0.5 * scale * pixels..middle + 0.5 * scale * pixels
         };
         let mut chart = ChartBuilder::on(area)
-            .caption("Path of the flange, coloured by the fastest joint's share of its limit", font())
+            .caption(
+                "Path of the flange, coloured by the fastest joint's share of its limit",
+                font(),
+            )
             .margin(14 * FINE)
             .x_label_area_size(44 * FINE)
             .y_label_area_size(62 * FINE)
@@ -159,7 +166,7 @@ impl Picture {
         let point = |mm: [f64; 3]| (mm[across], mm[up]);
         for blend in &self.blends {
             for end in blend.ends_mm {
-                chart.draw_series([Circle::new(point(end), DOT, INK.stroke_width(1 * FINE))])?;
+                chart.draw_series([Circle::new(point(end), DOT, INK.stroke_width(FINE))])?;
             }
         }
         let mut from = 0;
@@ -182,15 +189,19 @@ impl Picture {
         }
         if !self.blends.is_empty() {
             chart
-                .draw_series([Circle::new(point(self.blends[0].ends_mm[0]), DOT, INK.stroke_width(1 * FINE))])?
+                .draw_series([Circle::new(
+                    point(self.blends[0].ends_mm[0]),
+                    DOT,
+                    INK.stroke_width(FINE),
+                )])?
                 .label("start and end of blends")
-                .legend(|(x, y)| Circle::new((x + DASH / 2, y), DOT, INK.stroke_width(1 * FINE)));
+                .legend(|(x, y)| Circle::new((x + DASH / 2, y), DOT, INK.stroke_width(FINE)));
         }
         legend(&mut chart)
     }
 
     /// The joints' speeds; blends are shaded.
-    fn draw_speeds<'a>(&self, area: &Area<'a>) -> Drawn {
+    fn draw_speeds(&self, area: &Area<'_>) -> Drawn {
         let end = self.samples.last().map_or(1.0, |sample| sample.t_s).max(1e-3);
         let mut chart = ChartBuilder::on(area)
             .caption("Joint speeds in % of their limits, blends shaded", font())
@@ -236,7 +247,7 @@ fn font() -> (&'static str, u32) {
 
 type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-fn legend<'a>(chart: &mut Chart<'a>) -> Drawn {
+fn legend(chart: &mut Chart<'_>) -> Drawn {
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperRight)

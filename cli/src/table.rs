@@ -31,12 +31,12 @@ pub(crate) fn figures(figures: &Figures) -> String {
     let mut table = table(&head);
     let motions = &figures.motions;
     if motions.len() <= 2 * SHOWN {
-        motions.iter().for_each(|row| add(&mut table, row));
+        add(&mut table, motions);
     } else {
-        motions[..SHOWN].iter().for_each(|row| add(&mut table, row));
+        add(&mut table, &motions[..SHOWN]);
         let hidden = motions.len() - 2 * SHOWN;
         table.add_row(["...".to_owned(), format!("{hidden} more, see --json")]);
-        motions[motions.len() - SHOWN..].iter().for_each(|row| add(&mut table, row));
+        add(&mut table, &motions[motions.len() - SHOWN..]);
     }
     let mut text = format!("{table}\n\n");
     let Figures { cycle_time_s, motion_time_s, settle_time_s, wait_time_s, .. } = figures;
@@ -45,31 +45,34 @@ pub(crate) fn figures(figures: &Figures) -> String {
         "Cycle time {cycle_time_s:.3} s = {motion_time_s:.3} s motion + {settle_time_s:.3} s settling \
          + {wait_time_s:.3} s waiting"
     );
-    let _ = writeln!(text, "{}, limits of {}", figures.robot, match figures.timing {
-        "acceleration" => "velocity and acceleration",
-        other => other,
-    });
+    let _ = writeln!(
+        text,
+        "{}, limits of {}",
+        figures.robot,
+        match figures.timing {
+            "acceleration" => "velocity and acceleration",
+            other => other,
+        }
+    );
     for assumption in &figures.assumptions {
         let _ = writeln!(text, "Assumed, not from a source: {assumption}");
     }
     text
 }
 
-fn add(table: &mut Table, row: &MotionRow) {
-    let limit = row
-        .limited_by
-        .as_ref()
-        .map_or_else(String::new, |limit| format!("A{} {}", limit.joint, limit.kind));
-    let speed = row.limited_by.as_ref().map_or_else(String::new, |_| {
-        format!("{:.1}", 100.0 * row.peak_velocity_rel)
-    });
-    table.add_row([
-        Cell::new(row.index),
-        Cell::new(row.r#type),
-        Cell::new(format!("{:.3}", row.start_s)),
-        Cell::new(format!("{:.3}", row.end_s)),
-        Cell::new(format!("{:.3}", row.end_s - row.start_s)),
-        Cell::new(speed),
-        Cell::new(limit),
-    ]);
+fn add(table: &mut Table, rows: &[MotionRow]) {
+    for row in rows {
+        let limit = row.limited_by.as_ref();
+        let limited_by = limit.map(|limit| format!("A{} {}", limit.joint, limit.kind));
+        let speed = limit.map(|_| format!("{:.1}", 100.0 * row.peak_velocity_rel));
+        table.add_row([
+            Cell::new(row.index),
+            Cell::new(row.r#type),
+            Cell::new(format!("{:.3}", row.start_s)),
+            Cell::new(format!("{:.3}", row.end_s)),
+            Cell::new(format!("{:.3}", row.end_s - row.start_s)),
+            Cell::new(speed.unwrap_or_default()),
+            Cell::new(limited_by.unwrap_or_default()),
+        ]);
+    }
 }

@@ -1,5 +1,7 @@
 //! `iiwasim plan` from outside: files, exit codes, messages.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -8,7 +10,10 @@ use std::{
 };
 
 use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};
-use predicates::str::{contains, is_empty};
+use predicates::{
+    prelude::PredicateBooleanExt,
+    str::{contains, is_empty},
+};
 use tempfile::{TempDir, tempdir};
 
 fn fixture(name: &str) -> PathBuf {
@@ -20,12 +25,7 @@ fn iiwasim(folder: &TempDir, arguments: &[&str]) -> Assert {
 }
 
 fn plan(folder: &TempDir, program: &Path, arguments: &[&str]) -> Assert {
-    cargo_bin_cmd!("iiwasim")
-        .current_dir(folder)
-        .arg("plan")
-        .arg(program)
-        .args(arguments)
-        .assert()
+    cargo_bin_cmd!("iiwasim").current_dir(folder).arg("plan").arg(program).args(arguments).assert()
 }
 
 fn files(folder: &TempDir) -> Vec<String> {
@@ -49,7 +49,7 @@ fn program(motions: &str) -> String {
 /// `count` motions there and back again, all blended.
 fn long_program(count: usize) -> String {
     let motion = |i: usize| {
-        let a = if i % 2 == 0 { 10 } else { -10 };
+        let a = if i.is_multiple_of(2) { 10 } else { -10 };
         let blend = if i + 1 < count { r#", "blend": { "fraction": 0.25 }"# } else { "" };
         format!(r#"{{ "type": "ptp", "joints_deg": [{a}, {}, 0, -60, 0, 90, 0]{blend} }}"#, i % 7)
     };
@@ -65,8 +65,6 @@ fn writes_a_file_and_a_table() {
         .stderr(is_empty());
     assert_eq!(files(&folder), ["appendix-b.mcap"]);
 }
-
-use predicates::prelude::PredicateBooleanExt;
 
 #[test]
 fn figures_are_as_promised() {
@@ -104,8 +102,12 @@ fn the_same_program_gives_the_same_bytes() {
     }
     let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
     assert_eq!(read("a.mcap"), read("b.mcap"));
-    plan(&folder, &fixture("ten-motions.json"), &["-o", "c.mcap", "--epoch", "2021-01-01T00:00:00Z"])
-        .success();
+    plan(
+        &folder,
+        &fixture("ten-motions.json"),
+        &["-o", "c.mcap", "--epoch", "2021-01-01T00:00:00Z"],
+    )
+    .success();
     assert_ne!(read("a.mcap"), read("c.mcap"));
 }
 
@@ -192,8 +194,10 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
     refuses(&blended(r#"{ "fraction": 0.51 }"#), &[line, "motion 1", "0.51"]);
     refuses(&blended(r#"{ "cart_mm": -5 }"#), &[line, "motion 1", "-5"]);
     refuses(&ptp(r#", "blend": { "fraction": 0.2 }"#), &[line, "motion 1", "last"]);
-    let wait = blended(r#"{ "fraction": 0.2 }"#)
-        .replace(r#"{ "type": "ptp", "joints_deg": [0, 0, 0, 9, 0, 0, 9] }"#, r#"{ "type": "wait", "seconds": 1 }"#);
+    let wait = blended(r#"{ "fraction": 0.2 }"#).replace(
+        r#"{ "type": "ptp", "joints_deg": [0, 0, 0, 9, 0, 0, 9] }"#,
+        r#"{ "type": "wait", "seconds": 1 }"#,
+    );
     refuses(&wait, &[line, "motion 1", "wait"]);
     refuses(&ptp("").replace(START, r#""robot": "lbr_iiwa_7_r800""#), &["start"]);
     refuses(&program(""), &["line 4", "no motions"]);
@@ -215,7 +219,9 @@ fn wrong_usage_exits_with_2() {
     iiwasim(&folder, &["plan", "x.json", "--samples", "0"]).code(2);
     iiwasim(&folder, &["plan", "x.json", "--no-output", "-o", "y"]).code(2);
     iiwasim(&folder, &["fk", "--joints-deg", "1,2,3"]).code(2).stderr(contains("3 numbers"));
-    iiwasim(&folder, &["fk", "--joints-deg", "0,121,0,0,0,0,0"]).code(2).stderr(contains("joint 2"));
+    iiwasim(&folder, &["fk", "--joints-deg", "0,121,0,0,0,0,0"])
+        .code(2)
+        .stderr(contains("joint 2"));
     iiwasim(&folder, &["robot", "r2d2"]).code(2).stderr(contains("lbr_iiwa_7_r800"));
     fs::write(folder.path().join("latin.json"), b"{ \"robot\": \"\xe9\" }").unwrap();
     iiwasim(&folder, &["plan", "latin.json"]).code(2).stderr(contains("UTF-8"));
@@ -271,7 +277,7 @@ fn an_interrupt_exits_with_1_and_keeps_the_old_file() {
         .spawn()
         .unwrap();
     let started = Instant::now();
-    while files(&folder).len() < 2 && started.elapsed() < Duration::from_secs(60) {
+    while files(&folder).len() < 2 && started.elapsed() < Duration::from_mins(1) {
         std::thread::sleep(Duration::from_millis(2));
     }
     let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
@@ -301,7 +307,8 @@ fn other_commands_answer() {
 fn a_profile_is_found_beside_the_program() {
     let folder = tempdir().unwrap();
     let programs = tempdir().unwrap();
-    let profile = r#"{ "version": 1, "name": "slow", "velocity_limit_deg_s": [9, 9, 9, 9, 9, 9, 9] }"#;
+    let profile =
+        r#"{ "version": 1, "name": "slow", "velocity_limit_deg_s": [9, 9, 9, 9, 9, 9, 9] }"#;
     fs::write(programs.path().join("slow.json"), profile).unwrap();
     let text = fs::read_to_string(fixture("appendix-b.json")).unwrap();
     let input = programs.path().join("program.json");
@@ -309,7 +316,8 @@ fn a_profile_is_found_beside_the_program() {
     let slow = figures(plan(&folder, &input, &["--json", "--no-output"]));
     assert_eq!(slow["robot"], "slow");
     assert!(slow["cycle_time_s"].as_f64().unwrap() > 60.0);
-    let own = figures(plan(&folder, &input, &["--json", "--no-output", "--robot", "lbr_iiwa_7_r800"]));
+    let own =
+        figures(plan(&folder, &input, &["--json", "--no-output", "--robot", "lbr_iiwa_7_r800"]));
     assert!(own["cycle_time_s"].as_f64().unwrap() < 9.0);
     fs::write(programs.path().join("slow.json"), profile.replace("9, 9]", "9]")).unwrap();
     plan(&folder, &input, &[]).code(2).stderr(contains("slow.json").and(contains("line 1")));
@@ -318,6 +326,7 @@ fn a_profile_is_found_beside_the_program() {
 #[test]
 fn assumed_limits_are_named() {
     let folder = tempdir().unwrap();
-    let assert = plan(&folder, &fixture("appendix-b.json"), &["--no-output", "--robot", "lbr_iiwa_14_r820"]);
+    let assert =
+        plan(&folder, &fixture("appendix-b.json"), &["--no-output", "--robot", "lbr_iiwa_14_r820"]);
     assert.success().stdout(contains("Assumed").and(contains("acceleration")));
 }

@@ -1,6 +1,6 @@
 //! `iiwasim fk`.
 
-use std::path::Path;
+use std::{fmt::Write as _, path::Path};
 
 use serde::Serialize;
 
@@ -27,11 +27,8 @@ pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     }
     let pose = robot.tcp(&joints);
     if options.json {
-        let answer = Answer {
-            position_m: pose.position_m,
-            rotation: pose.rotation,
-            robot: robot.name(),
-        };
+        let answer =
+            Answer { position_m: pose.position_m, rotation: pose.rotation, robot: robot.name() };
         let json = serde_json::to_string(&answer)
             .map_err(|error| Failure::run("cannot write the answer", &error))?;
         return output::print(&format!("{json}\n"));
@@ -40,11 +37,11 @@ pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     let mut text = format!("position   {x:10.3} {y:10.3} {z:10.3}  mm\n");
     for (name, row) in ["rotation", "", ""].iter().zip(pose.rotation) {
         let [a, b, c] = row;
-        text += &format!("{name:<10} {a:10.6} {b:10.6} {c:10.6}\n");
+        let _ = writeln!(text, "{name:<10} {a:10.6} {b:10.6} {c:10.6}");
     }
     // A turns about z, then B about the new y, then C about the new x, as KUKA does it.
     let (c, b, a) = pose.to_isometry().rotation.euler_angles();
     let [a, b, c] = [a, b, c].map(f64::to_degrees);
-    text += &format!("A, B, C    {a:10.3} {b:10.3} {c:10.3}  deg\n");
+    let _ = writeln!(text, "A, B, C    {a:10.3} {b:10.3} {c:10.3}  deg");
     output::print(&text)
 }

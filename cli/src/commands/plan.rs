@@ -1,6 +1,7 @@
 //! `iiwasim plan`.
 
 use std::{
+    fmt::Write as _,
     path::{Path as FilePath, PathBuf},
     time::{Duration, Instant},
 };
@@ -108,19 +109,21 @@ fn output_path(options: &Plan) -> Option<PathBuf> {
     }))
 }
 
+/// The figures, and where the file is.
+#[derive(serde::Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    figures: &'a Figures,
+    output: Option<String>,
+}
+
 fn report(options: &Plan, figures: &Figures, file: Option<&FilePath>) -> Result<(), Failure> {
     if !options.json {
         let mut text = table::figures(figures);
         if let Some(file) = file {
-            text += &format!("Trajectory in {}\n", file.display());
+            let _ = writeln!(text, "Trajectory in {}", file.display());
         }
         return output::print(&text);
-    }
-    #[derive(serde::Serialize)]
-    struct Report<'a> {
-        #[serde(flatten)]
-        figures: &'a Figures,
-        output: Option<String>,
     }
     let report = Report { figures, output: file.map(|file| file.display().to_string()) };
     let json = serde_json::to_string(&report)
@@ -148,7 +151,8 @@ impl Progress {
         }
         let bar = self.bar.get_or_insert_with(|| {
             let style = ProgressStyle::with_template("planning {wide_bar} {percent} %, {eta} left");
-            let bar = ProgressBar::with_draw_target(Some(Self::STEPS), ProgressDrawTarget::stderr());
+            let bar =
+                ProgressBar::with_draw_target(Some(Self::STEPS), ProgressDrawTarget::stderr());
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 1000")]

@@ -14,7 +14,7 @@ use crate::{
 
 /// Prints a model, or the names of the built-in ones.
 pub(crate) fn run(options: &args::Robot) -> Result<(), Failure> {
-    let Some(name) = &options.robot else { return output::print(&built_in()) };
+    let Some(name) = &options.model else { return output::print(&built_in()) };
     let robot = find_robot(name, Path::new("."))?;
     if options.json {
         return output::print(&format!("{}\n", robot.to_profile().trim_end()));

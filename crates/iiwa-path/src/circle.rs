@@ -24,8 +24,7 @@ impl CircularBlend {
         // From the target to the centre, along the bisector of the corner.
         let inwards = vector::sub(y1, y0);
         let distance = reach_rad / (gamma / 2.0).sin();
-        let centre =
-            vector::add_scaled(target_rad, distance / vector::norm(&inwards), &inwards);
+        let centre = vector::add_scaled(target_rad, distance / vector::norm(&inwards), &inwards);
         let start = vector::add_scaled(target_rad, -reach_rad, y0);
         Self {
             x: vector::sub(&start, &centre),

@@ -76,9 +76,9 @@ impl Walk<'_> {
     /// Bounds that hold everywhere on the segment: of the TCP's speed |dp/du| (m), and of its
     /// acceleration |d2p/du2| (m).
     ///
-    /// Joint j moves the TCP by at most its distance from the joint's axis, r_j, a unit of angle.
+    /// Joint j moves the TCP by at most its distance from the joint's axis, `r_j`, a unit of angle.
     /// The second derivative by joints i <= j is the axis of i across that motion, so it is no
-    /// longer than r_j either.
+    /// longer than `r_j` either.
     fn bounds(&self) -> (f64, f64) {
         let reach = self.robot.axis_reach_m();
         let mut before = 0.0;
@@ -116,7 +116,7 @@ impl Walk<'_> {
             } else {
                 (root - half_rate) / half_k
             };
-            if !(u <= HALF) {
+            if u > HALF || u.is_nan() {
                 return None;
             }
         }

@@ -25,6 +25,11 @@
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapters 2.3 and 4, cited as "Larsen 2019".
 
+#![expect(
+    clippy::inline_always,
+    reason = "kernels belong into the function that enables vector instructions"
+)]
+
 mod circle;
 mod crossing;
 mod fault;

@@ -78,6 +78,7 @@ pub struct Path {
 /// One thing that the arm does. Motions count from 0.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
+#[expect(clippy::large_enum_variant, reason = "nearly all steps are of the large kind")]
 pub enum Step {
     /// It moves, within the limits of `motion`.
     Move {
@@ -161,12 +162,13 @@ impl Path {
                     continue;
                 }
             };
-            let corner = Turn::new(robot, options.blend_search, &last_target, ptp, || {
-                match program.motions.get(motion + 1) {
-                    Some(Motion::Ptp(next)) => Some(next.target_rad),
-                    _ => None,
-                }
-            });
+            let corner =
+                Turn::new(robot, options.blend_search, &last_target, ptp, || {
+                    match program.motions.get(motion + 1) {
+                        Some(Motion::Ptp(next)) => Some(next.target_rad),
+                        _ => None,
+                    }
+                });
             last_target = ptp.target_rad;
             if let Some(turn) = corner {
                 steps.push_line(motion, from, turn.start());
@@ -219,7 +221,6 @@ impl Path {
             _ => None,
         })
     }
-
 }
 
 /// The steps of a path so far.
@@ -256,7 +257,8 @@ impl Builder<'_> {
         } else if shape == BlendShape::Circle {
             Segment::Circle(CircularBlend::new(&turn.target, &turn.y0, &turn.y1, turn.reach))
         } else {
-            let (d0, d1) = (vector::scale(turn.reach, &turn.y0), vector::scale(turn.reach, &turn.y1));
+            let (d0, d1) =
+                (vector::scale(turn.reach, &turn.y0), vector::scale(turn.reach, &turn.y1));
             Segment::Polynomial(PolynomialBlend::new(&turn.target, d0, &d1, kappa, continuity))
         };
         if segment.end_tangent_rad() <= NO_MOTION_RAD {
@@ -361,12 +363,12 @@ impl Turn {
         })
     }
 
-    /// theta_i0 of Larsen 2019.
+    /// `theta_i0` of Larsen 2019.
     fn start(&self) -> Joints {
         vector::add_scaled(&self.target, -self.reach, &self.y0)
     }
 
-    /// theta_i1 of Larsen 2019.
+    /// `theta_i1` of Larsen 2019.
     fn end(&self) -> Joints {
         vector::add_scaled(&self.target, self.reach, &self.y1)
     }

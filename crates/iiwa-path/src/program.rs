@@ -20,6 +20,7 @@ pub struct Program {
 /// One entry of a program's list of motions.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
+#[expect(clippy::large_enum_variant, reason = "nearly all motions are of the large kind")]
 pub enum Motion {
     /// A point-to-point motion: a straight line in joint space.
     Ptp(Ptp),
@@ -79,7 +80,7 @@ pub enum Blend {
     Fraction(f64),
     /// Sunrise's `setBlendingRel`, 0 to 1, where 1 is half of a segment; below 0.05 it is a stop.
     SunriseRel(f64),
-    /// b_r of Larsen 2019: a radius about the target, in mm; below 4 mm it is a stop.
+    /// `b_r` of Larsen 2019: a radius about the target, in mm; below 4 mm it is a stop.
     CartMm(f64),
 }
 

@@ -263,6 +263,7 @@ fn joints_of(rad: Option<Joints>, deg: Option<Joints>) -> Result<Joints, &'stati
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "Motion")]
+#[expect(clippy::large_enum_variant, reason = "nearly all motions are of the large kind")]
 enum MotionWire {
     Ptp(PtpWire),
     Wait(WaitWire),
@@ -309,11 +310,7 @@ struct PtpWire {
     #[serde(default, skip_serializing_if = "Share::is_full")]
     jerk_rel: Share,
     /// How the target is blended away; without it the arm stops there.
-    #[serde(
-        default,
-        deserialize_with = "object_or_null",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
     blend: Option<BlendWire>,
 }
 

@@ -23,6 +23,12 @@
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapter 2.4, cited as "Larsen 2019".
 
+#![expect(
+    clippy::inline_always,
+    reason = "kernels belong into the function that enables vector instructions"
+)]
+#![expect(clippy::needless_range_loop, reason = "rows of eight numbers are indexed together")]
+
 mod audit;
 mod figures;
 mod interval;

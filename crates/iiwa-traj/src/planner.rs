@@ -6,9 +6,9 @@ use iiwa_path::{Grid, Path, Segment, Step};
 use crate::{
     SETTLE_TIME_S,
     audit::{Load, TOLERANCE},
+    interval,
     profile::LineLimits,
     stretch::{Node, Piece, PieceKind, Stretch},
-    interval,
     sweep::{self, Sample},
     timing::{Timing, TimingError},
 };
@@ -89,12 +89,8 @@ impl Iterator for Planner {
         let result = pulp::Arch::new().dispatch(
             #[inline(always)]
             || {
-                Plan {
-                    path: &self.path,
-                    grid: &self.grid,
-                    scratch: &mut self.scratch,
-                }
-                .moves(first..rest, &mut stretch)
+                Plan { path: &self.path, grid: &self.grid, scratch: &mut self.scratch }
+                    .moves(first..rest, &mut stretch)
             },
         );
         if let Err(error) = result {
@@ -102,8 +98,8 @@ impl Iterator for Planner {
             return Some(Err(error));
         }
         let mut time_s = stretch.end_s();
-        for step in rest..end {
-            let (kind, motion, seconds) = match steps[step] {
+        for (step, rest) in steps.iter().enumerate().take(end).skip(rest) {
+            let (kind, motion, seconds) = match *rest {
                 Step::Settle { motion } => (PieceKind::Settle, motion, SETTLE_TIME_S),
                 Step::Wait { motion, seconds } => (PieceKind::Wait, motion, seconds),
                 _ => continue,
@@ -184,7 +180,8 @@ impl<'a> Plan<'a> {
         steps: std::ops::Range<usize>,
         stretch: &mut Stretch,
     ) -> Result<(), TimingError> {
-        let total = steps.clone().filter_map(|step| self.leg(step)).map(|leg| self.nodes(&leg)).sum();
+        let total =
+            steps.clone().filter_map(|step| self.leg(step)).map(|leg| self.nodes(&leg)).sum();
         let mut samples = std::mem::take(&mut self.scratch.samples);
         samples.clear();
         samples.resize(total, Sample::default());
@@ -308,7 +305,7 @@ impl<'a> Plan<'a> {
             return Err(TimingError::Stuck { motion });
         }
         let (limit, ratio) = load.worst();
-        if !(ratio <= 1.0 + TOLERANCE) {
+        if ratio > 1.0 + TOLERANCE {
             let crate::Limit { joint, kind } = limit;
             return Err(TimingError::LimitExceeded { motion, joint, kind, ratio });
         }

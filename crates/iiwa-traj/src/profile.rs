@@ -4,6 +4,9 @@
 
 use crate::sweep::Sample;
 
+/// Phases shorter than this share of a line are left out: u would be lost in rounding.
+const NONE: f64 = 1e-7;
+
 /// Limits along a line with s in [0, 1].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LineLimits {
@@ -34,13 +37,16 @@ impl LineLimits {
         let top = (0.5 * (x0 + x1) + self.u_max).min(self.x_max).max(x0).max(x1);
         let up = (top - x0) / (2.0 * self.u_max);
         let down = 1.0 - (top - x1) / (2.0 * self.u_max);
-        // Phases shorter than this share of the line are left out: u would be lost in rounding.
-        const NONE: f64 = 1e-7;
         let top_starts = (up > NONE && up < 1.0 - NONE).then_some((up, top));
         let last = if top_starts.is_some() { up } else { 0.0 };
         let top_ends = (down > last + NONE && down < 1.0 - NONE).then_some((down, top));
         let nodes = [Some((0.0, x0)), top_starts, top_ends, Some((1.0, x1))];
-        let nexts = [top_starts.or(top_ends).unwrap_or((1.0, x1)), top_ends.unwrap_or((1.0, x1)), (1.0, x1), (1.0, x1)];
+        let nexts = [
+            top_starts.or(top_ends).unwrap_or((1.0, x1)),
+            top_ends.unwrap_or((1.0, x1)),
+            (1.0, x1),
+            (1.0, x1),
+        ];
         std::iter::zip(nodes, nexts).filter_map(|(node, (next_s, next_x))| {
             let (s, x) = node?;
             let u = if next_s > s { (next_x - x) / (2.0 * (next_s - s)) } else { 0.0 };
@@ -55,7 +61,10 @@ mod tests {
 
     fn duration(limits: LineLimits, x0: f64, x1: f64) -> f64 {
         let nodes: Vec<_> = limits.fastest(x0, x1).collect();
-        nodes.windows(2).map(|w| 2.0 * (w[1].0 - w[0].0) / (w[0].1.x.sqrt() + w[1].1.x.sqrt())).sum()
+        nodes
+            .windows(2)
+            .map(|w| 2.0 * (w[1].0 - w[0].0) / (w[0].1.x.sqrt() + w[1].1.x.sqrt()))
+            .sum()
     }
 
     #[test]

@@ -274,13 +274,7 @@ impl Default for Sample {
 /// `dq` and `ddq` hold the derivatives at the nodes over the acceleration limits; `velocity` the
 /// acceleration limits over the velocity limits, in 1/s.
 #[inline(always)]
-pub(crate) fn backward(
-    dq: &[Row],
-    ddq: &[Row],
-    velocity: &Row,
-    end: f64,
-    samples: &mut [Sample],
-) {
+pub(crate) fn backward(dq: &[Row], ddq: &[Row], velocity: &Row, end: f64, samples: &mut [Sample]) {
     let n = samples.len() - 1;
     let h = 1.0 / n as f64;
     let mut next = Bounds::new(&dq[n], &ddq[n], velocity, h);
@@ -298,13 +292,7 @@ pub(crate) fn backward(
 /// Lowers the `x` of `samples`, as [`backward`] left it, to what is reached from `start` at the
 /// first node, and finds u.
 #[inline(always)]
-pub(crate) fn forward(
-    dq: &[Row],
-    ddq: &[Row],
-    velocity: &Row,
-    start: f64,
-    samples: &mut [Sample],
-) {
+pub(crate) fn forward(dq: &[Row], ddq: &[Row], velocity: &Row, start: f64, samples: &mut [Sample]) {
     let n = samples.len() - 1;
     let h = 1.0 / n as f64;
     let mut bounds = Bounds::new(&dq[0], &ddq[0], velocity, h);
@@ -331,12 +319,7 @@ pub(crate) fn forward(
 /// Looks for intervals in which a joint exceeds a limit half-way, and tightens them: u has to be the
 /// same at both ends, or x lower. True if there are any.
 #[inline(always)]
-pub(crate) fn tighten(
-    dq: &[Row],
-    ddq: &[Row],
-    velocity: &Row,
-    samples: &mut [Sample],
-) -> bool {
+pub(crate) fn tighten(dq: &[Row], ddq: &[Row], velocity: &Row, samples: &mut [Sample]) -> bool {
     let n = samples.len() - 1;
     let h = 1.0 / n as f64;
     let mut any = false;

@@ -28,7 +28,9 @@ impl Trajectory {
     pub fn plan(path: &Path, timing: Timing) -> Result<Self, TimingError> {
         let stretches: Vec<_> = Planner::new(path, timing).collect::<Result<_, _>>()?;
         let mut totals = Totals::default();
-        stretches.iter().for_each(|stretch| totals.add(stretch));
+        for stretch in &stretches {
+            totals.add(stretch);
+        }
         Ok(Self { path: path.clone(), stretches, totals })
     }
 
