@@ -112,7 +112,8 @@ impl Robot {
         [l.base_m, l.upper_arm_m, l.forearm_m, l.flange_m]
     }
 
-    /// Pose of the TCP (the flange's face) in the base frame, at `joints_rad` (Larsen 2019, Eq. 9).
+    /// Pose of the TCP in the base frame, at `joints_rad` (Larsen 2019, Eq. 9). There is no tool: the
+    /// TCP is the flange's face.
     #[must_use]
     pub fn tcp(&self, joints_rad: &Joints) -> Pose {
         tcp(&self.offsets(), joints_rad)

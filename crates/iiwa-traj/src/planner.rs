@@ -86,13 +86,9 @@ impl Iterator for Planner {
             pieces: Vec::with_capacity(end - first),
             nodes: Vec::new(),
         };
-        let result = pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                Plan { path: &self.path, grid: &self.grid, scratch: &mut self.scratch }
-                    .moves(first..rest, &mut stretch)
-            },
-        );
+        let plan = Plan { path: &self.path, grid: &self.grid, scratch: &mut self.scratch };
+        let moves = Moves { plan, steps: first..rest, stretch: &mut stretch };
+        let result = pulp::Arch::new().dispatch(moves);
         if let Err(error) = result {
             self.step = steps.len();
             return Some(Err(error));
@@ -126,6 +122,25 @@ impl Iterator for Planner {
 
 /// Most sweeps of one stretch until none of its intervals has to be tightened.
 const ROUNDS: usize = 30;
+
+/// The moves of one stretch, planned with the widest vector instructions that the machine has.
+///
+/// Not a closure: those reach the function with vector instructions by way of a shim that is not
+/// inlined into it, and so stay without them.
+struct Moves<'a> {
+    plan: Plan<'a>,
+    steps: std::ops::Range<usize>,
+    stretch: &'a mut Stretch,
+}
+
+impl pulp::NullaryFnOnce for Moves<'_> {
+    type Output = Result<(), TimingError>;
+
+    #[inline(always)]
+    fn call(mut self) -> Self::Output {
+        self.plan.moves(self.steps, self.stretch)
+    }
+}
 
 /// What one stretch is planned with.
 struct Plan<'a> {

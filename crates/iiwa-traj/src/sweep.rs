@@ -25,7 +25,7 @@ type Row = [f64; 8];
 const UNLIMITED: f64 = 1e30;
 
 /// Share of a limit by which an interval may exceed it between its ends.
-const SWING: f64 = 0.003;
+const SWING: f64 = 0.008;
 
 /// What the limits leave at one node: x at most `cap`, and for each joint u within the band
 /// `lower x - half` to `upper x + half`.
@@ -60,11 +60,7 @@ impl Bounds {
         }
         let fastest = max(&speed);
         let cap = if fastest > 1e-15 { 1.0 / (fastest * fastest) } else { UNLIMITED };
-        let mut bounds = Self { lower, upper, half, cap };
-        if bounds.least(cap) > bounds.most(cap) {
-            bounds.lower_cap();
-        }
-        bounds
+        Self { lower, upper, half, cap }
     }
 
     /// Largest u at `x`.
@@ -87,15 +83,14 @@ impl Bounds {
         max(&u)
     }
 
-    /// Lowers the cap to the largest x at which some u keeps all limits.
+    /// Largest x, not above `x`, at which some u keeps all limits.
     ///
     /// The width of the band common to all joints is a concave function of x, made of straight
     /// pieces. Newton's method comes down on its root from the right, and ends after a few pieces.
     #[inline(never)]
-    fn lower_cap(&mut self) {
+    fn possible(&self, mut x: f64) -> f64 {
         const STEPS: usize = 64;
         for _ in 0..STEPS {
-            let x = self.cap;
             let (mut most, mut least) = ((f64::INFINITY, 0.0), (f64::NEG_INFINITY, 0.0));
             for j in 0..7 {
                 let (upper, lower, half) = (self.upper[j], self.lower[j], self.half[j]);
@@ -109,10 +104,11 @@ impl Bounds {
             let (width, change) = (most.0 - least.0, most.1 - least.1);
             let lower = x - width / change;
             if width >= 0.0 || change >= 0.0 || lower >= x || lower <= 0.0 {
-                return;
+                break;
             }
-            self.cap = lower;
+            x = lower;
         }
+        x
     }
 
     /// Largest x with `x + h least(x) <= c`.
@@ -151,20 +147,6 @@ struct Interval<'a> {
 }
 
 impl Interval<'_> {
-    /// Largest x at the start from which `end` or less is reached at the end.
-    #[inline(always)]
-    fn backward(&self, end: f64) -> f64 {
-        let Self { h, even, start, end: next } = *self;
-        let brake = end - h * next.least(end);
-        // Arriving at `end` while speeding up: arriving slower may allow for more.
-        let strange = even || brake < 0.5 * end;
-        if strange {
-            return self.search(end, start.cap);
-        }
-        let x = start.largest_start(h, brake).min(start.cap);
-        if end - h * next.most(end) <= x + h * start.most(x) { x } else { self.search(end, x) }
-    }
-
     /// Largest x at the end, not above `cap`, that is reached from `x` at the start, where the
     /// limits leave u from `least` to `most`.
     #[inline(always)]
@@ -178,20 +160,28 @@ impl Interval<'_> {
 
     /// Largest x at the start, not above `x`, from which something up to `end` is reached.
     ///
-    /// What is possible from one x is possible from any smaller one, in proportion: bisection.
+    /// The room between the smallest and the largest x reached is a concave function of x, and there
+    /// is some at 0. A chord over its root meets zero before the root, where there still is room.
     #[inline(never)]
     fn search(&self, end: f64, x: f64) -> f64 {
-        let possible = |x: f64| {
+        const STEPS: usize = 40;
+        let room = |x: f64| {
             let (low, high) = self.reachable(x, end);
-            low <= high
+            high - low
         };
-        if possible(x) {
+        let (mut high, mut lack) = (x, room(x));
+        if lack >= 0.0 {
             return x;
         }
-        let (mut low, mut high) = (0.0, x);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if possible(middle) { low = middle } else { high = middle }
+        let (mut low, mut spare) = (0.0, room(0.0));
+        for step in 0..STEPS {
+            if high - low <= 1e-14 * x || spare <= 0.0 {
+                break;
+            }
+            let chord = low + (high - low) * spare / (spare - lack);
+            let middle = if step % 3 == 2 { 0.5 * (low + high) } else { chord };
+            let found = room(middle);
+            if found >= 0.0 { (low, spare) = (middle, found) } else { (high, lack) = (middle, found) }
         }
         low
     }
@@ -277,15 +267,51 @@ impl Default for Sample {
 pub(crate) fn backward(dq: &[Row], ddq: &[Row], velocity: &Row, end: f64, samples: &mut [Sample]) {
     let n = samples.len() - 1;
     let h = 1.0 / n as f64;
+    let calm = calm(ddq, h);
     let mut next = Bounds::new(&dq[n], &ddq[n], velocity, h);
-    let mut x = next.cap.min(end).min(samples[n].x_max);
+    let mut x = next.possible(next.cap.min(end).min(samples[n].x_max));
+    let (mut next_least, mut next_most) = (next.least(x), next.most(x));
     samples[n].x = x;
     for i in (0..n).rev() {
-        let mut bounds = Bounds::new(&dq[i], &ddq[i], velocity, h);
-        bounds.cap = bounds.cap.min(samples[i].x_max);
-        x = Interval { h, even: samples[i].even, start: &bounds, end: &next }.backward(x);
+        let bounds = Bounds::new(&dq[i], &ddq[i], velocity, h);
+        let cap = bounds.cap.min(samples[i].x_max);
+        let interval = Interval { h, even: samples[i].even, start: &bounds, end: &next };
+        let end = x;
+        let brake = end - h * next_least;
+        // Arriving at `end` while speeding up is strange: arriving slower may allow for more.
+        let strange = interval.even || brake < 0.5 * end;
+        x = bounds.largest_start(h, brake).min(cap);
+        let (mut least, mut most) = (bounds.least(x), bounds.most(x));
+        if least > most && !strange {
+            x = bounds.possible(x);
+            (least, most) = (bounds.least(x), bounds.most(x));
+        }
+        let drive = x + h * most;
+        let arrives = end - h * next_most <= drive;
+        let swings = || {
+            let u = split((end - x) / h, [least, most], [next_least, next_most]);
+            (u[1] - u[0]).abs() > calm
+                && half_way(&dq[i..i + 2], &ddq[i..i + 2], velocity, h, x, u).0 > 1.0 + SWING
+        };
+        let found = if strange || x < 0.0 {
+            Some(interval.search(end, cap))
+        } else if !arrives {
+            // Out of reach: it will arrive slower, and has to be able to.
+            let slower = next.largest_end(h, drive);
+            let able = slower - h * next.least(slower) >= x + h * least;
+            (!able).then(|| interval.search(end, x))
+        } else if swings() {
+            samples[i].even = true;
+            Some(Interval { even: true, ..interval }.search(end, x))
+        } else {
+            None
+        };
+        if let Some(found) = found {
+            x = found;
+            (least, most) = (bounds.least(x), bounds.most(x));
+        }
         samples[i].x = x;
-        next = bounds;
+        (next, next_least, next_most) = (bounds, least, most);
     }
 }
 
@@ -295,6 +321,7 @@ pub(crate) fn backward(dq: &[Row], ddq: &[Row], velocity: &Row, end: f64, sample
 pub(crate) fn forward(dq: &[Row], ddq: &[Row], velocity: &Row, start: f64, samples: &mut [Sample]) {
     let n = samples.len() - 1;
     let h = 1.0 / n as f64;
+    let calm = calm(ddq, h);
     let mut bounds = Bounds::new(&dq[0], &ddq[0], velocity, h);
     let mut x = samples[0].x.min(start);
     let (mut least, mut most) = (bounds.least(x), bounds.most(x));
@@ -302,18 +329,64 @@ pub(crate) fn forward(dq: &[Row], ddq: &[Row], velocity: &Row, start: f64, sampl
     for i in 0..n {
         let next = Bounds::new(&dq[i + 1], &ddq[i + 1], velocity, h);
         let even = samples[i].even;
-        let y = Interval { h, even, start: &bounds, end: &next }
-            .forward(x, least, most, samples[i + 1].x)
-            .max(0.0);
-        let (next_least, next_most) = (next.least(y), next.most(y));
-        // The same u at both ends where the limits leave the choice.
+        let interval = Interval { h, even, start: &bounds, end: &next };
+        let cap = samples[i + 1].x;
+        let mut y = interval.forward(x, least, most, cap).max(0.0);
+        let (mut next_least, mut next_most) = (next.least(y), next.most(y));
         let sum = (y - x) / h;
-        let u_start = within(0.5 * sum, least, most);
-        let u_end = within(sum - u_start, next_least, next_most);
-        samples[i].u = if even { [0.5 * sum; 2] } else { [sum - u_end, u_end] };
+        let mut u = if even {
+            [0.5 * sum; 2]
+        } else {
+            split(sum, [least, most], [next_least, next_most])
+        };
+        if (u[1] - u[0]).abs() > calm
+            && half_way(&dq[i..i + 2], &ddq[i..i + 2], velocity, h, x, u).0 > 1.0 + SWING
+        {
+            // On the way up it can often be mended here: arriving slower, with u the same.
+            let (low, high) = Interval { even: true, ..interval }.reachable(x, cap);
+            if low <= high {
+                (y, u) = (high, [0.5 * (high - x) / h; 2]);
+                (next_least, next_most) = (next.least(y), next.most(y));
+                samples[i].even = true;
+            }
+        }
+        samples[i].u = u;
         samples[i + 1].x = y;
         (x, least, most, bounds) = (y, next_least, next_most, next);
     }
+}
+
+/// A change of u within an interval that is too small to exceed a limit half-way: the acceleration
+/// there differs from the mean of the ends by no more than `h |q''| |change| / 2`.
+#[inline(always)]
+fn calm(ddq: &[Row], h: f64) -> f64 {
+    let mut bend = [0.0; 8];
+    for row in ddq {
+        for j in 0..8 {
+            let value = row[j].abs();
+            bend[j] = if value > bend[j] { value } else { bend[j] };
+        }
+    }
+    2.0 * SWING / (h * max(&bend)).max(1.0 / UNLIMITED)
+}
+
+/// What one interval is at half-way: the largest share of an acceleration limit, and the largest
+/// squared share of a velocity limit.
+#[inline(always)]
+fn half_way(dq: &[Row], ddq: &[Row], velocity: &Row, h: f64, x: f64, u: [f64; 2]) -> (f64, f64) {
+    let u_half = 0.5 * (u[0] + u[1]);
+    let x_half = x + h * (0.75 * u[0] + 0.25 * u[1]);
+    let (mut acceleration, mut speed) = ([0.0; 8], [0.0; 8]);
+    for j in 0..8 {
+        // Of the cubic with the same values of q' and q'' at both ends.
+        let rise = dq[1][j] - dq[0][j];
+        let p = dq[0][j] + 0.5 * rise + 0.125 * h * (ddq[0][j] - ddq[1][j]);
+        let r = 1.5 * rise / h - 0.25 * (ddq[0][j] + ddq[1][j]);
+        acceleration[j] = (p * u_half + r * x_half).abs();
+        speed[j] = p.abs() * velocity[j];
+    }
+    let speed = max(&speed);
+    (max(&acceleration), speed * speed * x_half)
 }
 
 /// Looks for intervals in which a joint exceeds a limit half-way, and tightens them: u has to be the
@@ -325,25 +398,12 @@ pub(crate) fn tighten(dq: &[Row], ddq: &[Row], velocity: &Row, samples: &mut [Sa
     let mut any = false;
     for i in 0..n {
         let Sample { x, u, even, .. } = samples[i];
-        let u_half = 0.5 * (u[0] + u[1]);
-        let x_half = x + h * (0.75 * u[0] + 0.25 * u[1]);
-        let (mut acceleration, mut speed) = ([0.0; 8], [0.0; 8]);
-        for j in 0..8 {
-            // Of the cubic with the same values of q' and q'' at both ends.
-            let rise = dq[i + 1][j] - dq[i][j];
-            let p = dq[i][j] + 0.5 * rise + 0.125 * h * (ddq[i][j] - ddq[i + 1][j]);
-            let r = 1.5 * rise / h - 0.25 * (ddq[i][j] + ddq[i + 1][j]);
-            acceleration[j] = (p * u_half + r * x_half).abs();
-            speed[j] = p.abs() * velocity[j];
-        }
-        let speed = max(&speed);
-        let square = speed * speed * x_half;
+        let (acceleration, square) = half_way(&dq[i..i + 2], &ddq[i..i + 2], velocity, h, x, u);
         if square > 1.0 + SWING {
             samples[i].x_max = x / square;
             samples[i + 1].x_max = samples[i + 1].x / square;
             any = true;
         }
-        let acceleration = max(&acceleration);
         if acceleration > 1.0 + SWING {
             if even {
                 samples[i].x_max = x / acceleration;
@@ -354,6 +414,15 @@ pub(crate) fn tighten(dq: &[Row], ddq: &[Row], velocity: &Row, samples: &mut [Sa
         }
     }
     any
+}
+
+/// u at both ends of an interval, which add up to `sum`, within the bands that the limits leave:
+/// the same at both ends where there is a choice.
+#[inline(always)]
+fn split(sum: f64, start: [f64; 2], end: [f64; 2]) -> [f64; 2] {
+    let u_start = within(0.5 * sum, start[0], start[1]);
+    let u_end = within(sum - u_start, end[0], end[1]);
+    [sum - u_end, u_end]
 }
 
 /// `value`, moved into `low` to `high`; unlike `clamp`, whatever the order of the two.
