@@ -9,7 +9,7 @@ use crate::{
     interval,
     profile::LineLimits,
     stretch::{Node, Piece, PieceKind, Stretch},
-    sweep::{self, Sample},
+    sweep::{self, Bounds, Nodes, Sample},
     timing::{Timing, TimingError},
 };
 
@@ -33,6 +33,7 @@ struct Scratch {
     /// Derivatives at the nodes of one segment.
     dq: Vec<[f64; 8]>,
     ddq: Vec<[f64; 8]>,
+    bounds: Vec<Bounds>,
 }
 
 impl Planner {
@@ -52,6 +53,7 @@ impl Planner {
                 samples: Vec::new(),
                 dq: vec![[0.0; 8]; nodes],
                 ddq: vec![[0.0; 8]; nodes],
+                bounds: vec![Bounds::default(); nodes],
             },
         }
     }
@@ -239,9 +241,7 @@ impl<'a> Plan<'a> {
                 samples[1].x = end.min(line.x_max);
                 samples[0].x = line.reach(samples[1].x);
             } else {
-                self.sample(&leg);
-                let Scratch { dq, ddq, .. } = &*self.scratch;
-                sweep::backward(dq, ddq, &leg.velocity, end, samples);
+                sweep::backward(self.sample(&leg), end, samples);
             }
             next = Some((samples[0].x, tangent));
             to = from;
@@ -271,10 +271,7 @@ impl<'a> Plan<'a> {
                 self.scratch.ddq[..2].fill([0.0; 8]);
                 stamp(line.fastest(x0, x1), &mut t_s, &mut stretch.nodes);
             } else {
-                self.sample(&leg);
-                let Scratch { dq, ddq, .. } = &*self.scratch;
-                sweep::forward(dq, ddq, &leg.velocity, start, samples);
-                tightened |= sweep::tighten(dq, ddq, &leg.velocity, samples);
+                tightened |= !sweep::settle(self.sample(&leg), start, samples);
                 let n = (samples.len() - 1) as f64;
                 let nodes = samples.iter().enumerate().map(|(i, &sample)| (i as f64 / n, sample));
                 stamp(nodes, &mut t_s, &mut stretch.nodes);
@@ -289,9 +286,11 @@ impl<'a> Plan<'a> {
     }
 
     #[inline(always)]
-    fn sample(&mut self, leg: &Leg<'_>) {
-        let Scratch { dq, ddq, .. } = &mut *self.scratch;
+    fn sample<'n>(&'n mut self, leg: &'n Leg<'_>) -> Nodes<'n> {
+        let Scratch { dq, ddq, bounds, .. } = &mut *self.scratch;
         leg.segment.rates(self.grid, &leg.scale, dq, ddq);
+        sweep::bounds(dq, ddq, &leg.velocity, bounds);
+        Nodes { dq, ddq, velocity: &leg.velocity, bounds }
     }
 
     /// Checks the nodes from `first_node` on against the limits and makes them a piece.

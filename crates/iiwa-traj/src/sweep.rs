@@ -29,8 +29,8 @@ const SWING: f64 = 0.008;
 
 /// What the limits leave at one node: x at most `cap`, and for each joint u within the band
 /// `lower x - half` to `upper x + half`.
-#[derive(Clone, Copy, Debug)]
-struct Bounds {
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Bounds {
     lower: Row,
     upper: Row,
     half: Row,
@@ -181,7 +181,11 @@ impl Interval<'_> {
             let chord = low + (high - low) * spare / (spare - lack);
             let middle = if step % 3 == 2 { 0.5 * (low + high) } else { chord };
             let found = room(middle);
-            if found >= 0.0 { (low, spare) = (middle, found) } else { (high, lack) = (middle, found) }
+            if found >= 0.0 {
+                (low, spare) = (middle, found)
+            } else {
+                (high, lack) = (middle, found)
+            }
         }
         low
     }
@@ -258,33 +262,52 @@ impl Default for Sample {
     }
 }
 
-/// Sets the `x` of `samples` to the largest at each node from which all that follows can be kept,
-/// given the largest x at the last node.
+/// What the limits leave at each node of a segment: fills `bounds`.
 ///
 /// `dq` and `ddq` hold the derivatives at the nodes over the acceleration limits; `velocity` the
 /// acceleration limits over the velocity limits, in 1/s.
 #[inline(always)]
-pub(crate) fn backward(dq: &[Row], ddq: &[Row], velocity: &Row, end: f64, samples: &mut [Sample]) {
+pub(crate) fn bounds(dq: &[Row], ddq: &[Row], velocity: &Row, bounds: &mut [Bounds]) {
+    let h = 1.0 / (bounds.len() - 1) as f64;
+    for ((dq, ddq), bounds) in dq.iter().zip(ddq).zip(bounds) {
+        *bounds = Bounds::new(dq, ddq, velocity, h);
+    }
+}
+
+/// The nodes of a segment, as [`backward`] and [`forward`] take them; all slices are as long.
+#[derive(Clone, Copy)]
+pub(crate) struct Nodes<'a> {
+    pub(crate) dq: &'a [Row],
+    pub(crate) ddq: &'a [Row],
+    pub(crate) velocity: &'a Row,
+    pub(crate) bounds: &'a [Bounds],
+}
+
+/// Sets the `x` of `samples` to the largest at each node from which all that follows can be kept,
+/// given the largest x at the last node.
+#[inline(always)]
+pub(crate) fn backward(nodes: Nodes<'_>, end: f64, samples: &mut [Sample]) {
+    let Nodes { dq, ddq, velocity, bounds } = nodes;
     let n = samples.len() - 1;
     let h = 1.0 / n as f64;
     let calm = calm(ddq, h);
-    let mut next = Bounds::new(&dq[n], &ddq[n], velocity, h);
+    let next = &bounds[n];
     let mut x = next.possible(next.cap.min(end).min(samples[n].x_max));
     let (mut next_least, mut next_most) = (next.least(x), next.most(x));
     samples[n].x = x;
     for i in (0..n).rev() {
-        let bounds = Bounds::new(&dq[i], &ddq[i], velocity, h);
-        let cap = bounds.cap.min(samples[i].x_max);
-        let interval = Interval { h, even: samples[i].even, start: &bounds, end: &next };
+        let (start, next) = (&bounds[i], &bounds[i + 1]);
+        let cap = start.cap.min(samples[i].x_max);
+        let interval = Interval { h, even: samples[i].even, start, end: next };
         let end = x;
         let brake = end - h * next_least;
         // Arriving at `end` while speeding up is strange: arriving slower may allow for more.
         let strange = interval.even || brake < 0.5 * end;
-        x = bounds.largest_start(h, brake).min(cap);
-        let (mut least, mut most) = (bounds.least(x), bounds.most(x));
+        x = start.largest_start(h, brake).min(cap);
+        let (mut least, mut most) = (start.least(x), start.most(x));
         if least > most && !strange {
-            x = bounds.possible(x);
-            (least, most) = (bounds.least(x), bounds.most(x));
+            x = start.possible(x);
+            (least, most) = (start.least(x), start.most(x));
         }
         let drive = x + h * most;
         let arrives = end - h * next_most <= drive;
@@ -308,37 +331,34 @@ pub(crate) fn backward(dq: &[Row], ddq: &[Row], velocity: &Row, end: f64, sample
         };
         if let Some(found) = found {
             x = found;
-            (least, most) = (bounds.least(x), bounds.most(x));
+            (least, most) = (start.least(x), start.most(x));
         }
         samples[i].x = x;
-        (next, next_least, next_most) = (bounds, least, most);
+        (next_least, next_most) = (least, most);
     }
 }
 
 /// Lowers the `x` of `samples`, as [`backward`] left it, to what is reached from `start` at the
 /// first node, and finds u.
 #[inline(always)]
-pub(crate) fn forward(dq: &[Row], ddq: &[Row], velocity: &Row, start: f64, samples: &mut [Sample]) {
+fn forward(nodes: Nodes<'_>, start: f64, samples: &mut [Sample]) {
+    let Nodes { dq, ddq, velocity, bounds } = nodes;
     let n = samples.len() - 1;
     let h = 1.0 / n as f64;
     let calm = calm(ddq, h);
-    let mut bounds = Bounds::new(&dq[0], &ddq[0], velocity, h);
     let mut x = samples[0].x.min(start);
-    let (mut least, mut most) = (bounds.least(x), bounds.most(x));
+    let (mut least, mut most) = (bounds[0].least(x), bounds[0].most(x));
     samples[0].x = x;
     for i in 0..n {
-        let next = Bounds::new(&dq[i + 1], &ddq[i + 1], velocity, h);
+        let next = &bounds[i + 1];
         let even = samples[i].even;
-        let interval = Interval { h, even, start: &bounds, end: &next };
+        let interval = Interval { h, even, start: &bounds[i], end: next };
         let cap = samples[i + 1].x;
         let mut y = interval.forward(x, least, most, cap).max(0.0);
         let (mut next_least, mut next_most) = (next.least(y), next.most(y));
         let sum = (y - x) / h;
-        let mut u = if even {
-            [0.5 * sum; 2]
-        } else {
-            split(sum, [least, most], [next_least, next_most])
-        };
+        let mut u =
+            if even { [0.5 * sum; 2] } else { split(sum, [least, most], [next_least, next_most]) };
         if (u[1] - u[0]).abs() > calm
             && half_way(&dq[i..i + 2], &ddq[i..i + 2], velocity, h, x, u).0 > 1.0 + SWING
         {
@@ -352,7 +372,7 @@ pub(crate) fn forward(dq: &[Row], ddq: &[Row], velocity: &Row, start: f64, sampl
         }
         samples[i].u = u;
         samples[i + 1].x = y;
-        (x, least, most, bounds) = (y, next_least, next_most, next);
+        (x, least, most) = (y, next_least, next_most);
     }
 }
 
@@ -389,10 +409,30 @@ fn half_way(dq: &[Row], ddq: &[Row], velocity: &Row, h: f64, x: f64, u: [f64; 2]
     (max(&acceleration), speed * speed * x_half)
 }
 
+/// Sweeps forwards until no interval of the segment has to be tightened, and backwards in between.
+/// False if that makes what came before the segment too fast: then all has to be swept again.
+#[inline(always)]
+pub(crate) fn settle(nodes: Nodes<'_>, start: f64, samples: &mut [Sample]) -> bool {
+    const ROUNDS: usize = 30;
+    let end = samples[samples.len() - 1].x;
+    for _ in 0..ROUNDS {
+        if samples[0].x < start * (1.0 - 1e-12) {
+            return false;
+        }
+        forward(nodes, start, samples);
+        if !tighten(nodes, samples) {
+            return true;
+        }
+        backward(nodes, end, samples);
+    }
+    false
+}
+
 /// Looks for intervals in which a joint exceeds a limit half-way, and tightens them: u has to be the
 /// same at both ends, or x lower. True if there are any.
 #[inline(always)]
-pub(crate) fn tighten(dq: &[Row], ddq: &[Row], velocity: &Row, samples: &mut [Sample]) -> bool {
+fn tighten(nodes: Nodes<'_>, samples: &mut [Sample]) -> bool {
+    let Nodes { dq, ddq, velocity, .. } = nodes;
     let n = samples.len() - 1;
     let h = 1.0 / n as f64;
     let mut any = false;
