@@ -1,4 +1,5 @@
 //! Where blends with a radius start and end, in time a search.
+#![expect(clippy::print_stderr, reason = "where a bench says that it cannot run")]
 
 use std::hint::black_box;
 

@@ -3,6 +3,7 @@
 //!
 //! The program is the one named by the environment variable `IIWASIM`, or else the one that
 //! `cargo build --release` has put beside the bench.
+#![expect(clippy::print_stderr, reason = "where a bench says that it cannot run")]
 
 use std::{
     env, fs,

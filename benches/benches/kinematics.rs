@@ -1,4 +1,5 @@
 //! Forward kinematics, in time a pose.
+#![expect(clippy::print_stderr, reason = "where a bench says that it cannot run")]
 
 use std::hint::black_box;
 

@@ -1,4 +1,5 @@
 //! Time stamps for a program of ten blended motions: the first reference program.
+#![expect(clippy::print_stderr, reason = "where a bench says that it cannot run")]
 
 use std::hint::black_box;
 

@@ -1,7 +1,7 @@
 //! The reference programs, in `fixtures/reference/programs.json`.
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{BlendSearch, Blend, Motion, Program};
+use iiwa_path::{Blend, BlendSearch, Motion, Program};
 use serde_json::Value;
 
 use crate::Result;

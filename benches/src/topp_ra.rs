@@ -28,7 +28,8 @@ impl Samples {
     ///
     /// If the arm stops before the path's last segment: the peer has no notion of a stop.
     pub fn new(path: &Path, intervals: usize) -> Result<Self> {
-        let moves = path.steps().iter().take_while(|step| matches!(step, Step::Move { .. })).count();
+        let moves =
+            path.steps().iter().take_while(|step| matches!(step, Step::Move { .. })).count();
         let (moves, rest) = path.steps().split_at(moves);
         if rest.iter().any(|step| matches!(step, Step::Move { .. })) {
             return Err("the program stops in between".into());
@@ -42,7 +43,9 @@ impl Samples {
             for i in 0..=intervals {
                 let s = i as f64 / intervals as f64;
                 let at = segment.at(s);
-                if i == 0 && let Some(last) = samples.velocity.len().checked_sub(1) {
+                if i == 0
+                    && let Some(last) = samples.velocity.len().checked_sub(1)
+                {
                     // Both neighbours' limits hold where they meet.
                     least(&mut samples.velocity[last], &limits.velocity_rad_s);
                     least(&mut samples.acceleration[last], &limits.acceleration_rad_s2);
@@ -107,10 +110,8 @@ impl Problem {
     /// If the solver finds none.
     pub fn solve(&self) -> std::result::Result<f64, CoppError> {
         let last = self.distance.len() - 1;
-        let problem =
-            ra::Topp2ProblemBuilder::new(&self.robot, (0, last), (0.0, 0.0)).build()?;
-        let squared_speed =
-            ra::topp2_ra(&problem, &ra::ReachSet2OptionsBuilder::new().build()?)?;
+        let problem = ra::Topp2ProblemBuilder::new(&self.robot, (0, last), (0.0, 0.0)).build()?;
+        let squared_speed = ra::topp2_ra(&problem, &ra::ReachSet2OptionsBuilder::new().build()?)?;
         Ok(ra::s_to_t_topp2(&self.distance, &squared_speed, 0.0)?.0)
     }
 }

@@ -21,9 +21,7 @@ impl UrdfChain {
         let tree = Chain::<f64>::from(urdf);
         let end = tree
             .iter()
-            .find(|node| {
-                node.link().as_ref().is_some_and(|link| link.name == "iiwa_link_ee")
-            })
+            .find(|node| node.link().as_ref().is_some_and(|link| link.name == "iiwa_link_ee"))
             .ok_or("no link iiwa_link_ee in the URDF")?;
         Ok(Self { chain: SerialChain::from_end(end) })
     }

@@ -18,10 +18,9 @@ fn step() -> impl Strategy<Value = Joints> {
         1 => prop::array::uniform7(any::<bool>()),
         1 => (0..7_usize).prop_map(|j| std::array::from_fn(|k| k == j)),
     ];
-    (size, some_joints, prop::array::uniform7(-1.0..1.0_f64))
-        .prop_map(|(size, some, step)| {
-            std::array::from_fn(|j| if some[j] { size * step[j] } else { 0.0 })
-        })
+    (size, some_joints, prop::array::uniform7(-1.0..1.0_f64)).prop_map(|(size, some, step)| {
+        std::array::from_fn(|j| if some[j] { size * step[j] } else { 0.0 })
+    })
 }
 
 fn share() -> impl Strategy<Value = f64> {
@@ -40,11 +39,22 @@ fn blend() -> impl Strategy<Value = Option<Blend>> {
 
 #[derive(Clone, Debug)]
 enum Draft {
-    Go { step: Joints, velocity: f64, acceleration: f64, blend: Option<Blend> },
+    Go {
+        step: Joints,
+        velocity: f64,
+        acceleration: f64,
+        blend: Option<Blend>,
+    },
     /// Back to where the motion before came from: an exact turn-back.
-    Back { velocity: f64, blend: Option<Blend> },
+    Back {
+        velocity: f64,
+        blend: Option<Blend>,
+    },
     /// On in the same direction.
-    On { by: f64, blend: Option<Blend> },
+    On {
+        by: f64,
+        blend: Option<Blend>,
+    },
     Wait(f64),
 }
 

@@ -29,9 +29,8 @@ fn ratios_by_differences(trajectory: &Trajectory) -> (f64, f64) {
         worst.0 = worst.0.max(ratio(&v, &largest(pair, |l| &l.velocity_rad_s)));
     }
     for three in all.windows(3) {
-        let a = std::array::from_fn(|j| {
-            (three[2].q[j] - 2.0 * three[1].q[j] + three[0].q[j]) / 1e-6
-        });
+        let a =
+            std::array::from_fn(|j| (three[2].q[j] - 2.0 * three[1].q[j] + three[0].q[j]) / 1e-6);
         worst.1 = worst.1.max(ratio(&a, &largest(three, |l| &l.acceleration_rad_s2)));
     }
     worst

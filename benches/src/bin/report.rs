@@ -44,10 +44,9 @@ impl Group {
     ) -> Result<Self> {
         let mut figures = Vec::new();
         for bench in subfolders(&folder.join(title))? {
-            let (Ok(about), Ok(estimates)) = (
-                json(&bench.join("new/benchmark.json")),
-                json(&bench.join("new/estimates.json")),
-            ) else {
+            let (Ok(about), Ok(estimates)) =
+                (json(&bench.join("new/benchmark.json")), json(&bench.join("new/estimates.json")))
+            else {
                 continue;
             };
             let number = |value: &Value| value.as_f64();
@@ -114,8 +113,7 @@ fn main() -> Result<()> {
             "k",
         ],
     )?;
-    let search =
-        read("blend search", "search", &["first crossing", "algorithm 1", "algorithm 2"])?;
+    let search = read("blend search", "search", &["first crossing", "algorithm 1", "algorithm 2"])?;
     let stamps = read(
         "stamps",
         "node",
@@ -144,6 +142,9 @@ fn main() -> Result<()> {
     print_accuracy()
 }
 
+/// How a table writes a figure.
+type Format<'a> = &'a dyn Fn(f64) -> String;
+
 /// A ratio or a time, and the largest that it may be.
 fn print_required(search: &Group, stamps: &Group, command: &Group) {
     let each = |group: &Group, name: &str| group.get(name).map(Figure::each_ns);
@@ -152,7 +153,6 @@ fn print_required(search: &Group, stamps: &Group, command: &Group) {
     let copp = each(stamps, "copp topp2_ra, from samples");
     let share = |value: f64| format!("1/{:.1}", 1.0 / value);
     let times = |value: f64| time(value);
-    type Format<'a> = &'a dyn Fn(f64) -> String;
     let rows: [(&str, Option<f64>, f64, Format<'_>); 4] = [
         (
             "blend search: first crossing over algorithm 2",
@@ -162,7 +162,12 @@ fn print_required(search: &Group, stamps: &Group, command: &Group) {
         ),
         ("stamps, path included: time a node of the sweep", sweep, 100.0, &times),
         ("stamps: time a node over copp's", ratio(sweep, copp), 1.0 / 5.0, &share),
-        ("`iiwasim plan`, ten motions, process and MCAP", each(command, "iiwasim plan"), 30e6, &times),
+        (
+            "`iiwasim plan`, ten motions, process and MCAP",
+            each(command, "iiwasim plan"),
+            30e6,
+            &times,
+        ),
     ];
     println!("\n### required\n\n| | at most | measured | |\n|---|---:|---:|---|");
     for (what, value, limit, format) in rows {

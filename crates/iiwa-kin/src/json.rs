@@ -348,7 +348,7 @@ mod tests {
         x: Vec<f64>,
     }
 
-    /// The first letter of what is wrong, whatever serde_json had read when it noticed.
+    /// The first letter of what is wrong, whatever `serde_json` had read when it noticed.
     #[test]
     fn places_the_first_letter_of_what_is_wrong() {
         type Points = Vec<Object<Point>>;
@@ -376,17 +376,17 @@ mod tests {
             ("[{\"x\": [1}]", 1, 10, "}", "expected `,` or `]`"),
             ("[{\"x\": [1],}]", 1, 12, "}", "trailing comma"),
             ("[{x: 1}]", 1, 3, "x", "a key is expected, in double quotes"),
-            ("[{\"ü\": [1], \"\\q\": 1}]", 1, 15, "q", "invalid escape"),
+            ("[{\"x\": [1], \"ü\\q\": 1}]", 1, 16, "q", "invalid escape"),
             (
                 "[{\"x\": []},\n {\"x\": [], \"x\": []}]",
                 2,
-                11,
+                12,
                 "\"x\"",
                 "the key `x` is there twice",
             ),
             ("[{\"x\": []},\n  { }]", 2, 3, "{", "the key `x` is missing"),
             ("[] 7", 1, 4, "7", "there is more text after the end"),
-            ("[{\"x\": [1, 2\n\n", 1, 14, "", "the text ends too early"),
+            ("[{\"x\": [1, 2\n\n", 1, 13, "", "the text ends too early"),
             ("", 1, 1, "", "the text ends too early"),
         ] {
             let found = error::<Points>(text);

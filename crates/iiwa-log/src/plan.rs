@@ -99,7 +99,8 @@ impl<W: Write + Seek> PlanWriter<W> {
         loop {
             // Pieces and samples in the order of time: viewers read such files fastest.
             let t_s = self.ticks as f64 / self.rate_hz;
-            if let Some(piece) = pieces.next_if(|piece| piece.start_s <= t_s || t_s >= stretch.end_s())
+            if let Some(piece) =
+                pieces.next_if(|piece| piece.start_s <= t_s || t_s >= stretch.end_s())
             {
                 let motion = Motion {
                     index: u32::try_from(piece.motion + 1).unwrap_or(u32::MAX),

@@ -87,13 +87,18 @@ fn cut_off_anywhere() {
         let text = &GOOD[..end];
         let error = Program::from_json(text).unwrap_err();
         let place = error.place();
-        assert_eq!(place.span.start, text.trim_end().len(), "{text}: {error}");
         assert!(place.span.end <= text.len());
-        assert_eq!(place.line, text.trim_end().split('\n').count(), "{text}");
+        assert_eq!(place.line, text.trim_end().split('\n').count(), "{text}: {error}");
+        if text.ends_with(['-', '.']) {
+            assert_eq!(place.span.end, text.len(), "{text}: {error}");
+            assert!(error.what().ends_with("invalid number"), "{text}: {error}");
+            continue;
+        }
+        assert_eq!(place.span.start, text.trim_end().len(), "{text}: {error}");
         assert!(error.what().ends_with("the text ends too early"), "{text}: {error}");
     }
     let error = Program::from_json(&GOOD[..GOOD.find("0.75").unwrap()]).unwrap_err();
-    assert_eq!(error.to_string(), "motion 2: the text ends too early, at line 6, column 81");
+    assert_eq!(error.to_string(), "motion 2: the text ends too early, at line 6, column 79");
 }
 
 /// Whatever one slip of the finger does, there is no panic, and errors have a place.
@@ -101,7 +106,7 @@ fn cut_off_anywhere() {
 fn a_byte_too_many_or_too_few() {
     let text = GOOD.replace("wait", "wäit");
     for at in (0..text.len()).filter(|&at| text.is_char_boundary(at)) {
-        let next = (at + 1..).find(|&next| text.is_char_boundary(next)).unwrap();
+        let next = at + text[at..].chars().next().unwrap().len_utf8();
         let less = [&text[..at], &text[next..]].concat();
         for text in ["\"", "{", "]", ",", "\\", "-", "9", "é"]
             .map(|more| [&text[..at], more, &text[at..]].concat())
@@ -148,7 +153,13 @@ fn another_version() {
     check("1,", "2,", (2, 14), "2", what);
     check("1,", "2, \"cell\": {},", (2, 14), "2", what);
     check("1,", "0,", (2, 14), "0", "this is a program of version 0; version 1 is understood");
-    check("1,", "\"1\",", (2, 14), "\"1\"", "expected a whole number, 0 or more, found string \"1\"");
+    check(
+        "1,",
+        "\"1\",",
+        (2, 14),
+        "\"1\"",
+        "expected a whole number, 0 or more, found string \"1\"",
+    );
     check("1,", "1.0,", (2, 14), "1.0", "expected a whole number, 0 or more, found `1.0`");
     check("1,", "-1,", (2, 14), "-1", "expected a whole number, 0 or more, found `-1`");
     check("\"version\": 1,", "", (1, 1), "{", "the key `version` is missing");
@@ -171,17 +182,26 @@ fn joints_that_are_not_seven_numbers() {
 
     let none = "the joints are missing: give `joints_deg` or `joints_rad`";
     let both = "give either `joints_deg` or `joints_rad`, not both";
-    check("{ \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }", "{}", (3, 12), "{}", &format!(
-        "the start pose: {none}"
-    ));
+    check(
+        "{ \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }",
+        "{}",
+        (3, 12),
+        "{}",
+        &format!("the start pose: {none}"),
+    );
     let two = "\"joints_rad\": [0, 0, 0, 0, 0, 0, 0], \"joints_deg\": [0, 30,";
     check("\"joints_deg\": [0, 30,", two, (5, 5), "{", &format!("motion 1: {both}"));
     let two = "\"joints_rad\": [0, 0, 0, 0, 0, 0, 0], \"joints_deg\": [0, 0,";
     check("\"joints_deg\": [0, 0,", two, (3, 12), "{", &format!("the start pose: {both}"));
     let joints = "\"joints_deg\": [40, 30, 0, -60, 0, 90, 0]";
     check(&format!(", {joints}"), "", (8, 5), "{", &format!("motion 4: {none}"));
-    check(joints, &format!("{joints}, {joints}"), (8, 64), "\"joints_deg\"", 
-        "motion 4: the key `joints_deg` is there twice");
+    check(
+        joints,
+        &format!("{joints}, {joints}"),
+        (8, 64),
+        "\"joints_deg\"",
+        "motion 4: the key `joints_deg` is there twice",
+    );
 }
 
 /// serde's derive would take the values of an object's keys in a list.
@@ -300,7 +320,13 @@ fn shares_out_of_range() {
         for key in ["velocity_rel", "acceleration_rel", "jerk_rel"] {
             let what = format!("motion 2: {key} is {number}; it must be above 0 and at most 1");
             let column = 66 + key.len();
-            check("\"velocity_rel\": 0.75", &format!("\"{key}\": {share}"), (6, column + 2), found, &what);
+            check(
+                "\"velocity_rel\": 0.75",
+                &format!("\"{key}\": {share}"),
+                (6, column + 2),
+                found,
+                &what,
+            );
         }
     }
     let what = "motion 2: velocity_rel is 2; it must be above 0 and at most 1";
@@ -320,7 +346,13 @@ fn waits_out_of_range() {
         let what = format!("motion 3: a wait of {found} s; it must be from 0 to 31536000 s");
         check("0.5 }", &format!("{seconds} }}"), (7, 34), seconds, &what);
     }
-    check("0.5 }", "\"1 s\" }", (7, 34), "\"1 s\"", "motion 3: expected a number, found string \"1 s\"");
+    check(
+        "0.5 }",
+        "\"1 s\" }",
+        (7, 34),
+        "\"1 s\"",
+        "motion 3: expected a number, found string \"1 s\"",
+    );
     check(", \"seconds\": 0.5", "", (7, 5), "{", "motion 3: the key `seconds` is missing");
 }
 
@@ -342,8 +374,20 @@ fn blends_out_of_range() {
     check("\"cart_mm\": 50", "\"cart_mm\": null", at, "{", one);
     let object = "motion 1: expected an object, found";
     check("{ \"cart_mm\": 50 }", "50", at, "50", &format!("{object} `50`"));
-    check("{ \"cart_mm\": 50 }", "\"fraction\"", at, "\"", &format!("{object} string \"fraction\""));
-    check("50 }", "\"50\" }", (5, 85), "\"50\"", "motion 1: expected a number, found string \"50\"");
+    check(
+        "{ \"cart_mm\": 50 }",
+        "\"fraction\"",
+        at,
+        "\"",
+        &format!("{object} string \"fraction\""),
+    );
+    check(
+        "50 }",
+        "\"50\" }",
+        (5, 85),
+        "\"50\"",
+        "motion 1: expected a number, found string \"50\"",
+    );
 }
 
 #[test]

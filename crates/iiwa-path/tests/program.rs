@@ -3,6 +3,8 @@
 // Numbers come back to the last bit on purpose; helpers of tests may fail.
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
+use std::f64::consts::PI;
+
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{Blend, Motion, Path, Program, Ptp, Step};
 use proptest::prelude::*;
@@ -107,7 +109,6 @@ fn degrees_and_radians_are_the_same_joints() {
     let [Motion::Ptp(deg), Motion::Ptp(rad)] = program.motions.as_slice() else {
         panic!("two motions")
     };
-    use std::f64::consts::PI;
     let expected = [PI / 2.0, -PI / 4.0, PI / 6.0, PI / 3.0, PI, 0.0, PI / 180.0];
     for (found, expected) in deg.target_rad.iter().zip(expected) {
         assert!((found - expected).abs() < 1e-15);
@@ -205,10 +206,7 @@ fn a_repeated_target_only_settles() {
                 _ => panic!("{step:?}"),
             })
             .collect();
-        assert_eq!(
-            kinds,
-            [("move", 0), ("settle", 0), ("settle", 1), ("move", 2), ("settle", 2)]
-        );
+        assert_eq!(kinds, [("move", 0), ("settle", 0), ("settle", 1), ("move", 2), ("settle", 2)]);
     }
 }
 

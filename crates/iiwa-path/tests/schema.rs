@@ -61,9 +61,9 @@ fn refuses_what_the_reader_refuses() {
         let (owner, key) = pointer.rsplit_once('/').unwrap();
         match program.pointer_mut(owner).unwrap() {
             Value::Object(object) => object.insert(key.to_owned(), value),
-            Value::Array(array) => array.get_mut(key.parse::<usize>().unwrap()).map(|v| {
-                std::mem::replace(v, value)
-            }),
+            Value::Array(array) => {
+                array.get_mut(key.parse::<usize>().unwrap()).map(|v| std::mem::replace(v, value))
+            }
             _ => panic!("{pointer}"),
         };
         program

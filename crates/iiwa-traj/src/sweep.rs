@@ -182,9 +182,9 @@ impl Interval<'_> {
             let middle = if step % 3 == 2 { 0.5 * (low + high) } else { chord };
             let found = room(middle);
             if found >= 0.0 {
-                (low, spare) = (middle, found)
+                (low, spare) = (middle, found);
             } else {
-                (high, lack) = (middle, found)
+                (high, lack) = (middle, found);
             }
         }
         low

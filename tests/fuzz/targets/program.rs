@@ -1,0 +1,14 @@
+//! Motion programs, all the way to a trajectory.
+
+#![no_main]
+
+use iiwa_kin::Robot;
+use iiwa_path::{Path, Program};
+use iiwa_traj::{Timing, Trajectory};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|text: &str| {
+    let Ok(program) = Program::from_json(text) else { return };
+    let Ok(path) = Path::new(&program, &Robot::lbr_iiwa_7_r800()) else { return };
+    Trajectory::plan(&path, Timing::default()).expect("every path can be planned");
+});

@@ -1,0 +1,352 @@
+//! Paths that break solvers. Each is planned and checked, and where there is a closed form, its
+//! duration is held against it.
+
+// Helpers of tests may fail.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_path::{
+    Blend, BlendShape, Continuity, Motion, Path, PathOptions, Program, Ptp, Segment, Step,
+};
+use iiwa_traj::{SETTLE_TIME_S, State, SweepOptions, Timing, Trajectory};
+
+const SHAPES: [BlendShape; 6] = [
+    BlendShape::Iiwa,
+    BlendShape::Alpha(Continuity::First),
+    BlendShape::Alpha(Continuity::Second),
+    BlendShape::Alpha(Continuity::Third),
+    BlendShape::MinAcceleration,
+    BlendShape::Circle,
+];
+
+/// Joint `joint` (from 1) at `deg`, the others at zero.
+fn only(joint: usize, deg: f64) -> Joints {
+    std::array::from_fn(|j| if j + 1 == joint { deg.to_radians() } else { 0.0 })
+}
+
+fn path(start: Joints, motions: &[Ptp], shape: BlendShape) -> Path {
+    let motions = motions.iter().cloned().map(Motion::Ptp).collect();
+    let program = Program { robot: None, start_rad: start, motions };
+    let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
+    Path::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
+}
+
+fn plan(path: &Path, samples: usize) -> Trajectory {
+    let timing = Timing::Acceleration(SweepOptions { samples });
+    let trajectory = Trajectory::plan(path, timing).unwrap();
+    check(&trajectory);
+    trajectory
+}
+
+/// The duration of a program whose motions are `motions`, in s, without settling.
+fn motion_time_s(start: Joints, motions: &[Ptp]) -> f64 {
+    plan(&path(start, motions, BlendShape::Iiwa), 100).motion_time_s()
+}
+
+/// Stamps increase, limits hold, and position and velocity do not jump.
+fn check(trajectory: &Trajectory) {
+    let path = trajectory.path();
+    let mut last: Option<State> = None;
+    for state in trajectory.states() {
+        let limits = &path.limits()[state.motion];
+        for j in 0..7 {
+            let v = state.dq[j].abs() / limits.velocity_rad_s[j];
+            let a = state.ddq[j].abs() / limits.acceleration_rad_s2[j];
+            assert!(v <= 1.0 + 1e-6 && a <= 1.0 + 1e-6, "at {} s: {v}, {a}", state.t_s);
+        }
+        if let Some(last) = last {
+            assert!(state.t_s > last.t_s, "{} s after {} s", state.t_s, last.t_s);
+        }
+        last = Some(state);
+    }
+    let robot = path.robot().limits();
+    let (mut t_s, mut last) = (0.0, trajectory.at(0.0));
+    assert_eq!(last.q, *path.start_rad());
+    while t_s < trajectory.cycle_time_s() {
+        t_s += DT;
+        let state = trajectory.at(t_s);
+        for j in 0..7 {
+            let dq = (state.q[j] - last.q[j]).abs();
+            assert!(dq <= 1.01 * robot.velocity_rad_s[j] * DT + 1e-12, "a jump at {} s", state.t_s);
+            let dv = (state.dq[j] - last.dq[j]).abs();
+            let most = 1.01 * robot.acceleration_rad_s2[j] * DT + 1e-9;
+            assert!(dv <= most, "a jerk of joint {} at {} s: {dv} > {most}", j + 1, state.t_s);
+        }
+        last = state;
+    }
+    let end = path.steps().iter().rev().find_map(|step| match step {
+        Step::Move { segment, .. } => Some(segment.at(1.0).q),
+        _ => None,
+    });
+    assert_eq!(last.q, end.unwrap_or(*path.start_rad()));
+    assert_eq!(last.dq, [0.0; 7]);
+}
+
+/// Between two looks at a trajectory, in s.
+const DT: f64 = 1e-4;
+
+/// From rest to rest over `distance` at limits of speed and acceleration.
+fn trapezoid(distance: f64, v: f64, a: f64) -> f64 {
+    if distance > v * v / a { distance / v + v / a } else { 2.0 * (distance / a).sqrt() }
+}
+
+fn same(found: f64, expected: f64, tolerance: f64) {
+    assert!((found / expected - 1.0).abs() < tolerance, "{found} s, expected {expected} s");
+}
+
+/// Speed and acceleration limits of joint 1, in deg (Larsen 2019, Table 2).
+const V1: f64 = 98.0;
+const A1: f64 = 490.0;
+
+#[test]
+fn one_joint_alone() {
+    let limits = Robot::lbr_iiwa_7_r800();
+    let limits = limits.limits();
+    for joint in 1..=7 {
+        let (v, a) = (limits.velocity_rad_s[joint - 1], limits.acceleration_rad_s2[joint - 1]);
+        for deg in [100.0, 50.0, 19.6, 5.0, 0.01] {
+            for share in [1.0, 0.3, 0.01] {
+                let found = motion_time_s([0.0; 7], &[Ptp::to(only(joint, deg)).velocity(share)]);
+                same(found, trapezoid(f64::to_radians(deg), share * v, a), 1e-9);
+            }
+        }
+    }
+    let there_and_back = [Ptp::to(only(1, 40.0)), Ptp::to(only(1, 0.0))];
+    same(motion_time_s([0.0; 7], &there_and_back), 2.0 * trapezoid(40.0, V1, A1), 1e-9);
+}
+
+/// On a line all joints move in proportion: the slowest decides, for speed and acceleration apart.
+#[test]
+fn all_joints_on_one_line() {
+    let to = [0.9, -0.8, 0.7, -0.6, 0.5, -0.4, 0.3];
+    let limits = Robot::lbr_iiwa_7_r800();
+    let limits = limits.limits();
+    let least =
+        |limit: &Joints| (0..7).map(|j| limit[j] / f64::abs(to[j])).fold(f64::MAX, f64::min);
+    let (v, a) = (least(&limits.velocity_rad_s), least(&limits.acceleration_rad_s2));
+    same(motion_time_s([0.0; 7], &[Ptp::to(to)]), trapezoid(1.0, v, a), 1e-9);
+}
+
+#[test]
+fn a_share_for_each_joint() {
+    let mut ptp = Ptp::to(only(1, 60.0));
+    ptp.velocity_rel = [0.5, 0.01, 0.01, 0.01, 0.01, 0.01, 0.01];
+    ptp.acceleration_rel = [0.25, 0.01, 0.01, 0.01, 0.01, 0.01, 0.01];
+    same(motion_time_s([0.0; 7], &[ptp]), trapezoid(60.0, 0.5 * V1, 0.25 * A1), 1e-9);
+
+    // Joint 3 (100 deg/s, 500 deg/s^2) would need less time than joint 1, and is slowed down.
+    let both = std::array::from_fn(|j| only(1, 60.0)[j] + only(3, 40.0)[j]);
+    let mut ptp = Ptp::to(both);
+    ptp.velocity_rel[2] = 0.2;
+    same(motion_time_s([0.0; 7], &[ptp]), trapezoid(1.0, 20.0 / 40.0, A1 / 60.0), 1e-9);
+}
+
+#[test]
+fn straight_on_is_one_motion() {
+    for shape in SHAPES {
+        for blend in [Blend::Fraction(0.25), Blend::Fraction(0.5), Blend::CartMm(50.0)] {
+            let motions = [
+                Ptp::to(only(1, 30.0)).blend(blend),
+                Ptp::to(only(1, 60.0)).blend(blend),
+                Ptp::to(only(1, 90.0)),
+            ];
+            let path = path([0.0; 7], &motions, shape);
+            assert!(path.blends().all(|(corner, _)| corner.gamma_deg.abs() < 1e-6));
+            let trajectory = plan(&path, 100);
+            same(trajectory.motion_time_s(), trapezoid(90.0, V1, A1), 1e-6);
+            same(trajectory.cycle_time_s(), trapezoid(90.0, V1, A1) + SETTLE_TIME_S, 1e-6);
+        }
+    }
+}
+
+/// The blend already keeps the limits of what follows (Larsen 2019, Appendix B).
+#[test]
+fn straight_on_into_a_slower_motion() {
+    let motions =
+        [Ptp::to(only(1, 30.0)).blend(Blend::Fraction(0.25)), Ptp::to(only(1, 90.0)).velocity(0.5)];
+    let blend_starts = 30.0 - 0.25 * 30.0;
+    let slow = 0.5 * V1;
+    let braking = (V1 * V1 - slow * slow) / (2.0 * A1);
+    let first = V1 / A1 + (V1 - slow) / A1 + (blend_starts - V1 * V1 / (2.0 * A1) - braking) / V1;
+    let second = (90.0 - blend_starts - slow * slow / (2.0 * A1)) / slow + slow / A1;
+    same(motion_time_s([0.0; 7], &motions), first + second, 1e-6);
+}
+
+/// Almost straight on must not differ from straight on.
+#[test]
+fn nearly_straight_on() {
+    for deg in [1e-9, 1e-7, 1e-5, 1e-3] {
+        let mut end = only(1, 90.0);
+        end[1] = f64::to_radians(deg);
+        for shape in SHAPES {
+            let motions = [Ptp::to(only(1, 40.0)).blend(Blend::Fraction(0.25)), Ptp::to(end)];
+            let trajectory = plan(&path([0.0; 7], &motions, shape), 100);
+            // Eq. 32 keeps an even pace, the others do not: their grid misses the switch.
+            same(trajectory.motion_time_s(), trapezoid(90.0, V1, A1), 1e-3);
+        }
+    }
+}
+
+/// A joint that turns back is at rest at its farthest, so that each way between two turns takes the
+/// time of a motion from rest to rest.
+#[test]
+fn one_joint_turns_back() {
+    for shape in SHAPES {
+        for fraction in [0.1, 0.25, 0.5] {
+            let motions =
+                [Ptp::to(only(1, 40.0)).blend(Blend::Fraction(fraction)), Ptp::to(only(1, -20.0))];
+            let path = path([0.0; 7], &motions, shape);
+            let moves = || {
+                path.steps().iter().filter_map(|step| match step {
+                    Step::Move { segment, .. } => Some(segment),
+                    _ => None,
+                })
+            };
+            // Where joint 1 turns, found on a fine grid.
+            let mut turns = vec![0.0_f64];
+            let mut before = (0.0_f64, 0.0_f64);
+            for q in moves().flat_map(|segment: &Segment| {
+                (1..=20_000).map(|i| segment.at(f64::from(i) / 20_000.0).q[0].to_degrees())
+            }) {
+                let step = q - before.0;
+                if step * before.1 < 0.0 {
+                    turns.push(before.0);
+                }
+                if step != 0.0 {
+                    before = (q, step);
+                }
+            }
+            turns.push(before.0);
+            let expected: f64 =
+                turns.windows(2).map(|pair| trapezoid((pair[1] - pair[0]).abs(), V1, A1)).sum();
+            let error = |samples| plan(&path, samples).motion_time_s() / expected - 1.0;
+            // At N = 1 the curvature jumps at both ends, and the first interval takes it in.
+            let coarse = if shape == BlendShape::Alpha(Continuity::First) { 4e-3 } else { 1e-4 };
+            assert!(error(100).abs() < coarse, "{shape:?}, {fraction}: {:e}", error(100));
+            assert!(error(1600).abs() < 1e-6, "{shape:?}, {fraction}: {:e}", error(1600));
+        }
+    }
+}
+
+#[test]
+fn all_joints_turn_back() {
+    let to = [0.9, -0.8, 0.7, -0.6, 0.5, -0.4, 0.3];
+    for shape in SHAPES {
+        for blend in [Blend::Fraction(0.1), Blend::Fraction(0.5), Blend::CartMm(100.0)] {
+            let path = path([0.0; 7], &[Ptp::to(to).blend(blend), Ptp::to([0.0; 7])], shape);
+            let trajectory = plan(&path, 100);
+            // It turns before the target: there and back with a stop would take longer.
+            let stop = motion_time_s([0.0; 7], &[Ptp::to(to), Ptp::to([0.0; 7])]);
+            assert!(trajectory.motion_time_s() < stop, "{shape:?}");
+        }
+    }
+}
+
+#[test]
+fn repeated_targets() {
+    let (a, b) = (only(1, 40.0), only(2, 30.0));
+    let blend = Blend::Fraction(0.25);
+    let single = [Ptp::to(a), Ptp::to(b)];
+    let double = [Ptp::to(a), Ptp::to(a).blend(blend), Ptp::to(b).blend(blend), Ptp::to(b)];
+    let once = plan(&path([0.0; 7], &single, BlendShape::Iiwa), 100);
+    let twice = plan(&path([0.0; 7], &double, BlendShape::Iiwa), 100);
+    same(twice.motion_time_s(), once.motion_time_s(), 1e-12);
+    same(twice.cycle_time_s(), once.cycle_time_s() + 2.0 * SETTLE_TIME_S, 1e-12);
+
+    let nowhere = plan(&path(a, &[Ptp::to(a), Ptp::to(a)], BlendShape::Iiwa), 100);
+    assert_eq!(nowhere.motion_time_s(), 0.0);
+    same(nowhere.cycle_time_s(), 2.0 * SETTLE_TIME_S, 1e-12);
+}
+
+/// Two blends of half a motion leave nothing of it between them, but for rounding or a sliver.
+#[test]
+fn slivers_between_blends() {
+    let a = [0.0; 7];
+    let b = [0.4, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let end = |length: f64| {
+        let mut c = b;
+        c[2] += length;
+        c
+    };
+    let time = |sliver: f64, shape: BlendShape| {
+        let (c, half) = (end(0.5 + sliver), Blend::Fraction(0.5));
+        let mut d = c;
+        d[3] -= 0.5;
+        let motions = [Ptp::to(b).blend(half), Ptp::to(c).blend(half), Ptp::to(d)];
+        let path = path(a, &motions, shape);
+        assert_eq!(path.blends().count(), 2);
+        plan(&path, 100).motion_time_s()
+    };
+    for shape in SHAPES {
+        let none = time(0.0, shape);
+        for sliver in [1e-12, 1.1e-9, 1e-8, 1e-7, 1e-6, 1e-5] {
+            let found = time(sliver, shape);
+            assert!((found - none).abs() < 1e-4 * none, "{shape:?}, {sliver} rad: {found}, {none}");
+        }
+    }
+}
+
+#[test]
+fn a_radius_larger_than_the_motions() {
+    let (b, c) = ([0.2, 0.3, 0.1, -0.4, 0.2, 0.1, 0.3], [0.5, 0.1, 0.3, -0.2, 0.4, 0.3, 0.0]);
+    for shape in SHAPES {
+        let time = |blend: Blend| {
+            let motions = [Ptp::to(b).blend(blend), Ptp::to(c)];
+            plan(&path([0.0; 7], &motions, shape), 100).motion_time_s()
+        };
+        assert_eq!(time(Blend::CartMm(5000.0)), time(Blend::Fraction(0.5)));
+    }
+}
+
+#[test]
+fn tiny_motions() {
+    let a1 = A1.to_radians();
+    for rad in [1e-3, 1e-6, 1e-8] {
+        let to = only(1, f64::to_degrees(rad));
+        same(motion_time_s([0.0; 7], &[Ptp::to(to)]), 2.0 * (rad / a1).sqrt(), 1e-6);
+        for shape in SHAPES {
+            let mut corner = to;
+            corner[1] = rad;
+            let there = [
+                Ptp::to(to).blend(Blend::Fraction(0.25)),
+                Ptp::to(corner).blend(Blend::Fraction(0.5)),
+                Ptp::to([0.0; 7]),
+            ];
+            let found = plan(&path([0.0; 7], &there, shape), 100).motion_time_s();
+            // Nothing but acceleration limits it: it goes with the root of its size.
+            let large = plan(
+                &path(
+                    [0.0; 7],
+                    &there.clone().map(|ptp| Ptp {
+                        target_rad: ptp.target_rad.map(|q| q * 1e-2 / rad),
+                        ..ptp
+                    }),
+                    shape,
+                ),
+                100,
+            )
+            .motion_time_s();
+            println!("{rad} rad, {shape:?}");
+            same(found / (rad / 1e-2).sqrt(), large, 2e-4);
+        }
+    }
+    // Less than a nanoradian is rounding.
+    assert_eq!(motion_time_s([0.0; 7], &[Ptp::to(only(1, 1e-8))]), 0.0);
+}
+
+/// Tiny motions between large ones, blended.
+#[test]
+fn tiny_motions_on_the_way() {
+    let half = Blend::Fraction(0.5);
+    for rad in [1e-3, 1e-6, 1e-8] {
+        let mut second = only(1, 30.0);
+        second[1] = rad;
+        let mut third = second;
+        third[2] = 0.5;
+        let motions =
+            [Ptp::to(only(1, 30.0)).blend(half), Ptp::to(second).blend(half), Ptp::to(third)];
+        for shape in SHAPES {
+            plan(&path([0.0; 7], &motions, shape), 100);
+        }
+    }
+}
