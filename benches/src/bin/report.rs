@@ -1,5 +1,8 @@
 //! Prints what `cargo bench -p iiwasim-benches` has measured, with ratios, required figures and
 //! accuracies, as Markdown tables.
+//!
+//! Times are those of the fastest of criterion's samples: of all that a sample tells, this depends
+//! least on what else the machine does.
 #![expect(clippy::print_stdout, reason = "tables are what it is for")]
 
 use std::{
@@ -16,14 +19,15 @@ use serde_json::Value;
 /// A bench's figures.
 struct Figure {
     name: String,
-    median_ns: f64,
-    /// What `median_ns` is for: so many poses, searches, samples.
+    /// Of the fastest sample, for one run.
+    fastest_ns: f64,
+    /// What `fastest_ns` is for: so many poses, searches, samples.
     elements: Option<f64>,
 }
 
 impl Figure {
     fn each_ns(&self) -> f64 {
-        self.median_ns / self.elements.unwrap_or(1.0)
+        self.fastest_ns / self.elements.unwrap_or(1.0)
     }
 }
 
@@ -44,17 +48,21 @@ impl Group {
     ) -> Result<Self> {
         let mut figures = Vec::new();
         for bench in subfolders(&folder.join(title))? {
-            let (Ok(about), Ok(estimates)) =
-                (json(&bench.join("new/benchmark.json")), json(&bench.join("new/estimates.json")))
+            let (Ok(about), Ok(samples)) =
+                (json(&bench.join("new/benchmark.json")), json(&bench.join("new/sample.json")))
             else {
                 continue;
             };
-            let number = |value: &Value| value.as_f64();
+            let list = |key: &str| samples[key].as_array().into_iter().flatten();
+            let each = list("times").zip(list("iters"));
+            let fastest = each
+                .filter_map(|(time_ns, runs)| Some(time_ns.as_f64()? / runs.as_f64()?))
+                .min_by(f64::total_cmp)
+                .ok_or_else(|| format!("{}: no samples", bench.display()))?;
             figures.push(Figure {
                 name: about["function_id"].as_str().unwrap_or_default().to_owned(),
-                median_ns: number(&estimates["median"]["point_estimate"])
-                    .ok_or_else(|| format!("{}: no median", bench.display()))?,
-                elements: number(&about["throughput"]["Elements"]),
+                fastest_ns: fastest,
+                elements: about["throughput"]["Elements"].as_f64(),
             });
         }
         let place = |figure: &Figure| names.iter().position(|name| *name == figure.name);
@@ -67,6 +75,11 @@ impl Group {
         self.figures.iter().find(|figure| figure.name == name)
     }
 
+    fn count(&self, elements: f64) -> String {
+        let plural = if self.element.ends_with("ch") { "es" } else { "s" };
+        format!("{elements} {}{plural}", self.element)
+    }
+
     /// Ratios are to the first figure.
     fn print(&self) {
         let each = !self.element.is_empty();
@@ -76,20 +89,20 @@ impl Group {
             return;
         }
         if each {
-            println!("| | time | {0}s | time a {0} | ratio | ratio a {0} |", self.element);
+            println!("| | time | for | time a {0} | ratio | ratio a {0} |", self.element);
             println!("|---|---:|---:|---:|---:|---:|");
         } else {
             println!("| | time |\n|---|---:|");
         }
         let first = &self.figures[0];
         for figure in &self.figures {
-            print!("| {} | {} |", figure.name, time(figure.median_ns));
+            print!("| {} | {} |", figure.name, time(figure.fastest_ns));
             if each {
                 print!(
                     " {} | {} | {:.2} | {:.2} |",
-                    figure.elements.unwrap_or(1.0),
+                    self.count(figure.elements.unwrap_or(1.0)),
                     time(figure.each_ns()),
-                    figure.median_ns / first.median_ns,
+                    figure.fastest_ns / first.fastest_ns,
                     figure.each_ns() / first.each_ns(),
                 );
             }
@@ -150,7 +163,7 @@ fn print_required(search: &Group, stamps: &Group, command: &Group) {
     let each = |group: &Group, name: &str| group.get(name).map(Figure::each_ns);
     let ratio = |a: Option<f64>, b: Option<f64>| Some(a? / b?);
     let sweep = each(stamps, "iiwa-traj plan");
-    let copp = each(stamps, "copp topp2_ra, from samples");
+    let copp = each(stamps, "copp topp2_ra, solver alone");
     let share = |value: f64| format!("1/{:.1}", 1.0 / value);
     let times = |value: f64| time(value);
     let rows: [(&str, Option<f64>, f64, Format<'_>); 4] = [
@@ -161,7 +174,12 @@ fn print_required(search: &Group, stamps: &Group, command: &Group) {
             &share,
         ),
         ("stamps, path included: time a node of the sweep", sweep, 100.0, &times),
-        ("stamps: time a node over copp's", ratio(sweep, copp), 1.0 / 5.0, &share),
+        (
+            "stamps: time a node, over that of copp's solver alone",
+            ratio(sweep, copp),
+            1.0 / 5.0,
+            &share,
+        ),
         (
             "`iiwasim plan`, ten motions, process and MCAP",
             each(command, "iiwasim plan"),

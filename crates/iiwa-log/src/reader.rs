@@ -181,32 +181,51 @@ fn broken(offset: u64, messages: u64, source: McapError) -> ReadError {
 
 /// Parses the records that a recording is made of, and passes over the others.
 fn parse(opcode: u8, data: &[u8]) -> Result<Option<Record<'_>>, McapError> {
-    match opcode {
-        op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA => {}
-        op::ATTACHMENT if attachment_is_whole(data) => {}
-        op::ATTACHMENT => {
-            let available = data.len() as u64;
-            return Err(McapError::BadAttachmentLength { header: available, available });
-        }
-        _ => return Ok(None),
+    if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA | op::ATTACHMENT) {
+        return Ok(None);
+    }
+    if lengths_fit(opcode, data).is_none() {
+        return Err(McapError::RecordTooLarge { opcode, len: data.len() as u64 });
     }
     mcap::parse_record(opcode, data).map(Some)
 }
 
-/// Whether there is room for what the lengths in an attachment say. The parser counts on it.
-fn attachment_is_whole(data: &[u8]) -> bool {
-    fn rest(data: &[u8]) -> Option<&[u8]> {
-        let mut rest = data.get(16..)?;
-        for _ in 0..2 {
-            let (len, tail) = rest.split_first_chunk()?;
-            rest = tail.get(usize::try_from(u32::from_le_bytes(*len)).ok()?..)?;
+/// Whether there is room for what the lengths in a record say. The parser counts on it, and asks for
+/// as much memory as they say.
+fn lengths_fit(opcode: u8, data: &[u8]) -> Option<()> {
+    match opcode {
+        // A number; name, encoding and content.
+        op::SCHEMA => texts(data.get(2..)?, 3).map(drop),
+        // Two numbers; topic, encoding and a map.
+        op::CHANNEL => map(texts(data.get(4..)?, 2)?),
+        op::METADATA => map(texts(data, 1)?),
+        // Two times; name and type; content with a longer length, and its checksum.
+        op::ATTACHMENT => {
+            let (len, content) = texts(data.get(16..)?, 2)?.split_first_chunk()?;
+            let len = usize::try_from(u64::from_le_bytes(*len)).ok()?;
+            content.get(len.checked_add(4)?..).map(drop)
         }
-        let (len, tail) = rest.split_first_chunk()?;
-        let len = usize::try_from(u64::from_le_bytes(*len)).ok()?;
-        tail.get(len.checked_add(4)?..)?;
-        Some(tail)
+        _ => Some(()),
     }
-    rest(data).is_some()
+}
+
+/// What follows `count` texts, each behind its length.
+fn texts(mut rest: &[u8], count: usize) -> Option<&[u8]> {
+    for _ in 0..count {
+        let (len, tail) = rest.split_first_chunk()?;
+        rest = tail.get(usize::try_from(u32::from_le_bytes(*len)).ok()?..)?;
+    }
+    Some(rest)
+}
+
+/// Whether a map, behind its length in bytes, is whole.
+fn map(data: &[u8]) -> Option<()> {
+    let (len, tail) = data.split_first_chunk()?;
+    let mut entries = tail.get(..usize::try_from(u32::from_le_bytes(*len)).ok()?)?;
+    while !entries.is_empty() {
+        entries = texts(entries, 2)?;
+    }
+    Some(())
 }
 
 /// The reader's knowledge of the file, apart from the container that lends the records.
@@ -402,5 +421,24 @@ impl<'a> Body<'a> {
 
     fn error(&self, what: String) -> ReadError {
         ReadError::Message { topic: self.topic, t_s: self.t_s(), what }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_length_beyond_its_record_is_refused() {
+        // A schema whose name claims 4 GB.
+        let mut schema = vec![1, 0];
+        schema.extend(u32::MAX.to_le_bytes());
+        schema.extend([0; 16]);
+        assert!(parse(op::SCHEMA, &schema).is_err());
+        // A channel whose map ends within an entry.
+        let mut channel = vec![1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0, 0];
+        channel.extend(9_u32.to_le_bytes());
+        assert!(parse(op::CHANNEL, &channel).is_err());
+        assert!(parse(op::METADATA, &[255; 3]).is_err());
     }
 }

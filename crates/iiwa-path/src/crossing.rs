@@ -36,6 +36,8 @@ impl BlendSearch {
         other_end_rad: &Joints,
         radius_m: f64,
     ) -> Option<f64> {
+        // Nothing is out of reach of a sphere twice as large as the arm; its square must be finite.
+        let radius_m = radius_m.min(4.0 * robot.axis_reach_m()[0]);
         let walk = Walk {
             robot,
             point: point_rad,

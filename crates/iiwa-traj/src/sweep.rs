@@ -25,7 +25,7 @@ type Row = [f64; 8];
 const UNLIMITED: f64 = 1e30;
 
 /// Share of a limit by which an interval may exceed it between its ends.
-const SWING: f64 = 0.008;
+const SWING: f64 = 0.004;
 
 /// What the limits leave at one node: x at most `cap`, and for each joint u within the band
 /// `lower x - half` to `upper x + half`.
@@ -164,7 +164,9 @@ impl Interval<'_> {
     /// is some at 0. A chord over its root meets zero before the root, where there still is room.
     #[inline(never)]
     fn search(&self, end: f64, x: f64) -> f64 {
-        const STEPS: usize = 40;
+        const STEPS: usize = 100;
+        // The cap of velocities may be far above what accelerations allow.
+        let x = self.start.possible(x);
         let room = |x: f64| {
             let (low, high) = self.reachable(x, end);
             high - low
@@ -179,7 +181,7 @@ impl Interval<'_> {
                 break;
             }
             let chord = low + (high - low) * spare / (spare - lack);
-            let middle = if step % 3 == 2 { 0.5 * (low + high) } else { chord };
+            let middle = if step % 2 == 1 { 0.5 * (low + high) } else { chord };
             let found = room(middle);
             if found >= 0.0 {
                 (low, spare) = (middle, found);
