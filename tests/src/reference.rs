@@ -1,5 +1,7 @@
 //! Programs with the answers of an independent solver, in `fixtures/reference/programs.json`.
 
+#![expect(clippy::panic, reason = "a test fails by it")]
+
 use iiwa_path::Program;
 use serde::Deserialize;
 

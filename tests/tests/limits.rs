@@ -1,5 +1,7 @@
 //! Limits hold along random programs, at the samples and between them.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
 use iiwa_kin::Robot;
 use iiwa_path::{MotionLimits, Path, Program};
 use iiwa_traj::{State, Timing, Trajectory};
@@ -15,8 +17,11 @@ fn ratio(values: &[f64; 7], limits: &[f64; 7]) -> f64 {
 /// Where motions meet within a difference, the larger limit counts.
 fn ratios_by_differences(trajectory: &Trajectory) -> (f64, f64) {
     let limits = trajectory.path().limits();
-    let samples = (trajectory.cycle_time_s() / 1e-3).floor() as usize;
-    let all: Vec<State> = (0..=samples).map(|i| trajectory.at(i as f64 * 1e-3)).collect();
+    let instants = (0_u32..).map(|i| f64::from(i) * 1e-3);
+    let all: Vec<State> = instants
+        .take_while(|t_s| *t_s <= trajectory.cycle_time_s())
+        .map(|t_s| trajectory.at(t_s))
+        .collect();
     let largest = |states: &[State], of: fn(&MotionLimits) -> &[f64; 7]| -> [f64; 7] {
         std::array::from_fn(|j| {
             let (first, last) = (states[0].motion, states[states.len() - 1].motion);
