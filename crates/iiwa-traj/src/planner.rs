@@ -1,5 +1,7 @@
 //! Finds the stamps of a path, one stretch at a time.
 
+use std::cell::Cell;
+
 use iiwa_kin::Joints;
 use iiwa_path::{Grid, Path, Segment, Step};
 
@@ -30,7 +32,42 @@ pub struct Planner {
 struct Scratch {
     /// The nodes of all segments.
     samples: Vec<Sample>,
-    /// Derivatives at the nodes of one segment.
+    /// What the way backwards found out about curves, for the way forwards.
+    curves: Vec<Curve>,
+}
+
+thread_local! {
+    /// Of the last planner of this thread: to ask the system for fresh memory takes as long as to
+    /// plan ten motions.
+    static SPARE: Cell<Option<Scratch>> = const { Cell::new(None) };
+}
+
+impl Scratch {
+    fn take() -> Self {
+        let mut scratch = SPARE.take().unwrap_or_default();
+        scratch.curves.iter_mut().for_each(|curve| curve.step = None);
+        scratch
+    }
+}
+
+impl Drop for Planner {
+    fn drop(&mut self) {
+        let scratch = std::mem::take(&mut self.scratch);
+        if scratch.samples.len() <= KEPT_NODES {
+            // A thread that ends has no spare any more.
+            let _ = SPARE.try_with(|spare| spare.set(Some(scratch)));
+        }
+    }
+}
+
+/// Most nodes that are kept, of about 0.7 kB each: 64 curves of 100 intervals.
+const KEPT_NODES: usize = 6_500;
+
+/// The derivatives at the nodes of one curve, and what the limits leave there.
+#[derive(Debug, Default)]
+struct Curve {
+    /// Place of the segment among the path's steps.
+    step: Option<usize>,
     dq: Vec<[f64; 8]>,
     ddq: Vec<[f64; 8]>,
     bounds: Vec<Bounds>,
@@ -42,19 +79,13 @@ impl Planner {
     pub fn new(path: &Path, timing: Timing) -> Self {
         let Timing::Acceleration(options) = timing;
         let grid = Grid::new(options.samples.max(2));
-        let nodes = grid.intervals() + 1;
         Self {
             path: path.clone(),
             grid,
             step: 0,
             time_s: 0.0,
             rest_rad: *path.start_rad(),
-            scratch: Scratch {
-                samples: Vec::new(),
-                dq: vec![[0.0; 8]; nodes],
-                ddq: vec![[0.0; 8]; nodes],
-                bounds: vec![Bounds::default(); nodes],
-            },
+            scratch: Scratch::take(),
         }
     }
 
@@ -241,7 +272,7 @@ impl<'a> Plan<'a> {
                 samples[1].x = end.min(line.x_max);
                 samples[0].x = line.reach(samples[1].x);
             } else {
-                sweep::backward(self.sample(&leg), end, samples);
+                sweep::backward(self.curve(&leg, step), end, samples);
             }
             next = Some((samples[0].x, tangent));
             to = from;
@@ -262,16 +293,9 @@ impl<'a> Plan<'a> {
                 let x0 = start.min(samples[0].x);
                 let x1 = line.reach(x0).min(samples[1].x);
                 samples[1].x = x1;
-                let mut row = [0.0; 8];
-                let direction = leg.segment.at(0.0).dq;
-                for j in 0..7 {
-                    row[j] = direction[j] * leg.scale[j];
-                }
-                self.scratch.dq[..2].fill(row);
-                self.scratch.ddq[..2].fill([0.0; 8]);
                 stamp(line.fastest(x0, x1), &mut t_s, &mut stretch.nodes);
             } else {
-                tightened |= !sweep::settle(self.sample(&leg), start, samples);
+                tightened |= !sweep::settle(self.curve(&leg, step), start, samples);
                 let n = (samples.len() - 1) as f64;
                 let nodes = samples.iter().enumerate().map(|(i, &sample)| (i as f64 / n, sample));
                 stamp(nodes, &mut t_s, &mut stretch.nodes);
@@ -285,18 +309,33 @@ impl<'a> Plan<'a> {
         Ok(tightened)
     }
 
+    /// The nodes of a curve, of which `step` is the place.
     #[inline(always)]
-    fn sample<'n>(&'n mut self, leg: &'n Leg<'_>) -> Nodes<'n> {
-        let Scratch { dq, ddq, bounds, .. } = &mut *self.scratch;
-        leg.segment.rates(self.grid, &leg.scale, dq, ddq);
-        sweep::bounds(dq, ddq, &leg.velocity, bounds);
+    fn curve<'n>(&'n mut self, leg: &'n Leg<'_>, step: usize) -> Nodes<'n> {
+        let nodes = self.grid.intervals() + 1;
+        let curves = &mut self.scratch.curves;
+        // Of blended motions, every second step is a curve.
+        let slot = (step / 2) % (KEPT_NODES / nodes).max(1);
+        if curves.len() <= slot {
+            curves.resize_with(slot + 1, Curve::default);
+        }
+        let curve = &mut curves[slot];
+        if curve.step != Some(step) {
+            curve.step = Some(step);
+            curve.dq.resize(nodes, [0.0; 8]);
+            curve.ddq.resize(nodes, [0.0; 8]);
+            curve.bounds.resize(nodes, Bounds::default());
+            leg.segment.rates(self.grid, &leg.scale, &mut curve.dq, &mut curve.ddq);
+            sweep::bounds(&curve.dq, &curve.ddq, &leg.velocity, &mut curve.bounds);
+        }
+        let Curve { dq, ddq, bounds, .. } = curve;
         Nodes { dq, ddq, velocity: &leg.velocity, bounds }
     }
 
     /// Checks the nodes from `first_node` on against the limits and makes them a piece.
     #[inline(always)]
     fn finish_piece(
-        &self,
+        &mut self,
         leg: &Leg<'_>,
         step: usize,
         first_node: usize,
@@ -304,14 +343,19 @@ impl<'a> Plan<'a> {
         stretch: &mut Stretch,
     ) -> Result<(), TimingError> {
         let nodes = &stretch.nodes[first_node..];
-        let Scratch { dq, ddq, .. } = &*self.scratch;
         let mut load = Load::default();
         if leg.line.is_some() {
             // dq/ds is the same at all nodes of a line: one interval after the other.
+            let direction = leg.segment.at(0.0).dq;
+            let mut row = [0.0; 8];
+            for j in 0..7 {
+                row[j] = direction[j] * leg.scale[j];
+            }
             for pair in nodes.windows(2) {
-                load.add(pair, dq, ddq, &leg.velocity);
+                load.add(pair, &[row; 2], &[[0.0; 8]; 2], &leg.velocity);
             }
         } else {
+            let Nodes { dq, ddq, .. } = self.curve(leg, step);
             load.add(nodes, dq, ddq, &leg.velocity);
         }
         let motion = leg.motion;
@@ -347,15 +391,16 @@ impl<'a> Plan<'a> {
 /// Gives samples at s their time, counted on from `t_s`.
 #[inline(always)]
 fn stamp(samples: impl Iterator<Item = (f64, Sample)>, t_s: &mut f64, nodes: &mut Vec<Node>) {
-    let first = nodes.len();
-    for (s, Sample { x, u, .. }) in samples {
+    let mut last: Option<Node> = None;
+    nodes.extend(samples.map(|(s, Sample { x, u, .. })| {
         let rate = x.sqrt();
-        if nodes.len() > first {
-            let last = nodes[nodes.len() - 1];
+        if let Some(last) = last {
+            let later = *t_s + interval::duration(s - last.s, last.rate, rate, last.u);
             // At least the next number: over long stretches, tiny intervals are lost in rounding.
-            let dt = interval::duration(s - last.s, last.rate, rate, last.u);
-            *t_s = (*t_s + dt).max(t_s.next_up());
+            *t_s = if later > *t_s { later } else { t_s.next_up() };
         }
-        nodes.push(Node { t_s: *t_s, s, rate, u });
-    }
+        let node = Node { t_s: *t_s, s, rate, u };
+        last = Some(node);
+        node
+    }));
 }

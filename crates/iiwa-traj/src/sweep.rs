@@ -13,7 +13,7 @@
 //! and makes the time too long by a share of 1/N. With u linear the error falls with 1/N^2.
 //!
 //! Where q' changes its direction, as in a turn-back, a large x or u costs nothing at a node and much
-//! next to it. Intervals that exceed a limit half-way are therefore tightened ([`tighten`]), and swept
+//! next to it. Intervals that exceed a limit half-way are therefore tightened ([`forward`]), and swept
 //! again.
 //!
 //! All numbers are in units of the limits: derivatives are divided by the joint's acceleration
@@ -35,6 +35,10 @@ pub(crate) struct Bounds {
     upper: Row,
     half: Row,
     cap: f64,
+    /// Factor and summand of [`Bounds::largest_start`].
+    start: [Row; 2],
+    /// Factor and summand of [`Bounds::largest_end`].
+    end: [Row; 2],
 }
 
 impl Bounds {
@@ -60,7 +64,19 @@ impl Bounds {
         }
         let fastest = max(&speed);
         let cap = if fastest > 1e-15 { 1.0 / (fastest * fastest) } else { UNLIMITED };
-        Self { lower, upper, half, cap }
+        // x (1 + h lower) <= c + h half, and the same with upper; without a limit for a factor of 0.
+        let (mut start, mut end) = ([[0.0; 8]; 2], [[0.0; 8]; 2]);
+        for j in 0..8 {
+            for (solved, factor) in
+                [(&mut start, 1.0 + h * lower[j]), (&mut end, 1.0 - h * upper[j])]
+            {
+                let limits = factor > 1e-9;
+                let inverse = if limits { 1.0 / factor } else { 0.0 };
+                solved[0][j] = inverse;
+                solved[1][j] = if limits { h * half[j] * inverse } else { UNLIMITED };
+            }
+        }
+        Self { lower, upper, half, cap, start, end }
     }
 
     /// Largest u at `x`.
@@ -87,21 +103,23 @@ impl Bounds {
     ///
     /// The width of the band common to all joints is a concave function of x, made of straight
     /// pieces. Newton's method comes down on its root from the right, and ends after a few pieces.
-    #[inline(never)]
+    #[inline(always)]
     fn possible(&self, mut x: f64) -> f64 {
         const STEPS: usize = 64;
         for _ in 0..STEPS {
-            let (mut most, mut least) = ((f64::INFINITY, 0.0), (f64::NEG_INFINITY, 0.0));
-            for j in 0..7 {
-                let (upper, lower, half) = (self.upper[j], self.lower[j], self.half[j]);
-                if upper * x + half < most.0 {
-                    most = (upper * x + half, upper);
-                }
-                if lower * x - half > least.0 {
-                    least = (lower * x - half, lower);
-                }
+            let (mut most, mut least) = ([0.0; 8], [0.0; 8]);
+            for j in 0..8 {
+                most[j] = self.upper[j] * x + self.half[j];
+                least[j] = self.lower[j] * x - self.half[j];
             }
-            let (width, change) = (most.0 - least.0, most.1 - least.1);
+            let (lowest, highest) = (min(&most), max(&least));
+            // The slopes of the two that meet; of several, those to the left of x.
+            let (mut rise, mut fall) = ([0.0; 8], [0.0; 8]);
+            for j in 0..8 {
+                rise[j] = if most[j] == lowest { self.upper[j] } else { -UNLIMITED };
+                fall[j] = if least[j] == highest { self.lower[j] } else { UNLIMITED };
+            }
+            let (width, change) = (lowest - highest, max(&rise) - min(&fall));
             let lower = x - width / change;
             if width >= 0.0 || change >= 0.0 || lower >= x || lower <= 0.0 {
                 break;
@@ -113,24 +131,20 @@ impl Bounds {
 
     /// Largest x with `x + h least(x) <= c`.
     #[inline(always)]
-    fn largest_start(&self, h: f64, c: f64) -> f64 {
+    fn largest_start(&self, c: f64) -> f64 {
         let mut x = [0.0; 8];
         for j in 0..8 {
-            let factor = 1.0 + h * self.lower[j];
-            let bound = (c + h * self.half[j]) / factor;
-            x[j] = if factor > 1e-9 { bound } else { UNLIMITED };
+            x[j] = c * self.start[0][j] + self.start[1][j];
         }
         min(&x)
     }
 
     /// Largest x with `x - h most(x) <= c`.
     #[inline(always)]
-    fn largest_end(&self, h: f64, c: f64) -> f64 {
+    fn largest_end(&self, c: f64) -> f64 {
         let mut x = [0.0; 8];
         for j in 0..8 {
-            let factor = 1.0 - h * self.upper[j];
-            let bound = (c + h * self.half[j]) / factor;
-            x[j] = if factor > 1e-9 { bound } else { UNLIMITED };
+            x[j] = c * self.end[0][j] + self.end[1][j];
         }
         min(&x)
     }
@@ -147,17 +161,6 @@ struct Interval<'a> {
 }
 
 impl Interval<'_> {
-    /// Largest x at the end, not above `cap`, that is reached from `x` at the start, where the
-    /// limits leave u from `least` to `most`.
-    #[inline(always)]
-    fn forward(&self, x: f64, least: f64, most: f64, cap: f64) -> f64 {
-        let Self { h, even, end: next, .. } = *self;
-        let y = next.largest_end(h, x + h * most).min(cap);
-        let brake = x + h * least;
-        let kept = y - h * next.least(y) >= brake - 1e-12 * x;
-        if kept && !even { y } else { self.reachable(x, cap).1 }
-    }
-
     /// Largest x at the start, not above `x`, from which something up to `end` is reached.
     ///
     /// The room between the smallest and the largest x reached is a concave function of x, and there
@@ -305,7 +308,7 @@ pub(crate) fn backward(nodes: Nodes<'_>, end: f64, samples: &mut [Sample]) {
         let brake = end - h * next_least;
         // Arriving at `end` while speeding up is strange: arriving slower may allow for more.
         let strange = interval.even || brake < 0.5 * end;
-        x = start.largest_start(h, brake).min(cap);
+        x = start.largest_start(brake).min(cap);
         let (mut least, mut most) = (start.least(x), start.most(x));
         if least > most && !strange {
             x = start.possible(x);
@@ -322,7 +325,7 @@ pub(crate) fn backward(nodes: Nodes<'_>, end: f64, samples: &mut [Sample]) {
             Some(interval.search(end, cap))
         } else if !arrives {
             // Out of reach: it will arrive slower, and has to be able to.
-            let slower = next.largest_end(h, drive);
+            let slower = next.largest_end(drive);
             let able = slower - h * next.least(slower) >= x + h * least;
             (!able).then(|| interval.search(end, x))
         } else if swings() {
@@ -342,12 +345,15 @@ pub(crate) fn backward(nodes: Nodes<'_>, end: f64, samples: &mut [Sample]) {
 
 /// Lowers the `x` of `samples`, as [`backward`] left it, to what is reached from `start` at the
 /// first node, and finds u.
+///
+/// Where a joint exceeds a limit half-way, the interval is tightened: u has to be the same at both
+/// ends, or x lower. True if there are any for which that has to be swept again.
 #[inline(always)]
-fn forward(nodes: Nodes<'_>, start: f64, samples: &mut [Sample]) {
+fn forward(nodes: Nodes<'_>, start: f64, samples: &mut [Sample]) -> bool {
     let Nodes { dq, ddq, velocity, bounds } = nodes;
     let n = samples.len() - 1;
     let h = 1.0 / n as f64;
-    let calm = calm(ddq, h);
+    let mut tightened = false;
     let mut x = samples[0].x.min(start);
     let (mut least, mut most) = (bounds[0].least(x), bounds[0].most(x));
     samples[0].x = x;
@@ -356,26 +362,45 @@ fn forward(nodes: Nodes<'_>, start: f64, samples: &mut [Sample]) {
         let even = samples[i].even;
         let interval = Interval { h, even, start: &bounds[i], end: next };
         let cap = samples[i + 1].x;
-        let mut y = interval.forward(x, least, most, cap).max(0.0);
-        let (mut next_least, mut next_most) = (next.least(y), next.most(y));
+        let half_way = |u| half_way(&dq[i..i + 2], &ddq[i..i + 2], velocity, h, x, u);
+        let mut y = next.largest_end(x + h * most).min(cap).max(0.0);
+        let mut next_least = next.least(y);
+        if even || y - h * next_least < x + h * least - 1e-12 * x {
+            y = interval.reachable(x, cap).1.max(0.0);
+            next_least = next.least(y);
+        }
+        let mut next_most = next.most(y);
         let sum = (y - x) / h;
         let mut u =
             if even { [0.5 * sum; 2] } else { split(sum, [least, most], [next_least, next_most]) };
-        if (u[1] - u[0]).abs() > calm
-            && half_way(&dq[i..i + 2], &ddq[i..i + 2], velocity, h, x, u).0 > 1.0 + SWING
-        {
+        let (mut acceleration, mut square) = half_way(u);
+        if acceleration > 1.0 + SWING {
             // On the way up it can often be mended here: arriving slower, with u the same.
             let (low, high) = Interval { even: true, ..interval }.reachable(x, cap);
-            if low <= high {
+            if !even && low <= high {
                 (y, u) = (high, [0.5 * (high - x) / h; 2]);
                 (next_least, next_most) = (next.least(y), next.most(y));
-                samples[i].even = true;
+                (acceleration, square) = half_way(u);
             }
+            samples[i].even = true;
         }
         samples[i].u = u;
         samples[i + 1].x = y;
+        if square > 1.0 + SWING {
+            samples[i].x_max = x / square;
+            samples[i + 1].x_max = y / square;
+            tightened = true;
+        }
+        if acceleration > 1.0 + SWING {
+            if even {
+                samples[i].x_max = x / acceleration;
+                samples[i + 1].x_max = y / acceleration;
+            }
+            tightened = true;
+        }
         (x, least, most) = (y, next_least, next_most);
     }
+    tightened
 }
 
 /// A change of u within an interval that is too small to exceed a limit half-way: the acceleration
@@ -421,41 +446,12 @@ pub(crate) fn settle(nodes: Nodes<'_>, start: f64, samples: &mut [Sample]) -> bo
         if samples[0].x < start * (1.0 - 1e-12) {
             return false;
         }
-        forward(nodes, start, samples);
-        if !tighten(nodes, samples) {
+        if !forward(nodes, start, samples) {
             return true;
         }
         backward(nodes, end, samples);
     }
     false
-}
-
-/// Looks for intervals in which a joint exceeds a limit half-way, and tightens them: u has to be the
-/// same at both ends, or x lower. True if there are any.
-#[inline(always)]
-fn tighten(nodes: Nodes<'_>, samples: &mut [Sample]) -> bool {
-    let Nodes { dq, ddq, velocity, .. } = nodes;
-    let n = samples.len() - 1;
-    let h = 1.0 / n as f64;
-    let mut any = false;
-    for i in 0..n {
-        let Sample { x, u, even, .. } = samples[i];
-        let (acceleration, square) = half_way(&dq[i..i + 2], &ddq[i..i + 2], velocity, h, x, u);
-        if square > 1.0 + SWING {
-            samples[i].x_max = x / square;
-            samples[i + 1].x_max = samples[i + 1].x / square;
-            any = true;
-        }
-        if acceleration > 1.0 + SWING {
-            if even {
-                samples[i].x_max = x / acceleration;
-                samples[i + 1].x_max = samples[i + 1].x / acceleration;
-            }
-            samples[i].even = true;
-            any = true;
-        }
-    }
-    any
 }
 
 /// u at both ends of an interval, which add up to `sum`, within the bands that the limits leave:
