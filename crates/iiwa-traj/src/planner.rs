@@ -52,11 +52,11 @@ impl Scratch {
 
 impl Drop for Planner {
     fn drop(&mut self) {
-        let scratch = std::mem::take(&mut self.scratch);
-        if scratch.samples.len() <= KEPT_NODES {
-            // A thread that ends has no spare any more.
-            let _ = SPARE.try_with(|spare| spare.set(Some(scratch)));
-        }
+        let mut scratch = std::mem::take(&mut self.scratch);
+        scratch.samples.clear();
+        scratch.samples.shrink_to(KEPT_NODES);
+        // A thread that ends has no spare any more.
+        let _ = SPARE.try_with(|spare| spare.set(Some(scratch)));
     }
 }
 
