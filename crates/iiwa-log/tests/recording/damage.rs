@@ -201,3 +201,25 @@ fn other_files_are_not_recordings() {
     let file = [sample(), vec![0]].concat();
     assert!(matches!(Recording::from_bytes(&file), Err(ReadError::Mcap { .. })));
 }
+
+#[test]
+fn a_record_longer_than_its_chunk_is_an_error() {
+    let mut record = vec![0x05];
+    record.extend(1_000_u64.to_le_bytes());
+    record.extend([0; 20]);
+    // Start and end time, uncompressed size, no checksum, no compression.
+    let mut chunk = vec![0; 16];
+    chunk.extend((record.len() as u64).to_le_bytes());
+    chunk.extend([0; 8]);
+    chunk.extend((record.len() as u64).to_le_bytes());
+    chunk.extend(record);
+    let mut file = mcap::MAGIC.to_vec();
+    file.push(mcap::records::op::CHUNK);
+    file.extend((chunk.len() as u64).to_le_bytes());
+    file.extend(chunk);
+    file.extend([0; 2_000]);
+    assert!(matches!(
+        Recording::from_bytes(&file),
+        Err(ReadError::Mcap { .. } | ReadError::Truncated { .. })
+    ));
+}
