@@ -23,13 +23,9 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Plan a motion program: print its cycle time, write its trajectory as MCAP
     Plan(Plan),
-    /// Forward kinematics: print where the flange is at given joint angles
     Fk(Fk),
-    /// Print a robot model: lengths, limits, masses
     Robot(Robot),
-    /// Print the JSON Schema of motion programs or robot profiles, for editors and checkers
     Schema(Schema),
 }
 
@@ -52,7 +48,7 @@ pub(crate) struct Plan {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Print the figures only, write no file
+    /// Print the figures, write no trajectory
     #[arg(long, conflicts_with_all = ["output", "rate", "epoch"])]
     pub(crate) no_output: bool,
 
@@ -72,11 +68,11 @@ pub(crate) struct Plan {
     #[arg(long, value_enum, default_value_t = Search::FirstCrossing)]
     pub(crate) blend_search: Search,
 
-    /// Samples a blend; more is more exact and slower
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    /// Samples a blend, 2 to 100000; more is more exact and slower
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub(crate) samples: u32,
 
-    /// Joint states a second in the MCAP file
+    /// Joint states a second in the MCAP file, 0.1 to 100000
     #[arg(long, value_name = "HZ", default_value_t = 250.0, value_parser = rate)]
     pub(crate) rate: f64,
 
@@ -88,7 +84,7 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub(crate) max_cycle_time: Option<f64>,
 
-    /// Instant at which the file's stamps start, as 2020-01-01T00:00:00Z
+    /// Instant at which the file's stamps start, from 1970 to 2037, as 2020-01-01T00:00:00Z
     #[arg(long, value_name = "TIME", value_parser = epoch)]
     pub(crate) epoch: Option<Duration>,
 
@@ -200,9 +196,13 @@ pub(crate) struct Robot {
     #[arg(long, requires = "model")]
     pub(crate) urdf: bool,
 
-    /// Check a URDF of the robot against the model
+    /// Check a URDF of the robot against the model; exit with code 3 if only its limits differ
     #[arg(long, value_name = "FILE.urdf", requires = "model", conflicts_with_all = ["urdf", "json"])]
     pub(crate) check: Option<PathBuf>,
+
+    /// Link of that URDF at the flange, if it is not the last one
+    #[arg(long, value_name = "LINK", requires = "check")]
+    pub(crate) tip: Option<String>,
 }
 
 /// Print the JSON Schema of motion programs or robot profiles, for editors and checkers.
@@ -245,8 +245,12 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 fn epoch(text: &str) -> Result<Duration, String> {
-    let instant = humantime::parse_rfc3339(text).map_err(|error| error.to_string())?;
+    // Messages count seconds in 31 bits; a year is left for what the program does.
+    let last = Duration::from_secs(2_145_916_799);
+    let instant = humantime::parse_rfc3339(text)
+        .ok()
+        .and_then(|instant| instant.duration_since(std::time::UNIX_EPOCH).ok());
     instant
-        .duration_since(std::time::UNIX_EPOCH)
-        .map_err(|_| "the file's stamps cannot start before 1970".to_owned())
+        .filter(|epoch| *epoch <= last)
+        .ok_or_else(|| "an instant from 1970 to 2037 is needed, as 2020-01-01T00:00:00Z".to_owned())
 }

@@ -19,13 +19,14 @@ pub(crate) enum Failure {
 impl Failure {
     /// Input of which nothing can be shown.
     pub(crate) fn input(what: impl Into<String>) -> Self {
-        Self::Input(Report::new(Problem { what: what.into(), text: None, place: None }))
+        let what = printable(&what.into());
+        Self::Input(Report::new(Problem { what, text: None, place: None }))
     }
 
     /// A fault at a place in a text.
     pub(crate) fn in_text(what: &str, place: &Place, name: &str, text: &str) -> Self {
         Self::Input(Report::new(Problem {
-            what: format!("{name}, {place}: {what}"),
+            what: printable(&format!("{name}, {place}: {what}")),
             text: excerpt(text, place).then(|| NamedSource::new(name, text.to_owned())),
             place: Some(place.clone()),
         }))
@@ -55,13 +56,27 @@ impl Failure {
     }
 }
 
-/// Whether the lines about a place are short enough to be shown.
+/// The text with control characters spelled out: a terminal would obey them.
+fn printable(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
+}
+
+/// Whether the lines about a place are short enough to be shown, and harmless.
 fn excerpt(text: &str, place: &Place) -> bool {
     const LONGEST_LINE: usize = 400;
     let from = text[..place.span.start].rfind('\n').map_or(0, |at| at + 1);
     let to = text[from..].lines().take(3).map(str::len).max().unwrap_or(0);
     let before = text[..from].trim_end_matches('\n').rsplit('\n').next().map_or(0, str::len);
-    to <= LONGEST_LINE && before <= LONGEST_LINE
+    let obeyed = |c: char| c.is_control() && !c.is_whitespace();
+    to <= LONGEST_LINE && before <= LONGEST_LINE && !text.contains(obeyed)
 }
 
 #[derive(Debug, thiserror::Error)]

@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{self, BufWriter, Write},
+    io::{self, BufWriter, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
     sync::{
         OnceLock,
@@ -25,8 +25,16 @@ impl Output {
     pub(crate) fn new(path: &Path) -> Result<Self, Failure> {
         let refuse =
             |error: &io::Error| Failure::run(format!("cannot write {}", path.display()), error);
-        if path.is_dir() {
-            return Err(refuse(&io::Error::from(io::ErrorKind::IsADirectory)));
+        // A link stays one: what it leads to is replaced.
+        let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        match path.metadata() {
+            Ok(kind) if kind.is_dir() => {
+                return Err(refuse(&io::Error::from(io::ErrorKind::IsADirectory)));
+            }
+            Ok(kind) if !kind.is_file() => {
+                return Err(refuse(&io::Error::other("it is a device or a pipe, not a file")));
+            }
+            _ => {}
         }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
         let mut builder = tempfile::Builder::new();
@@ -39,14 +47,22 @@ impl Output {
         }
         let file = builder
             .tempfile_in(folder.unwrap_or(Path::new(".")))
-            .map_err(|error| refuse(&error))?;
-        Ok(Self { path: path.to_owned(), file })
+            // Without the name of the temporary file.
+            .map_err(|error| refuse(&io::Error::from(error.kind())))?;
+        Ok(Self { path, file })
     }
 
     /// Where the content goes.
-    pub(crate) fn stream(&self) -> Result<BufWriter<File>, Failure> {
+    pub(crate) fn stream(&self) -> Result<BufWriter<Stream>, Failure> {
         let file = self.file.as_file().try_clone().map_err(|error| self.failure(&error))?;
-        Ok(BufWriter::with_capacity(1 << 18, file))
+        Ok(BufWriter::with_capacity(1 << 18, Stream(file)))
+    }
+
+    /// Writes all of it.
+    pub(crate) fn write(&self, content: &[u8]) -> Result<(), Failure> {
+        let mut stream = self.stream()?;
+        let written = stream.write_all(content).and_then(|()| stream.flush());
+        written.map_err(|error| self.failure(&error))
     }
 
     /// Why it could not be written.
@@ -65,15 +81,26 @@ impl Output {
     }
 }
 
-/// Writes a whole file.
-pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
-    let output = Output::new(path)?;
-    let mut stream = output.stream()?;
-    stream
-        .write_all(content)
-        .and_then(|()| stream.flush())
-        .map_err(|error| output.failure(&error))?;
-    output.complete()
+/// A file that an interrupt cuts off, however long the rest of it is.
+pub(crate) struct Stream(File);
+
+impl Write for Stream {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if interrupted() {
+            return Err(io::Error::other("interrupted"));
+        }
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+impl Seek for Stream {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.0.seek(to)
+    }
 }
 
 /// Prints to standard output. A reader that has gone away, as `head` does, is no failure.
@@ -90,19 +117,25 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 static INTERRUPTED: OnceLock<AtomicBool> = OnceLock::new();
 
 /// From now on an interrupt (Ctrl-C, or a request to end) is noticed by [`check_interrupt`], so that
-/// nothing half-written stays behind.
+/// nothing half-written stays behind. A second one ends the process at once.
 pub(crate) fn catch_interrupts() {
     let flag = INTERRUPTED.get_or_init(|| AtomicBool::new(false));
     // Without a handler an interrupt ends the process at once, which is all right too.
-    let _ = ctrlc::set_handler(|| flag.store(true, Ordering::Relaxed));
+    let _ = ctrlc::set_handler(|| {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(1);
+        }
+    });
+}
+
+fn interrupted() -> bool {
+    INTERRUPTED.get().is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 
 /// Fails once an interrupt has come.
 pub(crate) fn check_interrupt() -> Result<(), Failure> {
-    match INTERRUPTED.get() {
-        Some(flag) if flag.load(Ordering::Relaxed) => {
-            Err(Failure::Run { what: "interrupted".to_owned(), cause: None })
-        }
-        _ => Ok(()),
+    if interrupted() {
+        return Err(Failure::Run { what: "interrupted".to_owned(), cause: None });
     }
+    Ok(())
 }

@@ -244,8 +244,71 @@ fn an_output_that_cannot_be_written_exits_with_1() {
     assert!(files(&folder).is_empty());
 }
 
-/// A file size limit stands for a full disk: the write fails half-way.
+#[test]
+fn what_is_read_is_not_written_over() {
+    let folder = tempdir().unwrap();
+    let text = program(r#"{ "type": "ptp", "joints_deg": [10, 0, 0, 0, 0, 0, 0] }"#);
+    fs::write(folder.path().join("a.mcap"), &text).unwrap();
+    let input = Path::new("a.mcap");
+    for arguments in [
+        &[][..],
+        &["-o", "./a.mcap"],
+        &["--no-output", "--picture", "a.mcap"],
+        &["-o", "b", "--picture", "b"],
+    ] {
+        let assert = plan(&folder, input, arguments).code(2);
+        assert.stderr(contains("would be written over the").and(contains("name another")));
+        assert_eq!(fs::read_to_string(folder.path().join("a.mcap")).unwrap(), text);
+        assert_eq!(files(&folder), ["a.mcap"]);
+    }
+}
+
+#[test]
 #[cfg(unix)]
+fn links_stay_and_devices_are_not_replaced() {
+    let folder = tempdir().unwrap();
+    let appendix_b = fixture("appendix-b.json");
+    fs::write(folder.path().join("real.mcap"), "old").unwrap();
+    std::os::unix::fs::symlink("real.mcap", folder.path().join("link.mcap")).unwrap();
+    plan(&folder, &appendix_b, &["-o", "link.mcap"]).success();
+    assert!(fs::symlink_metadata(folder.path().join("link.mcap")).unwrap().is_symlink());
+    assert!(fs::metadata(folder.path().join("real.mcap")).unwrap().len() > 1000);
+    plan(&folder, &appendix_b, &["-o", "/dev/null"]).code(1).stderr(contains("not a file"));
+    plan(&folder, &appendix_b, &["-o", "none/a.mcap"]).code(1).stderr(contains(".part").not());
+    assert_eq!(files(&folder), ["link.mcap", "real.mcap"]);
+}
+
+#[test]
+fn a_picture_that_cannot_be_drawn_leaves_nothing() {
+    let folder = tempdir().unwrap();
+    plan(&folder, &fixture("appendix-b.json"), &["--picture", "none/a.svg"]).code(1);
+    assert!(files(&folder).is_empty());
+}
+
+#[test]
+fn control_characters_are_spelled_out() {
+    let folder = tempdir().unwrap();
+    let text = program(r#"{ "type": "\u001b]0;x\u0007" }"#);
+    fs::write(folder.path().join("a.json"), text).unwrap();
+    let assert = plan(&folder, Path::new("a.json"), &[]).code(2);
+    let said = &assert.get_output().stderr;
+    assert!(!said.contains(&0x1b) && !said.contains(&7), "{}", String::from_utf8_lossy(said));
+}
+
+#[test]
+fn limits_of_a_urdf_that_differ_exit_with_3() {
+    let folder = tempdir().unwrap();
+    let urdf = iiwasim(&folder, &["robot", "lbr_iiwa_7_r800", "--urdf"]).success();
+    let urdf = String::from_utf8(urdf.get_output().stdout.clone()).unwrap();
+    fs::write(folder.path().join("same.urdf"), &urdf).unwrap();
+    let check = |file| iiwasim(&folder, &["robot", "lbr_iiwa_7_r800", "--check", file]);
+    check("same.urdf").success();
+    let other = urdf.replace("effort=\"176\"", "effort=\"100\"");
+    assert_ne!(other, urdf);
+    fs::write(folder.path().join("other.urdf"), &other).unwrap();
+    check("other.urdf").code(3).stdout(contains("effort is 100 Nm in the URDF and 176 Nm"));
+}
+
 #[test]
 fn a_full_disk_exits_with_1_and_keeps_the_old_file() {
     let folder = tempdir().unwrap();

@@ -350,3 +350,24 @@ fn tiny_motions_on_the_way() {
         }
     }
 }
+
+#[test]
+fn slow_motions_take_as_long_as_they_are_slow() {
+    // A hundredth of the speed takes a hundred times as long, but for the ramps. Sampling so long a
+    // time, as the other tests do, would take for ever.
+    let time_s = |motions: &[Ptp]| {
+        let path = path([0.0; 7], motions, BlendShape::Iiwa);
+        Trajectory::plan(&path, Timing::default()).unwrap().motion_time_s()
+    };
+    let mut corner = only(1, 90.0);
+    corner[1] = corner[0];
+    for share in [1e-2, 1e-4, 2e-6] {
+        let line = |share| time_s(&[Ptp::to(only(2, 10.0)).velocity(share)]) * share;
+        assert!((line(share) / (10.0 / 98.0) - 1.0).abs() < 2.0 * share, "{share}");
+        let blended = |share| {
+            let first = Ptp::to(only(1, 90.0)).velocity(share).blend(Blend::Fraction(0.1));
+            time_s(&[first, Ptp::to(corner).velocity(share)]) * share
+        };
+        assert!((blended(share) / blended(share / 1.5) - 1.0).abs() < share, "{share}");
+    }
+}

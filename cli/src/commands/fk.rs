@@ -19,10 +19,10 @@ pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     let joints = options.joints.rad();
     if let Some(j) = robot.limits().outside(&joints) {
         return Err(Failure::input(format!(
-            "joint {} is at {:.3} deg, its limit is +-{:.3} deg",
+            "joint {} is at {} deg, its limit is +-{} deg",
             j + 1,
-            joints[j].to_degrees(),
-            robot.limits().position_rad[j].to_degrees()
+            degrees(joints[j]),
+            degrees(robot.limits().position_rad[j])
         )));
     }
     let pose = robot.tcp(&joints);
@@ -36,7 +36,8 @@ pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     let [x, y, z] = pose.position_m.map(|v| v * 1e3);
     let mut text = format!("position   {x:10.3} {y:10.3} {z:10.3}  mm\n");
     for (name, row) in ["rotation", "", ""].iter().zip(pose.rotation) {
-        let [a, b, c] = row;
+        // No negative zero.
+        let [a, b, c] = row.map(|v| (v * 1e6).round() / 1e6 + 0.0);
         let _ = writeln!(text, "{name:<10} {a:10.6} {b:10.6} {c:10.6}");
     }
     // A turns about z, then B about the new y, then C about the new x, as KUKA does it.
@@ -44,4 +45,11 @@ pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     let [a, b, c] = [a, b, c].map(f64::to_degrees);
     let _ = writeln!(text, "A, B, C    {a:10.3} {b:10.3} {c:10.3}  deg");
     output::print(&text)
+}
+
+/// Degrees with as many places as tell a value from its limit, and no more.
+fn degrees(rad: f64) -> f64 {
+    let degrees = rad.to_degrees();
+    let rounded = (degrees * 1e7).round() / 1e7;
+    if rounded.is_finite() { rounded } else { degrees }
 }

@@ -23,8 +23,10 @@ use crate::{
 
 /// Plans a program, writes its trajectory and prints its figures.
 pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
-    output::catch_interrupts();
+    let target = output_path(options);
+    distinct(options, target.as_deref())?;
     let (text, program, robot) = input::program(&options.program, options.robot.as_deref())?;
+    output::catch_interrupts();
     let path_options = PathOptions {
         blend_shape: options.blend_shape.into(),
         blend_search: options.blend_search.into(),
@@ -39,8 +41,8 @@ pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
     let timing = Timing::Acceleration(SweepOptions { samples: options.samples as usize });
     let mut figures = Figures::new(timing.name(), &robot, options.samples);
 
-    let target = output_path(options);
     let output = target.as_deref().map(Output::new).transpose()?;
+    let drawing = options.picture.as_deref().map(Output::new).transpose()?;
     let mut writer = match &output {
         None => None,
         Some(output) => {
@@ -52,7 +54,7 @@ pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
             Some(writer.map_err(|error| output.failure(&error))?)
         }
     };
-    let mut picture = options.picture.as_ref().map(|_| Picture::new(&robot));
+    let mut picture = drawing.as_ref().map(|_| Picture::new(&robot));
 
     let mut progress = Progress::new();
     let mut planner = Planner::new(&path, timing);
@@ -70,17 +72,19 @@ pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
     }
     progress.clear();
 
-    if let (Some(writer), Some(output)) = (writer, output) {
+    if let (Some(writer), Some(output)) = (writer, &output) {
         let program = ("program.json", "application/json", text.text.as_bytes());
         let stream = writer.finish(&figures.metadata(), &[program]);
         stream
             .map_err(|error| output.failure(&error))?
             .into_inner()
             .map_err(|error| output.failure(error.error()))?;
-        output.complete()?;
     }
-    if let (Some(picture), Some(path)) = (picture, &options.picture) {
-        output::write(path, picture.draw()?.as_bytes())?;
+    if let (Some(picture), Some(drawing)) = (picture, &drawing) {
+        drawing.write(picture.draw()?.as_bytes())?;
+    }
+    for whole in output.into_iter().chain(drawing) {
+        whole.complete()?;
     }
     report(options, &figures, target.as_deref())?;
 
@@ -107,6 +111,31 @@ fn output_path(options: &Plan) -> Option<PathBuf> {
         name.push(".mcap");
         PathBuf::from(name)
     }))
+}
+
+/// Refuses to write over what is read, or one file twice.
+fn distinct(options: &Plan, target: Option<&FilePath>) -> Result<(), Failure> {
+    let same = |a: &FilePath, b: &FilePath| {
+        a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
+    };
+    let robot = options.robot.as_deref().map(FilePath::new);
+    let read = [("program", Some(options.program.as_path())), ("robot", robot)];
+    let written = [("trajectory", target), ("picture", options.picture.as_deref())];
+    for (what, path) in written {
+        let others = read.iter().chain(written.iter().filter(|(other, _)| *other < what));
+        for (other, its) in others {
+            if let (Some(path), Some(its)) = (path, its)
+                && same(path, its)
+            {
+                return Err(Failure::input(format!(
+                    "the {what} would be written over the {other}, {}; name another file with {}",
+                    path.display(),
+                    if what == "picture" { "--picture" } else { "--output" }
+                )));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The figures, and where the file is.

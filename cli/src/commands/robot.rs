@@ -23,7 +23,7 @@ pub(crate) fn run(options: &args::Robot) -> Result<(), Failure> {
         return output::print(&format!("{}\n", robot.to_urdf().trim_end()));
     }
     if let Some(path) = &options.check {
-        return check(&robot, path);
+        return check(&robot, path, options.tip.as_deref());
     }
     output::print(&model(&robot))
 }
@@ -82,20 +82,20 @@ fn model(robot: &Robot) -> String {
     text
 }
 
-/// Two places at most, and no zeros behind the point.
+/// Three places at most, and no zeros behind the point.
 fn round(value: f64) -> String {
     let value = (value * 1000.0).round() / 1000.0;
     // No negative zero.
     format!("{}", value + 0.0)
 }
 
-fn check(robot: &Robot, path: &Path) -> Result<(), Failure> {
+fn check(robot: &Robot, path: &Path, tip: Option<&str>) -> Result<(), Failure> {
     let Text { name, text } = Text::read(path)?;
     let report = robot
-        .check_urdf(&text, None)
+        .check_urdf(&text, tip)
         .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))?;
     let mut out = format!(
-        "{name} agrees with {}: {} to {}, joints {}\n\
+        "The axes and the flange of {name} agree with {}: {} to {}, joints {}\n\
          Largest deviation over {} poses: {:.6} mm, {:.6} deg\n",
         robot.name(),
         report.base,
@@ -106,12 +106,23 @@ fn check(robot: &Robot, path: &Path) -> Result<(), Failure> {
         report.rotation_deviation_rad.to_degrees()
     );
     for difference in &report.limits {
-        let found = difference.urdf.map_or_else(|| "none".to_owned(), |v| format!("{v}"));
+        let show = |value: f64| match difference.limit {
+            "effort" => format!("{} Nm", round(value)),
+            "velocity" => format!("{} deg/s", round(value.to_degrees())),
+            _ => format!("{} deg", round(value.to_degrees())),
+        };
         let _ = writeln!(
             out,
-            "Joint {}: {} is {found} in the URDF and {} in the model",
-            difference.joint, difference.limit, difference.model
+            "Joint {}: {} is {} in the URDF and {} in the model",
+            difference.joint,
+            difference.limit,
+            difference.urdf.map_or_else(|| "missing".to_owned(), show),
+            show(difference.model)
         );
     }
-    output::print(&out)
+    output::print(&out)?;
+    match report.limits.len() {
+        0 => Ok(()),
+        count => Err(Failure::Gate(format!("{count} limits of {name} differ from the model's"))),
+    }
 }

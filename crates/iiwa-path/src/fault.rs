@@ -29,17 +29,26 @@ pub enum Fault {
         /// Where it may be, in rad.
         limit_rad: f64,
     },
-    /// A relative speed, acceleration or jerk is not in (0, 1].
-    #[error("motion {}: {field} is {found}; it must be above 0 and at most 1", .motion + 1)]
+    /// A relative speed, acceleration or jerk is not in (0, 1], or next to nothing.
+    #[error(
+        "motion {}: {field}{} is {found}; it must be {} and at most 1",
+        .motion + 1,
+        .joint.map(|joint| format!(" of joint {joint}")).unwrap_or_default(),
+        if *.found > 0.0 && *.found < *.min { format!("at least {min}") } else { "above 0".to_owned() }
+    )]
     Share {
         /// The motion.
         motion: usize,
         /// Which of the three.
         field: Field,
+        /// The joint, from 1; none if it is the same for all.
+        joint: Option<usize>,
         /// What it is.
         found: f64,
+        /// What it has to be at least.
+        min: f64,
     },
-    /// A wait is negative, longer than a year, or not a number.
+    /// A wait is negative, longer than a day, or not a number.
     #[error("motion {}: a wait of {found} s; it must be from 0 to {max_s} s", .motion + 1)]
     Wait {
         /// The motion.
@@ -139,8 +148,10 @@ impl Fault {
                     .min_by_key(|place| place.span.len())
                     .unwrap_or_else(|| locate(text, &owner))
             }
-            Self::Share { motion, field, .. } => {
-                locate(text, &[motions, Index(motion), Key(field.key())])
+            Self::Share { motion, field, joint, .. } => {
+                let mut path = vec![motions, Index(motion), Key(field.key())];
+                path.extend(joint.map(|joint| Index(joint - 1)));
+                locate(text, &path)
             }
             Self::Wait { motion, .. } => locate(text, &[motions, Index(motion), Key("seconds")]),
             Self::Blend { motion, .. }

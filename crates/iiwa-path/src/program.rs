@@ -148,8 +148,10 @@ impl Program {
             (Field::Jerk, &ptp.jerk_rel),
         ];
         for (field, values) in shares {
-            if let Some(&found) = values.iter().find(|v| !(**v > 0.0 && **v <= 1.0)) {
-                return Err(Fault::Share { motion, field, found });
+            let wrong = |(_, share): &(usize, &f64)| !(MIN_SHARE..=1.0).contains(*share);
+            if let Some((j, &found)) = values.iter().enumerate().find(wrong) {
+                let joint = values.iter().any(|v| v.to_bits() != found.to_bits()).then_some(j + 1);
+                return Err(Fault::Share { motion, field, joint, found, min: MIN_SHARE });
             }
         }
         let Some(blend) = ptp.blend else { return Ok(()) };
@@ -170,8 +172,11 @@ impl Program {
     }
 }
 
-/// A wait above a year is a slip of the pen, and would fill a disk with samples.
-const MAX_WAIT_S: f64 = 365.0 * 24.0 * 3600.0;
+/// The least share of a limit: at a millionth of its speed the arm takes weeks for half a turn.
+const MIN_SHARE: f64 = 1e-6;
+
+/// A wait above a day is a slip of the pen, and would fill a disk with samples.
+const MAX_WAIT_S: f64 = 24.0 * 3600.0;
 
 fn check_joints(motion: Option<usize>, joints: &Joints, limits: &Limits) -> Result<(), Fault> {
     match limits.outside(joints) {

@@ -320,8 +320,8 @@ struct PtpWire {
 #[schemars(rename = "Wait")]
 struct WaitWire {
     r#type: WaitTag,
-    /// For how long, in s: at most a year.
-    #[schemars(range(min = 0, max = 31_536_000))]
+    /// For how long, in s: at most a day.
+    #[schemars(range(min = 0, max = 86_400))]
     seconds: f64,
 }
 
@@ -344,9 +344,16 @@ impl<'de> Deserialize<'de> for BlendWire {
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
         struct Sizes {
+            #[serde(default, deserialize_with = "given")]
             fraction: Option<f64>,
+            #[serde(default, deserialize_with = "given")]
             sunrise_rel: Option<f64>,
+            #[serde(default, deserialize_with = "given")]
             cart_mm: Option<f64>,
+        }
+        /// A key that is there has a value: null is not one.
+        fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+            f64::deserialize(deserializer).map(Some)
         }
         let sizes = Sizes::deserialize(deserializer)?;
         match (sizes.fraction, sizes.sunrise_rel, sizes.cart_mm) {
@@ -404,10 +411,10 @@ impl From<&Motion> for MotionWire {
 #[serde(untagged)]
 #[schemars(inline)]
 enum Share {
-    All(#[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))] f64),
+    All(#[schemars(extend("minimum" = 1e-6, "maximum" = 1))] f64),
     Each(
         #[schemars(extend(
-            "items" = { "type": "number", "exclusiveMinimum": 0, "maximum": 1 }
+            "items" = { "type": "number", "minimum": 1e-6, "maximum": 1 }
         ))]
         Joints,
     ),

@@ -329,8 +329,10 @@ fn shares_out_of_range() {
             );
         }
     }
-    let what = "motion 2: velocity_rel is 2; it must be above 0 and at most 1";
-    check("0.75", "[1, 1, 1, 1, 1, 1, 2]", (6, 80), "[", what);
+    let what = "motion 2: velocity_rel of joint 7 is 2; it must be above 0 and at most 1";
+    check("0.75", "[1, 1, 1, 1, 1, 1, 2]", (6, 99), "2", what);
+    let what = "motion 2: velocity_rel is 0.0000005; it must be at least 0.000001 and at most 1";
+    check("0.75", "5e-7", (6, 80), "5e-7", what);
     let seven = "motion 2: expected seven shares, for joints A1 to A7, found 3";
     check("0.75", "[1, 1, 1]", (6, 80), "[", seven);
     let share = "motion 2: expected a number above 0 and at most 1, or seven of them, found";
@@ -343,7 +345,7 @@ fn shares_out_of_range() {
 #[test]
 fn waits_out_of_range() {
     for (seconds, found) in [("-0.001", "-0.001"), ("1e9", "1000000000")] {
-        let what = format!("motion 3: a wait of {found} s; it must be from 0 to 31536000 s");
+        let what = format!("motion 3: a wait of {found} s; it must be from 0 to 86400 s");
         check("0.5 }", &format!("{seconds} }}"), (7, 34), seconds, &what);
     }
     check(
@@ -371,7 +373,8 @@ fn blends_out_of_range() {
     let one = "motion 1: a blend has exactly one of `fraction`, `sunrise_rel` and `cart_mm`";
     check("{ \"cart_mm\": 50 }", "{}", at, "{", one);
     check("\"cart_mm\": 50", "\"cart_mm\": 50, \"fraction\": 0.1", at, "{", one);
-    check("\"cart_mm\": 50", "\"cart_mm\": null", at, "{", one);
+    let null = "motion 1: expected a number, found null";
+    check("\"cart_mm\": 50", "\"cart_mm\": null", (at.0, at.1 + 13), "null", null);
     let object = "motion 1: expected an object, found";
     check("{ \"cart_mm\": 50 }", "50", at, "50", &format!("{object} `50`"));
     check(

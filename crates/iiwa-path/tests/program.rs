@@ -36,7 +36,7 @@ fn reach(path: &Path) -> f64 {
 }
 
 fn any_share() -> impl Strategy<Value = Joints> {
-    let one = || prop_oneof![Just(1.0), 1e-3..1.0_f64, Just(f64::MIN_POSITIVE)];
+    let one = || prop_oneof![Just(1.0), 1e-3..1.0_f64, Just(1e-6)];
     prop_oneof![one().prop_map(|share| [share; 7]), prop::array::uniform7(one())]
 }
 
@@ -59,7 +59,7 @@ fn any_blend() -> impl Strategy<Value = Option<Blend>> {
 
 fn any_motion() -> impl Strategy<Value = Motion> {
     prop_oneof![
-        1 => (0.0..1e6_f64).prop_map(|seconds| Motion::Wait { seconds }),
+        1 => (0.0..86_400.0_f64).prop_map(|seconds| Motion::Wait { seconds }),
         4 => (any_joints(), any_share(), any_share(), any_share(), any_blend()).prop_map(
             |(target_rad, velocity_rel, acceleration_rel, jerk_rel, blend)| {
                 Motion::Ptp(Ptp { target_rad, velocity_rel, acceleration_rel, jerk_rel, blend })

@@ -397,7 +397,7 @@ fn stamp(samples: impl Iterator<Item = (f64, Sample)>, t_s: &mut f64, nodes: &mu
         if let Some(last) = last {
             let later = *t_s + interval::duration(s - last.s, last.rate, rate, last.u);
             // At least the next number: over long stretches, tiny intervals are lost in rounding.
-            *t_s = if later > *t_s { later } else { t_s.next_up() };
+            *t_s = if later <= *t_s { t_s.next_up() } else { later };
         }
         let node = Node { t_s: *t_s, s, rate, u };
         last = Some(node);

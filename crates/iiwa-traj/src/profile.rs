@@ -4,8 +4,10 @@
 
 use crate::sweep::Sample;
 
-/// Phases shorter than this share of a line are left out: u would be lost in rounding.
-const NONE: f64 = 1e-7;
+/// The least share of a line over which the speed changes. A shorter ramp, of a slow motion, is
+/// stretched to it: its length would be lost in rounding, and with u no more than allowed it costs a
+/// share of the time that is as small.
+const SHORTEST: f64 = 1e-9;
 
 /// Limits along a line with s in [0, 1].
 #[derive(Clone, Copy, Debug)]
@@ -35,11 +37,17 @@ impl LineLimits {
     /// d2s/dt2 is constant. The ends must be within reach of each other.
     pub(crate) fn fastest(&self, x0: f64, x1: f64) -> impl Iterator<Item = (f64, Sample)> {
         let top = (0.5 * (x0 + x1) + self.u_max).min(self.x_max).max(x0).max(x1);
-        let up = (top - x0) / (2.0 * self.u_max);
-        let down = 1.0 - (top - x1) / (2.0 * self.u_max);
-        let top_starts = (up > NONE && up < 1.0 - NONE).then_some((up, top));
-        let last = if top_starts.is_some() { up } else { 0.0 };
-        let top_ends = (down > last + NONE && down < 1.0 - NONE).then_some((down, top));
+        let ramp = |x: f64| {
+            let rises = top - x > 1e-12 * top;
+            if rises { ((top - x) / (2.0 * self.u_max)).max(SHORTEST) } else { 0.0 }
+        };
+        let (up, down) = (ramp(x0), ramp(x1));
+        // A single ramp may miss its end by rounding, and two may overlap by it.
+        let peak = up / (up + down);
+        let (up, down) = if up + down < 1.0 - SHORTEST { (up, 1.0 - down) } else { (peak, peak) };
+        let inside = |s: f64| s > 0.0 && s < 1.0;
+        let top_starts = inside(up).then_some((up, top));
+        let top_ends = (inside(down) && down > up).then_some((down, top));
         let nodes = [Some((0.0, x0)), top_starts, top_ends, Some((1.0, x1))];
         let nexts = [
             top_starts.or(top_ends).unwrap_or((1.0, x1)),
@@ -74,6 +82,14 @@ mod tests {
         assert!((duration(trapezoid, 0.0, 0.0) - 1.5).abs() < 1e-15);
         let triangle = LineLimits { x_max: 100.0, u_max: 4.0 };
         assert!((duration(triangle, 0.0, 0.0) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn ramps_too_short_to_tell_are_kept() {
+        // 1 s of ramp at each end of 2e10 s.
+        let slow = LineLimits { x_max: 2.5e-21, u_max: 5e-11 };
+        assert!((duration(slow, 0.0, 0.0) / 2e10 - 1.0).abs() < 1e-8);
+        assert!((duration(slow, 0.0, slow.x_max) / 2e10 - 1.0).abs() < 1e-8);
     }
 
     #[test]

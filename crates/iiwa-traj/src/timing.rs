@@ -60,10 +60,11 @@ pub enum TimingError {
         /// Value over limit.
         ratio: f64,
     },
-    /// The arm would come to rest within a motion.
+    /// No stamps were found: the arm would stop on the way, or intervals had to be tightened again and
+    /// again.
     #[error("motion {}: no way was found to move through it; please report the program", .motion + 1)]
     Stuck {
-        /// The motion, from 0.
+        /// The motion, from 0, or the first one of a stretch without a stop.
         motion: usize,
     },
 }

@@ -152,7 +152,7 @@ pub enum UrdfError {
     /// The axes are where the model has them, the tip is not.
     #[error(
         "the seven axes are the model's, but link {tip:?} is {:.3} mm and {:.4} deg off the \
-         flange; name another tip or set the model's flange length, at {at}",
+         flange; name another tip, or take a profile with this flange for the model, at {at}",
         position_m * 1e3, rotation_rad.to_degrees()
     )]
     Tip {
