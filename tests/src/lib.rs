@@ -1,5 +1,6 @@
-//! What the end-to-end tests share: the reference programs, and random programs.
+//! What the end-to-end tests share: the reference programs, random programs, and an eye for limits.
 
+pub mod differences;
 pub mod random;
 pub mod reference;
 

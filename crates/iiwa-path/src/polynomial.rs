@@ -142,6 +142,23 @@ impl PolynomialBlend {
         self.reach
     }
 
+    /// Up to which derivative it continues its neighbours.
+    #[must_use]
+    pub fn continuity(&self) -> Continuity {
+        self.continuity
+    }
+
+    /// `s + alpha(s)`, which rises from 0 to 2 along the blend, and its first three derivatives by s.
+    ///
+    /// At both ends, the path's third derivative by s jumps along its direction and across. Taken as
+    /// the parameter instead of s, this leaves only the jump across, which is what the arm feels.
+    #[must_use]
+    pub fn progress(&self, s: f64) -> [f64; 4] {
+        let mut along = self.continuity.alpha();
+        along[1] += 1.0;
+        evaluate(&along, s)
+    }
+
     /// Position and derivatives at `s` in [0, 1].
     #[must_use]
     pub fn at(&self, s: f64) -> Derivatives {

@@ -62,6 +62,15 @@ impl Segment {
         }
     }
 
+    /// The piece as a blend by polynomials, if it is one.
+    #[must_use]
+    pub fn as_polynomial(&self) -> Option<&PolynomialBlend> {
+        match self {
+            Self::Polynomial(blend) => Some(blend),
+            _ => None,
+        }
+    }
+
     /// First and second derivatives at every node of `grid`, each joint times its `scale`.
     ///
     /// The eighth number of each row is zero: rows of eight fill vector registers. For blends by

@@ -17,6 +17,7 @@ pub(crate) const TOLERANCE: f64 = 1e-6;
 pub(crate) struct Load {
     pub(crate) velocity: Shares,
     pub(crate) acceleration: Shares,
+    pub(crate) jerk: Shares,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -71,9 +72,18 @@ impl Load {
         }
     }
 
+    /// Adds the shares of the limits of speed, acceleration and jerk that hold for `dt`.
+    #[inline(always)]
+    pub(crate) fn sample(&mut self, shares: &[[f64; 8]; 3], dt: f64) {
+        self.velocity.add(&shares[0], dt);
+        self.acceleration.add(&shares[1], dt);
+        self.jerk.add(&shares[2], dt);
+    }
+
     pub(crate) fn merge(&mut self, other: &Self) {
         self.velocity.merge(&other.velocity);
         self.acceleration.merge(&other.acceleration);
+        self.jerk.merge(&other.jerk);
     }
 
     /// The largest share of any limit, and which one it is.
@@ -87,11 +97,19 @@ impl Load {
         if time_s > 0.0 { limit } else { self.worst().0 }
     }
 
+    /// The largest share of a limit of speed, where `full` are the limits, of which `own` are shares.
+    #[inline(always)]
+    pub(crate) fn peak_velocity_rel(&self, own: &[f64; 7], full: &[f64; 7]) -> f64 {
+        (0..7).map(|j| self.velocity.peak[j] * own[j] / full[j]).fold(0.0, f64::max)
+    }
+
     fn largest(&self, value: impl Fn(&Shares) -> &[f64; 8]) -> (Limit, f64) {
         let mut best = (Limit { joint: 1, kind: Kind::Velocity }, 0.0);
-        for (kind, shares) in
-            [(Kind::Velocity, &self.velocity), (Kind::Acceleration, &self.acceleration)]
-        {
+        for (kind, shares) in [
+            (Kind::Velocity, &self.velocity),
+            (Kind::Acceleration, &self.acceleration),
+            (Kind::Jerk, &self.jerk),
+        ] {
             for (j, &value) in value(shares)[..7].iter().enumerate() {
                 if value > best.1 {
                     best = (Limit { joint: j + 1, kind }, value);

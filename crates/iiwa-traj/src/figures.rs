@@ -27,15 +27,18 @@ pub enum Kind {
     Velocity,
     /// Acceleration.
     Acceleration,
+    /// Jerk.
+    Jerk,
 }
 
 impl Kind {
-    /// Its name in files: `velocity` or `acceleration`.
+    /// Its name in files: `velocity`, `acceleration` or `jerk`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Velocity => "velocity",
             Self::Acceleration => "acceleration",
+            Self::Jerk => "jerk",
         }
     }
 }

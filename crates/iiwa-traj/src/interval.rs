@@ -4,6 +4,8 @@
 //! k is positive, sines where it is negative, and a parabola where it is zero. Written with
 //! `z = k t^2` all three are one smooth function each, so that small k lose no digits.
 
+use crate::stretch::Node;
+
 /// Time to go by `ds` from the rate `from` to the rate `to` (ds/dt, 1/s) while d2s/dt2 changes from
 /// `u[0]` to `u[1]`, in s.
 #[inline(always)]
@@ -69,6 +71,28 @@ fn series(z: f64, coefficients: &[f64; 8]) -> f64 {
 fn artanh_over_root(z: f64) -> f64 {
     let root = z.abs().sqrt();
     if z > 0.0 { root.atanh() / root } else { root.atan() / root }
+}
+
+/// Share of the way, rate and d2s/dt2 at `t` after the node `from`, where s is the polynomial of
+/// degree five in time that meets both nodes.
+#[inline]
+pub(crate) fn smooth(t: f64, from: &Node, to: &Node) -> (f64, f64, f64) {
+    let whole = to.t_s - from.t_s;
+    let (v, a) = (from.rate, from.u[0]);
+    // What constant d2s/dt2 would miss at the end.
+    let ds = to.s - from.s;
+    let way = ds - whole * (v + 0.5 * whole * a);
+    let rate = whole * (to.rate - v - whole * a);
+    let u = whole * whole * (from.u[1] - a);
+    let cubic = 10.0 * way - 4.0 * rate + 0.5 * u;
+    let quartic = -15.0 * way + 7.0 * rate - u;
+    let quintic = 6.0 * way - 3.0 * rate + 0.5 * u;
+    let f = t / whole;
+    let s = t * (v + 0.5 * t * a) + f * f * f * (cubic + f * (quartic + f * quintic));
+    let ds_dt = v + t * a + f * f * (3.0 * cubic + f * (4.0 * quartic + f * 5.0 * quintic)) / whole;
+    let d2s_dt2 =
+        a + f * (6.0 * cubic + f * (12.0 * quartic + f * 20.0 * quintic)) / (whole * whole);
+    (s / ds, ds_dt, d2s_dt2)
 }
 
 #[cfg(test)]

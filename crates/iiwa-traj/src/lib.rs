@@ -12,8 +12,8 @@
 //! let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
 //! let trajectory = Trajectory::plan(&path, Timing::default())?;
 //!
-//! // Joint 1 by 40 deg at 98 deg/s, with ramps of 0.2 s; then it settles.
-//! let expected = 40.0 / 98.0 + 98.0 / 490.0 + 0.05;
+//! // Joint 1 by 40 deg at 98 deg/s, 490 deg/s^2 and 10384.86 deg/s^3; then it settles.
+//! let expected = 40.0 / 98.0 + 98.0 / 490.0 + 490.0 / 10384.86 + 0.05;
 //! assert!((trajectory.cycle_time_s() - expected).abs() < 1e-12);
 //! let state = trajectory.at(0.5 * trajectory.motion_time_s());
 //! assert!(state.q[0].abs() < 1e-12);
@@ -32,6 +32,9 @@
 mod audit;
 mod figures;
 mod interval;
+mod jerk;
+mod lanes;
+mod phases;
 mod planner;
 mod profile;
 mod stretch;
@@ -42,7 +45,7 @@ mod trajectory;
 pub use figures::{BlendFigures, Kind, Limit, MotionFigures, MotionType, Totals};
 pub use planner::Planner;
 pub use stretch::{Node, Piece, PieceKind, State, Stretch};
-pub use timing::{SweepOptions, Timing, TimingError};
+pub use timing::{JerkOptions, SweepOptions, Timing, TimingError};
 pub use trajectory::Trajectory;
 
 /// How long the arm stands at the end of a motion without a blend, in s (Larsen 2019, Appendix C:

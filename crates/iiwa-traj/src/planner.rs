@@ -8,11 +8,11 @@ use iiwa_path::{Grid, Path, Segment, Step};
 use crate::{
     SETTLE_TIME_S,
     audit::{Load, TOLERANCE},
-    interval,
+    interval, jerk,
     profile::LineLimits,
     stretch::{Node, Piece, PieceKind, Stretch},
     sweep::{self, Bounds, Nodes, Sample},
-    timing::{Timing, TimingError},
+    timing::{JerkOptions, Timing, TimingError},
 };
 
 /// Plans a path stretch by stretch: an iterator that needs memory for one of them only.
@@ -20,6 +20,7 @@ use crate::{
 pub struct Planner {
     path: Path,
     grid: Grid,
+    jerk: Option<JerkOptions>,
     /// The next of the path's steps.
     step: usize,
     time_s: f64,
@@ -77,11 +78,15 @@ impl Planner {
     /// A planner for `path`.
     #[must_use]
     pub fn new(path: &Path, timing: Timing) -> Self {
-        let Timing::Acceleration(options) = timing;
-        let grid = Grid::new(options.samples.max(2));
+        let (samples, jerk) = match timing {
+            Timing::Acceleration(options) => (options.samples.max(2), None),
+            Timing::Jerk(options) => (SAMPLES_BEFORE_JERK, Some(options)),
+        };
+        let grid = Grid::new(samples);
         Self {
             path: path.clone(),
             grid,
+            jerk,
             step: 0,
             time_s: 0.0,
             rest_rad: *path.start_rad(),
@@ -118,10 +123,14 @@ impl Iterator for Planner {
             },
             pieces: Vec::with_capacity(end - first),
             nodes: Vec::new(),
+            smooth: false,
         };
         let plan = Plan { path: &self.path, grid: &self.grid, scratch: &mut self.scratch };
         let moves = Moves { plan, steps: first..rest, stretch: &mut stretch };
-        let result = pulp::Arch::new().dispatch(moves);
+        let mut result = pulp::Arch::new().dispatch(moves);
+        if let Some(options) = self.jerk {
+            result = result.and_then(|()| jerk::limit(&mut stretch, options));
+        }
         if let Err(error) = result {
             self.step = steps.len();
             return Some(Err(error));
@@ -152,6 +161,9 @@ impl Iterator for Planner {
         Some(Ok(stretch))
     }
 }
+
+/// Intervals a blend of the acceleration-limited stamps from which jerk-limited ones are sought.
+const SAMPLES_BEFORE_JERK: usize = 32;
 
 /// Most sweeps of one stretch until none of its intervals has to be tightened.
 const ROUNDS: usize = 30;
@@ -370,8 +382,7 @@ impl<'a> Plan<'a> {
         // Shares of the motion's limits become shares of the robot's.
         let own = &self.path.limits()[motion].velocity_rad_s;
         let full = &self.path.robot().limits().velocity_rad_s;
-        let peak_velocity_rel =
-            (0..7).map(|j| load.velocity.peak[j] * own[j] / full[j]).fold(0.0, f64::max);
+        let peak_velocity_rel = load.peak_velocity_rel(own, full);
         stretch.pieces.push(Piece {
             kind: if leg.is_blend { PieceKind::Blend } else { PieceKind::Line },
             motion,

@@ -19,6 +19,8 @@ pub struct Stretch {
     pub(crate) rest_rad: Joints,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) nodes: Vec<Node>,
+    /// Whether s is a polynomial of time between nodes that meets rate and u at both ends.
+    pub(crate) smooth: bool,
 }
 
 /// A line, a blend or a rest.
@@ -77,7 +79,8 @@ impl PieceKind {
     }
 }
 
-/// A sample of a piece. Until the next one, d2s/dt2 changes linearly with s.
+/// A sample of a piece. Until the next one d2s/dt2 changes linearly with s; under jerk-limited timing, s is
+/// a polynomial of degree five in time, so that d2s/dt2 continues.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
     /// Time since the start of the stretch, in s.
@@ -175,9 +178,13 @@ impl Stretch {
 
     fn state(&self, t_s: f64, piece: &Piece, segment: &Segment, from: &Node, to: &Node) -> State {
         let dt = (t_s - self.start_s - from.t_s).clamp(0.0, to.t_s - from.t_s);
-        let (ds, rate) = interval::at(dt, to.s - from.s, from.rate, from.u);
-        let share = (ds / (to.s - from.s)).clamp(0.0, 1.0);
-        let u = from.u[0] + share * (from.u[1] - from.u[0]);
+        let (share, rate, u) = if self.smooth {
+            interval::smooth(dt, from, to)
+        } else {
+            let (ds, rate) = interval::at(dt, to.s - from.s, from.rate, from.u);
+            let share = (ds / (to.s - from.s)).clamp(0.0, 1.0);
+            (share, rate, from.u[0] + share * (from.u[1] - from.u[0]))
+        };
         let d = segment.at(from.s + share * (to.s - from.s));
         State {
             t_s,

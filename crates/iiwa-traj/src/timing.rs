@@ -6,20 +6,23 @@
 pub enum Timing {
     /// Velocity and acceleration, by the sample sweep of Larsen 2019, section 2.4.
     Acceleration(SweepOptions),
+    /// Velocity, acceleration and jerk, as the controller does it.
+    Jerk(JerkOptions),
 }
 
 impl Default for Timing {
     fn default() -> Self {
-        Self::Acceleration(SweepOptions::default())
+        Self::Jerk(JerkOptions::default())
     }
 }
 
 impl Timing {
-    /// The name of the timing: `acceleration`.
+    /// The name of the timing: `acceleration` or `jerk`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
             Self::Acceleration(_) => "acceleration",
+            Self::Jerk(_) => "jerk",
         }
     }
 }
@@ -37,6 +40,22 @@ pub struct SweepOptions {
 impl Default for SweepOptions {
     fn default() -> Self {
         Self { samples: 100 }
+    }
+}
+
+/// How jerk-limited stamps are found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JerkOptions {
+    /// How many times as fine as usual the cells are; 1 by default.
+    pub refinement: f64,
+    /// Whether straight lines from rest to rest go through the general solver, too, instead of their
+    /// closed form; no by default.
+    pub general: bool,
+}
+
+impl Default for JerkOptions {
+    fn default() -> Self {
+        Self { refinement: 1.0, general: false }
     }
 }
 
@@ -59,6 +78,26 @@ pub enum TimingError {
         kind: crate::Kind,
         /// Value over limit.
         ratio: f64,
+    },
+    /// A blend of this shape starts and ends with a jump in curvature, at which jerk would be infinite.
+    #[error(
+        "motion {}: the blend at its end begins with a jump in acceleration, which no limit of jerk \
+         allows; choose another shape of blends, or timing without jerk",
+        .motion + 1
+    )]
+    CurvatureJumps {
+        /// The motion whose target is blended away, from 0.
+        motion: usize,
+    },
+    /// The jerk-limited solver did not converge.
+    #[error(
+        "motion {}: no jerk-limited stamps were found for what starts with it; please report the \
+         program",
+        .motion + 1
+    )]
+    NotConverged {
+        /// The first motion of a stretch without a stop, from 0.
+        motion: usize,
     },
     /// No stamps were found: the arm would stop on the way, or intervals had to be tightened again and
     /// again.

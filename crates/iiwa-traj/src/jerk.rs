@@ -1,0 +1,352 @@
+//! Jerk-limited stamps of one stretch.
+//!
+//! A stretch that is one straight line has a closed form. Any other is solved for on cells
+//! ([`solver`]), starting from its acceleration-limited stamps. What comes out keeps all limits at
+//! some places of each cell; where it exceeds them in between, the cell's limits are lowered and it is
+//! solved again.
+
+mod cells;
+mod leg;
+mod mesh;
+mod solver;
+
+use iiwa_kin::Joints;
+use iiwa_path::Step;
+
+use crate::{
+    audit::Load,
+    phases::{Instant, phases},
+    stretch::{Node, PieceKind, Stretch},
+    timing::{JerkOptions, TimingError},
+};
+use leg::Leg;
+use mesh::{Cell, mesh};
+use solver::{GAP, Solver, Start};
+
+/// Largest shares of the limits of speed, acceleration and jerk that are handed out. Between the
+/// places at which the solver keeps them exactly, they may be exceeded by a little.
+pub(crate) const TOLERANCE: [f64; 3] = [1.004, 1.006, 1.04];
+
+/// Shares that a cell is brought down to once it is above the tolerance.
+const AIM: [f64; 3] = [1.0, 1.001, 1.02];
+
+/// Share of the duration left to be gained, at which limits are lowered for the first time.
+const NEAR: f64 = 1e-3;
+
+/// Where the solver starts again once limits have been lowered: by little, and by more than `ABRUPT`.
+const CLOSE: Start = Start { mu: 1e-3, slack: 1e-3 };
+const AFAR: Start = Start { mu: 1e-2, slack: 1e-2 };
+const ABRUPT: f64 = 1.3;
+
+/// Most times that limits of cells are lowered.
+const ROUNDS: usize = 8;
+
+/// Longest time, as a share, to which all is stretched if lowering limits did not do.
+const STRETCH: f64 = 1.02;
+
+/// How a stretch is sought, one way after the other until one succeeds: refinement of the cells, and
+/// share of the acceleration-limited x to start from.
+const WAYS: [(f64, f64); 4] = [(1.0, 0.7), (1.0, 0.3), (1.7, 0.5), (2.5, 0.2)];
+
+/// Replaces the acceleration-limited stamps of `stretch` by jerk-limited ones.
+pub(crate) fn limit(stretch: &mut Stretch, options: JerkOptions) -> Result<(), TimingError> {
+    let Some(first) = stretch.pieces.first() else { return Ok(()) };
+    let motion = first.motion;
+    let path = stretch.path.clone();
+    let mut legs = Vec::with_capacity(stretch.pieces.len());
+    for piece in &stretch.pieces {
+        let Step::Move { segment, .. } = &path.steps()[piece.step] else { continue };
+        let limits = &path.limits()[piece.motion];
+        let swept = &stretch.nodes[piece.nodes.clone()];
+        let Some(leg) = Leg::new(segment, limits, swept) else {
+            return Err(TimingError::CurvatureJumps { motion: piece.motion.max(1) - 1 });
+        };
+        legs.push(leg);
+    }
+    let stamped = match legs.as_slice() {
+        [line] if line.is_line() && !options.general => straight(line),
+        _ => {
+            let found = WAYS.iter().find_map(|&(refinement, scale)| {
+                Plan::find(&legs, options.refinement * refinement, scale)
+            });
+            found.ok_or(TimingError::NotConverged { motion })?.stamps(&legs)
+        }
+    };
+    drop(legs);
+    stretch.stamp(stamped);
+    Ok(())
+}
+
+/// The stamps of one leg.
+struct Stamps {
+    nodes: Vec<Node>,
+    load: Load,
+}
+
+/// The stamps of a stretch that is one line.
+fn straight(leg: &Leg<'_>) -> Vec<Stamps> {
+    let instants = phases(leg.length, leg.straight(0.0));
+    let nodes: Vec<_> = instants
+        .iter()
+        .map(|at| Node {
+            t_s: at.t_s,
+            s: at.way / leg.length,
+            rate: at.speed / leg.length,
+            u: [at.acceleration / leg.length; 2],
+        })
+        .collect();
+    let mut load = Load::default();
+    let inverse = Inverse::new(leg);
+    let rates = leg.rates(0.0);
+    for pair in instants.windows(2) {
+        let [from, to] = [pair[0], pair[1]];
+        let dt = to.t_s - from.t_s;
+        let jerk = (to.acceleration - from.acceleration) / dt;
+        // Where the phase is half over, and for the peaks also at its end.
+        let half = Instant {
+            speed: from.speed + 0.5 * dt * (from.acceleration + 0.25 * dt * jerk),
+            acceleration: 0.5 * (from.acceleration + to.acceleration),
+            ..from
+        };
+        for (at, dt) in [(half, dt), (to, 0.0)] {
+            load.sample(&inverse.shares(&rates, [at.speed, at.acceleration, jerk]), dt);
+        }
+    }
+    vec![Stamps { nodes, load }]
+}
+
+/// `t_s` and `seconds`, or at least the next number: over long stretches, tiny cells are lost in
+/// rounding.
+fn later(t_s: f64, seconds: f64) -> f64 {
+    let later = t_s + seconds;
+    if later <= t_s { t_s.next_up() } else { later }
+}
+
+/// One over a leg's limits.
+struct Inverse([Joints; 3]);
+
+impl Inverse {
+    fn new(leg: &Leg<'_>) -> Self {
+        let limits = leg.limits;
+        Self(
+            [limits.velocity_rad_s, limits.acceleration_rad_s2, limits.jerk_rad_s3]
+                .map(|limits| limits.map(|limit| 1.0 / limit)),
+        )
+    }
+
+    /// Shares of all limits at speed, acceleration and jerk of sigma.
+    fn shares(&self, [dq, ddq, dddq]: &leg::Rates, [v, a, j]: [f64; 3]) -> [[f64; 8]; 3] {
+        let mut shares = [[0.0; 8]; 3];
+        for i in 0..7 {
+            shares[0][i] = (dq[i] * v * self.0[0][i]).abs();
+            shares[1][i] = ((dq[i] * a + ddq[i] * v * v) * self.0[1][i]).abs();
+            shares[2][i] =
+                ((dq[i] * j + 3.0 * ddq[i] * v * a + dddq[i] * v * v * v) * self.0[2][i]).abs();
+        }
+        shares
+    }
+}
+
+/// Speed, acceleration and jerk of sigma, from x and its derivatives.
+fn in_time([x, dx, ddx]: [f64; 3]) -> [f64; 3] {
+    let speed = x.sqrt();
+    [speed, 0.5 * dx, 0.5 * ddx * speed]
+}
+
+/// A solution.
+struct Plan {
+    cells: Vec<Cell>,
+    solver: Solver,
+    /// Share of all times by which it is slowed down.
+    slower: f64,
+}
+
+impl Plan {
+    /// None if the solver does not converge or limits are exceeded.
+    fn find(legs: &[Leg<'_>], refinement: f64, scale: f64) -> Option<Self> {
+        let cells = mesh(legs, refinement);
+        let mut solver = Solver::new(legs, &cells, scale);
+        solver.solve(NEAR).ok()?;
+        let mut plan = Self { cells, solver, slower: 1.0 };
+        // Where limits will be exceeded is seen long before the end.
+        if plan.tighten(legs) > ABRUPT {
+            plan.solver.restart(AFAR);
+        }
+        plan.solver.solve(GAP).ok()?;
+        for _ in 0..ROUNDS {
+            let excess = plan.tighten(legs);
+            if excess == 1.0 {
+                return Some(plan);
+            }
+            plan.solver.restart(if excess > ABRUPT { AFAR } else { CLOSE });
+            plan.solver.solve(GAP).ok()?;
+        }
+        let mut largest = [0.0_f64; 3];
+        for shares in plan.worst(legs) {
+            for i in 0..3 {
+                largest[i] = largest[i].max(shares[i]);
+            }
+        }
+        let [v, a, j] = std::array::from_fn(|i| largest[i] / TOLERANCE[i]);
+        plan.slower = v.max(a.sqrt()).max(j.cbrt()).max(1.0);
+        (plan.slower <= STRETCH).then_some(plan)
+    }
+
+    /// Lowers the limits of the cells that exceed them, and returns the largest share; 1 if there are
+    /// none.
+    fn tighten(&mut self, legs: &[Leg<'_>]) -> f64 {
+        let mut largest = 1.0_f64;
+        let by: Vec<_> = self
+            .worst(legs)
+            .into_iter()
+            .map(|shares| {
+                std::array::from_fn(|i| {
+                    // Not a number is above, too.
+                    if shares[i] <= TOLERANCE[i] {
+                        return 1.0;
+                    }
+                    largest = largest.max(shares[i]);
+                    AIM[i] / shares[i]
+                })
+            })
+            .collect();
+        if largest > 1.0 {
+            self.solver.tighten(&by);
+        }
+        largest
+    }
+
+    /// The largest shares of the limits of speed, acceleration and jerk inside each cell between the
+    /// two that touch rest; those keep their limits.
+    fn worst(&self, legs: &[Leg<'_>]) -> Vec<[f64; 3]> {
+        let mut inverse = None;
+        let inner = &self.cells[1..self.cells.len() - 1];
+        inner
+            .iter()
+            .enumerate()
+            .map(|(k, cell)| {
+                let leg = &legs[cell.leg];
+                let inverse = match &mut inverse {
+                    Some((of, inverse)) if *of == cell.leg => inverse,
+                    other => &mut other.insert((cell.leg, Inverse::new(leg))).1,
+                };
+                let mut worst = [0.0_f64; 3];
+                for f in [0.125, 0.3, 0.5, 0.7, 0.875] {
+                    let s = leg.s(cell.from + f * cell.length).clamp(0.0, 1.0);
+                    let shares = inverse.shares(&leg.rates(s), in_time(self.solver.at(k, f)));
+                    for i in 0..3 {
+                        for share in shares[i] {
+                            // Not a number counts as too much.
+                            worst[i] = if share <= worst[i] { worst[i] } else { share };
+                        }
+                    }
+                }
+                worst
+            })
+            .collect()
+    }
+
+    /// The stamps of all legs.
+    fn stamps(&self, legs: &[Leg<'_>]) -> Vec<Stamps> {
+        let mut all: Vec<_> =
+            legs.iter().map(|_| Stamps { nodes: Vec::new(), load: Load::default() }).collect();
+        let mut t_s = 0.0_f64;
+        let last = self.cells.len() - 1;
+        let rests = self.solver.rest_durations_s();
+        let slower = self.slower;
+        for (index, cell) in self.cells.iter().enumerate() {
+            let leg = &legs[cell.leg];
+            let stamps = &mut all[cell.leg];
+            let inverse = Inverse::new(leg);
+            let mut node = |t_s: f64, f: f64, [x, dx]: [f64; 2]| {
+                let s = leg.s(cell.from + f * cell.length).clamp(0.0, 1.0);
+                let [rate, u] = leg.s_rates(s, x, dx);
+                let [rate, u] = [rate / slower, u / (slower * slower)];
+                stamps.nodes.push(Node { t_s, s, rate, u: [u; 2] });
+                s
+            };
+            if index == 0 || index == last {
+                let (from, duration) = if index == 0 { (0.0, rests[0]) } else { (1.0, rests[1]) };
+                if index == 0 {
+                    node(0.0, 0.0, [0.0; 2]);
+                }
+                t_s = later(t_s, duration * slower);
+                if index == last {
+                    node(t_s, 1.0, [0.0; 2]);
+                }
+                // Jerk is constant.
+                let jerk = 6.0 * cell.length / duration.powi(3);
+                let [v, a] = [0.125 * jerk * duration * duration, 0.5 * jerk * duration];
+                let rates = leg.rates(from);
+                let at = [v / slower, a / (slower * slower), jerk / slower.powi(3)];
+                stamps.load.sample(&inverse.shares(&rates, at), duration * slower);
+            }
+            let k = index.wrapping_sub(1);
+            let ends = index + 1 == last
+                || self.cells.get(index + 1).is_none_or(|next| next.leg != cell.leg);
+            if index > 0 && index < last {
+                let parts = self.parts(k);
+                for part in 0..parts {
+                    let [from, middle, to] =
+                        [0.0, 0.5, 1.0].map(|half| (f64::from(part) + half) / f64::from(parts));
+                    let [x, dx, _] = self.solver.at(k, from);
+                    node(t_s, from, [x, dx]);
+                    let dt = self.duration_s(k, cell, from, to);
+                    t_s = later(t_s, dt * slower);
+                    let s = leg.s(cell.from + middle * cell.length).clamp(0.0, 1.0);
+                    let [v, a, j] = in_time(self.solver.at(k, middle));
+                    let at = [v / slower, a / (slower * slower), j / slower.powi(3)];
+                    stamps.load.sample(&inverse.shares(&leg.rates(s), at), dt * slower);
+                }
+                if ends {
+                    let [x, dx, _] = self.solver.at(k, 1.0);
+                    node(t_s, 1.0, [x, dx]);
+                }
+            }
+        }
+        all
+    }
+
+    /// Into how many parts an inner cell is divided by nodes: x may change by so much that one
+    /// polynomial of time would not follow it.
+    fn parts(&self, k: usize) -> u32 {
+        let [start, end] = [0.0, 1.0].map(|f| self.solver.at(k, f)[0]);
+        let doublings = (end / start).log2().abs();
+        // One not a number more or less does not count here.
+        2 + (2.0 * doublings).min(14.0) as u32
+    }
+
+    /// Time from the share `from` to the share `to` of an inner cell: Gauss's quadrature.
+    fn duration_s(&self, k: usize, cell: &Cell, from: f64, to: f64) -> f64 {
+        const HALF_WIDTH: f64 = 0.387_298_334_620_741_7;
+        let at = |f: f64| 1.0 / self.solver.at(k, from + f * (to - from))[0].sqrt();
+        let mean = (5.0 * (at(0.5 - HALF_WIDTH) + at(0.5 + HALF_WIDTH)) + 8.0 * at(0.5)) / 18.0;
+        mean * (to - from) * cell.length
+    }
+}
+
+impl Stretch {
+    /// Replaces the stamps of its pieces, which all move.
+    fn stamp(&mut self, stamps: Vec<Stamps>) {
+        self.smooth = true;
+        self.nodes.clear();
+        for (piece, Stamps { mut nodes, load }) in self.pieces.iter_mut().zip(stamps) {
+            for i in 1..nodes.len() {
+                nodes[i - 1].u[1] = nodes[i].u[0];
+            }
+            let from = self.nodes.len();
+            let [start, end] = [nodes[0].t_s, nodes[nodes.len() - 1].t_s];
+            self.nodes.append(&mut nodes);
+            let limits = &self.path.limits()[piece.motion];
+            let full = &self.path.robot().limits().velocity_rad_s;
+            piece.nodes = from..self.nodes.len();
+            piece.start_s = self.start_s + start;
+            piece.end_s = self.start_s + end;
+            piece.duration_s = end - start;
+            piece.peak_velocity_rel = load.peak_velocity_rel(&limits.velocity_rad_s, full);
+            piece.limited_by = Some(load.limit());
+            piece.load = load;
+            debug_assert!(matches!(piece.kind, PieceKind::Line | PieceKind::Blend));
+        }
+    }
+}

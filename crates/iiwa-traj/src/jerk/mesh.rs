@@ -1,0 +1,232 @@
+//! How a stretch is cut into cells.
+//!
+//! Cells have to be small where the best motion changes its mind: around the instants at which the
+//! acceleration-limited stamps switch from one limit to another, in blends, at their ends, and next
+//! to rest, where sigma is as t^3. In between they may be long.
+
+use super::leg::Leg;
+
+/// A cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cell {
+    /// Which leg it belongs to.
+    pub(crate) leg: usize,
+    /// sigma within the leg at its start, in rad.
+    pub(crate) from: f64,
+    /// Its length, in rad.
+    pub(crate) length: f64,
+    /// x = (dsigma/dt)^2 of the acceleration-limited stamps at its start.
+    pub(crate) x: f64,
+}
+
+/// Sizes, with what they are shares of.
+struct Sizes {
+    /// Duration, of the time in which jerk builds up the largest acceleration.
+    switch: f64,
+    /// Growth per time from there.
+    fade: f64,
+    /// Length, of a blend.
+    blend: f64,
+    /// Length at a blend's ends, of the blend; both on its side and on that of a line.
+    blend_end: f64,
+    /// Growth per way from there.
+    blend_end_growth: f64,
+    /// Length, of a line.
+    line: f64,
+    /// Length in the middle of a blend that turns back, of the way on which it does.
+    turn: f64,
+    /// Growth per way from there.
+    turn_growth: f64,
+    /// Length next to rest, of the way on which jerk builds up the largest acceleration.
+    rest: f64,
+    /// Growth per way from there.
+    rest_growth: f64,
+}
+
+impl Sizes {
+    fn new(refinement: f64) -> Self {
+        let per = 1.0 / refinement;
+        Self {
+            switch: 0.3 * per,
+            fade: 0.5 * per,
+            blend: per / 18.0,
+            blend_end: 0.006 * per,
+            blend_end_growth: 0.3 * per,
+            line: 0.25 * per,
+            turn: 0.3 * per,
+            turn_growth: 0.3 * per,
+            rest: 0.03 * per,
+            rest_growth: 0.5 * per,
+        }
+    }
+}
+
+/// An instant at which the acceleration-limited stamps switch, and how long it takes there to build
+/// up the largest acceleration, in s.
+struct Switch {
+    t_s: f64,
+    build_up_s: f64,
+}
+
+/// The acceleration-limited stamps along a leg, by sigma.
+struct Swept(Vec<Sample>);
+
+#[derive(Clone, Copy)]
+struct Sample {
+    sigma: f64,
+    x: f64,
+    t_s: f64,
+}
+
+impl Swept {
+    fn new(leg: &Leg<'_>) -> Self {
+        Self(
+            leg.swept
+                .iter()
+                .map(|node| Sample {
+                    sigma: leg.sigma(node.s),
+                    x: leg.swept_x(node),
+                    t_s: node.t_s,
+                })
+                .collect(),
+        )
+    }
+
+    fn ends(&self) -> [Sample; 2] {
+        [self.0[0], self.0[self.0.len() - 1]]
+    }
+
+    /// x and time at `sigma`.
+    fn at(&self, sigma: f64) -> Sample {
+        let next = self.0.partition_point(|sample| sample.sigma <= sigma);
+        let next = next.clamp(1, self.0.len() - 1);
+        let (a, b) = (self.0[next - 1], self.0[next]);
+        let share = ((sigma - a.sigma) / (b.sigma - a.sigma)).clamp(0.0, 1.0);
+        let x = a.x + share * (b.x - a.x);
+        let mean = 0.5 * (a.x.sqrt() + x.sqrt());
+        Sample { sigma, x, t_s: a.t_s + share * (b.sigma - a.sigma) / mean.max(f64::MIN_POSITIVE) }
+    }
+}
+
+/// The cells of a stretch, which starts and ends at rest. The first and the last touch rest.
+pub(crate) fn mesh(legs: &[Leg<'_>], refinement: f64) -> Vec<Cell> {
+    let sizes = Sizes::new(refinement);
+    let swept: Vec<_> = legs.iter().map(Swept::new).collect();
+    let switches = switches(legs);
+    let mut cells = Vec::new();
+    let mut near = 0..0;
+    for (index, leg) in legs.iter().enumerate() {
+        let swept = &swept[index];
+        // A few of the switches before and after the leg, to be able to look ahead.
+        let [start, end] = swept.ends();
+        near.start += switches[near.start..].partition_point(|switch| switch.t_s < start.t_s);
+        near.end = near.end.max(near.start);
+        near.end += switches[near.end..].partition_point(|switch| switch.t_s <= end.t_s);
+        let near = &switches[near.start.saturating_sub(2)..(near.end + 2).min(switches.len())];
+
+        let rest = |rests: bool| {
+            let [_, acceleration, jerk] = leg.straight(0.0);
+            let build_up = acceleration.powi(3) / (6.0 * jerk * jerk);
+            rests.then(|| sizes.rest * build_up.min(leg.length / 6.0))
+        };
+        let (from_rest, to_rest) = (rest(index == 0), rest(index + 1 == legs.len()));
+        let end_size = |neighbour: Option<&Leg<'_>>| {
+            let of = |leg: &Leg<'_>| {
+                if leg.is_line() { f64::INFINITY } else { sizes.blend_end * leg.length }
+            };
+            of(leg).min(neighbour.map_or(f64::INFINITY, of))
+        };
+        let at_start = end_size(index.checked_sub(1).map(|before| &legs[before]));
+        let at_end = end_size(legs.get(index + 1));
+        let most = leg.length * if leg.is_line() { sizes.line } else { sizes.blend };
+        // Never to be reached; without it, one fault in the stamps would mean cells without end.
+        let least =
+            1e-3 * from_rest.or(to_rest).unwrap_or(most).min(at_start).min(at_end).min(most);
+        let turn = leg.turn_back();
+        let size = |sigma: f64| {
+            let Sample { x, t_s, .. } = swept.at(sigma);
+            let duration_s = near
+                .iter()
+                .map(|near| sizes.switch * near.build_up_s + sizes.fade * (t_s - near.t_s).abs())
+                .fold(f64::INFINITY, f64::min);
+            let grown = |rest: Option<f64>, size: f64, way: f64| match rest {
+                Some(_) => sizes.rest_growth * way,
+                None => size + sizes.blend_end_growth * way,
+            };
+            most.min(grown(from_rest, at_start, sigma))
+                .min(grown(to_rest, at_end, leg.length - sigma))
+                .min(x.sqrt() * duration_s)
+                .min(sizes.turn * turn + sizes.turn_growth * (sigma - 0.5 * leg.length).abs())
+                .max(least)
+        };
+        let backwards = to_rest.is_some();
+        let size = |way: f64| size(if backwards { leg.length - way } else { way });
+        let mut nodes = march(leg.length, from_rest.or(to_rest), size);
+        if backwards {
+            nodes.reverse();
+            nodes.iter_mut().for_each(|node| *node = leg.length - *node);
+        }
+        cells.extend(nodes.windows(2).map(|pair| Cell {
+            leg: index,
+            from: pair[0],
+            length: pair[1] - pair[0],
+            x: swept.at(pair[0]).x,
+        }));
+    }
+    cells
+}
+
+/// Nodes from 0 to `length` with distances of about `size`, which changes little from one to the next;
+/// the first distance is given where the arm rests.
+fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Vec<f64> {
+    let mut nodes = vec![0.0];
+    let mut at = 0.0;
+    if let Some(rest) = rest {
+        at = rest;
+        nodes.push(rest);
+    }
+    while at < length {
+        // As small as the cell has to be at its start, its middle and its end.
+        let mut step = size(at);
+        step = step.min(size((at + step).min(length)));
+        step = step.min(size((at + 0.5 * step).min(length)));
+        at += step;
+        nodes.push(at);
+    }
+    // The last node overshoots: it, or the one before, is moved to the end, and the others with it.
+    let n = nodes.len();
+    if n > 3 && nodes[n - 1] - length > 0.5 * (nodes[n - 1] - nodes[n - 2]) {
+        nodes.pop();
+    }
+    let fit = length / nodes[nodes.len() - 1];
+    nodes.iter_mut().for_each(|node| *node *= fit);
+    nodes
+}
+
+/// The instants at which the acceleration-limited stamps switch, in order.
+fn switches(legs: &[Leg<'_>]) -> Vec<Switch> {
+    /// Share of a blend's largest |d2s/dt2| by which it has to jump to count as a switch.
+    const JUMP: f64 = 0.25;
+    let mut switches = Vec::new();
+    for leg in legs {
+        let build_up_s = |s: f64| {
+            let [_, acceleration, jerk] = leg.straight(s);
+            acceleration / jerk
+        };
+        let mut add = |t_s, s| switches.push(Switch { t_s, build_up_s: build_up_s(s) });
+        if leg.is_line() {
+            leg.swept.iter().for_each(|node| add(node.t_s, node.s));
+            continue;
+        }
+        let inner = &leg.swept[..leg.swept.len() - 1];
+        let largest = inner.iter().map(|n| n.u[0].abs().max(n.u[1].abs())).fold(0.0, f64::max);
+        add(leg.swept[0].t_s, 0.0);
+        for pair in inner.windows(2) {
+            if (pair[1].u[0] - pair[0].u[1]).abs() > JUMP * largest {
+                add(pair[1].t_s, pair[1].s);
+            }
+        }
+        add(leg.swept[leg.swept.len() - 1].t_s, 1.0);
+    }
+    switches
+}

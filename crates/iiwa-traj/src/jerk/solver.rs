@@ -1,0 +1,491 @@
+//! The fastest x(sigma) over the cells of a stretch: a primal-dual interior-point method.
+//!
+//! The duration, `sum of length / 2 (x_start^(-1/2) + x_end^(-1/2))`, is minimised over the states of
+//! the cells under their limits. A Newton step is a linear-quadratic control problem: from cell to
+//! cell x and V go on, W0 and W1 are free. A backward recursion over 2x2 matrices (Riccati) solves it
+//! in time linear in the number of cells. It holds where one banded system for all x would have lost
+//! its digits long ago: cells next to each other may differ in length by a factor of thousands.
+//!
+//! Neither slacks and limits nor the end of a cell and the start of the next one have to match on the
+//! way. The former lets steps be long; the latter keeps each cell's digits its own, where x falls from
+//! 20 to 1e-7 within a stretch.
+//!
+//! In the cells next to rest jerk is constant: there x grows as sigma^(4/3), which no cubic does.
+
+use super::{
+    cells::{Block, END_V, END_X, Falls, Quadratic, Side, State, Sums, blocks},
+    leg::Leg,
+    mesh::Cell,
+};
+
+/// The problem of one stretch, and where its solution stands.
+pub(crate) struct Solver {
+    /// Lengths of the cells between the two that touch rest.
+    lengths: Vec<f64>,
+    /// Whether W0 and W1 of a cell are free, or zero.
+    free: Vec<bool>,
+    rests: [Rest; 2],
+    lines: Vec<Block<1, 2>>,
+    curves: Vec<Block<7, 3>>,
+    states: Vec<State>,
+    moves: Vec<State>,
+    quadratics: Vec<Quadratic>,
+    gains: Vec<Gain>,
+    /// What the next step aims at as the product of each slack and its dual.
+    mu: f64,
+}
+
+/// A cell that touches rest, seen from its other end.
+#[derive(Clone, Copy, Debug)]
+struct Rest {
+    length: f64,
+    /// Largest x there that jerk allows.
+    cap: f64,
+    side: Side<f64>,
+}
+
+impl Rest {
+    fn new(cell: &Cell, leg: &Leg<'_>) -> Self {
+        let [_, _, jerk] = leg.straight(0.0);
+        let length = cell.length;
+        // sigma = j t^3 / 6 and x = (j t^2 / 2)^2.
+        let cap = (4.5 * length * length * jerk).powf(2.0 / 3.0);
+        Self { length, cap, side: Side::default() }
+    }
+
+    /// Time from rest until x, or from there to rest.
+    fn duration_s(&self, x: f64) -> f64 {
+        3.0 * self.length / x.sqrt()
+    }
+}
+
+/// How W0 and W1 follow from x and V in a step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Gain {
+    w0: [f64; 3],
+    w1: [f64; 4],
+}
+
+/// The solver ended without a solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NotConverged;
+
+/// Where slacks and duals start.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start {
+    /// Their products, as a share of what balances with the duration.
+    pub(crate) mu: f64,
+    /// Least slack, as a share of the bound.
+    pub(crate) slack: f64,
+}
+
+/// Share of the way to the boundary that a step goes at most.
+const TO_BOUNDARY: f64 = 0.98;
+/// Share of x that a step may take away.
+const LARGEST_FALL: f64 = 0.8;
+/// Share of the duration that more steps could gain, once solved.
+pub(crate) const GAP: f64 = 1e-5;
+/// Largest share of a bound by which a limit is missed.
+const RESIDUAL: f64 = 1e-4;
+const STEPS: usize = 150;
+/// Steps in a row that go next to nowhere.
+const STALLED: usize = 25;
+
+impl Solver {
+    /// Starts from `scale` times the acceleration-limited x.
+    pub(crate) fn new(legs: &[Leg<'_>], cells: &[Cell], scale: f64) -> Self {
+        let inner = &cells[1..cells.len() - 1];
+        let n = inner.len();
+        let lengths: Vec<_> = inner.iter().map(|cell| cell.length).collect();
+        let rests = [0, cells.len() - 1].map(|at| Rest::new(&cells[at], &legs[cells[at].leg]));
+        let mut free = vec![true; n];
+        let (mut lines, mut curves) = (Vec::new(), Vec::new());
+        for k in 0..n {
+            let leg = cells[k + 1].leg;
+            if !legs[leg].is_line() {
+                curves.push(k);
+                continue;
+            }
+            // A sliver of a line between two blends: nothing changes on it.
+            let alone = cells[k].leg != leg && cells[k + 2].leg != leg;
+            let sliver =
+                k > 0 && k + 1 < n && lengths[k] < SLIVER * lengths[k - 1].min(lengths[k + 1]);
+            if alone && sliver {
+                free[k] = false;
+            } else {
+                lines.push(k);
+            }
+        }
+        let mut solver = Self {
+            free,
+            rests,
+            lines: blocks(legs, cells, 1, &lines),
+            curves: blocks(legs, cells, 1, &curves),
+            states: vec![[0.0; 4]; n],
+            moves: vec![[0.0; 4]; n],
+            quadratics: vec![Quadratic::default(); n],
+            gains: vec![Gain::default(); n],
+            mu: 0.0,
+            lengths,
+        };
+        let x: Vec<_> = cells[1..].iter().map(|cell| scale * cell.x).collect();
+        solver.guess(&x);
+        solver.restart(Start { mu: 1.0, slack: 0.1 });
+        solver
+    }
+
+    /// Sets the states to a smooth curve close to `x`, the values at all nodes between the cells that
+    /// touch rest: a quadratic B-spline.
+    fn guess(&mut self, x: &[f64]) {
+        let n = self.lengths.len();
+        let length = |k: usize| if k == 0 || k > n { 0.0 } else { self.lengths[k - 1] };
+        let mut control = vec![0.0; n + 2];
+        for i in 1..=n {
+            control[i] = 0.5 * (x[i - 1] + x[i]);
+        }
+        (control[0], control[n + 1]) = (x[0], x[n]);
+        for _ in 0..3 {
+            let before = control.clone();
+            for i in 1..=n {
+                control[i] = 0.25 * before[i - 1] + 0.5 * before[i] + 0.25 * before[i + 1];
+            }
+        }
+        // The slopes at both ends are those of the cells that touch rest.
+        let rest = |k: usize, e: usize| 1.0 / (1.0 + length(k) / (1.5 * self.rests[e].length));
+        control[0] = rest(1, 0) * control[1];
+        control[n + 1] = rest(n, 1) * control[n];
+        for k in 1..=n {
+            let (a, b, c) = (length(k - 1), length(k), length(k + 1));
+            let slope = 2.0 * (control[k] - control[k - 1]) / (a + b);
+            let next = 2.0 * (control[k + 1] - control[k]) / (b + c);
+            let x = (b * control[k - 1] + a * control[k]) / (a + b);
+            let w = if self.free[k - 1] { (next - slope) * b } else { 0.0 };
+            self.states[k - 1] = [x, slope * b, w, w];
+        }
+        self.states[0][1] = self.slope_from_rest() * self.states[0][0];
+        self.stop();
+    }
+
+    /// Sets slacks and duals anew, for limits that have changed.
+    pub(crate) fn restart(&mut self, start: Start) {
+        let n = self.lengths.len();
+        let mu = start.mu * self.duration_s() / self.limits();
+        let least = start.slack;
+        self.mu = mu;
+        self.lines.iter_mut().for_each(|block| block.start(&self.states, mu, least));
+        self.curves.iter_mut().for_each(|block| block.start(&self.states, mu, least));
+        let ends = [self.states[0][0], dot(&END_X, &self.states[n - 1])];
+        for (Rest { cap, side, .. }, x) in std::iter::zip(&mut self.rests, ends) {
+            side.s = (1.0 - x / *cap).max(least);
+            side.z = mu / side.s;
+        }
+    }
+
+    /// Solves the problem from where it stands, until no more than the share `gap` of the duration is
+    /// left to be gained. The number of steps.
+    pub(crate) fn solve(&mut self, gap: f64) -> Result<usize, NotConverged> {
+        pulp::Arch::new().dispatch(Solve { solver: self, gap })
+    }
+
+    /// Lowers the limits of speed, acceleration and jerk in each cell by the factors `by`.
+    pub(crate) fn tighten(&mut self, by: &[[f64; 3]]) {
+        self.lines.iter_mut().for_each(|block| block.tighten(by));
+        self.curves.iter_mut().for_each(|block| block.tighten(by));
+    }
+
+    /// x and its first two derivatives by sigma, at the share `f` of the cell `k` of those between
+    /// the two that touch rest.
+    pub(crate) fn at(&self, k: usize, f: f64) -> [f64; 3] {
+        let [x, v, w0, w1] = self.states[k];
+        let h = self.lengths[k];
+        [
+            x + f * (v + f * (0.5 * w0 + f * (w1 - w0) / 6.0)),
+            (v + f * (w0 + 0.5 * f * (w1 - w0))) / h,
+            (w0 + f * (w1 - w0)) / (h * h),
+        ]
+    }
+
+    /// The durations of the first and the last cell, in s.
+    pub(crate) fn rest_durations_s(&self) -> [f64; 2] {
+        [self.rests[0].duration_s(self.states[0][0]), self.rests[1].duration_s(self.end_x())]
+    }
+
+    fn end_x(&self) -> f64 {
+        dot(&END_X, &self.states[self.states.len() - 1])
+    }
+
+    /// The duration as the solver sees it.
+    fn duration_s(&self) -> f64 {
+        let cells = std::iter::zip(&self.lengths, &self.states);
+        let moving: f64 =
+            cells.map(|(h, y)| 0.5 * h * (1.0 / y[0].sqrt() + 1.0 / dot(&END_X, y).sqrt())).sum();
+        moving + self.rest_durations_s().iter().sum::<f64>()
+    }
+
+    /// V over x in the first cell: x goes on from rest as sigma^(4/3).
+    fn slope_from_rest(&self) -> f64 {
+        4.0 * self.lengths[0] / (3.0 * self.rests[0].length)
+    }
+
+    /// What has to be zero for x to come to rest: a row of the last cell.
+    fn to_rest(&self) -> State {
+        let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * self.rests[1].length);
+        std::array::from_fn(|i| END_V[i] + slope * END_X[i])
+    }
+
+    /// Sets the last W1 so that x comes to rest.
+    fn stop(&mut self) {
+        let to_rest = self.to_rest();
+        if let Some(last) = self.states.last_mut() {
+            come_to_rest(&to_rest, last);
+        }
+    }
+
+    /// By how much the end of cell `k` misses the start of the next one, in x and V.
+    #[inline(always)]
+    fn defect(&self, k: usize) -> [f64; 2] {
+        let (y, next) = (&self.states[k], &self.states[k + 1]);
+        let ratio = self.lengths[k + 1] / self.lengths[k];
+        [dot(&END_X, y) - next[0], ratio * dot(&END_V, y) - next[1]]
+    }
+
+    /// How many limits there are.
+    fn limits(&self) -> f64 {
+        (Block::count(&self.lines) + Block::count(&self.curves) + self.rests.len()) as f64
+    }
+
+    #[inline(always)]
+    fn iterate(&mut self, gap: f64) -> Result<usize, NotConverged> {
+        let limits = self.limits();
+        let mut stalled = 0;
+        for step in 1..=STEPS {
+            let sums = self.assemble(self.mu);
+            self.recursion()?;
+            let falls = self.direct(self.mu);
+            let share = |fall: f64, of: f64| if fall > of { of / fall } else { 1.0 };
+            let primal = share(falls.slack, TO_BOUNDARY).min(share(falls.x, LARGEST_FALL));
+            let dual = share(falls.dual, TO_BOUNDARY);
+            // Not a number either, once numbers have left their range.
+            if !(primal > 0.0 && dual > 0.0) {
+                return Err(NotConverged);
+            }
+            self.step(primal, dual);
+            let duration_s = self.duration_s();
+            if !duration_s.is_finite() {
+                return Err(NotConverged);
+            }
+            let least = primal.min(dual);
+            // Far from the boundary the next step may aim closer to it.
+            let aim = match least {
+                0.9.. => 0.1,
+                0.5.. => 0.2,
+                0.2.. => 0.6,
+                _ => 1.0,
+            };
+            self.mu = (aim * sums.gap / limits).max(0.2 * gap * duration_s / limits);
+            if sums.gap < gap * duration_s && sums.residual < RESIDUAL && primal > 0.9 {
+                return Ok(step);
+            }
+            stalled = if least < 0.02 { stalled + 1 } else { 0 };
+            if stalled > STALLED {
+                return Err(NotConverged);
+            }
+        }
+        Err(NotConverged)
+    }
+
+    #[inline(always)]
+    fn assemble(&mut self, mu: f64) -> Sums {
+        let mut sums = Sums::default();
+        for block in &self.lines {
+            block.assemble(&self.states, mu, &mut self.quadratics, &mut sums);
+        }
+        for block in &self.curves {
+            block.assemble(&self.states, mu, &mut self.quadratics, &mut sums);
+        }
+        for (rest, (cell, row)) in std::iter::zip(&self.rests, self.ends()) {
+            let x = dot(&row, &self.states[cell]);
+            let Side { s, z, .. } = rest.side;
+            let miss = x / rest.cap - 1.0 + s;
+            sums.gap += s * z;
+            sums.residual = sums.residual.max(miss.abs());
+            let curvature = z / (s * rest.cap * rest.cap) + 2.25 * rest.length * x.powf(-2.5);
+            let slope = (mu + z * miss) / (s * rest.cap) - 1.5 * rest.length * x.powf(-1.5);
+            self.quadratics[cell].add(&row, curvature, slope);
+        }
+        sums
+    }
+
+    /// Cell and row of x next to the cells that touch rest.
+    fn ends(&self) -> [(usize, State); 2] {
+        [(0, [1.0, 0.0, 0.0, 0.0]), (self.lengths.len() - 1, END_X)]
+    }
+
+    #[inline(always)]
+    fn direct(&mut self, mu: f64) -> Falls {
+        let mut falls = Falls::default();
+        for block in &mut self.lines {
+            block.direct(&self.states, &self.moves, mu, &mut falls);
+        }
+        for block in &mut self.curves {
+            block.direct(&self.states, &self.moves, mu, &mut falls);
+        }
+        let ends = self.ends();
+        for (rest, (cell, row)) in std::iter::zip(&mut self.rests, ends) {
+            let (x, dx) = (dot(&row, &self.states[cell]), dot(&row, &self.moves[cell]));
+            let side = &mut rest.side;
+            side.ds = 1.0 - (x + dx) / rest.cap - side.s;
+            side.dz = (mu - side.z * side.ds) / side.s - side.z;
+            falls.slack = falls.slack.max(-side.ds / side.s);
+            falls.dual = falls.dual.max(-side.dz / side.z);
+            falls.x = falls.x.max(-dx / x);
+        }
+        falls
+    }
+
+    #[inline(always)]
+    fn step(&mut self, primal: f64, dual: f64) {
+        for (y, dy) in std::iter::zip(&mut self.states, &self.moves) {
+            for a in 0..4 {
+                y[a] += primal * dy[a];
+            }
+        }
+        self.stop();
+        self.lines.iter_mut().for_each(|block| block.step(primal, dual));
+        self.curves.iter_mut().for_each(|block| block.step(primal, dual));
+        for Rest { side, .. } in &mut self.rests {
+            side.s += primal * side.ds;
+            side.z += dual * side.dz;
+        }
+    }
+
+    /// Finds the step of all states that minimises the sum of the cells' quadratic functions.
+    #[inline(always)]
+    fn recursion(&mut self) -> Result<(), NotConverged> {
+        let n = self.lengths.len();
+        let to_rest = self.to_rest();
+        // Backwards: the cost of what follows, as a function of x and V at a cell's start.
+        let (mut p, mut pg) = ([0.0_f64; 3], [0.0_f64; 2]);
+        for k in (0..n).rev() {
+            let Quadratic { h: mut m, mut g } = self.quadratics[k];
+            if !self.free[k] {
+                (m, g) = ([0.0; 10], [0.0; 4]);
+            }
+            if k + 1 < n {
+                let ratio = self.lengths[k + 1] / self.lengths[k];
+                let v = END_V.map(|factor| ratio * factor);
+                let [dx, dv] = self.defect(k);
+                pg = [pg[0] + p[0] * dx + p[1] * dv, pg[1] + p[1] * dx + p[2] * dv];
+                let mut i = 0;
+                for a in 0..4 {
+                    let (px, pv) = (p[0] * END_X[a] + p[1] * v[a], p[1] * END_X[a] + p[2] * v[a]);
+                    for b in a..4 {
+                        m[i] += px * END_X[b] + pv * v[b];
+                        i += 1;
+                    }
+                    g[a] += pg[0] * END_X[a] + pg[1] * v[a];
+                }
+            } else {
+                // W1 is what comes to rest.
+                let f: [f64; 3] = std::array::from_fn(|a| -to_rest[a] / to_rest[3]);
+                let [xx, xv, xw, xz, vv, vw, vz, ww, wz, zz] = m;
+                m = [
+                    xx + f[0] * (2.0 * xz + f[0] * zz),
+                    xv + f[0] * vz + f[1] * xz + f[0] * f[1] * zz,
+                    xw + f[0] * wz + f[2] * xz + f[0] * f[2] * zz,
+                    0.0,
+                    vv + f[1] * (2.0 * vz + f[1] * zz),
+                    vw + f[1] * wz + f[2] * vz + f[1] * f[2] * zz,
+                    0.0,
+                    ww + f[2] * (2.0 * wz + f[2] * zz),
+                    0.0,
+                    1.0,
+                ];
+                g = [g[0] + f[0] * g[3], g[1] + f[1] * g[3], g[2] + f[2] * g[3], 0.0];
+            }
+            let [mut xx, mut xv, mut xw, xz, mut vv, mut vw, vz, mut ww, wz, zz] = m;
+            let mut gain = Gain::default();
+            if self.free[k] {
+                let inverse = 1.0 / zz;
+                let w1 = [xz * inverse, vz * inverse, wz * inverse, g[3] * inverse];
+                xx -= xz * w1[0];
+                xv -= xz * w1[1];
+                xw -= xz * w1[2];
+                vv -= vz * w1[1];
+                vw -= vz * w1[2];
+                ww -= wz * w1[2];
+                g = [g[0] - xz * w1[3], g[1] - vz * w1[3], g[2] - wz * w1[3], 0.0];
+                let inverse = 1.0 / ww;
+                let w0 = [xw * inverse, vw * inverse, g[2] * inverse];
+                xx -= xw * w0[0];
+                xv -= xw * w0[1];
+                vv -= vw * w0[1];
+                g = [g[0] - xw * w0[2], g[1] - vw * w0[2], 0.0, 0.0];
+                gain = Gain { w0, w1 };
+            }
+            self.gains[k] = gain;
+            // Convex, whatever rounding says.
+            let (xx, vv) = (xx.max(0.0), vv.max(0.0));
+            let most = (xx * vv).sqrt();
+            p = [xx, xv.clamp(-most, most), vv];
+            pg = [g[0], g[1]];
+        }
+        // Forwards.
+        let slope = self.slope_from_rest();
+        let curvature = p[0] + slope * (2.0 * p[1] + slope * p[2]);
+        if !(curvature > 0.0 && curvature.is_finite()) {
+            return Err(NotConverged);
+        }
+        let x = -(pg[0] + slope * pg[1]) / curvature;
+        let (mut x, mut v) = (x, slope * x);
+        for k in 0..n {
+            let Gain { w0, w1 } = self.gains[k];
+            let mut dy = [x, v, 0.0, 0.0];
+            if self.free[k] {
+                dy[2] = -(w0[0] * x + w0[1] * v + w0[2]);
+                if k + 1 < n {
+                    dy[3] = -(w1[0] * x + w1[1] * v + w1[2] * dy[2] + w1[3]);
+                } else {
+                    come_to_rest(&to_rest, &mut dy);
+                }
+            }
+            self.moves[k] = dy;
+            if k + 1 < n {
+                let defect = self.defect(k);
+                x = dot(&END_X, &dy) + defect[0];
+                v = self.lengths[k + 1] / self.lengths[k] * dot(&END_V, &dy) + defect[1];
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Lines shorter than this share of the cells on either side are slivers.
+const SLIVER: f64 = 0.02;
+
+/// Not a closure: those reach the function with vector instructions by way of a shim that is not
+/// inlined into it, and so stay without them.
+struct Solve<'a> {
+    solver: &'a mut Solver,
+    gap: f64,
+}
+
+impl pulp::NullaryFnOnce for Solve<'_> {
+    type Output = Result<usize, NotConverged>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        self.solver.iterate(self.gap)
+    }
+}
+
+/// Sets W1 so that x comes to rest.
+#[inline(always)]
+fn come_to_rest(row: &State, y: &mut State) {
+    y[3] = -(row[0] * y[0] + row[1] * y[1] + row[2] * y[2]) / row[3];
+}
+
+#[inline(always)]
+fn dot(a: &State, b: &State) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+}

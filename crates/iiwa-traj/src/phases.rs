@@ -1,0 +1,121 @@
+//! From rest to rest along a straight line under limits of speed, acceleration and jerk: the profile
+//! of at most seven phases, in closed form.
+
+/// An instant of the profile: time in s, way, speed and acceleration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Instant {
+    pub(crate) t_s: f64,
+    pub(crate) way: f64,
+    pub(crate) speed: f64,
+    pub(crate) acceleration: f64,
+}
+
+/// The instants between the phases of constant jerk, the start and the end among them; phases that
+/// take no time are left out.
+///
+/// Three ways to go, as far as the limits bite: jerk alone, jerk and acceleration, and all three.
+pub(crate) fn phases(way: f64, [speed, acceleration, jerk]: [f64; 3]) -> Vec<Instant> {
+    // Half of the profile: jerk up for `ramp`, constant acceleration for `push`, jerk down for `ramp`,
+    // then half of the cruise.
+    let full = acceleration / jerk;
+    // Way of speeding up and slowing down with nothing in between, if the top speed is `v`.
+    let way_to = |v: f64| {
+        if v * jerk >= acceleration * acceleration {
+            v * (v / acceleration + full)
+        } else {
+            2.0 * v * (v / jerk).sqrt()
+        }
+    };
+    let (ramp, push, cruise) = if way_to(speed) <= way {
+        let (ramp, push) = if speed * jerk >= acceleration * acceleration {
+            (full, speed / acceleration - full)
+        } else {
+            ((speed / jerk).sqrt(), 0.0)
+        };
+        (ramp, push, (way - way_to(speed)) / speed)
+    } else if way >= 2.0 * acceleration * full * full {
+        // v (v / a + full) = way, for the push in v = a (full + push):
+        // a (full + push) (2 full + push) = way.
+        let push = 2.0 * (way / acceleration - 2.0 * full * full)
+            / (3.0 * full + (full * full + 4.0 * way / acceleration).sqrt());
+        (full, push, 0.0)
+    } else {
+        ((0.5 * way / jerk).cbrt(), 0.0, 0.0)
+    };
+    let mut at = Instant::default();
+    let mut instants = vec![at];
+    let durations = [ramp, push, ramp, cruise, ramp, push, ramp];
+    let jerks = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0].map(|sign| sign * jerk);
+    for (t, jerk) in std::iter::zip(durations, jerks) {
+        if t > 0.0 {
+            at = Instant {
+                t_s: at.t_s + t,
+                way: at.way + t * (at.speed + t * (at.acceleration / 2.0 + t * jerk / 6.0)),
+                speed: at.speed + t * (at.acceleration + t * jerk / 2.0),
+                acceleration: at.acceleration + t * jerk,
+            };
+            instants.push(at);
+        }
+    }
+    // Exactly there and exactly at rest, not but for rounding.
+    if let Some(last) = instants.last_mut() {
+        *last = Instant { t_s: last.t_s, way, ..Instant::default() };
+    }
+    instants
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn duration(way: f64, limits: [f64; 3]) -> f64 {
+        phases(way, limits).last().unwrap().t_s
+    }
+
+    #[test]
+    fn joint_1_at_full_speed() {
+        // Limits of Larsen 2019, Tables 2 and 5, in degrees.
+        let found = duration(40.0, [98.0, 490.0, 10384.86]);
+        let expected = 40.0 / 98.0 + 98.0 / 490.0 + 490.0 / 10384.86;
+        assert!((found / expected - 1.0).abs() < 1e-14);
+        assert!((found - 0.655_347).abs() < 1e-6);
+    }
+
+    #[test]
+    fn each_limit_may_be_out_of_reach() {
+        // Jerk alone: four phases of (way / 2 / jerk)^(1/3).
+        assert!((duration(2.0, [1e9, 1e9, 1.0]) - 4.0).abs() < 1e-14);
+        assert_eq!(phases(2.0, [1e9, 1e9, 1.0]).len(), 5);
+        // Jerk and speed: 8 phases of 1 s would reach speed 1.
+        assert!((duration(5.0, [1.0, 1e9, 1.0]) - 7.0).abs() < 1e-14);
+        assert_eq!(phases(5.0, [1.0, 1e9, 1.0]).len(), 6);
+        // Jerk and acceleration: (1 + p) (2 + p) = 12 has p = 2.
+        assert!((duration(12.0, [1e9, 1.0, 1.0]) - 8.0).abs() < 1e-14);
+        assert_eq!(phases(12.0, [1e9, 1.0, 1.0]).len(), 7);
+        // All of them.
+        assert_eq!(phases(100.0, [4.0, 1.0, 1.0]).len(), 8);
+    }
+
+    /// The phases join, end at rest where they should, and keep the limits.
+    #[test]
+    fn phases_join() {
+        for way in [1e-9, 1e-3, 0.1, 1.0, 3.0, 100.0] {
+            for limits in [[1.0, 1.0, 1.0], [1.0, 10.0, 1.0], [1.0, 0.1, 10.0], [10.0, 1.0, 100.0]]
+            {
+                let instants = phases(way, limits);
+                for at in &instants {
+                    assert!(at.speed >= 0.0 && at.speed <= limits[0] * (1.0 + 1e-12));
+                    assert!(at.acceleration.abs() <= limits[1] * (1.0 + 1e-12));
+                }
+                for pair in instants.windows(2) {
+                    let t = pair[1].t_s - pair[0].t_s;
+                    let jerk = (pair[1].acceleration - pair[0].acceleration) / t;
+                    assert!(jerk.abs() <= limits[2] * (1.0 + 1e-9));
+                    let end = pair[0].way
+                        + t * (pair[0].speed + t * (pair[0].acceleration / 2.0 + t * jerk / 6.0));
+                    assert!((end - pair[1].way).abs() < 1e-12 * way, "{way} {limits:?}");
+                }
+            }
+        }
+    }
+}
