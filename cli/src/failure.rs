@@ -27,7 +27,7 @@ impl Failure {
     pub(crate) fn in_text(what: &str, place: &Place, name: &str, text: &str) -> Self {
         Self::Input(Report::new(Problem {
             what: printable(&format!("{name}, {place}: {what}")),
-            text: excerpt(text, place).then(|| NamedSource::new(name, text.to_owned())),
+            text: excerpt(text, place).then(|| NamedSource::new(printable(name), text.to_owned())),
             place: Some(place.clone()),
         }))
     }
@@ -40,7 +40,7 @@ impl Failure {
             let _ = write!(cause, ": {error}");
             source = error.source();
         }
-        Self::Run { what: what.into(), cause: Some(cause) }
+        Self::Run { what: printable(&what.into()), cause: Some(cause) }
     }
 
     /// The same, with the program's name in front, unless the failure begins with it by itself.

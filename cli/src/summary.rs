@@ -60,11 +60,16 @@ fn longest_limit(figures: &Figures) -> Option<String> {
 #[derive(Default)]
 pub(crate) struct Summary {
     rows: Vec<Row>,
+    /// Limits that no source states, each with its robot.
+    assumptions: BTreeSet<String>,
 }
 
 impl Summary {
     /// Adds the next program.
-    pub(crate) fn add(&mut self, row: Row) {
+    pub(crate) fn add(&mut self, mut row: Row) {
+        if let Some(times) = &mut row.times {
+            self.assumptions.extend(std::mem::take(&mut times.assumptions));
+        }
         self.rows.push(row);
     }
 
@@ -122,8 +127,7 @@ impl Summary {
             // From 0.0: a sum of nothing is -0.0.
             times().fold(0.0, |sum, times| sum + times.cycle_s)
         );
-        let assumptions: BTreeSet<_> = times().flat_map(|times| &times.assumptions).collect();
-        for assumption in assumptions {
+        for assumption in &self.assumptions {
             let _ = writeln!(text, "Assumed, not from a source, of {assumption}");
         }
         text

@@ -12,7 +12,6 @@ use rayon::{
     ThreadPoolBuilder,
     iter::{ParallelBridge, ParallelIterator},
 };
-
 use serde::Serialize;
 
 use super::{
@@ -22,7 +21,7 @@ use super::{
 };
 use crate::{
     args::Plan,
-    failure::{self, Failure},
+    failure::{self, Failure, printable},
     figures::Figures,
     input, output,
     progress::Progress,
@@ -43,7 +42,8 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
         make_folder(folder)?;
     }
     output::catch_interrupts();
-    let threads = usize::from(options.jobs.unwrap_or(0));
+    // None at all stands for one a core.
+    let threads = options.jobs.map_or(0, |threads| usize::from(threads).min(jobs.len()));
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
@@ -118,7 +118,7 @@ impl Outcome {
             json_line(&Report { program: Some(name), figures, output })
         };
         let too_long = too_long(options, figures);
-        let complain = |how: &String| Failure::Gate(format!("{name} {how}")).text();
+        let complain = |how: &String| Failure::Gate(format!("{} {how}", printable(name))).text();
         Ok(Self {
             line: options.json.then(line).transpose()?,
             complaint: too_long.as_ref().map(complain),

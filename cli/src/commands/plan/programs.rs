@@ -62,8 +62,7 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     }
     if names.is_empty() {
         return Err(Failure::input(format!(
-            "no programs in the folder {}: they are the files *.json in it that are no robot \
-             profiles",
+            "the folder {} has no programs: files *.json that are not robot profiles",
             folder.display()
         )));
     }
