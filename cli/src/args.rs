@@ -10,7 +10,7 @@ Exit codes:
   0  done
   1  it failed while running (a file could not be written, it was interrupted)
   2  wrong usage or invalid input
-  3  done, but a gate such as --max-cycle-time was not met";
+  3  done, but a gate such as --max-cycle-time was not met, or of many programs some failed";
 
 /// Motion simulator for the KUKA LBR iiwa: which path will the arm take through a motion program,
 /// and how long will it take?
@@ -29,7 +29,7 @@ pub(crate) enum Command {
     Schema(Schema),
 }
 
-/// Plan a motion program: print its cycle time, write its trajectory as MCAP.
+/// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
 /// The table has a row for each motion: when it starts and ends, its top speed as a share of the
 /// joint's speed limit, and what limits it for most of its time. A motion lasts from the start of
@@ -37,14 +37,22 @@ pub(crate) enum Command {
 ///
 /// The MCAP file opens in Foxglove, Lichtblick, Rerun and ROS 2 tools: joint states, link frames,
 /// the flange's pose, the whole trajectory, the robot's URDF and the program.
+///
+/// Many programs are planned on all cores: `iiwasim plan A.json B.json`, or `iiwasim plan FOLDER`
+/// for all files *.json directly in it, by name, but for hidden ones and robot profiles. The table
+/// then has a row for each program: how long it takes, moving and standing (to settle and to wait),
+/// and what limits most of its time in motion. A program that fails is named on standard error and
+/// does not stop the others; the exit code is 3 then.
 #[derive(Args, Debug)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct Plan {
-    /// Motion program in JSON (`iiwasim schema` describes it); - reads standard input
-    #[arg(value_name = "PROGRAM.json")]
-    pub(crate) program: PathBuf,
+    /// Motion program in JSON (`iiwasim schema` describes it), or a folder of them; - reads
+    /// standard input
+    #[arg(value_name = "PROGRAM.json", required = true)]
+    pub(crate) programs: Vec<PathBuf>,
 
-    /// Where the MCAP file goes [default: PROGRAM.mcap in the current folder]
+    /// Where the MCAP file goes; of many programs, the folder for their files, made if there is
+    /// none [default: PROGRAM.mcap in the current folder]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
@@ -52,9 +60,13 @@ pub(crate) struct Plan {
     #[arg(long, conflicts_with_all = ["output", "rate", "epoch"])]
     pub(crate) no_output: bool,
 
-    /// Print the figures as one JSON object
+    /// Print the figures as one JSON object; of many programs, one a line
     #[arg(long)]
     pub(crate) json: bool,
+
+    /// Programs that are planned at the same time, 1 to 1024 [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
 
     /// Which limits the motion keeps
     #[arg(long, value_enum, default_value_t = Timing::Acceleration)]
@@ -80,7 +92,7 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
-    /// Exit with code 3 if the program takes longer, in s: a gate for CI
+    /// Exit with code 3 if a program takes longer, in s: a gate for CI
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub(crate) max_cycle_time: Option<f64>,
 
@@ -88,7 +100,7 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "TIME", value_parser = epoch)]
     pub(crate) epoch: Option<Duration>,
 
-    /// Draw the path of the flange and the joint speeds as a picture, too
+    /// Draw the path of the flange and the joint speeds as a picture, too; of one program only
     #[arg(long, value_name = "FILE.svg")]
     pub(crate) picture: Option<PathBuf>,
 }

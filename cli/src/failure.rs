@@ -27,7 +27,7 @@ impl Failure {
     pub(crate) fn in_text(what: &str, place: &Place, name: &str, text: &str) -> Self {
         Self::Input(Report::new(Problem {
             what: printable(&format!("{name}, {place}: {what}")),
-            text: excerpt(text, place).then(|| NamedSource::new(name, text.to_owned())),
+            text: excerpt(text, place).then(|| NamedSource::new(printable(name), text.to_owned())),
             place: Some(place.clone()),
         }))
     }
@@ -40,24 +40,60 @@ impl Failure {
             let _ = write!(cause, ": {error}");
             source = error.source();
         }
-        Self::Run { what: what.into(), cause: Some(cause) }
+        Self::Run { what: printable(&what.into()), cause: Some(cause) }
+    }
+
+    /// The same, with the program's name in front, unless the failure begins with it by itself.
+    pub(crate) fn about(mut self, program: &str) -> Self {
+        let program = printable(program);
+        let what = match &mut self {
+            Self::Input(report) => {
+                report.downcast_mut::<Problem>().map(|problem| &mut problem.what)
+            }
+            Self::Run { what, .. } | Self::Gate(what) => Some(what),
+        };
+        if let Some(what) = what {
+            let begins = what.strip_prefix("cannot read ").unwrap_or(what);
+            let rest = begins.strip_prefix(&program);
+            if !rest.is_some_and(|rest| rest.starts_with([',', ':', ' '])) {
+                *what = format!("{program}: {what}");
+            }
+        }
+        self
+    }
+
+    /// What went wrong, in one line.
+    pub(crate) fn what(&self) -> String {
+        match self {
+            Self::Input(report) => report.to_string(),
+            Self::Run { what, cause: Some(cause) } => format!("{what}: {cause}"),
+            Self::Run { what, cause: None } | Self::Gate(what) => what.clone(),
+        }
+    }
+
+    /// As it is told to people.
+    pub(crate) fn text(&self) -> String {
+        let text = match self {
+            Self::Input(report) => format!("{report:?}"),
+            Self::Run { .. } => format!("Error: {}", self.what()),
+            Self::Gate(what) => format!("Gate not met: {what}"),
+        };
+        format!("{}\n", text.trim_end())
     }
 
     /// Tells it on standard error.
     pub(crate) fn report(&self) {
-        let text = match self {
-            Self::Input(report) => format!("{report:?}"),
-            Self::Run { what, cause: Some(cause) } => format!("Error: {what}: {cause}"),
-            Self::Run { what, cause: None } => format!("Error: {what}"),
-            Self::Gate(what) => format!("Gate not met: {what}"),
-        };
-        // If standard error is closed, there is nobody to tell.
-        let _ = writeln!(anstream::stderr(), "{}", text.trim_end());
+        tell(&self.text());
     }
 }
 
+/// Writes to standard error. If that is closed, there is nobody to tell.
+pub(crate) fn tell(text: &str) {
+    let _ = anstream::stderr().write_all(text.as_bytes());
+}
+
 /// The text with control characters spelled out: a terminal would obey them.
-fn printable(text: &str) -> String {
+pub(crate) fn printable(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
         if c.is_control() {

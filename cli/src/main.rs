@@ -2,7 +2,7 @@
 //!
 //! Results go to standard output, everything else to standard error. This file alone decides on the
 //! exit code: 0 done; 1 it failed while running; 2 wrong usage or invalid input; 3 done, but a gate
-//! was not met.
+//! was not met, or of many programs some failed.
 
 mod args;
 mod commands;
@@ -11,6 +11,8 @@ mod figures;
 mod input;
 mod output;
 mod picture;
+mod progress;
+mod summary;
 mod table;
 
 use std::process::ExitCode;

@@ -15,7 +15,7 @@ pub(crate) fn table(head: &[&str]) -> Table {
     table.load_style(presets::NOTHING.header_separator(LineStyle::none().fill('─').junction('─')));
     table.set_header(head.iter().copied());
     for (index, title) in head.iter().enumerate() {
-        let words = ["", "type", "limited by", "robot", "quantity", "unit"];
+        let words = ["", "type", "limited by", "robot", "quantity", "unit", "program", "result"];
         if !words.contains(title)
             && let Some(column) = table.column_mut(index)
         {

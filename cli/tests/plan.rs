@@ -2,9 +2,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
+#[path = "common/helpers.rs"]
+mod helpers;
+
 use std::{
     fs,
-    path::{Path, PathBuf},
+    path::Path,
     process::{Command, Stdio},
     time::{Duration, Instant},
 };
@@ -16,44 +19,14 @@ use predicates::{
 };
 use tempfile::{TempDir, tempdir};
 
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)
-}
-
-fn iiwasim(folder: &TempDir, arguments: &[&str]) -> Assert {
-    cargo_bin_cmd!("iiwasim").current_dir(folder).args(arguments).assert()
-}
+use helpers::{START, files, fixture, iiwasim, long_program, program};
 
 fn plan(folder: &TempDir, program: &Path, arguments: &[&str]) -> Assert {
     cargo_bin_cmd!("iiwasim").current_dir(folder).arg("plan").arg(program).args(arguments).assert()
 }
 
-fn files(folder: &TempDir) -> Vec<String> {
-    let names = fs::read_dir(folder).unwrap();
-    let mut names: Vec<_> =
-        names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
-}
-
 fn figures(assert: Assert) -> serde_json::Value {
     serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
-}
-
-const START: &str = r#""start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }"#;
-
-fn program(motions: &str) -> String {
-    format!("{{\n  \"version\": 1,\n  {START},\n  \"motions\": [\n    {motions}\n  ]\n}}\n")
-}
-
-/// `count` motions there and back again, all blended.
-fn long_program(count: usize) -> String {
-    let motion = |i: usize| {
-        let a = if i.is_multiple_of(2) { 10 } else { -10 };
-        let blend = if i + 1 < count { r#", "blend": { "fraction": 0.25 }"# } else { "" };
-        format!(r#"{{ "type": "ptp", "joints_deg": [{a}, {}, 0, -60, 0, 90, 0]{blend} }}"#, i % 7)
-    };
-    program(&(0..count).map(motion).collect::<Vec<_>>().join(",\n"))
 }
 
 #[test]

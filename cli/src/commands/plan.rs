@@ -1,32 +1,67 @@
 //! `iiwasim plan`.
 
+mod many;
+mod programs;
+
 use std::{
     fmt::Write as _,
     path::{Path as FilePath, PathBuf},
-    time::{Duration, Instant},
 };
 
+use iiwa_kin::Robot;
 use iiwa_log::{PlanConfig, PlanWriter};
-use iiwa_path::{Path, PathOptions};
+use iiwa_path::{Path, PathOptions, Program};
 use iiwa_traj::{Planner, SweepOptions, Timing};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
 
 use crate::{
     args::{self, Plan},
     failure::Failure,
     figures::Figures,
-    input,
+    input::{self, Text},
     output::{self, Output},
     picture::Picture,
+    progress::Progress,
     table,
 };
 
-/// Plans a program, writes its trajectory and prints its figures.
+/// Plans programs, writes their trajectories and prints their figures.
 pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
-    let target = output_path(options);
-    distinct(options, target.as_deref())?;
-    let (text, program, robot) = input::program(&options.program, options.robot.as_deref())?;
+    match options.programs.as_slice() {
+        [program] if is_stdin(program) || !program.is_dir() => one(options, program),
+        given => many::run(options, given),
+    }
+}
+
+fn is_stdin(program: &FilePath) -> bool {
+    program == FilePath::new("-")
+}
+
+/// Plans one program.
+fn one(options: &Plan, program: &FilePath) -> Result<(), Failure> {
+    let target = output_path(options, program);
+    distinct(options, program, target.as_deref())?;
+    let input = input::program(program, options.robot.as_deref())?;
     output::catch_interrupts();
+    let mut progress = Progress::of_program();
+    let figures = write(options, input, target.as_deref(), |share| progress.show_share(share));
+    progress.clear();
+    let figures = figures?;
+    report(options, &figures, target.as_deref())?;
+    match too_long(options, &figures) {
+        Some(how) => Err(Failure::Gate(format!("the program {how}"))),
+        None => Ok(()),
+    }
+}
+
+/// Plans a program and writes its trajectory to `target`. What is written appears when all of it is
+/// done; `progress` hears of the share that is.
+fn write(
+    options: &Plan,
+    (text, program, robot): (Text, Program, Robot),
+    target: Option<&FilePath>,
+    mut progress: impl FnMut(f64),
+) -> Result<Figures, Failure> {
     let path_options = PathOptions {
         blend_shape: options.blend_shape.into(),
         blend_search: options.blend_search.into(),
@@ -41,7 +76,7 @@ pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
     let timing = Timing::Acceleration(SweepOptions { samples: options.samples as usize });
     let mut figures = Figures::new(timing.name(), &robot, options.samples);
 
-    let output = target.as_deref().map(Output::new).transpose()?;
+    let output = target.map(Output::new).transpose()?;
     let drawing = options.picture.as_deref().map(Output::new).transpose()?;
     let mut writer = match &output {
         None => None,
@@ -56,7 +91,6 @@ pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
     };
     let mut picture = drawing.as_ref().map(|_| Picture::new(&robot));
 
-    let mut progress = Progress::new();
     let mut planner = Planner::new(&path, timing);
     while let Some(stretch) = planner.next() {
         output::check_interrupt()?;
@@ -68,9 +102,8 @@ pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
         if let Some(picture) = &mut picture {
             picture.add(&stretch);
         }
-        progress.show(planner.progress());
+        progress(planner.progress());
     }
-    progress.clear();
 
     if let (Some(writer), Some(output)) = (writer, &output) {
         let program = ("program.json", "application/json", text.text.as_bytes());
@@ -86,40 +119,41 @@ pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
     for whole in output.into_iter().chain(drawing) {
         whole.complete()?;
     }
-    report(options, &figures, target.as_deref())?;
+    Ok(figures)
+}
 
-    match options.max_cycle_time {
-        Some(limit) if figures.cycle_time_s > limit => Err(Failure::Gate(format!(
-            "the program takes {:.3} s, more than {limit} s",
-            figures.cycle_time_s
-        ))),
-        _ => Ok(()),
-    }
+/// How the program exceeds the time that it may take, if it does.
+fn too_long(options: &Plan, figures: &Figures) -> Option<String> {
+    let limit = options.max_cycle_time.filter(|limit| figures.cycle_time_s > *limit)?;
+    Some(format!("takes {:.3} s, more than {limit} s", figures.cycle_time_s))
 }
 
 /// Where the MCAP file goes, if anywhere.
-fn output_path(options: &Plan) -> Option<PathBuf> {
+fn output_path(options: &Plan, program: &FilePath) -> Option<PathBuf> {
     if options.no_output {
         return None;
     }
-    Some(options.output.clone().unwrap_or_else(|| {
-        let stem = match options.program.file_stem() {
-            Some(stem) if options.program != FilePath::new("-") => stem.to_owned(),
-            _ => "program".into(),
-        };
-        let mut name = stem;
-        name.push(".mcap");
-        PathBuf::from(name)
-    }))
+    Some(options.output.clone().unwrap_or_else(|| file_name(program)))
+}
+
+/// How the MCAP file of a program is called.
+fn file_name(program: &FilePath) -> PathBuf {
+    let stem = match program.file_stem() {
+        Some(stem) if !is_stdin(program) => stem.to_owned(),
+        _ => "program".into(),
+    };
+    let mut name = stem;
+    name.push(".mcap");
+    PathBuf::from(name)
 }
 
 /// Refuses to write over what is read, or one file twice.
-fn distinct(options: &Plan, target: Option<&FilePath>) -> Result<(), Failure> {
+fn distinct(options: &Plan, program: &FilePath, target: Option<&FilePath>) -> Result<(), Failure> {
     let same = |a: &FilePath, b: &FilePath| {
         a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
     };
     let robot = options.robot.as_deref().map(FilePath::new);
-    let read = [("program", Some(options.program.as_path())), ("robot", robot)];
+    let read = [("program", Some(program)), ("robot", robot)];
     let written = [("trajectory", target), ("picture", options.picture.as_deref())];
     for (what, path) in written {
         let others = read.iter().chain(written.iter().filter(|(other, _)| *other < what));
@@ -139,11 +173,21 @@ fn distinct(options: &Plan, target: Option<&FilePath>) -> Result<(), Failure> {
 }
 
 /// The figures, and where the file is.
-#[derive(serde::Serialize)]
+#[derive(Serialize)]
 struct Report<'a> {
+    /// Which of many programs it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    program: Option<&'a str>,
     #[serde(flatten)]
     figures: &'a Figures,
     output: Option<String>,
+}
+
+/// A line of JSON.
+fn json_line(report: &impl Serialize) -> Result<String, Failure> {
+    let json = serde_json::to_string(report)
+        .map_err(|error| Failure::run("cannot write the figures", &error))?;
+    Ok(format!("{json}\n"))
 }
 
 fn report(options: &Plan, figures: &Figures, file: Option<&FilePath>) -> Result<(), Failure> {
@@ -154,43 +198,6 @@ fn report(options: &Plan, figures: &Figures, file: Option<&FilePath>) -> Result<
         }
         return output::print(&text);
     }
-    let report = Report { figures, output: file.map(|file| file.display().to_string()) };
-    let json = serde_json::to_string(&report)
-        .map_err(|error| Failure::run("cannot write the figures", &error))?;
-    output::print(&format!("{json}\n"))
-}
-
-/// A progress bar on standard error, if that is a terminal, once the work turns out to be long.
-struct Progress {
-    since: Instant,
-    bar: Option<ProgressBar>,
-}
-
-impl Progress {
-    const SHORT: Duration = Duration::from_millis(500);
-    const STEPS: u64 = 1000;
-
-    fn new() -> Self {
-        Self { since: Instant::now(), bar: None }
-    }
-
-    fn show(&mut self, share: f64) {
-        if self.bar.is_none() && self.since.elapsed() < Self::SHORT {
-            return;
-        }
-        let bar = self.bar.get_or_insert_with(|| {
-            let style = ProgressStyle::with_template("planning {wide_bar} {percent} %, {eta} left");
-            let bar =
-                ProgressBar::with_draw_target(Some(Self::STEPS), ProgressDrawTarget::stderr());
-            bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-        });
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 1000")]
-        bar.set_position((share * Self::STEPS as f64) as u64);
-    }
-
-    fn clear(self) {
-        if let Some(bar) = self.bar {
-            bar.finish_and_clear();
-        }
-    }
+    let output = file.map(|file| file.display().to_string());
+    output::print(&json_line(&Report { program: None, figures, output })?)
 }

@@ -30,6 +30,7 @@
 #![expect(clippy::needless_range_loop, reason = "rows of eight numbers are indexed together")]
 
 mod audit;
+mod batch;
 mod figures;
 mod interval;
 mod jerk;
@@ -42,6 +43,7 @@ mod sweep;
 mod timing;
 mod trajectory;
 
+pub use batch::{PlanError, plan_all};
 pub use figures::{BlendFigures, Kind, Limit, MotionFigures, MotionType, Totals};
 pub use planner::Planner;
 pub use stretch::{Node, Piece, PieceKind, State, Stretch};

@@ -1,0 +1,201 @@
+//! Many programs, one a thread.
+
+use std::{
+    collections::BTreeMap,
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
+};
+
+use rayon::{
+    ThreadPoolBuilder,
+    iter::{ParallelBridge, ParallelIterator},
+};
+use serde::Serialize;
+
+use super::{
+    Report, json_line,
+    programs::{self, Job},
+    too_long, write,
+};
+use crate::{
+    args::Plan,
+    failure::{self, Failure, printable},
+    figures::Figures,
+    input, output,
+    progress::Progress,
+    summary::{Row, Summary, Times},
+};
+
+/// Plans all programs that are given, and those in the folders that are.
+pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
+    if options.picture.is_some() {
+        return Err(Failure::input("--picture draws one program; plan that one alone"));
+    }
+    let jobs = programs::jobs(options, given)?;
+    if let Some(robot) = &options.robot {
+        // A robot that none of them could use is one failure, not one for each.
+        input::find_robot(robot, Path::new("."))?;
+    }
+    if let Some(folder) = &options.output {
+        make_folder(folder)?;
+    }
+    output::catch_interrupts();
+    // None at all stands for one a core.
+    let threads = options.jobs.map_or(0, |threads| usize::from(threads).min(jobs.len()));
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| Failure::run("cannot start the threads", &error))?;
+
+    let told = Mutex::new(Told::new(jobs.len()));
+    // Started in order, so that what comes out of them has hardly to wait for its turn.
+    let work = jobs.iter().enumerate().par_bridge();
+    let result = pool.install(|| {
+        work.try_for_each(|(index, job)| {
+            output::check_interrupt()?;
+            let outcome = plan(options, job, &told);
+            // A program that was cut off has not failed.
+            output::check_interrupt()?;
+            told.lock().unwrap_or_else(PoisonError::into_inner).tell(index, outcome)
+        })
+    });
+    let Told { progress, summary, .. } = told.into_inner().unwrap_or_else(PoisonError::into_inner);
+    progress.clear();
+    result?;
+    report(options, &summary)
+}
+
+/// Makes sure of the folder for the trajectories.
+fn make_folder(folder: &Path) -> Result<(), Failure> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(Failure::input(format!(
+            "{} is not a folder; of many programs, --output names one",
+            folder.display()
+        )));
+    }
+    fs::create_dir_all(folder).map_err(|error| {
+        Failure::run(format!("cannot make the folder {}", folder.display()), &error)
+    })
+}
+
+/// Plans one of the programs.
+fn plan(options: &Plan, job: &Job, told: &Mutex<Told>) -> Outcome {
+    let name = job.program.display().to_string();
+    let alive = |_| {
+        // Whoever holds it is about to show the progress.
+        if let Ok(mut told) = told.try_lock() {
+            told.progress.alive();
+        }
+    };
+    let planned = input::program(&job.program, options.robot.as_deref())
+        .and_then(|input| write(options, input, job.target.as_deref(), alive))
+        .and_then(|figures| Outcome::planned(options, job, &name, &figures));
+    planned.unwrap_or_else(|failure| Outcome::failed(options, name, failure))
+}
+
+/// What there is to say about a program; nothing that grows with its length but `line`.
+struct Outcome {
+    /// For standard output.
+    line: Option<String>,
+    /// For standard error.
+    complaint: Option<String>,
+    row: Row,
+}
+
+/// The line of a program that was not planned.
+#[derive(Serialize)]
+struct Refusal<'a> {
+    program: &'a str,
+    error: String,
+}
+
+impl Outcome {
+    fn planned(options: &Plan, job: &Job, name: &str, figures: &Figures) -> Result<Self, Failure> {
+        let line = || {
+            let output = job.target.as_deref().map(|file| file.display().to_string());
+            json_line(&Report { program: Some(name), figures, output })
+        };
+        let too_long = too_long(options, figures);
+        let complain = |how: &String| Failure::Gate(format!("{} {how}", printable(name))).text();
+        Ok(Self {
+            line: options.json.then(line).transpose()?,
+            complaint: too_long.as_ref().map(complain),
+            row: Row {
+                program: name.to_owned(),
+                times: Some(Times::from(figures)),
+                too_long: too_long.is_some(),
+            },
+        })
+    }
+
+    fn failed(options: &Plan, name: String, failure: Failure) -> Self {
+        let failure = failure.about(&name);
+        let line = || json_line(&Refusal { program: &name, error: failure.what() });
+        Self {
+            // Two texts always become JSON.
+            line: options.json.then(line).and_then(Result::ok),
+            complaint: Some(failure.text()),
+            row: Row { program: name, times: None, too_long: false },
+        }
+    }
+}
+
+/// What has been said.
+struct Told {
+    progress: Progress,
+    summary: Summary,
+    /// Outcomes that came before their turn.
+    waiting: BTreeMap<usize, Outcome>,
+}
+
+impl Told {
+    fn new(count: usize) -> Self {
+        Self {
+            progress: Progress::of_programs(count),
+            summary: Summary::default(),
+            waiting: BTreeMap::new(),
+        }
+    }
+
+    /// Says what came of the program at `index`, when all before it have had their turn.
+    fn tell(&mut self, index: usize, outcome: Outcome) -> Result<(), Failure> {
+        self.waiting.insert(index, outcome);
+        while let Some(outcome) = self.waiting.remove(&self.summary.programs()) {
+            let Outcome { line, complaint, row } = outcome;
+            self.progress.aside(|| {
+                if let Some(complaint) = complaint {
+                    failure::tell(&complaint);
+                }
+                line.map_or(Ok(()), |line| output::print(&line))
+            })?;
+            self.summary.add(row);
+        }
+        self.progress.show((self.summary.programs() + self.waiting.len()) as u64);
+        Ok(())
+    }
+}
+
+/// The table, and whether all is well.
+fn report(options: &Plan, summary: &Summary) -> Result<(), Failure> {
+    if !options.json {
+        let mut text = summary.text();
+        if summary.failed() < summary.programs() && !options.no_output {
+            let folder = options.output.as_deref().unwrap_or(Path::new("the current folder"));
+            let _ = writeln!(text, "Trajectories in {}", folder.display());
+        }
+        output::print(&text)?;
+    }
+    let count = summary.programs();
+    let mut unmet = Vec::new();
+    if summary.failed() > 0 {
+        unmet.push(format!("{} of {count} programs failed", summary.failed()));
+    }
+    if let Some(limit) = options.max_cycle_time
+        && summary.too_long() > 0
+    {
+        unmet.push(format!("{} of {count} programs over {limit} s", summary.too_long()));
+    }
+    if unmet.is_empty() { Ok(()) } else { Err(Failure::Gate(unmet.join(", "))) }
+}

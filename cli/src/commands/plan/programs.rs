@@ -1,0 +1,128 @@
+//! Which programs are meant, and where their trajectories go.
+
+use std::{
+    collections::HashMap,
+    ffi::OsStr,
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use iiwa_kin::Robot;
+
+use crate::{args::Plan, failure::Failure};
+
+/// A program, and where its trajectory goes, if anywhere.
+pub(super) struct Job {
+    pub(super) program: PathBuf,
+    pub(super) target: Option<PathBuf>,
+}
+
+/// All programs of what is given, in order, with folders as the programs in them. Each is there
+/// once and has a file of its own, which is none of those that are read.
+pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<Job>, Failure> {
+    let mut programs = Vec::new();
+    for path in given {
+        if super::is_stdin(path) {
+            return Err(Failure::input("-, standard input, can only be planned alone"));
+        }
+        if path.is_dir() {
+            programs.append(&mut programs_in(path)?);
+        } else {
+            programs.push(path.clone());
+        }
+    }
+    each_once(&programs)?;
+    let target = |program: &Path| {
+        let folder = options.output.clone().unwrap_or_default();
+        (!options.no_output).then(|| folder.join(super::file_name(program)))
+    };
+    let jobs: Vec<_> =
+        programs.into_iter().map(|program| Job { target: target(&program), program }).collect();
+    distinct(&jobs, options.robot.as_deref().map(Path::new))?;
+    Ok(jobs)
+}
+
+/// The programs directly in a folder, sorted by name: its files `*.json`, as a shell lists them, but
+/// for robot profiles, which belong beside the programs that name them.
+fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let refuse = |error: io::Error| {
+        Failure::input(format!("cannot read the folder {}: {error}", folder.display()))
+    };
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).map_err(refuse)? {
+        let name = entry.map_err(refuse)?.file_name();
+        let hidden = name.as_encoded_bytes().starts_with(b".");
+        let path = folder.join(&name);
+        // A link that leads nowhere is kept: that it cannot be read is told when it is its turn.
+        let is_file = path.metadata().map_or(true, |kind| kind.is_file());
+        if !hidden && path.extension() == Some(OsStr::new("json")) && is_file && !is_profile(&path)
+        {
+            names.push(name);
+        }
+    }
+    if names.is_empty() {
+        return Err(Failure::input(format!(
+            "the folder {} has no programs: files *.json that are not robot profiles",
+            folder.display()
+        )));
+    }
+    names.sort();
+    Ok(names.into_iter().map(|name| folder.join(name)).collect())
+}
+
+fn is_profile(path: &Path) -> bool {
+    fs::read_to_string(path).is_ok_and(|text| Robot::from_profile(&text).is_ok())
+}
+
+/// Refuses a program that is there twice.
+fn each_once(programs: &[PathBuf]) -> Result<(), Failure> {
+    let mut seen = HashMap::new();
+    for program in programs {
+        let Some(other) = seen.insert(place(program), program) else { continue };
+        return Err(Failure::input(if other == program {
+            format!("{} is given twice", program.display())
+        } else {
+            format!("{} and {} are the same file", other.display(), program.display())
+        }));
+    }
+    Ok(())
+}
+
+/// Where a file is, whichever way leads there. A link is a file of its own.
+fn place(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match (folder.unwrap_or(Path::new(".")).canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    }
+}
+
+/// Refuses to write over what is read, or one file twice.
+fn distinct(jobs: &[Job], robot: Option<&Path>) -> Result<(), Failure> {
+    let programs = jobs.iter().map(|job| job.program.as_path());
+    let read: HashMap<_, _> =
+        programs.chain(robot).filter_map(|path| Some((path.canonicalize().ok()?, path))).collect();
+    let mut written = HashMap::new();
+    for Job { program, target } in jobs {
+        let Some(target) = target else { continue };
+        // A link is written through.
+        let file = target.canonicalize().unwrap_or_else(|_| target.clone());
+        if let Some(read) = read.get(&file) {
+            return Err(Failure::input(format!(
+                "the trajectory of {} would be written over {}; name another folder with --output",
+                program.display(),
+                read.display()
+            )));
+        }
+        if let Some(other) = written.insert(file, program) {
+            return Err(Failure::input(format!(
+                "the trajectories of {} and {} would both be written to {}; rename one of them, \
+                 or plan them one after the other",
+                other.display(),
+                program.display(),
+                target.display()
+            )));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,135 @@
+//! What came of many programs.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt::Write as _,
+};
+
+use comfy_table::Cell;
+
+use crate::{failure::printable, figures::Figures, table::table};
+
+/// What came of one of them.
+pub(crate) struct Row {
+    pub(crate) program: String,
+    pub(crate) times: Option<Times>,
+    /// It takes longer than it may.
+    pub(crate) too_long: bool,
+}
+
+/// What is told of a program that was planned.
+pub(crate) struct Times {
+    motions: usize,
+    cycle_s: f64,
+    motion_s: f64,
+    standing_s: f64,
+    limited_by: Option<String>,
+    assumptions: Vec<String>,
+}
+
+impl From<&Figures> for Times {
+    fn from(figures: &Figures) -> Self {
+        Self {
+            motions: figures.motions.len(),
+            cycle_s: figures.cycle_time_s,
+            motion_s: figures.motion_time_s,
+            standing_s: figures.settle_time_s + figures.wait_time_s,
+            limited_by: longest_limit(figures),
+            assumptions: figures
+                .assumptions
+                .iter()
+                .map(|assumption| format!("{}: {assumption}", figures.robot))
+                .collect(),
+        }
+    }
+}
+
+/// The limit of the motions that take the longest together.
+fn longest_limit(figures: &Figures) -> Option<String> {
+    let mut times = BTreeMap::new();
+    for motion in &figures.motions {
+        if let Some(limit) = &motion.limited_by {
+            *times.entry((limit.joint, limit.kind)).or_insert(0.0) += motion.end_s - motion.start_s;
+        }
+    }
+    let longest = times.into_iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
+    longest.map(|((joint, kind), _)| format!("A{joint} {kind}"))
+}
+
+/// What came of all of them.
+#[derive(Default)]
+pub(crate) struct Summary {
+    rows: Vec<Row>,
+    /// Limits that no source states, each with its robot.
+    assumptions: BTreeSet<String>,
+}
+
+impl Summary {
+    /// Adds the next program.
+    pub(crate) fn add(&mut self, mut row: Row) {
+        if let Some(times) = &mut row.times {
+            self.assumptions.extend(std::mem::take(&mut times.assumptions));
+        }
+        self.rows.push(row);
+    }
+
+    pub(crate) fn programs(&self) -> usize {
+        self.rows.len()
+    }
+
+    pub(crate) fn failed(&self) -> usize {
+        self.rows.iter().filter(|row| row.times.is_none()).count()
+    }
+
+    pub(crate) fn too_long(&self) -> usize {
+        self.rows.iter().filter(|row| row.too_long).count()
+    }
+
+    /// A row for each program, and the totals.
+    pub(crate) fn text(&self) -> String {
+        let mut table = table(&[
+            "program",
+            "motions",
+            "cycle time s",
+            "motion s",
+            "standing s",
+            "limited by",
+            "result",
+        ]);
+        for row in &self.rows {
+            let figures = row.times.as_ref().map(|times| {
+                [
+                    times.motions.to_string(),
+                    format!("{:.3}", times.cycle_s),
+                    format!("{:.3}", times.motion_s),
+                    format!("{:.3}", times.standing_s),
+                    times.limited_by.clone().unwrap_or_default(),
+                ]
+            });
+            let result = match &row.times {
+                None => "failed",
+                Some(_) if row.too_long => "too long",
+                Some(_) => "planned",
+            };
+            let cells = [printable(&row.program)]
+                .into_iter()
+                .chain(figures.unwrap_or_default())
+                .chain([result.to_owned()]);
+            table.add_row(cells.map(Cell::new));
+        }
+        let times = || self.rows.iter().filter_map(|row| row.times.as_ref());
+        let mut text = format!("{table}\n\n");
+        let _ = writeln!(
+            text,
+            "{} planned, {} failed; cycle times together {:.3} s",
+            times().count(),
+            self.failed(),
+            // From 0.0: a sum of nothing is -0.0.
+            times().fold(0.0, |sum, times| sum + times.cycle_s)
+        );
+        for assumption in &self.assumptions {
+            let _ = writeln!(text, "Assumed, not from a source, of {assumption}");
+        }
+        text
+    }
+}

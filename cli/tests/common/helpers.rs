@@ -1,0 +1,41 @@
+//! Folders, files and programs for tests from outside.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};
+use tempfile::TempDir;
+
+pub(crate) fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)
+}
+
+pub(crate) fn iiwasim(folder: &TempDir, arguments: &[&str]) -> Assert {
+    cargo_bin_cmd!("iiwasim").current_dir(folder).args(arguments).assert()
+}
+
+pub(crate) fn files(folder: &TempDir) -> Vec<String> {
+    let names = fs::read_dir(folder).unwrap();
+    let mut names: Vec<_> =
+        names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+pub(crate) const START: &str = r#""start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }"#;
+
+pub(crate) fn program(motions: &str) -> String {
+    format!("{{\n  \"version\": 1,\n  {START},\n  \"motions\": [\n    {motions}\n  ]\n}}\n")
+}
+
+/// `count` motions there and back again, all blended.
+pub(crate) fn long_program(count: usize) -> String {
+    let motion = |i: usize| {
+        let a = if i.is_multiple_of(2) { 10 } else { -10 };
+        let blend = if i + 1 < count { r#", "blend": { "fraction": 0.25 }"# } else { "" };
+        format!(r#"{{ "type": "ptp", "joints_deg": [{a}, {}, 0, -60, 0, 90, 0]{blend} }}"#, i % 7)
+    };
+    program(&(0..count).map(motion).collect::<Vec<_>>().join(",\n"))
+}

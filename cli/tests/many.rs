@@ -1,0 +1,409 @@
+//! `iiwasim plan` with many programs from outside: folders, failures among them, what is refused.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+#[path = "common/helpers.rs"]
+mod helpers;
+
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Stdio},
+    time::{Duration, Instant},
+};
+
+use assert_cmd::{assert::Assert, cargo::cargo_bin};
+use predicates::{
+    prelude::PredicateBooleanExt,
+    str::{contains, is_empty},
+};
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+
+use helpers::{files, fixture, iiwasim, long_program, program};
+
+/// A program of one motion, the longer the larger `deg` is.
+fn turn(deg: f64) -> String {
+    program(&format!(r#"{{ "type": "ptp", "joints_deg": [{deg}, 0, 0, 0, 0, 0, 0] }}"#))
+}
+
+/// A program for a robot.
+fn turn_of(robot: &str) -> String {
+    turn(30.0).replace("\"version\": 1", &format!("\"version\": 1, \"robot\": \"{robot}\""))
+}
+
+/// A folder with files of these names and contents; folders between are made.
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+    folder
+}
+
+/// Three programs of the repository in the folder `cell`.
+fn cell() -> TempDir {
+    let read = |name: &str| fs::read_to_string(fixture(name)).unwrap();
+    folder(&[
+        ("cell/waits-and-stops.json", &read("waits-and-stops.json")),
+        ("cell/appendix-b.json", &read("appendix-b.json")),
+        ("cell/ten-motions.json", &read("ten-motions.json")),
+    ])
+}
+
+fn stdout(assert: &Assert) -> String {
+    String::from_utf8(assert.get_output().stdout.clone()).unwrap()
+}
+
+/// Messages without their line breaks.
+fn stderr(assert: &Assert) -> String {
+    String::from_utf8_lossy(&assert.get_output().stderr).replace("\n  │ ", " ")
+}
+
+/// The JSON lines on standard output.
+fn lines(assert: &Assert) -> Vec<Value> {
+    stdout(assert).lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// The words of the table's rows.
+fn rows(assert: &Assert) -> Vec<Vec<String>> {
+    let text = stdout(assert);
+    let rows = text.lines().skip(2).take_while(|line| !line.is_empty());
+    rows.map(|row| row.split_whitespace().map(str::to_owned).collect()).collect()
+}
+
+/// Runs a command that is to be refused: exit code 2, all `words` in the message, and no trace.
+fn refuses(folder: &TempDir, arguments: &[&str], words: &[&str]) {
+    let before = files(folder);
+    let assert = iiwasim(folder, arguments).code(2).stdout(is_empty());
+    let message = stderr(&assert);
+    for word in words {
+        assert!(message.contains(word), "`{word}` is missing in:\n{message}");
+    }
+    assert_eq!(files(folder), before);
+}
+
+#[test]
+fn a_folder_stands_for_its_programs_by_name() {
+    let folder = cell();
+    let assert = iiwasim(&folder, &["plan", "cell"]).success().stderr(is_empty());
+    let rows = rows(&assert);
+    assert_eq!(rows.len(), 3);
+    let row = ["cell/appendix-b.json", "4", "8.696", "8.646", "0.050", "A4", "velocity", "planned"];
+    assert_eq!(rows[0], row);
+    assert_eq!(rows[1][0], "cell/ten-motions.json");
+    assert_eq!((rows[2][0].as_str(), rows[2][4].as_str()), ("cell/waits-and-stops.json", "0.700"));
+    let text = stdout(&assert);
+    assert!(text.contains("3 planned, 0 failed; cycle times together 20.105 s"), "{text}");
+    let written = ["appendix-b.mcap", "cell", "ten-motions.mcap", "waits-and-stops.mcap"];
+    assert_eq!(files(&folder), written);
+}
+
+#[test]
+fn a_folder_is_more_than_its_programs() {
+    let profile =
+        r#"{ "version": 1, "name": "slow", "velocity_limit_deg_s": [9, 9, 9, 9, 9, 9, 9] }"#;
+    let folder = folder(&[
+        ("cell/a.json", &turn_of("slow.json")),
+        ("cell/slow.json", profile),
+        ("cell/.hidden.json", "{"),
+        ("cell/b.txt", "{"),
+        ("cell/json", "{"),
+        ("cell/in.json/c.json", "{"),
+    ]);
+    let assert = iiwasim(&folder, &["plan", "cell", "--no-output", "--json"]).success();
+    let lines = lines(&assert);
+    assert_eq!(lines.len(), 1);
+    assert_eq!((&lines[0]["program"], &lines[0]["robot"]), (&"cell/a.json".into(), &"slow".into()));
+}
+
+#[test]
+fn each_comes_out_as_it_does_alone() {
+    let folder = cell();
+    let names = ["ten-motions", "appendix-b", "waits-and-stops"];
+    let given = names.map(|name| format!("cell/{name}.json"));
+    let [a, b, c] = given.each_ref().map(String::as_str);
+    let options = ["--rate", "100", "--blend-shape", "alpha", "--json"];
+    let together = |extra: &[&str]| {
+        let arguments = [&["plan", a, b, c][..], &options[..], extra].concat();
+        stdout(&iiwasim(&folder, &arguments).success())
+    };
+    let text = together(&["-o", "many/of/them"]);
+    for ((name, program), line) in names.iter().zip(&given).zip(text.lines()) {
+        let file = format!("many/of/them/{name}.mcap");
+        let many = fs::read(folder.path().join(&file)).unwrap();
+        let alone = [&["plan", program, "-o", &file], &options[..]].concat();
+        let alone = stdout(&iiwasim(&folder, &alone).success());
+        let ahead = format!("{{\"program\":\"{program}\",");
+        assert_eq!(line.replacen(&ahead, "{", 1), alone.trim_end());
+        assert!(line.starts_with(&ahead));
+        assert!(many == fs::read(folder.path().join(&file)).unwrap(), "{name}");
+    }
+    assert_eq!(text.lines().count(), 3);
+    assert_eq!(together(&["-o", "many/of/them", "--jobs", "1"]), text);
+    assert_eq!(together(&["-o", "many/of/them", "--jobs", "1024"]), text);
+}
+
+#[test]
+fn a_bad_program_does_not_stop_the_others() {
+    let folder = folder(&[
+        ("cell/a.json", &turn(10.0)),
+        ("cell/bad.json", &turn(171.0)),
+        ("cell/empty.json", ""),
+        ("cell/good.json", &turn(20.0)),
+        ("cell/r2d2.json", &turn_of("r2d2")),
+        ("cell/text.json", "no program"),
+        ("cell/profiled.json", &turn_of("../broken")),
+        ("broken", "{"),
+    ]);
+    fs::write(folder.path().join("cell/latin.json"), b"{ \"robot\": \"\xe9\" }").unwrap();
+    let arguments = ["plan", "cell", "missing.json", "-o", "out"];
+    let assert = iiwasim(&folder, &arguments).code(3);
+    let message = stderr(&assert);
+    for words in [
+        "cell/bad.json, line 5, column 37: motion 1: joint 1 is at 171 deg, its limit is +-170 deg",
+        "cell/empty.json, line 1, column 1",
+        "cell/latin.json is not text in UTF-8",
+        "cell/profiled.json: cell/../broken, line 1",
+        "cell/r2d2.json, line 2",
+        "cell/text.json, line 1",
+        "cannot read missing.json",
+        "7 of 9 programs failed",
+    ] {
+        assert!(message.contains(words), "`{words}` is missing in:\n{message}");
+    }
+    let results: Vec<_> = rows(&assert)
+        .into_iter()
+        .map(|row| (row[0].trim_start_matches("cell/").to_owned(), row.last().unwrap().clone()))
+        .collect();
+    let expected = [
+        ("a.json", "planned"),
+        ("bad.json", "failed"),
+        ("empty.json", "failed"),
+        ("good.json", "planned"),
+        ("latin.json", "failed"),
+        ("profiled.json", "failed"),
+        ("r2d2.json", "failed"),
+        ("text.json", "failed"),
+        ("missing.json", "failed"),
+    ];
+    assert_eq!(results, expected.map(|(name, result)| (name.to_owned(), result.to_owned())));
+    assert!(stdout(&assert).contains("2 planned, 7 failed"));
+    let written = fs::read_dir(folder.path().join("out")).unwrap();
+    assert_eq!(written.count(), 2);
+
+    let assert = iiwasim(&folder, &[&arguments[..], &["--json"]].concat()).code(3);
+    let lines = lines(&assert);
+    assert_eq!(lines.len(), 9);
+    assert_eq!(lines[0]["output"], "out/a.mcap");
+    let refusal = r#"{"program":"cell/latin.json","error":"cell/latin.json is not text in UTF-8"}"#;
+    assert_eq!(stdout(&assert).lines().nth(4), Some(refusal));
+    assert_eq!(stderr(&assert), message);
+}
+
+#[test]
+fn if_all_fail_the_exit_code_is_3_too() {
+    let folder = folder(&[("a.json", ""), ("b.json", "{}")]);
+    let assert = iiwasim(&folder, &["plan", "."]).code(3).stderr(contains("2 of 2 programs"));
+    assert!(stdout(&assert).contains("0 planned, 2 failed; cycle times together 0.000 s"));
+    assert_eq!(files(&folder), ["a.json", "b.json"]);
+}
+
+#[test]
+fn the_gate_is_for_each_program() {
+    let folder = cell();
+    let limit = ["plan", "cell", "missing.json", "--no-output", "--max-cycle-time"];
+    let assert = iiwasim(&folder, &[&limit[..], &["6.9"]].concat()).code(3);
+    let message = stderr(&assert);
+    assert!(message.contains("cell/appendix-b.json takes 8.696 s, more than 6.9 s"), "{message}");
+    assert!(!message.contains("cell/ten-motions.json"), "{message}");
+    assert!(message.contains("1 of 4 programs failed, 1 of 4 programs over 6.9 s"), "{message}");
+    let rows = rows(&assert);
+    assert_eq!(rows[0][7..], ["too", "long"]);
+    assert_eq!(rows[1][7..], ["planned"]);
+    iiwasim(&folder, &["plan", "cell", "--no-output", "--max-cycle-time", "9"])
+        .success()
+        .stderr(is_empty());
+}
+
+#[test]
+fn wrong_usage_is_refused_before_anything_is_planned() {
+    let good = turn(10.0);
+    let folder = folder(&[
+        ("a.json", &good),
+        ("b.json", &good),
+        ("c.mcap", &good),
+        ("cell/a.json", &good),
+        ("none/readme.txt", ""),
+    ]);
+    refuses(&folder, &["plan", "none"], &["none", "no programs"]);
+    refuses(&folder, &["plan", "a.json", "none"], &["none", "no programs"]);
+    refuses(&folder, &["plan", "-", "a.json"], &["standard input", "alone"]);
+    refuses(&folder, &["plan", "a.json", "b.json", "a.json"], &["a.json is given twice"]);
+    refuses(&folder, &["plan", "x.json", "x.json"], &["x.json is given twice"]);
+    refuses(&folder, &["plan", "cell", "cell/a.json"], &["cell/a.json is given twice"]);
+    let same = ["a.json and cell/../a.json", "the same file"];
+    refuses(&folder, &["plan", "a.json", "cell/../a.json", "--no-output"], &same);
+    let both = ["a.json and cell/a.json", "both be written to a.mcap"];
+    refuses(&folder, &["plan", "a.json", "cell"], &both);
+    refuses(&folder, &["plan", "b.json", "c.mcap"], &["of c.mcap", "over c.mcap", "--output"]);
+    refuses(&folder, &["plan", "a.json", "b.json", "-o", "c.mcap"], &["c.mcap", "not a folder"]);
+    refuses(&folder, &["plan", "cell", "--picture", "p.svg"], &["--picture", "one program"]);
+    refuses(&folder, &["plan", "a.json", "b.json", "--robot", "r2d2"], &["r2d2"]);
+    refuses(&folder, &["plan", "a.json", "b.json", "--jobs", "0"], &["--jobs", "1..=1024"]);
+    refuses(&folder, &["plan", "a.json", "b.json", "--no-output", "-o", "out"], &["--output"]);
+    // Without files, there is nothing that two of them could both be written to.
+    iiwasim(&folder, &["plan", "a.json", "cell", "--no-output"]).success();
+    iiwasim(&folder, &["plan", "b.json", "c.mcap", "-o", "out"]).success();
+    assert_eq!(fs::read_to_string(folder.path().join("c.mcap")).unwrap(), good);
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_exits_with_1() {
+    let folder = folder(&[("a.json", &turn(10.0)), ("b.json", &turn(10.0))]);
+    iiwasim(&folder, &["plan", ".", "-o", "a.json/out"])
+        .code(1)
+        .stdout(is_empty())
+        .stderr(contains("cannot make the folder a.json/out"));
+    assert_eq!(files(&folder), ["a.json", "b.json"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_followed() {
+    use std::os::unix::fs::symlink;
+
+    let folder = folder(&[("cell/a.json", &turn(10.0)), ("cell/b.json", &turn(20.0))]);
+    let at = |name: &str| folder.path().join(name);
+    symlink("a.json", at("cell/link.json")).unwrap();
+    symlink("nowhere", at("cell/lost.json")).unwrap();
+    symlink("cell", at("linked")).unwrap();
+    let assert = iiwasim(&folder, &["plan", "linked", "-o", "out"]).code(3);
+    assert!(stderr(&assert).contains("cannot read linked/lost.json"));
+    assert!(stdout(&assert).contains("3 planned, 1 failed"));
+    let same = ["cell/a.json and linked/a.json", "the same file"];
+    refuses(&folder, &["plan", "cell/a.json", "linked/a.json", "--no-output"], &same);
+
+    // One that leads from an output to an input, and two that lead to the same file.
+    fs::remove_file(at("out/a.mcap")).unwrap();
+    symlink("../cell/b.json", at("out/a.mcap")).unwrap();
+    let over = ["of cell/a.json", "over cell/b.json"];
+    refuses(&folder, &["plan", "cell", "-o", "out"], &over);
+    fs::remove_file(at("out/a.mcap")).unwrap();
+    symlink("b.mcap", at("out/a.mcap")).unwrap();
+    refuses(&folder, &["plan", "cell", "-o", "out"], &["cell/a.json and cell/b.json", "both"]);
+    assert_eq!(fs::read_to_string(at("cell/b.json")).unwrap(), turn(20.0));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_cannot_be_read_is_refused() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = folder(&[("a.json", &turn(10.0)), ("shut/b.json", &turn(10.0))]);
+    let shut = folder.path().join("shut");
+    let permit = |mode| fs::set_permissions(&shut, fs::Permissions::from_mode(mode)).unwrap();
+    permit(0o000);
+    // Some users may read everything.
+    if fs::read_dir(&shut).is_err() {
+        refuses(&folder, &["plan", "a.json", "shut"], &["cannot read the folder shut"]);
+    }
+    permit(0o755);
+}
+
+#[cfg(unix)]
+#[test]
+fn names_need_not_be_text() {
+    use std::{ffi::OsStr, os::unix::ffi::OsStrExt};
+
+    let folder = folder(&[("cell/a.json", &turn(10.0)), ("cell/\u{1b}]0;x\u{7}.json", "{}")]);
+    let name = OsStr::from_bytes(b"cell/\xff.json");
+    fs::write(folder.path().join(name), turn(20.0)).unwrap();
+    let assert = iiwasim(&folder, &["plan", "cell", "-o", "out", "--max-cycle-time", "0"]).code(3);
+    assert!(folder.path().join("out").join(OsStr::from_bytes(b"\xff.mcap")).is_file());
+    let output = assert.get_output();
+    for said in [&output.stdout, &output.stderr] {
+        let obeyed = said.contains(&0x1b) || said.contains(&7);
+        assert!(!obeyed, "{}", String::from_utf8_lossy(said));
+    }
+}
+
+#[test]
+fn a_full_disk_leaves_no_half_of_a_file() {
+    let folder = cell();
+    fs::write(folder.path().join("cell/short.json"), turn(0.0)).unwrap();
+    let output = Command::new("sh")
+        .current_dir(&folder)
+        .arg("-c")
+        .arg(r#"trap "" XFSZ; ulimit -f 128; exec "$0" plan cell -o out"#)
+        .arg(cargo_bin!("iiwasim"))
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{message}");
+    assert!(message.contains("cell/ten-motions.json: cannot write"), "{message}");
+    assert_eq!(names_in(&folder.path().join("out")), ["short.mcap"], "{message}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_whole_files_only() {
+    // Stops all the way: many stretches, between which an interrupt is noticed.
+    let long = long_program(20_000).replace(r#", "blend": { "fraction": 0.25 }"#, "");
+    let folder = folder(&[
+        ("cell/a.json", &turn(10.0)),
+        ("cell/b.json", &long),
+        ("cell/c.json", &long),
+        ("cell/d.json", &long),
+    ]);
+    let out = folder.path().join("out");
+    let mut child = Command::new(cargo_bin!("iiwasim"))
+        .current_dir(&folder)
+        .args(["plan", "cell", "-o", "out", "--jobs", "2"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let started = Instant::now();
+    let both_are_at_work = || {
+        let names = names_in(&out);
+        names.len() == 3 && names.contains(&"a.mcap".to_owned())
+    };
+    while !both_are_at_work() && started.elapsed() < Duration::from_mins(1) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "Error: interrupted\n");
+    assert!(output.stdout.is_empty());
+    assert_eq!(names_in(&out), ["a.mcap"]);
+}
+
+/// The names in a folder that may not be there yet.
+fn names_in(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten();
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn assumed_limits_are_named_once() {
+    let folder = cell();
+    let assert = iiwasim(&folder, &["plan", "cell", "--no-output", "--robot", "lbr_iiwa_14_r820"]);
+    let text = stdout(&assert.success());
+    assert_eq!(text.matches("Assumed, not from a source, of lbr_iiwa_14_r820").count(), 1);
+}
+
+#[test]
+fn help_shows_the_form_for_many() {
+    let folder = tempdir().unwrap();
+    iiwasim(&folder, &["plan", "--help"]).success().stdout(
+        contains("iiwasim plan FOLDER").and(contains("--jobs")).and(contains("some failed")),
+    );
+}

@@ -1,0 +1,72 @@
+//! Many programs at once.
+
+use iiwa_kin::Robot;
+use iiwa_path::{Fault, Path, PathOptions, Program};
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+
+use crate::{
+    timing::{Timing, TimingError},
+    trajectory::Trajectory,
+};
+
+/// Why a program got no trajectory.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// The program asks for something that the robot cannot do.
+    #[error(transparent)]
+    Fault(#[from] Fault),
+    /// Its path got no stamps.
+    #[error(transparent)]
+    Timing(#[from] TimingError),
+}
+
+/// Plans all of `programs` on `robot`, whichever robot they name, on all cores: for optimisers,
+/// which try many programs and keep the best. The results are in the order of the programs, and the
+/// same as from [`Trajectory::plan`]. A program that cannot be planned has its error there and does
+/// not stop the others.
+///
+/// It runs on the current rayon pool. That is the global one, as a rule of a thread a core, unless the call is
+/// made inside of another: `pool.install(|| plan_all(...))` plans on the threads of `pool` only.
+///
+/// ```
+/// use iiwa_kin::Robot;
+/// use iiwa_path::{Motion, PathOptions, Program, Ptp};
+/// use iiwa_traj::{Timing, plan_all};
+///
+/// // By which elbow does the arm come to the other side soonest?
+/// let by_way_of = |elbow_rad: f64| Program {
+///     robot: None,
+///     start_rad: [0.5, 0.3, 0.0, -1.0, 0.0, 0.7, 0.0],
+///     motions: vec![
+///         Motion::Ptp(Ptp::to([0.0, 0.3, 0.0, elbow_rad, 0.0, 0.7, 0.0])),
+///         Motion::Ptp(Ptp::to([-0.5, 0.3, 0.0, -1.4, 0.0, 0.7, 0.0])),
+///     ],
+/// };
+/// let programs = [-2.0, -1.2, 0.0, 9.0].map(by_way_of);
+/// let plans = plan_all(
+///     &programs,
+///     &Robot::lbr_iiwa_7_r800(),
+///     PathOptions::default(),
+///     Timing::default(),
+/// );
+///
+/// let times_s = plans.iter().map(|plan| plan.as_ref().map(|plan| plan.cycle_time_s()));
+/// let best = times_s.enumerate().filter_map(|(i, time_s)| Some((i, time_s.ok()?)));
+/// assert_eq!(best.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i), Some(1));
+/// let error = plans[3].as_ref().expect_err("no elbow bends by nine rad");
+/// assert!(error.to_string().starts_with("motion 1: joint 4 is at 515.66"));
+/// ```
+#[must_use]
+pub fn plan_all(
+    programs: &[Program],
+    robot: &Robot,
+    path_options: PathOptions,
+    timing: Timing,
+) -> Vec<Result<Trajectory, PlanError>> {
+    let plan = |program| {
+        let path = Path::with_options(program, robot, path_options)?;
+        Ok(Trajectory::plan(&path, timing)?)
+    };
+    programs.par_iter().map(plan).collect()
+}
