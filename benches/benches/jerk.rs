@@ -4,7 +4,9 @@
 
 use std::{hint::black_box, time::Duration};
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{
+    BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
+};
 use iiwa_kin::Robot;
 use iiwa_path::{Path, Program};
 use iiwa_traj::SweepOptions;
@@ -27,8 +29,9 @@ fn run(criterion: &mut Criterion) -> Result<()> {
     let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
 
     let mut group = criterion.benchmark_group("stamps, jerk");
-    // The peer takes seconds.
-    group.sample_size(10).warm_up_time(Duration::from_millis(1));
+    // The peer takes seconds: one solution a sample. Whatever is fast goes before these settings.
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    group.warm_up_time(Duration::from_millis(1)).measurement_time(Duration::from_secs(1));
     for intervals in [FEW, SweepOptions::default().samples] {
         let samples = Samples::new(&path, intervals)?;
         group.throughput(Throughput::Elements(samples.nodes() as u64));
