@@ -5,6 +5,7 @@ pub mod joints;
 pub mod long_program;
 pub mod machine;
 pub mod reference;
+pub mod topp3;
 pub mod topp_ra;
 pub mod urdf_chain;
 
