@@ -38,11 +38,15 @@ fn run(criterion: &mut Criterion) -> Result<()> {
     let mut group = criterion.benchmark_group("stamps");
     group.throughput(Throughput::Elements(swept(&path)));
     group.bench_function("iiwa-traj plan", |bencher| {
-        bencher.iter(|| Trajectory::plan(black_box(&path), Timing::default()));
+        bencher.iter(|| {
+            Trajectory::plan(black_box(&path), Timing::Acceleration(SweepOptions::default()))
+        });
     });
     group.throughput(Throughput::Elements(swept(&long_path)));
     group.bench_function("iiwa-traj plan, 1000 motions", |bencher| {
-        bencher.iter(|| Trajectory::plan(black_box(&long_path), Timing::default()));
+        bencher.iter(|| {
+            Trajectory::plan(black_box(&long_path), Timing::Acceleration(SweepOptions::default()))
+        });
     });
     group.throughput(Throughput::Elements(samples.nodes() as u64));
     group.bench_function("copp topp2_ra, solver alone", |bencher| {
@@ -67,7 +71,9 @@ fn run(criterion: &mut Criterion) -> Result<()> {
         bencher.iter(|| Path::new(black_box(&program), &robot));
     });
     group.bench_function("Trajectory::plan", |bencher| {
-        bencher.iter(|| Trajectory::plan(black_box(&path), Timing::default()));
+        bencher.iter(|| {
+            Trajectory::plan(black_box(&path), Timing::Acceleration(SweepOptions::default()))
+        });
     });
     group.finish();
     Ok(())

@@ -69,7 +69,7 @@ pub(crate) struct Plan {
     pub(crate) jobs: Option<u16>,
 
     /// Which limits the motion keeps
-    #[arg(long, value_enum, default_value_t = Timing::Acceleration)]
+    #[arg(long, value_enum, default_value_t = Timing::Jerk)]
     pub(crate) timing: Timing,
 
     /// Curve of the blends
@@ -109,6 +109,8 @@ pub(crate) struct Plan {
 pub(crate) enum Timing {
     /// Velocity and acceleration (Larsen 2019)
     Acceleration,
+    /// Velocity, acceleration and jerk, as the controller does it
+    Jerk,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

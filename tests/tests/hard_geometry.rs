@@ -357,7 +357,9 @@ fn slow_motions_take_as_long_as_they_are_slow() {
     // time, as the other tests do, would take for ever.
     let time_s = |motions: &[Ptp]| {
         let path = path([0.0; 7], motions, BlendShape::Iiwa);
-        Trajectory::plan(&path, Timing::default()).unwrap().motion_time_s()
+        Trajectory::plan(&path, Timing::Acceleration(SweepOptions::default()))
+            .unwrap()
+            .motion_time_s()
     };
     let mut corner = only(1, 90.0);
     corner[1] = corner[0];

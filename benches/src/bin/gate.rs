@@ -16,7 +16,7 @@ use std::{
 
 use iiwa_kin::{Pose, Robot};
 use iiwa_path::{BlendSearch, Path, Program};
-use iiwa_traj::{Timing, Trajectory};
+use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_benches::{Result, joints::poses, machine, reference};
 use serde::{Deserialize, Serialize};
 
@@ -87,7 +87,10 @@ impl Workload {
                 let program = Program::from_json(&reference::ten_motions()?)?;
                 let path = Path::new(&program, &robot)?;
                 for _ in 0..runs {
-                    black_box(Trajectory::plan(black_box(&path), Timing::default())?);
+                    black_box(Trajectory::plan(
+                        black_box(&path),
+                        Timing::Acceleration(SweepOptions::default()),
+                    )?);
                 }
             }
             Self::Plan => {
@@ -95,7 +98,10 @@ impl Workload {
                 for _ in 0..runs {
                     let program = Program::from_json(black_box(&text))?;
                     let path = Path::new(&program, &robot)?;
-                    black_box(Trajectory::plan(&path, Timing::default())?);
+                    black_box(Trajectory::plan(
+                        &path,
+                        Timing::Acceleration(SweepOptions::default()),
+                    )?);
                 }
             }
         }

@@ -11,7 +11,7 @@ use std::{
 use iiwa_kin::Robot;
 use iiwa_log::{PlanConfig, PlanWriter};
 use iiwa_path::{Path, PathOptions, Program};
-use iiwa_traj::{Planner, SweepOptions, Timing};
+use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing};
 use serde::Serialize;
 
 use crate::{
@@ -72,8 +72,12 @@ fn write(
     })?;
     drop(program);
 
-    let args::Timing::Acceleration = options.timing;
-    let timing = Timing::Acceleration(SweepOptions { samples: options.samples as usize });
+    let timing = match options.timing {
+        args::Timing::Acceleration => {
+            Timing::Acceleration(SweepOptions { samples: options.samples as usize })
+        }
+        args::Timing::Jerk => Timing::Jerk(JerkOptions::default()),
+    };
     let mut figures = Figures::new(timing.name(), &robot, options.samples);
 
     let output = target.map(Output::new).transpose()?;

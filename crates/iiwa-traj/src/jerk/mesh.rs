@@ -53,7 +53,7 @@ impl Sizes {
             blend_end: 0.006 * per,
             blend_end_growth: 0.3 * per,
             line: 0.25 * per,
-            turn: 0.3 * per,
+            turn: 0.15 * per,
             turn_growth: 0.3 * per,
             rest: 0.03 * per,
             rest_growth: 0.5 * per,
