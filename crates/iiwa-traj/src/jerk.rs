@@ -231,7 +231,7 @@ impl Plan {
                     other => &mut other.insert((cell.leg, Inverse::new(leg))).1,
                 };
                 let mut worst = [0.0_f64; 3];
-                for f in [0.125, 0.3, 0.5, 0.7, 0.875] {
+                for f in [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875] {
                     let s = leg.s(cell.from + f * cell.length).clamp(0.0, 1.0);
                     let shares = inverse.shares(&leg.rates(s), in_time(self.solver.at(k, f)));
                     for i in 0..3 {

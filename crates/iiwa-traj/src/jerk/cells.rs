@@ -382,7 +382,7 @@ impl<const J: usize, const N: usize> Block<J, N> {
             }
             // The duration curves upwards in x; the bound does too, which makes the Lagrangian curve
             // downwards where duals are large: there a little of the former is kept.
-            let kept = (in_duration - duals).max(KEPT_CURVATURE * in_duration);
+            let kept = (in_duration - duals).abs().max(KEPT_CURVATURE * in_duration);
             let curvature = 0.75 * bound / (x * x) * kept;
             xx = xx - 2.0 * bound_slope * ex + bound_slope * bound_slope * both_sum + curvature;
             xv = xv - bound_slope * ev;

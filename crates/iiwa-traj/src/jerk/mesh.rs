@@ -132,7 +132,7 @@ pub(crate) fn mesh(legs: &[Leg<'_>], refinement: f64) -> Vec<Cell> {
         let (from_rest, to_rest) = (rest(index == 0), rest(index + 1 == legs.len()));
         let end_size = |neighbour: Option<&Leg<'_>>| {
             let of = |leg: &Leg<'_>| {
-                if leg.is_line() { f64::INFINITY } else { sizes.blend_end * leg.length }
+                leg.length * if leg.is_line() { sizes.line } else { sizes.blend_end }
             };
             of(leg).min(neighbour.map_or(f64::INFINITY, of))
         };

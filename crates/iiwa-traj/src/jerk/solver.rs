@@ -88,6 +88,9 @@ pub(crate) const GAP: f64 = 1e-5;
 /// Largest share of a bound by which a limit is missed.
 const RESIDUAL: f64 = 1e-4;
 const STEPS: usize = 150;
+/// Steps after which they are halved: where the curvature is not the true one, they may go round in
+/// circles.
+const PATIENCE: usize = 60;
 /// Steps in a row that go next to nowhere.
 const STALLED: usize = 25;
 
@@ -265,6 +268,7 @@ impl Solver {
             let share = |fall: f64, of: f64| if fall > of { of / fall } else { 1.0 };
             let primal = share(falls.slack, TO_BOUNDARY).min(share(falls.x, LARGEST_FALL));
             let dual = share(falls.dual, TO_BOUNDARY);
+            let primal = if step > PATIENCE { 0.5 * primal } else { primal };
             // Not a number either, once numbers have left their range.
             if !(primal > 0.0 && dual > 0.0) {
                 return Err(NotConverged);
@@ -283,7 +287,7 @@ impl Solver {
                 _ => 1.0,
             };
             self.mu = (aim * sums.gap / limits).max(0.2 * gap * duration_s / limits);
-            if sums.gap < gap * duration_s && sums.residual < RESIDUAL && primal > 0.9 {
+            if sums.gap < gap * duration_s && sums.residual < RESIDUAL && primal > 0.4 {
                 return Ok(step);
             }
             stalled = if least < 0.02 { stalled + 1 } else { 0 };
