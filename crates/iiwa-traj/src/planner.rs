@@ -4,6 +4,7 @@ use std::cell::Cell;
 
 use iiwa_kin::Joints;
 use iiwa_path::{Grid, Path, Segment, Step};
+use pulp::Simd;
 
 use crate::{
     SETTLE_TIME_S,
@@ -19,7 +20,6 @@ use crate::{
 #[derive(Debug)]
 pub struct Planner {
     path: Path,
-    grid: Grid,
     /// The next of the path's steps.
     step: usize,
     time_s: f64,
@@ -28,8 +28,9 @@ pub struct Planner {
 }
 
 /// Memory that is used again for each stretch.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Scratch {
+    grid: Grid,
     /// The nodes of all segments.
     samples: Vec<Sample>,
     /// What the way backwards found out about curves, for the way forwards.
@@ -42,9 +43,18 @@ thread_local! {
     static SPARE: Cell<Option<Scratch>> = const { Cell::new(None) };
 }
 
+impl Default for Scratch {
+    fn default() -> Self {
+        Self { grid: Grid::new(1), samples: Vec::new(), curves: Vec::new() }
+    }
+}
+
 impl Scratch {
-    fn take() -> Self {
+    fn take(intervals: usize) -> Self {
         let mut scratch = SPARE.take().unwrap_or_default();
+        if scratch.grid.intervals() != intervals {
+            scratch.grid = Grid::new(intervals);
+        }
         scratch.curves.iter_mut().for_each(|curve| curve.step = None);
         scratch
     }
@@ -78,14 +88,12 @@ impl Planner {
     #[must_use]
     pub fn new(path: &Path, timing: Timing) -> Self {
         let Timing::Acceleration(options) = timing;
-        let grid = Grid::new(options.samples.max(2));
         Self {
             path: path.clone(),
-            grid,
             step: 0,
             time_s: 0.0,
             rest_rad: *path.start_rad(),
-            scratch: Scratch::take(),
+            scratch: Scratch::take(options.samples.max(2)),
         }
     }
 
@@ -119,8 +127,12 @@ impl Iterator for Planner {
             pieces: Vec::with_capacity(end - first),
             nodes: Vec::new(),
         };
-        let plan = Plan { path: &self.path, grid: &self.grid, scratch: &mut self.scratch };
-        let moves = Moves { plan, steps: first..rest, stretch: &mut stretch };
+        let moves = Moves {
+            path: &self.path,
+            scratch: &mut self.scratch,
+            steps: first..rest,
+            stretch: &mut stretch,
+        };
         let result = pulp::Arch::new().dispatch(moves);
         if let Err(error) = result {
             self.step = steps.len();
@@ -161,24 +173,26 @@ const ROUNDS: usize = 30;
 /// Not a closure: those reach the function with vector instructions by way of a shim that is not
 /// inlined into it, and so stay without them.
 struct Moves<'a> {
-    plan: Plan<'a>,
+    path: &'a Path,
+    scratch: &'a mut Scratch,
     steps: std::ops::Range<usize>,
     stretch: &'a mut Stretch,
 }
 
-impl pulp::NullaryFnOnce for Moves<'_> {
+impl pulp::WithSimd for Moves<'_> {
     type Output = Result<(), TimingError>;
 
     #[inline(always)]
-    fn call(mut self) -> Self::Output {
-        self.plan.moves(self.steps, self.stretch)
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Moves { path, scratch, steps, stretch } = self;
+        Plan { simd, path, scratch }.moves(steps, stretch)
     }
 }
 
 /// What one stretch is planned with.
-struct Plan<'a> {
+struct Plan<'a, S> {
+    simd: S,
     path: &'a Path,
-    grid: &'a Grid,
     scratch: &'a mut Scratch,
 }
 
@@ -194,7 +208,7 @@ struct Leg<'a> {
     line: Option<LineLimits>,
 }
 
-impl<'a> Plan<'a> {
+impl<'a, S: Simd> Plan<'a, S> {
     #[inline(always)]
     fn leg(&self, step: usize) -> Option<Leg<'a>> {
         let path: &'a Path = self.path;
@@ -218,7 +232,7 @@ impl<'a> Plan<'a> {
     }
 
     fn nodes(&self, leg: &Leg<'_>) -> usize {
-        if leg.line.is_some() { 2 } else { self.grid.intervals() + 1 }
+        if leg.line.is_some() { 2 } else { self.scratch.grid.intervals() + 1 }
     }
 
     /// Plans the moves among `steps` and adds them to `stretch`.
@@ -233,6 +247,8 @@ impl<'a> Plan<'a> {
         let mut samples = std::mem::take(&mut self.scratch.samples);
         samples.clear();
         samples.resize(total, Sample::default());
+        // A line has up to four nodes, and two among the samples.
+        stretch.nodes.reserve_exact(total + 2 * steps.len());
 
         for _ in 0..ROUNDS {
             if !self.sweep(steps.clone(), &mut samples, stretch)? {
@@ -293,12 +309,12 @@ impl<'a> Plan<'a> {
                 let x0 = start.min(samples[0].x);
                 let x1 = line.reach(x0).min(samples[1].x);
                 samples[1].x = x1;
-                stamp(line.fastest(x0, x1), &mut t_s, &mut stretch.nodes);
+                stamp(self.simd, line.fastest(x0, x1), &mut t_s, &mut stretch.nodes);
             } else {
                 tightened |= !sweep::settle(self.curve(&leg, step), start, samples);
                 let n = (samples.len() - 1) as f64;
                 let nodes = samples.iter().enumerate().map(|(i, &sample)| (i as f64 / n, sample));
-                stamp(nodes, &mut t_s, &mut stretch.nodes);
+                stamp(self.simd, nodes, &mut t_s, &mut stretch.nodes);
             }
             last = Some((samples[samples.len() - 1].x, tangent));
             from = to;
@@ -311,9 +327,9 @@ impl<'a> Plan<'a> {
 
     /// The nodes of a curve, of which `step` is the place.
     #[inline(always)]
-    fn curve<'n>(&'n mut self, leg: &'n Leg<'_>, step: usize) -> Nodes<'n> {
-        let nodes = self.grid.intervals() + 1;
-        let curves = &mut self.scratch.curves;
+    fn curve<'n>(&'n mut self, leg: &'n Leg<'_>, step: usize) -> Nodes<'n, S> {
+        let Scratch { grid, curves, .. } = &mut *self.scratch;
+        let nodes = grid.intervals() + 1;
         // Of blended motions, every second step is a curve.
         let slot = (step / 2) % (KEPT_NODES / nodes).max(1);
         if curves.len() <= slot {
@@ -325,11 +341,11 @@ impl<'a> Plan<'a> {
             curve.dq.resize(nodes, [0.0; 8]);
             curve.ddq.resize(nodes, [0.0; 8]);
             curve.bounds.resize(nodes, Bounds::default());
-            leg.segment.rates(self.grid, &leg.scale, &mut curve.dq, &mut curve.ddq);
+            leg.segment.rates(grid, &leg.scale, &mut curve.dq, &mut curve.ddq);
             sweep::bounds(&curve.dq, &curve.ddq, &leg.velocity, &mut curve.bounds);
         }
         let Curve { dq, ddq, bounds, .. } = curve;
-        Nodes { dq, ddq, velocity: &leg.velocity, bounds }
+        Nodes { simd: self.simd, dq, ddq, velocity: &leg.velocity, bounds }
     }
 
     /// Checks the nodes from `first_node` on against the limits and makes them a piece.
@@ -390,17 +406,33 @@ impl<'a> Plan<'a> {
 
 /// Gives samples at s their time, counted on from `t_s`.
 #[inline(always)]
-fn stamp(samples: impl Iterator<Item = (f64, Sample)>, t_s: &mut f64, nodes: &mut Vec<Node>) {
-    let mut last: Option<Node> = None;
-    nodes.extend(samples.map(|(s, Sample { x, u, .. })| {
-        let rate = x.sqrt();
-        if let Some(last) = last {
-            let later = *t_s + interval::duration(s - last.s, last.rate, rate, last.u);
+fn stamp<S: Simd>(
+    simd: S,
+    samples: impl Iterator<Item = (f64, Sample)>,
+    t_s: &mut f64,
+    nodes: &mut Vec<Node>,
+) {
+    let first = nodes.len();
+    for (s, Sample { x, u, .. }) in samples {
+        nodes.push(Node { t_s: *t_s, s, rate: x.sqrt(), u });
+    }
+    let mut nodes = &mut nodes[first..];
+    while nodes.len() > 1 {
+        // Eight intervals at a time; of the last eight, some may be empty.
+        let intervals = (nodes.len() - 1).min(8);
+        let (mut ds, mut rates, mut change) = ([1.0; 8], [1.0; 8], [0.0; 8]);
+        for (i, pair) in nodes.windows(2).take(8).enumerate() {
+            ds[i] = pair[1].s - pair[0].s;
+            rates[i] = pair[0].rate + pair[1].rate;
+            change[i] = pair[0].u[1] - pair[0].u[0];
+        }
+        let durations = interval::durations(simd, &ds, &rates, &change);
+        for (node, duration) in nodes[1..].iter_mut().zip(durations) {
+            let later = *t_s + duration;
             // At least the next number: over long stretches, tiny intervals are lost in rounding.
             *t_s = if later <= *t_s { t_s.next_up() } else { later };
+            node.t_s = *t_s;
         }
-        let node = Node { t_s: *t_s, s, rate, u };
-        last = Some(node);
-        node
-    }));
+        nodes = &mut nodes[intervals..];
+    }
 }
