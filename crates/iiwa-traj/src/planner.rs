@@ -342,7 +342,7 @@ impl<'a, S: Simd> Plan<'a, S> {
             curve.ddq.resize(nodes, [0.0; 8]);
             curve.bounds.resize(nodes, Bounds::default());
             leg.segment.rates(grid, &leg.scale, &mut curve.dq, &mut curve.ddq);
-            sweep::bounds(&curve.dq, &curve.ddq, &leg.velocity, &mut curve.bounds);
+            sweep::bounds(self.simd, &curve.dq, &curve.ddq, &leg.velocity, &mut curve.bounds);
         }
         let Curve { dq, ddq, bounds, .. } = curve;
         Nodes { simd: self.simd, dq, ddq, velocity: &leg.velocity, bounds }
@@ -434,5 +434,36 @@ fn stamp<S: Simd>(
             node.t_s = *t_s;
         }
         nodes = &mut nodes[intervals..];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use iiwa_kin::Robot;
+    use iiwa_path::Program;
+
+    #[test]
+    fn the_same_without_vector_instructions() {
+        let text = r#"{ "version": 1, "start": { "joints_deg": [0, 10, 0, -80, 0, 60, 0] }, "motions": [
+            { "type": "ptp", "joints_deg": [40, 30, -20, -60, 10, 50, 30], "blend": { "fraction": 0.4 } },
+            { "type": "ptp", "joints_deg": [-10, 50, 30, -90, -20, 70, 0], "blend": { "fraction": 0.3 } },
+            { "type": "ptp", "joints_deg": [40, 30, -20, -60, 10, 50, 30], "blend": { "fraction": 0.5 } },
+            { "type": "ptp", "joints_deg": [0, 10, 0, -80, 0, 60, 0] }] }"#;
+        let program = Program::from_json(text).unwrap();
+        let path = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
+        let widest = Planner::new(&path, Timing::default()).next().unwrap().unwrap();
+
+        let mut scratch = Scratch::take(100);
+        let mut stretch = Stretch { pieces: Vec::new(), nodes: Vec::new(), ..widest.clone() };
+        let moves =
+            Moves { path: &path, scratch: &mut scratch, steps: 0..7, stretch: &mut stretch };
+        pulp::WithSimd::with_simd(moves, pulp::Scalar::new()).unwrap();
+        assert_eq!(widest.nodes.len(), stretch.nodes.len());
+        for (a, b) in widest.nodes.iter().zip(&stretch.nodes) {
+            assert!(
+                (a.t_s - b.t_s).abs() < 1e-9 && (a.rate - b.rate).abs() < 1e-6 * a.rate.max(1.0)
+            );
+        }
     }
 }

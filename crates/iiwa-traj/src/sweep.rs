@@ -38,46 +38,39 @@ pub(crate) struct Bounds {
     half: Row,
     /// Largest x at which no joint is too fast.
     cap: f64,
-    /// Slope and offset of the largest x at which `x + h least(x) <= c`.
-    start: [Row; 2],
-    /// Slope and offset of [`Bounds::largest_end`].
-    end: [Row; 2],
 }
 
 impl Bounds {
     /// `velocity` holds the acceleration limits over the velocity limits, in 1/s.
     #[inline(always)]
-    fn set(&mut self, dq: &Row, ddq: &Row, velocity: &Row, h: f64) {
-        let mut speed = [0.0; 8];
-        for j in 0..8 {
-            let (p, bend) = (dq[j].abs(), ddq[j].abs());
+    fn set<S: Simd>(&mut self, simd: S, dq: &Row, ddq: &Row, velocity: &Row, h: f64) {
+        let row = |row| S::as_simd_f64s(row).0;
+        let (dq, ddq, velocity) = (row(dq), row(ddq), row(velocity));
+        let fall = S::as_mut_simd_f64s(&mut self.fall).0;
+        let rise = S::as_mut_simd_f64s(&mut self.rise).0;
+        let half = S::as_mut_simd_f64s(&mut self.half).0;
+        let [zero, one, tiny, near, beside] =
+            [0.0, 1.0, 1.0 / UNLIMITED, 0.5 * h, 1.5 * h].map(|value| simd.splat_f64s(value));
+        let mut fastest = zero;
+        for k in 0..dq.len() {
+            let (p, bend) = (simd.abs_f64s(dq[k]), simd.abs_f64s(ddq[k]));
             // Where q' changes its sign next to the node, the limits at the node alone would leave x
             // and u free, and speed and acceleration beside it with them: q' of one and a half
             // intervals away bounds the one, of half an interval, in both directions, the other.
-            speed[j] = velocity[j] * greater(p, 1.5 * h * bend);
-            let nearby = 0.5 * h * bend;
-            let turns = p < nearby;
-            let slope = if dq[j] < 0.0 { -ddq[j] } else { ddq[j] };
-            let (fall, rise) = if turns { (-bend, -bend) } else { (slope, -slope) };
-            let p = greater(greater(p, nearby), 1.0 / UNLIMITED);
-            // p times the factors of x in x (1 - h fall / p) <= c + h / p, and the same with rise. One
-            // of no more than zero leaves x free.
-            let least = 1e-9 * p;
-            let (start, end) = (greater(p - h * fall, least), greater(p - h * rise, least));
-            // One over each of the three, by one division.
-            let both = start * end;
-            let inverse = 1.0 / (p * both);
-            let half = both * inverse;
-            let (start, end) = (p * inverse * end, p * inverse * start);
-            self.half[j] = half;
-            self.fall[j] = fall * half;
-            self.rise[j] = rise * half;
-            self.start[0][j] = p * start;
-            self.start[1][j] = h * start;
-            self.end[0][j] = p * end;
-            self.end[1][j] = h * end;
+            let speed = simd.max_f64s(p, simd.mul_f64s(beside, bend));
+            fastest = simd.max_f64s(fastest, simd.mul_f64s(velocity[k], speed));
+            let nearby = simd.mul_f64s(near, bend);
+            let turns = simd.less_than_f64s(p, nearby);
+            let (back, against) = (simd.less_than_f64s(dq[k], zero), simd.neg_f64s(ddq[k]));
+            let slopes =
+                [simd.select_f64s(back, against, ddq[k]), simd.select_f64s(back, ddq[k], against)];
+            half[k] = simd.div_f64s(one, simd.max_f64s(simd.max_f64s(p, nearby), tiny));
+            let [down, up] =
+                slopes.map(|slope| simd.select_f64s(turns, simd.neg_f64s(bend), slope));
+            fall[k] = simd.mul_f64s(down, half[k]);
+            rise[k] = simd.mul_f64s(up, half[k]);
         }
-        let fastest = max(&speed);
+        let fastest = simd.reduce_max_f64s(fastest);
         self.cap = if fastest > 1e-15 { 1.0 / (fastest * fastest) } else { UNLIMITED };
     }
 
@@ -122,12 +115,6 @@ impl Bounds {
         }
         x
     }
-
-    /// Largest x with `x - h most(x) <= c`.
-    #[inline(always)]
-    fn largest_end<S: Simd>(&self, simd: S, c: f64) -> f64 {
-        lowest(simd, &self.end[0], c, &self.end[1])
-    }
 }
 
 /// The lowest of the lines `slope x + offset` at `x`.
@@ -142,10 +129,11 @@ fn lowest<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row) -> f64 {
     simd.reduce_min_f64s(lowest)
 }
 
-/// The same as [`lowest`], where `line` is likely to be that line, and then is it.
+/// The same as [`lowest`], where the lowest is likely to be `line`; afterwards it is.
 ///
-/// Each step of a sweep needs what the last one found. The processor takes it that the line is the
-/// lowest, and is steps ahead when that turns out to be so.
+/// A step of a sweep starts from what the last one found. With the joint that limits known beforehand,
+/// which most often is the one of the last node, the processor goes on with its line alone while it
+/// compares all of them.
 #[inline(always)]
 fn lowest_by<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, line: &mut usize) -> f64 {
     let (slope, offset) = (slopes[*line], offsets[*line]);
@@ -157,6 +145,33 @@ fn lowest_by<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, line: &mut u
         return lowest;
     }
     likely
+}
+
+/// Largest x, not above `cap`, with `x - h lowest(x) <= c`, and the lowest of the lines there.
+///
+/// `lines` holds the line that is likely to limit x, and the one that is likely to be the lowest
+/// there, which are the same if x is below `cap`; afterwards they are. Any line taken for the first
+/// leaves x too large or right.
+#[inline(always)]
+fn largest<S: Simd>(
+    simd: S,
+    [slopes, offsets]: [&Row; 2],
+    h: f64,
+    c: f64,
+    cap: f64,
+    lines: &mut [usize; 2],
+) -> (f64, f64) {
+    loop {
+        let limiting = lines[0];
+        // A factor of no more than zero leaves x free.
+        let inverse = 1.0 / greater(1.0 - h * slopes[limiting], 1e-9);
+        let x = lesser((c + h * offsets[limiting]) * inverse, cap);
+        let lowest = lowest_by(simd, slopes, x, offsets, &mut lines[1]);
+        if lines[1] == limiting || x - h * lowest <= c {
+            return (x, lowest);
+        }
+        lines[0] = lines[1];
+    }
 }
 
 /// The first of the lines that are `lowest` at `x`.
@@ -301,10 +316,16 @@ impl Default for Sample {
 /// `dq` and `ddq` hold the derivatives at the nodes over the acceleration limits; `velocity` the
 /// acceleration limits over the velocity limits, in 1/s.
 #[inline(always)]
-pub(crate) fn bounds(dq: &[Row], ddq: &[Row], velocity: &Row, bounds: &mut [Bounds]) {
+pub(crate) fn bounds<S: Simd>(
+    simd: S,
+    dq: &[Row],
+    ddq: &[Row],
+    velocity: &Row,
+    bounds: &mut [Bounds],
+) {
     let h = 1.0 / (bounds.len() - 1) as f64;
     for ((dq, ddq), bounds) in dq.iter().zip(ddq).zip(bounds) {
-        bounds.set(dq, ddq, velocity, h);
+        bounds.set(simd, dq, ddq, velocity, h);
     }
 }
 
@@ -328,7 +349,7 @@ pub(crate) fn backward<S: Simd>(nodes: Nodes<'_, S>, end: f64, samples: &mut [Sa
     let h = 1.0 / n as f64;
     let calm = calm(ddq, h);
     let next = &bounds[n];
-    let (mut pair, mut lines) = ([0; 2], [0; 2]);
+    let (mut pair, mut lines, mut next_lines) = ([0; 2], [0; 2], [0; 2]);
     let mut x = lesser(lesser(end, next.cap), samples[n].x_max);
     x = next.possible(simd, x, &mut pair);
     let (mut next_least, mut next_most) = (next.least(simd, x), next.most(simd, x));
@@ -342,8 +363,10 @@ pub(crate) fn backward<S: Simd>(nodes: Nodes<'_, S>, end: f64, samples: &mut [Sa
         let brake = end - h * next_least;
         // Arriving at `end` while speeding up is strange: arriving slower may allow for more.
         let strange = even || brake < 0.5 * end;
-        x = lesser(lowest_by(simd, &start.start[0], brake, &start.start[1], &mut lines[0]), cap);
-        let mut least = -lowest_by(simd, &start.fall, x, &start.half, &mut lines[1]);
+        let brakes = [&start.fall, &start.half];
+        let brake_most;
+        (x, brake_most) = largest(simd, brakes, h, brake, cap, &mut lines);
+        let mut least = -brake_most;
         let mut most = start.most(simd, x);
         if least > most && !strange {
             x = start.possible(simd, x, &mut pair);
@@ -354,7 +377,8 @@ pub(crate) fn backward<S: Simd>(nodes: Nodes<'_, S>, end: f64, samples: &mut [Sa
             Some(interval(even).search(end, cap))
         } else if end - h * next_most > drive {
             // Out of reach: it will arrive slower, and has to be able to.
-            let slower = next.largest_end(simd, drive);
+            let (slower, _) =
+                largest(simd, [&next.rise, &next.half], h, drive, end, &mut next_lines);
             let able = slower - h * next.least(simd, slower) >= x + h * least;
             if able { None } else { Some(interval(even).search(end, x)) }
         } else {
@@ -401,14 +425,13 @@ fn forward<S: Simd>(nodes: Nodes<'_, S>, start: f64, samples: &mut [Sample]) -> 
         let interval = |even| Interval { h, even, start: &bounds[i], end: next };
         let cap = samples[i + 1].x;
         let drive = x + h * most;
-        let mut y = lowest_by(simd, &next.end[0], drive, &next.end[1], &mut lines[0]);
-        y = lesser(y, cap).max(0.0);
+        let drives = [&next.rise, &next.half];
+        let (mut y, mut next_most) = largest(simd, drives, h, drive, cap, &mut lines);
         let mut next_least = next.least(simd, y);
-        if even || y - h * next_least < x + h * least - 1e-12 * x {
+        if even || y < 0.0 || y - h * next_least < x + h * least - 1e-12 * x {
             y = interval(even).reachable(x, cap).1.max(0.0);
-            next_least = next.least(simd, y);
+            (next_least, next_most) = (next.least(simd, y), next.most(simd, y));
         }
-        let mut next_most = lowest_by(simd, &next.rise, y, &next.half, &mut lines[1]);
         let sum = (y - x) * n as f64;
         let mut u =
             if even { [0.5 * sum; 2] } else { split(sum, [least, most], [next_least, next_most]) };
@@ -455,30 +478,28 @@ fn calm(ddq: &[Row], h: f64) -> f64 {
     let mut bend = [0.0; 8];
     for row in ddq {
         for j in 0..8 {
-            let value = row[j].abs();
-            bend[j] = if value > bend[j] { value } else { bend[j] };
+            bend[j] = greater(row[j].abs(), bend[j]);
         }
     }
     2.0 * SWING / (h * max(&bend)).max(1.0 / UNLIMITED)
 }
 
 impl<S: Simd> Nodes<'_, S> {
-    /// All of the `count` nodes that there are: what the compiler is to know of them.
+    /// The same nodes, of which the compiler then knows that there are `count`.
     #[inline(always)]
     fn first(self, count: usize) -> Self {
         let Self { simd, dq, ddq, velocity, bounds } = self;
         Self { simd, dq: &dq[..count], ddq: &ddq[..count], velocity, bounds: &bounds[..count] }
     }
 
-    /// What interval `i` is at half-way, for the joints in one register: the largest share of an
-    /// acceleration limit, and the largest squared share of a velocity limit.
+    /// What interval `i` is at half-way: the share of each acceleration limit, and the squared share of
+    /// each velocity limit; of joints that share a lane, the largest.
     #[inline(always)]
     fn half_way(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> (S::f64s, S::f64s) {
-        let simd = self.simd;
+        let Self { simd, dq, ddq, velocity, .. } = *self;
         let row = |row| S::as_simd_f64s(row).0;
-        let (dq, ddq) =
-            ([row(&self.dq[i]), row(&self.dq[i + 1])], [row(&self.ddq[i]), row(&self.ddq[i + 1])]);
-        let velocity = row(self.velocity);
+        let (dq, ddq) = ([row(&dq[i]), row(&dq[i + 1])], [row(&ddq[i]), row(&ddq[i + 1])]);
+        let velocity = row(velocity);
         let u_half = simd.splat_f64s(0.5 * (u[0] + u[1]));
         let x_half = simd.splat_f64s(x + h * (0.75 * u[0] + 0.25 * u[1]));
         let (half, eighth) = (simd.splat_f64s(0.5), simd.splat_f64s(0.125 * h));
