@@ -150,8 +150,8 @@ fn lowest_by<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, line: &mut u
 /// Largest x, not above `cap`, with `x - h lowest(x) <= c`, and the lowest of the lines there.
 ///
 /// `lines` holds the line that is likely to limit x, and the one that is likely to be the lowest
-/// there, which are the same if x is below `cap`; afterwards they are. Any line taken for the first
-/// leaves x too large or right.
+/// there, the same unless x is `cap`; afterwards it holds those that are. Whichever line is taken to
+/// limit x, x comes out too large or right, as in Newton's method.
 #[inline(always)]
 fn largest<S: Simd>(
     simd: S,
@@ -161,17 +161,22 @@ fn largest<S: Simd>(
     cap: f64,
     lines: &mut [usize; 2],
 ) -> (f64, f64) {
-    loop {
+    // Each line limits once, but for rounding.
+    const STEPS: usize = 16;
+    let mut found = (0.0, 0.0);
+    for _ in 0..STEPS {
         let limiting = lines[0];
         // A factor of no more than zero leaves x free.
         let inverse = 1.0 / greater(1.0 - h * slopes[limiting], 1e-9);
         let x = lesser((c + h * offsets[limiting]) * inverse, cap);
         let lowest = lowest_by(simd, slopes, x, offsets, &mut lines[1]);
+        found = (x, lowest);
         if lines[1] == limiting || x - h * lowest <= c {
-            return (x, lowest);
+            break;
         }
         lines[0] = lines[1];
     }
+    found
 }
 
 /// The first of the lines that are `lowest` at `x`.
