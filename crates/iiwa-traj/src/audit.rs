@@ -54,15 +54,15 @@ impl Load {
         velocity: &[f64; 8],
     ) {
         let Some((mut from, nodes)) = nodes.split_first() else { return };
-        let ((mut start, dq), ddq) = ((dq[0], &dq[1..]), ddq);
+        let mut start = dq[0];
         // Speeds at the start of an interval, and the part of the acceleration that is theirs: the same
         // as at the end of the one before.
         let (mut speed, mut bend) = ([0.0; 8], [0.0; 8]);
         for j in 0..8 {
             speed[j] = (start[j] * from.rate).abs() * velocity[j];
-            bend[j] = ddq[0][j] * from.rate * from.rate;
+            bend[j] = ddq[0][j] * (from.rate * from.rate);
         }
-        for ((to, end), ddq) in nodes.iter().zip(dq).zip(&ddq[1..]) {
+        for ((to, end), ddq) in nodes.iter().zip(&dq[1..]).zip(&ddq[1..]) {
             let dt = to.t_s - from.t_s;
             let (mut speeds, mut accelerations) = ([0.0; 8], [0.0; 8]);
             for j in 0..8 {

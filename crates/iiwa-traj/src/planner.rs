@@ -70,7 +70,7 @@ impl Drop for Planner {
     }
 }
 
-/// Most nodes that are kept, of about 0.7 kB each: 64 curves of 100 intervals.
+/// Most nodes that are kept, of about 0.4 kB each: 64 curves of 100 intervals.
 const KEPT_NODES: usize = 6_500;
 
 /// The derivatives at the nodes of one curve, and what the limits leave there.
