@@ -173,11 +173,11 @@ fn print_required(search: &Group, stamps: &Group, command: &Group) {
             1.0 / 5.0,
             &share,
         ),
-        ("stamps, path included: time a node of the sweep", sweep, 100.0, &times),
+        ("stamps, path included: time a node of the sweep", sweep, 70.0, &times),
         (
             "stamps: time a node, over that of copp's solver alone",
             ratio(sweep, copp),
-            1.0 / 5.0,
+            1.0 / 8.0,
             &share,
         ),
         (

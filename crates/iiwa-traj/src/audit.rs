@@ -54,21 +54,29 @@ impl Load {
         ddq: &[[f64; 8]],
         velocity: &[f64; 8],
     ) {
-        for i in 0..nodes.len() - 1 {
-            let (from, to) = (&nodes[i], &nodes[i + 1]);
+        let Some((mut from, nodes)) = nodes.split_first() else { return };
+        let mut start = dq[0];
+        // Speeds at the start of an interval, and the part of the acceleration that is theirs: the same
+        // as at the end of the one before.
+        let (mut speed, mut bend) = ([0.0; 8], [0.0; 8]);
+        for j in 0..8 {
+            speed[j] = (start[j] * from.rate).abs() * velocity[j];
+            bend[j] = ddq[0][j] * (from.rate * from.rate);
+        }
+        for ((to, end), ddq) in nodes.iter().zip(&dq[1..]).zip(&ddq[1..]) {
             let dt = to.t_s - from.t_s;
             let (mut speeds, mut accelerations) = ([0.0; 8], [0.0; 8]);
             for j in 0..8 {
-                let speed = [dq[i][j] * from.rate, dq[i + 1][j] * to.rate];
-                let acceleration = [
-                    dq[i][j] * from.u[0] + ddq[i][j] * from.rate * from.rate,
-                    dq[i + 1][j] * from.u[1] + ddq[i + 1][j] * to.rate * to.rate,
-                ];
-                speeds[j] = larger(speed) * velocity[j];
-                accelerations[j] = larger(acceleration);
+                let before = speed[j];
+                let acceleration = (start[j] * from.u[0] + bend[j]).abs();
+                speed[j] = (end[j] * to.rate).abs() * velocity[j];
+                bend[j] = ddq[j] * (to.rate * to.rate);
+                speeds[j] = larger(before, speed[j]);
+                accelerations[j] = larger(acceleration, (end[j] * from.u[1] + bend[j]).abs());
             }
             self.velocity.add(&speeds, dt);
             self.acceleration.add(&accelerations, dt);
+            (from, start) = (to, *end);
         }
     }
 
@@ -121,7 +129,6 @@ impl Load {
 }
 
 #[inline(always)]
-fn larger([a, b]: [f64; 2]) -> f64 {
-    let (a, b) = (a.abs(), b.abs());
+fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }

@@ -4,16 +4,46 @@
 //! k is positive, sines where it is negative, and a parabola where it is zero. Written with
 //! `z = k t^2` all three are one smooth function each, so that small k lose no digits.
 
+use pulp::Simd;
+
 use crate::stretch::Node;
 
-/// Time to go by `ds` from the rate `from` to the rate `to` (ds/dt, 1/s) while d2s/dt2 changes from
-/// `u[0]` to `u[1]`, in s.
+/// Times to go by `ds`, in s, with the rates at both ends (ds/dt, 1/s) adding up to `rates` while
+/// d2s/dt2 changes by `change`: of eight intervals.
 #[inline(always)]
-pub(crate) fn duration(ds: f64, from: f64, to: f64, u: [f64; 2]) -> f64 {
-    // tanh(sqrt(k) t / 2) = sqrt(k) ds / (from + to), and with tan for negative k.
-    let mean = 2.0 * ds / (from + to);
-    let z = 0.25 * (u[1] - u[0]) / ds * mean * mean;
-    if z.abs() < SMALL { mean * series(z, &ARTANH) } else { mean * artanh_over_root(z) }
+pub(crate) fn durations<S: Simd>(
+    simd: S,
+    ds: &[f64; 8],
+    rates: &[f64; 8],
+    change: &[f64; 8],
+) -> [f64; 8] {
+    // tanh(sqrt(k) t / 2) = sqrt(k) ds / rates, and with tan for negative k.
+    let (mut means, mut zs, mut times) = ([0.0; 8], [0.0; 8], [0.0; 8]);
+    {
+        let row = |row| S::as_simd_f64s(row).0;
+        let (ds, rates, change) = (row(ds), row(rates), row(change));
+        let (means, zs) = (S::as_mut_simd_f64s(&mut means).0, S::as_mut_simd_f64s(&mut zs).0);
+        let times = S::as_mut_simd_f64s(&mut times).0;
+        for k in 0..times.len() {
+            // k ds^2 / rates^2 is change ds / rates^2.
+            let over = simd.div_f64s(simd.splat_f64s(1.0), rates[k]);
+            let share = simd.mul_f64s(ds[k], over);
+            let z = simd.mul_f64s(simd.mul_f64s(change[k], over), share);
+            let mut sum = simd.splat_f64s(0.0);
+            for c in ARTANH.iter().rev() {
+                sum = simd.mul_add_e_f64s(sum, z, simd.splat_f64s(*c));
+            }
+            means[k] = simd.add_f64s(share, share);
+            zs[k] = z;
+            times[k] = simd.mul_f64s(means[k], sum);
+        }
+    }
+    for (time, (mean, z)) in times.iter_mut().zip(means.into_iter().zip(zs)) {
+        if z.abs() >= SMALL {
+            *time = mean * artanh_over_root(z);
+        }
+    }
+    times
 }
 
 /// ds and rate at `t` after the start of an interval of `ds`.
@@ -112,7 +142,8 @@ mod tests {
             let inside = vertex > 0.0 && vertex < ds;
             let lowest = if inside { x0.min(x1).min(x0 + u0 * vertex) } else { x0.min(x1) };
             prop_assume!(lowest > 1e-2);
-            let t = duration(ds, x0.sqrt(), x1.sqrt(), [u0, u1]);
+            let rates = x0.sqrt() + x1.sqrt();
+            let [t, ..] = durations(pulp::Scalar::new(), &[ds; 8], &[rates; 8], &[u1 - u0; 8]);
             let (s, rate) = at(t, ds, x0.sqrt(), [u0, u1]);
             prop_assert!((s - ds).abs() < 1e-11 * (1.0 + t), "s = {s}, ds = {ds}, t = {t}");
             prop_assert!((rate - x1.sqrt()).abs() < 1e-11 * (1.0 + t));

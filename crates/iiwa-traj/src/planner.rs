@@ -4,6 +4,7 @@ use std::cell::Cell;
 
 use iiwa_kin::Joints;
 use iiwa_path::{Grid, Path, Segment, Step};
+use pulp::Simd;
 
 use crate::{
     SETTLE_TIME_S,
@@ -19,7 +20,6 @@ use crate::{
 #[derive(Debug)]
 pub struct Planner {
     path: Path,
-    grid: Grid,
     jerk: Option<JerkOptions>,
     /// The next of the path's steps.
     step: usize,
@@ -29,8 +29,9 @@ pub struct Planner {
 }
 
 /// Memory that is used again for each stretch.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Scratch {
+    grid: Grid,
     /// The nodes of all segments.
     samples: Vec<Sample>,
     /// What the way backwards found out about curves, for the way forwards.
@@ -43,9 +44,18 @@ thread_local! {
     static SPARE: Cell<Option<Scratch>> = const { Cell::new(None) };
 }
 
+impl Default for Scratch {
+    fn default() -> Self {
+        Self { grid: Grid::new(1), samples: Vec::new(), curves: Vec::new() }
+    }
+}
+
 impl Scratch {
-    fn take() -> Self {
+    fn take(intervals: usize) -> Self {
         let mut scratch = SPARE.take().unwrap_or_default();
+        if scratch.grid.intervals() != intervals {
+            scratch.grid = Grid::new(intervals);
+        }
         scratch.curves.iter_mut().for_each(|curve| curve.step = None);
         scratch
     }
@@ -61,7 +71,7 @@ impl Drop for Planner {
     }
 }
 
-/// Most nodes that are kept, of about 0.7 kB each: 64 curves of 100 intervals.
+/// Most nodes that are kept, of about 0.4 kB each: 64 curves of 100 intervals.
 const KEPT_NODES: usize = 6_500;
 
 /// The derivatives at the nodes of one curve, and what the limits leave there.
@@ -82,15 +92,13 @@ impl Planner {
             Timing::Acceleration(options) => (options.samples.max(2), None),
             Timing::Jerk(options) => (SAMPLES_BEFORE_JERK, Some(options)),
         };
-        let grid = Grid::new(samples);
         Self {
             path: path.clone(),
-            grid,
             jerk,
             step: 0,
             time_s: 0.0,
             rest_rad: *path.start_rad(),
-            scratch: Scratch::take(),
+            scratch: Scratch::take(samples),
         }
     }
 
@@ -125,8 +133,12 @@ impl Iterator for Planner {
             nodes: Vec::new(),
             smooth: false,
         };
-        let plan = Plan { path: &self.path, grid: &self.grid, scratch: &mut self.scratch };
-        let moves = Moves { plan, steps: first..rest, stretch: &mut stretch };
+        let moves = Moves {
+            path: &self.path,
+            scratch: &mut self.scratch,
+            steps: first..rest,
+            stretch: &mut stretch,
+        };
         let mut result = pulp::Arch::new().dispatch(moves);
         if let Some(options) = self.jerk {
             result = result.and_then(|()| jerk::limit(&mut stretch, options));
@@ -173,24 +185,26 @@ const ROUNDS: usize = 30;
 /// Not a closure: those reach the function with vector instructions by way of a shim that is not
 /// inlined into it, and so stay without them.
 struct Moves<'a> {
-    plan: Plan<'a>,
+    path: &'a Path,
+    scratch: &'a mut Scratch,
     steps: std::ops::Range<usize>,
     stretch: &'a mut Stretch,
 }
 
-impl pulp::NullaryFnOnce for Moves<'_> {
+impl pulp::WithSimd for Moves<'_> {
     type Output = Result<(), TimingError>;
 
     #[inline(always)]
-    fn call(mut self) -> Self::Output {
-        self.plan.moves(self.steps, self.stretch)
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Moves { path, scratch, steps, stretch } = self;
+        Plan { simd, path, scratch }.moves(steps, stretch)
     }
 }
 
 /// What one stretch is planned with.
-struct Plan<'a> {
+struct Plan<'a, S> {
+    simd: S,
     path: &'a Path,
-    grid: &'a Grid,
     scratch: &'a mut Scratch,
 }
 
@@ -206,7 +220,7 @@ struct Leg<'a> {
     line: Option<LineLimits>,
 }
 
-impl<'a> Plan<'a> {
+impl<'a, S: Simd> Plan<'a, S> {
     #[inline(always)]
     fn leg(&self, step: usize) -> Option<Leg<'a>> {
         let path: &'a Path = self.path;
@@ -230,7 +244,7 @@ impl<'a> Plan<'a> {
     }
 
     fn nodes(&self, leg: &Leg<'_>) -> usize {
-        if leg.line.is_some() { 2 } else { self.grid.intervals() + 1 }
+        if leg.line.is_some() { 2 } else { self.scratch.grid.intervals() + 1 }
     }
 
     /// Plans the moves among `steps` and adds them to `stretch`.
@@ -245,6 +259,8 @@ impl<'a> Plan<'a> {
         let mut samples = std::mem::take(&mut self.scratch.samples);
         samples.clear();
         samples.resize(total, Sample::default());
+        // A line has up to four nodes, and two among the samples.
+        stretch.nodes.reserve_exact(total + 2 * steps.len());
 
         for _ in 0..ROUNDS {
             if !self.sweep(steps.clone(), &mut samples, stretch)? {
@@ -305,12 +321,12 @@ impl<'a> Plan<'a> {
                 let x0 = start.min(samples[0].x);
                 let x1 = line.reach(x0).min(samples[1].x);
                 samples[1].x = x1;
-                stamp(line.fastest(x0, x1), &mut t_s, &mut stretch.nodes);
+                stamp(self.simd, line.fastest(x0, x1), &mut t_s, &mut stretch.nodes);
             } else {
                 tightened |= !sweep::settle(self.curve(&leg, step), start, samples);
                 let n = (samples.len() - 1) as f64;
                 let nodes = samples.iter().enumerate().map(|(i, &sample)| (i as f64 / n, sample));
-                stamp(nodes, &mut t_s, &mut stretch.nodes);
+                stamp(self.simd, nodes, &mut t_s, &mut stretch.nodes);
             }
             last = Some((samples[samples.len() - 1].x, tangent));
             from = to;
@@ -323,9 +339,9 @@ impl<'a> Plan<'a> {
 
     /// The nodes of a curve, of which `step` is the place.
     #[inline(always)]
-    fn curve<'n>(&'n mut self, leg: &'n Leg<'_>, step: usize) -> Nodes<'n> {
-        let nodes = self.grid.intervals() + 1;
-        let curves = &mut self.scratch.curves;
+    fn curve<'n>(&'n mut self, leg: &'n Leg<'_>, step: usize) -> Nodes<'n, S> {
+        let Scratch { grid, curves, .. } = &mut *self.scratch;
+        let nodes = grid.intervals() + 1;
         // Of blended motions, every second step is a curve.
         let slot = (step / 2) % (KEPT_NODES / nodes).max(1);
         if curves.len() <= slot {
@@ -337,11 +353,11 @@ impl<'a> Plan<'a> {
             curve.dq.resize(nodes, [0.0; 8]);
             curve.ddq.resize(nodes, [0.0; 8]);
             curve.bounds.resize(nodes, Bounds::default());
-            leg.segment.rates(self.grid, &leg.scale, &mut curve.dq, &mut curve.ddq);
-            sweep::bounds(&curve.dq, &curve.ddq, &leg.velocity, &mut curve.bounds);
+            leg.segment.rates(grid, &leg.scale, &mut curve.dq, &mut curve.ddq);
+            sweep::bounds(self.simd, &curve.dq, &curve.ddq, &leg.velocity, &mut curve.bounds);
         }
         let Curve { dq, ddq, bounds, .. } = curve;
-        Nodes { dq, ddq, velocity: &leg.velocity, bounds }
+        Nodes { simd: self.simd, dq, ddq, velocity: &leg.velocity, bounds }
     }
 
     /// Checks the nodes from `first_node` on against the limits and makes them a piece.
@@ -401,17 +417,64 @@ impl<'a> Plan<'a> {
 
 /// Gives samples at s their time, counted on from `t_s`.
 #[inline(always)]
-fn stamp(samples: impl Iterator<Item = (f64, Sample)>, t_s: &mut f64, nodes: &mut Vec<Node>) {
-    let mut last: Option<Node> = None;
-    nodes.extend(samples.map(|(s, Sample { x, u, .. })| {
-        let rate = x.sqrt();
-        if let Some(last) = last {
-            let later = *t_s + interval::duration(s - last.s, last.rate, rate, last.u);
+fn stamp<S: Simd>(
+    simd: S,
+    samples: impl Iterator<Item = (f64, Sample)>,
+    t_s: &mut f64,
+    nodes: &mut Vec<Node>,
+) {
+    let first = nodes.len();
+    for (s, Sample { x, u, .. }) in samples {
+        nodes.push(Node { t_s: *t_s, s, rate: x.sqrt(), u });
+    }
+    let mut nodes = &mut nodes[first..];
+    while nodes.len() > 1 {
+        // Eight intervals at a time; of the last eight, some may be empty.
+        let intervals = (nodes.len() - 1).min(8);
+        let (mut ds, mut rates, mut change) = ([1.0; 8], [1.0; 8], [0.0; 8]);
+        for (i, pair) in nodes.windows(2).take(8).enumerate() {
+            ds[i] = pair[1].s - pair[0].s;
+            rates[i] = pair[0].rate + pair[1].rate;
+            change[i] = pair[0].u[1] - pair[0].u[0];
+        }
+        let durations = interval::durations(simd, &ds, &rates, &change);
+        for (node, duration) in nodes[1..].iter_mut().zip(durations) {
+            let later = *t_s + duration;
             // At least the next number: over long stretches, tiny intervals are lost in rounding.
             *t_s = if later <= *t_s { t_s.next_up() } else { later };
+            node.t_s = *t_s;
         }
-        let node = Node { t_s: *t_s, s, rate, u };
-        last = Some(node);
-        node
-    }));
+        nodes = &mut nodes[intervals..];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use iiwa_kin::Robot;
+    use iiwa_path::Program;
+
+    #[test]
+    fn the_same_without_vector_instructions() {
+        let text = r#"{ "version": 1, "start": { "joints_deg": [0, 10, 0, -80, 0, 60, 0] }, "motions": [
+            { "type": "ptp", "joints_deg": [40, 30, -20, -60, 10, 50, 30], "blend": { "fraction": 0.4 } },
+            { "type": "ptp", "joints_deg": [-10, 50, 30, -90, -20, 70, 0], "blend": { "fraction": 0.3 } },
+            { "type": "ptp", "joints_deg": [40, 30, -20, -60, 10, 50, 30], "blend": { "fraction": 0.5 } },
+            { "type": "ptp", "joints_deg": [0, 10, 0, -80, 0, 60, 0] }] }"#;
+        let program = Program::from_json(text).unwrap();
+        let path = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
+        let widest = Planner::new(&path, Timing::default()).next().unwrap().unwrap();
+
+        let mut scratch = Scratch::take(100);
+        let mut stretch = Stretch { pieces: Vec::new(), nodes: Vec::new(), ..widest.clone() };
+        let moves =
+            Moves { path: &path, scratch: &mut scratch, steps: 0..7, stretch: &mut stretch };
+        pulp::WithSimd::with_simd(moves, pulp::Scalar::new()).unwrap();
+        assert_eq!(widest.nodes.len(), stretch.nodes.len());
+        for (a, b) in widest.nodes.iter().zip(&stretch.nodes) {
+            assert!(
+                (a.t_s - b.t_s).abs() < 1e-9 && (a.rate - b.rate).abs() < 1e-6 * a.rate.max(1.0)
+            );
+        }
+    }
 }

@@ -19,6 +19,8 @@
 //! All numbers are in units of the limits: derivatives are divided by the joint's acceleration
 //! limit, so that the limit is 1. The eighth of each row of eight is zero.
 
+use pulp::Simd;
+
 type Row = [f64; 8];
 
 /// Above any x or u that a limit leaves.
@@ -27,127 +29,170 @@ const UNLIMITED: f64 = 1e30;
 /// Share of a limit by which an interval may exceed it between its ends.
 const SWING: f64 = 0.004;
 
-/// What the limits leave at one node: x at most `cap`, and for each joint u within the band
-/// `lower x - half` to `upper x + half`.
+/// What the limits leave at one node: x at most `cap`, and for each joint u from
+/// `-(fall x + half)` to `rise x + half`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Bounds {
-    lower: Row,
-    upper: Row,
+    fall: Row,
+    rise: Row,
     half: Row,
+    /// Largest x at which no joint is too fast.
     cap: f64,
-    /// Factor and summand of [`Bounds::largest_start`].
-    start: [Row; 2],
-    /// Factor and summand of [`Bounds::largest_end`].
-    end: [Row; 2],
 }
 
 impl Bounds {
     /// `velocity` holds the acceleration limits over the velocity limits, in 1/s.
     #[inline(always)]
-    fn new(dq: &Row, ddq: &Row, velocity: &Row, h: f64) -> Self {
-        let mut speed = [0.0; 8];
-        let (mut lower, mut upper, mut half) = ([0.0; 8], [0.0; 8], [0.0; 8]);
-        for j in 0..8 {
-            let (p, bend) = (dq[j].abs(), ddq[j].abs());
+    fn set<S: Simd>(&mut self, simd: S, dq: &Row, ddq: &Row, velocity: &Row, h: f64) {
+        let row = |row| S::as_simd_f64s(row).0;
+        let (dq, ddq, velocity) = (row(dq), row(ddq), row(velocity));
+        let fall = S::as_mut_simd_f64s(&mut self.fall).0;
+        let rise = S::as_mut_simd_f64s(&mut self.rise).0;
+        let half = S::as_mut_simd_f64s(&mut self.half).0;
+        let [zero, one, tiny, near, beside] =
+            [0.0, 1.0, 1.0 / UNLIMITED, 0.5 * h, 1.5 * h].map(|value| simd.splat_f64s(value));
+        let mut fastest = zero;
+        for k in 0..dq.len() {
+            let (p, bend) = (simd.abs_f64s(dq[k]), simd.abs_f64s(ddq[k]));
             // Where q' changes its sign next to the node, the limits at the node alone would leave x
             // and u free, and speed and acceleration beside it with them: q' of one and a half
             // intervals away bounds the one, of half an interval, in both directions, the other.
-            let beside = 1.5 * h * bend;
-            speed[j] = velocity[j] * if p < beside { beside } else { p };
-            let nearby = 0.5 * h * bend;
-            let turns = p < nearby;
-            let inverse = 1.0 / (if turns { nearby } else { p }).max(1.0 / UNLIMITED);
-            let slope = -ddq[j] * inverse.copysign(dq[j]);
-            lower[j] = if turns { bend * inverse } else { slope };
-            upper[j] = if turns { -bend * inverse } else { slope };
-            half[j] = inverse;
+            let speed = simd.max_f64s(p, simd.mul_f64s(beside, bend));
+            fastest = simd.max_f64s(fastest, simd.mul_f64s(velocity[k], speed));
+            let nearby = simd.mul_f64s(near, bend);
+            let turns = simd.less_than_f64s(p, nearby);
+            let (back, against) = (simd.less_than_f64s(dq[k], zero), simd.neg_f64s(ddq[k]));
+            let slopes =
+                [simd.select_f64s(back, against, ddq[k]), simd.select_f64s(back, ddq[k], against)];
+            half[k] = simd.div_f64s(one, simd.max_f64s(simd.max_f64s(p, nearby), tiny));
+            let [down, up] =
+                slopes.map(|slope| simd.select_f64s(turns, simd.neg_f64s(bend), slope));
+            fall[k] = simd.mul_f64s(down, half[k]);
+            rise[k] = simd.mul_f64s(up, half[k]);
         }
-        let fastest = max(&speed);
-        let cap = if fastest > 1e-15 { 1.0 / (fastest * fastest) } else { UNLIMITED };
-        // x (1 + h lower) <= c + h half, and the same with upper; without a limit for a factor of 0.
-        let (mut start, mut end) = ([[0.0; 8]; 2], [[0.0; 8]; 2]);
-        for j in 0..8 {
-            for (solved, factor) in
-                [(&mut start, 1.0 + h * lower[j]), (&mut end, 1.0 - h * upper[j])]
-            {
-                let limits = factor > 1e-9;
-                let inverse = if limits { 1.0 / factor } else { 0.0 };
-                solved[0][j] = inverse;
-                solved[1][j] = if limits { h * half[j] * inverse } else { UNLIMITED };
-            }
-        }
-        Self { lower, upper, half, cap, start, end }
+        let fastest = simd.reduce_max_f64s(fastest);
+        self.cap = if fastest > 1e-15 { 1.0 / (fastest * fastest) } else { UNLIMITED };
     }
 
     /// Largest u at `x`.
     #[inline(always)]
-    fn most(&self, x: f64) -> f64 {
-        let mut u = [0.0; 8];
-        for j in 0..8 {
-            u[j] = self.upper[j] * x + self.half[j];
-        }
-        min(&u)
+    fn most<S: Simd>(&self, simd: S, x: f64) -> f64 {
+        lowest(simd, &self.rise, x, &self.half)
     }
 
     /// Smallest u at `x`.
     #[inline(always)]
-    fn least(&self, x: f64) -> f64 {
-        let mut u = [0.0; 8];
-        for j in 0..8 {
-            u[j] = self.lower[j] * x - self.half[j];
-        }
-        max(&u)
+    fn least<S: Simd>(&self, simd: S, x: f64) -> f64 {
+        -lowest(simd, &self.fall, x, &self.half)
     }
 
     /// Largest x, not above `x`, at which some u keeps all limits.
     ///
     /// The width of the band common to all joints is a concave function of x, made of straight
     /// pieces. Newton's method comes down on its root from the right, and ends after a few pieces.
+    /// `pair` holds the joints of the piece to try first, and then those of the last.
     #[inline(always)]
-    fn possible(&self, mut x: f64) -> f64 {
+    fn possible<S: Simd>(&self, simd: S, mut x: f64, pair: &mut [usize; 2]) -> f64 {
         const STEPS: usize = 64;
         for _ in 0..STEPS {
-            let (mut most, mut least) = ([0.0; 8], [0.0; 8]);
-            for j in 0..8 {
-                most[j] = self.upper[j] * x + self.half[j];
-                least[j] = self.lower[j] * x - self.half[j];
+            let [j, k] = *pair;
+            let root = (self.half[j] + self.half[k]) / -(self.rise[j] + self.fall[k]);
+            if root > 0.0 && root < x {
+                x = root;
             }
-            let (lowest, highest) = (min(&most), max(&least));
-            // The slopes of the two that meet; of several, those to the left of x.
-            let (mut rise, mut fall) = ([0.0; 8], [0.0; 8]);
-            for j in 0..8 {
-                rise[j] = if most[j] == lowest { self.upper[j] } else { -UNLIMITED };
-                fall[j] = if least[j] == highest { self.lower[j] } else { UNLIMITED };
-            }
-            let (width, change) = (lowest - highest, max(&rise) - min(&fall));
-            let lower = x - width / change;
-            if width >= 0.0 || change >= 0.0 || lower >= x || lower <= 0.0 {
+            let (most, brake) = (self.most(simd, x), -self.least(simd, x));
+            if most + brake >= 0.0 {
                 break;
             }
-            x = lower;
+            let narrowest = [
+                place(simd, &self.rise, x, &self.half, most),
+                place(simd, &self.fall, x, &self.half, brake),
+            ];
+            if narrowest == *pair {
+                break;
+            }
+            *pair = narrowest;
         }
         x
     }
+}
 
-    /// Largest x with `x + h least(x) <= c`.
-    #[inline(always)]
-    fn largest_start(&self, c: f64) -> f64 {
-        let mut x = [0.0; 8];
-        for j in 0..8 {
-            x[j] = c * self.start[0][j] + self.start[1][j];
-        }
-        min(&x)
+/// The lowest of the lines `slope x + offset` at `x`.
+#[inline(always)]
+fn lowest<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row) -> f64 {
+    let (slopes, offsets) = (S::as_simd_f64s(slopes).0, S::as_simd_f64s(offsets).0);
+    let x = simd.splat_f64s(x);
+    let mut lowest = simd.mul_add_e_f64s(slopes[0], x, offsets[0]);
+    for k in 1..slopes.len() {
+        lowest = simd.min_f64s(lowest, simd.mul_add_e_f64s(slopes[k], x, offsets[k]));
     }
+    simd.reduce_min_f64s(lowest)
+}
 
-    /// Largest x with `x - h most(x) <= c`.
-    #[inline(always)]
-    fn largest_end(&self, c: f64) -> f64 {
-        let mut x = [0.0; 8];
-        for j in 0..8 {
-            x[j] = c * self.end[0][j] + self.end[1][j];
-        }
-        min(&x)
+/// The same as [`lowest`], where the lowest is likely to be `line`; afterwards it is.
+///
+/// A step of a sweep starts from what the last one found. With the joint that limits known beforehand,
+/// which most often is the one of the last node, the processor goes on with its line alone while it
+/// compares all of them.
+#[inline(always)]
+fn lowest_by<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, line: &mut usize) -> f64 {
+    let (slope, offset) = (slopes[*line], offsets[*line]);
+    // Rounded as in `lowest`.
+    let likely = if S::IS_SCALAR { slope * x + offset } else { slope.mul_add(x, offset) };
+    let lowest = lowest(simd, slopes, x, offsets);
+    if lowest < likely {
+        *line = place(simd, slopes, x, offsets, lowest);
+        return lowest;
     }
+    likely
+}
+
+/// Largest x, not above `cap`, with `x - h lowest(x) <= c`, and the lowest of the lines there.
+///
+/// `lines` holds the line that is likely to limit x, and the one that is likely to be the lowest
+/// there, the same unless x is `cap`; afterwards it holds those that are. Whichever line is taken to
+/// limit x, x comes out too large or right, as in Newton's method.
+#[inline(always)]
+fn largest<S: Simd>(
+    simd: S,
+    [slopes, offsets]: [&Row; 2],
+    h: f64,
+    c: f64,
+    cap: f64,
+    lines: &mut [usize; 2],
+) -> (f64, f64) {
+    // Each line limits once, but for rounding.
+    const STEPS: usize = 16;
+    let mut found = (0.0, 0.0);
+    for _ in 0..STEPS {
+        let limiting = lines[0];
+        // A factor of no more than zero leaves x free.
+        let inverse = 1.0 / greater(1.0 - h * slopes[limiting], 1e-9);
+        let x = lesser((c + h * offsets[limiting]) * inverse, cap);
+        let lowest = lowest_by(simd, slopes, x, offsets, &mut lines[1]);
+        found = (x, lowest);
+        if lines[1] == limiting || x - h * lowest <= c {
+            break;
+        }
+        lines[0] = lines[1];
+    }
+    found
+}
+
+/// The first of the lines that are `lowest` at `x`.
+#[inline(always)]
+fn place<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, lowest: f64) -> usize {
+    let (slopes, offsets) = (S::as_simd_f64s(slopes).0, S::as_simd_f64s(offsets).0);
+    let (x, lowest) = (simd.splat_f64s(x), simd.splat_f64s(lowest));
+    let mut place = 0;
+    for k in (0..slopes.len()).rev() {
+        let value = simd.mul_add_e_f64s(slopes[k], x, offsets[k]);
+        let first = simd.first_true_m64s(simd.less_than_or_equal_f64s(value, lowest));
+        if first < S::F64_LANES {
+            place = S::F64_LANES * k + first;
+        }
+    }
+    place % 8
 }
 
 /// An interval between two nodes.
@@ -169,8 +214,8 @@ impl Interval<'_> {
     fn search(&self, end: f64, x: f64) -> f64 {
         const STEPS: usize = 100;
         // The cap of velocities may be far above what accelerations allow.
-        let x = self.start.possible(x);
-        let room = |x: f64| {
+        let x = self.start.possible(pulp::Scalar::new(), x, &mut [0; 2]);
+        let room = |x| {
             let (low, high) = self.reachable(x, end);
             high - low
         };
@@ -179,18 +224,26 @@ impl Interval<'_> {
             return x;
         }
         let (mut low, mut spare) = (0.0, room(0.0));
-        for step in 0..STEPS {
-            if high - low <= 1e-14 * x || spare <= 0.0 {
+        let mut kept = false;
+        // A little before the root: at the root itself, rounding may leave no room.
+        let margin = 1e-14 * x;
+        for _ in 0..STEPS {
+            if high - low <= 3.0 * margin || spare <= 0.0 {
                 break;
             }
-            let chord = low + (high - low) * spare / (spare - lack);
-            let middle = if step % 2 == 1 { 0.5 * (low + high) } else { chord };
+            let chord = (high - low) * spare / (spare - lack);
+            let middle = low + (chord - margin).max(2.0 * margin);
             let found = room(middle);
-            if found >= 0.0 {
-                (low, spare) = (middle, found);
-            } else {
-                (high, lack) = (middle, found);
+            if found < 0.0 {
+                (high, lack, kept) = (middle, found, false);
+                continue;
             }
+            // An end that is kept twice comes nearer if it weighs less (the Illinois method).
+            (low, spare) = (middle, found);
+            if kept {
+                lack *= 0.5;
+            }
+            kept = true;
         }
         low
     }
@@ -199,7 +252,13 @@ impl Interval<'_> {
     /// none if the first is above the second.
     #[inline(never)]
     fn reachable(&self, x: f64, cap: f64) -> (f64, f64) {
-        let (least, most) = (self.start.least(x), self.start.most(x));
+        let (mut brake, mut most) = (UNLIMITED, UNLIMITED);
+        for j in 0..7 {
+            let Bounds { fall, rise, half, .. } = self.start;
+            brake = lesser(brake, fall[j] * x + half[j]);
+            most = lesser(most, rise[j] * x + half[j]);
+        }
+        let least = -brake;
         // With u the same at both ends, each end's band has to hold it alone, over both halves.
         let (h, brake, drive, mut low, mut high) = if self.even {
             let h = 2.0 * self.h;
@@ -208,14 +267,14 @@ impl Interval<'_> {
             (self.h, x + self.h * least, x + self.h * most, 0.0, cap)
         };
         for j in 0..7 {
-            // y - h (upper y + half) <= drive.
-            let factor = 1.0 - h * self.end.upper[j];
+            // y - h (rise y + half) <= drive.
+            let factor = 1.0 - h * self.end.rise[j];
             let half = h * self.end.half[j];
             if factor > 1e-9 {
                 high = high.min((drive + half) / factor);
             }
-            // y - h (lower y - half) >= brake.
-            let factor = 1.0 - h * self.end.lower[j];
+            // y + h (fall y + half) >= brake.
+            let factor = 1.0 + h * self.end.fall[j];
             if factor > 1e-9 {
                 low = low.max((brake - half) / factor);
             } else if factor < -1e-9 {
@@ -226,23 +285,13 @@ impl Interval<'_> {
     }
 }
 
-#[inline(always)]
-fn min(values: &Row) -> f64 {
-    fold(values, |a, b| if a < b { a } else { b })
-}
-
-#[inline(always)]
-fn max(values: &Row) -> f64 {
-    fold(values, |a, b| if a > b { a } else { b })
-}
-
 /// Halves the row until one number is left: each step is one vector instruction.
 #[inline(always)]
-fn fold(values: &Row, pick: impl Fn(f64, f64) -> f64) -> f64 {
+fn max(values: &Row) -> f64 {
     let mut v = *values;
     for half in [4, 2, 1] {
         for k in 0..half {
-            v[k] = pick(v[k], v[k + half]);
+            v[k] = greater(v[k], v[k + half]);
         }
     }
     v[0]
@@ -272,16 +321,23 @@ impl Default for Sample {
 /// `dq` and `ddq` hold the derivatives at the nodes over the acceleration limits; `velocity` the
 /// acceleration limits over the velocity limits, in 1/s.
 #[inline(always)]
-pub(crate) fn bounds(dq: &[Row], ddq: &[Row], velocity: &Row, bounds: &mut [Bounds]) {
+pub(crate) fn bounds<S: Simd>(
+    simd: S,
+    dq: &[Row],
+    ddq: &[Row],
+    velocity: &Row,
+    bounds: &mut [Bounds],
+) {
     let h = 1.0 / (bounds.len() - 1) as f64;
     for ((dq, ddq), bounds) in dq.iter().zip(ddq).zip(bounds) {
-        *bounds = Bounds::new(dq, ddq, velocity, h);
+        bounds.set(simd, dq, ddq, velocity, h);
     }
 }
 
-/// The nodes of a segment, as [`backward`] and [`forward`] take them; all slices are as long.
+/// The nodes of a segment, as [`backward`] and [`settle`] take them; all slices are as long.
 #[derive(Clone, Copy)]
-pub(crate) struct Nodes<'a> {
+pub(crate) struct Nodes<'a, S> {
+    pub(crate) simd: S,
     pub(crate) dq: &'a [Row],
     pub(crate) ddq: &'a [Row],
     pub(crate) velocity: &'a Row,
@@ -291,52 +347,61 @@ pub(crate) struct Nodes<'a> {
 /// Sets the `x` of `samples` to the largest at each node from which all that follows can be kept,
 /// given the largest x at the last node.
 #[inline(always)]
-pub(crate) fn backward(nodes: Nodes<'_>, end: f64, samples: &mut [Sample]) {
-    let Nodes { dq, ddq, velocity, bounds } = nodes;
+pub(crate) fn backward<S: Simd>(nodes: Nodes<'_, S>, end: f64, samples: &mut [Sample]) {
+    let nodes = nodes.first(samples.len());
+    let Nodes { simd, ddq, bounds, .. } = nodes;
     let n = samples.len() - 1;
     let h = 1.0 / n as f64;
     let calm = calm(ddq, h);
     let next = &bounds[n];
-    let mut x = next.possible(next.cap.min(end).min(samples[n].x_max));
-    let (mut next_least, mut next_most) = (next.least(x), next.most(x));
+    let (mut pair, mut lines, mut next_lines) = ([0; 2], [0; 2], [0; 2]);
+    let mut x = lesser(lesser(end, next.cap), samples[n].x_max);
+    x = next.possible(simd, x, &mut pair);
+    let (mut next_least, mut next_most) = (next.least(simd, x), next.most(simd, x));
     samples[n].x = x;
     for i in (0..n).rev() {
         let (start, next) = (&bounds[i], &bounds[i + 1]);
-        let cap = start.cap.min(samples[i].x_max);
-        let interval = Interval { h, even: samples[i].even, start, end: next };
+        let cap = lesser(start.cap, samples[i].x_max);
+        let even = samples[i].even;
+        let interval = |even| Interval { h, even, start, end: next };
         let end = x;
         let brake = end - h * next_least;
         // Arriving at `end` while speeding up is strange: arriving slower may allow for more.
-        let strange = interval.even || brake < 0.5 * end;
-        x = start.largest_start(brake).min(cap);
-        let (mut least, mut most) = (start.least(x), start.most(x));
+        let strange = even || brake < 0.5 * end;
+        let brakes = [&start.fall, &start.half];
+        let brake_most;
+        (x, brake_most) = largest(simd, brakes, h, brake, cap, &mut lines);
+        let mut least = -brake_most;
+        let mut most = start.most(simd, x);
         if least > most && !strange {
-            x = start.possible(x);
-            (least, most) = (start.least(x), start.most(x));
+            x = start.possible(simd, x, &mut pair);
+            (least, most) = (start.least(simd, x), start.most(simd, x));
         }
         let drive = x + h * most;
-        let arrives = end - h * next_most <= drive;
-        let swings = || {
-            let u = split((end - x) / h, [least, most], [next_least, next_most]);
-            (u[1] - u[0]).abs() > calm
-                && half_way(&dq[i..i + 2], &ddq[i..i + 2], velocity, h, x, u).0 > 1.0 + SWING
-        };
         let found = if strange || x < 0.0 {
-            Some(interval.search(end, cap))
-        } else if !arrives {
+            Some(interval(even).search(end, cap))
+        } else if end - h * next_most > drive {
             // Out of reach: it will arrive slower, and has to be able to.
-            let slower = next.largest_end(drive);
-            let able = slower - h * next.least(slower) >= x + h * least;
-            (!able).then(|| interval.search(end, x))
-        } else if swings() {
-            samples[i].even = true;
-            Some(Interval { even: true, ..interval }.search(end, x))
+            let (slower, _) =
+                largest(simd, [&next.rise, &next.half], h, drive, end, &mut next_lines);
+            let able = slower - h * next.least(simd, slower) >= x + h * least;
+            if able { None } else { Some(interval(even).search(end, x)) }
         } else {
-            None
+            let u = split((end - x) * n as f64, [least, most], [next_least, next_most]);
+            let swings = (u[1] - u[0]).abs() > calm && {
+                let (acceleration, _) = nodes.half_way(i, h, x, u);
+                simd.reduce_max_f64s(acceleration) > 1.0 + SWING
+            };
+            if swings {
+                samples[i].even = true;
+                Some(interval(true).search(end, x))
+            } else {
+                None
+            }
         };
         if let Some(found) = found {
             x = found;
-            (least, most) = (start.least(x), start.most(x));
+            (least, most) = (start.least(simd, x), start.most(simd, x));
         }
         samples[i].x = x;
         (next_least, next_most) = (least, most);
@@ -349,55 +414,63 @@ pub(crate) fn backward(nodes: Nodes<'_>, end: f64, samples: &mut [Sample]) {
 /// Where a joint exceeds a limit half-way, the interval is tightened: u has to be the same at both
 /// ends, or x lower. True if there are any for which that has to be swept again.
 #[inline(always)]
-fn forward(nodes: Nodes<'_>, start: f64, samples: &mut [Sample]) -> bool {
-    let Nodes { dq, ddq, velocity, bounds } = nodes;
+fn forward<S: Simd>(nodes: Nodes<'_, S>, start: f64, samples: &mut [Sample]) -> bool {
+    let nodes = nodes.first(samples.len());
+    let Nodes { simd, bounds, .. } = nodes;
     let n = samples.len() - 1;
     let h = 1.0 / n as f64;
     let mut tightened = false;
-    let mut x = samples[0].x.min(start);
-    let (mut least, mut most) = (bounds[0].least(x), bounds[0].most(x));
+    let mut lines = [0; 2];
+    let mut x = lesser(samples[0].x, start);
+    let (mut least, mut most) = (bounds[0].least(simd, x), bounds[0].most(simd, x));
     samples[0].x = x;
     for i in 0..n {
         let next = &bounds[i + 1];
         let even = samples[i].even;
-        let interval = Interval { h, even, start: &bounds[i], end: next };
+        let interval = |even| Interval { h, even, start: &bounds[i], end: next };
         let cap = samples[i + 1].x;
-        let half_way = |u| half_way(&dq[i..i + 2], &ddq[i..i + 2], velocity, h, x, u);
-        let mut y = next.largest_end(x + h * most).min(cap).max(0.0);
-        let mut next_least = next.least(y);
-        if even || y - h * next_least < x + h * least - 1e-12 * x {
-            y = interval.reachable(x, cap).1.max(0.0);
-            next_least = next.least(y);
+        let drive = x + h * most;
+        let drives = [&next.rise, &next.half];
+        let (mut y, mut next_most) = largest(simd, drives, h, drive, cap, &mut lines);
+        let mut next_least = next.least(simd, y);
+        if even || y < 0.0 || y - h * next_least < x + h * least - 1e-12 * x {
+            y = interval(even).reachable(x, cap).1.max(0.0);
+            (next_least, next_most) = (next.least(simd, y), next.most(simd, y));
         }
-        let mut next_most = next.most(y);
-        let sum = (y - x) / h;
+        let sum = (y - x) * n as f64;
         let mut u =
             if even { [0.5 * sum; 2] } else { split(sum, [least, most], [next_least, next_most]) };
-        let (mut acceleration, mut square) = half_way(u);
-        if acceleration > 1.0 + SWING {
-            // On the way up it can often be mended here: arriving slower, with u the same.
-            let (low, high) = Interval { even: true, ..interval }.reachable(x, cap);
-            if !even && low <= high {
-                (y, u) = (high, [0.5 * (high - x) / h; 2]);
-                (next_least, next_most) = (next.least(y), next.most(y));
-                (acceleration, square) = half_way(u);
+        let (acceleration, square) = nodes.half_way(i, h, x, u);
+        if simd.reduce_max_f64s(simd.max_f64s(acceleration, square)) > 1.0 + SWING {
+            let mut acceleration = simd.reduce_max_f64s(acceleration);
+            let mut square = simd.reduce_max_f64s(square);
+            if acceleration > 1.0 + SWING {
+                // On the way up it can often be mended here: arriving slower, with u the same.
+                let (low, high) = interval(true).reachable(x, cap);
+                if !even && low <= high {
+                    (y, u) = (high, [0.5 * (high - x) / h; 2]);
+                    (next_least, next_most) = (next.least(simd, y), next.most(simd, y));
+                    let now = nodes.half_way(i, h, x, u);
+                    acceleration = simd.reduce_max_f64s(now.0);
+                    square = simd.reduce_max_f64s(now.1);
+                }
+                samples[i].even = true;
             }
-            samples[i].even = true;
+            if square > 1.0 + SWING {
+                samples[i].x_max = x / square;
+                samples[i + 1].x_max = y / square;
+                tightened = true;
+            }
+            if acceleration > 1.0 + SWING {
+                if even {
+                    samples[i].x_max = x / acceleration;
+                    samples[i + 1].x_max = y / acceleration;
+                }
+                tightened = true;
+            }
         }
         samples[i].u = u;
         samples[i + 1].x = y;
-        if square > 1.0 + SWING {
-            samples[i].x_max = x / square;
-            samples[i + 1].x_max = y / square;
-            tightened = true;
-        }
-        if acceleration > 1.0 + SWING {
-            if even {
-                samples[i].x_max = x / acceleration;
-                samples[i + 1].x_max = y / acceleration;
-            }
-            tightened = true;
-        }
         (x, least, most) = (y, next_least, next_most);
     }
     tightened
@@ -410,36 +483,58 @@ fn calm(ddq: &[Row], h: f64) -> f64 {
     let mut bend = [0.0; 8];
     for row in ddq {
         for j in 0..8 {
-            let value = row[j].abs();
-            bend[j] = if value > bend[j] { value } else { bend[j] };
+            bend[j] = greater(row[j].abs(), bend[j]);
         }
     }
     2.0 * SWING / (h * max(&bend)).max(1.0 / UNLIMITED)
 }
 
-/// What one interval is at half-way: the largest share of an acceleration limit, and the largest
-/// squared share of a velocity limit.
-#[inline(always)]
-fn half_way(dq: &[Row], ddq: &[Row], velocity: &Row, h: f64, x: f64, u: [f64; 2]) -> (f64, f64) {
-    let u_half = 0.5 * (u[0] + u[1]);
-    let x_half = x + h * (0.75 * u[0] + 0.25 * u[1]);
-    let (mut acceleration, mut speed) = ([0.0; 8], [0.0; 8]);
-    for j in 0..8 {
-        // Of the cubic with the same values of q' and q'' at both ends.
-        let rise = dq[1][j] - dq[0][j];
-        let p = dq[0][j] + 0.5 * rise + 0.125 * h * (ddq[0][j] - ddq[1][j]);
-        let r = 1.5 * rise / h - 0.25 * (ddq[0][j] + ddq[1][j]);
-        acceleration[j] = (p * u_half + r * x_half).abs();
-        speed[j] = p.abs() * velocity[j];
+impl<S: Simd> Nodes<'_, S> {
+    /// The same nodes, of which the compiler then knows that there are `count`.
+    #[inline(always)]
+    fn first(self, count: usize) -> Self {
+        let Self { simd, dq, ddq, velocity, bounds } = self;
+        Self { simd, dq: &dq[..count], ddq: &ddq[..count], velocity, bounds: &bounds[..count] }
     }
-    let speed = max(&speed);
-    (max(&acceleration), speed * speed * x_half)
+
+    /// What interval `i` is at half-way: the share of each acceleration limit, and the squared share of
+    /// each velocity limit; of joints that share a lane, the largest.
+    #[inline(always)]
+    fn half_way(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> (S::f64s, S::f64s) {
+        let Self { simd, dq, ddq, velocity, .. } = *self;
+        let row = |row| S::as_simd_f64s(row).0;
+        let (dq, ddq) = ([row(&dq[i]), row(&dq[i + 1])], [row(&ddq[i]), row(&ddq[i + 1])]);
+        let velocity = row(velocity);
+        let u_half = simd.splat_f64s(0.5 * (u[0] + u[1]));
+        let x_half = simd.splat_f64s(x + h * (0.75 * u[0] + 0.25 * u[1]));
+        let (half, eighth) = (simd.splat_f64s(0.5), simd.splat_f64s(0.125 * h));
+        let (steep, quarter) = (simd.splat_f64s(1.5 / h), simd.splat_f64s(-0.25));
+        let (mut acceleration, mut square) = (simd.splat_f64s(0.0), simd.splat_f64s(0.0));
+        for k in 0..velocity.len() {
+            // Of the cubic with the same values of q' and q'' at both ends.
+            let p = simd.mul_add_e_f64s(
+                eighth,
+                simd.sub_f64s(ddq[0][k], ddq[1][k]),
+                simd.mul_f64s(half, simd.add_f64s(dq[0][k], dq[1][k])),
+            );
+            let r = simd.mul_add_e_f64s(
+                quarter,
+                simd.add_f64s(ddq[0][k], ddq[1][k]),
+                simd.mul_f64s(steep, simd.sub_f64s(dq[1][k], dq[0][k])),
+            );
+            let a = simd.abs_f64s(simd.mul_add_e_f64s(p, u_half, simd.mul_f64s(r, x_half)));
+            let v = simd.mul_f64s(p, velocity[k]);
+            acceleration = simd.max_f64s(acceleration, a);
+            square = simd.max_f64s(square, simd.mul_f64s(simd.mul_f64s(v, v), x_half));
+        }
+        (acceleration, square)
+    }
 }
 
 /// Sweeps forwards until no interval of the segment has to be tightened, and backwards in between.
 /// False if that makes what came before the segment too fast: then all has to be swept again.
 #[inline(always)]
-pub(crate) fn settle(nodes: Nodes<'_>, start: f64, samples: &mut [Sample]) -> bool {
+pub(crate) fn settle<S: Simd>(nodes: Nodes<'_, S>, start: f64, samples: &mut [Sample]) -> bool {
     const ROUNDS: usize = 30;
     let end = samples[samples.len() - 1].x;
     for _ in 0..ROUNDS {
@@ -468,4 +563,16 @@ fn split(sum: f64, start: [f64; 2], end: [f64; 2]) -> [f64; 2] {
 fn within(value: f64, low: f64, high: f64) -> f64 {
     let value = if value < low { low } else { value };
     if value > high { high } else { value }
+}
+
+/// The lesser of two numbers, in one instruction.
+#[inline(always)]
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The greater of two numbers, in one instruction.
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
