@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use iiwa_kin::Robot;
-use iiwa_traj::{BlendFigures, MotionFigures, Stretch, Totals};
+use iiwa_traj::{BlendFigures, Limit, MotionFigures, Stretch, Totals};
 use serde::Serialize;
 
 /// The `--json` object of `iiwasim plan`.
@@ -31,6 +31,15 @@ pub(crate) struct MotionRow {
     pub(crate) end_s: f64,
     pub(crate) peak_velocity_rel: f64,
     pub(crate) limited_by: Option<LimitRow>,
+    /// All limits that it is at, with their shares of the time.
+    pub(crate) limits: Vec<LimitShareRow>,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct LimitShareRow {
+    #[serde(flatten)]
+    pub(crate) limit: LimitRow,
+    pub(crate) share: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -102,6 +111,12 @@ impl Figures {
     }
 }
 
+impl From<Limit> for LimitRow {
+    fn from(limit: Limit) -> Self {
+        Self { joint: limit.joint, kind: limit.kind.name() }
+    }
+}
+
 impl From<&MotionFigures> for MotionRow {
     fn from(figures: &MotionFigures) -> Self {
         Self {
@@ -110,9 +125,12 @@ impl From<&MotionFigures> for MotionRow {
             start_s: figures.start_s,
             end_s: figures.end_s,
             peak_velocity_rel: figures.peak_velocity_rel,
-            limited_by: figures
-                .limited_by
-                .map(|limit| LimitRow { joint: limit.joint, kind: limit.kind.name() }),
+            limited_by: figures.limited_by.map(LimitRow::from),
+            limits: figures
+                .limits
+                .iter()
+                .map(|limit| LimitShareRow { limit: limit.limit.into(), share: limit.share })
+                .collect(),
         }
     }
 }

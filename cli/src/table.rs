@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use comfy_table::{Cell, CellAlignment, LineStyle, Table, presets};
 
-use crate::figures::{Figures, MotionRow};
+use crate::figures::{Figures, LimitRow, LimitShareRow, MotionRow};
 
 /// Motions that are shown at the start and at the end of a long program.
 const SHOWN: usize = 100;
@@ -51,6 +51,7 @@ pub(crate) fn figures(figures: &Figures) -> String {
         figures.robot,
         match figures.timing {
             "acceleration" => "velocity and acceleration",
+            "jerk" => "velocity, acceleration and jerk",
             other => other,
         }
     );
@@ -60,10 +61,24 @@ pub(crate) fn figures(figures: &Figures) -> String {
     text
 }
 
+/// What a motion is limited by and for how long, as far as it matters.
+fn limits(first: &LimitRow, all: &[LimitShareRow]) -> String {
+    /// Shares of the time below which a limit is left out.
+    const SHOWN_SHARE: f64 = 0.05;
+    let name = |limit: &LimitRow| format!("A{} {}", limit.joint, limit.kind);
+    let shown: Vec<_> = all
+        .iter()
+        .filter(|limit| limit.share >= SHOWN_SHARE)
+        .take(2)
+        .map(|limit| format!("{} {:.0} %", name(&limit.limit), 100.0 * limit.share))
+        .collect();
+    if shown.is_empty() { name(first) } else { shown.join(", ") }
+}
+
 fn add(table: &mut Table, rows: &[MotionRow]) {
     for row in rows {
         let limit = row.limited_by.as_ref();
-        let limited_by = limit.map(|limit| format!("A{} {}", limit.joint, limit.kind));
+        let limited_by = limit.map(|limit| limits(limit, &row.limits));
         let speed = limit.map(|_| format!("{:.1}", 100.0 * row.peak_velocity_rel));
         table.add_row([
             Cell::new(row.index),

@@ -1,7 +1,7 @@
 //! How close a piece comes to its limits, and for how long it is at each.
 
 use crate::{
-    figures::{Kind, Limit},
+    figures::{Kind, Limit, LimitShare},
     stretch::Node,
 };
 
@@ -27,11 +27,12 @@ pub(crate) struct Shares {
 }
 
 impl Shares {
+    /// Adds an interval of `dt` with the largest and the smallest shares in it.
     #[inline(always)]
-    fn add(&mut self, share: &[f64; 8], dt: f64) {
+    fn add(&mut self, largest: &[f64; 8], smallest: &[f64; 8], dt: f64) {
         for j in 0..8 {
-            self.peak[j] = if share[j] > self.peak[j] { share[j] } else { self.peak[j] };
-            self.time_s[j] += if share[j] >= SATURATED { dt } else { 0.0 };
+            self.peak[j] = larger(self.peak[j], largest[j]);
+            self.time_s[j] += if smallest[j] >= SATURATED { dt } else { 0.0 };
         }
     }
 
@@ -65,17 +66,20 @@ impl Load {
         }
         for ((to, end), ddq) in nodes.iter().zip(&dq[1..]).zip(&ddq[1..]) {
             let dt = to.t_s - from.t_s;
-            let (mut speeds, mut accelerations) = ([0.0; 8], [0.0; 8]);
+            let (mut speeds, mut accelerations) = ([[0.0; 8]; 2], [[0.0; 8]; 2]);
             for j in 0..8 {
                 let before = speed[j];
                 let acceleration = (start[j] * from.u[0] + bend[j]).abs();
                 speed[j] = (end[j] * to.rate).abs() * velocity[j];
                 bend[j] = ddq[j] * (to.rate * to.rate);
-                speeds[j] = larger(before, speed[j]);
-                accelerations[j] = larger(acceleration, (end[j] * from.u[1] + bend[j]).abs());
+                speeds[0][j] = larger(before, speed[j]);
+                speeds[1][j] = smaller(before, speed[j]);
+                let last = (end[j] * from.u[1] + bend[j]).abs();
+                accelerations[0][j] = larger(acceleration, last);
+                accelerations[1][j] = smaller(acceleration, last);
             }
-            self.velocity.add(&speeds, dt);
-            self.acceleration.add(&accelerations, dt);
+            self.velocity.add(&speeds[0], &speeds[1], dt);
+            self.acceleration.add(&accelerations[0], &accelerations[1], dt);
             (from, start) = (to, *end);
         }
     }
@@ -83,9 +87,11 @@ impl Load {
     /// Adds the shares of the limits of speed, acceleration and jerk that hold for `dt`.
     #[inline(always)]
     pub(crate) fn sample(&mut self, shares: &[[f64; 8]; 3], dt: f64) {
-        self.velocity.add(&shares[0], dt);
-        self.acceleration.add(&shares[1], dt);
-        self.jerk.add(&shares[2], dt);
+        for (kind, shares) in
+            [&mut self.velocity, &mut self.acceleration, &mut self.jerk].into_iter().zip(shares)
+        {
+            kind.add(shares, shares, dt);
+        }
     }
 
     pub(crate) fn merge(&mut self, other: &Self) {
@@ -111,13 +117,34 @@ impl Load {
         (0..7).map(|j| self.velocity.peak[j] * own[j] / full[j]).fold(0.0, f64::max)
     }
 
-    fn largest(&self, value: impl Fn(&Shares) -> &[f64; 8]) -> (Limit, f64) {
-        let mut best = (Limit { joint: 1, kind: Kind::Velocity }, 0.0);
-        for (kind, shares) in [
+    /// The limits that are kept, with their shares of `total_s`, the largest first.
+    pub(crate) fn shares(&self, total_s: f64) -> Vec<LimitShare> {
+        let mut shares: Vec<_> = self
+            .kinds()
+            .into_iter()
+            .flat_map(|(kind, shares)| {
+                shares.time_s[..7].iter().enumerate().map(move |(j, time_s)| LimitShare {
+                    limit: Limit { joint: j + 1, kind },
+                    share: (time_s / total_s).min(1.0),
+                })
+            })
+            .filter(|limit| limit.share > 0.0)
+            .collect();
+        shares.sort_by(|a, b| b.share.total_cmp(&a.share));
+        shares
+    }
+
+    fn kinds(&self) -> [(Kind, &Shares); 3] {
+        [
             (Kind::Velocity, &self.velocity),
             (Kind::Acceleration, &self.acceleration),
             (Kind::Jerk, &self.jerk),
-        ] {
+        ]
+    }
+
+    fn largest(&self, value: impl Fn(&Shares) -> &[f64; 8]) -> (Limit, f64) {
+        let mut best = (Limit { joint: 1, kind: Kind::Velocity }, 0.0);
+        for (kind, shares) in self.kinds() {
             for (j, &value) in value(shares)[..7].iter().enumerate() {
                 if value > best.1 {
                     best = (Limit { joint: j + 1, kind }, value);
@@ -126,6 +153,11 @@ impl Load {
         }
         best
     }
+}
+
+#[inline(always)]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }
 
 #[inline(always)]

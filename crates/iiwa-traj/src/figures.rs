@@ -19,6 +19,16 @@ pub struct Limit {
     pub kind: Kind,
 }
 
+/// For how long a limit is kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimitShare {
+    /// The limit.
+    pub limit: Limit,
+    /// The share of the time at which the joint is at it, above 0 and up to 1. Several limits may be
+    /// kept at the same time.
+    pub share: f64,
+}
+
 /// The kinds of limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -85,7 +95,7 @@ impl Totals {
 /// A motion lasts from where its limits begin to hold, which is the start of the blend that leads
 /// into it, to the start of the blend that leads out of it, or to its stop. The settle time after
 /// the stop is not part of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MotionFigures {
     /// Its place in the program, from 0.
     pub motion: usize,
@@ -99,6 +109,8 @@ pub struct MotionFigures {
     pub peak_velocity_rel: f64,
     /// The limit that it is at for the longest time; none if nothing moves.
     pub limited_by: Option<Limit>,
+    /// All limits that it is at, the one for the longest time first.
+    pub limits: Vec<LimitShare>,
 }
 
 /// The types of motions.
@@ -152,7 +164,11 @@ impl Stretch {
             .map(|pieces| {
                 let mut load = Load::default();
                 let mut peak_velocity_rel = 0.0_f64;
+                let mut moving_s = 0.0;
                 for piece in pieces {
+                    if piece.kind.moves() {
+                        moving_s += piece.duration_s;
+                    }
                     load.merge(&piece.load);
                     peak_velocity_rel = peak_velocity_rel.max(piece.peak_velocity_rel);
                 }
@@ -168,6 +184,7 @@ impl Stretch {
                     end_s: if settles { last.start_s } else { last.end_s },
                     peak_velocity_rel,
                     limited_by: first.kind.moves().then(|| load.limit()),
+                    limits: load.shares(moving_s),
                 }
             })
             .collect()

@@ -21,7 +21,7 @@ use crate::{
 };
 use leg::Leg;
 use mesh::{Cell, mesh};
-use solver::{GAP, Solver, Start};
+use solver::{GAP, NotConverged, Solver, Start};
 
 /// Largest shares of the limits of speed, acceleration and jerk that are handed out. Between the
 /// places at which the solver keeps them exactly, they may be exceeded by a little.
@@ -38,11 +38,16 @@ const CLOSE: Start = Start { mu: 1e-3, slack: 1e-3 };
 const AFAR: Start = Start { mu: 1e-2, slack: 1e-2 };
 const ABRUPT: f64 = 1.3;
 
+/// Places within a cell at which limits are checked, at first and in the end.
+const SOME: [f64; 3] = [0.25, 0.5, 0.75];
+const ALL: [f64; 9] = [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
+
 /// Most times that limits of cells are lowered.
 const ROUNDS: usize = 8;
 
-/// Longest time, as a share, to which all is stretched if lowering limits did not do.
-const STRETCH: f64 = 1.02;
+/// Share of the time by which all is slowed down, at most, if lowering limits did not do: if there may
+/// be another way, and as the last resort.
+const SLOWER: [f64; 2] = [1.01, 1.25];
 
 /// How a stretch is sought, one way after the other until one succeeds: refinement of the cells, and
 /// share of the acceleration-limited x to start from.
@@ -66,10 +71,18 @@ pub(crate) fn limit(stretch: &mut Stretch, options: JerkOptions) -> Result<(), T
     let stamped = match legs.as_slice() {
         [line] if line.is_line() && !options.general => straight(line),
         _ => {
-            let found = WAYS.iter().find_map(|&(refinement, scale)| {
-                Plan::find(&legs, options.refinement * refinement, scale)
-            });
-            found.ok_or(TimingError::NotConverged { motion })?.stamps(&legs)
+            let mut best: Option<Plan> = None;
+            for (refinement, scale) in WAYS {
+                let plan = Plan::find(&legs, options.refinement * refinement, scale);
+                let [enough, most] = SLOWER;
+                if plan.slower <= best.as_ref().map_or(most, |best| best.slower) {
+                    best = Some(plan);
+                }
+                if best.as_ref().is_some_and(|best| best.slower <= enough) {
+                    break;
+                }
+            }
+            best.ok_or(TimingError::NotConverged { motion })?.stamps(&legs)
         }
     };
     drop(legs);
@@ -162,42 +175,57 @@ struct Plan {
 }
 
 impl Plan {
-    /// None if the solver does not converge or limits are exceeded.
-    fn find(legs: &[Leg<'_>], refinement: f64, scale: f64) -> Option<Self> {
+    fn find(legs: &[Leg<'_>], refinement: f64, scale: f64) -> Self {
         let cells = mesh(legs, refinement);
-        let mut solver = Solver::new(legs, &cells, scale);
-        solver.solve(NEAR).ok()?;
+        let solver = Solver::new(legs, &cells, scale);
         let mut plan = Self { cells, solver, slower: 1.0 };
+        if plan.refine(legs) != Ok(true) {
+            // Whatever was found is good, as slow as it takes to keep the limits.
+            plan.slower = plan.slower(legs);
+        }
+        plan
+    }
+
+    /// Solves and lowers limits until all are kept everywhere; false if that takes too often.
+    fn refine(&mut self, legs: &[Leg<'_>]) -> Result<bool, NotConverged> {
+        self.solver.solve(NEAR)?;
         // Where limits will be exceeded is seen long before the end.
-        if plan.tighten(legs) > ABRUPT {
-            plan.solver.restart(AFAR);
+        if self.tighten(legs, &SOME) > ABRUPT {
+            self.solver.restart(AFAR);
         }
-        plan.solver.solve(GAP).ok()?;
+        self.solver.solve(GAP)?;
         for _ in 0..ROUNDS {
-            let excess = plan.tighten(legs);
+            let excess = self.tighten(legs, &ALL);
             if excess == 1.0 {
-                return Some(plan);
+                return Ok(true);
             }
-            plan.solver.restart(if excess > ABRUPT { AFAR } else { CLOSE });
-            plan.solver.solve(GAP).ok()?;
+            self.solver.restart(if excess > ABRUPT { AFAR } else { CLOSE });
+            self.solver.solve(GAP)?;
         }
-        let mut largest = [0.0_f64; 3];
-        for shares in plan.worst(legs) {
+        Ok(false)
+    }
+
+    /// The share of all times that keeps the limits.
+    fn slower(&self, legs: &[Leg<'_>]) -> f64 {
+        let mut largest = [1.0, 1.0, self.solver.rest_jerk()];
+        for shares in self.worst(legs, &ALL) {
             for i in 0..3 {
-                largest[i] = largest[i].max(shares[i]);
+                // Not a number stays.
+                largest[i] = if shares[i] <= largest[i] { largest[i] } else { shares[i] };
             }
         }
-        let [v, a, j] = std::array::from_fn(|i| largest[i] / TOLERANCE[i]);
-        plan.slower = v.max(a.sqrt()).max(j.cbrt()).max(1.0);
-        (plan.slower <= STRETCH).then_some(plan)
+        let [v, a, j]: [f64; 3] = std::array::from_fn(|i| largest[i] / TOLERANCE[i]);
+        // Not `max`, which would leave out what is not a number.
+        let factors = [v, a.sqrt(), j.cbrt(), self.solver.torn()];
+        factors.into_iter().fold(1.0, |all, one| if one <= all { all } else { one })
     }
 
     /// Lowers the limits of the cells that exceed them, and returns the largest share; 1 if there are
     /// none.
-    fn tighten(&mut self, legs: &[Leg<'_>]) -> f64 {
+    fn tighten(&mut self, legs: &[Leg<'_>], places: &[f64]) -> f64 {
         let mut largest = 1.0_f64;
         let by: Vec<_> = self
-            .worst(legs)
+            .worst(legs, places)
             .into_iter()
             .map(|shares| {
                 std::array::from_fn(|i| {
@@ -216,9 +244,9 @@ impl Plan {
         largest
     }
 
-    /// The largest shares of the limits of speed, acceleration and jerk inside each cell between the
-    /// two that touch rest; those keep their limits.
-    fn worst(&self, legs: &[Leg<'_>]) -> Vec<[f64; 3]> {
+    /// The largest shares of the limits of speed, acceleration and jerk at some places of each cell between
+    /// the two that touch rest.
+    fn worst(&self, legs: &[Leg<'_>], places: &[f64]) -> Vec<[f64; 3]> {
         let mut inverse = None;
         let inner = &self.cells[1..self.cells.len() - 1];
         inner
@@ -231,7 +259,7 @@ impl Plan {
                     other => &mut other.insert((cell.leg, Inverse::new(leg))).1,
                 };
                 let mut worst = [0.0_f64; 3];
-                for f in [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875] {
+                for &f in places {
                     let s = leg.s(cell.from + f * cell.length).clamp(0.0, 1.0);
                     let shares = inverse.shares(&leg.rates(s), in_time(self.solver.at(k, f)));
                     for i in 0..3 {

@@ -44,7 +44,7 @@ mod timing;
 mod trajectory;
 
 pub use batch::{PlanError, plan_all};
-pub use figures::{BlendFigures, Kind, Limit, MotionFigures, MotionType, Totals};
+pub use figures::{BlendFigures, Kind, Limit, LimitShare, MotionFigures, MotionType, Totals};
 pub use planner::Planner;
 pub use stretch::{Node, Piece, PieceKind, State, Stretch};
 pub use timing::{JerkOptions, SweepOptions, Timing, TimingError};

@@ -6,7 +6,8 @@
 //! The four numbers (x, V, W0, W1) at its start are its state. Limits are kept
 //! - in speed, at three of the four control points of that cubic (the fourth is the next cell's first):
 //!   it stays in their hull, so that it cannot swing out in between;
-//! - in acceleration, `q' x'/2 + q'' x`, at the start and at the control point in the middle;
+//! - in acceleration, `q' x'/2 + q'' x`, at the start and in the middle, or on lines at the middle
+//!   control point of x';
 //! - in jerk, `sqrt(x) (q' x''/2 + 3/2 q'' x' + q''' x)`, at both ends, and on
 //!   curves in the middle. Here x moves to the other side, which leaves something linear below
 //!   `x^(-1/2)`.
@@ -248,7 +249,7 @@ impl<const J: usize, const N: usize> Block<J, N> {
             speed.sides[0].start(1.0 - value, least * one, mu);
             speed.sides[1].start(value, least * value.abs(), mu);
         }
-        for (push, [x, v, _]) in self.pushes.iter_mut().zip(push_places(&y)) {
+        for (push, [x, v, _]) in self.pushes.iter_mut().zip(push_places::<J>(&y)) {
             for j in 0..J {
                 let value = push.x[j] * x + push.v[j] * v;
                 push.sides[j][0].start(1.0 - value, least * one, mu);
@@ -297,7 +298,7 @@ impl<const J: usize, const N: usize> Block<J, N> {
             }
         }
 
-        for (n, [x, v, _]) in push_places(&y).into_iter().enumerate() {
+        for (n, [x, v, _]) in push_places::<J>(&y).into_iter().enumerate() {
             let push = &self.pushes[n];
             let [mut xx, mut xv, mut vv, mut gx, mut gv] = [Lanes::ZERO; 5];
             for j in 0..J {
@@ -326,7 +327,7 @@ impl<const J: usize, const N: usize> Block<J, N> {
                 g[0] += gx;
                 g[1] += gv;
             } else {
-                let (rx, rv) = (&MIDDLE_X, &CONTROL_V);
+                let (rx, rv) = (&MIDDLE_X, push_v::<J>());
                 let mut i = 0;
                 for a in 0..4 {
                     for b in a..4 {
@@ -446,7 +447,7 @@ impl<const J: usize, const N: usize> Block<J, N> {
             set(a, 1.0 - value - a.s);
             set(b, value - b.s);
         }
-        let places = std::iter::zip(push_places(&y), push_places(&dy));
+        let places = std::iter::zip(push_places::<J>(&y), push_places::<J>(&dy));
         for (push, ([x, v, _], [dx, dv, _])) in self.pushes.iter_mut().zip(places) {
             for j in 0..J {
                 let value = push.x[j] * (x + dx) + push.v[j] * (v + dv);
@@ -545,9 +546,17 @@ fn times(row: &State, y: &[Lanes; 4]) -> Lanes {
     row[0] * y[0] + row[1] * y[1] + row[2] * y[2] + row[3] * y[3]
 }
 
+/// V where acceleration is kept in the middle of a cell. On a line, where it alone counts, at its
+/// control point.
 #[inline(always)]
-fn push_places(y: &[Lanes; 4]) -> [Place; 2] {
-    [[y[0], y[1], Lanes::ZERO], [times(&MIDDLE_X, y), times(&CONTROL_V, y), Lanes::ZERO]]
+fn push_v<const J: usize>() -> &'static State {
+    if J == 1 { &CONTROL_V } else { &MIDDLE_V }
+}
+
+#[inline(always)]
+fn push_places<const J: usize>(y: &[Lanes; 4]) -> [Place; 2] {
+    let middle = [times(&MIDDLE_X, y), times(push_v::<J>(), y), Lanes::ZERO];
+    [[y[0], y[1], Lanes::ZERO], middle]
 }
 
 #[inline(always)]

@@ -213,6 +213,25 @@ impl Solver {
         [self.rests[0].duration_s(self.states[0][0]), self.rests[1].duration_s(self.end_x())]
     }
 
+    /// Largest share of the limit of jerk in the cells that touch rest.
+    pub(crate) fn rest_jerk(&self) -> f64 {
+        // Jerk goes as x^(3/2) there.
+        let [start, end] = [self.states[0][0], self.end_x()];
+        (start / self.rests[0].cap).max(end / self.rests[1].cap).powf(1.5)
+    }
+
+    /// 1, or infinite if the cells do not join.
+    pub(crate) fn torn(&self) -> f64 {
+        /// Share of x and V that is rounding.
+        const ROUNDING: f64 = 1e-7;
+        let torn = (0..self.lengths.len() - 1).any(|k| {
+            let [dx, dv] = self.defect(k);
+            let [x, v, ..] = self.states[k + 1];
+            !(dx.abs() <= ROUNDING * x && dv.abs() <= ROUNDING * (x + v.abs()))
+        });
+        if torn { f64::INFINITY } else { 1.0 }
+    }
+
     fn end_x(&self) -> f64 {
         dot(&END_X, &self.states[self.states.len() - 1])
     }
