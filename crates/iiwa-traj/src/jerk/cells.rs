@@ -86,21 +86,50 @@ pub(crate) struct Falls {
     pub(crate) x: f64,
 }
 
-/// Slack and dual of one side of a limit, and their step.
+/// A step: the product that slacks and duals were to have, and the shares of it that they go.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Side<T> {
-    pub(crate) s: T,
-    pub(crate) z: T,
-    pub(crate) ds: T,
-    pub(crate) dz: T,
+pub(crate) struct Step {
+    pub(crate) mu: f64,
+    pub(crate) primal: f64,
+    pub(crate) dual: f64,
 }
 
-impl Side<Lanes> {
+/// Slack and dual of one side of a limit.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    s: Lanes,
+    z: Lanes,
+    /// One over the slack: dividing is slow.
+    inverse: Lanes,
+    /// Step of the slack, which the dual's follows from.
+    ds: Lanes,
+}
+
+impl Side {
     /// The slack is the room that is left, but not less than `least`.
     #[inline(always)]
     fn start(&mut self, room: Lanes, least: Lanes, mu: f64) {
         self.s = room.max(least);
-        self.z = mu / self.s;
+        self.inverse = 1.0 / self.s;
+        self.z = mu * self.inverse;
+        self.ds = Lanes::ZERO;
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, step: Step) {
+        let dz = (step.mu - self.z * self.ds) * self.inverse - self.z;
+        self.s += step.primal * self.ds;
+        self.z += step.dual * dz;
+        self.inverse = 1.0 / self.s;
+    }
+
+    /// Sets the slack's step. The relative falls of slack and dual that go with it.
+    #[inline(always)]
+    fn direct(&mut self, ds: Lanes, mu: f64) -> [Lanes; 2] {
+        self.ds = ds;
+        let fall = -ds * self.inverse;
+        // dz = (mu - z ds) / s - z.
+        [fall, 1.0 - fall - mu * self.inverse / self.z]
     }
 }
 
@@ -109,7 +138,7 @@ impl Side<Lanes> {
 struct Push<const J: usize> {
     x: [Lanes; J],
     v: [Lanes; J],
-    sides: [[Side<Lanes>; 2]; J],
+    sides: [[Side; 2]; J],
 }
 
 /// The rows of jerk at one place of a cell: factors of x, V and W for each joint.
@@ -118,14 +147,14 @@ struct Jerk<const J: usize> {
     x: [Lanes; J],
     v: [Lanes; J],
     w: [Lanes; J],
-    sides: [[Side<Lanes>; 2]; J],
+    sides: [[Side; 2]; J],
 }
 
 /// The row of speed at a control point: one over the largest x. The other side keeps x positive.
 #[derive(Clone, Copy, Debug, Default)]
 struct Speed {
     x: Lanes,
-    sides: [Side<Lanes>; 2],
+    sides: [Side; 2],
 }
 
 /// Four cells with `J` rows of each kind, and jerk kept at `N` places.
@@ -261,12 +290,13 @@ impl<const J: usize, const N: usize> Block<J, N> {
         }
     }
 
-    /// Writes what the cells' duration and limits contribute to the quadratic function that a step
-    /// minimises.
+    /// Goes the last step of slacks and duals, then writes what the cells' duration and limits contribute
+    /// to the quadratic function that the next step minimises.
     #[inline(always)]
     pub(crate) fn assemble(
-        &self,
+        &mut self,
         states: &[State],
+        last: Step,
         mu: f64,
         quadratics: &mut [Quadratic],
         sums: &mut Sums,
@@ -276,10 +306,12 @@ impl<const J: usize, const N: usize> Block<J, N> {
         let mut h = [Lanes::ZERO; 10];
         let mut g = [Lanes::ZERO; 4];
 
-        for (speed, control) in self.speeds.iter().zip(&CONTROL) {
+        for (speed, control) in self.speeds.iter_mut().zip(&CONTROL) {
             let value = speed.x * times(control, &y);
-            let [a, b] = speed.sides;
-            let inverse = [1.0 / a.s, 1.0 / b.s];
+            let [a, b] = &mut speed.sides;
+            a.advance(last);
+            b.advance(last);
+            let inverse = [a.inverse, b.inverse];
             let weight = [a.z * inverse[0], b.z * inverse[1]];
             let miss = [value - 1.0 + a.s, b.s - value];
             gap += a.s * a.z + b.s * b.z;
@@ -299,13 +331,15 @@ impl<const J: usize, const N: usize> Block<J, N> {
         }
 
         for (n, [x, v, _]) in push_places::<J>(&y).into_iter().enumerate() {
-            let push = &self.pushes[n];
+            let push = &mut self.pushes[n];
             let [mut xx, mut xv, mut vv, mut gx, mut gv] = [Lanes::ZERO; 5];
             for j in 0..J {
                 let (px, pv) = (push.x[j], push.v[j]);
                 let value = px * x + pv * v;
-                let [a, b] = push.sides[j];
-                let inverse = [1.0 / a.s, 1.0 / b.s];
+                let [a, b] = &mut push.sides[j];
+                a.advance(last);
+                b.advance(last);
+                let inverse = [a.inverse, b.inverse];
                 let weight = [a.z * inverse[0], b.z * inverse[1]];
                 let miss = [value - 1.0 + a.s, -value - 1.0 + b.s];
                 let slope = (mu * inverse[0] + weight[0] * miss[0])
@@ -341,7 +375,7 @@ impl<const J: usize, const N: usize> Block<J, N> {
             }
         }
 
-        for (n, (jerk, [x, v, w])) in self.jerks.iter().zip(jerk_places(&y)).enumerate() {
+        for (n, (jerk, [x, v, w])) in self.jerks.iter_mut().zip(jerk_places(&y)).enumerate() {
             // The duration is taken at both ends.
             let in_duration = if n < 2 { self.weight } else { Lanes::ZERO };
             let bound = 1.0 / x.sqrt();
@@ -354,8 +388,10 @@ impl<const J: usize, const N: usize> Block<J, N> {
             for j in 0..J {
                 let (jx, jv, jw) = (jerk.x[j], jerk.v[j], jerk.w[j]);
                 let value = jx * x + jv * v + jw * w;
-                let [a, b] = jerk.sides[j];
-                let inverse = [1.0 / a.s, 1.0 / b.s];
+                let [a, b] = &mut jerk.sides[j];
+                a.advance(last);
+                b.advance(last);
+                let inverse = [a.inverse, b.inverse];
                 let weight = [a.z * inverse[0], b.z * inverse[1]];
                 let miss = [value - bound + a.s, -value - bound + b.s];
                 let slope =
@@ -434,12 +470,10 @@ impl<const J: usize, const N: usize> Block<J, N> {
     pub(crate) fn direct(&mut self, states: &[State], moves: &[State], mu: f64, falls: &mut Falls) {
         let (y, dy) = (self.gather(states), self.gather(moves));
         let [mut slack, mut dual, mut fall] = [Lanes::ZERO; 3];
-        let mut set = |side: &mut Side<Lanes>, ds: Lanes| {
-            let inverse = 1.0 / side.s;
-            side.ds = ds;
-            side.dz = (mu - side.z * ds) * inverse - side.z;
-            slack = slack.max(-ds * inverse);
-            dual = dual.max(-side.dz / side.z);
+        let mut set = |side: &mut Side, ds: Lanes| {
+            let [of_slack, of_dual] = side.direct(ds, mu);
+            slack = slack.max(of_slack);
+            dual = dual.max(of_dual);
         };
         for (speed, control) in self.speeds.iter_mut().zip(&CONTROL) {
             let value = speed.x * (times(control, &y) + times(control, &dy));
@@ -471,20 +505,6 @@ impl<const J: usize, const N: usize> Block<J, N> {
         falls.slack = falls.slack.max(slack.largest());
         falls.dual = falls.dual.max(dual.largest());
         falls.x = falls.x.max(fall.largest());
-    }
-
-    /// Goes the shares `primal` and `dual` of the steps.
-    #[inline(always)]
-    pub(crate) fn step(&mut self, primal: f64, dual: f64) {
-        let mut go = |side: &mut Side<Lanes>| {
-            side.s += primal * side.ds;
-            side.z += dual * side.dz;
-        };
-        let speeds = self.speeds.iter_mut().map(|speed| &mut speed.sides);
-        speeds.for_each(|sides| sides.iter_mut().for_each(&mut go));
-        let pushes = self.pushes.iter_mut().map(|push| &mut push.sides);
-        let jerks = self.jerks.iter_mut().map(|jerk| &mut jerk.sides);
-        pushes.chain(jerks).for_each(|sides| sides.as_flattened_mut().iter_mut().for_each(&mut go));
     }
 }
 

@@ -13,7 +13,7 @@
 //! In the cells next to rest jerk is constant: there x grows as sigma^(4/3), which no cubic does.
 
 use super::{
-    cells::{Block, END_V, END_X, Falls, Quadratic, Side, State, Sums, blocks},
+    cells::{Block, END_V, END_X, Falls, Quadratic, State, Step, Sums, blocks},
     leg::Leg,
     mesh::Cell,
 };
@@ -33,6 +33,8 @@ pub(crate) struct Solver {
     gains: Vec<Gain>,
     /// What the next step aims at as the product of each slack and its dual.
     mu: f64,
+    /// The last step, which the slacks and duals of the cells have still to go.
+    last: Step,
 }
 
 /// A cell that touches rest, seen from its other end.
@@ -41,7 +43,16 @@ struct Rest {
     length: f64,
     /// Largest x there that jerk allows.
     cap: f64,
-    side: Side<f64>,
+    side: Side,
+}
+
+/// Slack and dual of a limit, and their step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    s: f64,
+    z: f64,
+    ds: f64,
+    dz: f64,
 }
 
 impl Rest {
@@ -129,11 +140,12 @@ impl Solver {
             quadratics: vec![Quadratic::default(); n],
             gains: vec![Gain::default(); n],
             mu: 0.0,
+            last: Step::default(),
             lengths,
         };
         let x: Vec<_> = cells[1..].iter().map(|cell| scale * cell.x).collect();
         solver.guess(&x);
-        solver.restart(Start { mu: 1.0, slack: 0.1 });
+        solver.restart(Start { mu: 0.3, slack: 0.5 });
         solver
     }
 
@@ -175,6 +187,7 @@ impl Solver {
         let mu = start.mu * self.duration_s() / self.limits();
         let least = start.slack;
         self.mu = mu;
+        self.last = Step::default();
         self.lines.iter_mut().for_each(|block| block.start(&self.states, mu, least));
         self.curves.iter_mut().for_each(|block| block.start(&self.states, mu, least));
         let ends = [self.states[0][0], dot(&END_X, &self.states[n - 1])];
@@ -300,9 +313,9 @@ impl Solver {
             let least = primal.min(dual);
             // Far from the boundary the next step may aim closer to it.
             let aim = match least {
-                0.9.. => 0.1,
-                0.5.. => 0.2,
-                0.2.. => 0.6,
+                0.9.. => 0.05,
+                0.5.. => 0.15,
+                0.2.. => 0.4,
                 _ => 1.0,
             };
             self.mu = (aim * sums.gap / limits).max(0.2 * gap * duration_s / limits);
@@ -320,11 +333,11 @@ impl Solver {
     #[inline(always)]
     fn assemble(&mut self, mu: f64) -> Sums {
         let mut sums = Sums::default();
-        for block in &self.lines {
-            block.assemble(&self.states, mu, &mut self.quadratics, &mut sums);
+        for block in &mut self.lines {
+            block.assemble(&self.states, self.last, mu, &mut self.quadratics, &mut sums);
         }
-        for block in &self.curves {
-            block.assemble(&self.states, mu, &mut self.quadratics, &mut sums);
+        for block in &mut self.curves {
+            block.assemble(&self.states, self.last, mu, &mut self.quadratics, &mut sums);
         }
         for (rest, (cell, row)) in std::iter::zip(&self.rests, self.ends()) {
             let x = dot(&row, &self.states[cell]);
@@ -374,8 +387,7 @@ impl Solver {
             }
         }
         self.stop();
-        self.lines.iter_mut().for_each(|block| block.step(primal, dual));
-        self.curves.iter_mut().for_each(|block| block.step(primal, dual));
+        self.last = Step { mu: self.mu, primal, dual };
         for Rest { side, .. } in &mut self.rests {
             side.s += primal * side.ds;
             side.z += dual * side.dz;
