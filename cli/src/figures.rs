@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use iiwa_kin::Robot;
-use iiwa_traj::{BlendFigures, Limit, MotionFigures, Stretch, Totals};
+use iiwa_traj::{BlendFigures, Limit, MotionFigures, Stretch, Timing, Totals};
 use serde::Serialize;
 
 /// The `--json` object of `iiwasim plan`.
@@ -62,19 +62,23 @@ pub(crate) struct BlendRow {
 
 impl Figures {
     /// Figures of nothing yet.
-    pub(crate) fn new(timing: &'static str, robot: &Robot, samples: u32) -> Self {
+    pub(crate) fn new(timing: Timing, robot: &Robot, samples: u32) -> Self {
+        let used = |what: &str| match timing {
+            Timing::Jerk(_) => what == "acceleration" || what == "jerk",
+            _ => what == "acceleration",
+        };
         Self {
             cycle_time_s: 0.0,
             motion_time_s: 0.0,
             settle_time_s: 0.0,
             wait_time_s: 0.0,
-            timing,
+            timing: timing.name(),
             robot: robot.name().to_owned(),
             samples,
             assumptions: robot
                 .assumptions()
                 .iter()
-                .filter(|assumption| assumption.what == "acceleration")
+                .filter(|assumption| used(&assumption.what))
                 .map(|assumption| format!("{}: {}", assumption.what, assumption.basis))
                 .collect(),
             motions: Vec::new(),

@@ -11,7 +11,7 @@ use std::{
 use iiwa_kin::Robot;
 use iiwa_log::{PlanConfig, PlanWriter};
 use iiwa_path::{Path, PathOptions, Program};
-use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing};
+use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing, TimingError};
 use serde::Serialize;
 
 use crate::{
@@ -78,7 +78,7 @@ fn write(
         }
         args::Timing::Jerk => Timing::Jerk(JerkOptions::default()),
     };
-    let mut figures = Figures::new(timing.name(), &robot, options.samples);
+    let mut figures = Figures::new(timing, &robot, options.samples);
 
     let output = target.map(Output::new).transpose()?;
     let drawing = options.picture.as_deref().map(Output::new).transpose()?;
@@ -98,7 +98,12 @@ fn write(
     let mut planner = Planner::new(&path, timing);
     while let Some(stretch) = planner.next() {
         output::check_interrupt()?;
-        let stretch = stretch.map_err(|error| Failure::run("cannot plan the program", &error))?;
+        let stretch = stretch.map_err(|error| match error {
+            TimingError::CurvatureJumps { .. } => {
+                Failure::input(format!("{error} (--blend-shape iiwa, or --timing acceleration)"))
+            }
+            _ => Failure::run("cannot plan the program", &error),
+        })?;
         figures.add(&stretch);
         if let (Some(writer), Some(output)) = (&mut writer, &output) {
             writer.stretch(&stretch).map_err(|error| output.failure(&error))?;

@@ -313,7 +313,7 @@ impl Plan {
             let ends = index + 1 == last
                 || self.cells.get(index + 1).is_none_or(|next| next.leg != cell.leg);
             if index > 0 && index < last {
-                let parts = self.parts(k);
+                let parts = self.parts(k, cell);
                 for part in 0..parts {
                     let [from, middle, to] =
                         [0.0, 0.5, 1.0].map(|half| (f64::from(part) + half) / f64::from(parts));
@@ -335,13 +335,20 @@ impl Plan {
         all
     }
 
-    /// Into how many parts an inner cell is divided by nodes: x may change by so much that one
-    /// polynomial of time would not follow it.
-    fn parts(&self, k: usize) -> u32 {
+    /// Into how many parts an inner cell is divided by nodes: in a cell that is slow, or in which x changes
+    /// much, one polynomial of time would not follow it.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "it is from 2 to 16"
+    )]
+    fn parts(&self, k: usize, cell: &Cell) -> u32 {
+        /// Duration from which on a cell is slow, in s.
+        const SLOW_S: f64 = 0.02;
         let [start, end] = [0.0, 1.0].map(|f| self.solver.at(k, f)[0]);
         let doublings = (end / start).log2().abs();
-        // One not a number more or less does not count here.
-        2 + (2.0 * doublings).min(14.0) as u32
+        let slow = self.duration_s(k, cell, 0.0, 1.0) / SLOW_S;
+        (2.0 + 2.0 * doublings + slow).min(16.0) as u32
     }
 
     /// Time from the share `from` to the share `to` of an inner cell: Gauss's quadrature.
