@@ -38,9 +38,12 @@ const CLOSE: Start = Start { mu: 1e-3, slack: 1e-3 };
 const AFAR: Start = Start { mu: 1e-2, slack: 1e-2 };
 const ABRUPT: f64 = 1.3;
 
-/// Places within a cell at which limits are checked, at first and in the end.
-const SOME: [f64; 3] = [0.25, 0.5, 0.75];
-const ALL: [f64; 9] = [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
+/// Into how many parts a cell is divided where its limits are checked, at first and in the end.
+const SOME: u32 = 4;
+const ALL: u32 = 8;
+
+/// Duration from which on a cell is slow, in s: much may happen in it.
+const SLOW_S: f64 = 0.02;
 
 /// Most times that limits of cells are lowered.
 const ROUNDS: usize = 8;
@@ -190,12 +193,12 @@ impl Plan {
     fn refine(&mut self, legs: &[Leg<'_>]) -> Result<bool, NotConverged> {
         self.solver.solve(NEAR)?;
         // Where limits will be exceeded is seen long before the end.
-        if self.tighten(legs, &SOME) > ABRUPT {
+        if self.tighten(legs, SOME) > ABRUPT {
             self.solver.restart(AFAR);
         }
         self.solver.solve(GAP)?;
         for _ in 0..ROUNDS {
-            let excess = self.tighten(legs, &ALL);
+            let excess = self.tighten(legs, ALL);
             if excess == 1.0 {
                 return Ok(true);
             }
@@ -208,7 +211,7 @@ impl Plan {
     /// The share of all times that keeps the limits.
     fn slower(&self, legs: &[Leg<'_>]) -> f64 {
         let mut largest = [1.0, 1.0, self.solver.rest_jerk()];
-        for shares in self.worst(legs, &ALL) {
+        for shares in self.worst(legs, ALL) {
             for i in 0..3 {
                 // Not a number stays.
                 largest[i] = if shares[i] <= largest[i] { largest[i] } else { shares[i] };
@@ -222,10 +225,10 @@ impl Plan {
 
     /// Lowers the limits of the cells that exceed them, and returns the largest share; 1 if there are
     /// none.
-    fn tighten(&mut self, legs: &[Leg<'_>], places: &[f64]) -> f64 {
+    fn tighten(&mut self, legs: &[Leg<'_>], parts: u32) -> f64 {
         let mut largest = 1.0_f64;
         let by: Vec<_> = self
-            .worst(legs, places)
+            .worst(legs, parts)
             .into_iter()
             .map(|shares| {
                 std::array::from_fn(|i| {
@@ -246,7 +249,12 @@ impl Plan {
 
     /// The largest shares of the limits of speed, acceleration and jerk at some places of each cell between
     /// the two that touch rest.
-    fn worst(&self, legs: &[Leg<'_>], places: &[f64]) -> Vec<[f64; 3]> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "it is from 1 to 4"
+    )]
+    fn worst(&self, legs: &[Leg<'_>], parts: u32) -> Vec<[f64; 3]> {
         let mut inverse = None;
         let inner = &self.cells[1..self.cells.len() - 1];
         inner
@@ -259,7 +267,8 @@ impl Plan {
                     other => &mut other.insert((cell.leg, Inverse::new(leg))).1,
                 };
                 let mut worst = [0.0_f64; 3];
-                for &f in places {
+                let parts = parts * self.slowness(k, cell).ceil().clamp(1.0, 4.0) as u32;
+                for f in (0..=parts).map(|i| f64::from(i) / f64::from(parts)) {
                     let s = leg.s(cell.from + f * cell.length).clamp(0.0, 1.0);
                     let shares = inverse.shares(&leg.rates(s), in_time(self.solver.at(k, f)));
                     for i in 0..3 {
@@ -335,6 +344,11 @@ impl Plan {
         all
     }
 
+    /// How slow an inner cell is: above 1, very much so.
+    fn slowness(&self, k: usize, cell: &Cell) -> f64 {
+        self.duration_s(k, cell, 0.0, 1.0) / SLOW_S
+    }
+
     /// Into how many parts an inner cell is divided by nodes: in a cell that is slow, or in which x changes
     /// much, one polynomial of time would not follow it.
     #[expect(
@@ -343,12 +357,9 @@ impl Plan {
         reason = "it is from 2 to 16"
     )]
     fn parts(&self, k: usize, cell: &Cell) -> u32 {
-        /// Duration from which on a cell is slow, in s.
-        const SLOW_S: f64 = 0.02;
         let [start, end] = [0.0, 1.0].map(|f| self.solver.at(k, f)[0]);
         let doublings = (end / start).log2().abs();
-        let slow = self.duration_s(k, cell, 0.0, 1.0) / SLOW_S;
-        (2.0 + 2.0 * doublings + slow).min(16.0) as u32
+        (2.0 + 2.0 * doublings + self.slowness(k, cell)).min(16.0) as u32
     }
 
     /// Time from the share `from` to the share `to` of an inner cell: Gauss's quadrature.
