@@ -40,7 +40,7 @@ const ABRUPT: f64 = 1.3;
 
 /// Into how many parts a cell is divided where its limits are checked, at first and in the end.
 const SOME: u32 = 4;
-const ALL: u32 = 8;
+const ALL: u32 = 12;
 
 /// Duration from which on a cell is slow, in s: much may happen in it.
 const SLOW_S: f64 = 0.02;
@@ -48,13 +48,15 @@ const SLOW_S: f64 = 0.02;
 /// Most times that limits of cells are lowered.
 const ROUNDS: usize = 8;
 
-/// Share of the time by which all is slowed down, at most, if lowering limits did not do: if there may
-/// be another way, and as the last resort.
-const SLOWER: [f64; 2] = [1.01, 1.25];
+/// How much longer than the best it takes, at most: while there may be another way, and as the last resort.
+const LONGER: [f64; 2] = [1.002, 1.25];
 
 /// How a stretch is sought, one way after the other until one succeeds: refinement of the cells, and
-/// share of the acceleration-limited x to start from.
-const WAYS: [(f64, f64); 4] = [(1.0, 0.7), (1.0, 0.3), (1.7, 0.5), (2.5, 0.2)];
+/// whether to start from where all limits are kept. That is far away where one spot needs to be slow.
+const WAYS: [(f64, bool); 4] = [(1.0, false), (1.0, true), (1.7, false), (2.5, true)];
+
+/// Share of the acceleration-limited x to start from elsewhere.
+const START: f64 = 0.7;
 
 /// Replaces the acceleration-limited stamps of `stretch` by jerk-limited ones.
 pub(crate) fn limit(stretch: &mut Stretch, options: JerkOptions) -> Result<(), TimingError> {
@@ -75,13 +77,13 @@ pub(crate) fn limit(stretch: &mut Stretch, options: JerkOptions) -> Result<(), T
         [line] if line.is_line() && !options.general => straight(line),
         _ => {
             let mut best: Option<Plan> = None;
-            for (refinement, scale) in WAYS {
-                let plan = Plan::find(&legs, options.refinement * refinement, scale);
-                let [enough, most] = SLOWER;
-                if plan.slower <= best.as_ref().map_or(most, |best| best.slower) {
+            for (refinement, safe) in WAYS {
+                let plan = Plan::find(&legs, options.refinement * refinement, safe);
+                let [enough, most] = LONGER;
+                if plan.longer() <= best.as_ref().map_or(most, Plan::longer) {
                     best = Some(plan);
                 }
-                if best.as_ref().is_some_and(|best| best.slower <= enough) {
+                if best.as_ref().is_some_and(|best| best.longer() <= enough) {
                     break;
                 }
             }
@@ -178,15 +180,22 @@ struct Plan {
 }
 
 impl Plan {
-    fn find(legs: &[Leg<'_>], refinement: f64, scale: f64) -> Self {
+    fn find(legs: &[Leg<'_>], refinement: f64, safe: bool) -> Self {
         let cells = mesh(legs, refinement);
-        let solver = Solver::new(legs, &cells, scale);
+        let solver = Solver::new(legs, &cells);
         let mut plan = Self { cells, solver, slower: 1.0 };
+        let scale = if safe { plan.slower(legs).powi(-2) } else { START };
+        plan.solver.start(scale);
         if plan.refine(legs) != Ok(true) {
             // Whatever was found is good, as slow as it takes to keep the limits.
             plan.slower = plan.slower(legs);
         }
         plan
+    }
+
+    /// By which share it may take longer than the best, if it is as far from it as the solver fears.
+    fn longer(&self) -> f64 {
+        self.slower * (1.0 + self.solver.gap)
     }
 
     /// Solves and lowers limits until all are kept everywhere; false if that takes too often.

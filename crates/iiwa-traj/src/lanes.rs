@@ -1,104 +1,138 @@
-//! Four numbers side by side, one for each of four cells: together they fill a vector register.
+//! Numbers side by side, one for each of eight cells, and vector registers full of them.
 
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+use std::ops::{Add, Mul, Neg, Sub};
 
-/// How many numbers.
-pub(crate) const LANES: usize = 4;
+use pulp::Simd;
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(align(32))]
+/// How many numbers lie side by side: as many as the widest vector register holds.
+pub(crate) const LANES: usize = 8;
+
+/// Numbers in memory.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
 pub(crate) struct Lanes(pub(crate) [f64; LANES]);
 
+/// Some of them, in a vector register.
+#[derive(Clone, Copy)]
+pub(crate) struct Vector<S: Simd> {
+    simd: S,
+    numbers: S::f64s,
+}
+
+/// How many registers the lanes fill.
+#[inline(always)]
+pub(crate) fn registers<S: Simd>() -> usize {
+    LANES / S::F64_LANES
+}
+
 impl Lanes {
-    pub(crate) const ZERO: Self = Self([0.0; LANES]);
-
-    #[inline(always)]
-    pub(crate) fn splat(value: f64) -> Self {
-        Self([value; LANES])
-    }
-
     #[inline(always)]
     pub(crate) fn from_fn(f: impl FnMut(usize) -> f64) -> Self {
         Self(std::array::from_fn(f))
     }
 
     #[inline(always)]
+    pub(crate) fn load<S: Simd>(&self, simd: S, register: usize) -> Vector<S> {
+        Vector { simd, numbers: S::as_simd_f64s(&self.0).0[register] }
+    }
+
+    #[inline(always)]
+    pub(crate) fn store<S: Simd>(&mut self, register: usize, vector: Vector<S>) {
+        S::as_mut_simd_f64s(&mut self.0).0[register] = vector.numbers;
+    }
+}
+
+impl<S: Simd> Vector<S> {
+    #[inline(always)]
+    pub(crate) fn splat(simd: S, value: f64) -> Self {
+        Self { simd, numbers: simd.splat_f64s(value) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn simd(self) -> S {
+        self.simd
+    }
+
+    /// `self * factor + summand`.
+    #[inline(always)]
+    pub(crate) fn mul_add(self, factor: Self, summand: Self) -> Self {
+        let numbers = self.simd.mul_add_e_f64s(self.numbers, factor.numbers, summand.numbers);
+        Self { numbers, ..self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn inverse(self) -> Self {
+        let one = self.simd.splat_f64s(1.0);
+        Self { numbers: self.simd.div_f64s(one, self.numbers), ..self }
+    }
+
+    #[inline(always)]
     pub(crate) fn sqrt(self) -> Self {
-        Self(self.0.map(f64::sqrt))
+        Self { numbers: self.simd.sqrt_f64s(self.numbers), ..self }
     }
 
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
-        Self(self.0.map(f64::abs))
+        Self { numbers: self.simd.abs_f64s(self.numbers), ..self }
     }
 
-    /// The larger of each two numbers; the other one if this one is not a number.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
-        Self::from_fn(|l| if self.0[l] > other.0[l] { self.0[l] } else { other.0[l] })
+        Self { numbers: self.simd.max_f64s(self.numbers, other.numbers), ..self }
     }
 
     #[inline(always)]
     pub(crate) fn largest(self) -> f64 {
-        let [a, b, c, d] = self.0;
-        a.max(b).max(c.max(d))
+        self.simd.reduce_max_f64s(self.numbers)
     }
 
     #[inline(always)]
     pub(crate) fn sum(self) -> f64 {
-        let [a, b, c, d] = self.0;
-        (a + b) + (c + d)
+        self.simd.reduce_sum_f64s(self.numbers)
     }
 }
 
-macro_rules! operator {
-    ($trait:ident, $name:ident, $op:tt) => {
-        impl $trait for Lanes {
-            type Output = Self;
+impl<S: Simd> Add for Vector<S> {
+    type Output = Self;
 
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                Self::from_fn(|l| self.0[l] $op other.0[l])
-            }
-        }
-
-        impl $trait<f64> for Lanes {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $name(self, other: f64) -> Self {
-                Self::from_fn(|l| self.0[l] $op other)
-            }
-        }
-
-        impl $trait<Lanes> for f64 {
-            type Output = Lanes;
-
-            #[inline(always)]
-            fn $name(self, other: Lanes) -> Lanes {
-                Lanes::from_fn(|l| self $op other.0[l])
-            }
-        }
-    };
-}
-
-operator!(Add, add, +);
-operator!(Sub, sub, -);
-operator!(Mul, mul, *);
-operator!(Div, div, /);
-
-impl AddAssign for Lanes {
     #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
+    fn add(self, other: Self) -> Self {
+        Self { numbers: self.simd.add_f64s(self.numbers, other.numbers), ..self }
     }
 }
 
-impl Neg for Lanes {
+impl<S: Simd> Sub for Vector<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { numbers: self.simd.sub_f64s(self.numbers, other.numbers), ..self }
+    }
+}
+
+impl<S: Simd> Mul for Vector<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self { numbers: self.simd.mul_f64s(self.numbers, other.numbers), ..self }
+    }
+}
+
+impl<S: Simd> Mul<f64> for Vector<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, factor: f64) -> Self {
+        self * Self::splat(self.simd, factor)
+    }
+}
+
+impl<S: Simd> Neg for Vector<S> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(self.0.map(|x| -x))
+        Self { numbers: self.simd.neg_f64s(self.numbers), ..self }
     }
 }

@@ -1,4 +1,4 @@
-//! The limits in four cells at once, and what they contribute to a step of the solver.
+//! The limits in eight cells at once, and what they contribute to a step of the solver.
 //!
 //! In a cell x is a cubic of the share f of its length, with V = dx/df and W = d2x/df2, of which W
 //! changes linearly from W0 to W1:
@@ -8,28 +8,31 @@
 //!   it stays in their hull, so that it cannot swing out in between;
 //! - in acceleration, `q' x'/2 + q'' x`, at the start and in the middle, or on lines at the middle
 //!   control point of x';
-//! - in jerk, `sqrt(x) (q' x''/2 + 3/2 q'' x' + q''' x)`, at both ends, and on
-//!   curves in the middle. Here x moves to the other side, which leaves something linear below
+//! - in jerk, `sqrt(x) (q' x''/2 + 3/2 q'' x' + q''' x)`, at both ends and
+//!   in the middle. Here x moves to the other side, which leaves something linear below
 //!   `x^(-1/2)`.
 //!
 //! Every limit is a row, divided by the limit so that the bound is 1, with a slack s and a dual z on
 //! either side. Lines have one row for all joints, which move in proportion; curves have seven.
 
+use pulp::Simd;
+
 use super::{
     leg::{Leg, Rates},
     mesh::Cell,
 };
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, Vector, registers};
 
 /// (x, V, W0, W1) of a cell, or factors of them.
 pub(crate) type State = [f64; 4];
 
+/// The functions that are the state's own numbers.
+const UNIT: [State; 4] =
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 /// x at the end of a cell.
 pub(crate) const END_X: State = [1.0, 1.0, 1.0 / 3.0, 1.0 / 6.0];
 /// V there.
 pub(crate) const END_V: State = [0.0, 1.0, 0.5, 0.5];
-/// W there.
-const END_W: State = [0.0, 0.0, 0.0, 1.0];
 /// x in the middle.
 const MIDDLE_X: State = [1.0, 0.5, 5.0 / 48.0, 1.0 / 48.0];
 /// V in the middle.
@@ -44,7 +47,11 @@ const CONTROL: [State; 3] =
 
 /// Where jerk is kept in a cell, and the share of its limit that is allowed there: what the ends keep
 /// exactly may swing out a little in the middle.
-const JERK_PLACES: [(f64, f64); 3] = [(0.0, 1.0), (1.0, 1.0), (0.5, 1.015)];
+const JERK_PLACES: [f64; 3] = [0.0, 1.0, 0.5];
+
+/// The share of the limit that is allowed in the middle of cells on curves: what keeps it at both ends
+/// may swing out a little.
+const SWING: f64 = 1.015;
 
 /// A quadratic function of a cell's state.
 #[derive(Clone, Copy, Debug, Default)]
@@ -105,31 +112,63 @@ struct Side {
     ds: Lanes,
 }
 
+/// A side after its last step.
+struct Advanced<S: Simd> {
+    s: Vector<S>,
+    z: Vector<S>,
+    inverse: Vector<S>,
+    /// z / s.
+    weight: Vector<S>,
+}
+
+impl<S: Simd> Advanced<S> {
+    /// What the side contributes to the slope when its limit is missed by `miss`.
+    #[inline(always)]
+    fn slope(&self, steps: &Steps<S>, miss: Vector<S>) -> Vector<S> {
+        steps.mu.mul_add(self.inverse, self.weight * miss)
+    }
+}
+
 impl Side {
     /// The slack is the room that is left, but not less than `least`.
     #[inline(always)]
-    fn start(&mut self, room: Lanes, least: Lanes, mu: f64) {
-        self.s = room.max(least);
-        self.inverse = 1.0 / self.s;
-        self.z = mu * self.inverse;
-        self.ds = Lanes::ZERO;
+    fn start<S: Simd>(&mut self, r: usize, room: Vector<S>, least: Vector<S>, mu: Vector<S>) {
+        let s = room.max(least);
+        let inverse = s.inverse();
+        self.s.store(r, s);
+        self.inverse.store(r, inverse);
+        self.z.store(r, mu * inverse);
+        self.ds = Lanes::default();
     }
 
     #[inline(always)]
-    fn advance(&mut self, step: Step) {
-        let dz = (step.mu - self.z * self.ds) * self.inverse - self.z;
-        self.s += step.primal * self.ds;
-        self.z += step.dual * dz;
-        self.inverse = 1.0 / self.s;
+    fn advance<S: Simd>(&mut self, steps: &Steps<S>) -> Advanced<S> {
+        let Steps { simd, register: r, .. } = *steps;
+        let (s, z) = (self.s.load(simd, r), self.z.load(simd, r));
+        let (ds, inverse) = (self.ds.load(simd, r), self.inverse.load(simd, r));
+        let dz = (steps.last_mu - z * ds).mul_add(inverse, -z);
+        let s = steps.primal.mul_add(ds, s);
+        let z = steps.dual.mul_add(dz, z);
+        let inverse = s.inverse();
+        self.s.store(r, s);
+        self.z.store(r, z);
+        self.inverse.store(r, inverse);
+        Advanced { s, z, inverse, weight: z * inverse }
     }
 
-    /// Sets the slack's step. The relative falls of slack and dual that go with it.
+    /// Sets the slack's step so that it becomes `room`. The relative falls of slack and dual that go with
+    /// it.
     #[inline(always)]
-    fn direct(&mut self, ds: Lanes, mu: f64) -> [Lanes; 2] {
-        self.ds = ds;
-        let fall = -ds * self.inverse;
+    fn direct<S: Simd>(&mut self, r: usize, room: Vector<S>, mu: Vector<S>) -> [Vector<S>; 2] {
+        let simd = mu.simd();
+        let (s, z) = (self.s.load(simd, r), self.z.load(simd, r));
+        let ds = room - s;
+        self.ds.store(r, ds);
+        let inverse = self.inverse.load(simd, r);
+        let fall = -(ds * inverse);
         // dz = (mu - z ds) / s - z.
-        [fall, 1.0 - fall - mu * self.inverse / self.z]
+        let one = Vector::splat(simd, 1.0);
+        [fall, one - fall - mu * inverse * z.inverse()]
     }
 }
 
@@ -157,28 +196,28 @@ struct Speed {
     sides: [Side; 2],
 }
 
-/// Four cells with `J` rows of each kind, and jerk kept at `N` places.
+/// Eight cells with `J` rows of each kind.
 #[derive(Clone, Debug)]
-pub(crate) struct Block<const J: usize, const N: usize> {
+pub(crate) struct Block<const J: usize> {
     /// Which cells. In the last block some may be there twice, which changes nothing.
     cells: [usize; LANES],
     /// Half the length: the weight of `x^(-1/2)` at both ends in the duration.
     weight: Lanes,
     speeds: [Speed; 3],
     pushes: [Push<J>; 2],
-    jerks: [Jerk<J>; N],
+    jerks: [Jerk<J>; 3],
 }
 
-/// x, V and W somewhere in four cells.
-type Place = [Lanes; 3];
+/// x, V and W somewhere in the cells.
+type Place<S> = [Vector<S>; 3];
 
 /// Blocks of the cells in `list`, of which the first has number `offset` in `cells`.
-pub(crate) fn blocks<const J: usize, const N: usize>(
+pub(crate) fn blocks<const J: usize>(
     legs: &[Leg<'_>],
     cells: &[Cell],
     offset: usize,
     list: &[usize],
-) -> Vec<Block<J, N>> {
+) -> Vec<Block<J>> {
     list.chunks(LANES)
         .map(|chunk| {
             let mut block = Block::new(std::array::from_fn(|l| chunk[l.min(chunk.len() - 1)]));
@@ -192,22 +231,22 @@ pub(crate) fn blocks<const J: usize, const N: usize>(
         .collect()
 }
 
-impl<const J: usize, const N: usize> Block<J, N> {
+impl<const J: usize> Block<J> {
     fn new(cells: [usize; LANES]) -> Self {
-        let rows = [Lanes::ZERO; J];
+        let rows = [Lanes::default(); J];
         let sides = [[Side::default(); 2]; J];
         Self {
             cells,
-            weight: Lanes::ZERO,
+            weight: Lanes::default(),
             speeds: [Speed::default(); 3],
             pushes: [Push { x: rows, v: rows, sides }; 2],
-            jerks: [Jerk::new(); N],
+            jerks: [Jerk::new(); 3],
         }
     }
 
     /// How many limits there are.
     pub(crate) fn count(blocks: &[Self]) -> usize {
-        LANES * blocks.len() * (6 + 4 * J + 2 * N * J)
+        LANES * blocks.len() * (6 + 4 * J + 6 * J)
     }
 
     /// Sets the rows of one cell, of which `before` is the leg that ends where it starts.
@@ -237,7 +276,8 @@ impl<const J: usize, const N: usize> Block<J, N> {
         self.pushes[0].limit(lane, &start, length, &inverse(&acceleration));
         self.pushes[1].limit(lane, &at(0.5), length, &inverse(&leg.limits.acceleration_rad_s2));
         let jerk = inverse(&leg.limits.jerk_rad_s3);
-        for (rows, (place, bound)) in self.jerks.iter_mut().zip(JERK_PLACES) {
+        for (rows, place) in self.jerks.iter_mut().zip(JERK_PLACES) {
+            let bound = if J > 1 && place == 0.5 { SWING } else { 1.0 };
             rows.limit(lane, &at(place), length, &jerk.map(|inverse| inverse / bound));
         }
     }
@@ -270,241 +310,317 @@ impl<const J: usize, const N: usize> Block<J, N> {
     /// Sets slacks to what the limits leave, but at least the share `least` of the bound, and duals
     /// so that their product is `mu`.
     #[inline(always)]
-    pub(crate) fn start(&mut self, states: &[State], mu: f64, least: f64) {
-        let y = self.gather(states);
-        let one = Lanes::splat(1.0);
-        for (speed, control) in self.speeds.iter_mut().zip(&CONTROL) {
-            let value = speed.x * times(control, &y);
-            speed.sides[0].start(1.0 - value, least * one, mu);
-            speed.sides[1].start(value, least * value.abs(), mu);
-        }
-        for (push, [x, v, _]) in self.pushes.iter_mut().zip(push_places::<J>(&y)) {
-            for j in 0..J {
-                let value = push.x[j] * x + push.v[j] * v;
-                push.sides[j][0].start(1.0 - value, least * one, mu);
-                push.sides[j][1].start(1.0 + value, least * one, mu);
+    pub(crate) fn start<S: Simd>(&mut self, simd: S, states: &[State], mu: f64, least: f64) {
+        let lanes = self.gather(states);
+        let one = Vector::splat(simd, 1.0);
+        let least = Vector::splat(simd, least);
+        let mu = Vector::splat(simd, mu);
+        for r in 0..registers::<S>() {
+            let y = lanes.map(|lanes| lanes.load(simd, r));
+            for (speed, control) in self.speeds.iter_mut().zip(&CONTROL) {
+                let value = speed.x.load(simd, r) * times(control, &y);
+                speed.sides[0].start(r, one - value, least, mu);
+                speed.sides[1].start(r, value, least * value.abs(), mu);
             }
-        }
-        for (jerk, place) in self.jerks.iter_mut().zip(jerk_places(&y)) {
-            jerk.start(place, mu, least);
+            for (push, [x, v, _]) in self.pushes.iter_mut().zip(push_places::<J, S>(&y)) {
+                for j in 0..J {
+                    let value = push.x[j].load(simd, r) * x + push.v[j].load(simd, r) * v;
+                    push.sides[j][0].start(r, one - value, least, mu);
+                    push.sides[j][1].start(r, one + value, least, mu);
+                }
+            }
+            for (jerk, [x, v, w]) in self.jerks.iter_mut().zip(jerk_places(&y)) {
+                let bound = x.sqrt().inverse();
+                for j in 0..J {
+                    let value = jerk.x[j].load(simd, r) * x
+                        + jerk.v[j].load(simd, r) * v
+                        + jerk.w[j].load(simd, r) * w;
+                    jerk.sides[j][0].start(r, bound - value, least * bound, mu);
+                    jerk.sides[j][1].start(r, bound + value, least * bound, mu);
+                }
+            }
         }
     }
 
     /// Goes the last step of slacks and duals, then writes what the cells' duration and limits contribute
     /// to the quadratic function that the next step minimises.
     #[inline(always)]
-    pub(crate) fn assemble(
+    pub(crate) fn assemble<S: Simd>(
         &mut self,
+        simd: S,
         states: &[State],
-        last: Step,
-        mu: f64,
+        [last, next]: [Step; 2],
         quadratics: &mut [Quadratic],
         sums: &mut Sums,
     ) {
-        let y = self.gather(states);
-        let (mut gap, mut residual) = (Lanes::ZERO, Lanes::ZERO);
-        let mut h = [Lanes::ZERO; 10];
-        let mut g = [Lanes::ZERO; 4];
-
-        for (speed, control) in self.speeds.iter_mut().zip(&CONTROL) {
-            let value = speed.x * times(control, &y);
-            let [a, b] = &mut speed.sides;
-            a.advance(last);
-            b.advance(last);
-            let inverse = [a.inverse, b.inverse];
-            let weight = [a.z * inverse[0], b.z * inverse[1]];
-            let miss = [value - 1.0 + a.s, b.s - value];
-            gap += a.s * a.z + b.s * b.z;
-            residual = residual.max(miss[0].abs()).max(miss[1].abs());
-            let curvature = (weight[0] + weight[1]) * speed.x * speed.x;
-            let slope = ((mu * inverse[0] + weight[0] * miss[0])
-                - (mu * inverse[1] + weight[1] * miss[1]))
-                * speed.x;
-            let mut i = 0;
-            for a in 0..4 {
-                for b in a..4 {
-                    h[i] += curvature * (control[a] * control[b]);
-                    i += 1;
-                }
-                g[a] += slope * control[a];
-            }
+        let lanes = self.gather(states);
+        let mut h = [Lanes::default(); 10];
+        let mut g = [Lanes::default(); 4];
+        for r in 0..registers::<S>() {
+            let y = lanes.map(|lanes| lanes.load(simd, r));
+            let zero = Vector::splat(simd, 0.0);
+            let mut sum = Terms { h: [zero; 10], g: [zero; 4], gap: zero, residual: zero };
+            let steps = Steps::new(simd, r, last, next);
+            self.speed_terms(&steps, &y, &mut sum);
+            self.push_terms(&steps, &y, &mut sum);
+            self.jerk_terms(&steps, &y, &mut sum);
+            std::iter::zip(&mut h, sum.h).for_each(|(lanes, h)| lanes.store(r, h));
+            std::iter::zip(&mut g, sum.g).for_each(|(lanes, g)| lanes.store(r, g));
+            sums.gap += sum.gap.sum();
+            sums.residual = sums.residual.max(sum.residual.largest());
         }
-
-        for (n, [x, v, _]) in push_places::<J>(&y).into_iter().enumerate() {
-            let push = &mut self.pushes[n];
-            let [mut xx, mut xv, mut vv, mut gx, mut gv] = [Lanes::ZERO; 5];
-            for j in 0..J {
-                let (px, pv) = (push.x[j], push.v[j]);
-                let value = px * x + pv * v;
-                let [a, b] = &mut push.sides[j];
-                a.advance(last);
-                b.advance(last);
-                let inverse = [a.inverse, b.inverse];
-                let weight = [a.z * inverse[0], b.z * inverse[1]];
-                let miss = [value - 1.0 + a.s, -value - 1.0 + b.s];
-                let slope = (mu * inverse[0] + weight[0] * miss[0])
-                    - (mu * inverse[1] + weight[1] * miss[1]);
-                gap += a.s * a.z + b.s * b.z;
-                residual = residual.max(miss[0].abs()).max(miss[1].abs());
-                let both = weight[0] + weight[1];
-                let (bx, bv) = (both * px, both * pv);
-                xx += bx * px;
-                xv += bx * pv;
-                vv += bv * pv;
-                gx += slope * px;
-                gv += slope * pv;
-            }
-            if n == 0 {
-                h[0] += xx;
-                h[1] += xv;
-                h[4] += vv;
-                g[0] += gx;
-                g[1] += gv;
-            } else {
-                let (rx, rv) = (&MIDDLE_X, push_v::<J>());
-                let mut i = 0;
-                for a in 0..4 {
-                    for b in a..4 {
-                        h[i] += xx * (rx[a] * rx[b])
-                            + xv * (rx[a] * rv[b] + rv[a] * rx[b])
-                            + vv * (rv[a] * rv[b]);
-                        i += 1;
-                    }
-                    g[a] += gx * rx[a] + gv * rv[a];
-                }
-            }
-        }
-
-        for (n, (jerk, [x, v, w])) in self.jerks.iter_mut().zip(jerk_places(&y)).enumerate() {
-            // The duration is taken at both ends.
-            let in_duration = if n < 2 { self.weight } else { Lanes::ZERO };
-            let bound = 1.0 / x.sqrt();
-            let bound_slope = -0.5 * bound / x;
-            let share = x.sqrt();
-            let [mut xx, mut xv, mut xw, mut vv, mut vw, mut ww] = [Lanes::ZERO; 6];
-            let [mut gx, mut gv, mut gw] = [Lanes::ZERO; 3];
-            // What goes with the bound's slope: sums and differences of the two sides.
-            let [mut ex, mut ev, mut ew, mut both_sum, mut slope_sum, mut duals] = [Lanes::ZERO; 6];
-            for j in 0..J {
-                let (jx, jv, jw) = (jerk.x[j], jerk.v[j], jerk.w[j]);
-                let value = jx * x + jv * v + jw * w;
-                let [a, b] = &mut jerk.sides[j];
-                a.advance(last);
-                b.advance(last);
-                let inverse = [a.inverse, b.inverse];
-                let weight = [a.z * inverse[0], b.z * inverse[1]];
-                let miss = [value - bound + a.s, -value - bound + b.s];
-                let slope =
-                    [mu * inverse[0] + weight[0] * miss[0], mu * inverse[1] + weight[1] * miss[1]];
-                gap += a.s * a.z + b.s * b.z;
-                residual = residual.max(miss[0].abs() * share).max(miss[1].abs() * share);
-                let (both, apart) = (weight[0] + weight[1], weight[0] - weight[1]);
-                let (bx, bv, bw) = (both * jx, both * jv, both * jw);
-                xx += bx * jx;
-                xv += bx * jv;
-                xw += bx * jw;
-                vv += bv * jv;
-                vw += bv * jw;
-                ww += bw * jw;
-                let slopes = slope[0] - slope[1];
-                gx += slopes * jx;
-                gv += slopes * jv;
-                gw += slopes * jw;
-                ex += apart * jx;
-                ev += apart * jv;
-                ew += apart * jw;
-                both_sum += both;
-                slope_sum += slope[0] + slope[1];
-                duals += a.z + b.z;
-            }
-            // The duration curves upwards in x; the bound does too, which makes the Lagrangian curve
-            // downwards where duals are large: there a little of the former is kept.
-            let kept = (in_duration - duals).abs().max(KEPT_CURVATURE * in_duration);
-            let curvature = 0.75 * bound / (x * x) * kept;
-            xx = xx - 2.0 * bound_slope * ex + bound_slope * bound_slope * both_sum + curvature;
-            xv = xv - bound_slope * ev;
-            xw = xw - bound_slope * ew;
-            gx = gx - bound_slope * slope_sum + in_duration * bound_slope;
-            if n == 0 {
-                h[0] += xx;
-                h[1] += xv;
-                h[2] += xw;
-                h[4] += vv;
-                h[5] += vw;
-                h[7] += ww;
-                g[0] += gx;
-                g[1] += gv;
-                g[2] += gw;
-            } else {
-                let (rx, rv, rw) = if n == 1 {
-                    (&END_X, &END_V, &END_W)
-                } else {
-                    (&MIDDLE_X, &MIDDLE_V, &MIDDLE_W)
-                };
-                let mut i = 0;
-                for a in 0..4 {
-                    for b in a..4 {
-                        h[i] += xx * (rx[a] * rx[b])
-                            + xv * (rx[a] * rv[b] + rv[a] * rx[b])
-                            + vv * (rv[a] * rv[b])
-                            + xw * (rx[a] * rw[b] + rw[a] * rx[b])
-                            + vw * (rv[a] * rw[b] + rw[a] * rv[b])
-                            + ww * (rw[a] * rw[b]);
-                        i += 1;
-                    }
-                    g[a] += gx * rx[a] + gv * rv[a] + gw * rw[a];
-                }
-            }
-        }
-
         for (lane, cell) in self.cells.into_iter().enumerate() {
             quadratics[cell] =
                 Quadratic { h: h.map(|value| value.0[lane]), g: g.map(|value| value.0[lane]) };
         }
-        sums.gap += gap.sum();
-        sums.residual = sums.residual.max(residual.largest());
     }
 
-    /// Finds the steps of slacks and duals that go with the steps `moves` of the states.
     #[inline(always)]
-    pub(crate) fn direct(&mut self, states: &[State], moves: &[State], mu: f64, falls: &mut Falls) {
-        let (y, dy) = (self.gather(states), self.gather(moves));
-        let [mut slack, mut dual, mut fall] = [Lanes::ZERO; 3];
-        let mut set = |side: &mut Side, ds: Lanes| {
-            let [of_slack, of_dual] = side.direct(ds, mu);
-            slack = slack.max(of_slack);
-            dual = dual.max(of_dual);
-        };
+    fn speed_terms<S: Simd>(&mut self, steps: &Steps<S>, y: &[Vector<S>; 4], sum: &mut Terms<S>) {
+        let one = Vector::splat(steps.simd, 1.0);
         for (speed, control) in self.speeds.iter_mut().zip(&CONTROL) {
-            let value = speed.x * (times(control, &y) + times(control, &dy));
+            let row = speed.x.load(steps.simd, steps.register);
+            let value = row * times(control, y);
             let [a, b] = &mut speed.sides;
-            set(a, 1.0 - value - a.s);
-            set(b, value - b.s);
+            let (a, b) = (a.advance(steps), b.advance(steps));
+            let miss = [value - one + a.s, b.s - value];
+            sum.gap = a.s.mul_add(a.z, b.s.mul_add(b.z, sum.gap));
+            sum.residual = sum.residual.max(miss[0].abs()).max(miss[1].abs());
+            let both = (a.weight + b.weight) * row * row;
+            let slope = (a.slope(steps, miss[0]) - b.slope(steps, miss[1])) * row;
+            sum.add(&[(*control, *control, both)], &[(*control, slope)]);
         }
-        let places = std::iter::zip(push_places::<J>(&y), push_places::<J>(&dy));
-        for (push, ([x, v, _], [dx, dv, _])) in self.pushes.iter_mut().zip(places) {
+    }
+
+    #[inline(always)]
+    fn push_terms<S: Simd>(&mut self, steps: &Steps<S>, y: &[Vector<S>; 4], sum: &mut Terms<S>) {
+        let Steps { simd, register, .. } = *steps;
+        let zero = Vector::splat(simd, 0.0);
+        let one = Vector::splat(simd, 1.0);
+        for (n, [x, v, _]) in push_places::<J, S>(y).into_iter().enumerate() {
+            let push = &mut self.pushes[n];
+            let [mut xx, mut xv, mut vv, mut gx, mut gv] = [zero; 5];
             for j in 0..J {
-                let value = push.x[j] * (x + dx) + push.v[j] * (v + dv);
+                let (px, pv) = (push.x[j].load(simd, register), push.v[j].load(simd, register));
+                let value = px.mul_add(x, pv * v);
                 let [a, b] = &mut push.sides[j];
-                set(a, 1.0 - value - a.s);
-                set(b, 1.0 + value - b.s);
+                let (a, b) = (a.advance(steps), b.advance(steps));
+                let miss = [value - one + a.s, b.s - value - one];
+                sum.gap = a.s.mul_add(a.z, b.s.mul_add(b.z, sum.gap));
+                sum.residual = sum.residual.max(miss[0].abs()).max(miss[1].abs());
+                let slope = a.slope(steps, miss[0]) - b.slope(steps, miss[1]);
+                let both = a.weight + b.weight;
+                let (bx, bv) = (both * px, both * pv);
+                xx = bx.mul_add(px, xx);
+                xv = bx.mul_add(pv, xv);
+                vv = bv.mul_add(pv, vv);
+                gx = slope.mul_add(px, gx);
+                gv = slope.mul_add(pv, gv);
             }
+            let (rx, rv) = if n == 0 { (UNIT[0], UNIT[1]) } else { (MIDDLE_X, *push_v::<J>()) };
+            sum.add(&[(rx, rx, xx), (rx, rv, xv), (rv, rv, vv)], &[(rx, gx), (rv, gv)]);
         }
-        let places = std::iter::zip(jerk_places(&y), jerk_places(&dy));
-        for (jerk, ([x, v, w], [dx, dv, dw])) in self.jerks.iter_mut().zip(places) {
-            let bound = 1.0 / x.sqrt();
-            let bound = bound - 0.5 * bound / x * dx;
+    }
+
+    #[inline(always)]
+    fn jerk_terms<S: Simd>(&mut self, steps: &Steps<S>, y: &[Vector<S>; 4], sum: &mut Terms<S>) {
+        let Steps { simd, register, .. } = *steps;
+        let zero = Vector::splat(simd, 0.0);
+        for (n, (jerk, [x, v, w])) in self.jerks.iter_mut().zip(jerk_places(y)).enumerate() {
+            // The duration is taken at both ends.
+            let in_duration = if n < 2 { self.weight.load(simd, register) } else { zero };
+            let share = x.sqrt();
+            let inverse = x.inverse();
+            let bound = share * inverse;
+            let bound_slope = bound * inverse * -0.5;
+            let [mut xx, mut xv, mut xw, mut vv, mut vw, mut ww] = [zero; 6];
+            let [mut gx, mut gv, mut gw] = [zero; 3];
+            // What goes with the bound's slope: sums and differences of the two sides.
+            let [mut ex, mut ev, mut ew, mut weights, mut slopes, mut duals] = [zero; 6];
             for j in 0..J {
-                let value = jerk.x[j] * (x + dx) + jerk.v[j] * (v + dv) + jerk.w[j] * (w + dw);
+                let jx = jerk.x[j].load(simd, register);
+                let jv = jerk.v[j].load(simd, register);
+                let jw = jerk.w[j].load(simd, register);
+                let value = jx.mul_add(x, jv.mul_add(v, jw * w));
                 let [a, b] = &mut jerk.sides[j];
-                set(a, bound - value - a.s);
-                set(b, bound + value - b.s);
+                let (a, b) = (a.advance(steps), b.advance(steps));
+                let miss = [value - bound + a.s, b.s - value - bound];
+                sum.gap = a.s.mul_add(a.z, b.s.mul_add(b.z, sum.gap));
+                let largest = miss[0].abs().max(miss[1].abs());
+                sum.residual = sum.residual.max(largest * share);
+                let slope = [a.slope(steps, miss[0]), b.slope(steps, miss[1])];
+                let (both, apart) = (a.weight + b.weight, a.weight - b.weight);
+                let (bx, bv, bw) = (both * jx, both * jv, both * jw);
+                xx = bx.mul_add(jx, xx);
+                xv = bx.mul_add(jv, xv);
+                xw = bx.mul_add(jw, xw);
+                vv = bv.mul_add(jv, vv);
+                vw = bv.mul_add(jw, vw);
+                ww = bw.mul_add(jw, ww);
+                let apart_slope = slope[0] - slope[1];
+                gx = apart_slope.mul_add(jx, gx);
+                gv = apart_slope.mul_add(jv, gv);
+                gw = apart_slope.mul_add(jw, gw);
+                ex = apart.mul_add(jx, ex);
+                ev = apart.mul_add(jv, ev);
+                ew = apart.mul_add(jw, ew);
+                weights = weights + both;
+                slopes = slopes + slope[0] + slope[1];
+                duals = duals + a.z + b.z;
             }
-            fall = fall.max(-dx / x);
+            // The duration curves upwards in x; the bound does too, which makes the Lagrangian curve
+            // downwards where duals are large. A step needs a function that curves upwards: the
+            // size of the curvature is right, and never nothing.
+            let kept = (in_duration - duals).abs().max(in_duration * KEPT_CURVATURE);
+            let curvature = bound * inverse * inverse * kept * 0.75;
+            xx = bound_slope.mul_add(bound_slope * weights - ex * 2.0, xx + curvature);
+            xv = xv - bound_slope * ev;
+            xw = xw - bound_slope * ew;
+            gx = bound_slope.mul_add(in_duration - slopes, gx);
+            let [rx, rv, rw] = [
+                [UNIT[0], UNIT[1], UNIT[2]],
+                [END_X, END_V, UNIT[3]],
+                [MIDDLE_X, MIDDLE_V, MIDDLE_W],
+            ][n];
+            sum.add(
+                &[
+                    (rx, rx, xx),
+                    (rx, rv, xv),
+                    (rx, rw, xw),
+                    (rv, rv, vv),
+                    (rv, rw, vw),
+                    (rw, rw, ww),
+                ],
+                &[(rx, gx), (rv, gv), (rw, gw)],
+            );
         }
-        falls.slack = falls.slack.max(slack.largest());
-        falls.dual = falls.dual.max(dual.largest());
-        falls.x = falls.x.max(fall.largest());
+    }
+
+    /// Finds the steps of slacks that go with the steps `moves` of the states.
+    #[inline(always)]
+    pub(crate) fn direct<S: Simd>(
+        &mut self,
+        simd: S,
+        states: &[State],
+        moves: &[State],
+        mu: f64,
+        falls: &mut Falls,
+    ) {
+        let (lanes, lane_moves) = (self.gather(states), self.gather(moves));
+        let (zero, one) = (Vector::splat(simd, 0.0), Vector::splat(simd, 1.0));
+        let mu = Vector::splat(simd, mu);
+        for r in 0..registers::<S>() {
+            let y = lanes.map(|lanes| lanes.load(simd, r));
+            let dy = lane_moves.map(|lanes| lanes.load(simd, r));
+            let [mut slack, mut dual, mut fall] = [zero; 3];
+            for (speed, control) in self.speeds.iter_mut().zip(&CONTROL) {
+                let value = speed.x.load(simd, r) * (times(control, &y) + times(control, &dy));
+                let [a, b] = &mut speed.sides;
+                let a = a.direct(r, one - value, mu);
+                let b = b.direct(r, value, mu);
+                slack = slack.max(a[0].max(b[0]));
+                dual = dual.max(a[1].max(b[1]));
+            }
+            let places = std::iter::zip(push_places::<J, S>(&y), push_places::<J, S>(&dy));
+            for (push, ([x, v, _], [dx, dv, _])) in self.pushes.iter_mut().zip(places) {
+                let (x, v) = (x + dx, v + dv);
+                for j in 0..J {
+                    let value = push.x[j].load(simd, r).mul_add(x, push.v[j].load(simd, r) * v);
+                    let [a, b] = &mut push.sides[j];
+                    let a = a.direct(r, one - value, mu);
+                    let b = b.direct(r, one + value, mu);
+                    slack = slack.max(a[0].max(b[0]));
+                    dual = dual.max(a[1].max(b[1]));
+                }
+            }
+            let places = std::iter::zip(jerk_places(&y), jerk_places(&dy));
+            for (jerk, ([x, v, w], [dx, dv, dw])) in self.jerks.iter_mut().zip(places) {
+                let inverse = x.inverse();
+                let share = dx * inverse;
+                let bound = x.sqrt() * inverse * (one - share * 0.5);
+                fall = fall.max(-share);
+                let (x, v, w) = (x + dx, v + dv, w + dw);
+                for j in 0..J {
+                    let value = jerk.x[j].load(simd, r).mul_add(
+                        x,
+                        jerk.v[j].load(simd, r).mul_add(v, jerk.w[j].load(simd, r) * w),
+                    );
+                    let [a, b] = &mut jerk.sides[j];
+                    let a = a.direct(r, bound - value, mu);
+                    let b = b.direct(r, bound + value, mu);
+                    slack = slack.max(a[0].max(b[0]));
+                    dual = dual.max(a[1].max(b[1]));
+                }
+            }
+            falls.slack = falls.slack.max(slack.largest());
+            falls.dual = falls.dual.max(dual.largest());
+            falls.x = falls.x.max(fall.largest());
+        }
+    }
+}
+
+/// The last step and the next, for one register of lanes.
+struct Steps<S: Simd> {
+    simd: S,
+    register: usize,
+    last_mu: Vector<S>,
+    primal: Vector<S>,
+    dual: Vector<S>,
+    mu: Vector<S>,
+}
+
+impl<S: Simd> Steps<S> {
+    #[inline(always)]
+    fn new(simd: S, register: usize, last: Step, next: Step) -> Self {
+        let splat = |value| Vector::splat(simd, value);
+        Self {
+            simd,
+            register,
+            last_mu: splat(last.mu),
+            primal: splat(last.primal),
+            dual: splat(last.dual),
+            mu: splat(next.mu),
+        }
+    }
+}
+
+/// What limits contribute, for one register of lanes.
+struct Terms<S: Simd> {
+    h: [Vector<S>; 10],
+    g: [Vector<S>; 4],
+    gap: Vector<S>,
+    residual: Vector<S>,
+}
+
+impl<S: Simd> Terms<S> {
+    /// Adds products of two linear functions of the state, each with its factor (those of two different
+    /// ones count twice), and linear functions.
+    #[inline(always)]
+    fn add<const P: usize, const L: usize>(
+        &mut self,
+        products: &[(State, State, Vector<S>); P],
+        linear: &[(State, Vector<S>); L],
+    ) {
+        for (p, q, factor) in products {
+            let same = p == q;
+            let mut i = 0;
+            for a in 0..4 {
+                for b in a..4 {
+                    let twice = if same { p[a] * q[b] } else { p[a] * q[b] + q[a] * p[b] };
+                    if twice != 0.0 {
+                        self.h[i] = self.h[i] + *factor * twice;
+                    }
+                    i += 1;
+                }
+            }
+        }
+        for (row, factor) in linear {
+            for a in 0..4 {
+                if row[a] != 0.0 {
+                    self.g[a] = self.g[a] + *factor * row[a];
+                }
+            }
+        }
     }
 }
 
@@ -528,18 +644,8 @@ impl<const J: usize> Push<J> {
 
 impl<const J: usize> Jerk<J> {
     fn new() -> Self {
-        let rows = [Lanes::ZERO; J];
+        let rows = [Lanes::default(); J];
         Self { x: rows, v: rows, w: rows, sides: [[Side::default(); 2]; J] }
-    }
-
-    #[inline(always)]
-    fn start(&mut self, [x, v, w]: Place, mu: f64, least: f64) {
-        let bound = 1.0 / x.sqrt();
-        for j in 0..J {
-            let value = self.x[j] * x + self.v[j] * v + self.w[j] * w;
-            self.sides[j][0].start(bound - value, least * bound, mu);
-            self.sides[j][1].start(bound + value, least * bound, mu);
-        }
     }
 
     fn limit(&mut self, lane: usize, [dq, ddq, dddq]: &Rates, length: f64, inverse: &[f64; 7]) {
@@ -562,8 +668,8 @@ fn proportion(dq: &[f64; 7], inverse: &[f64; 7]) -> f64 {
 }
 
 #[inline(always)]
-fn times(row: &State, y: &[Lanes; 4]) -> Lanes {
-    row[0] * y[0] + row[1] * y[1] + row[2] * y[2] + row[3] * y[3]
+fn times<S: Simd>(row: &State, y: &[Vector<S>; 4]) -> Vector<S> {
+    y[0] * row[0] + y[1] * row[1] + y[2] * row[2] + y[3] * row[3]
 }
 
 /// V where acceleration is kept in the middle of a cell. On a line, where it alone counts, at its
@@ -574,13 +680,12 @@ fn push_v<const J: usize>() -> &'static State {
 }
 
 #[inline(always)]
-fn push_places<const J: usize>(y: &[Lanes; 4]) -> [Place; 2] {
-    let middle = [times(&MIDDLE_X, y), times(push_v::<J>(), y), Lanes::ZERO];
-    [[y[0], y[1], Lanes::ZERO], middle]
+fn push_places<const J: usize, S: Simd>(y: &[Vector<S>; 4]) -> [Place<S>; 2] {
+    [[y[0], y[1], y[2]], [times(&MIDDLE_X, y), times(push_v::<J>(), y), times(&MIDDLE_W, y)]]
 }
 
 #[inline(always)]
-fn jerk_places(y: &[Lanes; 4]) -> [Place; 3] {
+fn jerk_places<S: Simd>(y: &[Vector<S>; 4]) -> [Place<S>; 3] {
     [
         [y[0], y[1], y[2]],
         [times(&END_X, y), times(&END_V, y), y[3]],

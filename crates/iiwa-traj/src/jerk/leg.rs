@@ -150,6 +150,12 @@ impl<'a> Leg<'a> {
         straight + turn.fold(f64::INFINITY, f64::min)
     }
 
+    /// For how long jerk builds up acceleration at `s`, in s: until it, or speed, is at its limit.
+    pub(crate) fn build_up_s(&self, s: f64) -> f64 {
+        let [speed, acceleration, jerk] = self.straight(s);
+        (acceleration / jerk).min((speed / jerk).sqrt())
+    }
+
     /// Largest speed, acceleration and jerk of sigma at `s`, if the path went straight on from there.
     pub(crate) fn straight(&self, s: f64) -> [f64; 3] {
         let [direction, ..] = self.rates(s);

@@ -21,7 +21,7 @@ pub(crate) struct Cell {
 
 /// Sizes, with what they are shares of.
 struct Sizes {
-    /// Duration, of the time in which jerk builds up the largest acceleration.
+    /// Duration, of the time in which jerk builds up acceleration.
     switch: f64,
     /// Growth per time from there.
     fade: f64,
@@ -37,7 +37,7 @@ struct Sizes {
     turn: f64,
     /// Growth per way from there.
     turn_growth: f64,
-    /// Length next to rest, of the way on which jerk builds up the largest acceleration.
+    /// Length next to rest, of the way on which jerk builds up acceleration.
     rest: f64,
     /// Growth per way from there.
     rest_growth: f64,
@@ -56,13 +56,13 @@ impl Sizes {
             turn: 0.15 * per,
             turn_growth: 0.3 * per,
             rest: 0.03 * per,
-            rest_growth: 0.5 * per,
+            rest_growth: 0.25 * per,
         }
     }
 }
 
-/// An instant at which the acceleration-limited stamps switch, and how long it takes there to build
-/// up the largest acceleration, in s.
+/// An instant at which the acceleration-limited stamps switch, and for how long jerk builds up
+/// acceleration there, in s.
 struct Switch {
     t_s: f64,
     build_up_s: f64,
@@ -125,8 +125,8 @@ pub(crate) fn mesh(legs: &[Leg<'_>], refinement: f64) -> Vec<Cell> {
         let near = &switches[near.start.saturating_sub(2)..(near.end + 2).min(switches.len())];
 
         let rest = |rests: bool| {
-            let [_, acceleration, jerk] = leg.straight(0.0);
-            let build_up = acceleration.powi(3) / (6.0 * jerk * jerk);
+            let [_, _, jerk] = leg.straight(0.0);
+            let build_up = jerk * leg.build_up_s(0.0).powi(3) / 6.0;
             rests.then(|| sizes.rest * build_up.min(leg.length / 6.0))
         };
         let (from_rest, to_rest) = (rest(index == 0), rest(index + 1 == legs.len()));
@@ -164,7 +164,9 @@ pub(crate) fn mesh(legs: &[Leg<'_>], refinement: f64) -> Vec<Cell> {
         let mut nodes = march(leg.length, from_rest.or(to_rest), size);
         if backwards {
             nodes.reverse();
-            nodes.iter_mut().for_each(|node| *node = leg.length - *node);
+            for node in &mut nodes {
+                *node = leg.length - *node;
+            }
         }
         cells.extend(nodes.windows(2).map(|pair| Cell {
             leg: index,
@@ -199,7 +201,9 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Vec<f64> 
         nodes.pop();
     }
     let fit = length / nodes[nodes.len() - 1];
-    nodes.iter_mut().for_each(|node| *node *= fit);
+    for node in &mut nodes {
+        *node *= fit;
+    }
     nodes
 }
 
@@ -209,11 +213,7 @@ fn switches(legs: &[Leg<'_>]) -> Vec<Switch> {
     const JUMP: f64 = 0.25;
     let mut switches = Vec::new();
     for leg in legs {
-        let build_up_s = |s: f64| {
-            let [_, acceleration, jerk] = leg.straight(s);
-            acceleration / jerk
-        };
-        let mut add = |t_s, s| switches.push(Switch { t_s, build_up_s: build_up_s(s) });
+        let mut add = |t_s, s| switches.push(Switch { t_s, build_up_s: leg.build_up_s(s) });
         if leg.is_line() {
             leg.swept.iter().for_each(|node| add(node.t_s, node.s));
             continue;

@@ -12,6 +12,8 @@
 //!
 //! In the cells next to rest jerk is constant: there x grows as sigma^(4/3), which no cubic does.
 
+use pulp::Simd;
+
 use super::{
     cells::{Block, END_V, END_X, Falls, Quadratic, State, Step, Sums, blocks},
     leg::Leg,
@@ -25,12 +27,14 @@ pub(crate) struct Solver {
     /// Whether W0 and W1 of a cell are free, or zero.
     free: Vec<bool>,
     rests: [Rest; 2],
-    lines: Vec<Block<1, 2>>,
-    curves: Vec<Block<7, 3>>,
+    lines: Vec<Block<1>>,
+    curves: Vec<Block<7>>,
     states: Vec<State>,
     moves: Vec<State>,
     quadratics: Vec<Quadratic>,
     gains: Vec<Gain>,
+    /// Share of the duration that more steps could gain.
+    pub(crate) gap: f64,
     /// What the next step aims at as the product of each slack and its dual.
     mu: f64,
     /// The last step, which the slacks and duals of the cells have still to go.
@@ -106,8 +110,8 @@ const PATIENCE: usize = 60;
 const STALLED: usize = 25;
 
 impl Solver {
-    /// Starts from `scale` times the acceleration-limited x.
-    pub(crate) fn new(legs: &[Leg<'_>], cells: &[Cell], scale: f64) -> Self {
+    /// The problem, standing at the acceleration-limited x.
+    pub(crate) fn new(legs: &[Leg<'_>], cells: &[Cell]) -> Self {
         let inner = &cells[1..cells.len() - 1];
         let n = inner.len();
         let lengths: Vec<_> = inner.iter().map(|cell| cell.length).collect();
@@ -139,14 +143,20 @@ impl Solver {
             moves: vec![[0.0; 4]; n],
             quadratics: vec![Quadratic::default(); n],
             gains: vec![Gain::default(); n],
+            gap: f64::INFINITY,
             mu: 0.0,
             last: Step::default(),
             lengths,
         };
-        let x: Vec<_> = cells[1..].iter().map(|cell| scale * cell.x).collect();
+        let x: Vec<_> = cells[1..].iter().map(|cell| cell.x).collect();
         solver.guess(&x);
-        solver.restart(Start { mu: 0.3, slack: 0.5 });
         solver
+    }
+
+    /// Starts from `scale` times the x at which it stands.
+    pub(crate) fn start(&mut self, scale: f64) {
+        self.states.as_flattened_mut().iter_mut().for_each(|value| *value *= scale);
+        self.restart(Start { mu: 0.3, slack: 0.5 });
     }
 
     /// Sets the states to a smooth curve close to `x`, the values at all nodes between the cells that
@@ -188,8 +198,7 @@ impl Solver {
         let least = start.slack;
         self.mu = mu;
         self.last = Step::default();
-        self.lines.iter_mut().for_each(|block| block.start(&self.states, mu, least));
-        self.curves.iter_mut().for_each(|block| block.start(&self.states, mu, least));
+        pulp::Arch::new().dispatch(Restart { solver: self, mu, least });
         let ends = [self.states[0][0], dot(&END_X, &self.states[n - 1])];
         for (Rest { cap, side, .. }, x) in std::iter::zip(&mut self.rests, ends) {
             side.s = (1.0 - x / *cap).max(least);
@@ -290,13 +299,13 @@ impl Solver {
     }
 
     #[inline(always)]
-    fn iterate(&mut self, gap: f64) -> Result<usize, NotConverged> {
+    fn iterate<S: Simd>(&mut self, simd: S, gap: f64) -> Result<usize, NotConverged> {
         let limits = self.limits();
         let mut stalled = 0;
         for step in 1..=STEPS {
-            let sums = self.assemble(self.mu);
+            let sums = self.assemble(simd);
             self.recursion()?;
-            let falls = self.direct(self.mu);
+            let falls = self.direct(simd);
             let share = |fall: f64, of: f64| if fall > of { of / fall } else { 1.0 };
             let primal = share(falls.slack, TO_BOUNDARY).min(share(falls.x, LARGEST_FALL));
             let dual = share(falls.dual, TO_BOUNDARY);
@@ -307,6 +316,7 @@ impl Solver {
             }
             self.step(primal, dual);
             let duration_s = self.duration_s();
+            self.gap = sums.gap / duration_s;
             if !duration_s.is_finite() {
                 return Err(NotConverged);
             }
@@ -319,7 +329,7 @@ impl Solver {
                 _ => 1.0,
             };
             self.mu = (aim * sums.gap / limits).max(0.2 * gap * duration_s / limits);
-            if sums.gap < gap * duration_s && sums.residual < RESIDUAL && primal > 0.4 {
+            if self.gap < gap && sums.residual < RESIDUAL && primal > 0.4 {
                 return Ok(step);
             }
             stalled = if least < 0.02 { stalled + 1 } else { 0 };
@@ -331,13 +341,15 @@ impl Solver {
     }
 
     #[inline(always)]
-    fn assemble(&mut self, mu: f64) -> Sums {
+    fn assemble<S: Simd>(&mut self, simd: S) -> Sums {
+        let mu = self.mu;
+        let steps = [self.last, Step { mu, ..Step::default() }];
         let mut sums = Sums::default();
         for block in &mut self.lines {
-            block.assemble(&self.states, self.last, mu, &mut self.quadratics, &mut sums);
+            block.assemble(simd, &self.states, steps, &mut self.quadratics, &mut sums);
         }
         for block in &mut self.curves {
-            block.assemble(&self.states, self.last, mu, &mut self.quadratics, &mut sums);
+            block.assemble(simd, &self.states, steps, &mut self.quadratics, &mut sums);
         }
         for (rest, (cell, row)) in std::iter::zip(&self.rests, self.ends()) {
             let x = dot(&row, &self.states[cell]);
@@ -358,13 +370,14 @@ impl Solver {
     }
 
     #[inline(always)]
-    fn direct(&mut self, mu: f64) -> Falls {
+    fn direct<S: Simd>(&mut self, simd: S) -> Falls {
+        let mu = self.mu;
         let mut falls = Falls::default();
         for block in &mut self.lines {
-            block.direct(&self.states, &self.moves, mu, &mut falls);
+            block.direct(simd, &self.states, &self.moves, mu, &mut falls);
         }
         for block in &mut self.curves {
-            block.direct(&self.states, &self.moves, mu, &mut falls);
+            block.direct(simd, &self.states, &self.moves, mu, &mut falls);
         }
         let ends = self.ends();
         for (rest, (cell, row)) in std::iter::zip(&mut self.rests, ends) {
@@ -498,19 +511,38 @@ impl Solver {
 /// Lines shorter than this share of the cells on either side are slivers.
 const SLIVER: f64 = 0.02;
 
-/// Not a closure: those reach the function with vector instructions by way of a shim that is not
-/// inlined into it, and so stay without them.
 struct Solve<'a> {
     solver: &'a mut Solver,
     gap: f64,
 }
 
-impl pulp::NullaryFnOnce for Solve<'_> {
+impl pulp::WithSimd for Solve<'_> {
     type Output = Result<usize, NotConverged>;
 
     #[inline(always)]
-    fn call(self) -> Self::Output {
-        self.solver.iterate(self.gap)
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        self.solver.iterate(simd, self.gap)
+    }
+}
+
+struct Restart<'a> {
+    solver: &'a mut Solver,
+    mu: f64,
+    least: f64,
+}
+
+impl pulp::WithSimd for Restart<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Solver { lines, curves, states, .. } = self.solver;
+        for block in lines {
+            block.start(simd, states, self.mu, self.least);
+        }
+        for block in curves {
+            block.start(simd, states, self.mu, self.least);
+        }
     }
 }
 
