@@ -82,7 +82,7 @@ fn check_jerk(program: &Program) -> Result<(), TestCaseError> {
 }
 
 /// Just before and just after a node, in s: long enough to be told apart after an hour.
-const JUST: f64 = 1e-9;
+const JUST: f64 = 1e-10;
 
 fn acceleration_continues(trajectory: &Trajectory) -> Result<(), TestCaseError> {
     let all = trajectory.path().limits();
@@ -95,7 +95,7 @@ fn acceleration_continues(trajectory: &Trajectory) -> Result<(), TestCaseError> 
         let jerk = larger(|limits| &limits.jerk_rad_s3);
         for j in 0..7 {
             let jump = (after.ddq[j] - before.ddq[j]).abs();
-            // Jerk is held against its limit over a millisecond, and may be above it at an instant.
+            // Jerk is held against its limit over a millisecond: for an instant it may be above.
             let allowed = 1e-6 * acceleration[j] + 2.0 * JUST * 2.0 * jerk[j];
             prop_assert!(
                 jump <= allowed,
@@ -129,6 +129,7 @@ proptest! {
         cases: 2000,
         // The same programs each time: a failure is one of the change at hand.
         rng_seed: RngSeed::Fixed(2019),
+        failure_persistence: None,
         ..ProptestConfig::default()
     })]
 
