@@ -45,7 +45,7 @@ fn shares() -> impl Strategy<Value = Shares> {
         acceleration: [acceleration; 7],
         jerk: [jerk; 7],
     });
-    let each = || prop::array::uniform7(prop_oneof![Just(1.0), 0.05..1.0_f64]);
+    let each = || prop::array::uniform7(prop_oneof![Just(1.0), 0.2..1.0_f64]);
     let apart = (each(), each(), each())
         .prop_map(|(velocity, acceleration, jerk)| Shares { velocity, acceleration, jerk });
     prop_oneof![5 => same, 1 => apart]
