@@ -46,8 +46,11 @@ fn shares() -> impl Strategy<Value = Shares> {
         jerk: [jerk; 7],
     });
     let each = || prop::array::uniform7(prop_oneof![Just(1.0), 0.2..1.0_f64]);
-    let apart = (each(), each(), each())
-        .prop_map(|(velocity, acceleration, jerk)| Shares { velocity, acceleration, jerk });
+    let apart = (each(), each(), each()).prop_map(|(velocity, acceleration, jerk)| Shares {
+        velocity,
+        acceleration,
+        jerk,
+    });
     prop_oneof![5 => same, 1 => apart]
 }
 
@@ -62,6 +65,7 @@ fn blend() -> impl Strategy<Value = Option<Blend>> {
 }
 
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "nearly all drafts are of the large kind")]
 enum Draft {
     Go {
         step: Joints,

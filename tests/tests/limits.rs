@@ -111,7 +111,7 @@ fn acceleration_continues(trajectory: &Trajectory) -> Result<(), TestCaseError> 
 fn rests_between_stretches(trajectory: &Trajectory) -> Result<(), TestCaseError> {
     for stretch in trajectory.stretches() {
         let moves = || stretch.pieces().iter().filter(|piece| piece.kind.moves());
-        let (Some(first), Some(last)) = (moves().next(), moves().last()) else { continue };
+        let (Some(first), Some(last)) = (moves().next(), moves().next_back()) else { continue };
         for node in [stretch.nodes(first).first(), stretch.nodes(last).last()] {
             let node = node.unwrap();
             prop_assert_eq!([node.rate, node.u[0]], [0.0; 2], "at {} s", node.t_s);

@@ -173,8 +173,7 @@ fn straight_on_through_blends() {
                         ..Ptp::to(to.map(|q| share * q))
                     };
                     let expected = expected_s(&[0.0; 7], &part(1.0));
-                    let parts =
-                        vec![part(0.3).blend(blend), part(0.65).blend(blend), part(1.0)];
+                    let parts = vec![part(0.3).blend(blend), part(0.65).blend(blend), part(1.0)];
                     let path = path([0.0; 7], parts, shape);
                     assert!(path.blends().all(|(corner, _)| corner.gamma_deg.abs() < 1e-5));
                     for (largest, refinement) in largest.iter_mut().zip([1.0, 4.0]) {
