@@ -106,7 +106,7 @@ fn much_jerk_is_no_limit_of_jerk() {
         let expected = trajectory(&program, &robot, fine).motion_time_s();
         let found = trajectory(&program, &robot, Timing::default()).motion_time_s();
         let ratio = found / expected;
-        assert!((ratio - 1.0).abs() < 0.01, "{found} s, {expected} s: {program:?}");
+        assert!((ratio - 1.0).abs() < 0.02, "{found} s, {expected} s: {program:?}");
         (least, most) = (least.min(ratio), most.max(ratio));
     }
     println!("{least} to {most} of the acceleration-limited time");
