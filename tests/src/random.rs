@@ -27,6 +27,33 @@ fn share() -> impl Strategy<Value = f64> {
     prop_oneof![3 => Just(1.0), 3 => 0.05..1.0_f64, 1 => Just(0.01)]
 }
 
+/// Shares of the limits of a motion.
+#[derive(Clone, Copy, Debug)]
+struct Shares {
+    velocity: Joints,
+    acceleration: Joints,
+    jerk: Joints,
+}
+
+const FULL: Shares = Shares { velocity: [1.0; 7], acceleration: [1.0; 7], jerk: [1.0; 7] };
+
+/// Mostly the same share for all joints, as in life, and mostly all of the jerk.
+fn shares() -> impl Strategy<Value = Shares> {
+    let jerk = prop_oneof![4 => Just(1.0), 1 => share()];
+    let same = (share(), share(), jerk).prop_map(|(velocity, acceleration, jerk)| Shares {
+        velocity: [velocity; 7],
+        acceleration: [acceleration; 7],
+        jerk: [jerk; 7],
+    });
+    let each = || prop::array::uniform7(prop_oneof![Just(1.0), 0.2..1.0_f64]);
+    let apart = (each(), each(), each()).prop_map(|(velocity, acceleration, jerk)| Shares {
+        velocity,
+        acceleration,
+        jerk,
+    });
+    prop_oneof![5 => same, 1 => apart]
+}
+
 fn blend() -> impl Strategy<Value = Option<Blend>> {
     prop_oneof![
         2 => Just(None),
@@ -38,11 +65,11 @@ fn blend() -> impl Strategy<Value = Option<Blend>> {
 }
 
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "nearly all drafts are of the large kind")]
 enum Draft {
     Go {
         step: Joints,
-        velocity: f64,
-        acceleration: f64,
+        shares: Shares,
         blend: Option<Blend>,
     },
     /// Back to where the motion before came from: an exact turn-back.
@@ -60,9 +87,8 @@ enum Draft {
 
 fn draft() -> impl Strategy<Value = Draft> {
     prop_oneof![
-        12 => (step(), share(), share(), blend()).prop_map(|(step, velocity, acceleration, blend)| {
-            Draft::Go { step, velocity, acceleration, blend }
-        }),
+        12 => (step(), shares(), blend())
+            .prop_map(|(step, shares, blend)| Draft::Go { step, shares, blend }),
         1 => (share(), blend()).prop_map(|(velocity, blend)| Draft::Back { velocity, blend }),
         1 => (0.1..1.0_f64, blend()).prop_map(|(by, blend)| Draft::On { by, blend }),
         1 => (0.0..2.0_f64).prop_map(Draft::Wait),
@@ -85,20 +111,27 @@ fn program(start_rad: Joints, drafts: &[Draft]) -> Program {
     let mut motions: Vec<_> = drafts
         .iter()
         .map(|draft| {
-            let (target, velocity, acceleration, blend) = match *draft {
+            let (target, shares, blend) = match *draft {
                 Draft::Wait(seconds) => return Motion::Wait { seconds },
-                Draft::Go { step, velocity, acceleration, blend } => {
-                    (std::array::from_fn(|j| at[j] + step[j]), velocity, acceleration, blend)
+                Draft::Go { step, shares, blend } => {
+                    (std::array::from_fn(|j| at[j] + step[j]), shares, blend)
                 }
-                Draft::Back { velocity, blend } => (before, velocity, 1.0, blend),
+                Draft::Back { velocity, blend } => {
+                    (before, Shares { velocity: [velocity; 7], ..FULL }, blend)
+                }
                 Draft::On { by, blend } => {
-                    (std::array::from_fn(|j| at[j] + by * (at[j] - before[j])), 1.0, 1.0, blend)
+                    (std::array::from_fn(|j| at[j] + by * (at[j] - before[j])), FULL, blend)
                 }
             };
             before = at;
             at = inside(target);
-            let ptp = Ptp { acceleration_rel: [acceleration; 7], blend, ..Ptp::to(at) };
-            Motion::Ptp(ptp.velocity(velocity))
+            Motion::Ptp(Ptp {
+                velocity_rel: shares.velocity,
+                acceleration_rel: shares.acceleration,
+                jerk_rel: shares.jerk,
+                blend,
+                ..Ptp::to(at)
+            })
         })
         .collect();
     for i in 0..motions.len() {

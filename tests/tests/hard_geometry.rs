@@ -1,5 +1,5 @@
-//! Paths that break solvers. Each is planned and checked, and where there is a closed form, its
-//! duration is held against it.
+//! Paths that break solvers. Each is planned and checked under either timing, and where there is a
+//! closed form, its duration is held against it.
 
 // Helpers of tests may fail.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
@@ -8,7 +8,8 @@ use iiwa_kin::{Joints, Robot};
 use iiwa_path::{
     Blend, BlendShape, Continuity, Motion, Path, PathOptions, Program, Ptp, Segment, Step,
 };
-use iiwa_traj::{SETTLE_TIME_S, State, SweepOptions, Timing, Trajectory};
+use iiwa_traj::{SETTLE_TIME_S, State, SweepOptions, Timing, TimingError, Trajectory};
+use iiwasim_tests::differences::ratios;
 
 const SHAPES: [BlendShape; 6] = [
     BlendShape::Iiwa,
@@ -31,11 +32,50 @@ fn path(start: Joints, motions: &[Ptp], shape: BlendShape) -> Path {
     Path::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
 }
 
+/// The first motion whose blend starts with a jump in curvature, from 0.
+fn first_kink(path: &Path) -> Option<usize> {
+    let mut blends = path.blends();
+    let kink = blends.find(|(_, segment)| match segment {
+        Segment::Line(_) => false,
+        Segment::Polynomial(blend) => blend.continuity() == Continuity::First,
+        _ => true,
+    });
+    kink.map(|(corner, _)| corner.motion)
+}
+
+/// Plans with either timing and checks both; returns the acceleration-limited one.
 fn plan(path: &Path, samples: usize) -> Trajectory {
     let timing = Timing::Acceleration(SweepOptions { samples });
     let trajectory = Trajectory::plan(path, timing).unwrap();
     check(&trajectory);
+    let jerk_limited = Trajectory::plan(path, Timing::default());
+    match first_kink(path) {
+        None => check_jerk(&jerk_limited.unwrap(), &trajectory),
+        Some(motion) => {
+            assert_eq!(jerk_limited.unwrap_err(), TimingError::CurvatureJumps { motion });
+        }
+    }
     trajectory
+}
+
+/// Limits hold, and it is no faster than without those of jerk.
+fn check_jerk(trajectory: &Trajectory, acceleration: &Trajectory) {
+    let mut last: Option<State> = None;
+    for state in trajectory.states() {
+        if let Some(last) = last {
+            assert!(state.t_s > last.t_s, "{} s after {} s", state.t_s, last.t_s);
+        }
+        last = Some(state);
+    }
+    for rate_hz in [1000.0, 250.0] {
+        let [v, a, j] = ratios(trajectory, rate_hz);
+        assert!(v <= 1.01 && a <= 1.01 && j <= 1.05, "at {rate_hz} Hz: {v}, {a}, {j}");
+    }
+    let end = trajectory.at(f64::INFINITY);
+    assert_eq!(end.q, acceleration.at(f64::INFINITY).q);
+    assert_eq!([end.dq, end.ddq], [[0.0; 7]; 2]);
+    let [found, least] = [trajectory, acceleration].map(Trajectory::motion_time_s);
+    assert!(found >= least, "{found} s, {least} s without limits of jerk");
 }
 
 /// The duration of a program whose motions are `motions`, in s, without settling.
@@ -351,25 +391,115 @@ fn tiny_motions_on_the_way() {
     }
 }
 
+/// A tiny motion between a large one and a slow one: the speed changes by far within next to no way.
+#[test]
+fn tiny_motions_before_slow_ones() {
+    let two = |joints: [usize; 2], q: [f64; 2]| -> Joints {
+        std::array::from_fn(|j| {
+            joints.iter().position(|&joint| joint == j + 1).map_or(0.0, |i| q[i])
+        })
+    };
+    let half = Blend::Fraction(0.5);
+
+    let q = |a, b| two([2, 7], [a, b]);
+    let mut first = Ptp::to(q(0.0, 0.004_223_274)).blend(half);
+    first.jerk_rel[1] = 0.32;
+    let mut slow = Ptp::to(q(0.0, -1.809_725));
+    slow.velocity_rel[6] = 0.01;
+    let motions = [first, Ptp::to(q(0.0, 0.004_224_220)).blend(half), slow];
+    plan(&path(q(-1.0, 0.196_008), &motions, BlendShape::Iiwa), 100);
+
+    let mut first = Ptp::to(q(1.0, -0.918_454_335)).blend(half);
+    first.velocity_rel[1] = 0.01;
+    first.jerk_rel[6] = 0.093;
+    let mut last = Ptp::to(q(1.0, -0.012_743));
+    last.jerk_rel[6] = 0.01;
+    let motions = [first, Ptp::to(q(1.0, -0.918_454_054)).blend(half), last];
+    plan(&path(q(0.0, 0.3153), &motions, BlendShape::Iiwa), 100);
+
+    let q = |a, b| two([1, 3], [a, b]);
+    let motions = [
+        Ptp::to(q(-0.1, -0.221_426_995)).blend(Blend::CartMm(288.690_755)),
+        Ptp::to(q(0.1, 0.009_501_923_8)).blend(Blend::CartMm(201.516_607)),
+        Ptp::to(q(0.1, 0.009_501_178_8)).blend(Blend::Fraction(0.001_5)),
+        Ptp::to(q(0.7, 0.009_501_178_8)).velocity(0.01),
+    ];
+    plan(&path(q(-0.3, -0.205_715_525), &motions, BlendShape::Iiwa), 100);
+}
+
 #[test]
 fn slow_motions_take_as_long_as_they_are_slow() {
     // A hundredth of the speed takes a hundred times as long, but for the ramps. Sampling so long a
     // time, as the other tests do, would take for ever.
-    let time_s = |motions: &[Ptp]| {
-        let path = path([0.0; 7], motions, BlendShape::Iiwa);
-        Trajectory::plan(&path, Timing::Acceleration(SweepOptions::default()))
-            .unwrap()
-            .motion_time_s()
-    };
-    let mut corner = only(1, 90.0);
-    corner[1] = corner[0];
-    for share in [1e-2, 1e-4, 2e-6] {
-        let line = |share| time_s(&[Ptp::to(only(2, 10.0)).velocity(share)]) * share;
-        assert!((line(share) / (10.0 / 98.0) - 1.0).abs() < 2.0 * share, "{share}");
-        let blended = |share| {
-            let first = Ptp::to(only(1, 90.0)).velocity(share).blend(Blend::Fraction(0.1));
-            time_s(&[first, Ptp::to(corner).velocity(share)]) * share
+    for timing in [Timing::Acceleration(SweepOptions::default()), Timing::default()] {
+        let time_s = |motions: &[Ptp]| {
+            let path = path([0.0; 7], motions, BlendShape::Iiwa);
+            Trajectory::plan(&path, timing).unwrap().motion_time_s()
         };
-        assert!((blended(share) / blended(share / 1.5) - 1.0).abs() < share, "{share}");
+        let mut corner = only(1, 90.0);
+        corner[1] = corner[0];
+        for share in [1e-2, 1e-4, 2e-6] {
+            let line = |share| time_s(&[Ptp::to(only(2, 10.0)).velocity(share)]) * share;
+            assert!((line(share) / (10.0 / 98.0) - 1.0).abs() < 2.0 * share, "{share}");
+            let blended = |share| {
+                let first = Ptp::to(only(1, 90.0)).velocity(share).blend(Blend::Fraction(0.1));
+                time_s(&[first, Ptp::to(corner).velocity(share)]) * share
+            };
+            let change = blended(share) / blended(share / 1.5) - 1.0;
+            assert!(change.abs() < share, "{share}");
+        }
+    }
+}
+
+/// The error of a limit of jerk names the first blend that is round from its start on.
+#[test]
+fn curvature_that_jumps_is_named() {
+    let (a, b) = ([0.4, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0], [0.4, 0.8, 0.2, 0.0, 0.0, 0.0, 0.0]);
+    let blend = Blend::Fraction(0.25);
+    let ptp = |target, blend| Motion::Ptp(Ptp { blend, ..Ptp::to(target) });
+    let motions = vec![
+        ptp(a, None),
+        Motion::Wait { seconds: 0.5 },
+        // Straight on: there is nothing to round.
+        ptp(a.map(|q| 0.5 * q), Some(blend)),
+        ptp([0.0; 7], None),
+        ptp(a, Some(blend)),
+        ptp(b, Some(blend)),
+        ptp([0.0; 7], None),
+    ];
+    let program = Program { robot: None, start_rad: [0.0; 7], motions };
+    for shape in SHAPES {
+        let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
+        let path = Path::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap();
+        let kinks = matches!(shape, BlendShape::Alpha(Continuity::First) | BlendShape::Circle);
+        let error = Trajectory::plan(&path, Timing::default()).err();
+        assert_eq!(error, kinks.then_some(TimingError::CurvatureJumps { motion: 4 }), "{shape:?}");
+        if let Some(error) = error {
+            assert!(error.to_string().starts_with("motion 5: "), "{error}");
+        }
+        plan(&path, 100);
+    }
+}
+
+/// A joint that would hardly move decides about all others.
+#[test]
+fn one_joint_is_held_back() {
+    let (a, b) = ([0.5, 0.3, 0.0, -0.8, 0.0, 0.4, 1.0], [0.2, 0.7, 0.3, -0.2, 0.5, 0.4, -1.0]);
+    for joint in 0..7 {
+        for [v, a_rel, j] in [[0.02, 1.0, 1.0], [1.0, 0.2, 1.0], [1.0, 1.0, 0.02]] {
+            let held = |target| {
+                let mut ptp = Ptp::to(target);
+                ptp.velocity_rel[joint] = v;
+                ptp.acceleration_rel[joint] = a_rel;
+                ptp.jerk_rel[joint] = j;
+                ptp
+            };
+            for motions in [
+                [held(a).blend(Blend::Fraction(0.4)), Ptp::to(b)],
+                [Ptp::to(a).blend(Blend::Fraction(0.4)), held(b)],
+            ] {
+                plan(&path([0.0; 7], &motions, BlendShape::Iiwa), 100);
+            }
+        }
     }
 }

@@ -8,7 +8,7 @@
 
 use iiwa_kin::Robot;
 use iiwa_path::Path;
-use iiwa_traj::{SETTLE_TIME_S, SweepOptions, Timing, Trajectory};
+use iiwa_traj::{JerkOptions, SETTLE_TIME_S, SweepOptions, Timing, Trajectory};
 use iiwasim_tests::reference::{Case, cases};
 
 fn path(case: &Case) -> Path {
@@ -65,4 +65,40 @@ fn cycle_times_at_the_default_samples() {
 #[test]
 fn cycle_times_with_many_samples() {
     assert!(largest_time_error(1600) < 3e-4);
+}
+
+/// Motion times of all programs under limits of jerk, in s.
+fn jerk_limited_s(refinement: f64) -> Vec<f64> {
+    let timing = Timing::Jerk(JerkOptions { refinement, ..JerkOptions::default() });
+    let plan = |case: &Case| Trajectory::plan(&path(case), timing).unwrap();
+    cases()
+        .iter()
+        .map(|case| {
+            let trajectory = plan(case);
+            let settle = case.answers.settle_s;
+            assert!((trajectory.totals().settle_time_s - settle).abs() < 1e-9, "{}", case.id);
+            trajectory.motion_time_s()
+        })
+        .collect()
+}
+
+#[test]
+fn cycle_times_under_limits_of_jerk() {
+    for (case, found) in cases().iter().zip(jerk_limited_s(1.0)) {
+        let error = found / case.answers.motion_s.jerk - 1.0;
+        println!("program {:2}: {:+.5} %", case.id, 100.0 * error);
+        // Straight lines have a closed form. Else the answers are good to 0.1 %, from below.
+        let straight = case.answers.blends.is_empty();
+        let (least, most) = if straight { (-1e-4, 1e-4) } else { (-5e-4, 3e-3) };
+        assert!(least <= error && error <= most, "program {}: {error:e}", case.id);
+    }
+}
+
+#[test]
+fn finer_cells_change_little() {
+    for (id, (usual, fine)) in jerk_limited_s(1.0).iter().zip(jerk_limited_s(4.0)).enumerate() {
+        let change = fine / usual - 1.0;
+        println!("program {id:2}: {:+.5} %", 100.0 * change);
+        assert!(change.abs() < 1e-3, "program {id}: {change:e}");
+    }
 }

@@ -1,0 +1,202 @@
+//! What must be true of jerk-limited durations, whatever they are.
+
+// Helpers of tests may fail.
+#![allow(clippy::unwrap_used)]
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_path::{Blend, Motion, Path, Program, Ptp};
+use iiwa_traj::{State, SweepOptions, Timing, Trajectory};
+use proptest::{
+    prelude::*,
+    strategy::ValueTree,
+    test_runner::{RngSeed, TestRunner},
+};
+
+fn trajectory(program: &Program, robot: &Robot, timing: Timing) -> Trajectory {
+    let path = Path::new(program, robot).unwrap();
+    Trajectory::plan(&path, timing).unwrap()
+}
+
+fn motion_time_s(program: &Program) -> f64 {
+    trajectory(program, &Robot::default(), Timing::default()).motion_time_s()
+}
+
+/// A motion with the same shares for all joints.
+fn ptp(target: Joints, [v, a, j]: [f64; 3], blend: f64) -> Ptp {
+    Ptp {
+        velocity_rel: [v; 7],
+        acceleration_rel: [a; 7],
+        jerk_rel: [j; 7],
+        blend: Some(Blend::Fraction(blend)),
+        ..Ptp::to(target)
+    }
+}
+
+/// A program in which the last blend is left out: it would lead nowhere.
+fn program(start_rad: Joints, mut motions: Vec<Ptp>) -> Program {
+    if let Some(last) = motions.last_mut() {
+        last.blend = None;
+    }
+    Program { robot: None, start_rad, motions: motions.into_iter().map(Motion::Ptp).collect() }
+}
+
+/// Random programs of two to six motions, most of them blended; the same at each call.
+fn programs(count: usize) -> Vec<Program> {
+    let joints = || prop::array::uniform7(-1.5..1.5_f64);
+    let share = || prop_oneof![2 => Just(1.0), 1 => 0.1..1.0_f64];
+    let blend = prop_oneof![3 => 0.05..0.5_f64, 1 => Just(0.5), 1 => Just(0.0)];
+    let motion = (joints(), share(), share(), share(), blend)
+        .prop_map(|(target, v, a, j, blend)| ptp(target, [v, a, j], blend));
+    let all = (joints(), prop::collection::vec(motion, 2..=6))
+        .prop_map(|(start, motions)| program(start, motions))
+        .prop_filter("a blend swings out of the limits", |program| {
+            Path::new(program, &Robot::default()).is_ok()
+        });
+    let config = ProptestConfig { rng_seed: RngSeed::Fixed(42), ..ProptestConfig::default() };
+    prop::collection::vec(all, count).new_tree(&mut TestRunner::new(config)).unwrap().current()
+}
+
+/// The program with its motions changed.
+fn changed(program: &Program, change: impl Fn(usize, &mut Ptp)) -> Program {
+    let mut program = program.clone();
+    for (i, motion) in program.motions.iter_mut().enumerate() {
+        if let Motion::Ptp(ptp) = motion {
+            change(i, ptp);
+        }
+    }
+    program
+}
+
+#[test]
+fn slower_limits_never_make_it_faster() {
+    const SHARES: [fn(&mut Ptp) -> &mut Joints; 3] =
+        [|ptp| &mut ptp.velocity_rel, |ptp| &mut ptp.acceleration_rel, |ptp| &mut ptp.jerk_rel];
+    let mut least = f64::INFINITY;
+    for program in programs(40) {
+        let before = motion_time_s(&program);
+        let mut slower = |what: &str, change: &dyn Fn(usize, &mut Ptp)| {
+            let ratio = motion_time_s(&changed(&program, change)) / before;
+            assert!(ratio > 1.0 - 1e-3, "{ratio} times as long with a lower {what}: {program:?}");
+            least = least.min(ratio);
+        };
+        for (of, what) in SHARES.iter().zip(["velocity", "acceleration", "jerk"]) {
+            let times = |ptp: &mut Ptp, factor: f64| *of(ptp) = of(ptp).map(|share| factor * share);
+            for factor in [0.9, 0.5, 0.15] {
+                slower(what, &|_, ptp| times(ptp, factor));
+            }
+            // Of one motion, and of one joint.
+            slower(what, &|i, ptp| times(ptp, if i == 1 { 0.7 } else { 1.0 }));
+            slower(what, &|_, ptp| of(ptp)[3] *= 0.4);
+        }
+    }
+    println!("at least {least} times as long");
+}
+
+/// With a thousand times the jerk, acceleration builds up in no time.
+#[test]
+fn much_jerk_is_no_limit_of_jerk() {
+    let usual = Robot::default();
+    let jerk: Vec<_> =
+        usual.limits().jerk_rad_s3.iter().map(|jerk| 1000.0 * jerk.to_degrees()).collect();
+    let profile = format!(r#"{{ "version": 1, "jerk_limit_deg_s3": {jerk:?} }}"#);
+    let robot = Robot::from_profile(&profile).unwrap();
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    for program in programs(40) {
+        let fine = Timing::Acceleration(SweepOptions { samples: 400 });
+        let expected = trajectory(&program, &robot, fine).motion_time_s();
+        let found = trajectory(&program, &robot, Timing::default()).motion_time_s();
+        let ratio = found / expected;
+        assert!((ratio - 1.0).abs() < 0.02, "{found} s, {expected} s: {program:?}");
+        (least, most) = (least.min(ratio), most.max(ratio));
+    }
+    println!("{least} to {most} of the acceleration-limited time");
+}
+
+/// As long as the ratios of all ways and limits are the same, time is.
+#[test]
+fn scale_does_not_matter() {
+    let mut largest = 0.0_f64;
+    for program in programs(40) {
+        let before = motion_time_s(&program);
+        for scale in [0.5, 0.37, 0.01] {
+            let times = |values: Joints| values.map(|value| scale * value);
+            let mut scaled = changed(&program, |_, ptp| {
+                ptp.target_rad = times(ptp.target_rad);
+                ptp.velocity_rel = times(ptp.velocity_rel);
+                ptp.acceleration_rel = times(ptp.acceleration_rel);
+                ptp.jerk_rel = times(ptp.jerk_rel);
+            });
+            scaled.start_rad = times(scaled.start_rad);
+            let change = motion_time_s(&scaled) / before - 1.0;
+            assert!(change.abs() < 1e-6, "{change:e} at {scale} times the size: {program:?}");
+            largest = largest.max(change.abs());
+        }
+    }
+    println!("largest change {largest:e}");
+}
+
+/// At 1/c of the speed, 1/c^2 of the acceleration and 1/c^3 of the jerk it takes c times as long.
+#[test]
+fn time_scales() {
+    let mut largest = 0.0_f64;
+    for program in programs(40) {
+        let before = motion_time_s(&program);
+        for scale in [2.0, 3.0] {
+            let slower = changed(&program, |_, ptp| {
+                ptp.velocity_rel = ptp.velocity_rel.map(|v| v / scale);
+                ptp.acceleration_rel = ptp.acceleration_rel.map(|a| a / (scale * scale));
+                ptp.jerk_rel = ptp.jerk_rel.map(|j| j / (scale * scale * scale));
+            });
+            let change = motion_time_s(&slower) / (scale * before) - 1.0;
+            assert!(change.abs() < 1e-6, "{change:e} at {scale} times the time: {program:?}");
+            largest = largest.max(change.abs());
+        }
+    }
+    println!("largest change {largest:e}");
+}
+
+#[test]
+fn the_way_back_takes_as_long() {
+    let mut largest = 0.0_f64;
+    for there in programs(40) {
+        // The same limits and blends all along, so that the path back is the path there.
+        let there = changed(&there, |_, motion| {
+            *motion = ptp(motion.target_rad, [0.8, 0.9, 0.7], 0.3);
+        });
+        let targets: Vec<_> = std::iter::once(there.start_rad)
+            .chain(there.motions.iter().filter_map(|motion| match motion {
+                Motion::Ptp(ptp) => Some(ptp.target_rad),
+                _ => None,
+            }))
+            .collect();
+        let way = |targets: &mut dyn Iterator<Item = &Joints>| {
+            let start = *targets.next().unwrap();
+            program(start, targets.map(|&q| ptp(q, [0.8, 0.9, 0.7], 0.3)).collect())
+        };
+        let (there, back) = (way(&mut targets.iter()), way(&mut targets.iter().rev()));
+        let change = motion_time_s(&back) / motion_time_s(&there) - 1.0;
+        assert!(change.abs() < 1e-3, "{change:e}: {there:?}");
+        largest = largest.max(change.abs());
+    }
+    println!("largest change {largest:e}");
+}
+
+/// Memory that is kept from one program for the next must not show.
+#[test]
+fn what_came_before_does_not_matter() {
+    let programs = programs(30);
+    let states = |program: &Program| -> Vec<State> {
+        trajectory(program, &Robot::default(), Timing::default()).states().collect()
+    };
+    let bits = |states: &[State]| -> Vec<u64> {
+        let all = |s: &State| [[s.t_s; 7], s.q, s.dq, s.ddq];
+        states.iter().flat_map(all).flatten().map(f64::to_bits).collect()
+    };
+    let in_order: Vec<_> = programs.iter().map(&states).collect();
+    for (program, before) in programs.iter().zip(&in_order).rev() {
+        assert_eq!(bits(&states(program)), bits(before));
+        // And on a thread that has planned nothing yet.
+        let alone = std::thread::scope(|scope| scope.spawn(|| states(program)).join().unwrap());
+        assert_eq!(bits(&alone), bits(before));
+    }
+}

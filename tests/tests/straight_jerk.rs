@@ -1,0 +1,264 @@
+//! Straight motions from rest to rest under limits of jerk: their durations are known, from a formula
+//! and from ruckig.
+
+// Helpers of tests may fail.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_path::{Blend, BlendShape, Continuity, Motion, Path, PathOptions, Program, Ptp};
+use iiwa_traj::{JerkOptions, Timing, Trajectory};
+use proptest::{
+    prelude::*,
+    strategy::ValueTree,
+    test_runner::{RngSeed, TestRunner},
+};
+use rsruckig::prelude::{
+    DataArrayOrVec, InputParameter, Ruckig, Synchronization, ThrowErrorHandler,
+    Trajectory as RuckigTrajectory,
+};
+
+/// From rest to rest over `distance`, in s, under limits of speed, acceleration and jerk.
+fn duration_s(distance: f64, [v, a, j]: [f64; 3]) -> f64 {
+    // Time to get to the speed `top`, with or without a phase of constant acceleration.
+    let rise = |top: f64| if top >= a * a / j { top / a + a / j } else { 2.0 * (top / j).sqrt() };
+    if v * rise(v) <= distance {
+        distance / v + rise(v)
+    } else if distance >= 2.0 * a.powi(3) / j.powi(2) {
+        a / j + ((a / j).powi(2) + 4.0 * distance / a).sqrt()
+    } else {
+        (32.0 * distance / j).cbrt()
+    }
+}
+
+/// The three limits of `ptp`, over the way of each joint: the slowest joint decides, for each apart.
+fn expected_s(start: &Joints, ptp: &Ptp) -> f64 {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let robot = robot.limits();
+    let limits = [
+        (&robot.velocity_rad_s, &ptp.velocity_rel),
+        (&robot.acceleration_rad_s2, &ptp.acceleration_rel),
+        (&robot.jerk_rad_s3, &ptp.jerk_rel),
+    ];
+    let least = limits.map(|(limit, share)| {
+        (0..7)
+            .map(|i| limit[i] * share[i] / (ptp.target_rad[i] - start[i]).abs())
+            .fold(f64::INFINITY, f64::min)
+    });
+    duration_s(1.0, least)
+}
+
+fn path(start_rad: Joints, motions: Vec<Ptp>, blend_shape: BlendShape) -> Path {
+    let motions = motions.into_iter().map(Motion::Ptp).collect();
+    let program = Program { robot: None, start_rad, motions };
+    let options = PathOptions { blend_shape, ..PathOptions::default() };
+    Path::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
+}
+
+/// The general solver, with cells so many times as fine.
+fn general(refinement: f64) -> Timing {
+    Timing::Jerk(JerkOptions { refinement, general: true })
+}
+
+fn found_s(start: Joints, ptp: &Ptp, timing: Timing) -> f64 {
+    let path = path(start, vec![ptp.clone()], BlendShape::Iiwa);
+    Trajectory::plan(&path, timing).unwrap().motion_time_s()
+}
+
+/// Joint `joint` (from 1) at `deg`, the others at zero.
+fn only(joint: usize, deg: f64) -> Joints {
+    std::array::from_fn(|j| if j + 1 == joint { deg.to_radians() } else { 0.0 })
+}
+
+const ALL: Joints = [0.9, -0.8, 0.7, -0.6, 0.5, -0.4, 0.3];
+
+/// Motions from zero: each joint alone and all together, long and short, with shares of each limit.
+fn moves() -> Vec<Ptp> {
+    let alone = (1..=7).flat_map(|joint| {
+        [100.0, 40.0, 19.6, 5.0, 0.3, 0.01, 1e-4].map(|deg| Ptp::to(only(joint, deg)))
+    });
+    let together = [1.0, 0.2, 1e-2, 1e-5].map(|size| Ptp::to(ALL.map(|q| q * size)));
+    let shares = [
+        [1.0, 1.0, 1.0],
+        [0.3, 1.0, 1.0],
+        [0.01, 1.0, 1.0],
+        [1.0, 0.25, 1.0],
+        [1.0, 1.0, 0.1],
+        [0.3, 0.5, 0.02],
+        [0.5, 0.02, 1.0],
+    ];
+    let mut moves: Vec<_> = alone
+        .chain(together)
+        .flat_map(|ptp| {
+            shares.map(|[v, a, j]| Ptp {
+                velocity_rel: [v; 7],
+                acceleration_rel: [a; 7],
+                jerk_rel: [j; 7],
+                ..ptp.clone()
+            })
+        })
+        .collect();
+    // A share for each joint, so that three of them decide.
+    for size in [1.0, 0.1, 1e-3] {
+        let mut ptp = Ptp::to(ALL.map(|q| q * size));
+        ptp.velocity_rel[4] = 0.2;
+        ptp.acceleration_rel[6] = 0.05;
+        ptp.jerk_rel[2] = 0.03;
+        moves.push(ptp);
+    }
+    moves
+}
+
+/// The least and the largest difference of durations to those of the formula, as a share.
+fn differences(timing: Timing) -> [f64; 2] {
+    let differences = moves().into_iter().map(|ptp| {
+        let found = found_s([0.0; 7], &ptp, timing);
+        let difference = found / expected_s(&[0.0; 7], &ptp) - 1.0;
+        assert!(difference.abs() < 0.1, "{difference:e}: {ptp:?}");
+        difference
+    });
+    let [least, most] =
+        differences.fold([0.0_f64; 2], |[least, most], d| [least.min(d), most.max(d)]);
+    println!("{timing:?}: {least:+e} to {most:+e}");
+    [least, most]
+}
+
+#[test]
+fn joint_1_from_minus_20_to_20_deg() {
+    // Limits of Larsen 2019, Tables 2 and 5.
+    let expected = 40.0 / 98.0 + 98.0 / 490.0 + 490.0 / 10_384.86;
+    let ptp = Ptp::to(only(1, 20.0));
+    for (timing, tolerance) in
+        [(Timing::default(), 1e-12), (general(1.0), 1e-3), (general(4.0), 1e-4)]
+    {
+        let error = found_s(only(1, -20.0), &ptp, timing) / expected - 1.0;
+        assert!(error.abs() < tolerance, "{timing:?}: {error:e}");
+    }
+}
+
+#[test]
+fn as_the_formula_says() {
+    let [least, most] = differences(Timing::default());
+    assert!(least > -1e-9 && most < 1e-9);
+}
+
+/// It keeps jerk at some places of each cell only, and so is a little faster; where a speed is far
+/// below what acceleration would reach, cells are long and it is slower. Finer cells converge.
+#[test]
+fn the_general_solver_agrees() {
+    for (refinement, tolerance) in [(1.0, [-0.0025, 0.0045]), (2.0, [-0.001, 0.002])] {
+        let [least, most] = differences(general(refinement));
+        assert!(least > tolerance[0] && most < tolerance[1], "{least:e} to {most:e}");
+    }
+}
+
+/// Straight on through blends is the line from the first start to the last target.
+#[test]
+fn straight_on_through_blends() {
+    let shapes = [
+        BlendShape::Iiwa,
+        BlendShape::Alpha(Continuity::Second),
+        BlendShape::Alpha(Continuity::Third),
+        BlendShape::MinAcceleration,
+    ];
+    let timing = |refinement| Timing::Jerk(JerkOptions { refinement, general: false });
+    let mut largest = [0.0_f64; 2];
+    for shape in shapes {
+        for to in [only(1, 90.0), ALL, ALL.map(|q| 0.05 * q)] {
+            for blend in [Blend::Fraction(0.1), Blend::Fraction(0.25), Blend::Fraction(0.5)] {
+                for [v, a, j] in [[1.0, 1.0, 1.0], [0.1, 1.0, 1.0], [0.7, 0.5, 0.1]] {
+                    let part = |share: f64| Ptp {
+                        velocity_rel: [v; 7],
+                        acceleration_rel: [a; 7],
+                        jerk_rel: [j; 7],
+                        ..Ptp::to(to.map(|q| share * q))
+                    };
+                    let expected = expected_s(&[0.0; 7], &part(1.0));
+                    let parts = vec![part(0.3).blend(blend), part(0.65).blend(blend), part(1.0)];
+                    let path = path([0.0; 7], parts, shape);
+                    assert!(path.blends().all(|(corner, _)| corner.gamma_deg.abs() < 1e-5));
+                    for (largest, refinement) in largest.iter_mut().zip([1.0, 4.0]) {
+                        let found = Trajectory::plan(&path, timing(refinement)).unwrap();
+                        let error = (found.motion_time_s() / expected - 1.0).abs();
+                        assert!(error < 0.1, "{shape:?} {blend:?} {v} {a} {j}: {error:e}");
+                        *largest = largest.max(error);
+                    }
+                }
+            }
+        }
+    }
+    println!("largest errors {largest:?}");
+    assert!(largest[0] < 2.5e-3 && largest[1] < 3e-4, "{largest:?}");
+}
+
+/// Random motions, some short, some with shares of the limits.
+fn random_moves(count: usize) -> Vec<(Joints, Ptp)> {
+    let config = ProptestConfig { rng_seed: RngSeed::Fixed(2021), ..ProptestConfig::default() };
+    let share = || prop_oneof![2 => Just(1.0), 1 => 0.05..1.0_f64];
+    let joints = || prop::array::uniform7(-1.0..1.0_f64);
+    let size = prop_oneof![Just(1.5), Just(0.2), Just(0.01)];
+    let one = (joints(), joints(), size, share(), share(), share()).prop_map(
+        |(start, step, size, v, a, j)| {
+            let ptp = Ptp {
+                velocity_rel: [v; 7],
+                acceleration_rel: [a; 7],
+                jerk_rel: [j; 7],
+                ..Ptp::to(std::array::from_fn(|i| 0.5 * start[i] + size * step[i]))
+            };
+            (start.map(|q| 0.5 * q), ptp)
+        },
+    );
+    let all = prop::collection::vec(one, count);
+    all.new_tree(&mut TestRunner::new(config)).unwrap().current()
+}
+
+/// Duration of ruckig's phase-synchronised motion, and how far it strays from the line as a share of
+/// the way.
+fn ruckig(start: &Joints, ptp: &Ptp) -> (f64, f64) {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let robot = robot.limits();
+    let of = |limit: &Joints, share: &Joints| {
+        DataArrayOrVec::Stack(std::array::from_fn(|i| limit[i] * share[i]))
+    };
+    let mut input = InputParameter::<7>::new(None);
+    input.synchronization = Synchronization::Phase;
+    input.current_position = DataArrayOrVec::Stack(*start);
+    input.target_position = DataArrayOrVec::Stack(ptp.target_rad);
+    input.max_velocity = of(&robot.velocity_rad_s, &ptp.velocity_rel);
+    input.max_acceleration = of(&robot.acceleration_rad_s2, &ptp.acceleration_rel);
+    input.max_jerk = of(&robot.jerk_rad_s3, &ptp.jerk_rel);
+    let mut trajectory = RuckigTrajectory::new(None);
+    Ruckig::<7, ThrowErrorHandler>::new(None, 1e-3).calculate(&input, &mut trajectory).unwrap();
+    let duration_s = trajectory.get_duration();
+    let mut astray = 0.0_f64;
+    for i in 0..=200 {
+        let mut q = DataArrayOrVec::Stack([0.0; 7]);
+        let t_s = duration_s * f64::from(i) / 200.0;
+        trajectory.at_time(t_s, &mut Some(&mut q), &mut None, &mut None, &mut None, &mut None);
+        let shares = (0..7).map(|j| (q[j] - start[j]) / (ptp.target_rad[j] - start[j]));
+        let (least, most) = shares.fold((f64::MAX, f64::MIN), |(l, m), s| (l.min(s), m.max(s)));
+        astray = astray.max(most - least);
+    }
+    (duration_s, astray)
+}
+
+/// Where several joints decide, ruckig may leave the line without a word: these do not count.
+#[test]
+fn as_ruckig_does_where_it_stays_on_the_line() {
+    let moves = random_moves(200);
+    let (mut stays, mut largest) = (0, 0.0_f64);
+    for (start, ptp) in &moves {
+        let (expected, astray) = ruckig(start, ptp);
+        let found = found_s(*start, ptp, Timing::default());
+        if astray < 1e-6 {
+            stays += 1;
+            let error = (found / expected - 1.0).abs();
+            assert!(error < 1e-6, "{found} s, ruckig {expected} s: {start:?} {ptp:?}");
+            largest = largest.max(error);
+        } else {
+            // Off the line it is no slower than on it.
+            assert!(expected <= found * (1.0 + 1e-9), "{found} s, ruckig {expected} s");
+        }
+    }
+    println!("on the line: {stays} of {}, largest error {largest:e}", moves.len());
+    assert!(10 * stays >= 8 * moves.len());
+}
