@@ -4,7 +4,13 @@
 //! Each case runs in a process of its own, which reports the most memory that it ever held.
 #![expect(clippy::print_stdout, reason = "tables are what it is for")]
 
-use std::{env, fs, path::Path as FilePath, process::Command, time::Instant};
+use std::{
+    env, fs,
+    path::Path as FilePath,
+    process::{Command, Output, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
 
 use iiwa_kin::Robot;
 use iiwa_path::{Path, Program};
@@ -17,8 +23,11 @@ use iiwasim_benches::{
 use serde::{Deserialize, Serialize};
 
 const MOTIONS: [usize; 4] = [100, 1_000, 10_000, 100_000];
-/// Under limits of jerk the longest would take minutes.
+/// Under limits of jerk.
 const JERK_MOTIONS: [usize; 3] = [100, 1_000, 10_000];
+
+/// Longest time that a case may take.
+const MOST: Duration = Duration::from_secs(30);
 
 /// What a case's process reports.
 #[derive(Deserialize, Serialize)]
@@ -65,7 +74,12 @@ fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
             let file = folder.path().join("program.json");
             fs::write(&file, text(kind, motions))?;
             let mut case = Command::new(env::current_exe()?);
-            let output = case.args(["--case", timing.name()]).arg(&file).output()?;
+            case.args(["--case", timing.name()]).arg(&file);
+            let Some(output) = within(MOST, &mut case)? else {
+                let most_s = MOST.as_secs();
+                println!("| {motions} | {} | | | | | more than {most_s} s | | |", kind.name());
+                continue;
+            };
             if !output.status.success() {
                 let says = String::from_utf8_lossy(&output.stderr).into_owned();
                 return Err(format!("{motions} motions, {}: {says}", kind.name()).into());
@@ -84,6 +98,22 @@ fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// What `command` prints; nothing if it takes longer than `most`: then it is ended.
+fn within(most: Duration, command: &mut Command) -> Result<Option<Output>> {
+    let mut process = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+    let start = Instant::now();
+    // It prints too little to fill a pipe.
+    while process.try_wait()?.is_none() {
+        if start.elapsed() > most {
+            process.kill()?;
+            process.wait()?;
+            return Ok(None);
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+    Ok(Some(process.wait_with_output()?))
 }
 
 fn measure(file: &FilePath, timing: Timing) -> Result<Report> {
