@@ -1,49 +1,81 @@
-//! Time stamps under limits of jerk for a program of ten blended motions: the first reference
-//! program.
-#![expect(clippy::print_stderr, reason = "where a bench says that it cannot run")]
+//! Time stamps under limits of jerk: for a program of ten blended motions, the first reference
+//! program, and for longer ones.
+#![expect(clippy::print_stderr, reason = "where a bench says what it cannot time")]
 
-use std::{hint::black_box, time::Duration};
-
-use criterion::{
-    BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
+use std::{
+    hint::black_box,
+    time::{Duration, Instant},
 };
+
+use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use iiwa_kin::Robot;
 use iiwa_path::{Path, Program};
-use iiwa_traj::SweepOptions;
+use iiwa_traj::{JerkOptions, Timing, Trajectory};
 use iiwasim_benches::{
-    Result, reference,
-    topp3::{Samples, Solver},
+    Result,
+    long_program::{Kind, text},
+    reference,
+    topp3::{PEERS, Samples},
 };
 
-/// Few intervals a segment: the peer takes half a second for these.
-const FEW: usize = 20;
-
 fn jerk(criterion: &mut Criterion) {
-    if let Err(error) = run(criterion) {
+    if let Err(error) = against_peers(criterion).and_then(|()| growth(criterion)) {
         eprintln!("{error}");
     }
 }
 
-fn run(criterion: &mut Criterion) -> Result<()> {
+fn against_peers(criterion: &mut Criterion) -> Result<()> {
     let program = Program::from_json(&reference::ten_motions()?)?;
     let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+    let timing = Timing::Jerk(JerkOptions::default());
 
     let mut group = criterion.benchmark_group("stamps, jerk");
+    group.throughput(Throughput::Elements(program.motions.len() as u64));
+    let ours_s = Trajectory::plan(&path, timing)?.motion_time_s();
+    eprintln!("stamps, jerk/iiwa-traj plan: {ours_s:.6} s in motion");
+    group.bench_function("iiwa-traj plan", |bencher| {
+        bencher.iter(|| Trajectory::plan(black_box(&path), timing));
+    });
     // The peer takes seconds: one solution a sample. Whatever is fast goes before these settings.
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
     group.warm_up_time(Duration::from_millis(1)).measurement_time(Duration::from_secs(1));
-    for intervals in [FEW, SweepOptions::default().samples] {
-        let samples = Samples::new(&path, intervals)?;
-        group.throughput(Throughput::Elements(samples.nodes() as u64));
-        for (name, solver) in
-            [("copp topp3_lp", Solver::Linear), ("copp topp3_socp", Solver::Conic)]
-        {
-            // Once beforehand: a solver that fails would fail fast.
-            samples.solve(solver)?;
-            group.bench_function(BenchmarkId::new(name, intervals), |bencher| {
-                bencher.iter(|| black_box(&samples).solve(solver));
-            });
+    for peer in PEERS.iter().filter(|peer| peer.timed) {
+        let samples = Samples::new(&path, peer.intervals)?;
+        // Once beforehand: a solver that fails would fail fast.
+        let theirs_s = samples.solve(peer.solver)?.duration_s;
+        eprintln!("stamps, jerk/{}: {theirs_s:.6} s in motion", peer.name);
+        group.bench_function(peer.name, |bencher| {
+            bencher.iter(|| black_box(&samples).solve(peer.solver));
+        });
+    }
+    group.finish();
+    Ok(())
+}
+
+/// Longest time of one plan that is sampled: ten samples of a slower one take too long.
+const MOST: Duration = Duration::from_secs(3);
+
+/// Programs without a stop are planned as one: their time should grow no faster than they do.
+fn growth(criterion: &mut Criterion) -> Result<()> {
+    let mut group = criterion.benchmark_group("growth, jerk");
+    // The longest takes seconds.
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    for motions in [10, 100, 1000] {
+        let program = Program::from_json(&text(Kind::Blended, motions))?;
+        let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+        let timing = Timing::Jerk(JerkOptions::default());
+        let start = Instant::now();
+        Trajectory::plan(&path, timing)?;
+        let once = start.elapsed();
+        if once > MOST {
+            let once_s = once.as_secs_f64();
+            eprintln!("growth, jerk/{motions} motions: not sampled, one plan takes {once_s:.1} s");
+            continue;
         }
+        group.throughput(Throughput::Elements(motions as u64));
+        group.bench_function(format!("{motions} motions"), |bencher| {
+            bencher.iter(|| Trajectory::plan(black_box(&path), timing));
+        });
     }
     group.finish();
     Ok(())

@@ -35,8 +35,14 @@ impl Kind {
 /// The text of a program of `motions` motions between points all over half of the robot's ranges.
 #[must_use]
 pub fn text(kind: Kind, motions: usize) -> String {
+    seeded(kind, motions, 7)
+}
+
+/// The same with other points; each `seed` gives its own.
+#[must_use]
+pub fn seeded(kind: Kind, motions: usize, seed: u64) -> String {
     let robot = Robot::lbr_iiwa_7_r800();
-    let mut numbers = Numbers::new(7);
+    let mut numbers = Numbers::new(seed);
     let mut joints = || {
         let values = numbers.joints(&robot, 0.5).map(|q| format!("{q:.6}"));
         format!("\"joints_rad\": [{}]", values.join(", "))

@@ -37,6 +37,47 @@ pub enum Solver {
     Conic,
 }
 
+/// One way to use the peer.
+#[derive(Clone, Copy, Debug)]
+pub struct Peer {
+    /// What benches and tables call it.
+    pub name: &'static str,
+    /// What its steps look for.
+    pub solver: Solver,
+    /// Intervals a segment.
+    pub intervals: usize,
+    /// Whether its time is measured: a solution at many intervals takes seconds, a bench ten.
+    pub timed: bool,
+}
+
+/// Both solvers, at few and at many intervals.
+pub const PEERS: [Peer; 4] = [
+    Peer {
+        name: "copp topp3_lp, 20 intervals",
+        solver: Solver::Linear,
+        intervals: 20,
+        timed: true,
+    },
+    Peer {
+        name: "copp topp3_socp, 20 intervals",
+        solver: Solver::Conic,
+        intervals: 20,
+        timed: true,
+    },
+    Peer {
+        name: "copp topp3_lp, 100 intervals",
+        solver: Solver::Linear,
+        intervals: 100,
+        timed: false,
+    },
+    Peer {
+        name: "copp topp3_socp, 100 intervals",
+        solver: Solver::Conic,
+        intervals: 100,
+        timed: true,
+    },
+];
+
 /// What the solver finds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {

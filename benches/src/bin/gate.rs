@@ -16,16 +16,18 @@ use std::{
 
 use iiwa_kin::{Pose, Robot};
 use iiwa_path::{BlendSearch, Path, Program};
-use iiwa_traj::{SweepOptions, Timing, Trajectory};
-use iiwasim_benches::{Result, joints::poses, machine, reference};
+use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
+use iiwasim_benches::{
+    Result,
+    joints::poses,
+    long_program::{self, Kind},
+    machine, reference,
+};
 use serde::{Deserialize, Serialize};
 
 const BASELINE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/baseline.json");
 /// Largest growth that passes.
 const TOLERANCE: f64 = 0.05;
-/// How often each workload runs in the shorter and in the longer process.
-const RUNS: [u64; 2] = [2, 12];
-
 /// Counts by level of instructions.
 type Baseline = BTreeMap<String, Counts>;
 
@@ -45,11 +47,20 @@ enum Workload {
     BlendSearch,
     Sweep,
     Plan,
+    Jerk,
+    LongJerk,
 }
 
 impl Workload {
-    const ALL: [Self; 5] =
-        [Self::Forward, Self::ForwardBatch, Self::BlendSearch, Self::Sweep, Self::Plan];
+    const ALL: [Self; 7] = [
+        Self::Forward,
+        Self::ForwardBatch,
+        Self::BlendSearch,
+        Self::Sweep,
+        Self::Plan,
+        Self::Jerk,
+        Self::LongJerk,
+    ];
 
     fn name(self) -> &'static str {
         match self {
@@ -58,6 +69,17 @@ impl Workload {
             Self::BlendSearch => "blend search, 54 first crossings",
             Self::Sweep => "stamps of ten motions",
             Self::Plan => "ten motions from JSON to stamps",
+            Self::Jerk => "stamps of ten motions, jerk-limited",
+            Self::LongJerk => "stamps of 100 motions, jerk-limited",
+        }
+    }
+
+    /// How often it runs in the shorter and in the longer process: the fast ones more often, so
+    /// that what they do once only does not count.
+    fn runs(self) -> [u64; 2] {
+        match self {
+            Self::LongJerk => [1, 2],
+            _ => [2, 12],
         }
     }
 
@@ -91,6 +113,17 @@ impl Workload {
                         black_box(&path),
                         Timing::Acceleration(SweepOptions::default()),
                     )?);
+                }
+            }
+            Self::Jerk | Self::LongJerk => {
+                let text = match self {
+                    Self::LongJerk => long_program::text(Kind::Blended, 100),
+                    _ => reference::ten_motions()?,
+                };
+                let path = Path::new(&Program::from_json(&text)?, &robot)?;
+                let timing = Timing::Jerk(JerkOptions::default());
+                for _ in 0..runs {
+                    black_box(Trajectory::plan(black_box(&path), timing)?);
                 }
             }
             Self::Plan => {
@@ -201,7 +234,7 @@ fn count() -> Result<Counts> {
     let mut instructions = BTreeMap::new();
     for (i, workload) in Workload::ALL.iter().enumerate() {
         let run = |runs: u64| counted(&["--run", &i.to_string(), &runs.to_string()]);
-        let [few, many] = RUNS;
+        let [few, many] = workload.runs();
         let difference = run(many)?.instructions.saturating_sub(run(few)?.instructions);
         instructions.insert(workload.name().to_owned(), difference / (many - few));
     }

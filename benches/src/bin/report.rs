@@ -12,8 +12,12 @@ use std::{
 
 use iiwa_kin::Robot;
 use iiwa_path::{BlendSearch, Path, Program};
-use iiwa_traj::{SweepOptions, Timing, Trajectory};
-use iiwasim_benches::{Result, machine, reference, topp_ra::Samples};
+use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
+use iiwasim_benches::{
+    Result, machine, reference,
+    topp_ra::Samples,
+    topp3::{self, PEERS},
+};
 use serde_json::Value;
 
 /// A bench's figures.
@@ -138,6 +142,11 @@ fn main() -> Result<()> {
             "copp topp2_ra, from the path",
         ],
     )?;
+    let mut names = vec!["iiwa-traj plan"];
+    names.extend(PEERS.iter().filter(|peer| peer.timed).map(|peer| peer.name));
+    let jerk = read("stamps, jerk", "motion", &names)?;
+    let growth = read("growth, jerk", "motion", &["10 motions", "100 motions", "1000 motions"])?;
+    let durations = Durations::find()?;
     let ten = read("ten motions", "", &["Program::from_json", "Path::new", "Trajectory::plan"])?;
     let command = read("command", "", &["iiwasim plan", "iiwasim --version"])?;
 
@@ -147,26 +156,85 @@ fn main() -> Result<()> {
         machine::instruction_level(),
         machine::version("rustc")
     );
-    print_required(&search, &stamps, &command);
-    for group in [&forward, &search, &stamps, &ten, &command] {
+    print_required(&search, &stamps, &jerk, &durations, &command);
+    for group in [&forward, &search, &stamps, &jerk, &growth, &ten, &command] {
         group.print();
     }
     print_found_crossings()?;
-    print_accuracy()
+    print_accuracy()?;
+    durations.print();
+    print_jerk_accuracy()
+}
+
+/// Times in motion of the ten motions under limits of jerk, in s.
+struct Durations {
+    ours: f64,
+    peers: Vec<(&'static str, f64)>,
+    /// Of an independent solver.
+    reference: f64,
+}
+
+/// The peer that the requirement is held against: the one that looks for the shortest time.
+const HELD_AGAINST: &str = "copp topp3_socp, 100 intervals";
+
+impl Durations {
+    fn find() -> Result<Self> {
+        let program = Program::from_json(&reference::ten_motions()?)?;
+        let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+        let timing = Timing::Jerk(JerkOptions::default());
+        let solve = |peer: &topp3::Peer| -> Result<_> {
+            let samples = topp3::Samples::new(&path, peer.intervals)?;
+            Ok((peer.name, samples.solve(peer.solver)?.duration_s))
+        };
+        Ok(Self {
+            ours: Trajectory::plan(&path, timing)?.motion_time_s(),
+            peers: PEERS.iter().map(solve).collect::<Result<_>>()?,
+            reference: reference::ten_motions_jerk_s()?,
+        })
+    }
+
+    /// Of the planner, as a share of the peer's.
+    fn over(&self, peer: &str) -> Option<f64> {
+        let (_, theirs) = self.peers.iter().find(|(name, _)| *name == peer)?;
+        Some(self.ours / theirs)
+    }
+
+    fn print(&self) {
+        println!("\n### durations, jerk\n");
+        println!(
+            "Time in motion of the ten motions, and how much longer it is than the reference.\n"
+        );
+        println!("| | time in motion | over the reference |\n|---|---:|---:|");
+        let ours = ("iiwa-traj plan", self.ours);
+        for (name, time_s) in [ours].iter().chain(&self.peers) {
+            let over = 100.0 * (time_s / self.reference - 1.0);
+            println!("| {name} | {time_s:.6} s | {over:+.3} % |");
+        }
+        println!("| reference: an independent solver, from below | {:.6} s | |", self.reference);
+    }
 }
 
 /// How a table writes a figure.
 type Format<'a> = &'a dyn Fn(f64) -> String;
 
 /// A ratio or a time, and the largest that it may be.
-fn print_required(search: &Group, stamps: &Group, command: &Group) {
+fn print_required(
+    search: &Group,
+    stamps: &Group,
+    jerk: &Group,
+    durations: &Durations,
+    command: &Group,
+) {
     let each = |group: &Group, name: &str| group.get(name).map(Figure::each_ns);
     let ratio = |a: Option<f64>, b: Option<f64>| Some(a? / b?);
     let sweep = each(stamps, "iiwa-traj plan");
     let copp = each(stamps, "copp topp2_ra, solver alone");
     let share = |value: f64| format!("1/{:.1}", 1.0 / value);
     let times = |value: f64| time(value);
-    let rows: [(&str, Option<f64>, f64, Format<'_>); 4] = [
+    let plain = |value: f64| format!("{value:.4}");
+    let run = |name: &str| jerk.get(name).map(|figure| figure.fastest_ns);
+    let ours = run("iiwa-traj plan");
+    let rows: [(&str, Option<f64>, f64, Format<'_>); 7] = [
         (
             "blend search: first crossing over algorithm 2",
             ratio(each(search, "first crossing"), each(search, "algorithm 2")),
@@ -179,6 +247,19 @@ fn print_required(search: &Group, stamps: &Group, command: &Group) {
             ratio(sweep, copp),
             1.0 / 8.0,
             &share,
+        ),
+        ("stamps of ten blended motions, jerk-limited", ours, 10e6, &times),
+        (
+            "the same over the time of copp's topp3_socp at 100 intervals a segment",
+            ratio(ours, run(HELD_AGAINST)),
+            1.0 / 300.0,
+            &share,
+        ),
+        (
+            "the same: time in motion, over that by copp's topp3_socp",
+            durations.over(HELD_AGAINST),
+            1.0,
+            &plain,
         ),
         (
             "`iiwasim plan`, ten motions, process and MCAP",
@@ -246,12 +327,36 @@ fn print_accuracy() -> Result<()> {
     Ok(())
 }
 
+/// How the time in motion of the ten motions depends on the size of the cells, under limits of
+/// jerk.
+fn print_jerk_accuracy() -> Result<()> {
+    const FINEST: f64 = 8.0;
+    let program = Program::from_json(&reference::ten_motions()?)?;
+    let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+    let plan = |refinement: f64| -> Result<f64> {
+        let timing = Timing::Jerk(JerkOptions { refinement, ..JerkOptions::default() });
+        Ok(Trajectory::plan(&path, timing)?.motion_time_s())
+    };
+    let finest = plan(FINEST)?;
+    println!("\n### accuracy, jerk\n");
+    println!("Time in motion of the ten motions, and how much longer it is than at the finest.\n");
+    println!("| refinement | iiwa-traj | over the finest |\n|---:|---:|---:|");
+    for refinement in [1.0, 2.0, 4.0] {
+        let time_s = plan(refinement)?;
+        let over = 100.0 * (time_s / finest - 1.0);
+        println!("| {refinement} | {time_s:.6} s | {over:+.4} % |");
+    }
+    println!("| {FINEST} | {finest:.6} s | |");
+    Ok(())
+}
+
 /// A time with three digits.
 fn time(ns: f64) -> String {
     let (value, unit) = match ns {
         ns if ns < 1e3 => (ns, "ns"),
         ns if ns < 1e6 => (ns * 1e-3, "us"),
-        ns => (ns * 1e-6, "ms"),
+        ns if ns < 1e9 => (ns * 1e-6, "ms"),
+        ns => (ns * 1e-9, "s"),
     };
     let digits = if value < 10.0 { 2 } else { usize::from(value < 100.0) };
     format!("{value:.digits$} {unit}")

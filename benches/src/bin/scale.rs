@@ -1,13 +1,20 @@
-//! Prints how time and memory grow with the length of a program, as a Markdown table.
+//! Prints how time and memory grow with the length of a program, as Markdown tables: without limits
+//! of jerk, and with them.
 //!
 //! Each case runs in a process of its own, which reports the most memory that it ever held.
-#![expect(clippy::print_stdout, reason = "a table is what it is for")]
+#![expect(clippy::print_stdout, reason = "tables are what it is for")]
 
-use std::{env, fs, path::Path as FilePath, process::Command, time::Instant};
+use std::{
+    env, fs,
+    path::Path as FilePath,
+    process::{Command, Output, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
 
 use iiwa_kin::Robot;
 use iiwa_path::{Path, Program};
-use iiwa_traj::{Planner, Timing};
+use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing};
 use iiwasim_benches::{
     Result,
     long_program::{Kind, text},
@@ -16,6 +23,11 @@ use iiwasim_benches::{
 use serde::{Deserialize, Serialize};
 
 const MOTIONS: [usize; 4] = [100, 1_000, 10_000, 100_000];
+/// Under limits of jerk.
+const JERK_MOTIONS: [usize; 3] = [100, 1_000, 10_000];
+
+/// Longest time that a case may take.
+const MOST: Duration = Duration::from_secs(30);
 
 /// What a case's process reports.
 #[derive(Deserialize, Serialize)]
@@ -31,27 +43,43 @@ struct Report {
 fn main() -> Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();
     match arguments.as_slice() {
-        [] => print_table(),
-        [flag, file] if flag == "--case" => {
-            println!("{}", serde_json::to_string(&measure(FilePath::new(file))?)?);
+        [] => {
+            println!("On {}, {}.\n", machine::processor(), machine::instruction_level());
+            print_table(Timing::Acceleration(SweepOptions::default()), &MOTIONS)?;
+            println!("\nUnder limits of jerk:\n");
+            print_table(Timing::Jerk(JerkOptions::default()), &JERK_MOTIONS)
+        }
+        [flag, timing, file] if flag == "--case" => {
+            let timings = [
+                Timing::Acceleration(SweepOptions::default()),
+                Timing::Jerk(JerkOptions::default()),
+            ];
+            let timing = timings.into_iter().find(|known| known.name() == timing);
+            let report = measure(FilePath::new(file), timing.ok_or("no such timing")?)?;
+            println!("{}", serde_json::to_string(&report)?);
             Ok(())
         }
         _ => Err("it takes no arguments".into()),
     }
 }
 
-fn print_table() -> Result<()> {
+fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
     let folder = tempfile::tempdir()?;
-    println!("On {}, {}.\n", machine::processor(), machine::instruction_level());
     println!(
         "| motions | blends | JSON | parse | path | plan | together | a motion | memory, at most |"
     );
     println!("|---:|---|---:|---:|---:|---:|---:|---:|---:|");
     for kind in Kind::ALL {
-        for motions in MOTIONS {
+        for &motions in lengths {
             let file = folder.path().join("program.json");
             fs::write(&file, text(kind, motions))?;
-            let output = Command::new(env::current_exe()?).arg("--case").arg(&file).output()?;
+            let mut case = Command::new(env::current_exe()?);
+            case.args(["--case", timing.name()]).arg(&file);
+            let Some(output) = within(MOST, &mut case)? else {
+                let most_s = MOST.as_secs();
+                println!("| {motions} | {} | | | | | more than {most_s} s | | |", kind.name());
+                continue;
+            };
             if !output.status.success() {
                 let says = String::from_utf8_lossy(&output.stderr).into_owned();
                 return Err(format!("{motions} motions, {}: {says}", kind.name()).into());
@@ -72,7 +100,23 @@ fn print_table() -> Result<()> {
     Ok(())
 }
 
-fn measure(file: &FilePath) -> Result<Report> {
+/// What `command` prints; nothing if it takes longer than `most`: then it is ended.
+fn within(most: Duration, command: &mut Command) -> Result<Option<Output>> {
+    let mut process = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+    let start = Instant::now();
+    // It prints too little to fill a pipe.
+    while process.try_wait()?.is_none() {
+        if start.elapsed() > most {
+            process.kill()?;
+            process.wait()?;
+            return Ok(None);
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+    Ok(Some(process.wait_with_output()?))
+}
+
+fn measure(file: &FilePath, timing: Timing) -> Result<Report> {
     let idle_mb = peak_memory_mb()?;
     let robot = Robot::lbr_iiwa_7_r800();
     let mut start = Instant::now();
@@ -87,7 +131,7 @@ fn measure(file: &FilePath) -> Result<Report> {
     drop(program);
     let path_ms = lap_ms();
     let mut cycle_time_s = 0.0;
-    for stretch in Planner::new(&path, Timing::default()) {
+    for stretch in Planner::new(&path, timing) {
         cycle_time_s = stretch?.end_s();
     }
     let plan_ms = lap_ms();

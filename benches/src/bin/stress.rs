@@ -89,7 +89,7 @@ impl Tally {
             for i in 0..3 {
                 worst[i] = worst[i].max(found[i]);
                 // Not a number is too much, too.
-                if !(found[i] <= ALLOWED[i]) {
+                if found[i].is_nan() || found[i] > ALLOWED[i] {
                     let what = ["velocity", "acceleration", "jerk"][i];
                     self.failures.entry(what.to_owned()).or_default().push(index);
                 }

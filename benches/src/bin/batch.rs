@@ -1,0 +1,76 @@
+//! Prints how many programs a second `plan_all` plans on one core and on all of them, as a Markdown
+//! table.
+//!
+//! What else runs on the machine takes from all cores and only rarely from one: efficiencies are
+//! meaningful on a quiet machine only.
+#![expect(clippy::print_stdout, reason = "a table is what it is for")]
+
+use std::{thread, time::Instant};
+
+use iiwa_kin::Robot;
+use iiwa_path::{PathOptions, Program};
+use iiwa_traj::{JerkOptions, PlanError, SweepOptions, Timing, Trajectory, plan_all};
+use iiwasim_benches::{
+    Result,
+    long_program::{Kind, seeded},
+    machine,
+};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+/// Different ones, since their times differ: that is what balances the load.
+const PROGRAMS: u64 = 300;
+const MOTIONS: usize = 10;
+/// Rounds, each on one core and then on all; the fastest of each counts.
+const ROUNDS: usize = 5;
+/// A round is made of so many calls at least this long, in s: a fast one would be over before all
+/// threads are awake.
+const ROUND_S: f64 = 0.5;
+
+fn main() -> Result<()> {
+    let programs = (0..PROGRAMS)
+        .map(|seed| Ok(Program::from_json(&seeded(Kind::Blended, MOTIONS, seed))?))
+        .collect::<Result<Vec<_>>>()?;
+    let cores = thread::available_parallelism()?.get();
+    let pools = [pool(1)?, pool(cores)?];
+    println!("On {}, {}.\n", machine::processor(), machine::instruction_level());
+    println!("{PROGRAMS} programs of {MOTIONS} blended motions, from `Program` to `Trajectory`.\n");
+    println!("| timing | on one core | on {cores} | speed-up | efficiency |");
+    println!("|---|---:|---:|---:|---:|");
+    for timing in
+        [Timing::Acceleration(SweepOptions::default()), Timing::Jerk(JerkOptions::default())]
+    {
+        let mut fastest_s = [f64::INFINITY; 2];
+        for _ in 0..ROUNDS {
+            for (pool, fastest_s) in pools.iter().zip(&mut fastest_s) {
+                *fastest_s = fastest_s.min(round(pool, &programs, timing)?);
+            }
+        }
+        let [one, all] = fastest_s.map(|time_s| programs.len() as f64 / time_s);
+        println!(
+            "| {} | {one:.0} programs/s | {all:.0} programs/s | {:.2} | {:.0} % |",
+            timing.name(),
+            all / one,
+            100.0 * all / one / cores as f64,
+        );
+    }
+    Ok(())
+}
+
+fn pool(threads: usize) -> Result<ThreadPool> {
+    Ok(ThreadPoolBuilder::new().num_threads(threads).build()?)
+}
+
+/// The time to plan all of `programs` on the threads of `pool`, in s: the mean of a round's calls.
+fn round(pool: &ThreadPool, programs: &[Program], timing: Timing) -> Result<f64> {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let (mut calls, mut time_s) = (0, 0.0);
+    while time_s < ROUND_S {
+        let start = Instant::now();
+        let plans = pool.install(|| plan_all(programs, &robot, PathOptions::default(), timing));
+        time_s += start.elapsed().as_secs_f64();
+        calls += 1;
+        // A program that fails would fail fast.
+        plans.into_iter().collect::<std::result::Result<Vec<Trajectory>, PlanError>>()?;
+    }
+    Ok(time_s / f64::from(calls))
+}
