@@ -141,11 +141,11 @@ fn as_the_formula_says() {
     assert!(least > -1e-9 && most < 1e-9);
 }
 
-/// It keeps jerk at some places of each cell only, and so is a little faster; where a speed is far
-/// below what acceleration would reach, cells are long and it is slower. Finer cells converge.
+/// Where jerk is constant, its square root of x is a little less than it could be between the places at
+/// which it is kept. Finer cells converge.
 #[test]
 fn the_general_solver_agrees() {
-    for (refinement, tolerance) in [(1.0, [-0.0025, 0.0045]), (2.0, [-0.001, 0.002])] {
+    for (refinement, tolerance) in [(1.0, [-1e-4, 1.5e-3]), (8.0, [-1e-4, 1e-4])] {
         let [least, most] = differences(general(refinement));
         assert!(least > tolerance[0] && most < tolerance[1], "{least:e} to {most:e}");
     }
@@ -176,7 +176,7 @@ fn straight_on_through_blends() {
                     let parts = vec![part(0.3).blend(blend), part(0.65).blend(blend), part(1.0)];
                     let path = path([0.0; 7], parts, shape);
                     assert!(path.blends().all(|(corner, _)| corner.gamma_deg.abs() < 1e-5));
-                    for (largest, refinement) in largest.iter_mut().zip([1.0, 4.0]) {
+                    for (largest, refinement) in largest.iter_mut().zip([1.0, 8.0]) {
                         let found = Trajectory::plan(&path, timing(refinement)).unwrap();
                         let error = (found.motion_time_s() / expected - 1.0).abs();
                         assert!(error < 0.1, "{shape:?} {blend:?} {v} {a} {j}: {error:e}");
@@ -187,7 +187,7 @@ fn straight_on_through_blends() {
         }
     }
     println!("largest errors {largest:?}");
-    assert!(largest[0] < 2.5e-3 && largest[1] < 3e-4, "{largest:?}");
+    assert!(largest[0] < 2e-3 && largest[1] < 1e-4, "{largest:?}");
 }
 
 /// Random motions, some short, some with shares of the limits.

@@ -10,6 +10,8 @@ mod leg;
 mod mesh;
 mod solver;
 
+use std::ops::Range;
+
 use iiwa_kin::Joints;
 use iiwa_path::Step;
 
@@ -20,7 +22,7 @@ use crate::{
     timing::{JerkOptions, TimingError},
 };
 use leg::Leg;
-use mesh::{Cell, mesh};
+use mesh::{Cell, Mesh, mesh};
 use solver::{GAP, NotConverged, Solver, Start};
 
 /// Largest shares of the limits of speed, acceleration and jerk that are handed out. Between the
@@ -75,24 +77,87 @@ pub(crate) fn limit(stretch: &mut Stretch, options: JerkOptions) -> Result<(), T
     }
     let stamped = match legs.as_slice() {
         [line] if line.is_line() && !options.general => straight(line),
-        _ => {
-            let mut best: Option<Plan> = None;
-            for (refinement, safe) in WAYS {
-                let plan = Plan::find(&legs, options.refinement * refinement, safe);
-                let [enough, most] = LONGER;
-                if plan.longer() <= best.as_ref().map_or(most, Plan::longer) {
-                    best = Some(plan);
-                }
-                if best.as_ref().is_some_and(|best| best.longer() <= enough) {
-                    break;
-                }
-            }
-            best.ok_or(TimingError::NotConverged { motion })?.stamps(&legs)
-        }
+        _ => curved(&legs, options).ok_or(TimingError::NotConverged { motion })?,
     };
     drop(legs);
     stretch.stamp(stamped);
     Ok(())
+}
+
+/// The stamps of any other stretch; none if they were not found.
+fn curved(legs: &[Leg<'_>], options: JerkOptions) -> Option<Vec<Stamps>> {
+    if !options.general
+        && let Some(stamps) = in_parts(legs, options)
+    {
+        return Some(stamps);
+    }
+    let whole = Part { legs, range: 0..legs.len(), entry: None };
+    Some(whole.solve(options)?.stamps(&whole, legs.len(), &mut 0.0))
+}
+
+/// Legs that are settled at a time, and legs beyond them that are looked at.
+const SETTLED: usize = 30;
+const AHEAD: usize = 10;
+
+/// Way that is looked ahead at least, in rad. From full speed the arm stops on two thirds of it.
+const AHEAD_RAD: f64 = 2.5;
+
+/// The stamps of a stretch that is too long to be solved as a whole: part by part, each with some legs
+/// beyond it on whose last line the arm could stop. So there is a way on from the end of every part, and
+/// far enough from that stop it makes no difference. None if the stretch cannot be divided like this.
+fn in_parts(legs: &[Leg<'_>], options: JerkOptions) -> Option<Vec<Stamps>> {
+    let mut stamps = Vec::with_capacity(legs.len());
+    let mut t_s = 0.0;
+    let (mut start, mut entry) = (0, None);
+    while start < legs.len() {
+        let settled = start + SETTLED;
+        let mut way = 0.0;
+        let stops = |(index, leg): &(usize, &Leg<'_>)| {
+            way += leg.length;
+            index + 1 >= settled + AHEAD && way >= AHEAD_RAD && leg.is_line()
+        };
+        let end = legs.iter().enumerate().skip(settled).find(stops);
+        // What is left after the stop should be worth a part of its own.
+        let end = end.map(|(index, _)| index + 1).filter(|end| end + SETTLED / 2 < legs.len());
+        let (settled, end) = end.map_or((legs.len(), legs.len()), |end| (settled, end));
+        if start == 0 && end == legs.len() {
+            return None;
+        }
+        let part = Part { legs, range: start..end, entry };
+        let plan = part.solve(options).filter(|plan| plan.slower == 1.0)?;
+        stamps.extend(plan.stamps(&part, settled, &mut t_s));
+        entry = plan.entry(settled);
+        start = settled;
+    }
+    Some(stamps)
+}
+
+/// Legs that are solved for together. The last of them is a line that ends at rest.
+struct Part<'a, 'b> {
+    legs: &'a [Leg<'b>],
+    range: Range<usize>,
+    /// x and its derivative by sigma at the start; none at rest.
+    entry: Option<[f64; 2]>,
+}
+
+impl Part<'_, '_> {
+    /// The best that is found; none if that is nothing.
+    fn solve(&self, options: JerkOptions) -> Option<Plan> {
+        let [enough, most] = LONGER;
+        let mut best: Option<Plan> = None;
+        for (refinement, safe) in WAYS {
+            let Some(plan) = Plan::find(self, options.refinement * refinement, safe) else {
+                continue;
+            };
+            if plan.longer() <= best.as_ref().map_or(most, Plan::longer) {
+                best = Some(plan);
+            }
+            if best.as_ref().is_some_and(|best| best.longer() <= enough) {
+                break;
+            }
+        }
+        best
+    }
 }
 
 /// The stamps of one leg.
@@ -173,24 +238,32 @@ fn in_time([x, dx, ddx]: [f64; 3]) -> [f64; 3] {
 
 /// A solution.
 struct Plan {
-    cells: Vec<Cell>,
+    mesh: Mesh,
     solver: Solver,
     /// Share of all times by which it is slowed down.
     slower: f64,
 }
 
 impl Plan {
-    fn find(legs: &[Leg<'_>], refinement: f64, safe: bool) -> Self {
-        let cells = mesh(legs, refinement);
-        let solver = Solver::new(legs, &cells);
-        let mut plan = Self { cells, solver, slower: 1.0 };
+    fn find(part: &Part<'_, '_>, refinement: f64, safe: bool) -> Option<Self> {
+        let Part { legs, ref range, entry } = *part;
+        let mesh = mesh(legs, range.clone(), entry.is_none(), refinement)?;
+        let solver = Solver::new(legs, &mesh, entry);
+        let mut plan = Self { mesh, solver, slower: 1.0 };
         let scale = if safe { plan.slower(legs).powi(-2) } else { START };
         plan.solver.start(scale);
         if plan.refine(legs) != Ok(true) {
             // Whatever was found is good, as slow as it takes to keep the limits.
             plan.slower = plan.slower(legs);
         }
-        plan
+        Some(plan)
+    }
+
+    /// x and its derivative by sigma where the leg `leg` starts.
+    fn entry(&self, leg: usize) -> Option<[f64; 2]> {
+        let cell = self.mesh.cells.iter().position(|cell| cell.leg == leg)?;
+        let [x, dx, _] = self.solver.at(cell, 0.0);
+        Some([x, dx])
     }
 
     /// By which share it may take longer than the best, if it is as far from it as the solver fears.
@@ -265,8 +338,8 @@ impl Plan {
     )]
     fn worst(&self, legs: &[Leg<'_>], parts: u32) -> Vec<[f64; 3]> {
         let mut inverse = None;
-        let inner = &self.cells[1..self.cells.len() - 1];
-        inner
+        self.mesh
+            .cells
             .iter()
             .enumerate()
             .map(|(k, cell)| {
@@ -292,65 +365,77 @@ impl Plan {
             .collect()
     }
 
-    /// The stamps of all legs.
-    fn stamps(&self, legs: &[Leg<'_>]) -> Vec<Stamps> {
+    /// The stamps of the legs of `part` before the leg `end`, from `t_s` on.
+    fn stamps(&self, part: &Part<'_, '_>, end: usize, t_s: &mut f64) -> Vec<Stamps> {
+        let legs = part.legs;
+        let first = part.range.start;
         let mut all: Vec<_> =
-            legs.iter().map(|_| Stamps { nodes: Vec::new(), load: Load::default() }).collect();
-        let mut t_s = 0.0_f64;
-        let last = self.cells.len() - 1;
-        let rests = self.solver.rest_durations_s();
-        let slower = self.slower;
-        for (index, cell) in self.cells.iter().enumerate() {
+            (first..end).map(|_| Stamps { nodes: Vec::new(), load: Load::default() }).collect();
+        let Mesh { from_rest, cells, to_rest } = &self.mesh;
+        if let Some(cell) = from_rest {
+            let stamps = &mut all[cell.leg - first];
+            self.node(stamps, &legs[cell.leg], 0.0, *t_s, [0.0; 2]);
+            self.rest(stamps, &legs[cell.leg], cell, self.solver.start_s(), t_s);
+        }
+        for (k, cell) in cells.iter().enumerate().take_while(|(_, cell)| cell.leg < end) {
             let leg = &legs[cell.leg];
-            let stamps = &mut all[cell.leg];
+            let stamps = &mut all[cell.leg - first];
             let inverse = Inverse::new(leg);
-            let mut node = |t_s: f64, f: f64, [x, dx]: [f64; 2]| {
-                let s = leg.s(cell.from + f * cell.length).clamp(0.0, 1.0);
-                let [rate, u] = leg.s_rates(s, x, dx);
-                let [rate, u] = [rate / slower, u / (slower * slower)];
-                stamps.nodes.push(Node { t_s, s, rate, u: [u; 2] });
-                s
-            };
-            if index == 0 || index == last {
-                let (from, duration) = if index == 0 { (0.0, rests[0]) } else { (1.0, rests[1]) };
-                if index == 0 {
-                    node(0.0, 0.0, [0.0; 2]);
-                }
-                t_s = later(t_s, duration * slower);
-                if index == last {
-                    node(t_s, 1.0, [0.0; 2]);
-                }
-                // Jerk is constant.
-                let jerk = 6.0 * cell.length / duration.powi(3);
-                let [v, a] = [0.125 * jerk * duration * duration, 0.5 * jerk * duration];
-                let rates = leg.rates(from);
-                let at = [v / slower, a / (slower * slower), jerk / slower.powi(3)];
-                stamps.load.sample(&inverse.shares(&rates, at), duration * slower);
+            let s = |f: f64| leg.s(cell.from + f * cell.length).clamp(0.0, 1.0);
+            let parts = self.parts(k, cell);
+            for part in 0..parts {
+                let [from, middle, to] =
+                    [0.0, 0.5, 1.0].map(|half| (f64::from(part) + half) / f64::from(parts));
+                let [x, dx, _] = self.solver.at(k, from);
+                self.node(stamps, leg, s(from), *t_s, [x, dx]);
+                let dt = self.slower * self.duration_s(k, cell, from, to);
+                let [v, a, j] = in_time(self.solver.at(k, middle));
+                self.load(stamps, &inverse, &leg.rates(s(middle)), [v, a, j], dt);
+                *t_s = later(*t_s, dt);
             }
-            let k = index.wrapping_sub(1);
-            let ends = index + 1 == last
-                || self.cells.get(index + 1).is_none_or(|next| next.leg != cell.leg);
-            if index > 0 && index < last {
-                let parts = self.parts(k, cell);
-                for part in 0..parts {
-                    let [from, middle, to] =
-                        [0.0, 0.5, 1.0].map(|half| (f64::from(part) + half) / f64::from(parts));
-                    let [x, dx, _] = self.solver.at(k, from);
-                    node(t_s, from, [x, dx]);
-                    let dt = self.duration_s(k, cell, from, to);
-                    t_s = later(t_s, dt * slower);
-                    let s = leg.s(cell.from + middle * cell.length).clamp(0.0, 1.0);
-                    let [v, a, j] = in_time(self.solver.at(k, middle));
-                    let at = [v / slower, a / (slower * slower), j / slower.powi(3)];
-                    stamps.load.sample(&inverse.shares(&leg.rates(s), at), dt * slower);
-                }
-                if ends {
-                    let [x, dx, _] = self.solver.at(k, 1.0);
-                    node(t_s, 1.0, [x, dx]);
-                }
+            if cells.get(k + 1).is_none_or(|next| next.leg != cell.leg) && to_rest.leg != cell.leg {
+                let [x, dx, _] = self.solver.at(k, 1.0);
+                self.node(stamps, leg, 1.0, *t_s, [x, dx]);
+            } else if k + 1 == cells.len() {
+                let [x, dx, _] = self.solver.at(k, 1.0);
+                self.node(stamps, leg, s(1.0), *t_s, [x, dx]);
             }
         }
+        if to_rest.leg < end {
+            let stamps = &mut all[to_rest.leg - first];
+            self.rest(stamps, &legs[to_rest.leg], to_rest, self.solver.stop_s(), t_s);
+            self.node(stamps, &legs[to_rest.leg], 1.0, *t_s, [0.0; 2]);
+        }
         all
+    }
+
+    fn node(&self, stamps: &mut Stamps, leg: &Leg<'_>, s: f64, t_s: f64, [x, dx]: [f64; 2]) {
+        let [rate, u] = leg.s_rates(s, x, dx);
+        let u = u / (self.slower * self.slower);
+        stamps.nodes.push(Node { t_s, s, rate: rate / self.slower, u: [u; 2] });
+    }
+
+    /// Adds what holds for `dt`, at speed, acceleration and jerk of sigma.
+    fn load(
+        &self,
+        stamps: &mut Stamps,
+        inverse: &Inverse,
+        rates: &leg::Rates,
+        [v, a, j]: [f64; 3],
+        dt: f64,
+    ) {
+        let slower = self.slower;
+        let at = [v / slower, a / slower.powi(2), j / slower.powi(3)];
+        stamps.load.sample(&inverse.shares(rates, at), dt);
+    }
+
+    /// Passes a cell that touches rest, in which jerk is constant.
+    fn rest(&self, stamps: &mut Stamps, leg: &Leg<'_>, cell: &Cell, seconds: f64, t_s: &mut f64) {
+        let jerk = 6.0 * cell.length / seconds.powi(3);
+        let half = [0.125 * jerk * seconds * seconds, 0.5 * jerk * seconds, jerk];
+        let dt = seconds * self.slower;
+        self.load(stamps, &Inverse::new(leg), &leg.rates(0.0), half, dt);
+        *t_s = later(*t_s, dt);
     }
 
     /// How slow an inner cell is: above 1, very much so.

@@ -463,7 +463,10 @@ mod tests {
             { "type": "ptp", "joints_deg": [0, 10, 0, -80, 0, 60, 0] }] }"#;
         let program = Program::from_json(text).unwrap();
         let path = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
-        let widest = Planner::new(&path, Timing::default()).next().unwrap().unwrap();
+        let widest = Planner::new(&path, Timing::Acceleration(crate::SweepOptions::default()))
+            .next()
+            .unwrap()
+            .unwrap();
 
         let mut scratch = Scratch::take(100);
         let mut stretch = Stretch { pieces: Vec::new(), nodes: Vec::new(), ..widest.clone() };

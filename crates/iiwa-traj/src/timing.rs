@@ -48,8 +48,8 @@ impl Default for SweepOptions {
 pub struct JerkOptions {
     /// How many times as fine as usual the cells are; 1 by default.
     pub refinement: f64,
-    /// Whether straight lines from rest to rest go through the general solver, too, instead of their
-    /// closed form; no by default.
+    /// Whether all goes through the general solver as a whole: straight lines from rest to rest, which have
+    /// a closed form, and long stretches, which are solved part by part. No by default; for tests.
     pub general: bool,
 }
 

@@ -92,7 +92,8 @@ fn slower_limits_never_make_it_faster() {
     println!("at least {least} times as long");
 }
 
-/// With a thousand times the jerk, acceleration builds up in no time.
+/// With a thousand times the jerk, acceleration builds up in no time; within what the solver's cells, which
+/// are made for the robot's, leave.
 #[test]
 fn much_jerk_is_no_limit_of_jerk() {
     let usual = Robot::default();
@@ -106,7 +107,7 @@ fn much_jerk_is_no_limit_of_jerk() {
         let expected = trajectory(&program, &robot, fine).motion_time_s();
         let found = trajectory(&program, &robot, Timing::default()).motion_time_s();
         let ratio = found / expected;
-        assert!((ratio - 1.0).abs() < 0.02, "{found} s, {expected} s: {program:?}");
+        assert!((ratio - 1.0).abs() < 0.025, "{found} s, {expected} s: {program:?}");
         (least, most) = (least.min(ratio), most.max(ratio));
     }
     println!("{least} to {most} of the acceleration-limited time");
@@ -148,7 +149,8 @@ fn time_scales() {
                 ptp.jerk_rel = ptp.jerk_rel.map(|j| j / (scale * scale * scale));
             });
             let change = motion_time_s(&slower) / (scale * before) - 1.0;
-            assert!(change.abs() < 1e-6, "{change:e} at {scale} times the time: {program:?}");
+            // Cells that are slow in seconds are looked at more closely.
+            assert!(change.abs() < 1e-5, "{change:e} at {scale} times the time: {program:?}");
             largest = largest.max(change.abs());
         }
     }

@@ -19,7 +19,7 @@ use pulp::Simd;
 
 use super::{
     leg::{Leg, Rates},
-    mesh::Cell,
+    mesh::{Cell, Mesh},
 };
 use crate::lanes::{LANES, Lanes, Vector, registers};
 
@@ -29,6 +29,8 @@ pub(crate) type State = [f64; 4];
 /// The functions that are the state's own numbers.
 const UNIT: [State; 4] =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+/// x at the start of a cell.
+pub(crate) const START_X: State = UNIT[0];
 /// x at the end of a cell.
 pub(crate) const END_X: State = [1.0, 1.0, 1.0 / 3.0, 1.0 / 6.0];
 /// V there.
@@ -211,20 +213,25 @@ pub(crate) struct Block<const J: usize> {
 /// x, V and W somewhere in the cells.
 type Place<S> = [Vector<S>; 3];
 
-/// Blocks of the cells in `list`, of which the first has number `offset` in `cells`.
+/// Blocks of the cells in `list`.
 pub(crate) fn blocks<const J: usize>(
     legs: &[Leg<'_>],
-    cells: &[Cell],
-    offset: usize,
+    mesh: &Mesh,
     list: &[usize],
 ) -> Vec<Block<J>> {
     list.chunks(LANES)
         .map(|chunk| {
             let mut block = Block::new(std::array::from_fn(|l| chunk[l.min(chunk.len() - 1)]));
             for lane in 0..LANES {
-                let at = block.cells[lane] + offset;
-                let before = (cells[at - 1].leg != cells[at].leg).then(|| &legs[cells[at - 1].leg]);
-                block.limit(lane, &cells[at], &legs[cells[at].leg], before);
+                let at = block.cells[lane];
+                let cell = &mesh.cells[at];
+                let starts_leg = match at.checked_sub(1) {
+                    Some(before) => mesh.cells[before].leg != cell.leg,
+                    None => mesh.from_rest.is_none_or(|rest| rest.leg != cell.leg),
+                };
+                let before = if starts_leg { cell.leg.checked_sub(1) } else { None };
+                let before = before.map(|before| &legs[before]);
+                block.limit(lane, cell, &legs[cell.leg], before);
             }
             block
         })

@@ -4,6 +4,8 @@
 //! acceleration-limited stamps switch from one limit to another, in blends, at their ends, and next
 //! to rest, where sigma is as t^3. In between they may be long.
 
+use std::ops::Range;
+
 use super::leg::Leg;
 
 /// A cell.
@@ -17,6 +19,16 @@ pub(crate) struct Cell {
     pub(crate) length: f64,
     /// x = (dsigma/dt)^2 of the acceleration-limited stamps at its start.
     pub(crate) x: f64,
+}
+
+/// The cells of a part of a stretch that ends at rest.
+#[derive(Clone, Debug)]
+pub(crate) struct Mesh {
+    /// The cell that touches rest, if the part starts there.
+    pub(crate) from_rest: Option<Cell>,
+    pub(crate) cells: Vec<Cell>,
+    /// The cell that ends at rest.
+    pub(crate) to_rest: Cell,
 }
 
 /// Sizes, with what they are shares of.
@@ -108,15 +120,21 @@ impl Swept {
     }
 }
 
-/// The cells of a stretch, which starts and ends at rest. The first and the last touch rest.
-pub(crate) fn mesh(legs: &[Leg<'_>], refinement: f64) -> Vec<Cell> {
+/// The cells of the legs in `part`, of which the last ends at rest, and the first starts there or goes
+/// on from the leg before. None if there are no cells but those that touch rest, or far too many.
+pub(crate) fn mesh(
+    legs: &[Leg<'_>],
+    part: Range<usize>,
+    starts_at_rest: bool,
+    refinement: f64,
+) -> Option<Mesh> {
     let sizes = Sizes::new(refinement);
-    let swept: Vec<_> = legs.iter().map(Swept::new).collect();
-    let switches = switches(legs);
+    let switches = switches(&legs[part.clone()]);
     let mut cells = Vec::new();
     let mut near = 0..0;
-    for (index, leg) in legs.iter().enumerate() {
-        let swept = &swept[index];
+    for index in part.clone() {
+        let leg = &legs[index];
+        let swept = &Swept::new(leg);
         // A few of the switches before and after the leg, to be able to look ahead.
         let [start, end] = swept.ends();
         near.start += switches[near.start..].partition_point(|switch| switch.t_s < start.t_s);
@@ -129,7 +147,8 @@ pub(crate) fn mesh(legs: &[Leg<'_>], refinement: f64) -> Vec<Cell> {
             let build_up = jerk * leg.build_up_s(0.0).powi(3) / 6.0;
             rests.then(|| sizes.rest * build_up.min(leg.length / 6.0))
         };
-        let (from_rest, to_rest) = (rest(index == 0), rest(index + 1 == legs.len()));
+        let from_rest = rest(starts_at_rest && index == part.start);
+        let to_rest = rest(index + 1 == part.end);
         let end_size = |neighbour: Option<&Leg<'_>>| {
             let of = |leg: &Leg<'_>| {
                 leg.length * if leg.is_line() { sizes.line } else { sizes.blend_end }
@@ -161,7 +180,7 @@ pub(crate) fn mesh(legs: &[Leg<'_>], refinement: f64) -> Vec<Cell> {
         };
         let backwards = to_rest.is_some();
         let size = |way: f64| size(if backwards { leg.length - way } else { way });
-        let mut nodes = march(leg.length, from_rest.or(to_rest), size);
+        let mut nodes = march(leg.length, from_rest.or(to_rest), size)?;
         if backwards {
             nodes.reverse();
             for node in &mut nodes {
@@ -175,12 +194,14 @@ pub(crate) fn mesh(legs: &[Leg<'_>], refinement: f64) -> Vec<Cell> {
             x: swept.at(pair[0]).x,
         }));
     }
-    cells
+    let to_rest = cells.pop()?;
+    let from_rest = if starts_at_rest { Some(cells.remove(0)) } else { None };
+    (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest })
 }
 
 /// Nodes from 0 to `length` with distances of about `size`, which changes little from one to the next;
-/// the first distance is given where the arm rests.
-fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Vec<f64> {
+/// the first distance is given where the arm rests. None if there are too many.
+fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Option<Vec<f64>> {
     let mut nodes = vec![0.0];
     let mut at = 0.0;
     if let Some(rest) = rest {
@@ -194,6 +215,9 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Vec<f64> 
         step = step.min(size((at + 0.5 * step).min(length)));
         at += step;
         nodes.push(at);
+        if nodes.len() > MOST_NODES {
+            return None;
+        }
     }
     // The last node overshoots: it, or the one before, is moved to the end, and the others with it.
     let n = nodes.len();
@@ -204,8 +228,11 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Vec<f64> 
     for node in &mut nodes {
         *node *= fit;
     }
-    nodes
+    Some(nodes)
 }
+
+/// Most nodes of a leg. Some tens are usual.
+const MOST_NODES: usize = 100_000;
 
 /// The instants at which the acceleration-limited stamps switch, in order.
 fn switches(legs: &[Leg<'_>]) -> Vec<Switch> {

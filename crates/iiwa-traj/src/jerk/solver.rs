@@ -15,9 +15,9 @@
 use pulp::Simd;
 
 use super::{
-    cells::{Block, END_V, END_X, Falls, Quadratic, State, Step, Sums, blocks},
+    cells::{Block, END_V, END_X, Falls, Quadratic, START_X, State, Step, Sums, blocks},
     leg::Leg,
-    mesh::Cell,
+    mesh::{Cell, Mesh},
 };
 
 /// The problem of one stretch, and where its solution stands.
@@ -26,7 +26,11 @@ pub(crate) struct Solver {
     lengths: Vec<f64>,
     /// Whether W0 and W1 of a cell are free, or zero.
     free: Vec<bool>,
-    rests: [Rest; 2],
+    /// None if it starts at `entry`.
+    from_rest: Option<Rest>,
+    to_rest: Rest,
+    /// x and V where it starts, if not at rest.
+    entry: [f64; 2],
     lines: Vec<Block<1>>,
     curves: Vec<Block<7>>,
     states: Vec<State>,
@@ -45,6 +49,9 @@ pub(crate) struct Solver {
 #[derive(Clone, Copy, Debug)]
 struct Rest {
     length: f64,
+    /// The cell next to it, and the row of x where they meet.
+    cell: usize,
+    row: State,
     /// Largest x there that jerk allows.
     cap: f64,
     side: Side,
@@ -60,17 +67,22 @@ struct Side {
 }
 
 impl Rest {
-    fn new(cell: &Cell, leg: &Leg<'_>) -> Self {
+    fn new(rest: &Cell, leg: &Leg<'_>, cell: usize, row: State) -> Self {
         let [_, _, jerk] = leg.straight(0.0);
-        let length = cell.length;
+        let length = rest.length;
         // sigma = j t^3 / 6 and x = (j t^2 / 2)^2.
         let cap = (4.5 * length * length * jerk).powf(2.0 / 3.0);
-        Self { length, cap, side: Side::default() }
+        Self { length, cell, row, cap, side: Side::default() }
     }
 
-    /// Time from rest until x, or from there to rest.
-    fn duration_s(&self, x: f64) -> f64 {
-        3.0 * self.length / x.sqrt()
+    /// x where it meets the cell next to it.
+    fn x(&self, states: &[State]) -> f64 {
+        dot(&self.row, &states[self.cell])
+    }
+
+    /// Time from rest until there, or from there to rest.
+    fn duration_s(&self, states: &[State]) -> f64 {
+        3.0 * self.length / self.x(states).sqrt()
     }
 }
 
@@ -111,21 +123,27 @@ const STALLED: usize = 25;
 
 impl Solver {
     /// The problem, standing at the acceleration-limited x.
-    pub(crate) fn new(legs: &[Leg<'_>], cells: &[Cell]) -> Self {
-        let inner = &cells[1..cells.len() - 1];
-        let n = inner.len();
-        let lengths: Vec<_> = inner.iter().map(|cell| cell.length).collect();
-        let rests = [0, cells.len() - 1].map(|at| Rest::new(&cells[at], &legs[cells[at].leg]));
+    ///
+    /// It starts at rest, or where `entry` says: x and its derivative by sigma.
+    pub(crate) fn new(legs: &[Leg<'_>], mesh: &Mesh, entry: Option<[f64; 2]>) -> Self {
+        let cells = &mesh.cells;
+        let n = cells.len();
+        let lengths: Vec<_> = cells.iter().map(|cell| cell.length).collect();
+        let from_rest = mesh.from_rest.as_ref();
+        let from_rest = from_rest.map(|rest| Rest::new(rest, &legs[rest.leg], 0, START_X));
+        let to_rest = Rest::new(&mesh.to_rest, &legs[mesh.to_rest.leg], n - 1, END_X);
+        let [x, dx] = entry.unwrap_or_default();
         let mut free = vec![true; n];
         let (mut lines, mut curves) = (Vec::new(), Vec::new());
         for k in 0..n {
-            let leg = cells[k + 1].leg;
+            let leg = cells[k].leg;
             if !legs[leg].is_line() {
                 curves.push(k);
                 continue;
             }
             // A sliver of a line between two blends: nothing changes on it.
-            let alone = cells[k].leg != leg && cells[k + 2].leg != leg;
+            let differs = |other: Option<&Cell>| other.is_some_and(|other| other.leg != leg);
+            let alone = k > 0 && differs(cells.get(k - 1)) && differs(cells.get(k + 1));
             let sliver =
                 k > 0 && k + 1 < n && lengths[k] < SLIVER * lengths[k - 1].min(lengths[k + 1]);
             if alone && sliver {
@@ -136,9 +154,11 @@ impl Solver {
         }
         let mut solver = Self {
             free,
-            rests,
-            lines: blocks(legs, cells, 1, &lines),
-            curves: blocks(legs, cells, 1, &curves),
+            from_rest,
+            to_rest,
+            entry: [x, dx * lengths[0]],
+            lines: blocks(legs, mesh, &lines),
+            curves: blocks(legs, mesh, &curves),
             states: vec![[0.0; 4]; n],
             moves: vec![[0.0; 4]; n],
             quadratics: vec![Quadratic::default(); n],
@@ -148,7 +168,14 @@ impl Solver {
             last: Step::default(),
             lengths,
         };
-        let x: Vec<_> = cells[1..].iter().map(|cell| cell.x).collect();
+        let mut x: Vec<_> = cells.iter().chain([&mesh.to_rest]).map(|cell| cell.x).collect();
+        // The acceleration-limited stamps may not stop where this does.
+        let [_, acceleration, _] = legs[mesh.to_rest.leg].straight(0.0);
+        let mut way = mesh.to_rest.length;
+        for (x, length) in x.iter_mut().rev().zip(solver.lengths.iter().rev().chain([&0.0])) {
+            *x = x.min(2.0 * acceleration * way);
+            way += length;
+        }
         solver.guess(&x);
         solver
     }
@@ -156,6 +183,9 @@ impl Solver {
     /// Starts from `scale` times the x at which it stands.
     pub(crate) fn start(&mut self, scale: f64) {
         self.states.as_flattened_mut().iter_mut().for_each(|value| *value *= scale);
+        if self.from_rest.is_none() {
+            self.states[0][..2].copy_from_slice(&self.entry);
+        }
         self.restart(Start { mu: 0.3, slack: 0.5 });
     }
 
@@ -176,9 +206,11 @@ impl Solver {
             }
         }
         // The slopes at both ends are those of the cells that touch rest.
-        let rest = |k: usize, e: usize| 1.0 / (1.0 + length(k) / (1.5 * self.rests[e].length));
-        control[0] = rest(1, 0) * control[1];
-        control[n + 1] = rest(n, 1) * control[n];
+        let rest = |k: usize, rest: &Rest| 1.0 / (1.0 + length(k) / (1.5 * rest.length));
+        if let Some(from_rest) = &self.from_rest {
+            control[0] = rest(1, from_rest) * control[1];
+        }
+        control[n + 1] = rest(n, &self.to_rest) * control[n];
         for k in 1..=n {
             let (a, b, c) = (length(k - 1), length(k), length(k + 1));
             let slope = 2.0 * (control[k] - control[k - 1]) / (a + b);
@@ -187,22 +219,22 @@ impl Solver {
             let w = if self.free[k - 1] { (next - slope) * b } else { 0.0 };
             self.states[k - 1] = [x, slope * b, w, w];
         }
-        self.states[0][1] = self.slope_from_rest() * self.states[0][0];
+        if let Some(slope) = self.slope_from_rest() {
+            self.states[0][1] = slope * self.states[0][0];
+        }
         self.stop();
     }
 
     /// Sets slacks and duals anew, for limits that have changed.
     pub(crate) fn restart(&mut self, start: Start) {
-        let n = self.lengths.len();
         let mu = start.mu * self.duration_s() / self.limits();
         let least = start.slack;
         self.mu = mu;
         self.last = Step::default();
         pulp::Arch::new().dispatch(Restart { solver: self, mu, least });
-        let ends = [self.states[0][0], dot(&END_X, &self.states[n - 1])];
-        for (Rest { cap, side, .. }, x) in std::iter::zip(&mut self.rests, ends) {
-            side.s = (1.0 - x / *cap).max(least);
-            side.z = mu / side.s;
+        for rest in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
+            let s = (1.0 - rest.x(&self.states) / rest.cap).max(least);
+            rest.side = Side { s, z: mu / s, ..Side::default() };
         }
     }
 
@@ -230,16 +262,21 @@ impl Solver {
         ]
     }
 
-    /// The durations of the first and the last cell, in s.
-    pub(crate) fn rest_durations_s(&self) -> [f64; 2] {
-        [self.rests[0].duration_s(self.states[0][0]), self.rests[1].duration_s(self.end_x())]
+    /// Duration of the cell that comes from rest, if there is one, in s.
+    pub(crate) fn start_s(&self) -> f64 {
+        self.from_rest.as_ref().map_or(0.0, |rest| rest.duration_s(&self.states))
+    }
+
+    /// Duration of the cell that comes to rest, in s.
+    pub(crate) fn stop_s(&self) -> f64 {
+        self.to_rest.duration_s(&self.states)
     }
 
     /// Largest share of the limit of jerk in the cells that touch rest.
     pub(crate) fn rest_jerk(&self) -> f64 {
+        let rests = self.from_rest.iter().chain([&self.to_rest]);
         // Jerk goes as x^(3/2) there.
-        let [start, end] = [self.states[0][0], self.end_x()];
-        (start / self.rests[0].cap).max(end / self.rests[1].cap).powf(1.5)
+        rests.map(|rest| (rest.x(&self.states) / rest.cap).powf(1.5)).fold(0.0, f64::max)
     }
 
     /// 1, or infinite if the cells do not join.
@@ -254,26 +291,22 @@ impl Solver {
         if torn { f64::INFINITY } else { 1.0 }
     }
 
-    fn end_x(&self) -> f64 {
-        dot(&END_X, &self.states[self.states.len() - 1])
-    }
-
     /// The duration as the solver sees it.
     fn duration_s(&self) -> f64 {
         let cells = std::iter::zip(&self.lengths, &self.states);
         let moving: f64 =
             cells.map(|(h, y)| 0.5 * h * (1.0 / y[0].sqrt() + 1.0 / dot(&END_X, y).sqrt())).sum();
-        moving + self.rest_durations_s().iter().sum::<f64>()
+        moving + self.start_s() + self.stop_s()
     }
 
     /// V over x in the first cell: x goes on from rest as sigma^(4/3).
-    fn slope_from_rest(&self) -> f64 {
-        4.0 * self.lengths[0] / (3.0 * self.rests[0].length)
+    fn slope_from_rest(&self) -> Option<f64> {
+        self.from_rest.as_ref().map(|rest| 4.0 * self.lengths[0] / (3.0 * rest.length))
     }
 
     /// What has to be zero for x to come to rest: a row of the last cell.
     fn to_rest(&self) -> State {
-        let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * self.rests[1].length);
+        let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * self.to_rest.length);
         std::array::from_fn(|i| END_V[i] + slope * END_X[i])
     }
 
@@ -295,7 +328,7 @@ impl Solver {
 
     /// How many limits there are.
     fn limits(&self) -> f64 {
-        (Block::count(&self.lines) + Block::count(&self.curves) + self.rests.len()) as f64
+        (Block::count(&self.lines) + Block::count(&self.curves) + 2) as f64
     }
 
     #[inline(always)]
@@ -351,22 +384,17 @@ impl Solver {
         for block in &mut self.curves {
             block.assemble(simd, &self.states, steps, &mut self.quadratics, &mut sums);
         }
-        for (rest, (cell, row)) in std::iter::zip(&self.rests, self.ends()) {
-            let x = dot(&row, &self.states[cell]);
+        for rest in self.from_rest.iter().chain([&self.to_rest]) {
+            let x = rest.x(&self.states);
             let Side { s, z, .. } = rest.side;
             let miss = x / rest.cap - 1.0 + s;
             sums.gap += s * z;
             sums.residual = sums.residual.max(miss.abs());
             let curvature = z / (s * rest.cap * rest.cap) + 2.25 * rest.length * x.powf(-2.5);
             let slope = (mu + z * miss) / (s * rest.cap) - 1.5 * rest.length * x.powf(-1.5);
-            self.quadratics[cell].add(&row, curvature, slope);
+            self.quadratics[rest.cell].add(&rest.row, curvature, slope);
         }
         sums
-    }
-
-    /// Cell and row of x next to the cells that touch rest.
-    fn ends(&self) -> [(usize, State); 2] {
-        [(0, [1.0, 0.0, 0.0, 0.0]), (self.lengths.len() - 1, END_X)]
     }
 
     #[inline(always)]
@@ -379,9 +407,8 @@ impl Solver {
         for block in &mut self.curves {
             block.direct(simd, &self.states, &self.moves, mu, &mut falls);
         }
-        let ends = self.ends();
-        for (rest, (cell, row)) in std::iter::zip(&mut self.rests, ends) {
-            let (x, dx) = (dot(&row, &self.states[cell]), dot(&row, &self.moves[cell]));
+        for rest in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
+            let (x, dx) = (rest.x(&self.states), rest.x(&self.moves));
             let side = &mut rest.side;
             side.ds = 1.0 - (x + dx) / rest.cap - side.s;
             side.dz = (mu - side.z * side.ds) / side.s - side.z;
@@ -401,7 +428,7 @@ impl Solver {
         }
         self.stop();
         self.last = Step { mu: self.mu, primal, dual };
-        for Rest { side, .. } in &mut self.rests {
+        for Rest { side, .. } in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
             side.s += primal * side.ds;
             side.z += dual * side.dz;
         }
@@ -479,13 +506,15 @@ impl Solver {
             pg = [g[0], g[1]];
         }
         // Forwards.
-        let slope = self.slope_from_rest();
-        let curvature = p[0] + slope * (2.0 * p[1] + slope * p[2]);
-        if !(curvature > 0.0 && curvature.is_finite()) {
-            return Err(NotConverged);
+        let (mut x, mut v) = (0.0, 0.0);
+        if let Some(slope) = self.slope_from_rest() {
+            let curvature = p[0] + slope * (2.0 * p[1] + slope * p[2]);
+            if !(curvature > 0.0 && curvature.is_finite()) {
+                return Err(NotConverged);
+            }
+            x = -(pg[0] + slope * pg[1]) / curvature;
+            v = slope * x;
         }
-        let x = -(pg[0] + slope * pg[1]) / curvature;
-        let (mut x, mut v) = (x, slope * x);
         for k in 0..n {
             let Gain { w0, w1 } = self.gains[k];
             let mut dy = [x, v, 0.0, 0.0];
