@@ -32,8 +32,9 @@ pub(crate) enum Command {
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
 /// The table has a row for each motion: when it starts and ends, its top speed as a share of the
-/// joint's speed limit, and what limits it for most of its time. A motion lasts from the start of
-/// the blend that leads into it to the start of the blend that leads out of it, or to its stop.
+/// joint's speed limit, and the limits that it is at for most of its time, with their shares of it;
+/// --json has all of them. A motion lasts from the start of the blend that leads into it to the start
+/// of the blend that leads out of it, or to its stop.
 ///
 /// The MCAP file opens in Foxglove, Lichtblick, Rerun and ROS 2 tools: joint states, link frames,
 /// the flange's pose, the whole trajectory, the robot's URDF and the program.
@@ -80,7 +81,7 @@ pub(crate) struct Plan {
     #[arg(long, value_enum, default_value_t = Search::FirstCrossing)]
     pub(crate) blend_search: Search,
 
-    /// Samples a blend, 2 to 100000; more is more exact and slower
+    /// Samples a blend for timing by acceleration, 2 to 100000; more is more exact and slower
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub(crate) samples: u32,
 
@@ -121,7 +122,7 @@ pub(crate) enum Shape {
     Alpha,
     /// Polynomial of least mean acceleration (Eq. 26)
     MinAcceleration,
-    /// Circle in joint space (Eq. 32)
+    /// Circle in joint space (Eq. 32); not with limits on jerk
     Circle,
 }
 

@@ -44,6 +44,11 @@ impl Default for SweepOptions {
 }
 
 /// How jerk-limited stamps are found.
+///
+/// A straight line from rest to rest has a closed form. Stretches with blends are solved for on cells, at
+/// some places of which limits are kept exactly; in between they may be exceeded by 0.4 % (velocity),
+/// 0.6 % (acceleration) and 4 % (jerk). Blends have to be of a shape whose curvature continues that of
+/// the lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JerkOptions {
     /// How many times as fine as usual the cells are; 1 by default.

@@ -8,9 +8,8 @@
 //!   it stays in their hull, so that it cannot swing out in between;
 //! - in acceleration, `q' x'/2 + q'' x`, at the start and in the middle, or on lines at the middle
 //!   control point of x';
-//! - in jerk, `sqrt(x) (q' x''/2 + 3/2 q'' x' + q''' x)`, at both ends and
-//!   in the middle. Here x moves to the other side, which leaves something linear below
-//!   `x^(-1/2)`.
+//! - in jerk, `sqrt(x) (q' x''/2 + 3/2 q'' x' + q''' x)`, at both ends and in the middle. Here x moves to
+//!   the other side, which leaves something linear below `x^(-1/2)`.
 //!
 //! Every limit is a row, divided by the limit so that the bound is 1, with a slack s and a dual z on
 //! either side. Lines have one row for all joints, which move in proportion; curves have seven.
@@ -47,8 +46,7 @@ const CONTROL_V: State = [0.0, 1.0, 0.5, 0.0];
 const CONTROL: [State; 3] =
     [[1.0, 0.0, 0.0, 0.0], [1.0, 1.0 / 3.0, 0.0, 0.0], [1.0, 2.0 / 3.0, 1.0 / 6.0, 0.0]];
 
-/// Where jerk is kept in a cell, and the share of its limit that is allowed there: what the ends keep
-/// exactly may swing out a little in the middle.
+/// The shares of a cell's length at which jerk is kept.
 const JERK_PLACES: [f64; 3] = [0.0, 1.0, 0.5];
 
 /// The share of the limit that is allowed in the middle of cells on curves: what keeps it at both ends
