@@ -29,6 +29,13 @@ impl Continuity {
         }
     }
 
+    /// `s + alpha`.
+    const fn along(self) -> Polynomial {
+        let mut along = self.alpha();
+        along[1] += 1.0;
+        along
+    }
+
     /// beta of Larsen 2019, Eq. 21 with k = 1. The sign of N = 2 differs from the other two.
     const fn beta(self) -> Polynomial {
         match self {
@@ -74,11 +81,9 @@ pub(crate) struct Basis {
 impl Basis {
     pub(crate) fn at(continuity: Continuity, s: f64) -> Self {
         let alpha = continuity.alpha();
-        let mut along = alpha;
-        along[1] += 1.0;
         let across: Polynomial = std::array::from_fn(|i| if i == 0 { 0.0 } else { alpha[i - 1] });
         Self {
-            along: evaluate(&along, s),
+            along: evaluate(&continuity.along(), s),
             across: evaluate(&across, s),
             bulge: evaluate(&continuity.beta(), s),
         }
@@ -154,9 +159,7 @@ impl PolynomialBlend {
     /// the parameter instead of s, this leaves only the jump across, which is what the arm feels.
     #[must_use]
     pub fn progress(&self, s: f64) -> [f64; 4] {
-        let mut along = self.continuity.alpha();
-        along[1] += 1.0;
-        evaluate(&along, s)
+        evaluate(&self.continuity.along(), s)
     }
 
     /// Position and derivatives at `s` in [0, 1].

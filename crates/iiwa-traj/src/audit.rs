@@ -3,6 +3,7 @@
 use crate::{
     figures::{Kind, Limit, LimitShare},
     stretch::Node,
+    sweep::{greater, lesser},
 };
 
 /// Above this share of a limit, a joint counts as being at it.
@@ -31,7 +32,7 @@ impl Shares {
     #[inline(always)]
     fn add(&mut self, largest: &[f64; 8], smallest: &[f64; 8], dt: f64) {
         for j in 0..8 {
-            self.peak[j] = larger(self.peak[j], largest[j]);
+            self.peak[j] = greater(self.peak[j], largest[j]);
             self.time_s[j] += if smallest[j] >= SATURATED { dt } else { 0.0 };
         }
     }
@@ -72,11 +73,11 @@ impl Load {
                 let acceleration = (start[j] * from.u[0] + bend[j]).abs();
                 speed[j] = (end[j] * to.rate).abs() * velocity[j];
                 bend[j] = ddq[j] * (to.rate * to.rate);
-                speeds[0][j] = larger(before, speed[j]);
-                speeds[1][j] = smaller(before, speed[j]);
+                speeds[0][j] = greater(before, speed[j]);
+                speeds[1][j] = lesser(before, speed[j]);
                 let last = (end[j] * from.u[1] + bend[j]).abs();
-                accelerations[0][j] = larger(acceleration, last);
-                accelerations[1][j] = smaller(acceleration, last);
+                accelerations[0][j] = greater(acceleration, last);
+                accelerations[1][j] = lesser(acceleration, last);
             }
             self.velocity.add(&speeds[0], &speeds[1], dt);
             self.acceleration.add(&accelerations[0], &accelerations[1], dt);
@@ -153,14 +154,4 @@ impl Load {
         }
         best
     }
-}
-
-#[inline(always)]
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }

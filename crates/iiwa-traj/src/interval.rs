@@ -103,6 +103,14 @@ fn artanh_over_root(z: f64) -> f64 {
     if z > 0.0 { root.atanh() / root } else { root.atan() / root }
 }
 
+/// The instant `seconds` after `t_s`, or at least the next number: over long stretches, tiny intervals
+/// are lost in rounding.
+#[inline(always)]
+pub(crate) fn later(t_s: f64, seconds: f64) -> f64 {
+    let later = t_s + seconds;
+    if later <= t_s { t_s.next_up() } else { later }
+}
+
 /// Share of the way, rate and d2s/dt2 at `t` after the node `from`, where s is the polynomial of
 /// degree five in time that meets both nodes.
 #[inline]

@@ -12,11 +12,11 @@ mod solver;
 
 use std::ops::Range;
 
-use iiwa_kin::Joints;
 use iiwa_path::Step;
 
 use crate::{
     audit::Load,
+    interval::later,
     phases::{Instant, phases},
     stretch::{Node, PieceKind, Stretch},
     timing::{JerkOptions, TimingError},
@@ -27,7 +27,7 @@ use solver::{GAP, NotConverged, Solver, Start};
 
 /// Largest shares of the limits of speed, acceleration and jerk that are handed out. Between the
 /// places at which the solver keeps them exactly, they may be exceeded by a little.
-pub(crate) const TOLERANCE: [f64; 3] = [1.004, 1.006, 1.04];
+const TOLERANCE: [f64; 3] = [1.004, 1.006, 1.04];
 
 /// Shares that a cell is brought down to once it is above the tolerance.
 const AIM: [f64; 3] = [1.0, 1.001, 1.02];
@@ -179,7 +179,6 @@ fn straight(leg: &Leg<'_>) -> Vec<Stamps> {
         })
         .collect();
     let mut load = Load::default();
-    let inverse = Inverse::new(leg);
     let rates = leg.rates(0.0);
     for pair in instants.windows(2) {
         let [from, to] = [pair[0], pair[1]];
@@ -192,42 +191,15 @@ fn straight(leg: &Leg<'_>) -> Vec<Stamps> {
             ..from
         };
         for (at, dt) in [(half, dt), (to, 0.0)] {
-            load.sample(&inverse.shares(&rates, [at.speed, at.acceleration, jerk]), dt);
+            load.sample(&leg.shares(&rates, [at.speed, at.acceleration, jerk]), dt);
         }
     }
     vec![Stamps { nodes, load }]
 }
 
-/// `t_s` and `seconds`, or at least the next number: over long stretches, tiny cells are lost in
-/// rounding.
-fn later(t_s: f64, seconds: f64) -> f64 {
-    let later = t_s + seconds;
-    if later <= t_s { t_s.next_up() } else { later }
-}
-
-/// One over a leg's limits.
-struct Inverse([Joints; 3]);
-
-impl Inverse {
-    fn new(leg: &Leg<'_>) -> Self {
-        let limits = leg.limits;
-        Self(
-            [limits.velocity_rad_s, limits.acceleration_rad_s2, limits.jerk_rad_s3]
-                .map(|limits| limits.map(|limit| 1.0 / limit)),
-        )
-    }
-
-    /// Shares of all limits at speed, acceleration and jerk of sigma.
-    fn shares(&self, [dq, ddq, dddq]: &leg::Rates, [v, a, j]: [f64; 3]) -> [[f64; 8]; 3] {
-        let mut shares = [[0.0; 8]; 3];
-        for i in 0..7 {
-            shares[0][i] = (dq[i] * v * self.0[0][i]).abs();
-            shares[1][i] = ((dq[i] * a + ddq[i] * v * v) * self.0[1][i]).abs();
-            shares[2][i] =
-                ((dq[i] * j + 3.0 * ddq[i] * v * a + dddq[i] * v * v * v) * self.0[2][i]).abs();
-        }
-        shares
-    }
+/// The larger of two shares; what is not a number counts as too much.
+fn worse(a: f64, b: f64) -> f64 {
+    if b <= a { a } else { b }
 }
 
 /// Speed, acceleration and jerk of sigma, from x and its derivatives.
@@ -252,7 +224,7 @@ impl Plan {
         let mut plan = Self { mesh, solver, slower: 1.0 };
         let scale = if safe { plan.slower(legs).powi(-2) } else { START };
         plan.solver.start(scale);
-        if plan.refine(legs) != Ok(true) {
+        if plan.refine(legs).is_err() {
             // Whatever was found is good, as slow as it takes to keep the limits.
             plan.slower = plan.slower(legs);
         }
@@ -271,8 +243,8 @@ impl Plan {
         self.slower * (1.0 + self.solver.gap)
     }
 
-    /// Solves and lowers limits until all are kept everywhere; false if that takes too often.
-    fn refine(&mut self, legs: &[Leg<'_>]) -> Result<bool, NotConverged> {
+    /// Solves and lowers limits until all are kept everywhere.
+    fn refine(&mut self, legs: &[Leg<'_>]) -> Result<(), NotConverged> {
         self.solver.solve(NEAR)?;
         // Where limits will be exceeded is seen long before the end.
         if self.tighten(legs, SOME) > ABRUPT {
@@ -282,12 +254,12 @@ impl Plan {
         for _ in 0..ROUNDS {
             let excess = self.tighten(legs, ALL);
             if excess == 1.0 {
-                return Ok(true);
+                return Ok(());
             }
             self.solver.restart(if excess > ABRUPT { AFAR } else { CLOSE });
             self.solver.solve(GAP)?;
         }
-        Ok(false)
+        Err(NotConverged)
     }
 
     /// The share of all times that keeps the limits.
@@ -295,14 +267,12 @@ impl Plan {
         let mut largest = [1.0, 1.0, self.solver.rest_jerk()];
         for shares in self.worst(legs, ALL) {
             for i in 0..3 {
-                // Not a number stays.
-                largest[i] = if shares[i] <= largest[i] { largest[i] } else { shares[i] };
+                largest[i] = worse(largest[i], shares[i]);
             }
         }
         let [v, a, j]: [f64; 3] = std::array::from_fn(|i| largest[i] / TOLERANCE[i]);
-        // Not `max`, which would leave out what is not a number.
         let factors = [v, a.sqrt(), j.cbrt(), self.solver.torn()];
-        factors.into_iter().fold(1.0, |all, one| if one <= all { all } else { one })
+        factors.into_iter().fold(1.0, worse)
     }
 
     /// Lowers the limits of the cells that exceed them, and returns the largest share; 1 if there are
@@ -337,27 +307,19 @@ impl Plan {
         reason = "it is from 1 to 4"
     )]
     fn worst(&self, legs: &[Leg<'_>], parts: u32) -> Vec<[f64; 3]> {
-        let mut inverse = None;
         self.mesh
             .cells
             .iter()
             .enumerate()
             .map(|(k, cell)| {
                 let leg = &legs[cell.leg];
-                let inverse = match &mut inverse {
-                    Some((of, inverse)) if *of == cell.leg => inverse,
-                    other => &mut other.insert((cell.leg, Inverse::new(leg))).1,
-                };
                 let mut worst = [0.0_f64; 3];
                 let parts = parts * self.slowness(k, cell).ceil().clamp(1.0, 4.0) as u32;
                 for f in (0..=parts).map(|i| f64::from(i) / f64::from(parts)) {
                     let s = leg.s(cell.from + f * cell.length).clamp(0.0, 1.0);
-                    let shares = inverse.shares(&leg.rates(s), in_time(self.solver.at(k, f)));
+                    let shares = leg.shares(&leg.rates(s), in_time(self.solver.at(k, f)));
                     for i in 0..3 {
-                        for share in shares[i] {
-                            // Not a number counts as too much.
-                            worst[i] = if share <= worst[i] { worst[i] } else { share };
-                        }
+                        worst[i] = shares[i].into_iter().fold(worst[i], worse);
                     }
                 }
                 worst
@@ -380,7 +342,6 @@ impl Plan {
         for (k, cell) in cells.iter().enumerate().take_while(|(_, cell)| cell.leg < end) {
             let leg = &legs[cell.leg];
             let stamps = &mut all[cell.leg - first];
-            let inverse = Inverse::new(leg);
             let s = |f: f64| leg.s(cell.from + f * cell.length).clamp(0.0, 1.0);
             let parts = self.parts(k, cell);
             for part in 0..parts {
@@ -389,16 +350,14 @@ impl Plan {
                 let [x, dx, _] = self.solver.at(k, from);
                 self.node(stamps, leg, s(from), *t_s, [x, dx]);
                 let dt = self.slower * self.duration_s(k, cell, from, to);
-                let [v, a, j] = in_time(self.solver.at(k, middle));
-                self.load(stamps, &inverse, &leg.rates(s(middle)), [v, a, j], dt);
+                self.load(stamps, leg, s(middle), in_time(self.solver.at(k, middle)), dt);
                 *t_s = later(*t_s, dt);
             }
-            if cells.get(k + 1).is_none_or(|next| next.leg != cell.leg) && to_rest.leg != cell.leg {
+            if cells.get(k + 1).is_none_or(|next| next.leg != cell.leg) {
+                // Exactly at the leg's end, unless it goes on to rest.
+                let end = if to_rest.leg == cell.leg { s(1.0) } else { 1.0 };
                 let [x, dx, _] = self.solver.at(k, 1.0);
-                self.node(stamps, leg, 1.0, *t_s, [x, dx]);
-            } else if k + 1 == cells.len() {
-                let [x, dx, _] = self.solver.at(k, 1.0);
-                self.node(stamps, leg, s(1.0), *t_s, [x, dx]);
+                self.node(stamps, leg, end, *t_s, [x, dx]);
             }
         }
         if to_rest.leg < end {
@@ -415,18 +374,11 @@ impl Plan {
         stamps.nodes.push(Node { t_s, s, rate: rate / self.slower, u: [u; 2] });
     }
 
-    /// Adds what holds for `dt`, at speed, acceleration and jerk of sigma.
-    fn load(
-        &self,
-        stamps: &mut Stamps,
-        inverse: &Inverse,
-        rates: &leg::Rates,
-        [v, a, j]: [f64; 3],
-        dt: f64,
-    ) {
+    /// Adds what holds at `s` for `dt`, at speed, acceleration and jerk of sigma.
+    fn load(&self, stamps: &mut Stamps, leg: &Leg<'_>, s: f64, [v, a, j]: [f64; 3], dt: f64) {
         let slower = self.slower;
         let at = [v / slower, a / slower.powi(2), j / slower.powi(3)];
-        stamps.load.sample(&inverse.shares(rates, at), dt);
+        stamps.load.sample(&leg.shares(&leg.rates(s), at), dt);
     }
 
     /// Passes a cell that touches rest, in which jerk is constant.
@@ -434,7 +386,7 @@ impl Plan {
         let jerk = 6.0 * cell.length / seconds.powi(3);
         let half = [0.125 * jerk * seconds * seconds, 0.5 * jerk * seconds, jerk];
         let dt = seconds * self.slower;
-        self.load(stamps, &Inverse::new(leg), &leg.rates(0.0), half, dt);
+        self.load(stamps, leg, 0.0, half, dt);
         *t_s = later(*t_s, dt);
     }
 

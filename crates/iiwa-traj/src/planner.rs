@@ -439,9 +439,7 @@ fn stamp<S: Simd>(
         }
         let durations = interval::durations(simd, &ds, &rates, &change);
         for (node, duration) in nodes[1..].iter_mut().zip(durations) {
-            let later = *t_s + duration;
-            // At least the next number: over long stretches, tiny intervals are lost in rounding.
-            *t_s = if later <= *t_s { t_s.next_up() } else { later };
+            *t_s = interval::later(*t_s, duration);
             node.t_s = *t_s;
         }
         nodes = &mut nodes[intervals..];

@@ -9,6 +9,12 @@ use crate::sweep::Sample;
 /// share of the time that is as small.
 const SHORTEST: f64 = 1e-9;
 
+/// Largest multiple of `direction` that keeps `limit`: all joints move in proportion, and the smallest
+/// quotient decides.
+pub(crate) fn along(direction: &[f64; 7], limit: &[f64; 7]) -> f64 {
+    direction.iter().zip(limit).map(|(d, l)| l / d.abs()).fold(f64::MAX, f64::min)
+}
+
 /// Limits along a line with s in [0, 1].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LineLimits {
@@ -19,13 +25,9 @@ pub(crate) struct LineLimits {
 }
 
 impl LineLimits {
-    /// Limits along `direction` (dq/ds, in rad) under limits of velocity and acceleration, of
-    /// which the smallest quotient decides: all joints move in proportion.
+    /// Limits along `direction` (dq/ds, in rad) under limits of velocity and acceleration.
     pub(crate) fn new(direction: &[f64; 7], velocity: &[f64; 7], acceleration: &[f64; 7]) -> Self {
-        let smallest = |limit: &[f64; 7]| {
-            direction.iter().zip(limit).map(|(d, l)| l / d.abs()).fold(f64::INFINITY, f64::min)
-        };
-        Self { x_max: smallest(velocity).powi(2), u_max: smallest(acceleration) }
+        Self { x_max: along(direction, velocity).powi(2), u_max: along(direction, acceleration) }
     }
 
     /// Largest x at one end, when it is `x` at the other.

@@ -267,7 +267,6 @@ impl<const J: usize> Block<J> {
             &leg.limits.acceleration_rad_s2,
             before.map(|before| &before.limits.acceleration_rad_s2),
         );
-        let inverse = |limits: &[f64; 7]| limits.map(|limit| 1.0 / limit);
 
         self.weight.0[lane] = 0.5 * length;
         let start = at(0.0);
@@ -278,9 +277,9 @@ impl<const J: usize> Block<J> {
         self.speeds[1].x.0[lane] = cap(&at(1.0 / 3.0), &leg.limits.velocity_rad_s);
         self.speeds[2].x.0[lane] = cap(&at(2.0 / 3.0), &leg.limits.velocity_rad_s);
 
-        self.pushes[0].limit(lane, &start, length, &inverse(&acceleration));
-        self.pushes[1].limit(lane, &at(0.5), length, &inverse(&leg.limits.acceleration_rad_s2));
-        let jerk = inverse(&leg.limits.jerk_rad_s3);
+        self.pushes[0].limit(lane, &start, length, &acceleration.map(|limit| 1.0 / limit));
+        let [_, own, jerk] = &leg.inverse;
+        self.pushes[1].limit(lane, &at(0.5), length, own);
         for (rows, place) in self.jerks.iter_mut().zip(JERK_PLACES) {
             let bound = if J > 1 && place == 0.5 { SWING } else { 1.0 };
             rows.limit(lane, &at(place), length, &jerk.map(|inverse| inverse / bound));

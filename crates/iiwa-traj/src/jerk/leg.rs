@@ -8,11 +8,13 @@
 use iiwa_kin::Joints;
 use iiwa_path::{Continuity, Derivatives, MotionLimits, PolynomialBlend, Segment};
 
-use crate::stretch::Node;
+use crate::{profile::along, stretch::Node};
 
 /// A piece of a stretch.
 pub(crate) struct Leg<'a> {
     pub(crate) limits: &'a MotionLimits,
+    /// One over the limits of velocity, acceleration and jerk.
+    pub(crate) inverse: [Joints; 3],
     /// Its way in units of sigma, in rad.
     pub(crate) length: f64,
     /// The acceleration-limited stamps.
@@ -46,7 +48,9 @@ impl<'a> Leg<'a> {
             }
             (Curve::Blend(blend), 2.0 * blend.reach_rad())
         };
-        Some(Self { limits, length, swept, curve })
+        let inverse = [limits.velocity_rad_s, limits.acceleration_rad_s2, limits.jerk_rad_s3]
+            .map(|limits| limits.map(|limit| 1.0 / limit));
+        Some(Self { limits, inverse, length, swept, curve })
     }
 
     pub(crate) fn is_line(&self) -> bool {
@@ -160,9 +164,20 @@ impl<'a> Leg<'a> {
     pub(crate) fn straight(&self, s: f64) -> [f64; 3] {
         let [direction, ..] = self.rates(s);
         let MotionLimits { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 } = self.limits;
-        [velocity_rad_s, acceleration_rad_s2, jerk_rad_s3].map(|limit| {
-            std::iter::zip(limit, &direction).map(|(l, d)| l / d.abs()).fold(f64::MAX, f64::min)
-        })
+        [velocity_rad_s, acceleration_rad_s2, jerk_rad_s3].map(|limit| along(&direction, limit))
+    }
+
+    /// Shares of all limits at speed, acceleration and jerk of sigma, where the derivatives are `rates`.
+    pub(crate) fn shares(&self, [dq, ddq, dddq]: &Rates, [v, a, j]: [f64; 3]) -> [[f64; 8]; 3] {
+        let [speed, acceleration, jerk] = &self.inverse;
+        let mut shares = [[0.0; 8]; 3];
+        for i in 0..7 {
+            shares[0][i] = (dq[i] * v * speed[i]).abs();
+            shares[1][i] = ((dq[i] * a + ddq[i] * v * v) * acceleration[i]).abs();
+            shares[2][i] =
+                ((dq[i] * j + 3.0 * ddq[i] * v * a + dddq[i] * v * v * v) * jerk[i]).abs();
+        }
+        shares
     }
 }
 

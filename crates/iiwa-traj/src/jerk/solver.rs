@@ -239,8 +239,8 @@ impl Solver {
     }
 
     /// Solves the problem from where it stands, until no more than the share `gap` of the duration is
-    /// left to be gained. The number of steps.
-    pub(crate) fn solve(&mut self, gap: f64) -> Result<usize, NotConverged> {
+    /// left to be gained.
+    pub(crate) fn solve(&mut self, gap: f64) -> Result<(), NotConverged> {
         pulp::Arch::new().dispatch(Solve { solver: self, gap })
     }
 
@@ -332,7 +332,7 @@ impl Solver {
     }
 
     #[inline(always)]
-    fn iterate<S: Simd>(&mut self, simd: S, gap: f64) -> Result<usize, NotConverged> {
+    fn iterate<S: Simd>(&mut self, simd: S, gap: f64) -> Result<(), NotConverged> {
         let limits = self.limits();
         let mut stalled = 0;
         for step in 1..=STEPS {
@@ -363,7 +363,7 @@ impl Solver {
             };
             self.mu = (aim * sums.gap / limits).max(0.2 * gap * duration_s / limits);
             if self.gap < gap && sums.residual < RESIDUAL && primal > 0.4 {
-                return Ok(step);
+                return Ok(());
             }
             stalled = if least < 0.02 { stalled + 1 } else { 0 };
             if stalled > STALLED {
@@ -546,7 +546,7 @@ struct Solve<'a> {
 }
 
 impl pulp::WithSimd for Solve<'_> {
-    type Output = Result<usize, NotConverged>;
+    type Output = Result<(), NotConverged>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
