@@ -8,6 +8,8 @@
 mod cells;
 mod leg;
 mod mesh;
+mod quadratic;
+mod side;
 mod solver;
 
 use std::ops::Range;

@@ -19,11 +19,10 @@ use pulp::Simd;
 use super::{
     leg::{Leg, Rates},
     mesh::{Cell, Mesh},
+    quadratic::{Quadratic, State, Terms},
+    side::{Side, Step, Steps},
 };
 use crate::lanes::{LANES, Lanes, Vector, registers};
-
-/// (x, V, W0, W1) of a cell, or factors of them.
-pub(crate) type State = [f64; 4];
 
 /// The functions that are the state's own numbers.
 const UNIT: [State; 4] =
@@ -53,29 +52,6 @@ const JERK_PLACES: [f64; 3] = [0.0, 1.0, 0.5];
 /// may swing out a little.
 const SWING: f64 = 1.015;
 
-/// A quadratic function of a cell's state.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Quadratic {
-    /// Second derivatives, of which the upper triangle by rows.
-    pub(crate) h: [f64; 10],
-    /// First derivatives.
-    pub(crate) g: State,
-}
-
-impl Quadratic {
-    /// Adds `curvature / 2 (row y)^2 + slope (row y)`.
-    pub(crate) fn add(&mut self, row: &State, curvature: f64, slope: f64) {
-        let mut i = 0;
-        for a in 0..4 {
-            for b in a..4 {
-                self.h[i] += curvature * row[a] * row[b];
-                i += 1;
-            }
-            self.g[a] += slope * row[a];
-        }
-    }
-}
-
 /// What is summed up over all limits.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
@@ -91,85 +67,6 @@ pub(crate) struct Falls {
     pub(crate) slack: f64,
     pub(crate) dual: f64,
     pub(crate) x: f64,
-}
-
-/// A step: the product that slacks and duals were to have, and the shares of it that they go.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Step {
-    pub(crate) mu: f64,
-    pub(crate) primal: f64,
-    pub(crate) dual: f64,
-}
-
-/// Slack and dual of one side of a limit.
-#[derive(Clone, Copy, Debug, Default)]
-struct Side {
-    s: Lanes,
-    z: Lanes,
-    /// One over the slack: dividing is slow.
-    inverse: Lanes,
-    /// Step of the slack, which the dual's follows from.
-    ds: Lanes,
-}
-
-/// A side after its last step.
-struct Advanced<S: Simd> {
-    s: Vector<S>,
-    z: Vector<S>,
-    inverse: Vector<S>,
-    /// z / s.
-    weight: Vector<S>,
-}
-
-impl<S: Simd> Advanced<S> {
-    /// What the side contributes to the slope when its limit is missed by `miss`.
-    #[inline(always)]
-    fn slope(&self, steps: &Steps<S>, miss: Vector<S>) -> Vector<S> {
-        steps.mu.mul_add(self.inverse, self.weight * miss)
-    }
-}
-
-impl Side {
-    /// The slack is the room that is left, but not less than `least`.
-    #[inline(always)]
-    fn start<S: Simd>(&mut self, r: usize, room: Vector<S>, least: Vector<S>, mu: Vector<S>) {
-        let s = room.max(least);
-        let inverse = s.inverse();
-        self.s.store(r, s);
-        self.inverse.store(r, inverse);
-        self.z.store(r, mu * inverse);
-        self.ds = Lanes::default();
-    }
-
-    #[inline(always)]
-    fn advance<S: Simd>(&mut self, steps: &Steps<S>) -> Advanced<S> {
-        let Steps { simd, register: r, .. } = *steps;
-        let (s, z) = (self.s.load(simd, r), self.z.load(simd, r));
-        let (ds, inverse) = (self.ds.load(simd, r), self.inverse.load(simd, r));
-        let dz = (steps.last_mu - z * ds).mul_add(inverse, -z);
-        let s = steps.primal.mul_add(ds, s);
-        let z = steps.dual.mul_add(dz, z);
-        let inverse = s.inverse();
-        self.s.store(r, s);
-        self.z.store(r, z);
-        self.inverse.store(r, inverse);
-        Advanced { s, z, inverse, weight: z * inverse }
-    }
-
-    /// Sets the slack's step so that it becomes `room`. The relative falls of slack and dual that go with
-    /// it.
-    #[inline(always)]
-    fn direct<S: Simd>(&mut self, r: usize, room: Vector<S>, mu: Vector<S>) -> [Vector<S>; 2] {
-        let simd = mu.simd();
-        let (s, z) = (self.s.load(simd, r), self.z.load(simd, r));
-        let ds = room - s;
-        self.ds.store(r, ds);
-        let inverse = self.inverse.load(simd, r);
-        let fall = -(ds * inverse);
-        // dz = (mu - z ds) / s - z.
-        let one = Vector::splat(simd, 1.0);
-        [fall, one - fall - mu * inverse * z.inverse()]
-    }
 }
 
 /// The rows of acceleration at one place of a cell: factors of x and V for each joint.
@@ -559,71 +456,6 @@ impl<const J: usize> Block<J> {
             falls.slack = falls.slack.max(slack.largest());
             falls.dual = falls.dual.max(dual.largest());
             falls.x = falls.x.max(fall.largest());
-        }
-    }
-}
-
-/// The last step and the next, for one register of lanes.
-struct Steps<S: Simd> {
-    simd: S,
-    register: usize,
-    last_mu: Vector<S>,
-    primal: Vector<S>,
-    dual: Vector<S>,
-    mu: Vector<S>,
-}
-
-impl<S: Simd> Steps<S> {
-    #[inline(always)]
-    fn new(simd: S, register: usize, last: Step, next: Step) -> Self {
-        let splat = |value| Vector::splat(simd, value);
-        Self {
-            simd,
-            register,
-            last_mu: splat(last.mu),
-            primal: splat(last.primal),
-            dual: splat(last.dual),
-            mu: splat(next.mu),
-        }
-    }
-}
-
-/// What limits contribute, for one register of lanes.
-struct Terms<S: Simd> {
-    h: [Vector<S>; 10],
-    g: [Vector<S>; 4],
-    gap: Vector<S>,
-    residual: Vector<S>,
-}
-
-impl<S: Simd> Terms<S> {
-    /// Adds products of two linear functions of the state, each with its factor (those of two different
-    /// ones count twice), and linear functions.
-    #[inline(always)]
-    fn add<const P: usize, const L: usize>(
-        &mut self,
-        products: &[(State, State, Vector<S>); P],
-        linear: &[(State, Vector<S>); L],
-    ) {
-        for (p, q, factor) in products {
-            let same = p == q;
-            let mut i = 0;
-            for a in 0..4 {
-                for b in a..4 {
-                    let twice = if same { p[a] * q[b] } else { p[a] * q[b] + q[a] * p[b] };
-                    if twice != 0.0 {
-                        self.h[i] = self.h[i] + *factor * twice;
-                    }
-                    i += 1;
-                }
-            }
-        }
-        for (row, factor) in linear {
-            for a in 0..4 {
-                if row[a] != 0.0 {
-                    self.g[a] = self.g[a] + *factor * row[a];
-                }
-            }
         }
     }
 }

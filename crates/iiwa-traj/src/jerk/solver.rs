@@ -15,9 +15,11 @@
 use pulp::Simd;
 
 use super::{
-    cells::{Block, END_V, END_X, Falls, Quadratic, START_X, State, Step, Sums, blocks},
+    cells::{Block, END_V, END_X, Falls, START_X, Sums, blocks},
     leg::Leg,
     mesh::{Cell, Mesh},
+    quadratic::{Quadratic, State},
+    side::Step,
 };
 
 /// The problem of one stretch, and where its solution stands.
