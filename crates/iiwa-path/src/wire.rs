@@ -9,7 +9,7 @@ use iiwa_kin::{
 };
 use schemars::JsonSchema;
 use serde::{
-    Deserialize, Deserializer, Serialize,
+    Deserialize, Deserializer, Serialize, Serializer,
     de::{Error as _, IgnoredAny, SeqAccess, Visitor},
 };
 use serde_json::value::RawValue;
@@ -108,17 +108,7 @@ impl Program {
             motion: None,
             place: locate(text, &[Step::Key("start")]),
         })?;
-        let motions = wire
-            .motions
-            .iter()
-            .enumerate()
-            .map(|(index, raw)| motion(text, index, raw.get()))
-            .collect::<Result<_, _>>()?;
-        let program = Self { robot: wire.robot, start_rad, motions };
-        program
-            .check_numbers()
-            .map_err(|fault| ProgramError::Fault { place: fault.place_in(text), fault })?;
-        Ok(program)
+        checked(text, wire.robot, start_rad, &wire.motions)
     }
 
     /// The program as JSON (version 1), joints in rad, so that it reads back as it is.
@@ -138,6 +128,42 @@ impl Program {
     #[must_use]
     pub fn schema() -> serde_json::Value {
         schemars::schema_for!(ProgramWire<'_>).to_value()
+    }
+}
+
+impl Motion {
+    /// Reads the list `motions` of a JSON object, written as in a program, and checks all that can be
+    /// checked without a robot. Other keys of the object are passed over.
+    ///
+    /// # Errors
+    ///
+    /// As [`Program::from_json`].
+    pub fn list_from_json(text: &str) -> Result<Vec<Self>, ProgramError> {
+        let Object(list) = serde_json::from_str::<Object<MotionsOnly<'_>>>(text)
+            .map_err(|error| json_error(text, text, None, &error))?;
+        checked(text, None, [0.0; 7], &list.motions).map(|program| program.motions)
+    }
+}
+
+/// As in a program, joints in rad.
+impl Serialize for Motion {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        MotionWire::from(self).serialize(serializer)
+    }
+}
+
+/// The program with these motions, checked as far as it can be without a robot.
+fn checked(
+    text: &str,
+    robot: Option<String>,
+    start_rad: Joints,
+    motions: &[&RawValue],
+) -> Result<Program, ProgramError> {
+    let motions = motions.iter().enumerate().map(|(index, raw)| motion(text, index, raw.get()));
+    let program = Program { robot, start_rad, motions: motions.collect::<Result<_, _>>()? };
+    match program.check_numbers() {
+        Ok(()) => Ok(program),
+        Err(fault) => Err(ProgramError::Fault { place: fault.place_in(text), fault }),
     }
 }
 
@@ -189,6 +215,12 @@ fn version_error(text: &str, found: u64) -> ProgramError {
 #[derive(Deserialize)]
 struct VersionOnly {
     version: Option<u64>,
+}
+
+#[derive(Deserialize)]
+struct MotionsOnly<'a> {
+    #[serde(borrow)]
+    motions: Vec<&'a RawValue>,
 }
 
 #[derive(Deserialize)]

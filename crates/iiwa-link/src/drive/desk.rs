@@ -1,0 +1,574 @@
+//! The instruction handler, without sockets: requests, acknowledgements, state changes and messages of
+//! FRI go in; replies, instructions and orders come out.
+
+use std::{
+    collections::VecDeque,
+    time::{Duration, Instant},
+};
+
+use iiwa_kin::Robot;
+use iiwa_path::{Motion, Path, Program};
+
+use super::fri::{Event, Heard, Order};
+use crate::{
+    fri::{Quality, Safety, SessionState},
+    message::{
+        Body, Code, DriveState, FriStatus, Id, Refusal, Reply, Request, Run, Samples, Status,
+    },
+    robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
+    timed_joints::TimedJoints,
+};
+
+/// What comes out.
+pub(super) enum Output<C> {
+    /// To a client.
+    Reply(C, String),
+    /// To the robot program.
+    Instruct(String),
+    /// The robot program does not answer: what is on its way to it is not to arrive later.
+    Reconnect,
+    /// To the FRI thread.
+    Order(Order),
+}
+
+/// Where a request came from, and its id.
+struct Asked<C> {
+    client: C,
+    id: Option<Id>,
+}
+
+/// The instruction handler. `C` tells clients apart.
+pub(super) struct Desk<C> {
+    robot: Robot,
+    state: State<C>,
+    heard: Option<Heard>,
+    /// The robot program's last word, and when it came.
+    program: Option<(StateChange, Instant)>,
+    seq: u64,
+    next_run: RunId,
+    /// Instructions that are still to be sent.
+    waiting: VecDeque<(Instruction, Purpose<C>)>,
+    /// The one that is not acknowledged yet.
+    in_flight: Option<(u64, Instant, Purpose<C>)>,
+    /// A run that was given up: should the robot program begin it later, it is to be stopped.
+    given_up: Option<RunId>,
+    last_run: Option<(Run, Option<Refusal>)>,
+    outputs: Vec<Output<C>>,
+}
+
+enum State<C> {
+    Idle,
+    Running(Running<C>),
+}
+
+struct Running<C> {
+    kind: DriveState,
+    run: RunId,
+    asked: Asked<C>,
+    /// Clients that wait for it to stop.
+    stoppers: Vec<Asked<C>>,
+    samples: Samples,
+    samples_left_out: u64,
+    /// How a trajectory went on this side.
+    commanded: Option<Commanded>,
+    /// How it ended, and until when samples up to there are waited for.
+    ended: Option<(Ended, Instant)>,
+}
+
+struct Commanded {
+    start_s: f64,
+    end_s: f64,
+    error: Option<Refusal>,
+}
+
+#[derive(Default)]
+struct Ended {
+    start_s: Option<f64>,
+    end_s: Option<f64>,
+    error: Option<Refusal>,
+}
+
+/// What an instruction is for.
+enum Purpose<C> {
+    /// A client waits for what it brings.
+    Ask(Asked<C>),
+    /// It begins the run.
+    Begin(RunId),
+    /// It stops or ends a run.
+    End,
+}
+
+/// Most samples that are kept of a run: half an hour at 1 ms.
+const MOST_SAMPLES: usize = 1_800_000;
+
+/// How long an instruction may take to be acknowledged.
+const ACKNOWLEDGED_WITHIN: Duration = Duration::from_secs(2);
+
+/// How long motions may take to be acknowledged: they are planned before.
+const PLANNED_WITHIN: Duration = Duration::from_secs(60);
+
+/// How long the robot program may keep silent, which says its state twice a second.
+const PROGRAM_SILENT: Duration = Duration::from_secs(3);
+
+/// How long FRI may keep silent before it counts as such.
+const FRI_SILENT: Duration = Duration::from_millis(500);
+
+/// How long the last samples of a run are waited for.
+const LAST_SAMPLES: Duration = Duration::from_millis(100);
+
+impl<C> Desk<C> {
+    /// `first_run` is to be another number each time a drive starts.
+    pub(super) fn new(robot: Robot, first_run: RunId) -> Self {
+        Self {
+            robot,
+            state: State::Idle,
+            heard: None,
+            program: None,
+            seq: 0,
+            next_run: first_run,
+            waiting: VecDeque::new(),
+            in_flight: None,
+            given_up: None,
+            last_run: None,
+            outputs: Vec::new(),
+        }
+    }
+
+    /// What has come out since the last call.
+    pub(super) fn take_outputs(&mut self) -> Vec<Output<C>> {
+        std::mem::take(&mut self.outputs)
+    }
+
+    /// A client's request.
+    pub(super) fn request(&mut self, client: C, body: &[u8], now: Instant) {
+        let (id, request) = Request::from_json(body);
+        let asked = Asked { client, id };
+        match request {
+            Ok(request) => self.serve(asked, request, now),
+            Err(refusal) => self.reply(asked, Err(refusal)),
+        }
+    }
+
+    fn serve(&mut self, asked: Asked<C>, request: Request, now: Instant) {
+        match request {
+            Request::State => {
+                let status = Body::Status(self.status(now));
+                self.reply(asked, Ok(Some(status)));
+            }
+            Request::LastRun => self.serve_last_run(asked),
+            Request::Stop => self.serve_stop(asked, now),
+            request => {
+                if let Err(refusal) = self.check_idle(now) {
+                    return self.reply(asked, Err(refusal));
+                }
+                match request {
+                    Request::RunMotions { motions } => self.begin_motions(asked, motions, now),
+                    Request::RunTrajectory { trajectory } => {
+                        self.begin_trajectory(asked, trajectory, now);
+                    }
+                    Request::GetIo { name } => {
+                        self.instruct(Instruction::GetIo { name }, Purpose::Ask(asked), now);
+                    }
+                    Request::SetIo { name, value } => {
+                        self.instruct(Instruction::SetIo { name, value }, Purpose::Ask(asked), now);
+                    }
+                    _ => self.instruct(Instruction::ReadSensors, Purpose::Ask(asked), now),
+                }
+            }
+        }
+    }
+
+    fn serve_last_run(&mut self, asked: Asked<C>) {
+        match self.last_run.clone() {
+            None => self.reply(asked, Err(Refusal::bad("there was no run yet"))),
+            Some((run, error)) => {
+                let reply = Reply { id: asked.id, error, body: Some(Body::Run(run)) };
+                self.outputs.push(Output::Reply(asked.client, reply.to_json()));
+            }
+        }
+    }
+
+    fn serve_stop(&mut self, asked: Asked<C>, now: Instant) {
+        let program_runs =
+            self.program.as_ref().is_some_and(|(said, _)| said.state != DriveState::Idle);
+        match &mut self.state {
+            State::Running(running) => {
+                running.stoppers.push(asked);
+                if running.kind == DriveState::RunningTrajectory {
+                    // On its path, by set-points: the cabinet does not know the path.
+                    self.outputs.push(Output::Order(Order::Stop));
+                } else {
+                    self.instruct(Instruction::Stop, Purpose::End, now);
+                }
+            }
+            // What was running before this drive was started.
+            State::Idle if program_runs => {
+                self.instruct(Instruction::Stop, Purpose::Ask(asked), now);
+            }
+            State::Idle => self.reply(asked, Ok(None)),
+        }
+    }
+
+    /// What this drive, or a robot program that goes on without it, is doing.
+    fn drive_state(&self, now: Instant) -> DriveState {
+        match &self.state {
+            State::Running(running) => running.kind,
+            State::Idle => match &self.program {
+                Some((said, at)) if now.duration_since(*at) < PROGRAM_SILENT => said.state,
+                _ => DriveState::Idle,
+            },
+        }
+    }
+
+    fn status(&self, now: Instant) -> Status {
+        let fri = match &self.heard {
+            None => FriStatus {
+                session: SILENT.to_owned(),
+                quality: Quality::Poor.name().to_owned(),
+                ..FriStatus::default()
+            },
+            Some(heard) => {
+                let silent = now.saturating_duration_since(heard.at) > FRI_SILENT;
+                let quality = if silent { Quality::Poor } else { heard.quality };
+                FriStatus {
+                    session: if silent { SILENT } else { heard.session.name() }.to_owned(),
+                    quality: quality.name().to_owned(),
+                    lost: heard.lost,
+                    late: heard.late,
+                }
+            }
+        };
+        Status {
+            state: self.drive_state(now),
+            joints_rad: self.heard.map(|heard| heard.joints_rad),
+            t_s: self.heard.map(|heard| heard.t_s),
+            fri,
+        }
+    }
+
+    fn check_idle(&self, now: Instant) -> Result<(), Refusal> {
+        match self.drive_state(now) {
+            DriveState::Idle => Ok(()),
+            state => Err(Refusal::new(
+                Code::NotIdle,
+                format!("the robot is busy: {state}; wait for the end, or ask for `stop`"),
+            )),
+        }
+    }
+
+    /// The robot program can be told, and the robot be seen.
+    fn check_connected(&self, now: Instant) -> Result<Heard, Refusal> {
+        let program = self.program.as_ref().map(|(_, at)| now.saturating_duration_since(*at));
+        if program.is_none_or(|silence| silence > PROGRAM_SILENT) {
+            return Err(Refusal::robot("the robot program does not answer; is the cabinet running?"));
+        }
+        match self.heard {
+            Some(heard) if now.saturating_duration_since(heard.at) <= FRI_SILENT => {
+                if heard.safety == Safety::Normal {
+                    Ok(heard)
+                } else {
+                    Err(Refusal::robot("the robot's safety stop is on"))
+                }
+            }
+            _ => Err(Refusal::robot("FRI is silent: the robot cannot be seen")),
+        }
+    }
+
+    fn begin_motions(&mut self, asked: Asked<C>, motions: Vec<Motion>, now: Instant) {
+        match self.check_motions(&motions, now) {
+            Ok(()) => {
+                let run = self.begin(DriveState::RunningMotion, asked);
+                self.instruct(Instruction::RunMotions { run, motions }, Purpose::Begin(run), now);
+            }
+            Err(refusal) => self.reply(asked, Err(refusal)),
+        }
+    }
+
+    fn check_motions(&self, motions: &[Motion], now: Instant) -> Result<(), Refusal> {
+        let heard = self.check_connected(now)?;
+        let range = self.robot.limits().position_rad;
+        let start_rad =
+            std::array::from_fn(|j| heard.joints_rad[j].clamp(-range[j], range[j]));
+        let program = Program { robot: None, start_rad, motions: motions.to_vec() };
+        Path::new(&program, &self.robot)
+            .map(drop)
+            .map_err(|fault| Refusal::new(Code::Limit, fault.to_string()))
+    }
+
+    fn begin_trajectory(&mut self, asked: Asked<C>, trajectory: TimedJoints, now: Instant) {
+        match self.check_trajectory(&trajectory, now) {
+            Ok(()) => {
+                let run = self.begin(DriveState::RunningTrajectory, asked);
+                self.outputs.push(Output::Order(Order::Run(Box::new(trajectory))));
+                self.instruct(Instruction::RunTrajectory { run }, Purpose::Begin(run), now);
+            }
+            Err(refusal) => self.reply(asked, Err(refusal)),
+        }
+    }
+
+    fn check_trajectory(&self, trajectory: &TimedJoints, now: Instant) -> Result<(), Refusal> {
+        let heard = self.check_connected(now)?;
+        trajectory.check(self.robot.limits(), &heard.joints_rad)?;
+        if heard.session < SessionState::MonitoringReady || heard.quality < Quality::Good {
+            return Err(Refusal::robot(format!(
+                "FRI is not good enough to command over it: session {}, quality {}",
+                heard.session.name(),
+                heard.quality.name()
+            )));
+        }
+        Ok(())
+    }
+
+    fn begin(&mut self, kind: DriveState, asked: Asked<C>) -> RunId {
+        let run = self.next_run;
+        self.next_run = self.next_run.wrapping_add(1);
+        self.state = State::Running(Running {
+            kind,
+            run,
+            asked,
+            stoppers: Vec::new(),
+            samples: Samples::default(),
+            samples_left_out: 0,
+            commanded: None,
+            ended: None,
+        });
+        self.outputs.push(Output::Order(Order::Publish(kind)));
+        run
+    }
+
+    fn instruct(&mut self, instruction: Instruction, purpose: Purpose<C>, now: Instant) {
+        self.waiting.push_back((instruction, purpose));
+        self.send_next(now);
+    }
+
+    fn send_next(&mut self, now: Instant) {
+        if self.in_flight.is_some() {
+            return;
+        }
+        let Some((instruction, purpose)) = self.waiting.pop_front() else { return };
+        self.seq += 1;
+        let within = match instruction {
+            Instruction::RunMotions { .. } => PLANNED_WITHIN,
+            _ => ACKNOWLEDGED_WITHIN,
+        };
+        self.outputs.push(Output::Instruct(instruction.to_json(self.seq)));
+        self.in_flight = Some((self.seq, now + within, purpose));
+    }
+
+    /// The robot program has acknowledged an instruction.
+    pub(super) fn acknowledged(&mut self, answer: Acknowledgement, now: Instant) {
+        let waited_for = |(seq, ..): &mut (u64, _, _)| answer.seq == Some(*seq);
+        let Some((_, _, purpose)) = self.in_flight.take_if(waited_for) else { return };
+        match (purpose, answer.error) {
+            (Purpose::Ask(asked), Some(error)) => self.reply(asked, Err(error)),
+            (Purpose::Ask(asked), None) => {
+                let body = match (answer.sensors, answer.value) {
+                    (Some(sensors), _) => Some(Body::Sensors { sensors }),
+                    (None, value) => value.map(|value| Body::Value { value }),
+                };
+                self.reply(asked, Ok(body));
+            }
+            (Purpose::Begin(run), Some(error)) => self.fail(run, error, now),
+            (Purpose::Begin(_) | Purpose::End, _) => {}
+        }
+        self.send_next(now);
+    }
+
+    /// The robot program has said its state.
+    pub(super) fn changed(&mut self, change: StateChange, now: Instant) {
+        let restarted =
+            self.program.as_ref().is_some_and(|(before, _)| before.boot != change.boot);
+        if let State::Running(running) = &mut self.state {
+            let run = running.run;
+            match &change.outcome {
+                Some(outcome) if outcome.run == run => {
+                    let ahead_s = self.heard.map_or(0.0, |heard| heard.clock_ahead_s);
+                    running.end(outcome, ahead_s, now);
+                }
+                _ if restarted => {
+                    let error = "the robot program was started again in the middle of the run";
+                    self.fail(run, Refusal::robot(error), now);
+                }
+                _ => {}
+            }
+        }
+        if change.run.is_some() && change.run == self.given_up {
+            self.given_up = None;
+            self.instruct(Instruction::Stop, Purpose::End, now);
+        }
+        self.program = Some((change, now));
+        self.tick(now);
+    }
+
+    /// The FRI thread has told something.
+    pub(super) fn heard(&mut self, event: Event, now: Instant) {
+        match event {
+            Event::Heard(heard) => {
+                self.heard = Some(heard);
+                if let State::Running(running) = &mut self.state {
+                    running.keep(&heard);
+                }
+            }
+            Event::Ended { start_s, end_s, stopped, .. } => {
+                let error = stopped.map(|[at_s, of_s]| {
+                    Refusal::robot(format!("stopped on request at {at_s:.2} of {of_s:.2} s"))
+                });
+                self.commanded(Commanded { start_s, end_s, error }, now);
+            }
+            Event::Broken { start_s, end_s, error, .. } => {
+                self.commanded(Commanded { start_s, end_s, error: Some(error) }, now);
+            }
+            Event::Discarded => {
+                // It was to be stopped before it began.
+                if let State::Running(running) = &self.state
+                    && !running.stoppers.is_empty()
+                {
+                    self.instruct(Instruction::Stop, Purpose::End, now);
+                }
+            }
+            Event::Freed(_) => {}
+        }
+    }
+
+    /// A trajectory is over on this side: the robot program is told, and says idle then.
+    fn commanded(&mut self, commanded: Commanded, now: Instant) {
+        if let State::Running(running) = &mut self.state {
+            running.commanded = Some(commanded);
+            let run = running.run;
+            self.instruct(Instruction::EndTrajectory { run }, Purpose::End, now);
+        }
+    }
+
+    /// Time passes.
+    pub(super) fn tick(&mut self, now: Instant) {
+        if let Some((_, _, purpose)) = self.in_flight.take_if(|(_, until, _)| *until <= now) {
+            self.outputs.push(Output::Reconnect);
+            let error = Refusal::new(Code::Timeout, "the robot program did not answer in time");
+            match purpose {
+                Purpose::Ask(asked) => self.reply(asked, Err(error)),
+                Purpose::Begin(run) => {
+                    self.given_up = Some(run);
+                    self.fail(run, error, now);
+                }
+                Purpose::End => {}
+            }
+        }
+        let lost = self.program.as_ref().is_none_or(|(_, at)| {
+            now.saturating_duration_since(*at) > PROGRAM_SILENT
+        });
+        if let State::Running(running) = &mut self.state {
+            match &running.ended {
+                None if lost => {
+                    let run = running.run;
+                    self.given_up = Some(run);
+                    self.outputs.push(Output::Reconnect);
+                    self.in_flight = None;
+                    self.fail(run, Refusal::robot("the robot program does not answer any more"), now);
+                }
+                Some((ended, until)) => {
+                    let complete = ended.end_s.is_none_or(|end_s| {
+                        self.heard.is_some_and(|heard| heard.t_s >= end_s)
+                    });
+                    if complete || now >= *until {
+                        self.finish();
+                    }
+                }
+                None => {}
+            }
+        }
+        self.send_next(now);
+    }
+
+    /// A run has failed, or never begun.
+    fn fail(&mut self, run: RunId, error: Refusal, now: Instant) {
+        if let State::Running(running) = &mut self.state
+            && running.run == run
+        {
+            running.ended.get_or_insert((
+                Ended { start_s: None, end_s: None, error: Some(error) },
+                now,
+            ));
+            self.finish();
+        }
+    }
+
+    /// Replies with what was measured; then the state is idle again.
+    fn finish(&mut self) {
+        let State::Running(running) = std::mem::replace(&mut self.state, State::Idle) else { return };
+        if running.kind == DriveState::RunningTrajectory {
+            self.outputs.push(Output::Order(Order::Release));
+        }
+        let ended = running.ended.map(|(ended, _)| ended);
+        let Ended { start_s, end_s, error } = ended.unwrap_or_default();
+        let mut samples = running.samples;
+        samples.cut(end_s);
+        let run = Run {
+            cycle_time_s: start_s.zip(end_s).map(|(start, end)| end - start),
+            start_s,
+            samples,
+            samples_left_out: running.samples_left_out,
+        };
+        self.last_run = Some((run.clone(), error.clone()));
+        let reply = Reply { id: running.asked.id, error, body: Some(Body::Run(run)) };
+        self.outputs.push(Output::Reply(running.asked.client, reply.to_json()));
+        for stopper in running.stoppers {
+            self.reply(stopper, Ok(None));
+        }
+        self.outputs.push(Output::Order(Order::Publish(DriveState::Idle)));
+    }
+
+    fn reply(&mut self, asked: Asked<C>, result: Result<Option<Body>, Refusal>) {
+        let (error, body) = match result {
+            Ok(body) => (None, body),
+            Err(error) => (Some(error), None),
+        };
+        let reply = Reply { id: asked.id, error, body };
+        self.outputs.push(Output::Reply(asked.client, reply.to_json()));
+    }
+}
+
+/// The name of a session of which nothing is heard.
+const SILENT: &str = "silent";
+
+impl<C> Running<C> {
+    fn keep(&mut self, heard: &Heard) {
+        if self.samples.t_s.len() < MOST_SAMPLES {
+            self.samples.t_s.push(heard.t_s);
+            self.samples.joints_rad.push(heard.joints_rad);
+        } else {
+            self.samples_left_out += 1;
+        }
+    }
+
+    /// The robot program has ended the run; its clock is `ahead_s` ahead of the stream's.
+    fn end(&mut self, outcome: &Outcome, ahead_s: f64, now: Instant) {
+        if self.ended.is_some() {
+            return;
+        }
+        let ended = match self.commanded.take() {
+            // This side knows best when the set-points began and ended.
+            Some(Commanded { start_s, end_s, error }) if outcome.error.is_none() => {
+                Ended { start_s: Some(start_s), end_s: Some(end_s), error }
+            }
+            commanded => Ended {
+                start_s: outcome.start_s.map(|start_s| start_s - ahead_s),
+                end_s: Some(outcome.end_s - ahead_s),
+                error: commanded.and_then(|commanded| commanded.error).or(outcome.error.clone()),
+            },
+        };
+        self.ended = Some((ended, now + LAST_SAMPLES));
+    }
+}
+
+impl Samples {
+    /// Leaves out what came after the end.
+    fn cut(&mut self, end_s: Option<f64>) {
+        // Stamps are sums: the last one may be a little off.
+        const ROUNDING_S: f64 = 1e-6;
+        if let Some(end_s) = end_s {
+            let count = self.t_s.partition_point(|t_s| *t_s <= end_s + ROUNDING_S);
+            self.t_s.truncate(count);
+            self.joints_rad.truncate(count);
+        }
+    }
+}

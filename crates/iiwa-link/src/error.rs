@@ -1,0 +1,62 @@
+//! Why a drive, a cabinet or a client could not be set up.
+
+use std::io;
+
+use crate::security::SecurityError;
+
+/// Why a drive, a cabinet or a client could not be set up.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LinkError {
+    /// An address cannot be bound.
+    #[error("cannot listen at {endpoint}: {}", .source.message())]
+    Bind {
+        /// The address.
+        endpoint: String,
+        /// What the system says.
+        source: zmq::Error,
+    },
+    /// An address cannot be connected to.
+    #[error("cannot connect to {endpoint}: {}", .source.message())]
+    Connect {
+        /// The address.
+        endpoint: String,
+        /// What the system says.
+        source: zmq::Error,
+    },
+    /// The address of FRI cannot be bound.
+    #[error("cannot listen at UDP {address}")]
+    Udp {
+        /// The address.
+        address: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A socket cannot be made or set.
+    #[error("cannot set up a socket: {}", .source.message())]
+    Socket {
+        /// What the library says.
+        source: zmq::Error,
+    },
+    /// A thread cannot be started.
+    #[error("cannot start a thread")]
+    Thread {
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Addresses or keys are not safe, or do not fit.
+    #[error(transparent)]
+    Security(#[from] SecurityError),
+    /// The configuration makes no sense.
+    #[error("{what}")]
+    Config {
+        /// What is wrong.
+        what: String,
+    },
+}
+
+impl LinkError {
+    pub(crate) fn socket(source: zmq::Error) -> Self {
+        Self::Socket { source }
+    }
+}
