@@ -2,3 +2,5 @@
 //!
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapter 3, cited as "Larsen 2019".
+
+pub mod security;
