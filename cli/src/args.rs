@@ -1,9 +1,13 @@
 //! The command line.
 
+mod link;
+
 use std::{path::PathBuf, time::Duration};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
+
+pub(crate) use link::Keygen;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -27,6 +31,7 @@ pub(crate) enum Command {
     Fk(Fk),
     Robot(Robot),
     Schema(Schema),
+    Keygen(Keygen),
 }
 
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.

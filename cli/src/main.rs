@@ -29,6 +29,7 @@ fn main() -> ExitCode {
         Command::Fk(options) => commands::fk::run(&options),
         Command::Robot(options) => commands::robot::run(&options),
         Command::Schema(options) => commands::schema::run(&options),
+        Command::Keygen(options) => commands::keygen::run(&options),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -163,22 +163,28 @@ impl Cabinet {
                 ),
             });
         }
-        let instructions = security.bind(zmq::REP, &config.instructions)?;
-        let state = security.bind(zmq::DEALER, &config.state)?;
-        // The newest state counts: old ones need not wait.
-        state.set_sndhwm(1).map_err(LinkError::socket)?;
-        let local = SocketAddr::new(
-            if config.fri_client.is_ipv4() {
-                std::net::Ipv4Addr::UNSPECIFIED.into()
-            } else {
-                std::net::Ipv6Addr::UNSPECIFIED.into()
-            },
-            0,
-        );
-        let local = if config.fri_client.ip().is_loopback() {
-            SocketAddr::new(config.fri_client.ip(), 0)
-        } else {
-            local
+        let (instructions, instructions_at) =
+            security.bind(zmq::REP, &config.instructions, |socket| {
+                socket.set_maxmsgsize(MAX_MESSAGE_BYTES as i64)
+            })?;
+        let (state, state_at) = security.bind(zmq::DEALER, &config.state, |socket| {
+            socket.set_maxmsgsize(1024)?;
+            // The newest state counts: old ones need not wait.
+            socket.set_sndhwm(1)
+        })?;
+        let local = match config.fri_client {
+            client if client.ip().is_loopback() => SocketAddr::new(client.ip(), 0),
+            // FRI has no keys: what else leaves this machine has to have them, at least.
+            _ if !security.has_keys() => {
+                return Err(LinkError::Config {
+                    what: format!(
+                        "FRI's client {} is on another machine: that needs keys (--key, --allow)",
+                        config.fri_client
+                    ),
+                });
+            }
+            SocketAddr::V4(_) => SocketAddr::from((std::net::Ipv4Addr::UNSPECIFIED, 0)),
+            SocketAddr::V6(_) => SocketAddr::from((std::net::Ipv6Addr::UNSPECIFIED, 0)),
         };
         let udp = UdpSocket::bind(local)
             .map_err(|source| LinkError::Udp { address: local.to_string(), source })?;
@@ -217,8 +223,8 @@ impl Cabinet {
             Duration::from_millis(u64::from(config.period_ms)).div_f64(config.speed.max(1e-3));
         let client = config.fri_client;
         let mut cabinet = Self {
-            instructions: crate::socket::endpoint(&instructions)?,
-            state: crate::socket::endpoint(&state)?,
+            instructions: instructions_at,
+            state: state_at,
             shared,
             threads: Vec::new(),
         };
@@ -415,7 +421,7 @@ fn take_instructions(shared: &Shared, socket: &zmq::Socket, robot: &Robot) {
         }
         let Ok(frames) = socket.recv_multipart(0) else { continue };
         let (seq, instruction) = match frames.as_slice() {
-            [body] if body.len() <= MAX_MESSAGE_BYTES => Instruction::from_json(body),
+            [body] => Instruction::from_json(body),
             _ => (None, Err(crate::message::Refusal::bad("an instruction is one frame"))),
         };
         let answer = instruction.and_then(|instruction| {

@@ -33,7 +33,8 @@ use crate::{
     error::LinkError,
     message::MAX_MESSAGE_BYTES,
     robot_program::{self, RECEIVED, StateChange},
-    socket::{Remote, Server, endpoint, random},
+    security::GuardedSocket,
+    socket::{Remote, Server, random},
 };
 
 /// Where a drive listens, and to what it connects.
@@ -89,15 +90,24 @@ impl Drive {
     ///
     /// If an address cannot be bound or is not safe.
     pub fn start(config: DriveConfig, clients: &Server, cabinet: &Remote) -> Result<Self, LinkError> {
-        let requests = clients.socket(zmq::ROUTER)?;
-        requests.set_maxmsgsize(MAX_MESSAGE_BYTES as i64).map_err(LinkError::socket)?;
-        clients.bind_socket(&requests, &config.instructions)?;
-        let stream = clients.socket(zmq::PUB)?;
-        stream.set_sndhwm(STREAM_BACKLOG).map_err(LinkError::socket)?;
-        // Subscribers send a topic, nothing long.
-        stream.set_maxmsgsize(1024).map_err(LinkError::socket)?;
-        clients.bind_socket(&stream, &config.stream)?;
-        let state = cabinet.connect(zmq::REP, &config.cabinet_state)?;
+        if !config.fri.ip().is_loopback() && config.fri_controller.is_loopback() {
+            return Err(LinkError::Config {
+                what: format!(
+                    "FRI at {} would listen to nobody: name the controller's address (--cabinet)",
+                    config.fri
+                ),
+            });
+        }
+        let (requests, instructions) =
+            clients.bind(zmq::ROUTER, &config.instructions, |socket| {
+                socket.set_maxmsgsize(MAX_MESSAGE_BYTES as i64)
+            })?;
+        let (stream, stream_at) = clients.bind(zmq::PUB, &config.stream, |socket| {
+            // Subscribers send a topic, nothing long.
+            socket.set_maxmsgsize(1024)?;
+            socket.set_sndhwm(STREAM_BACKLOG)
+        })?;
+        let state = cabinet.connect(zmq::REP, &config.cabinet_state, |_| Ok(()))?;
         let udp_error =
             |source| LinkError::Udp { address: config.fri.to_string(), source };
         let udp = UdpSocket::bind(config.fri).map_err(udp_error)?;
@@ -108,8 +118,8 @@ impl Drive {
         let (changes_out, changes) = mpsc::channel();
         let mut drive = Self {
             over: Arc::new(AtomicBool::new(false)),
-            instructions: endpoint(&requests)?,
-            stream: endpoint(&stream)?,
+            instructions,
+            stream: stream_at,
             fri: udp.local_addr().map_err(udp_error)?,
             threads: Vec::new(),
         };
@@ -204,7 +214,7 @@ type Route = Vec<Vec<u8>>;
 
 struct InstructionThread {
     desk: Desk<Route>,
-    requests: zmq::Socket,
+    requests: GuardedSocket,
     program: Remote,
     program_at: String,
     changes: Receiver<StateChange>,
@@ -219,7 +229,7 @@ impl InstructionThread {
     /// A new connection to the robot program. The socket speaks as REQ does, but it does not get stuck,
     /// and what is not delivered goes away with it: a motion must not begin when nobody counts on it.
     fn connect(&self) -> Result<zmq::Socket, LinkError> {
-        self.program.connect(zmq::DEALER, &self.program_at)
+        self.program.connect(zmq::DEALER, &self.program_at, |_| Ok(()))
     }
 
     fn run(mut self, over: &AtomicBool, mut program: zmq::Socket) {

@@ -8,22 +8,6 @@ use crate::security::SecurityError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinkError {
-    /// An address cannot be bound.
-    #[error("cannot listen at {endpoint}: {}", .source.message())]
-    Bind {
-        /// The address.
-        endpoint: String,
-        /// What the system says.
-        source: zmq::Error,
-    },
-    /// An address cannot be connected to.
-    #[error("cannot connect to {endpoint}: {}", .source.message())]
-    Connect {
-        /// The address.
-        endpoint: String,
-        /// What the system says.
-        source: zmq::Error,
-    },
     /// The address of FRI cannot be bound.
     #[error("cannot listen at UDP {address}")]
     Udp {

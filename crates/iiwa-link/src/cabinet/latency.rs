@@ -34,13 +34,19 @@ impl Latency {
 }
 
 /// Holds messages and answers together.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Watch {
     /// The last messages: counter, and when they were sent, until they are answered.
     sent: [Option<(u32, Instant)>; 64],
     next: usize,
     unanswered: u64,
     latency: Latency,
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        Self { sent: [None; 64], next: 0, unanswered: 0, latency: Latency::default() }
+    }
 }
 
 impl Watch {

@@ -20,6 +20,7 @@ use crate::{
     fri::{Client, Format, Monitoring, Quality, Received, Safety, SessionState},
     message::{DriveState, Refusal},
     playback::{Motion, Playback, STOP_S},
+    security::GuardedSocket,
     socket::is_timeout,
     timed_joints::TimedJoints,
 };
@@ -120,7 +121,7 @@ pub(super) struct FriThread {
     pub(super) udp: UdpSocket,
     /// Only the cabinet is listened to.
     pub(super) cabinet: IpAddr,
-    pub(super) stream: zmq::Socket,
+    pub(super) stream: GuardedSocket,
     pub(super) orders: Receiver<Order>,
     pub(super) events: Sender<Event>,
 }
@@ -252,7 +253,7 @@ fn step(
 struct Line {
     client: Client,
     clock: Clock,
-    stream: zmq::Socket,
+    stream: GuardedSocket,
     events: Sender<Event>,
 }
 

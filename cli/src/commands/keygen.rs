@@ -1,0 +1,46 @@
+//! `iiwasim keygen`.
+
+use std::{fs, path::Path};
+
+use iiwa_link::security::{KeyPair, SecurityError};
+
+use crate::{
+    args::Keygen,
+    failure::{Failure, printable},
+    output,
+};
+
+/// Makes a pair of keys, and says what to do with them.
+pub(crate) fn run(options: &Keygen) -> Result<(), Failure> {
+    // Nothing lies about half-written.
+    output::catch_interrupts();
+    let folder = options.output.as_deref().unwrap_or(Path::new(""));
+    let pair = KeyPair::generate().map_err(refuse)?;
+    if !folder.as_os_str().is_empty() {
+        fs::create_dir_all(folder).map_err(|error| {
+            Failure::run(format!("cannot make the folder {}", folder.display()), &error)
+        })?;
+    }
+    let (key, public) = pair.write(folder, &options.name).map_err(refuse)?;
+    let [key, public] = [key, public].map(|path| printable(&path.display().to_string()));
+    output::print(&format!(
+        "\
+{key}: secret; it stays here, and only you can read it
+{public}: public; it goes to the other side
+
+If they are the drive's: {public} goes to each client, and the clients' .pub files into a folder:
+  iiwasim drive --key {key} --allow clients/
+If they are a client's: {public} goes into that folder, and the drive's .pub file comes here:
+  --key {key} --server-key drive.pub
+"
+    ))
+}
+
+fn refuse(error: SecurityError) -> Failure {
+    match error {
+        SecurityError::Exists { .. } | SecurityError::Name { .. } => {
+            Failure::input(error.to_string())
+        }
+        error => Failure::run("cannot make keys", &error),
+    }
+}

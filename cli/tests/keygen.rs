@@ -1,0 +1,81 @@
+//! `iiwasim keygen` from outside.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+#[path = "common/helpers.rs"]
+mod helpers;
+
+use std::fs;
+
+use iiwa_link::security::{KeyPair, PublicKey, SecurityError, has_curve};
+use predicates::{
+    prelude::PredicateBooleanExt,
+    str::{contains, is_empty},
+};
+use tempfile::tempdir;
+
+use helpers::{files, iiwasim};
+
+#[test]
+fn writes_two_files_that_belong_together() {
+    let folder = tempdir().unwrap();
+    let run = iiwasim(&folder, &["keygen", "alice"]);
+    if !has_curve() {
+        run.code(1).stdout(is_empty()).stderr(contains("--config .cargo/curve.toml"));
+        assert!(files(&folder).is_empty());
+        return;
+    }
+    run.success()
+        .stdout(contains("alice.key: secret").and(contains("--allow clients/")))
+        .stdout(contains("--key alice.key --server-key drive.pub"))
+        .stderr(is_empty());
+    assert_eq!(files(&folder), ["alice.key", "alice.pub"]);
+    let pair = KeyPair::read(&folder.path().join("alice.key")).unwrap();
+    assert_eq!(PublicKey::read(&folder.path().join("alice.pub")).unwrap(), pair.public());
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        let mode = fs::metadata(folder.path().join("alice.key")).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+    }
+}
+
+#[test]
+fn never_overwrites() {
+    if !has_curve() {
+        println!("left out: this build has no CURVE");
+        return;
+    }
+    for (there, name) in [("drive.key", "drive"), ("drive.pub", "drive")] {
+        let folder = tempdir().unwrap();
+        fs::write(folder.path().join(there), "mine").unwrap();
+        iiwasim(&folder, &["keygen", name])
+            .code(2)
+            .stdout(is_empty())
+            .stderr(contains(there).and(contains("not overwritten")));
+        assert_eq!(files(&folder), [there]);
+        assert_eq!(fs::read_to_string(folder.path().join(there)).unwrap(), "mine");
+    }
+}
+
+#[test]
+fn makes_its_folder_and_refuses_odd_names() {
+    if !has_curve() {
+        println!("left out: this build has no CURVE");
+        return;
+    }
+    let folder = tempdir().unwrap();
+    iiwasim(&folder, &["keygen", "bob", "-o", "keys/clients"])
+        .success()
+        .stdout(contains("keys/clients/bob.pub"));
+    assert!(matches!(
+        PublicKey::read(&folder.path().join("keys/clients/bob.key")),
+        Err(SecurityError::KeyFile { .. })
+    ));
+    for name in ["", "a/b", "../a", ".a", "a b", "a\nb"] {
+        iiwasim(&folder, &["keygen", name]).code(2).stdout(is_empty());
+    }
+    fs::write(folder.path().join("file"), "").unwrap();
+    iiwasim(&folder, &["keygen", "bob", "-o", "file"]).code(1).stderr(contains("file"));
+    assert_eq!(files(&folder), ["file", "keys"]);
+}

@@ -1,0 +1,233 @@
+//! Key files: `NAME.key` with a secret and a public key, `NAME.pub` with the public key alone.
+//!
+//! Their format is that of CZMQ's and `pyzmq`'s certificates, so that
+//! `zmq.auth.load_certificate("NAME.key")` returns both keys:
+//!
+//! ```text
+//! # Public key `NAME` of iiwasim
+//! curve
+//!     public-key = "40 characters of Z85"
+//!     secret-key = "40 characters of Z85, in NAME.key only"
+//! ```
+
+use std::{
+    fs::{self, File},
+    io::{self, Read as _, Write as _},
+    path::{Path, PathBuf},
+};
+
+use tempfile::NamedTempFile;
+
+use super::{KeyPair, KeyTextError, PublicKey, SecurityError, z85};
+
+/// Far more than a key file has; a recording given by mistake is not read to its end.
+const LONGEST: u64 = 1 << 16;
+
+impl KeyPair {
+    /// Writes `NAME.key`, which only its owner may read, and `NAME.pub` into a folder: both or none.
+    /// Returns their paths, that of the secret key first.
+    ///
+    /// # Errors
+    /// The name is none for a key, one of the files exists, they cannot be written.
+    pub fn write(&self, folder: &Path, name: &str) -> Result<(PathBuf, PathBuf), SecurityError> {
+        check_name(name)?;
+        let paths = (folder.join(format!("{name}.key")), folder.join(format!("{name}.pub")));
+        for path in [&paths.0, &paths.1] {
+            // A link that leads nowhere counts too.
+            if path.symlink_metadata().is_ok() {
+                return Err(SecurityError::Exists { path: path.clone() });
+            }
+        }
+        let (public, secret) = (self.public(), z85::encode(self.secret()));
+        let secret_text = format!(
+            "# SECRET key `{name}` of iiwasim: it stays on this machine; {name}.pub is for others\n\
+             curve\n    public-key = \"{public}\"\n    secret-key = \"{secret}\"\n"
+        );
+        let public_text =
+            format!("# Public key `{name}` of iiwasim\ncurve\n    public-key = \"{public}\"\n");
+        let secret_file = prepare(folder, &paths.0, &secret_text, 0o600)?;
+        let public_file = prepare(folder, &paths.1, &public_text, 0o644)?;
+        place(secret_file, &paths.0)?;
+        if let Err(error) = place(public_file, &paths.1) {
+            let _ = fs::remove_file(&paths.0);
+            return Err(error);
+        }
+        Ok(paths)
+    }
+
+    /// Reads a file with a secret key.
+    ///
+    /// # Errors
+    /// It cannot be read, others may read it, it is not a key file or one without a secret key.
+    pub fn read(path: &Path) -> Result<Self, SecurityError> {
+        let keys = Keys::read(path)?;
+        let (Some(public), Some(secret)) = (keys.public, keys.secret) else {
+            let what = if keys.public.is_some() {
+                "it holds a public key alone; the .key file is needed"
+            } else {
+                "not a key file: it has no line `public-key = \"...\"`"
+            };
+            return Err(SecurityError::KeyFile { path: path.to_owned(), what });
+        };
+        if let Some(mode) = exposed(keys.mode) {
+            return Err(SecurityError::Exposed { path: path.to_owned(), mode });
+        }
+        Ok(Self::new(PublicKey::from(public), secret))
+    }
+}
+
+impl PublicKey {
+    /// Reads a file with a public key alone. One with a secret key is refused: it should not be
+    /// where public ones are.
+    ///
+    /// # Errors
+    /// It cannot be read, it is not a key file, it holds a secret key.
+    pub fn read(path: &Path) -> Result<Self, SecurityError> {
+        let keys = Keys::read(path)?;
+        match (keys.public, keys.secret) {
+            (Some(public), None) => Ok(Self::from(public)),
+            (_, Some(_)) => Err(SecurityError::KeyFile {
+                path: path.to_owned(),
+                what: "it holds a secret key, which belongs to its owner; the .pub file is needed",
+            }),
+            (None, None) => Err(SecurityError::KeyFile {
+                path: path.to_owned(),
+                what: "not a key file: it has no line `public-key = \"...\"`",
+            }),
+        }
+    }
+}
+
+/// Fails unless key files can be called so.
+fn check_name(name: &str) -> Result<(), SecurityError> {
+    let inside = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let begins = name.starts_with(|c: char| c.is_ascii_alphanumeric());
+    if begins && name.len() <= 64 && name.chars().all(inside) {
+        return Ok(());
+    }
+    Err(SecurityError::Name { name: name.to_owned() })
+}
+
+/// What is in a key file.
+struct Keys {
+    public: Option<[u8; 32]>,
+    secret: Option<[u8; 32]>,
+    mode: u32,
+}
+
+impl Keys {
+    fn read(path: &Path) -> Result<Self, SecurityError> {
+        let refuse = |source| SecurityError::Read { path: path.to_owned(), source };
+        let file = File::open(path).map_err(refuse)?;
+        let mode = mode(&file.metadata().map_err(refuse)?);
+        let mut bytes = Vec::new();
+        file.take(LONGEST).read_to_end(&mut bytes).map_err(refuse)?;
+        let text = String::from_utf8(bytes).map_err(|_| SecurityError::KeyFile {
+            path: path.to_owned(),
+            what: "not a key file: it is not text",
+        })?;
+        let mut keys = Self { public: None, secret: None, mode };
+        keys.parse(&text).map_err(|(line, what)| SecurityError::KeyLine {
+            path: path.to_owned(),
+            line,
+            what,
+        })?;
+        Ok(keys)
+    }
+
+    /// Takes the keys from a text; an error comes with its line.
+    fn parse(&mut self, text: &str) -> Result<(), (usize, String)> {
+        let mut in_metadata = false;
+        for (i, line) in text.lines().enumerate() {
+            let refuse = |what: &str| Err((i + 1, what.to_owned()));
+            let indented = line.starts_with([' ', '\t']);
+            let line = line.trim();
+            if line.is_empty() || line.starts_with('#') || (indented && in_metadata) {
+                continue;
+            }
+            in_metadata = line == "metadata";
+            if in_metadata || line == "curve" {
+                continue;
+            }
+            let Some((name, value)) = line.split_once('=') else {
+                return refuse("expected `public-key = \"...\"` or `secret-key = \"...\"`");
+            };
+            let value = value.trim();
+            let bare = value.strip_prefix('"').and_then(|value| value.strip_suffix('"'));
+            let key = match name.trim() {
+                "public-key" => &mut self.public,
+                "secret-key" => &mut self.secret,
+                _ => return refuse("expected `public-key = \"...\"` or `secret-key = \"...\"`"),
+            };
+            if key.is_some() {
+                return refuse("a second key of the same kind");
+            }
+            let decoded = bare.ok_or("a key goes between double quotes".to_owned());
+            let decoded = decoded.and_then(|text| z85::decode(text).map_err(|e| told(&e)));
+            *key = Some(decoded.map_err(|what| (i + 1, what))?);
+        }
+        Ok(())
+    }
+}
+
+/// The error, without a character of what may be a secret key.
+fn told(error: &KeyTextError) -> String {
+    match error {
+        KeyTextError::Character { position, .. } => {
+            format!("character {position} of the key is not one of Z85's")
+        }
+        error => error.to_string(),
+    }
+}
+
+/// A file beside its place, with all that will be in it.
+fn prepare(
+    folder: &Path,
+    path: &Path,
+    text: &str,
+    mode: u32,
+) -> Result<NamedTempFile, SecurityError> {
+    let refuse = |source| SecurityError::Write { path: path.to_owned(), source };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".iiwasim-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        builder.permissions(fs::Permissions::from_mode(mode));
+    }
+    #[cfg(not(unix))]
+    let _ = mode;
+    // Without the name of the temporary file.
+    let file = builder.tempfile_in(folder).map_err(|error| refuse(error.kind().into()));
+    let mut file = file?;
+    file.write_all(text.as_bytes()).and_then(|()| file.as_file().sync_all()).map_err(refuse)?;
+    Ok(file)
+}
+
+/// Puts a file in its place, if that is still free.
+fn place(file: NamedTempFile, path: &Path) -> Result<(), SecurityError> {
+    let path = path.to_owned();
+    match file.persist_noclobber(&path) {
+        Ok(_) => Ok(()),
+        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => {
+            Err(SecurityError::Exists { path })
+        }
+        Err(error) => Err(SecurityError::Write { path, source: error.error }),
+    }
+}
+
+#[cfg(unix)]
+fn mode(metadata: &fs::Metadata) -> u32 {
+    use std::os::unix::fs::PermissionsExt as _;
+    metadata.permissions().mode() & 0o7777
+}
+
+#[cfg(not(unix))]
+fn mode(_: &fs::Metadata) -> u32 {
+    0
+}
+
+/// The mode, if it lets others than the owner in.
+fn exposed(mode: u32) -> Option<u32> {
+    (mode & 0o077 != 0).then_some(mode)
+}

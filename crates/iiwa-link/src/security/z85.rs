@@ -1,0 +1,46 @@
+//! Z85 (ZeroMQ RFC 32): 4 bytes as 5 printable characters. libzmq's own decoder takes any character
+//! for one of the 85.
+
+use super::KeyTextError;
+
+const DIGITS: &[u8; 85] =
+    b"0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&<>()[]{}@%$#";
+
+/// The 40 characters of a key.
+pub(super) fn encode(key: &[u8; 32]) -> String {
+    let mut text = String::with_capacity(40);
+    for word in key.chunks_exact(4) {
+        let value = word.iter().fold(0, |value, byte| (value << 8) | u32::from(*byte));
+        for power in [52_200_625, 614_125, 7_225, 85, 1] {
+            text.push(char::from(DIGITS[(value / power % 85) as usize]));
+        }
+    }
+    text
+}
+
+/// The key that 40 characters stand for.
+///
+/// # Errors
+/// Another number of characters, one that is not of the 85, five that stand for too large a number.
+pub(super) fn decode(text: &str) -> Result<[u8; 32], KeyTextError> {
+    let found = text.chars().count();
+    if found != 40 {
+        return Err(KeyTextError::Length { found });
+    }
+    let mut key = [0; 32];
+    let (mut value, mut words) = (0_u64, key.chunks_exact_mut(4));
+    for (i, character) in text.chars().enumerate() {
+        let digit = DIGITS.iter().position(|digit| char::from(*digit) == character);
+        let digit = digit.ok_or(KeyTextError::Character { position: i + 1, character })?;
+        value = value * 85 + digit as u64;
+        if i % 5 == 4 {
+            let word =
+                u32::try_from(value).map_err(|_| KeyTextError::TooLarge { position: i - 3 })?;
+            if let Some(bytes) = words.next() {
+                bytes.copy_from_slice(&word.to_be_bytes());
+            }
+            value = 0;
+        }
+    }
+    Ok(key)
+}

@@ -1,0 +1,102 @@
+//! What a drive publishes.
+
+use std::time::Duration;
+
+use iiwa_kin::{Joints, json::Object};
+use serde::{Deserialize, de::DeserializeOwned};
+
+use crate::{error::LinkError, message::DriveState, socket::Remote};
+
+/// Follows the robot.
+pub struct Stream {
+    socket: zmq::Socket,
+}
+
+impl std::fmt::Debug for Stream {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Stream").finish_non_exhaustive()
+    }
+}
+
+/// Something that was published.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Published {
+    /// Measured joint positions, every cycle of FRI.
+    Joints {
+        /// When, in s: time of the controller since the drive has first heard of it.
+        t_s: f64,
+        /// Where, in rad.
+        joints_rad: Joints,
+    },
+    /// The drive's state, when it changes.
+    State {
+        /// When, in s.
+        t_s: f64,
+        /// What it is now.
+        state: DriveState,
+    },
+}
+
+/// Most messages that wait to be taken: more than a minute at 1 ms.
+const BACKLOG: i32 = 100_000;
+
+impl Stream {
+    /// Subscribes to the drive that publishes at `at`, as `tcp://127.0.0.1:5561`. What is published
+    /// before the connection has come about is not heard.
+    ///
+    /// # Errors
+    ///
+    /// If the address is none, or needs keys.
+    pub fn new(remote: &Remote, at: &str) -> Result<Self, LinkError> {
+        let socket = remote.connect(zmq::SUB, at, |socket| {
+            socket.set_rcvhwm(BACKLOG)?;
+            socket.set_subscribe(b"joints")?;
+            socket.set_subscribe(b"state")
+        })?;
+        Ok(Self { socket })
+    }
+
+    /// The next thing published; none within `patience`.
+    ///
+    /// # Errors
+    ///
+    /// If the library refuses.
+    pub fn next(&mut self, patience: Duration) -> Result<Option<Published>, LinkError> {
+        let patience_ms = i64::try_from(patience.as_millis()).unwrap_or(i64::MAX);
+        match self.socket.poll(zmq::POLLIN, patience_ms) {
+            Ok(0) | Err(zmq::Error::EINTR) => return Ok(None),
+            Ok(_) => {}
+            Err(error) => return Err(LinkError::socket(error)),
+        }
+        match self.socket.recv_multipart(zmq::DONTWAIT) {
+            Ok(frames) => Ok(read(&frames)),
+            Err(zmq::Error::EAGAIN | zmq::Error::EINTR) => Ok(None),
+            Err(error) => Err(LinkError::socket(error)),
+        }
+    }
+}
+
+fn read(frames: &[Vec<u8>]) -> Option<Published> {
+    #[derive(Deserialize)]
+    struct Joints7 {
+        t_s: f64,
+        joints_rad: Joints,
+    }
+    #[derive(Deserialize)]
+    struct State {
+        t_s: f64,
+        state: DriveState,
+    }
+    fn json<T: DeserializeOwned>(body: &[u8]) -> Option<T> {
+        serde_json::from_slice::<Object<T>>(body).ok().map(|Object(message)| message)
+    }
+    match frames {
+        [topic, body] if topic == b"joints" => json(body)
+            .map(|Joints7 { t_s, joints_rad }| Published::Joints { t_s, joints_rad }),
+        [topic, body] if topic == b"state" => {
+            json(body).map(|State { t_s, state }| Published::State { t_s, state })
+        }
+        _ => None,
+    }
+}
