@@ -7,7 +7,9 @@ use std::{path::PathBuf, time::Duration};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
-pub(crate) use link::Keygen;
+pub(crate) use link::{
+    Cabinet, ClientKeys, Drive, DriveAddress, Io, IoAction, Keygen, Record, Run, Sensors, ServerKeys, Status,
+};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -28,10 +30,17 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Plan(Plan),
+    Run(Run),
+    Record(Record),
+    Status(Status),
+    Io(Io),
+    Sensors(Sensors),
+    Drive(Drive),
+    Cabinet(Cabinet),
+    Keygen(Keygen),
     Fk(Fk),
     Robot(Robot),
     Schema(Schema),
-    Keygen(Keygen),
 }
 
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.

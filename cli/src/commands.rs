@@ -1,7 +1,14 @@
 //! One file a command.
 
+pub(crate) mod cabinet;
+pub(crate) mod drive;
 pub(crate) mod fk;
+pub(crate) mod io;
 pub(crate) mod keygen;
 pub(crate) mod plan;
+pub(crate) mod record;
 pub(crate) mod robot;
+pub(crate) mod run;
 pub(crate) mod schema;
+pub(crate) mod sensors;
+pub(crate) mod status;

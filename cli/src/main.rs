@@ -6,9 +6,11 @@
 
 mod args;
 mod commands;
+mod connection;
 mod failure;
 mod figures;
 mod input;
+mod log;
 mod output;
 mod picture;
 mod progress;
@@ -30,6 +32,13 @@ fn main() -> ExitCode {
         Command::Robot(options) => commands::robot::run(&options),
         Command::Schema(options) => commands::schema::run(&options),
         Command::Keygen(options) => commands::keygen::run(&options),
+        Command::Drive(options) => commands::drive::run(&options),
+        Command::Cabinet(options) => commands::cabinet::run(&options),
+        Command::Run(options) => commands::run::run(&options),
+        Command::Record(options) => commands::record::run(&options),
+        Command::Status(options) => commands::status::run(&options),
+        Command::Io(options) => commands::io::run(&options.action),
+        Command::Sensors(options) => commands::sensors::run(&options),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

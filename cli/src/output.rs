@@ -60,9 +60,7 @@ impl Output {
 
     /// Writes all of it.
     pub(crate) fn write(&self, content: &[u8]) -> Result<(), Failure> {
-        let mut stream = self.stream()?;
-        let written = stream.write_all(content).and_then(|()| stream.flush());
-        written.map_err(|error| self.failure(&error))
+        self.file.as_file().write_all(content).map_err(|error| self.failure(&error))
     }
 
     /// Why it could not be written.
@@ -70,9 +68,14 @@ impl Output {
         Failure::run(format!("cannot write {}", self.path.display()), error)
     }
 
-    /// Puts the file in its place.
+    /// Puts the file in its place, unless an interrupt has come.
     pub(crate) fn complete(self) -> Result<(), Failure> {
         check_interrupt()?;
+        self.complete_always()
+    }
+
+    /// Puts the file in its place.
+    pub(crate) fn complete_always(self) -> Result<(), Failure> {
         let path = self.path;
         self.file
             .persist(&path)
@@ -114,6 +117,13 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Prints a line of JSON.
+pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
+    let json = serde_json::to_string(value)
+        .map_err(|error| Failure::run("cannot write the answer", &error))?;
+    print(&format!("{json}\n"))
+}
+
 static INTERRUPTED: OnceLock<AtomicBool> = OnceLock::new();
 
 /// From now on an interrupt (Ctrl-C, or a request to end) is noticed by [`check_interrupt`], so that
@@ -128,7 +138,16 @@ pub(crate) fn catch_interrupts() {
     });
 }
 
-fn interrupted() -> bool {
+/// Does something again and again until an interrupt comes.
+pub(crate) fn wait_for_interrupt(mut meanwhile: impl FnMut()) {
+    while !interrupted() {
+        meanwhile();
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+}
+
+/// Whether an interrupt has come.
+pub(crate) fn interrupted() -> bool {
     INTERRUPTED.get().is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 

@@ -26,6 +26,16 @@ impl Progress {
         Self::new(count as u64, "planning {wide_bar} {pos} of {len} programs, {eta} left")
     }
 
+    /// Of a run of the robot, of which shares are told.
+    pub(crate) fn of_run() -> Self {
+        Self::new(1000, "running {wide_bar} {percent} %, {eta} left")
+    }
+
+    /// Of a recording, of which the number of samples is told.
+    pub(crate) fn of_recording() -> Self {
+        Self::new(u64::MAX, "recording: {pos} samples in {elapsed}; Ctrl-C ends it")
+    }
+
     fn new(steps: u64, look: &'static str) -> Self {
         Self { since: Instant::now(), steps, done: 0, look, bar: None }
     }

@@ -415,8 +415,22 @@ pub struct Status {
     pub joints_rad: Option<Joints>,
     /// When they were measured, in s.
     pub t_s: Option<f64>,
-    /// The connection.
+    /// The connection of FRI.
     pub fri: FriStatus,
+    /// Whether the robot program is there.
+    #[serde(default)]
+    pub robot_program: Presence,
+}
+
+/// Whether somebody is heard of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Presence {
+    /// For some time there was no word.
+    #[default]
+    Silent,
+    /// There was, a moment ago.
+    Connected,
 }
 
 /// What a reply brings.

@@ -13,7 +13,7 @@ use super::fri::{Event, Heard, Order};
 use crate::{
     fri::{Quality, Safety, SessionState},
     message::{
-        Body, Code, DriveState, FriStatus, Id, Refusal, Reply, Request, Run, Samples, Status,
+        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Request, Run, Samples, Status,
     },
     robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
     timed_joints::TimedJoints,
@@ -189,8 +189,7 @@ impl<C> Desk<C> {
     }
 
     fn serve_stop(&mut self, asked: Asked<C>, now: Instant) {
-        let program_runs =
-            self.program.as_ref().is_some_and(|(said, _)| said.state != DriveState::Idle);
+        let state = self.drive_state(now);
         match &mut self.state {
             State::Running(running) => {
                 running.stoppers.push(asked);
@@ -202,7 +201,7 @@ impl<C> Desk<C> {
                 }
             }
             // What was running before this drive was started.
-            State::Idle if program_runs => {
+            State::Idle if state != DriveState::Idle => {
                 self.instruct(Instruction::Stop, Purpose::Ask(asked), now);
             }
             State::Idle => self.reply(asked, Ok(None)),
@@ -213,10 +212,7 @@ impl<C> Desk<C> {
     fn drive_state(&self, now: Instant) -> DriveState {
         match &self.state {
             State::Running(running) => running.kind,
-            State::Idle => match &self.program {
-                Some((said, at)) if now.duration_since(*at) < PROGRAM_SILENT => said.state,
-                _ => DriveState::Idle,
-            },
+            State::Idle => self.program_at(now).map_or(DriveState::Idle, |said| said.state),
         }
     }
 
@@ -243,7 +239,17 @@ impl<C> Desk<C> {
             joints_rad: self.heard.map(|heard| heard.joints_rad),
             t_s: self.heard.map(|heard| heard.t_s),
             fri,
+            robot_program: match self.program_at(now) {
+                Some(_) => Presence::Connected,
+                None => Presence::Silent,
+            },
         }
+    }
+
+    /// What the robot program says, unless it has been silent for too long.
+    fn program_at(&self, now: Instant) -> Option<&StateChange> {
+        let (said, at) = self.program.as_ref()?;
+        (now.saturating_duration_since(*at) <= PROGRAM_SILENT).then_some(said)
     }
 
     fn check_idle(&self, now: Instant) -> Result<(), Refusal> {
@@ -258,8 +264,7 @@ impl<C> Desk<C> {
 
     /// The robot program can be told, and the robot be seen.
     fn check_connected(&self, now: Instant) -> Result<Heard, Refusal> {
-        let program = self.program.as_ref().map(|(_, at)| now.saturating_duration_since(*at));
-        if program.is_none_or(|silence| silence > PROGRAM_SILENT) {
+        if self.program_at(now).is_none() {
             return Err(Refusal::robot("the robot program does not answer; is the cabinet running?"));
         }
         match self.heard {
@@ -453,9 +458,7 @@ impl<C> Desk<C> {
                 Purpose::End => {}
             }
         }
-        let lost = self.program.as_ref().is_none_or(|(_, at)| {
-            now.saturating_duration_since(*at) > PROGRAM_SILENT
-        });
+        let lost = self.program_at(now).is_none();
         if let State::Running(running) = &mut self.state {
             match &running.ended {
                 None if lost => {

@@ -1,0 +1,90 @@
+//! `iiwasim cabinet`.
+
+use std::time::{Duration, Instant};
+
+use iiwa_link::{Cabinet, CabinetConfig, Faults};
+
+use crate::{args, connection, failure::{Failure, tell}, input::find_robot, log, output};
+
+/// How long a fault that comes again and again lasts.
+const FAULT: Duration = Duration::from_secs(1);
+
+/// Simulates a cabinet until it is interrupted.
+pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
+    let robot = find_robot(&options.robot, std::path::Path::new("."))?;
+    let server = connection::server(&options.keys)?;
+    let faults = &options.faults;
+    let config = CabinetConfig {
+        robot,
+        start_rad: options.start_deg.unwrap_or_default().map(f64::to_radians),
+        period_ms: options.period,
+        receive_multiplier: options.receive_multiplier,
+        speed: options.speed,
+        noise_rad: options.noise,
+        fri_client: options.fri,
+        instructions: options.instructions.to_string(),
+        state: options.state.to_string(),
+        faults: Faults {
+            packet_loss: faults.packet_loss / 100.0,
+            delay_cycles: faults.delay,
+            emergency_stop_at: faults.emergency_stop.map(|percent| percent / 100.0),
+        },
+    };
+    output::catch_interrupts();
+    log::start();
+    let cabinet =
+        Cabinet::start(config, &server).map_err(|error| connection::refused(&error))?;
+    tell(&format!(
+        "Simulated cabinet: instructions at {}, state at {}, FRI every {} ms to UDP {}. Ctrl-C ends it.\n",
+        cabinet.instructions(),
+        cabinet.state(),
+        options.period,
+        options.fri
+    ));
+    let mut silence = Again::new(faults.silence_every);
+    let mut dropped = Again::new(faults.drop_session_every);
+    output::wait_for_interrupt(|| {
+        if silence.is_due() {
+            tracing::info!("fault: FRI is silent for {FAULT:?}");
+            cabinet.silence(FAULT);
+        }
+        if dropped.is_due() {
+            tracing::info!("fault: the session of FRI is dropped for {FAULT:?}");
+            cabinet.drop_session(FAULT.as_secs_f64());
+        }
+    });
+    let report = cabinet.report();
+    let micros = |share| {
+        report.latency.quantile(share).map_or_else(|| "-".to_owned(), |t| format!("{} us", t.as_micros()))
+    };
+    tell(&format!(
+        "{} messages, {} answers: after {} (median), {} (99.9 %), {} (maximum); {} cycles held up here\n",
+        report.cycles,
+        report.latency.count(),
+        micros(0.5),
+        micros(0.999),
+        micros(1.0),
+        report.held_up
+    ));
+    Ok(())
+}
+
+/// Something that happens again and again.
+struct Again {
+    every: Option<Duration>,
+    last: Instant,
+}
+
+impl Again {
+    fn new(every_s: Option<f64>) -> Self {
+        Self { every: every_s.map(Duration::from_secs_f64), last: Instant::now() }
+    }
+
+    fn is_due(&mut self) -> bool {
+        let due = self.every.is_some_and(|every| self.last.elapsed() >= every);
+        if due {
+            self.last = Instant::now();
+        }
+        due
+    }
+}

@@ -1,0 +1,55 @@
+//! `iiwasim drive`.
+
+use std::net::{IpAddr, ToSocketAddrs};
+
+use iiwa_link::{Drive, DriveConfig, Remote, security::ClientSecurity};
+
+use crate::{args, connection, failure::{Failure, tell}, input::find_robot, log, output};
+
+/// Runs a drive until it is interrupted.
+pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
+    let robot = find_robot(&options.robot, std::path::Path::new("."))?;
+    let clients = connection::server(&options.keys)?;
+    let cabinet = match (&options.keys.key, &options.cabinet_key) {
+        (Some(key), Some(cabinet)) => ClientSecurity::read(key, cabinet)
+            .map(Remote::with_keys)
+            .map_err(|error| connection::refused(&error.into()))?,
+        _ => Remote::open(),
+    };
+    let host = &options.cabinet;
+    let config = DriveConfig {
+        robot,
+        instructions: options.instructions.to_string(),
+        stream: options.stream.to_string(),
+        fri: options.fri,
+        fri_controller: address(host, options.fri.is_ipv4())?,
+        cabinet_instructions: at(host, options.cabinet_instructions),
+        cabinet_state: at(host, options.cabinet_state),
+    };
+    output::catch_interrupts();
+    log::start();
+    let drive = Drive::start(config, &clients, &cabinet)
+        .map_err(|error| connection::refused(&error))?;
+    tell(&format!(
+        "iiwaDrive: requests at {}, stream at {}, FRI at UDP {}, cabinet {host}. Ctrl-C ends it.\n",
+        drive.instructions(),
+        drive.stream(),
+        drive.fri()
+    ));
+    output::wait_for_interrupt(|| ());
+    Ok(())
+}
+
+fn at(host: &str, port: u16) -> String {
+    if host.contains(':') { format!("tcp://[{host}]:{port}") } else { format!("tcp://{host}:{port}") }
+}
+
+/// The address behind a name.
+fn address(host: &str, v4: bool) -> Result<IpAddr, Failure> {
+    let found = (host, 0)
+        .to_socket_addrs()
+        .map_err(|error| Failure::input(format!("--cabinet {host}: {error}")))?
+        .map(|address| address.ip())
+        .find(|address| address.is_ipv4() == v4);
+    found.ok_or_else(|| Failure::input(format!("--cabinet {host} has no address of the kind of --fri")))
+}

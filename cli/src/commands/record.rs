@@ -1,0 +1,94 @@
+//! `iiwasim record`.
+
+use std::{
+    fs::File,
+    io::ErrorKind,
+    path::Path,
+    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
+};
+
+use iiwa_link::{Published, Stream};
+use iiwa_log::{Config, Recorder, RecorderConfig};
+
+use crate::{args::Record, connection, failure::Failure, input::find_robot, output, progress::Progress};
+
+/// How long nothing may come before the file is brought up to date all the same.
+const PAUSE: Duration = Duration::from_millis(200);
+
+/// Records until it is interrupted.
+pub(crate) fn run(options: &Record) -> Result<(), Failure> {
+    let robot = find_robot(&options.robot, Path::new("."))?;
+    let remote = connection::remote(&options.keys)?;
+    let mut stream = Stream::new(&remote, &options.stream.to_string())
+        .map_err(|error| connection::refused(&error))?;
+    output::catch_interrupts();
+    let path = &options.output;
+    let file = File::create_new(path).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => Failure::input(format!(
+            "{} exists; a recording is not written over another file",
+            path.display()
+        )),
+        _ => Failure::run(format!("cannot write {}", path.display()), &error),
+    })?;
+    let refuse = |error: iiwa_log::WriteError| {
+        Failure::run(format!("cannot write {}", path.display()), &error)
+    };
+    let epoch = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(iiwa_log::DEFAULT_EPOCH);
+    let config =
+        RecorderConfig { file: Config { epoch, ..Config::default() }, ..RecorderConfig::default() };
+    let mut recorder = Recorder::new(file, &robot, config).map_err(refuse)?;
+
+    let since = Instant::now();
+    let limit = options.seconds.map(Duration::from_secs_f64);
+    let mut samples = 0_u64;
+    let mut left_out = 0_u64;
+    let mut first_s = None;
+    let mut last = Duration::ZERO;
+    let mut fresh = false;
+    let mut progress = Progress::of_recording();
+    while !output::interrupted() && limit.is_none_or(|limit| since.elapsed() < limit) {
+        match stream.next(PAUSE).map_err(|error| connection::refused(&error))? {
+            Some(Published::Joints { t_s, joints_rad }) => {
+                let from_s = *first_s.get_or_insert(t_s);
+                let t = Duration::try_from_secs_f64(t_s - from_s).unwrap_or_default();
+                // A drive that was started again counts from 0: then the recording goes on in its own time.
+                if samples > 0 && t <= last {
+                    let now = since.elapsed().max(last + Duration::from_millis(1));
+                    first_s = Some(t_s - now.as_secs_f64());
+                    left_out += 1;
+                    continue;
+                }
+                recorder.sample(t, &joints_rad).map_err(refuse)?;
+                (last, fresh) = (t, true);
+                samples += 1;
+                progress.show(samples);
+            }
+            Some(_) => {}
+            None => {
+                if std::mem::take(&mut fresh) {
+                    recorder.flush().map_err(refuse)?;
+                }
+                progress.alive();
+            }
+        }
+    }
+    progress.clear();
+    let metadata = [("samples".to_owned(), samples.to_string())].into();
+    recorder.finish(&metadata, &[]).map_err(refuse)?;
+    if samples == 0 {
+        return Err(Failure::Run {
+            what: format!(
+                "nothing was recorded: no drive published at {}; {} holds the robot only",
+                options.stream,
+                path.display()
+            ),
+            cause: None,
+        });
+    }
+    let left_out = if left_out > 0 { format!(", {left_out} left out") } else { String::new() };
+    output::print(&format!(
+        "{samples} samples{left_out} over {:.3} s in {}\n",
+        last.as_secs_f64(),
+        path.display()
+    ))
+}

@@ -1,0 +1,117 @@
+//! A drive and a simulated cabinet on free ports of the loopback interface.
+
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
+use std::{
+    net::{Ipv4Addr, SocketAddr, TcpListener, UdpSocket},
+    time::{Duration, Instant},
+};
+
+use iiwa_link::{
+    Cabinet, CabinetConfig, Client, Drive, DriveConfig, Faults, Remote, Server, Stream,
+    message::{DriveState, Presence},
+};
+
+/// How long anything may take.
+pub const LONG: Duration = Duration::from_secs(20);
+
+/// Both sides, each of which may be away.
+pub struct Rig {
+    pub cabinet_config: CabinetConfig,
+    pub drive_config: DriveConfig,
+    pub cabinet: Option<Cabinet>,
+    pub drive: Option<Drive>,
+}
+
+fn free_tcp() -> String {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    format!("tcp://{}", listener.local_addr().unwrap())
+}
+
+fn free_udp() -> SocketAddr {
+    UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap()
+}
+
+impl Rig {
+    /// Nothing runs yet.
+    pub fn parts(period_ms: u32) -> Self {
+        let fri = free_udp();
+        let [instructions, state] = [free_tcp(), free_tcp()];
+        Self {
+            cabinet_config: CabinetConfig {
+                period_ms,
+                fri_client: fri,
+                instructions: instructions.clone(),
+                state: state.clone(),
+                ..CabinetConfig::default()
+            },
+            drive_config: DriveConfig {
+                instructions: free_tcp(),
+                stream: free_tcp(),
+                fri,
+                cabinet_instructions: instructions,
+                cabinet_state: state,
+                ..DriveConfig::default()
+            },
+            cabinet: None,
+            drive: None,
+        }
+    }
+
+    /// Both run, and the connection is good.
+    pub fn new(period_ms: u32) -> Self {
+        let mut rig = Self::parts(period_ms);
+        rig.start_cabinet();
+        rig.start_drive();
+        rig.wait_until_ready();
+        rig
+    }
+
+    pub fn start_cabinet(&mut self) {
+        let cabinet = Cabinet::start(self.cabinet_config.clone(), &Server::open());
+        self.cabinet = Some(cabinet.unwrap());
+    }
+
+    pub fn start_drive(&mut self) {
+        let drive =
+            Drive::start(self.drive_config.clone(), &Server::open(), &Remote::open()).unwrap();
+        self.drive = Some(drive);
+    }
+
+    pub fn cabinet(&self) -> &Cabinet {
+        self.cabinet.as_ref().unwrap()
+    }
+
+    pub fn client(&self) -> Client {
+        Client::new(&Remote::open(), &self.drive_config.instructions).unwrap()
+    }
+
+    pub fn stream(&self) -> Stream {
+        Stream::new(&Remote::open(), &self.drive_config.stream).unwrap()
+    }
+
+    /// Until FRI is ready to command, and requests find the robot program.
+    pub fn wait_until_ready(&self) {
+        let mut client = self.client();
+        wait_for("a good connection", || {
+            let status = client.state().unwrap();
+            let ready = status.fri.session == "monitoring_ready"
+                && ["good", "excellent"].contains(&status.fri.quality.as_str());
+            let there = status.robot_program == Presence::Connected;
+            ready && there && status.state == DriveState::Idle
+        });
+    }
+
+    pub fn set_faults(&self, faults: Faults) {
+        self.cabinet().set_faults(faults);
+    }
+}
+
+/// Asks again and again.
+pub fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
+    let since = Instant::now();
+    while !holds() {
+        assert!(since.elapsed() < LONG, "no {what} within {LONG:?}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
