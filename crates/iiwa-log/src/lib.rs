@@ -2,7 +2,8 @@
 //!
 //! A [`Writer`] takes joint states, transforms, poses, motions and a trajectory by the time since
 //! the start of the motion and writes them, compressed, into anything that is [`Write`] and
-//! [`Seek`]. [`Recording`] reads such a file back, and [`Reader`] does it entry by entry. The
+//! [`Seek`]; a [`PlanWriter`] does it for a plan. A [`Recorder`] writes what the robot did, as it
+//! happens, into a file that is whole at every moment. [`Recording`] reads such a file back, and [`Reader`] does it entry by entry. The
 //! topics and their types are those of [`Topic`].
 //!
 //! Lengths are in m, angles in rad, times in s. The same calls give the same bytes.
@@ -33,20 +34,29 @@
 //! [`Write`]: std::io::Write
 //! [`Seek`]: std::io::Seek
 
+mod arm;
+mod buffer;
 mod cdr;
 mod error;
 mod plan;
 mod reader;
+mod recorder;
 mod recording;
 mod ros;
+mod storage;
+mod tail;
 mod topic;
 mod trajectory;
+mod whole_file;
 mod writer;
 
+pub use arm::LINK_NAMES;
 pub use error::{ReadError, WriteError};
-pub use plan::{LINK_NAMES, PlanConfig, PlanWriter};
+pub use plan::{PlanConfig, PlanWriter};
 pub use reader::{Entry, Reader};
+pub use recorder::{Recorder, RecorderConfig};
 pub use recording::{Attachment, JointSample, Motion, MotionSample, PoseSample, Recording};
+pub use storage::Storage;
 pub use topic::Topic;
 pub use trajectory::{TrajectoryMessage, TrajectoryPoint};
 pub use writer::{Config, DEFAULT_EPOCH, Frame, Writer};

@@ -5,23 +5,11 @@ use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 use std::time::Duration;
 
-use iiwa_kin::{DhRow, Joints, Robot};
+use iiwa_kin::Robot;
 use iiwa_traj::{State, Stretch};
 
-use crate::{Config, Frame, Motion, TrajectoryMessage, TrajectoryPoint, WriteError, Writer};
-
-/// The links' names in messages, from the base to the flange, as in the robot's URDF.
-pub const LINK_NAMES: [&str; 9] = [
-    "iiwa_link_0",
-    "iiwa_link_1",
-    "iiwa_link_2",
-    "iiwa_link_3",
-    "iiwa_link_4",
-    "iiwa_link_5",
-    "iiwa_link_6",
-    "iiwa_link_7",
-    "iiwa_link_ee",
-];
+use crate::arm::Arm;
+use crate::{Config, Motion, TrajectoryMessage, TrajectoryPoint, WriteError, Writer};
 
 /// How a plan is written.
 #[derive(Clone, Debug)]
@@ -48,9 +36,7 @@ impl Default for PlanConfig {
 #[derive(Debug)]
 pub struct PlanWriter<W: Write + Seek> {
     writer: Writer<W>,
-    robot: Robot,
-    dh: [DhRow; 7],
-    urdf: String,
+    arm: Arm,
     rate_hz: f64,
     /// Joint states written so far.
     ticks: u64,
@@ -70,13 +56,11 @@ impl<W: Write + Seek> PlanWriter<W> {
     /// Any [`WriteError`].
     pub fn new(stream: W, robot: &Robot, config: PlanConfig) -> Result<Self, WriteError> {
         let mut writer = Writer::new(stream, config.file)?;
-        let urdf = robot.to_urdf();
-        writer.robot_description(Duration::ZERO, &urdf)?;
+        let arm = Arm::new(robot);
+        arm.description(&mut writer)?;
         Ok(Self {
             writer,
-            robot: robot.clone(),
-            dh: robot.dh(),
-            urdf,
+            arm,
             rate_hz: config.rate_hz,
             ticks: 0,
             part: TrajectoryMessage::new()?,
@@ -143,21 +127,14 @@ impl<W: Write + Seek> PlanWriter<W> {
             self.node(&end)?;
         }
         self.writer.joint_trajectory(self.part_start, self.part)?;
-        for (name, media_type, bytes) in attachments {
-            self.writer.attach(name, media_type, bytes)?;
-        }
-        self.writer.attach("robot.urdf", "application/xml", self.urdf.as_bytes())?;
-        self.writer.metadata("iiwasim", metadata)?;
-        self.writer.finish()
+        self.arm.finish(self.writer, metadata, attachments)
     }
 
     /// One instant on `/joint_states`, `/tf` and `/tcp_pose`.
     fn sample(&mut self, state: &State) -> Result<(), WriteError> {
         let t = duration(state.t_s);
         self.writer.joint_state(t, &state.q, &state.dq)?;
-        self.writer.transforms(t, &link_frames(&self.dh, &state.q))?;
-        let tcp = self.robot.tcp(&state.q);
-        self.writer.tcp_pose(t, LINK_NAMES[0], tcp.position_m, tcp.quaternion_xyzw())
+        self.arm.poses(&mut self.writer, t, &state.q)
     }
 
     /// One point of `/joint_trajectory`.
@@ -183,25 +160,6 @@ impl<W: Write + Seek> PlanWriter<W> {
         }
         Ok(())
     }
-}
-
-/// Each link's frame in the one before it, as in the URDF: past the shift and the twist of the
-/// joint before, turned by the joint.
-fn link_frames(dh: &[DhRow; 7], joints_rad: &Joints) -> [Frame<'static>; 8] {
-    std::array::from_fn(|link| {
-        let (d_m, alpha) = match link.checked_sub(1) {
-            Some(before) => (dh[before].d_m, dh[before].alpha_rad),
-            None => (0.0, 0.0),
-        };
-        let theta = joints_rad.get(link).copied().unwrap_or(0.0);
-        let ((sa, ca), (st, ct)) = ((0.5 * alpha).sin_cos(), (0.5 * theta).sin_cos());
-        Frame {
-            parent: LINK_NAMES[link],
-            child: LINK_NAMES[link + 1],
-            translation_m: [0.0, 0.0, d_m],
-            rotation_xyzw: [sa * ct, -sa * st, ca * st, ca * ct],
-        }
-    })
 }
 
 /// A time in s, to the nearest nanosecond.

@@ -33,6 +33,12 @@ impl Topic {
         Self::Motion,
     ];
 
+    /// The number of the topic's channel and schema in a file, from 1: fixed, so that it does not
+    /// follow the order of the calls.
+    pub(crate) fn id(self) -> u16 {
+        self as u16 + 1
+    }
+
     /// The topic's name, with its leading slash.
     #[must_use]
     pub fn name(self) -> &'static str {

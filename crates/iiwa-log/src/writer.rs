@@ -28,6 +28,18 @@ const CHUNK_BYTES: u64 = 1024 * 1024;
 /// The fastest of the levels that zstd counts upwards; joint values hardly compress further.
 const ZSTD_LEVEL: u32 = 1;
 
+/// How schemas and messages are written down.
+pub(crate) const SCHEMA_ENCODING: &str = "ros2msg";
+pub(crate) const MESSAGE_ENCODING: &str = "cdr";
+
+/// The first of the record types that MCAP leaves to its users, and readers pass over.
+pub(crate) const PADDING: u8 = 0x80;
+
+/// What a channel says beside its topic and its type.
+pub(crate) fn channel_metadata(topic: Topic) -> BTreeMap<String, String> {
+    BTreeMap::from([("offered_qos_profiles".to_owned(), topic.offered_qos_profiles().to_owned())])
+}
+
 /// What a recording is written with.
 #[derive(Clone, Debug)]
 pub struct Config {
@@ -276,8 +288,19 @@ impl<W: Write + Seek> Writer<W> {
         Ok(self.mcap.into_inner())
     }
 
+    /// Ends the current chunk: all messages so far are in the stream then.
+    pub(crate) fn end_chunk(&mut self) -> Result<(), WriteError> {
+        Ok(self.mcap.flush()?)
+    }
+
+    /// Ends the current chunk and fills up with a record that readers pass over.
+    #[expect(clippy::default_trait_access, reason = "the type is of a crate that mcap keeps")]
+    pub(crate) fn pad(&mut self, bytes: &[u8]) -> Result<(), WriteError> {
+        Ok(self.mcap.write_private_record(PADDING, bytes, Default::default())?)
+    }
+
     /// The instant of `t` as a message carries it.
-    fn stamp(&self, topic: Topic, t: Duration) -> Result<Time, WriteError> {
+    pub(crate) fn stamp(&self, topic: Topic, t: Duration) -> Result<Time, WriteError> {
         self.epoch.checked_add(t).and_then(Time::from_duration).ok_or(WriteError::StampOutOfRange {
             topic,
             t,
@@ -309,15 +332,17 @@ impl<W: Write + Seek> Writer<W> {
         if let Some(previous) = channel.last.filter(|last| t <= *last) {
             return Err(WriteError::NotIncreasing { topic, t, previous });
         }
-        // Numbers fixed by the topic, so that they do not follow the order of the calls.
-        #[expect(clippy::cast_possible_truncation, reason = "six topics")]
-        let id = place as u16 + 1;
+        let id = topic.id();
         if !channel.open {
             let schema = topic.schema();
-            self.mcap.add_schema_with_id(id, topic.type_name(), "ros2msg", schema.as_bytes())?;
-            let qos = topic.offered_qos_profiles().to_owned();
-            let metadata = BTreeMap::from([("offered_qos_profiles".to_owned(), qos)]);
-            self.mcap.add_channel_with_id(id, id, topic.name(), "cdr", &metadata)?;
+            self.mcap.add_schema_with_id(
+                id,
+                topic.type_name(),
+                SCHEMA_ENCODING,
+                schema.as_bytes(),
+            )?;
+            let metadata = channel_metadata(topic);
+            self.mcap.add_channel_with_id(id, id, topic.name(), MESSAGE_ENCODING, &metadata)?;
         }
         let sequence = channel.sequence;
         let header = MessageHeader { channel_id: id, sequence, log_time: time, publish_time: time };

@@ -1,0 +1,91 @@
+//! The arm in a recording: its description, and where its links and its flange are.
+
+use std::collections::BTreeMap;
+use std::io::{Seek, Write};
+use std::time::Duration;
+
+use iiwa_kin::{DhRow, Joints, Robot};
+
+use crate::{Frame, WriteError, Writer};
+
+/// The links' names in messages, from the base to the flange, as in the robot's URDF.
+pub const LINK_NAMES: [&str; 9] = [
+    "iiwa_link_0",
+    "iiwa_link_1",
+    "iiwa_link_2",
+    "iiwa_link_3",
+    "iiwa_link_4",
+    "iiwa_link_5",
+    "iiwa_link_6",
+    "iiwa_link_7",
+    "iiwa_link_ee",
+];
+
+/// A robot with what every message about it needs.
+#[derive(Debug)]
+pub(crate) struct Arm {
+    robot: Robot,
+    dh: [DhRow; 7],
+    urdf: String,
+}
+
+impl Arm {
+    pub(crate) fn new(robot: &Robot) -> Self {
+        Self { robot: robot.clone(), dh: robot.dh(), urdf: robot.to_urdf() }
+    }
+
+    /// Writes `/robot_description`, at the epoch.
+    pub(crate) fn description<W: Write + Seek>(
+        &self,
+        writer: &mut Writer<W>,
+    ) -> Result<(), WriteError> {
+        writer.robot_description(Duration::ZERO, &self.urdf)
+    }
+
+    /// Writes `/tf` and `/tcp_pose` for these joints.
+    pub(crate) fn poses<W: Write + Seek>(
+        &self,
+        writer: &mut Writer<W>,
+        t: Duration,
+        joints_rad: &Joints,
+    ) -> Result<(), WriteError> {
+        writer.transforms(t, &link_frames(&self.dh, joints_rad))?;
+        let tcp = self.robot.tcp(joints_rad);
+        writer.tcp_pose(t, LINK_NAMES[0], tcp.position_m, tcp.quaternion_xyzw())
+    }
+
+    /// Writes the `attachments` (name, media type, content), the URDF and the `metadata` record
+    /// `iiwasim`, and completes the file.
+    pub(crate) fn finish<W: Write + Seek>(
+        &self,
+        mut writer: Writer<W>,
+        metadata: &BTreeMap<String, String>,
+        attachments: &[(&str, &str, &[u8])],
+    ) -> Result<W, WriteError> {
+        for (name, media_type, bytes) in attachments {
+            writer.attach(name, media_type, bytes)?;
+        }
+        writer.attach("robot.urdf", "application/xml", self.urdf.as_bytes())?;
+        writer.metadata("iiwasim", metadata)?;
+        writer.finish()
+    }
+}
+
+/// Each link's frame in the one before it, as in the URDF: past the shift and the twist of the
+/// joint before, turned by the joint.
+fn link_frames(dh: &[DhRow; 7], joints_rad: &Joints) -> [Frame<'static>; 8] {
+    std::array::from_fn(|link| {
+        let (d_m, alpha) = match link.checked_sub(1) {
+            Some(before) => (dh[before].d_m, dh[before].alpha_rad),
+            None => (0.0, 0.0),
+        };
+        let theta = joints_rad.get(link).copied().unwrap_or(0.0);
+        let ((sa, ca), (st, ct)) = ((0.5 * alpha).sin_cos(), (0.5 * theta).sin_cos());
+        Frame {
+            parent: LINK_NAMES[link],
+            child: LINK_NAMES[link + 1],
+            translation_m: [0.0, 0.0, d_m],
+            rotation_xyzw: [sa * ct, -sa * st, ca * st, ca * ct],
+        }
+    })
+}

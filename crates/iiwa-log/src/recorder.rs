@@ -1,0 +1,256 @@
+//! Recording what the robot does, as it happens.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use iiwa_kin::{Joints, Robot};
+
+use crate::arm::Arm;
+use crate::buffer::Buffer;
+use crate::storage::Storage;
+use crate::tail::Index;
+use crate::whole_file::{WholeFile, header_is_torn};
+use crate::{Config, Topic, WriteError, Writer};
+
+/// How a recording is made.
+#[derive(Clone, Debug)]
+pub struct RecorderConfig {
+    /// How much of the motion may be missing when the program is killed. The file gets a chunk
+    /// that often.
+    pub period: Duration,
+    /// The most messages a second on `/tf` and `/tcp_pose`, which follow from the joint positions
+    /// and are there for viewers. Zero for none.
+    pub pose_rate_hz: u32,
+    /// How the file is written.
+    pub file: Config,
+}
+
+impl Default for RecorderConfig {
+    /// A second, and 100 poses a second.
+    fn default() -> Self {
+        Self { period: Duration::from_secs(1), pose_rate_hz: 100, file: Config::default() }
+    }
+}
+
+/// Writes joint positions into an MCAP file as they come in, for hours and up to 1 kHz.
+///
+/// The file is whole and indexed at every moment: a program that is killed loses at most the last
+/// [`period`](RecorderConfig::period) and the sample after it. (Not so when the machine loses its
+/// power: nothing waits for the disk.) What a reader sees that has the file open meanwhile is not
+/// part of the promise.
+///
+/// Every sample gets a message on `/joint_states`. Its velocity is the slope, at the sample, of the
+/// parabola through it and its two neighbours: the central difference, where the stamps are even.
+/// At the ends, it is the slope to the only neighbour. `/robot_description` stands at the epoch;
+/// `/tf` and `/tcp_pose` come with the first sample of every interval of their rate, and with the
+/// last one of all.
+///
+/// The same calls give the same bytes. Memory holds a period of messages, and some 150 bytes for
+/// every period before it.
+pub struct Recorder<S: Storage> {
+    writer: Writer<Buffer>,
+    /// What `writer` has written and `file` does not have yet.
+    buffer: Buffer,
+    index: Index,
+    file: WholeFile<S>,
+    arm: Arm,
+    config: RecorderConfig,
+    /// The last sample but one.
+    previous: Option<Sample>,
+    last: Option<Last>,
+    /// The interval of the pose rate that has its pose.
+    posed: Option<u128>,
+    /// The first sample that the file does not have.
+    open_since: Option<Duration>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    t: Duration,
+    q: Joints,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Last {
+    sample: Sample,
+    /// It usually waits for the next one, which its velocity depends on.
+    written: bool,
+}
+
+impl<S: Storage> std::fmt::Debug for Recorder<S> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Recorder")
+            .field("config", &self.config)
+            .field("last", &self.last)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<S: Storage> Recorder<S> {
+    /// Begins a recording of `robot` in an empty storage: a file with its description. It is whole
+    /// when this returns.
+    ///
+    /// # Errors
+    ///
+    /// Any [`WriteError`].
+    pub fn new(storage: S, robot: &Robot, config: RecorderConfig) -> Result<Self, WriteError> {
+        let buffer = Buffer::default();
+        let mut writer = Writer::new(buffer.clone(), config.file.clone())?;
+        let arm = Arm::new(robot);
+        arm.description(&mut writer)?;
+        let mut index = Index::default();
+        end_chunk(&mut writer, &buffer)?;
+        let data = buffer.empty();
+        index.take(0, &data)?;
+        let file = WholeFile::new(storage, &data, &index.tail(data.len() as u64)?)?;
+        Ok(Self {
+            writer,
+            buffer,
+            index,
+            file,
+            arm,
+            config,
+            previous: None,
+            last: None,
+            posed: None,
+            open_since: None,
+        })
+    }
+
+    /// Takes the positions of the joints at `t` after the epoch. Brings the file up to date when a
+    /// period is full.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::NotIncreasing`] for a stamp that is not later than the one before, and
+    /// [`WriteError::StampOutOfRange`]: the sample is left out, and the recording goes on.
+    /// [`WriteError::Mcap`] when the storage refuses: the file stays as it was, and takes nothing
+    /// more.
+    pub fn sample(&mut self, t: Duration, joints_rad: &Joints) -> Result<(), WriteError> {
+        self.writer.stamp(Topic::JointStates, t)?;
+        let next = Sample { t, q: *joints_rad };
+        if let Some(Last { sample, written }) = self.last {
+            if t <= sample.t {
+                let topic = Topic::JointStates;
+                return Err(WriteError::NotIncreasing { topic, t, previous: sample.t });
+            }
+            if !written {
+                self.write(&sample, &slope(self.previous.as_ref(), &sample, Some(&next)))?;
+            }
+            self.previous = Some(sample);
+        }
+        self.last = Some(Last { sample: next, written: false });
+        if t.saturating_sub(*self.open_since.get_or_insert(t)) >= self.config.period {
+            self.save()?;
+            self.open_since = Some(t);
+        }
+        Ok(())
+    }
+
+    /// Brings the file up to date, with every sample so far. For a caller that gets no more
+    /// samples, but does not know whether that is the end; [`sample`](Self::sample) does it by
+    /// itself after every period.
+    ///
+    /// The last sample then has the slope to the one before it as its velocity.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::Mcap`], as [`sample`](Self::sample).
+    pub fn flush(&mut self) -> Result<(), WriteError> {
+        self.write_last()?;
+        self.open_since = None;
+        self.save()
+    }
+
+    /// Writes the end, the `metadata` record `iiwasim`, the URDF and the `attachments` (name, media
+    /// type, content), and completes the file: the checksum of its data section is the only thing
+    /// that it did not have before.
+    ///
+    /// # Errors
+    ///
+    /// Any [`WriteError`].
+    pub fn finish(
+        mut self,
+        metadata: &BTreeMap<String, String>,
+        attachments: &[(&str, &str, &[u8])],
+    ) -> Result<S, WriteError> {
+        self.write_last()?;
+        if let (Some(Last { sample, .. }), Some(_)) = (self.last, self.posed) {
+            match self.arm.poses(&mut self.writer, sample.t, &sample.q) {
+                // It had its pose already.
+                Ok(()) | Err(WriteError::NotIncreasing { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        let buffer = self.arm.finish(self.writer, metadata, attachments)?;
+        let new = buffer.empty();
+        self.file.grow(|at| self.index.tail(at), &new, new.len())?;
+        Ok(self.file.into_inner())
+    }
+
+    /// Writes the last sample if it still waits.
+    fn write_last(&mut self) -> Result<(), WriteError> {
+        if let Some(Last { sample, written: false }) = self.last {
+            self.write(&sample, &slope(self.previous.as_ref(), &sample, None))?;
+            self.last = Some(Last { sample, written: true });
+        }
+        Ok(())
+    }
+
+    /// Writes a sample, with the poses when it is their turn.
+    fn write(&mut self, sample: &Sample, velocity: &Joints) -> Result<(), WriteError> {
+        self.writer.joint_state(sample.t, &sample.q, velocity)?;
+        let interval = sample.t.as_nanos() * u128::from(self.config.pose_rate_hz) / 1_000_000_000;
+        if self.config.pose_rate_hz > 0 && self.posed != Some(interval) {
+            self.posed = Some(interval);
+            self.arm.poses(&mut self.writer, sample.t, &sample.q)?;
+        }
+        Ok(())
+    }
+
+    /// Brings the file up to date with what is written.
+    fn save(&mut self) -> Result<(), WriteError> {
+        end_chunk(&mut self.writer, &self.buffer)?;
+        let mut new = self.buffer.empty();
+        let data_bytes = new.len();
+        if data_bytes == 0 {
+            return Ok(());
+        }
+        let data_end = self.file.data_end();
+        let mut index = self.index.clone();
+        index.take(data_end, &new)?;
+        new.extend(index.tail(data_end + data_bytes as u64)?);
+        self.file.grow(|at| self.index.tail(at), &new, data_bytes)?;
+        self.index = index;
+        Ok(())
+    }
+}
+
+/// Ends the chunk, and the data section so that the header of the next record is in one page.
+fn end_chunk(writer: &mut Writer<Buffer>, buffer: &Buffer) -> Result<(), WriteError> {
+    writer.end_chunk()?;
+    if header_is_torn(buffer.end()) {
+        writer.pad(&[0; 8])?;
+    }
+    Ok(())
+}
+
+/// The slope at `at` of the parabola through the three, rad/s: of the line where there are two, and
+/// zero where there is one.
+fn slope(before: Option<&Sample>, at: &Sample, after: Option<&Sample>) -> Joints {
+    let span = |from: &Sample, to: &Sample| to.t.saturating_sub(from.t).as_secs_f64();
+    let line = |from: &Sample, to: &Sample| -> Joints {
+        std::array::from_fn(|joint| (to.q[joint] - from.q[joint]) / span(from, to))
+    };
+    match (before, after) {
+        (None, None) => [0.0; 7],
+        (Some(before), None) => line(before, at),
+        (None, Some(after)) => line(at, after),
+        (Some(before), Some(after)) => {
+            let (left, right) = (line(before, at), line(at, after));
+            // The nearer neighbour counts more.
+            let weight = span(at, after) / span(before, after);
+            std::array::from_fn(|joint| weight * left[joint] + (1.0 - weight) * right[joint])
+        }
+    }
+}

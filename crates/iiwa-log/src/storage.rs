@@ -1,0 +1,34 @@
+//! Where a recorder keeps its file.
+
+use std::fs::File;
+use std::io::{self, Cursor, Seek, Write};
+
+/// A stream that can also be cut off, which `std` has no trait for.
+pub trait Storage: Write + Seek {
+    /// Sets the length of the content to `len` bytes; what is beyond is lost.
+    ///
+    /// # Errors
+    ///
+    /// Whatever the storage says.
+    fn set_len(&mut self, len: u64) -> io::Result<()>;
+}
+
+impl Storage for File {
+    fn set_len(&mut self, len: u64) -> io::Result<()> {
+        Self::set_len(self, len)
+    }
+}
+
+impl Storage for Cursor<Vec<u8>> {
+    fn set_len(&mut self, len: u64) -> io::Result<()> {
+        let len = usize::try_from(len).map_err(io::Error::other)?;
+        self.get_mut().resize(len, 0);
+        Ok(())
+    }
+}
+
+impl<S: Storage + ?Sized> Storage for &mut S {
+    fn set_len(&mut self, len: u64) -> io::Result<()> {
+        S::set_len(self, len)
+    }
+}
