@@ -179,3 +179,172 @@ impl Client {
         self.counters
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    use Received::{Late, New, Repeated, Restarted};
+    use SessionState::{CommandingActive, CommandingWait, Idle, MonitoringReady, MonitoringWait};
+
+    const COMMANDED: Joints = [0.1; 7];
+    const IPO: Joints = [0.2; 7];
+    const SETPOINT: Joints = [0.3; 7];
+
+    fn message(sequence: u32, session: SessionState) -> Monitoring {
+        Monitoring {
+            sequence,
+            session,
+            commanded_rad: Some(COMMANDED),
+            ipo_rad: Some(IPO),
+            ..Monitoring::default()
+        }
+    }
+
+    fn give(client: &mut Client, message: &Monitoring) -> Received {
+        let mut bytes = Vec::new();
+        Format::V1.encode_monitoring(message, &mut bytes);
+        client.receive(&bytes).unwrap()
+    }
+
+    fn sequence(client: &mut Client, sequence: u32) -> Received {
+        give(client, &message(sequence, MonitoringReady))
+    }
+
+    fn answer(client: &mut Client, setpoint: Option<&Joints>) -> Option<Command> {
+        let mut out = vec![1];
+        let answered = client.answer(setpoint, &mut out);
+        assert_eq!(answered, !out.is_empty());
+        answered.then(|| Format::V1.decode_command(&out).unwrap())
+    }
+
+    #[test]
+    fn answers_what_the_state_asks_for() {
+        let mut client = Client::default();
+        assert_eq!(answer(&mut client, Some(&SETPOINT)), None);
+        let nan = [0.0, 0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0];
+        for (n, (session, setpoint, expected)) in (0..).zip([
+            (MonitoringWait, None, COMMANDED),
+            (MonitoringReady, Some(SETPOINT), COMMANDED),
+            (CommandingWait, None, IPO),
+            (CommandingWait, Some(SETPOINT), SETPOINT),
+            (CommandingActive, None, IPO),
+            (CommandingActive, Some(SETPOINT), SETPOINT),
+            (CommandingActive, Some(nan), IPO),
+        ]) {
+            assert_eq!(give(&mut client, &message(40 + n, session)), New);
+            let expected = Command { sequence: n, reflected: 40 + n, joints_rad: Some(expected) };
+            assert_eq!(answer(&mut client, setpoint.as_ref()), Some(expected));
+            assert_eq!(answer(&mut client, setpoint.as_ref()), None, "one answer a message");
+        }
+        give(&mut client, &message(50, Idle));
+        assert_eq!(answer(&mut client, None), None);
+        let without = Monitoring { commanded_rad: None, ..message(51, MonitoringWait) };
+        give(&mut client, &without);
+        let header = Command { sequence: 7, reflected: 51, joints_rad: None };
+        assert_eq!(answer(&mut client, None), Some(header));
+        assert_eq!(client.counters().answered, 8);
+    }
+
+    #[test]
+    fn answers_as_often_as_asked() {
+        let mut client = Client::default();
+        let reflected: Vec<u32> = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 30, 31]
+            .into_iter()
+            .filter(|&sequence| {
+                let message = message(sequence, MonitoringReady);
+                give(&mut client, &Monitoring { receive_multiplier: 3, ..message });
+                answer(&mut client, None).is_some()
+            })
+            .collect();
+        assert_eq!(reflected, [0, 3, 7, 10, 30]);
+    }
+
+    #[test]
+    fn counts_what_the_network_does() {
+        let mut client = Client::default();
+        for (n, expected) in
+            [(7, New), (8, New), (12, New), (10, Late), (12, Repeated), (9, Late), (13, New)]
+        {
+            assert_eq!(sequence(&mut client, n), expected, "{n}");
+        }
+        assert!(client.receive(b"garbage").is_err());
+        assert_eq!(answer(&mut client, None).unwrap().reflected, 13);
+        assert_eq!(sequence(&mut client, 11), Late);
+        assert_eq!(answer(&mut client, None), None);
+        let expected =
+            Counters { received: 8, lost: 3, late: 3, repeated: 1, invalid: 1, answered: 1 };
+        assert_eq!(client.counters(), expected);
+    }
+
+    #[test]
+    fn both_counters_wrap_around() {
+        let mut client = Client { sequence: u32::MAX - 1, ..Client::default() };
+        let mut own = Vec::new();
+        for n in [u32::MAX - 2, u32::MAX - 1, u32::MAX, 0, 2] {
+            assert_eq!(sequence(&mut client, n), New);
+            own.push(answer(&mut client, None).unwrap().sequence);
+        }
+        assert_eq!(own, [u32::MAX - 1, u32::MAX, 0, 1, 2]);
+        assert_eq!(sequence(&mut client, u32::MAX), Late);
+        // Even while the session opens.
+        let mut client = Client::default();
+        give(&mut client, &message(u32::MAX - 5, MonitoringWait));
+        assert_eq!(give(&mut client, &message(5, MonitoringWait)), New);
+        assert_eq!(client.counters().lost, 10);
+    }
+
+    #[test]
+    fn a_controller_that_starts_again_is_noticed() {
+        let after = |last: u32, next: &Monitoring| {
+            let mut client = Client::default();
+            sequence(&mut client, last);
+            answer(&mut client, None);
+            let received = give(&mut client, next);
+            assert_eq!(answer(&mut client, None).is_some(), received == Restarted);
+            assert_eq!(client.counters().lost, 0);
+            received
+        };
+        assert_eq!(after(5000, &message(3000, MonitoringReady)), Restarted);
+        assert_eq!(after(5000, &message(4000, MonitoringReady)), Late);
+        assert_eq!(after(500, &message(3, MonitoringWait)), Restarted);
+        assert_eq!(after(500, &message(3, MonitoringReady)), Late);
+        assert_eq!(after(60, &message(49, MonitoringWait)), Late);
+        // Half the counter's range ago, and more.
+        assert_eq!(after(3_000_000_000, &message(0, MonitoringWait)), Restarted);
+        assert_eq!(after(2_000_000_000, &message(0, MonitoringWait)), Restarted);
+    }
+
+    #[test]
+    fn a_younger_stamp_on_a_lower_counter_is_a_start() {
+        let at = |sequence, ms| Monitoring {
+            time: Some(Duration::from_millis(ms)),
+            ..message(sequence, MonitoringWait)
+        };
+        let mut client = Client::default();
+        give(&mut client, &at(3, 15));
+        assert_eq!(give(&mut client, &at(2, 10)), Late);
+        assert_eq!(give(&mut client, &at(3, 15)), Repeated);
+        assert_eq!(give(&mut client, &at(1, 9000)), Restarted);
+        assert_eq!(give(&mut client, &at(1, 18_000)), Restarted);
+        assert_eq!(give(&mut client, &at(2, 18_005)), New);
+    }
+
+    #[test]
+    fn a_row_of_late_messages_is_a_start() {
+        let mut client = Client::default();
+        sequence(&mut client, 100);
+        for n in 0..19 {
+            assert_eq!(sequence(&mut client, n), Late);
+        }
+        assert_eq!(sequence(&mut client, 19), Restarted);
+        assert_eq!(sequence(&mut client, 20), New);
+        // In no order, they are late.
+        sequence(&mut client, 100);
+        for n in (40..80).rev() {
+            assert_eq!(sequence(&mut client, n), Late);
+        }
+    }
+}

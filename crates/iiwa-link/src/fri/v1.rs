@@ -319,3 +319,224 @@ fn optional<T: Copy>(
 ) -> Result<Option<T>, WireError> {
     found.map(|found| state(states, found, field)).transpose()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const JOINTS: Joints = [1.0, -2.0, 0.0, 0.5, 3.0, -0.25, 8.0];
+
+    fn bytes(parts: &[&[u8]]) -> Vec<u8> {
+        parts.concat()
+    }
+
+    /// `JOINTS`, one tag a value, worked out by hand: the tag 1 with 64 bits, then the double.
+    fn unpacked() -> Vec<u8> {
+        let mut out = Vec::new();
+        for high in [0x3ff0_u16, 0xc000, 0x0000, 0x3fe0, 0x4008, 0xbfd0, 0x4020] {
+            out.extend([0x09, 0, 0, 0, 0, 0, 0]);
+            out.extend(high.to_le_bytes());
+        }
+        out
+    }
+
+    #[test]
+    fn an_answer_is_these_bytes() {
+        let command = Command { sequence: 5, reflected: 300, joints_rad: Some(JOINTS) };
+        let expected = bytes(&[
+            &[0x0a, 9, 0x08, 0x81, 0x80, 0x0d, 0x10, 5, 0x18, 0xac, 0x02],
+            &[0x12, 65, 0x0a, 63],
+            &unpacked(),
+        ]);
+        let mut out = Vec::new();
+        encode_command(&command, &mut out);
+        assert_eq!(out, expected);
+        assert_eq!(decode_command(&expected).unwrap(), command);
+
+        let header = Command { joints_rad: None, ..command };
+        assert_eq!(decode_command(&expected[..11]).unwrap(), header);
+        let end_of_message = bytes(&[&expected[..11], &[0x7a, 0]]);
+        assert_eq!(decode_command(&end_of_message).unwrap(), header);
+    }
+
+    #[test]
+    fn a_monitoring_message_is_these_bytes() {
+        let message = Monitoring {
+            sequence: 1,
+            reflected: u32::MAX,
+            session: SessionState::CommandingActive,
+            quality: Quality::Excellent,
+            send_period_ms: 5,
+            receive_multiplier: 2,
+            safety: Some(Safety::Stop2),
+            operation_mode: Some(OperationMode::Automatic),
+            drive: Some(Drive::Transitioning),
+            control_mode: Some(ControlMode::JointImpedance),
+            external_torque_nm: Some(JOINTS),
+            ipo_rad: Some(JOINTS),
+            command_mode: Some(CommandMode::Torque),
+            overlay: Some(Overlay::Joint),
+            tracking_performance: Some(0.5),
+            time: Some(Duration::new(7, 128)),
+            ..Monitoring::default()
+        };
+        let expected = bytes(&[
+            &[0x0a, 13, 0x08, 0xc2, 0xa2, 0x91, 0x01, 0x10, 1],
+            &[0x18, 0xff, 0xff, 0xff, 0xff, 0x0f],
+            &[0x12, 22, 0x08, 7, 0x10, 3],
+            &[0x28, 1, 0x28, 1, 0x28, 1, 0x28, 1, 0x28, 1, 0x28, 1, 0x28, 1, 0x30, 2, 0x38, 2],
+            &[0x1a, 72, 0x2a, 63],
+            &unpacked(),
+            &[0x7a, 5, 0x08, 7, 0x10, 0x80, 0x01],
+            &[0x22, 8, 0x08, 4, 0x10, 3, 0x18, 5, 0x20, 2],
+            &[0x2a, 78, 0x0a, 63],
+            &unpacked(),
+            &[0x50, 3, 0x58, 1, 0x61, 0, 0, 0, 0, 0, 0, 0xe0, 0x3f],
+        ]);
+        let mut out = Vec::new();
+        encode_monitoring(&message, &mut out);
+        assert_eq!(out, expected);
+        assert_eq!(decode_monitoring(&expected).unwrap(), message);
+    }
+
+    #[test]
+    fn the_least_message_is_a_header_and_a_connection() {
+        let least = [0x0a, 9, 0x08, 0xc2, 0xa2, 0x91, 0x01, 0x10, 0, 0x18, 0];
+        let connection = [0x22, 4, 0x08, 0, 0x10, 0];
+        let message = decode_monitoring(&bytes(&[&least, &connection])).unwrap();
+        assert_eq!(message, Monitoring::default());
+        assert_eq!(decode_monitoring(&least), Err(WireError::Missing { field: "connectionInfo" }));
+    }
+
+    #[test]
+    fn packed_values_are_accepted() {
+        let packed: Vec<u8> = JOINTS.iter().flat_map(|q| q.to_le_bytes()).collect();
+        let answer = bytes(&[
+            &[0x0a, 8, 0x08, 0x81, 0x80, 0x0d, 0x10, 5, 0x18, 0],
+            &[0x12, 60, 0x0a, 58, 0x0a, 56],
+            &packed,
+        ]);
+        assert_eq!(decode_command(&answer).unwrap().joints_rad, Some(JOINTS));
+    }
+
+    /// A command with `data` after its header.
+    fn command(data: &CommandData) -> Result<Command, WireError> {
+        let header = Some(Header::new(COMMAND, 0, 0));
+        decode_command(&CommandMessage { header, data: Some(data.clone()) }.encode_to_vec())
+    }
+
+    #[test]
+    fn joints_are_seven_finite_numbers() {
+        let field = "commandData.jointPosition";
+        for found in [0, 6, 8, 14, 150] {
+            let joints = Some(JointValues { values: vec![1.0; found] });
+            let error = command(&CommandData { joints }).unwrap_err();
+            assert_eq!(error, WireError::JointCount { field, found });
+        }
+        for q in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let joints = Some(JointValues { values: vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, q] });
+            let error = command(&CommandData { joints }).unwrap_err();
+            assert_eq!(error, WireError::NotFinite { field });
+        }
+        assert_eq!(command(&CommandData { joints: None }).unwrap(), Command::default());
+    }
+
+    /// What is wrong with a sound message after `change`.
+    fn error(change: impl Fn(&mut MonitoringMessage)) -> String {
+        let mut message = MonitoringMessage {
+            header: Some(Header::new(MONITORING, 1, 2)),
+            connection: Some(ConnectionInfo {
+                session: Some(1),
+                quality: Some(1),
+                ..ConnectionInfo::default()
+            }),
+            robot: Some(RobotInfo::default()),
+            monitor: Some(MonitorData::default()),
+            ipo: Some(IpoData::default()),
+        };
+        assert!(decode_monitoring(&message.encode_to_vec()).is_ok());
+        change(&mut message);
+        decode_monitoring(&message.encode_to_vec()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn errors_name_the_field() {
+        let header = |identifier, sequence, reflected| {
+            error(|message| message.header = Some(Header { identifier, sequence, reflected }))
+        };
+        assert_eq!(error(|message| message.header = None), "`header` is missing");
+        assert_eq!(header(None, Some(1), Some(1)), "`header.messageIdentifier` is missing");
+        assert_eq!(header(Some(MONITORING), None, Some(1)), "`header.sequenceCounter` is missing");
+        assert_eq!(
+            header(Some(MONITORING), Some(1), None),
+            "`header.reflectedSequenceCounter` is missing"
+        );
+        assert_eq!(
+            header(Some(COMMAND), Some(1), Some(1)),
+            "message identifier 0x34001, expected 0x245142"
+        );
+
+        let connection = |session, quality, receive_multiplier| {
+            let connection =
+                ConnectionInfo { session, quality, receive_multiplier, send_period_ms: None };
+            error(|message| message.connection = Some(connection))
+        };
+        assert_eq!(connection(None, Some(1), None), "`connectionInfo.sessionState` is missing");
+        assert_eq!(connection(Some(1), None, None), "`connectionInfo.quality` is missing");
+        assert_eq!(
+            connection(Some(5), Some(1), None),
+            "`connectionInfo.sessionState` is 5, which has no meaning"
+        );
+        assert_eq!(
+            connection(Some(1), Some(-1), None),
+            "`connectionInfo.quality` is -1, which has no meaning"
+        );
+        assert_eq!(
+            connection(Some(1), Some(1), Some(0)),
+            "`connectionInfo.receiveMultiplier` is 0, expected at least 1"
+        );
+
+        let robot = |robot: RobotInfo| error(|message| message.robot = Some(robot.clone()));
+        assert_eq!(
+            robot(RobotInfo { safety: Some(4), ..RobotInfo::default() }),
+            "`robotInfo.safetyState` is 4, which has no meaning"
+        );
+        assert_eq!(
+            robot(RobotInfo { drives: vec![2, 3], ..RobotInfo::default() }),
+            "`robotInfo.driveState` is 3, which has no meaning"
+        );
+        assert_eq!(
+            error(|message| {
+                message.ipo =
+                    Some(IpoData { tracking_performance: Some(f64::NAN), ..IpoData::default() });
+            }),
+            "a value of `ipoData.trackingPerformance` is not a finite number"
+        );
+        assert_eq!(
+            error(|message| {
+                let time = Some(TimeStamp { seconds: Some(1), nanoseconds: None });
+                message.monitor = Some(MonitorData { time, ..MonitorData::default() });
+            }),
+            "`monitorData.timestamp.nanosec` is missing"
+        );
+    }
+
+    #[test]
+    fn drives_that_differ_are_as_the_last_one_behind() {
+        let stamp = TimeStamp { seconds: Some(u32::MAX), nanoseconds: Some(u32::MAX) };
+        let message = MonitoringMessage {
+            header: Some(Header::new(MONITORING, 1, 2)),
+            connection: Some(ConnectionInfo {
+                session: Some(1),
+                quality: Some(1),
+                ..ConnectionInfo::default()
+            }),
+            robot: Some(RobotInfo { drives: vec![2, 1, 2], ..RobotInfo::default() }),
+            monitor: Some(MonitorData { time: Some(stamp), ..MonitorData::default() }),
+            ipo: None,
+        };
+        let message = decode_monitoring(&message.encode_to_vec()).unwrap();
+        assert_eq!(message.drive, Some(Drive::Transitioning));
+        assert_eq!(message.time, Some(Duration::new(u64::from(u32::MAX) + 4, 294_967_295)));
+    }
+}
