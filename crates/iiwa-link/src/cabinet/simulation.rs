@@ -181,6 +181,7 @@ impl Simulation {
             self.pressed_until = None;
         }
         let before = self.q;
+        self.fri.advance();
         self.advance();
         self.dq = std::array::from_fn(|j| (self.q[j] - before[j]) / self.period_s);
         let limits = self.robot.limits();
@@ -196,7 +197,7 @@ impl Simulation {
             time: Duration::from_secs_f64(self.now_s()),
             safety: if self.pressed_until.is_some() { Safety::Stop1 } else { Safety::Normal },
         };
-        self.fri.tick(&reading, message)
+        self.fri.message(&reading, message)
     }
 
     fn advance(&mut self) {
@@ -262,8 +263,7 @@ impl Simulation {
     }
 
     fn take_setpoint(&mut self, commanded: &mut Commanded) -> Result<(), Refusal> {
-        // The session was told to be active in the cycle before.
-        commanded.from.get_or_insert(self.cycle - 1);
+        commanded.from.get_or_insert(self.cycle);
         let limits = self.robot.limits();
         if let Some(setpoint) = self.fri.setpoint() {
             if let Some(j) = limits.outside(setpoint) {
@@ -281,8 +281,11 @@ impl Simulation {
                     format!("the set-points moved joint {} faster than its limit", j + 1),
                 ));
             }
-            commanded.last = Some((*setpoint, self.cycle));
-            commanded.left = self.receive_multiplier;
+            if commanded.last.is_none_or(|(last, _)| last != *setpoint) {
+                commanded.last = Some((*setpoint, self.cycle));
+                commanded.left = self.receive_multiplier;
+            }
+            commanded.left = commanded.left.max(1);
         }
         let Some((target, _)) = commanded.last else { return Ok(()) };
         for j in 0..7 {

@@ -327,7 +327,7 @@ impl<C> Desk<C> {
     fn begin(&mut self, kind: DriveState, asked: Asked<C>) -> RunId {
         let run = self.next_run;
         self.next_run = self.next_run.wrapping_add(1);
-        self.state = State::Running(Running {
+        let mut running = Running {
             kind,
             run,
             asked,
@@ -336,7 +336,12 @@ impl<C> Desk<C> {
             samples_left_out: 0,
             commanded: None,
             ended: None,
-        });
+        };
+        // The motion may begin before the next message comes.
+        if let Some(heard) = &self.heard {
+            running.keep(heard);
+        }
+        self.state = State::Running(running);
         self.outputs.push(Output::Order(Order::Publish(kind)));
         run
     }

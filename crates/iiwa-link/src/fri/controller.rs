@@ -167,30 +167,44 @@ impl Controller {
         }
     }
 
-    /// One cycle: takes account of the answers since the last one, moves the session's state, and
-    /// writes the next message in place of what `out` holds. `false`, and nothing in `out`, when
-    /// the session is idle and the client has been told so.
-    pub fn tick(&mut self, reading: &Reading, out: &mut Vec<u8>) -> bool {
-        out.clear();
+    /// One cycle begins: takes account of the answers since the last one, and moves the session's
+    /// state. Then the robot moves, and [`message`](Self::message) tells the client.
+    pub fn advance(&mut self) {
         self.lost_commanding = false;
         if self.state == SessionState::Idle {
             if self.idle_cycles > 0 {
                 self.idle_cycles -= 1;
-                if self.told_idle {
-                    return false;
-                }
-                self.told_idle = true;
-                self.send(reading, out);
-                return true;
+                return;
             }
             self.open();
         }
         self.take_setpoint();
         self.weigh();
         self.step();
+    }
+
+    /// Writes the cycle's message in place of what `out` holds. `false`, and nothing in `out`, when
+    /// the session is idle and the client has been told so.
+    pub fn message(&mut self, reading: &Reading, out: &mut Vec<u8>) -> bool {
+        out.clear();
+        if self.state != SessionState::Idle {
+            self.send(reading, out);
+            self.sent += 1;
+            return true;
+        }
+        if self.told_idle {
+            return false;
+        }
+        self.told_idle = true;
         self.send(reading, out);
-        self.sent += 1;
         true
+    }
+
+    /// A whole cycle of a robot that stands at `reading`: [`advance`](Self::advance) and
+    /// [`message`](Self::message).
+    pub fn tick(&mut self, reading: &Reading, out: &mut Vec<u8>) -> bool {
+        self.advance();
+        self.message(reading, out)
     }
 
     /// Takes an answer of the client.

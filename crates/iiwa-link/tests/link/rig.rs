@@ -1,6 +1,5 @@
 //! A drive and a simulated cabinet on free ports of the loopback interface.
 
-#![allow(dead_code, reason = "each test file uses a part of it")]
 
 use std::{
     net::{Ipv4Addr, SocketAddr, TcpListener, UdpSocket},
@@ -13,14 +12,14 @@ use iiwa_link::{
 };
 
 /// How long anything may take.
-pub const LONG: Duration = Duration::from_secs(20);
+pub(crate) const LONG: Duration = Duration::from_secs(20);
 
 /// Both sides, each of which may be away.
-pub struct Rig {
-    pub cabinet_config: CabinetConfig,
-    pub drive_config: DriveConfig,
-    pub cabinet: Option<Cabinet>,
-    pub drive: Option<Drive>,
+pub(crate) struct Rig {
+    pub(crate) cabinet_config: CabinetConfig,
+    pub(crate) drive_config: DriveConfig,
+    pub(crate) cabinet: Option<Cabinet>,
+    pub(crate) drive: Option<Drive>,
 }
 
 fn free_tcp() -> String {
@@ -34,7 +33,7 @@ fn free_udp() -> SocketAddr {
 
 impl Rig {
     /// Nothing runs yet.
-    pub fn parts(period_ms: u32) -> Self {
+    pub(crate) fn parts(period_ms: u32) -> Self {
         let fri = free_udp();
         let [instructions, state] = [free_tcp(), free_tcp()];
         Self {
@@ -59,7 +58,7 @@ impl Rig {
     }
 
     /// Both run, and the connection is good.
-    pub fn new(period_ms: u32) -> Self {
+    pub(crate) fn new(period_ms: u32) -> Self {
         let mut rig = Self::parts(period_ms);
         rig.start_cabinet();
         rig.start_drive();
@@ -67,31 +66,31 @@ impl Rig {
         rig
     }
 
-    pub fn start_cabinet(&mut self) {
+    pub(crate) fn start_cabinet(&mut self) {
         let cabinet = Cabinet::start(self.cabinet_config.clone(), &Server::open());
         self.cabinet = Some(cabinet.unwrap());
     }
 
-    pub fn start_drive(&mut self) {
+    pub(crate) fn start_drive(&mut self) {
         let drive =
             Drive::start(self.drive_config.clone(), &Server::open(), &Remote::open()).unwrap();
         self.drive = Some(drive);
     }
 
-    pub fn cabinet(&self) -> &Cabinet {
+    pub(crate) fn cabinet(&self) -> &Cabinet {
         self.cabinet.as_ref().unwrap()
     }
 
-    pub fn client(&self) -> Client {
+    pub(crate) fn client(&self) -> Client {
         Client::new(&Remote::open(), &self.drive_config.instructions).unwrap()
     }
 
-    pub fn stream(&self) -> Stream {
+    pub(crate) fn stream(&self) -> Stream {
         Stream::new(&Remote::open(), &self.drive_config.stream).unwrap()
     }
 
     /// Until FRI is ready to command, and requests find the robot program.
-    pub fn wait_until_ready(&self) {
+    pub(crate) fn wait_until_ready(&self) {
         let mut client = self.client();
         wait_for("a good connection", || {
             let status = client.state().unwrap();
@@ -102,13 +101,13 @@ impl Rig {
         });
     }
 
-    pub fn set_faults(&self, faults: Faults) {
+    pub(crate) fn set_faults(&self, faults: Faults) {
         self.cabinet().set_faults(faults);
     }
 }
 
 /// Asks again and again.
-pub fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
+pub(crate) fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
     let since = Instant::now();
     while !holds() {
         assert!(since.elapsed() < LONG, "no {what} within {LONG:?}");

@@ -1,8 +1,7 @@
 //! Runs through the simulated cabinet take the time and the path that were planned.
 
-mod common;
 
-use common::{LONG, Rig};
+use crate::rig::{LONG, Rig};
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{ClientError, TimedJoints, message::{Code, DriveState, Run}};
 use iiwa_path::{Blend, Motion, Path, Program, Ptp};
