@@ -402,6 +402,16 @@ impl<C> Desk<C> {
                 _ => {}
             }
         }
+        let own = match &self.state {
+            State::Running(running) => Some(running.run),
+            State::Idle => None,
+        };
+        if let (DriveState::RunningTrajectory, Some(run)) = (change.state, change.run)
+            && own != Some(run)
+        {
+            // The drive that fed it is gone.
+            self.instruct(Instruction::EndTrajectory { run }, Purpose::End, now);
+        }
         if change.run.is_some() && change.run == self.given_up {
             self.given_up = None;
             self.instruct(Instruction::Stop, Purpose::End, now);
@@ -561,7 +571,7 @@ impl<C> Running<C> {
             commanded => Ended {
                 start_s: outcome.start_s.map(|start_s| start_s - ahead_s),
                 end_s: Some(outcome.end_s - ahead_s),
-                error: commanded.and_then(|commanded| commanded.error).or(outcome.error.clone()),
+                error: outcome.error.clone().or(commanded.and_then(|commanded| commanded.error)),
             },
         };
         self.ended = Some((ended, now + LAST_SAMPLES));

@@ -1,4 +1,5 @@
 //! Drive, simulated cabinet and clients together, over the loopback interface.
 
+mod faults;
 mod rig;
 mod runs;

@@ -17,7 +17,7 @@ fn motions() -> Vec<Motion> {
     ]
 }
 
-fn planned(motions: Vec<Motion>) -> Trajectory {
+pub(crate) fn planned(motions: Vec<Motion>) -> Trajectory {
     let program = Program { robot: None, start_rad: [0.0; 7], motions };
     let path = Path::new(&program, &Robot::default()).unwrap();
     Trajectory::plan(&path, Timing::default()).unwrap()
@@ -55,7 +55,7 @@ fn motions_take_the_planned_time_and_path() {
     }
 }
 
-fn sampled(plan: &Trajectory, step_s: f64) -> TimedJoints {
+pub(crate) fn sampled(plan: &Trajectory, step_s: f64) -> TimedJoints {
     let count = (plan.cycle_time_s() / step_s).ceil();
     let t_s: Vec<f64> = (0..=count as u32)
         .map(|i| (f64::from(i) * step_s).min(plan.cycle_time_s()))
