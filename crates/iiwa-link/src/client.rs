@@ -104,6 +104,8 @@ impl ClientError {
 const CONNECTED_WITHIN: Duration = Duration::from_secs(3);
 /// How long an answer may take that needs no motion: the robot program is asked for some.
 const ANSWERED_WITHIN: Duration = Duration::from_secs(5);
+/// How often in a row the drive may hang up before it counts as its word.
+const HUNG_UP: u32 = 3;
 /// How often the connection is looked at while an answer is waited for, in ms.
 const LOOK_MS: i64 = 50;
 
@@ -278,6 +280,7 @@ impl Client {
         }
         socket.send(request, zmq::DONTWAIT).map_err(failed)?;
         let since = Instant::now();
+        let mut hung_up = 0;
         loop {
             if socket.poll(zmq::POLLIN, LOOK_MS).map_err(failed)? > 0 {
                 let answer = socket.recv_bytes(zmq::DONTWAIT).map_err(failed)?;
@@ -293,6 +296,8 @@ impl Client {
                     return Err(ClientError::Lost { at: at() });
                 }
                 Some(Handshake::Lost) => {}
+                // A drive that is just ending does so, too: it counts if it does so again.
+                Some(Handshake::HungUp) if hung_up < HUNG_UP => hung_up += 1,
                 Some(refused) => {
                     return Err(ClientError::Unauthorized { at: at(), what: refused.what() });
                 }

@@ -44,6 +44,8 @@ pub(super) struct Desk<C> {
     heard: Option<Heard>,
     /// The robot program's last word, and when it came.
     program: Option<(StateChange, Instant)>,
+    /// Its silence has been told.
+    program_lost: bool,
     seq: u64,
     next_run: RunId,
     /// Instructions that are still to be sent.
@@ -124,6 +126,7 @@ impl<C> Desk<C> {
             state: State::Idle,
             heard: None,
             program: None,
+            program_lost: false,
             seq: 0,
             next_run: first_run,
             waiting: VecDeque::new(),
@@ -342,6 +345,7 @@ impl<C> Desk<C> {
             running.keep(heard);
         }
         self.state = State::Running(running);
+        tracing::info!("run {run}: {kind}");
         self.outputs.push(Output::Order(Order::Publish(kind)));
         run
     }
@@ -416,6 +420,10 @@ impl<C> Desk<C> {
             self.given_up = None;
             self.instruct(Instruction::Stop, Purpose::End, now);
         }
+        if restarted || self.program_at(now).is_none() {
+            tracing::info!("the robot program is there");
+            self.program_lost = false;
+        }
         self.program = Some((change, now));
         self.tick(now);
     }
@@ -424,6 +432,10 @@ impl<C> Desk<C> {
     pub(super) fn heard(&mut self, event: Event, now: Instant) {
         match event {
             Event::Heard(heard) => {
+                let session = (heard.session, heard.quality);
+                if self.heard.is_none_or(|before| (before.session, before.quality) != session) {
+                    tracing::info!("FRI: {}, quality {}", session.0.name(), session.1.name());
+                }
                 self.heard = Some(heard);
                 if let State::Running(running) = &mut self.state {
                     running.keep(&heard);
@@ -474,6 +486,10 @@ impl<C> Desk<C> {
             }
         }
         let lost = self.program_at(now).is_none();
+        if lost && self.program.is_some() && !self.program_lost {
+            self.program_lost = true;
+            tracing::warn!("the robot program is silent");
+        }
         if let State::Running(running) = &mut self.state {
             match &running.ended {
                 None if lost => {
@@ -518,6 +534,10 @@ impl<C> Desk<C> {
         }
         let ended = running.ended.map(|(ended, _)| ended);
         let Ended { start_s, end_s, error } = ended.unwrap_or_default();
+        match &error {
+            None => tracing::info!("run {}: done", running.run),
+            Some(error) => tracing::warn!("run {}: {error}", running.run),
+        }
         let mut samples = running.samples;
         samples.cut(end_s);
         let run = Run {
