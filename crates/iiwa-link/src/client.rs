@@ -7,9 +7,7 @@ use serde::{Deserialize, de::DeserializeOwned};
 
 use crate::{
     error::LinkError,
-    message::{
-        Code, IoValue, MAX_MESSAGE_BYTES, Refusal, Request, Run, Sensors, Status,
-    },
+    message::{Code, IoValue, MAX_MESSAGE_BYTES, Refusal, Request, Run, Sensors, Status},
     security::{Handshake, WatchedSocket},
     socket::Remote,
     timed_joints::TimedJoints,

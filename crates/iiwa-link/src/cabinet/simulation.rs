@@ -55,7 +55,12 @@ pub(super) struct Simulation {
 enum Activity {
     Nothing,
     /// Motions that it planned.
-    Motions { run: RunId, playback: Box<Playback<Trajectory>>, from: u64, error: Option<Refusal> },
+    Motions {
+        run: RunId,
+        playback: Box<Playback<Trajectory>>,
+        from: u64,
+        error: Option<Refusal>,
+    },
     /// Set-points of the client.
     Commanded(Commanded),
     /// The arm is brought to rest where it happens to be.
@@ -346,8 +351,7 @@ impl Simulation {
                 self.check_ready()?;
                 let Some(trajectory) = planned else { return Ok(answer) };
                 let playback = Box::new(Playback::new(trajectory));
-                self.activity =
-                    Activity::Motions { run, playback, from: self.cycle, error: None };
+                self.activity = Activity::Motions { run, playback, from: self.cycle, error: None };
                 self.changed = true;
             }
             Instruction::RunTrajectory { run } => {

@@ -13,7 +13,8 @@ use super::fri::{Event, Heard, Order};
 use crate::{
     fri::{Quality, Safety, SessionState},
     message::{
-        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Request, Run, Samples, Status,
+        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Request, Run, Samples,
+        Status,
     },
     robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
     timed_joints::TimedJoints,
@@ -268,7 +269,9 @@ impl<C> Desk<C> {
     /// The robot program can be told, and the robot be seen.
     fn check_connected(&self, now: Instant) -> Result<Heard, Refusal> {
         if self.program_at(now).is_none() {
-            return Err(Refusal::robot("the robot program does not answer; is the cabinet running?"));
+            return Err(Refusal::robot(
+                "the robot program does not answer; is the cabinet running?",
+            ));
         }
         match self.heard {
             Some(heard) if now.saturating_duration_since(heard.at) <= FRI_SILENT => {
@@ -295,8 +298,7 @@ impl<C> Desk<C> {
     fn check_motions(&self, motions: &[Motion], now: Instant) -> Result<(), Refusal> {
         let heard = self.check_connected(now)?;
         let range = self.robot.limits().position_rad;
-        let start_rad =
-            std::array::from_fn(|j| heard.joints_rad[j].clamp(-range[j], range[j]));
+        let start_rad = std::array::from_fn(|j| heard.joints_rad[j].clamp(-range[j], range[j]));
         let program = Program { robot: None, start_rad, motions: motions.to_vec() };
         Path::new(&program, &self.robot)
             .map(drop)
@@ -390,8 +392,7 @@ impl<C> Desk<C> {
 
     /// The robot program has said its state.
     pub(super) fn changed(&mut self, change: StateChange, now: Instant) {
-        let restarted =
-            self.program.as_ref().is_some_and(|(before, _)| before.boot != change.boot);
+        let restarted = self.program.as_ref().is_some_and(|(before, _)| before.boot != change.boot);
         if let State::Running(running) = &mut self.state {
             let run = running.run;
             match &change.outcome {
@@ -497,12 +498,16 @@ impl<C> Desk<C> {
                     self.given_up = Some(run);
                     self.outputs.push(Output::Reconnect);
                     self.in_flight = None;
-                    self.fail(run, Refusal::robot("the robot program does not answer any more"), now);
+                    self.fail(
+                        run,
+                        Refusal::robot("the robot program does not answer any more"),
+                        now,
+                    );
                 }
                 Some((ended, until)) => {
-                    let complete = ended.end_s.is_none_or(|end_s| {
-                        self.heard.is_some_and(|heard| heard.t_s >= end_s)
-                    });
+                    let complete = ended
+                        .end_s
+                        .is_none_or(|end_s| self.heard.is_some_and(|heard| heard.t_s >= end_s));
                     if complete || now >= *until {
                         self.finish();
                     }
@@ -518,17 +523,18 @@ impl<C> Desk<C> {
         if let State::Running(running) = &mut self.state
             && running.run == run
         {
-            running.ended.get_or_insert((
-                Ended { start_s: None, end_s: None, error: Some(error) },
-                now,
-            ));
+            running
+                .ended
+                .get_or_insert((Ended { start_s: None, end_s: None, error: Some(error) }, now));
             self.finish();
         }
     }
 
     /// Replies with what was measured; then the state is idle again.
     fn finish(&mut self) {
-        let State::Running(running) = std::mem::replace(&mut self.state, State::Idle) else { return };
+        let State::Running(running) = std::mem::replace(&mut self.state, State::Idle) else {
+            return;
+        };
         if running.kind == DriveState::RunningTrajectory {
             self.outputs.push(Output::Order(Order::Release));
         }
