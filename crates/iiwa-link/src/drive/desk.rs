@@ -72,6 +72,8 @@ struct Running<C> {
     stoppers: Vec<Asked<C>>,
     samples: Samples,
     samples_left_out: u64,
+    /// The robot program has taken it.
+    taken: bool,
     /// How a trajectory went on this side.
     commanded: Option<Commanded>,
     /// How it ended, and until when samples up to there are waited for.
@@ -103,6 +105,9 @@ enum Purpose<C> {
 
 /// Most samples that are kept of a run: half an hour at 1 ms.
 const MOST_SAMPLES: usize = 1_800_000;
+
+/// Most instructions that wait for those before them.
+const MOST_WAITING: usize = 100;
 
 /// How long an instruction may take to be acknowledged.
 const ACKNOWLEDGED_WITHIN: Duration = Duration::from_secs(2);
@@ -339,6 +344,7 @@ impl<C> Desk<C> {
             stoppers: Vec::new(),
             samples: Samples::default(),
             samples_left_out: 0,
+            taken: false,
             commanded: None,
             ended: None,
         };
@@ -353,7 +359,13 @@ impl<C> Desk<C> {
     }
 
     fn instruct(&mut self, instruction: Instruction, purpose: Purpose<C>, now: Instant) {
-        self.waiting.push_back((instruction, purpose));
+        match purpose {
+            Purpose::Ask(asked) if self.waiting.len() >= MOST_WAITING => {
+                let error = "too many requests wait for the robot program";
+                return self.reply(asked, Err(Refusal::robot(error)));
+            }
+            purpose => self.waiting.push_back((instruction, purpose)),
+        }
         self.send_next(now);
     }
 
@@ -385,7 +397,14 @@ impl<C> Desk<C> {
                 self.reply(asked, Ok(body));
             }
             (Purpose::Begin(run), Some(error)) => self.fail(run, error, now),
-            (Purpose::Begin(_) | Purpose::End, _) => {}
+            (Purpose::Begin(run), None) => {
+                if let State::Running(running) = &mut self.state
+                    && running.run == run
+                {
+                    running.taken = true;
+                }
+            }
+            (Purpose::End, _) => {}
         }
         self.send_next(now);
     }
@@ -398,6 +417,7 @@ impl<C> Desk<C> {
             match &change.outcome {
                 Some(outcome) if outcome.run == run => {
                     let ahead_s = self.heard.map_or(0.0, |heard| heard.clock_ahead_s);
+                    running.taken = true;
                     running.end(outcome, ahead_s, now);
                 }
                 _ if restarted => {
@@ -552,7 +572,9 @@ impl<C> Desk<C> {
             samples,
             samples_left_out: running.samples_left_out,
         };
-        self.last_run = Some((run.clone(), error.clone()));
+        if running.taken {
+            self.last_run = Some((run.clone(), error.clone()));
+        }
         let reply = Reply { id: running.asked.id, error, body: Some(Body::Run(run)) };
         self.outputs.push(Output::Reply(running.asked.client, reply.to_json()));
         for stopper in running.stoppers {
