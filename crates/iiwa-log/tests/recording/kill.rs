@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{Recorder, RecorderConfig};
 
-use crate::whole::joint_states;
+use crate::whole::both_ways;
 
 /// Says where the recording goes and how long a period is, ms, and asks for a process to be killed.
 const FILE: &str = "IIWA_LOG_TEST_FILE";
@@ -56,7 +56,7 @@ fn kill(file: &Path, period_ms: u32, real_time: bool, after: Duration) {
         command.env(REAL_TIME, "1");
     }
     let mut victim = command.spawn().unwrap();
-    let mut given = 0;
+    let mut given = 0_usize;
     let mut begin = None;
     let mut killed = false;
     for line in BufReader::new(victim.stdout.take().unwrap()).lines() {
@@ -73,11 +73,12 @@ fn kill(file: &Path, period_ms: u32, real_time: bool, after: Duration) {
     assert!(!victim.wait().unwrap().success());
     assert!(killed && given > 0);
 
-    let states = joint_states(&fs::read(file).unwrap());
-    // One more may have been taken and not said.
-    assert!(states.len() <= given as usize + 1, "{} of {given}", states.len());
-    let lost = given as usize - states.len().min(given as usize);
-    assert!(lost <= period_ms as usize + 1, "{} of {given}", states.len());
+    let (states, indexed) = both_ways(&fs::read(file).unwrap());
+    for count in [states.len(), indexed] {
+        // One more may have been taken and not said.
+        assert!(count <= given + 1, "{count} of {given}");
+        assert!(count + period_ms as usize + 1 >= given, "{count} of {given}");
+    }
     for (k, state) in (0..).zip(&states) {
         assert_eq!((state.t_s, state.q), ((TICK * k).as_secs_f64(), joints(k)));
     }

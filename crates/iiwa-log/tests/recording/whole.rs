@@ -46,11 +46,17 @@ pub(crate) fn by_index(file: &[u8]) -> BTreeMap<String, Vec<u64>> {
     times
 }
 
-/// The joint states, once both ways of reading have agreed on them.
-pub(crate) fn joint_states(file: &[u8]) -> Vec<JointSample> {
+/// The joint states, read from the start and counted by the index.
+pub(crate) fn both_ways(file: &[u8]) -> (Vec<JointSample>, usize) {
     let recording = Recording::from_bytes(file).unwrap();
     assert!(recording.robot_description.is_some());
     let indexed = by_index(file).remove("/joint_states").unwrap_or_default();
-    assert_eq!(indexed.len(), recording.joint_states.len());
-    recording.joint_states
+    (recording.joint_states, indexed.len())
+}
+
+/// The joint states, on which both ways of reading agree.
+pub(crate) fn joint_states(file: &[u8]) -> Vec<JointSample> {
+    let (states, indexed) = both_ways(file);
+    assert_eq!(states.len(), indexed);
+    states
 }
