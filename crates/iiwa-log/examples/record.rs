@@ -61,11 +61,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Swings with different periods, and the last bits of the robot's encoders on top.
+/// Swings with different periods, and noise as from an encoder on top, some 1e-5 rad.
 fn joints(k: u32) -> Joints {
+    let mut noise = k;
     std::array::from_fn(|joint| {
         let phase = (0.5 + 0.1 * joint as f64) * f64::from(k) * 1e-3;
-        let noise = f64::from(k.wrapping_mul(2_654_435_761).rotate_left(joint as u32 * 4) >> 24);
-        0.8 * phase.sin() + 1e-7 * noise
+        noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        0.8 * phase.sin() + 1e-7 * f64::from(noise >> 24)
     })
 }

@@ -216,7 +216,6 @@ pub(crate) fn record_header(opcode: u8, length: u64) -> [u8; RECORD_HEADER_BYTES
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a failed test is a panic")]
 mod tests {
     use std::time::Duration;
 
