@@ -34,7 +34,7 @@ use crate::{
     message::MAX_MESSAGE_BYTES,
     robot_program::{self, RECEIVED, StateChange},
     security::GuardedSocket,
-    socket::{Remote, Server, random},
+    socket::{Remote, SHORT_MESSAGE_BYTES, Server, limit_messages, random},
 };
 
 /// Where a drive listens, and to what it connects.
@@ -104,11 +104,11 @@ impl Drive {
         }
         let (requests, instructions) =
             clients.bind(zmq::ROUTER, &config.instructions, |socket| {
-                socket.set_maxmsgsize(MAX_MESSAGE_BYTES as i64)
+                limit_messages(socket, MAX_MESSAGE_BYTES)
             })?;
         let (stream, stream_at) = clients.bind(zmq::PUB, &config.stream, |socket| {
-            // Subscribers send a topic, nothing long.
-            socket.set_maxmsgsize(1024)?;
+            // Subscribers send a topic.
+            limit_messages(socket, SHORT_MESSAGE_BYTES)?;
             socket.set_sndhwm(STREAM_BACKLOG)
         })?;
         let state = cabinet.connect(zmq::REP, &config.cabinet_state, |_| Ok(()))?;

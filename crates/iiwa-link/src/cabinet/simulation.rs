@@ -293,16 +293,17 @@ impl Simulation {
             commanded.left = commanded.left.max(1);
         }
         let Some((target, _)) = commanded.last else { return Ok(()) };
-        for j in 0..7 {
+        self.q = std::array::from_fn(|j| {
+            let q = self.q[j];
             // Without a new set-point the arm goes on as it went.
             let step = match commanded.left {
                 0 => self.dq[j] * self.period_s,
-                left => (target[j] - self.q[j]) / f64::from(left),
+                left => (target[j] - q) / f64::from(left),
             };
             let most = limits.velocity_rad_s[j] * SETPOINT_MARGIN * self.period_s;
             let range = limits.position_rad[j];
-            self.q[j] = (self.q[j] + step.clamp(-most, most)).clamp(-range, range);
-        }
+            (q + step.clamp(-most, most)).clamp(-range, range)
+        });
         commanded.left = commanded.left.saturating_sub(1);
         Ok(())
     }

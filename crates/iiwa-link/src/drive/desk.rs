@@ -61,7 +61,7 @@ pub(super) struct Desk<C> {
 
 enum State<C> {
     Idle,
-    Running(Running<C>),
+    Running(Box<Running<C>>),
 }
 
 struct Running<C> {
@@ -113,7 +113,7 @@ const MOST_WAITING: usize = 100;
 const ACKNOWLEDGED_WITHIN: Duration = Duration::from_secs(2);
 
 /// How long motions may take to be acknowledged: they are planned before.
-const PLANNED_WITHIN: Duration = Duration::from_secs(60);
+const PLANNED_WITHIN: Duration = Duration::from_mins(1);
 
 /// How long the robot program may keep silent, which says its state twice a second.
 const PROGRAM_SILENT: Duration = Duration::from_secs(3);
@@ -352,7 +352,7 @@ impl<C> Desk<C> {
         if let Some(heard) = &self.heard {
             running.keep(heard);
         }
-        self.state = State::Running(running);
+        self.state = State::Running(Box::new(running));
         tracing::info!("run {run}: {kind}");
         self.outputs.push(Output::Order(Order::Publish(kind)));
         run
