@@ -22,6 +22,9 @@ use crate::{
 /// How long the controller waits for the client before a trajectory, in s.
 const COMMANDING_WAIT_S: f64 = 5.0;
 
+/// Longest time between messages over which the arm can be commanded, in s.
+const COMMANDED_EVERY_S: f64 = 0.010;
+
 /// How much faster than its limit a joint may be told to go by set-points: clocks are not exact, and
 /// positions are rounded.
 const SETPOINT_MARGIN: f64 = 1.1;
@@ -357,6 +360,13 @@ impl Simulation {
             }
             Instruction::RunTrajectory { run } => {
                 self.check_ready()?;
+                if self.period_s > COMMANDED_EVERY_S {
+                    return Err(Refusal::robot(format!(
+                        "FRI is open every {} ms; to command, it has to be every 1 to {} ms",
+                        self.period_s * 1e3,
+                        COMMANDED_EVERY_S * 1e3
+                    )));
+                }
                 self.fri.request_commanding();
                 self.activity = Activity::Commanded(Commanded {
                     run,

@@ -407,6 +407,18 @@ fn garbage_and_a_hundred_megabytes_harm_nobody() {
 }
 
 #[test]
+fn a_slow_session_is_for_watching_only() {
+    let rig = Rig::new(20);
+    rig.client().run_motions(slowly_to(10.0), Some(LONG)).unwrap();
+    let error = rig.client().run_trajectory(trajectory_to(10.0), Some(LONG)).unwrap_err();
+    assert_eq!(error.code(), Code::StartMismatch, "{error}");
+    rig.client().run_motions(slowly_to(0.0), Some(LONG)).unwrap();
+    let error = rig.client().run_trajectory(trajectory_to(10.0), Some(LONG)).unwrap_err();
+    assert!(error.to_string().contains("every 20 ms"), "{error}");
+    assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
+}
+
+#[test]
 fn nobody_else_is_needed_to_start_a_drive() {
     let mut rig = Rig::parts(5);
     rig.start_drive();
