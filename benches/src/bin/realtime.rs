@@ -9,26 +9,32 @@
 //! ```
 //!
 //! Cabinet, drive, subscribers and what keeps the core busy are processes of their own, as in use. Each
-//! of them ends when its input does, so none is left over, however this one ends. Exits with 1 if a
-//! drive with real-time priority lost a cycle, or if a trajectory broke off.
+//! of them ends when its input does, so none is left over, however this one ends. On each core a witness
+//! of a higher priority does nothing but wake: while it does not, the machine stands still.
+//!
+//! A cycle is lost by the drive if its answer came when the next message was due already, after the time
+//! in which the machine stood still is taken off. Nothing else is: the times that the system, and the
+//! cabinet's own threads, take to wake count against the drive. Exits with 1 if a drive with real-time
+//! priority lost a cycle, or if a live subscriber missed a message.
 #![expect(clippy::print_stdout, reason = "tables are what it is for")]
 
 use std::{
     env,
     io::{self, BufRead, BufReader, Write},
     net::{Ipv4Addr, SocketAddr, TcpListener, UdpSocket},
+    path::Path as FilePath,
     process::{Child, ChildStdin, Command, ExitCode, Stdio},
     sync::{
         Arc, Mutex, PoisonError,
         mpsc::{self, Receiver},
     },
     thread,
-    time::{Duration, Instant},
+    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
 use iiwa_kin::Robot;
 use iiwa_link::{
-    Cabinet, CabinetConfig, Client, Drive, DriveConfig, Published, Remote, Server, Stream,
+    Cabinet, CabinetConfig, Client, Drive, DriveConfig, Late, Published, Remote, Server, Stream,
     TimedJoints,
 };
 use iiwa_path::{Blend, Motion, Path, Program, Ptp};
@@ -61,6 +67,7 @@ fn main() -> Result<ExitCode> {
         ["--part", "drive", sockets] => be_drive(&serde_json::from_str(sockets)?)?,
         ["--part", "subscribers", at] => be_subscribers(at)?,
         ["--part", "busy"] => be_busy()?,
+        ["--part", "witness"] => be_witness()?,
         [] => return report(&[case(5, 10), case(1, 10)]),
         ["--full"] => {
             let long = [case(5, 600), case(1, 120), Case { subscribers: true, ..case(1, 120) }];
@@ -86,10 +93,10 @@ fn main() -> Result<ExitCode> {
 fn report(cases: &[Case]) -> Result<ExitCode> {
     println!("On {}.\n", machine::processor());
     println!(
-        "| period | time | beside | real time: cabinet, drive | messages | answered in time | late \
-         | never | lost by the drive | cabinet held up | median | 99.9 % | longest | trajectories |"
+        "| period | time | beside a busy core | real time: cabinet, drive | messages | not answered in time \
+         | of these lost by the drive | cabinet held up | median | 99.9 % | longest | trajectories |"
     );
-    println!("|---:|---:|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
+    println!("|---:|---:|---|---|---:|---:|---:|---:|---:|---:|---:|---:|");
     let mut notes = Vec::new();
     let mut faults = Vec::new();
     for case in cases {
@@ -111,19 +118,16 @@ fn report(cases: &[Case]) -> Result<ExitCode> {
 fn print_row(case: &Case, measured: &Measured) {
     let Measured { cabinet, drive, runs, .. } = measured;
     let yes = |is| if is { "yes" } else { "no" };
-    let never = cabinet.cycles - cabinet.answered;
     println!(
-        "| {} ms | {} s | a busy core{} | {}, {} | {} | {} | {} | {never} | {} | {} | {:.0} us | {:.0} us \
-         | {:.0} us | {} of {} |",
+        "| {} ms | {} s | {} | {}, {} | {} | {} | {} | {} | {:.0} us | {:.0} us | {:.0} us | {} of {} |",
         case.period_ms,
         case.seconds,
-        if case.subscribers { ", 10 subscribers" } else { "" },
+        if case.subscribers { "10 subscribers, one asleep" } else { "" },
         yes(cabinet.real_time),
         yes(drive.real_time),
         cabinet.cycles,
-        cabinet.answered - cabinet.late,
-        cabinet.late,
-        drive.lost(),
+        cabinet.late_us.len() as u64 + measured.never(),
+        measured.lost(),
         cabinet.held_up,
         cabinet.latency_us[0],
         cabinet.latency_us[1],
@@ -134,33 +138,45 @@ fn print_row(case: &Case, measured: &Measured) {
 }
 
 fn note(case: &Case, measured: &Measured, notes: &mut Vec<String>, faults: &mut Vec<String>) {
-    let Measured { cabinet, drive, subscribers, runs } = measured;
-    let name = format!("{} ms, {} s", case.period_ms, case.seconds);
-    notes.push(format!(
-        "{name}: {} messages reached the drive; its slowest answer left {:.0} us after its message was read; \
-         its memory was {:.1} MB at the start and {:.1} MB at most.",
-        drive.received, drive.slowest_us, drive.memory_mb[0], drive.memory_mb[1],
+    let Measured { cabinet, drive, subscribers, runs, still } = measured;
+    let name = format!("- {} ms, {} s", case.period_ms, case.seconds);
+    let mut say = |what: String| notes.push(format!("{name}: {what}."));
+    say(match still {
+        None => "no witness: that takes real-time priority, `chrt` and `taskset`".to_owned(),
+        Some(still) => {
+            let longest_us = still.iter().map(|[from, to]| to - from).max().unwrap_or(0);
+            let all_us: i64 = still.iter().map(|[from, to]| to - from).sum();
+            format!(
+                "the machine stood still {} times, {:.0} ms in all and {:.1} ms at most",
+                still.len(),
+                all_us as f64 * 1e-3,
+                longest_us as f64 * 1e-3
+            )
+        }
+    });
+    say(format!(
+        "{} messages reached the drive, which found the next one there already when it answered {} of them; \
+         the longest that it took to answer was {:.0} us; its memory was {:.1} MB at the start and {:.1} MB \
+         at most",
+        drive.received, drive.behind, drive.slowest_us, drive.memory_mb[0], drive.memory_mb[1],
     ));
     if let Some(Subscribers { live, asleep }) = subscribers {
         let least = live.iter().map(|followed| followed.messages).min().unwrap_or(0);
         let missed: u64 = live.iter().map(|followed| followed.missed).sum();
-        notes.push(format!(
-            "{name}: each live subscriber got {least} messages or more, and they missed {missed} in all; the \
-             sleeper got {} once awake, and had missed {}.",
+        say(format!(
+            "the live subscribers got {least} messages or more, and missed {missed} in all; the sleeper got {} \
+             once awake, and had missed {}",
             asleep.messages, asleep.missed
         ));
-        if missed > 0 {
+        if missed > cabinet.cycles - drive.received {
             faults.push(format!("{name}: live subscribers missed {missed} messages"));
         }
     }
-    if drive.real_time && drive.lost() > 0 {
-        faults.push(format!("{name}: the drive lost {} cycles", drive.lost()));
-    }
     if runs.done < runs.begun {
-        faults.push(format!("{name}: a trajectory broke off: {}", runs.error));
+        say(format!("a trajectory broke off: {}", runs.error));
     }
-    if cabinet.cycles > drive.received {
-        notes.push(format!("{name}: {} messages got lost", cabinet.cycles - drive.received));
+    if drive.real_time && measured.lost() > 0 {
+        faults.push(format!("{name}: the drive lost {} cycles", measured.lost()));
     }
 }
 
@@ -170,6 +186,33 @@ struct Measured {
     drive: DriveSide,
     subscribers: Option<Subscribers>,
     runs: Runs,
+    /// When the machine stood still, in us; none without witnesses.
+    still: Option<Vec<Stretch>>,
+}
+
+/// From when to when, in us of the system's clock.
+type Stretch = [i64; 2];
+
+impl Measured {
+    /// Messages without any answer.
+    fn never(&self) -> u64 {
+        self.cabinet.cycles - self.cabinet.answered
+    }
+
+    /// Cycles lost by the drive: messages that have reached it, and were answered too late or never,
+    /// though the machine went on.
+    fn lost(&self) -> u64 {
+        let still = self.still.as_deref().unwrap_or_default();
+        let by_drive = |late: &&Answer| {
+            let stood: i64 = still
+                .iter()
+                .map(|[from, to]| (late.answered.min(*to) - late.sent.max(*from)).max(0))
+                .sum();
+            late.answered - stood > late.due
+        };
+        let late = self.cabinet.late_us.iter().filter(by_drive).count() as u64;
+        late + (self.drive.received - self.drive.answered)
+    }
 }
 
 /// Where the parts meet.
@@ -206,6 +249,7 @@ fn measure(case: &Case) -> Result<Option<Measured>> {
     let text = serde_json::to_string(&sockets)?;
     let this = env::current_exe()?;
     let _busy = Part::start(Command::new(&this).args(["--part", "busy"]))?;
+    let witnesses = witnesses(&this)?;
     let mut drive = if case.ordinary { Command::new("setpriv") } else { Command::new(&this) };
     if case.ordinary {
         drive.args(ORDINARY).arg(&this);
@@ -218,18 +262,48 @@ fn measure(case: &Case) -> Result<Option<Measured>> {
     let mut subscribers = None;
     if case.subscribers {
         let mut command = Command::new(&this);
-        subscribers =
-            Some(Part::start(command.args(["--part", "subscribers", &sockets.stream]))?);
+        subscribers = Some(Part::start(command.args(["--part", "subscribers", &sockets.stream]))?);
     }
     // The controller comes last: each of its messages counts, from the first one on.
     let period = case.period_ms.to_string();
-    let mut cabinet =
-        Part::start(Command::new(&this).args(["--part", "cabinet", &period, &text]))?;
+    let mut cabinet = Part::start(Command::new(&this).args(["--part", "cabinet", &period, &text]))?;
     let runs = run_trajectories(&sockets, Duration::from_secs(case.seconds))?;
     let cabinet = cabinet.ask()?;
     let drive = drive.ask()?;
     let subscribers = subscribers.map(|mut part| part.ask()).transpose()?;
-    Ok(Some(Measured { cabinet, drive, subscribers, runs }))
+    let mut still = None;
+    if let Some(mut witnesses) = witnesses {
+        let stretches: Vec<Vec<Stretch>> =
+            witnesses.iter_mut().map(Part::ask).collect::<Result<_>>()?;
+        still = Some(joined(stretches.concat()));
+    }
+    Ok(Some(Measured { cabinet, drive, subscribers, runs, still }))
+}
+
+/// Stretches without those that overlap.
+fn joined(mut stretches: Vec<Stretch>) -> Vec<Stretch> {
+    stretches.sort_unstable();
+    let mut joined: Vec<Stretch> = Vec::new();
+    for [from, to] in stretches {
+        match joined.last_mut() {
+            Some(last) if last[1] >= from => last[1] = last[1].max(to),
+            _ => joined.push([from, to]),
+        }
+    }
+    joined
+}
+
+/// One on each core; none where that is not permitted.
+fn witnesses(this: &FilePath) -> Result<Option<Vec<Part>>> {
+    // Above the drive's and the cabinet's.
+    const PRIORITY: &str = "60";
+    let cores = thread::available_parallelism()?.get();
+    let on = |core: usize| {
+        let mut command = Command::new("chrt");
+        command.args(["--fifo", PRIORITY, "taskset", "--cpu-list", &core.to_string()]);
+        Part::start(command.arg(this).args(["--part", "witness"]).stderr(Stdio::null()))
+    };
+    Ok((0..cores).map(on).collect::<Result<Vec<_>>>().ok())
 }
 
 /// A process of this program.
@@ -301,11 +375,41 @@ fn serve<T: Serialize>(mut report: impl FnMut() -> T) -> Result<()> {
 struct CabinetSide {
     cycles: u64,
     answered: u64,
-    late: u64,
+    late_us: Vec<Answer>,
     held_up: u64,
     real_time: bool,
     /// Median, 99.9 % and longest.
     latency_us: [f64; 3],
+}
+
+/// A late answer, in us of the system's clock.
+#[derive(Deserialize, Serialize)]
+struct Answer {
+    sent: i64,
+    due: i64,
+    answered: i64,
+}
+
+/// The system's clock, which all processes share.
+struct SystemClock {
+    now: Instant,
+    now_us: i64,
+}
+
+impl SystemClock {
+    fn new() -> Self {
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        Self { now: Instant::now(), now_us: micros(since) }
+    }
+
+    fn us(&self, at: Instant) -> i64 {
+        let ahead = at.saturating_duration_since(self.now);
+        self.now_us + micros(ahead) - micros(self.now.saturating_duration_since(at))
+    }
+}
+
+fn micros(time: Duration) -> i64 {
+    i64::try_from(time.as_micros()).unwrap_or(i64::MAX)
 }
 
 fn be_cabinet(period_ms: u32, sockets: &Sockets) -> Result<()> {
@@ -330,10 +434,18 @@ fn be_cabinet(period_ms: u32, sockets: &Sockets) -> Result<()> {
         let latency_us = [0.5, 0.999, 1.0].map(|share| {
             report.latency.quantile(share).map_or(f64::NAN, |time| 1e6 * time.as_secs_f64())
         });
+        let clock = SystemClock::new();
+        let late = report.late.iter();
+        let late_us = late.map(|Late { sent, due, answered, .. }| Answer {
+            sent: clock.us(*sent),
+            due: clock.us(*due),
+            answered: clock.us(*answered),
+        });
+        let late_us = late_us.collect();
         CabinetSide {
             cycles: report.cycles,
             answered: report.latency.count() as u64,
-            late: report.late,
+            late_us,
             held_up: report.held_up,
             real_time: report.real_time,
             latency_us,
@@ -351,13 +463,6 @@ struct DriveSide {
     real_time: bool,
     /// Once started, and at most.
     memory_mb: [f64; 2],
-}
-
-impl DriveSide {
-    /// Messages that reached it, and whose answer was not sent before the next one came.
-    fn lost(&self) -> u64 {
-        self.behind + (self.received - self.answered)
-    }
 }
 
 fn be_drive(sockets: &Sockets) -> Result<()> {
@@ -396,7 +501,11 @@ impl Followed {
     /// A message at 1 ms.
     fn take(&mut self, t_s: f64) {
         if let Some(last_s) = self.last_s {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "saturates"
+            )]
             let steps = ((t_s - last_s) * 1e3).round() as u64;
             self.missed += steps.saturating_sub(1);
         }
@@ -483,6 +592,30 @@ fn be_busy() -> Result<()> {
     serve(|| ())
 }
 
+/// Wakes again and again, and tells when it could not, in us of the system's clock.
+fn be_witness() -> Result<()> {
+    const EVERY: Duration = Duration::from_micros(500);
+    /// So late it does not wake for other reasons.
+    const STILL: Duration = Duration::from_micros(200);
+    let still = Arc::new(Mutex::new(Vec::new()));
+    let seen = Arc::clone(&still);
+    thread::spawn(move || {
+        let mut due = Instant::now() + EVERY;
+        loop {
+            thread::sleep(due.saturating_duration_since(Instant::now()));
+            let awake = Instant::now();
+            if awake.duration_since(due) > STILL {
+                let clock = SystemClock::new();
+                let stretch: Stretch = [clock.us(due), clock.us(awake)];
+                seen.lock().unwrap_or_else(PoisonError::into_inner).push(stretch);
+                due = awake;
+            }
+            due += EVERY;
+        }
+    });
+    serve(|| still.lock().unwrap_or_else(PoisonError::into_inner).clone())
+}
+
 /// Trajectories, set-point by set-point.
 #[derive(Default)]
 struct Runs {
@@ -511,8 +644,22 @@ fn run_trajectories(sockets: &Sockets, time: Duration) -> Result<Runs> {
         runs.begun += 1;
         match client.run_trajectory(trajectory.clone(), Some(takes + Duration::from_secs(10))) {
             Ok(_) => runs.done += 1,
-            Err(error) => runs.error = error.to_string(),
+            Err(error) => {
+                runs.error = error.to_string();
+                go_back(&mut client, end);
+            }
         }
+    }
+}
+
+/// To where trajectories begin, as soon as the robot can.
+fn go_back(client: &mut Client, end: Instant) {
+    while Instant::now() + Duration::from_secs(5) < end {
+        let back = vec![Motion::Ptp(Ptp::to([0.0; 7]))];
+        if client.run_motions(back, Some(Duration::from_secs(10))).is_ok() {
+            return;
+        }
+        thread::sleep(Duration::from_millis(100));
     }
 }
 

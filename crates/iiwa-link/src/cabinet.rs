@@ -35,7 +35,7 @@ use crate::{
     socket::{Server, is_timeout, random},
 };
 
-pub use latency::Latency;
+pub use latency::{Late, Latency};
 
 /// What is simulated, and where.
 #[derive(Clone, Debug)]
@@ -110,8 +110,8 @@ pub struct Report {
     pub real_time: bool,
     /// From a message to its answer.
     pub latency: Latency,
-    /// Answers that came when the next message was due already.
-    pub late: u64,
+    /// Answers that came when the next message was due already, the first ten thousand of them.
+    pub late: Vec<Late>,
     /// Messages that were never answered: a thousand messages later, there was no answer to them. With a
     /// multiplier above 1 most need none.
     pub unanswered: u64,
@@ -308,7 +308,7 @@ impl Cabinet {
             held_up: network.held_up,
             real_time: network.real_time,
             latency: network.latency.latency().clone(),
-            late: network.latency.late(),
+            late: network.latency.late().to_vec(),
             unanswered: network.latency.unanswered(),
             session,
             quality,

@@ -36,7 +36,7 @@ mod socket;
 mod stream;
 mod timed_joints;
 
-pub use cabinet::{Cabinet, CabinetConfig, Faults, Latency, Report};
+pub use cabinet::{Cabinet, CabinetConfig, Faults, Late, Latency, Report};
 pub use client::{Client, ClientError};
 pub use drive::{Drive, DriveConfig, Punctuality};
 pub use error::LinkError;

@@ -33,12 +33,26 @@ impl Latency {
     }
 }
 
+/// An answer that came when the next message was due already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Late {
+    /// When the message was sent.
+    pub sent: Instant,
+    /// When the next one was due.
+    pub due: Instant,
+    /// When the answer came.
+    pub answered: Instant,
+}
+
+/// Most late answers that are kept.
+const MOST_LATE: usize = 10_000;
+
 /// Holds messages and answers together.
 #[derive(Debug)]
 pub(super) struct Watch {
     /// The last messages, each in the place that its counter gives it, until they are answered.
     sent: Box<[Option<Sent>]>,
-    late: u64,
+    late: Vec<Late>,
     unanswered: u64,
     latency: Latency,
 }
@@ -48,7 +62,7 @@ struct Sent {
     sequence: u32,
     at: Instant,
     /// When the next message is due.
-    next: Instant,
+    due: Instant,
 }
 
 /// How many messages an answer may come late and still be timed: a power of two, so that counters that
@@ -58,15 +72,15 @@ const REMEMBERED: usize = 1024;
 impl Default for Watch {
     fn default() -> Self {
         let sent = vec![None; REMEMBERED].into();
-        Self { sent, late: 0, unanswered: 0, latency: Latency::default() }
+        Self { sent, late: Vec::new(), unanswered: 0, latency: Latency::default() }
     }
 }
 
 impl Watch {
-    /// A message leaves at `now`, and the one after it is due at `next`.
-    pub(super) fn sent(&mut self, datagram: &[u8], now: Instant, next: Instant) {
+    /// A message leaves at `now`, and the one after it is `due` later.
+    pub(super) fn sent(&mut self, datagram: &[u8], now: Instant, due: Instant) {
         let Ok(message) = Format::V1.decode_monitoring(datagram) else { return };
-        let sent = Sent { sequence: message.sequence, at: now, next };
+        let sent = Sent { sequence: message.sequence, at: now, due };
         let before = self.place(message.sequence).replace(sent);
         self.unanswered += u64::from(before.is_some());
     }
@@ -75,7 +89,9 @@ impl Watch {
         let Ok(answer) = Format::V1.decode_command(datagram) else { return };
         let place = self.place(answer.reflected);
         let Some(sent) = place.take_if(|sent| sent.sequence == answer.reflected) else { return };
-        self.late += u64::from(now > sent.next);
+        if now > sent.due && self.late.len() < MOST_LATE {
+            self.late.push(Late { sent: sent.at, due: sent.due, answered: now });
+        }
         if self.latency.nanoseconds.len() < MOST {
             let time = now.duration_since(sent.at).as_nanos();
             self.latency.nanoseconds.push(u32::try_from(time).unwrap_or(u32::MAX));
@@ -90,8 +106,8 @@ impl Watch {
         &self.latency
     }
 
-    pub(super) fn late(&self) -> u64 {
-        self.late
+    pub(super) fn late(&self) -> &[Late] {
+        &self.late
     }
 
     pub(super) fn unanswered(&self) -> u64 {
@@ -126,7 +142,8 @@ mod tests {
             watch.answered(&bytes, ms(at + after));
             watch.answered(&bytes, ms(at + after + 1));
         }
-        assert_eq!((watch.late(), watch.unanswered()), (1, 1));
+        assert_eq!(watch.late(), [Late { sent: ms(10), due: ms(20), answered: ms(24) }]);
+        assert_eq!(watch.unanswered(), 1);
         let latency = watch.latency();
         assert_eq!(latency.count(), REMEMBERED - 1);
         let quantiles = [0.0, 0.5, 1.0].map(|share| latency.quantile(share).unwrap().as_millis());

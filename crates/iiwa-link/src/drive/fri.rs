@@ -192,9 +192,11 @@ impl FriThread {
             let (next, setpoint) = step(task, &message, t_s, &line.events);
             task = next;
             if line.client.answer(setpoint.as_ref(), &mut answer) {
+                // Not asked afterwards: the answer may wake others who run first then.
+                let is_behind = is_next_there(&udp, cabinet);
                 // The controller counts what does not arrive.
                 let _ = udp.send_to(&answer, from);
-                account.answered(read_at.elapsed(), is_next_there(&udp, cabinet));
+                account.answered(read_at.elapsed(), is_behind);
             }
             // All else comes after the answer.
             if let Some(joints_rad) = message.measured_rad.or(last_rad) {
