@@ -35,7 +35,7 @@ use crate::{
     socket::{SHORT_MESSAGE_BYTES, Server, is_timeout, limit_messages, random},
 };
 
-pub use latency::Latency;
+pub use latency::{Late, Latency};
 
 /// What is simulated, and where.
 #[derive(Clone, Debug)]
@@ -106,9 +106,14 @@ pub struct Report {
     pub cycles: u64,
     /// Cycles in which this simulation was not on time itself, and waited with its clock.
     pub held_up: u64,
+    /// Whether the system lets the simulation's clock run ahead of ordinary threads.
+    pub real_time: bool,
     /// From a message to its answer.
     pub latency: Latency,
-    /// Messages without an answer before the next one was due.
+    /// Answers that came when the next message was due already, the first ten thousand of them.
+    pub late: Vec<Late>,
+    /// Messages that were never answered: a thousand messages later, there was no answer to them. With a
+    /// multiplier above 1 most need none.
     pub unanswered: u64,
     /// The session's state.
     pub session: SessionState,
@@ -139,6 +144,7 @@ struct Network {
     kept_back: std::collections::VecDeque<Vec<u8>>,
     cycles: u64,
     held_up: u64,
+    real_time: bool,
     latency: latency::Watch,
 }
 
@@ -213,6 +219,7 @@ impl Cabinet {
                 kept_back: std::collections::VecDeque::new(),
                 cycles: 0,
                 held_up: 0,
+                real_time: false,
                 latency: latency::Watch::default(),
             }),
             over: AtomicBool::new(false),
@@ -295,7 +302,9 @@ impl Cabinet {
         Report {
             cycles: network.cycles,
             held_up: network.held_up,
+            real_time: network.real_time,
             latency: network.latency.latency().clone(),
+            late: network.latency.late().to_vec(),
             unanswered: network.latency.unanswered(),
             session,
             quality,
@@ -333,7 +342,8 @@ impl Shared {
 /// The controller's clock: a cycle each `period`. When this machine holds it up for more than that, it
 /// waits, as if nothing had been: robot time has no gaps.
 fn run_clock(shared: &Shared, udp: &UdpSocket, client: SocketAddr, period: Duration) {
-    crate::priority::raise();
+    let real_time = crate::priority::raise();
+    lock(&shared.network).real_time = real_time;
     let mut next = Instant::now() + period;
     let mut message = Vec::with_capacity(1500);
     while !shared.is_over() {
@@ -349,7 +359,7 @@ fn run_clock(shared: &Shared, udp: &UdpSocket, client: SocketAddr, period: Durat
         let mut network = lock(&shared.network);
         let Some(datagram) = network.send(due.then_some(message.as_slice())) else { continue };
         if !shared.is_silent() {
-            network.latency.sent(&datagram, Instant::now());
+            network.latency.sent(&datagram, Instant::now(), next);
             drop(network);
             // Nobody may listen yet.
             let _ = udp.send_to(&datagram, client);
