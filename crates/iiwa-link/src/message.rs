@@ -80,7 +80,7 @@ impl Request {
         };
         let head = match serde_json::from_str::<Object<Head>>(text) {
             Ok(Object(head)) => head,
-            Err(error) => return (None, Err(bad_json(text, &error))),
+            Err(error) => return (id_of(text), Err(bad_json(text, &error))),
         };
         (head.id, Self::of_type(head.r#type.as_deref(), text))
     }
@@ -168,6 +168,16 @@ pub(crate) fn shortened(text: &str) -> String {
     shown
 }
 
+/// A number in messages, with so many decimals; one of many digits with a power of ten.
+pub(crate) struct Figures(pub(crate) f64, pub(crate) usize);
+
+impl fmt::Display for Figures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value, decimals) = self;
+        if value.abs() < 1e9 { write!(f, "{value:.decimals$}") } else { write!(f, "{value:.3e}") }
+    }
+}
+
 fn only<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
     match serde_json::from_str::<Object<T>>(text) {
         Ok(Object(request)) => Ok(request),
@@ -179,8 +189,23 @@ fn only<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
 struct Head {
     #[serde(default)]
     r#type: Option<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "given")]
     id: Option<Id>,
+}
+
+/// An id of `null` is one, too.
+fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Id>, D::Error> {
+    Id::deserialize(deserializer).map(Some)
+}
+
+/// The id of a request in which something else is wrong.
+fn id_of(text: &str) -> Option<Id> {
+    #[derive(Deserialize)]
+    struct OnlyId {
+        #[serde(default, deserialize_with = "given")]
+        id: Option<Id>,
+    }
+    serde_json::from_str::<Object<OnlyId>>(text).ok().and_then(|Object(only)| only.id)
 }
 
 /// What each request may have beside its own keys.
@@ -250,6 +275,10 @@ impl fmt::Display for IoValue {
         match self {
             Self::Boolean(value) => value.fmt(f),
             Self::Digital(value) => value.fmt(f),
+            // Not with hundreds of digits.
+            Self::Analog(value) if value.abs() >= 1e16 || value.abs() < 1e-5 && *value != 0.0 => {
+                write!(f, "{value:e}")
+            }
             Self::Analog(value) => value.fmt(f),
         }
     }
