@@ -158,12 +158,16 @@ pub(crate) fn bad_json(text: &str, error: &serde_json::Error) -> Refusal {
     Refusal::bad(format!("{}, at {}", problem(error), Place::of_error(text, text, error)))
 }
 
-/// The beginning of somebody's text, for messages.
+/// The beginning of somebody's text, for messages; what is not ASCII is escaped.
 pub(crate) fn shortened(text: &str) -> String {
     const MOST: usize = 60;
-    let mut shown: String = text.chars().take(MOST).flat_map(char::escape_default).collect();
-    if text.chars().nth(MOST).is_some() {
-        shown.push_str("...");
+    let mut shown = String::new();
+    for letter in text.chars() {
+        if shown.len() >= MOST {
+            shown.push_str("...");
+            break;
+        }
+        shown.extend(letter.escape_default());
     }
     shown
 }
