@@ -7,8 +7,11 @@ use iiwa_kin::{
     json::{Object, Place, problem},
 };
 use iiwa_path::Motion;
-use serde::{Deserialize, Deserializer, Serialize, de::DeserializeOwned};
-use serde_json::{Number, value::RawValue};
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{DeserializeOwned, Visitor},
+};
+use serde_json::value::RawValue;
 
 use crate::timed_joints::TimedJoints;
 
@@ -74,9 +77,8 @@ impl Request {
     ///
     /// [`Code::BadRequest`] that says what is wrong and where, with the id as far as it can be read.
     pub fn from_json(bytes: &[u8]) -> (Option<Id>, Result<Self, Refusal>) {
-        let text = match str::from_utf8(bytes) {
-            Ok(text) => text,
-            Err(_) => return (None, Err(Refusal::bad("the request is not text in UTF-8"))),
+        let Ok(text) = str::from_utf8(bytes) else {
+            return (None, Err(Refusal::bad("the request is not text in UTF-8")));
         };
         let head = match serde_json::from_str::<Object<Head>>(text) {
             Ok(Object(head)) => head,
@@ -257,20 +259,26 @@ pub enum IoValue {
 
 impl<'de> Deserialize<'de> for IoValue {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged, expecting = "a value is true, false or a number")]
-        enum Wire {
-            Boolean(bool),
-            Number(Number),
+        struct OfValue;
+        impl Visitor<'_> for OfValue {
+            type Value = IoValue;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("true, false or a number")
+            }
+            fn visit_bool<E>(self, value: bool) -> Result<IoValue, E> {
+                Ok(IoValue::Boolean(value))
+            }
+            fn visit_u64<E>(self, value: u64) -> Result<IoValue, E> {
+                Ok(IoValue::Digital(value))
+            }
+            fn visit_i64<E>(self, value: i64) -> Result<IoValue, E> {
+                Ok(IoValue::Analog(value as f64))
+            }
+            fn visit_f64<E>(self, value: f64) -> Result<IoValue, E> {
+                Ok(IoValue::Analog(value))
+            }
         }
-        Ok(match Wire::deserialize(deserializer)? {
-            Wire::Boolean(value) => Self::Boolean(value),
-            Wire::Number(number) => match number.as_u64() {
-                Some(value) => Self::Digital(value),
-                // Numbers out of range have been refused before.
-                None => Self::Analog(number.as_f64().unwrap_or_default()),
-            },
-        })
+        deserializer.deserialize_any(OfValue)
     }
 }
 

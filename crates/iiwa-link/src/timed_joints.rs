@@ -2,8 +2,13 @@
 
 mod differences;
 
+use std::fmt;
+
 use iiwa_kin::{Joints, Limits};
-use serde::{Deserialize, Serialize};
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{Error as _, IgnoredAny, SeqAccess, Visitor},
+};
 
 use crate::message::{Code, Figures, Refusal};
 
@@ -14,7 +19,47 @@ pub struct TimedJoints {
     /// Stamps, in s; they increase strictly. The first one is the start, whatever it is.
     pub t_s: Vec<f64>,
     /// Positions at these times, in rad.
+    #[serde(deserialize_with = "points")]
     pub joints_rad: Vec<Joints>,
+}
+
+fn points<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Joints>, D::Error> {
+    let points = Vec::<Point>::deserialize(deserializer)?;
+    Ok(points.into_iter().map(|Point(joints_rad)| joints_rad).collect())
+}
+
+/// Exactly seven numbers. Left to itself, serde finds an eighth one to be text after the end.
+struct Point(Joints);
+
+impl<'de> Deserialize<'de> for Point {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OfSeven;
+        impl<'de> Visitor<'de> for OfSeven {
+            type Value = Point;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("seven joint angles, A1 to A7")
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Point, A::Error> {
+                let mut joints_rad = [0.0; 7];
+                for (count, joint) in joints_rad.iter_mut().enumerate() {
+                    let Some(value) = seq.next_element()? else {
+                        return Err(A::Error::invalid_length(count, &self));
+                    };
+                    *joint = value;
+                }
+                let mut count = 7;
+                while seq.next_element::<IgnoredAny>()?.is_some() {
+                    count += 1;
+                }
+                if count == 7 {
+                    Ok(Point(joints_rad))
+                } else {
+                    Err(A::Error::invalid_length(count, &self))
+                }
+            }
+        }
+        deserializer.deserialize_seq(OfSeven)
+    }
 }
 
 /// How far from the robot a trajectory may start, in rad: half a degree.

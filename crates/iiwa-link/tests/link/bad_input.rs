@@ -196,6 +196,10 @@ fn bad_requests() -> Vec<(String, &'static str, &'static str)> {
         (r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": false}"#, "number"),
         (r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": 1e999}"#, "column"),
         (r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": NaN}"#, "column"),
+        (
+            r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": null}"#,
+            "expected true, false or a number, found null, at line 1, column 64",
+        ),
         (r#"{"type": "run_trajectory", "trajectory": {"t_s": [], "joints_rad": []}}"#, "0 points"),
         (
             r#"{"type": "run_trajectory", "trajectory": {"t_s": [0], "joints_rad": [[0,0,0,0,0,0,0]]}}"#,
@@ -231,8 +235,8 @@ fn bad_requests() -> Vec<(String, &'static str, &'static str)> {
     let to = |deg: f64| json!([0, 0, 0, deg, 0, 0, 0]);
     let value = |request: Value, code, name| (request.to_string(), code, name);
     bad.extend([
-        value(points(6), "bad_request", "column"),
-        value(points(8), "bad_request", "column"),
+        value(points(6), "bad_request", "found 6, at line 1, column"),
+        value(points(8), "bad_request", "found 8, at line 1, column"),
         value(motion(json!({"type": "ptp", "joints_deg": joints(6)})), "bad_request", "motion 1"),
         value(motion(json!({"type": "ptp", "joints_deg": joints(8)})), "bad_request", "motion 1"),
         value(motion(json!({"type": "ptp", "joints_deg": to(120.1)})), "limit", "joint 4"),
@@ -336,7 +340,11 @@ fn every_bad_request_is_answered_with_what_is_wrong_and_changes_nothing() {
         with_more["speed"] = json!(1);
         assert_refused(&with_more.to_string(), "bad_request", &["`speed`"]);
         for (request, field) in spoilt(&good, &fields_of(name)) {
-            assert_refused(&request, "bad_request", &[&field, "column", "motion 1", "points", "no input or output", "true or false"]);
+            assert_refused(
+                &request,
+                "bad_request",
+                &[&field, "column", "motion 1", "points", "no input or output", "true or false"],
+            );
             count += 1;
         }
     }
@@ -426,7 +434,8 @@ fn every_bad_instruction_is_answered_and_the_robot_program_goes_on() {
         good["seq"] = json!(7);
         for (instruction, field) in spoilt(&good, &fields) {
             let answer = asker.ask(&instruction);
-            let names = [&field, "column", "motion 1", "no input or output", "true or false", "`x`"];
+            let names =
+                [&field, "column", "motion 1", "no input or output", "true or false", "`x`"];
             assert_told(&answer["error"], "bad_request", &names, &instruction);
             let head: Value = serde_json::from_str(&instruction).unwrap();
             if head["seq"].is_u64() && head["type"].is_string() {
