@@ -421,7 +421,7 @@ fn take_answers(shared: &Shared, udp: &UdpSocket, client: SocketAddr) {
 fn take_instructions(shared: &Shared, socket: &zmq::Socket, robot: &Robot) {
     while !shared.is_over() {
         match socket.poll(zmq::POLLIN, AWAKE_MS) {
-            Ok(0) => continue,
+            Ok(0) | Err(zmq::Error::EINTR) => continue,
             Ok(_) => {}
             Err(_) => return,
         }

@@ -1,5 +1,6 @@
 //! Drive, simulated cabinet and clients together, over the loopback interface.
 
+mod bad_input;
 mod faults;
 mod rig;
 mod runs;
