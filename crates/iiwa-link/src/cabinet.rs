@@ -110,7 +110,7 @@ pub struct Report {
     pub real_time: bool,
     /// From a message to its answer.
     pub latency: Latency,
-    /// Answers that came when the next message was due already, the first ten thousand of them.
+    /// Answers that came more than a cycle after their messages, the first ten thousand of them.
     pub late: Vec<Late>,
     /// Messages that were never answered: a thousand messages later, there was no answer to them. With a
     /// multiplier above 1 most need none.
@@ -211,6 +211,8 @@ impl Cabinet {
         let mut simulation =
             Simulation::new(config.robot, config.start_rad, fri, config.noise_rad, random());
         simulation.press_emergency_stop_at(config.faults.emergency_stop_at);
+        let period =
+            Duration::from_millis(u64::from(config.period_ms)).div_f64(config.speed.max(1e-3));
         let shared = Arc::new(Shared {
             simulation: Mutex::new(simulation),
             network: Mutex::new(Network {
@@ -220,14 +222,12 @@ impl Cabinet {
                 cycles: 0,
                 held_up: 0,
                 real_time: false,
-                latency: latency::Watch::default(),
+                latency: latency::Watch::new(period),
             }),
             over: AtomicBool::new(false),
             silent_until_ms: AtomicU64::new(0),
             started: Instant::now(),
         });
-        let period =
-            Duration::from_millis(u64::from(config.period_ms)).div_f64(config.speed.max(1e-3));
         let client = config.fri_client;
         let mut cabinet =
             Self { instructions: instructions_at, state: state_at, shared, threads: Vec::new() };
@@ -359,7 +359,7 @@ fn run_clock(shared: &Shared, udp: &UdpSocket, client: SocketAddr, period: Durat
         let mut network = lock(&shared.network);
         let Some(datagram) = network.send(due.then_some(message.as_slice())) else { continue };
         if !shared.is_silent() {
-            network.latency.sent(&datagram, Instant::now(), next);
+            network.latency.sent(&datagram, Instant::now());
             drop(network);
             // Nobody may listen yet.
             let _ = udp.send_to(&datagram, client);

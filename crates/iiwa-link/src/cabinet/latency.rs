@@ -33,13 +33,11 @@ impl Latency {
     }
 }
 
-/// An answer that came when the next message was due already.
+/// An answer that came more than a cycle after its message was sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Late {
     /// When the message was sent.
     pub sent: Instant,
-    /// When the next one was due.
-    pub due: Instant,
     /// When the answer came.
     pub answered: Instant,
 }
@@ -52,6 +50,8 @@ const MOST_LATE: usize = 10_000;
 pub(super) struct Watch {
     /// The last messages, each in the place that its counter gives it, until they are answered.
     sent: Box<[Option<Sent>]>,
+    /// An answer that takes longer is late.
+    cycle: Duration,
     late: Vec<Late>,
     unanswered: u64,
     latency: Latency,
@@ -61,26 +61,21 @@ pub(super) struct Watch {
 struct Sent {
     sequence: u32,
     at: Instant,
-    /// When the next message is due.
-    due: Instant,
 }
 
 /// How many messages an answer may come late and still be timed: a power of two, so that counters that
 /// wrap around keep their places.
 const REMEMBERED: usize = 1024;
 
-impl Default for Watch {
-    fn default() -> Self {
-        let sent = vec![None; REMEMBERED].into();
-        Self { sent, late: Vec::new(), unanswered: 0, latency: Latency::default() }
-    }
-}
-
 impl Watch {
-    /// A message leaves at `now`, and the one after it is `due` later.
-    pub(super) fn sent(&mut self, datagram: &[u8], now: Instant, due: Instant) {
+    pub(super) fn new(cycle: Duration) -> Self {
+        let sent = vec![None; REMEMBERED].into();
+        Self { sent, cycle, late: Vec::new(), unanswered: 0, latency: Latency::default() }
+    }
+
+    pub(super) fn sent(&mut self, datagram: &[u8], now: Instant) {
         let Ok(message) = Format::V1.decode_monitoring(datagram) else { return };
-        let sent = Sent { sequence: message.sequence, at: now, due };
+        let sent = Sent { sequence: message.sequence, at: now };
         let before = self.place(message.sequence).replace(sent);
         self.unanswered += u64::from(before.is_some());
     }
@@ -89,11 +84,12 @@ impl Watch {
         let Ok(answer) = Format::V1.decode_command(datagram) else { return };
         let place = self.place(answer.reflected);
         let Some(sent) = place.take_if(|sent| sent.sequence == answer.reflected) else { return };
-        if now > sent.due && self.late.len() < MOST_LATE {
-            self.late.push(Late { sent: sent.at, due: sent.due, answered: now });
+        let time = now.duration_since(sent.at);
+        if time > self.cycle && self.late.len() < MOST_LATE {
+            self.late.push(Late { sent: sent.at, answered: now });
         }
         if self.latency.nanoseconds.len() < MOST {
-            let time = now.duration_since(sent.at).as_nanos();
+            let time = time.as_nanos();
             self.latency.nanoseconds.push(u32::try_from(time).unwrap_or(u32::MAX));
         }
     }
@@ -122,7 +118,7 @@ mod tests {
 
     #[test]
     fn tells_punctual_late_and_missing_answers_apart() {
-        let mut watch = Watch::default();
+        let mut watch = Watch::new(Duration::from_millis(10));
         let start = Instant::now();
         let ms = |ms: u64| start + Duration::from_millis(ms);
         let mut bytes = Vec::new();
@@ -132,7 +128,7 @@ mod tests {
             let message = Monitoring { sequence, ..Monitoring::default() };
             Format::V1.encode_monitoring(&message, &mut bytes);
             let at = 10 * u64::from(i);
-            watch.sent(&bytes, ms(at), ms(at + 10));
+            watch.sent(&bytes, ms(at));
             // The second answer is late, the third and the last four never come; all come twice.
             let after = [4, 14].get(i as usize).copied().unwrap_or(6);
             if i == 2 || i >= REMEMBERED as u32 {
@@ -143,7 +139,7 @@ mod tests {
             watch.answered(&bytes, ms(at + after));
             watch.answered(&bytes, ms(at + after + 1));
         }
-        assert_eq!(watch.late(), [Late { sent: ms(10), due: ms(20), answered: ms(24) }]);
+        assert_eq!(watch.late(), [Late { sent: ms(10), answered: ms(24) }]);
         assert_eq!(watch.unanswered(), 1);
         let latency = watch.latency();
         assert_eq!(latency.count(), REMEMBERED - 1);
