@@ -9,7 +9,10 @@ use std::{
 use iiwa_kin::Robot;
 use iiwa_path::{Motion, Path, Program};
 
-use super::fri::{Event, Heard, Order};
+use super::{
+    fri::{Event, Heard, Order},
+    setpoints::Over,
+};
 use crate::{
     fri::{Quality, Safety, SessionState},
     message::{
@@ -75,15 +78,9 @@ struct Running<C> {
     samples: Samples,
     samples_left_out: u64,
     /// How a trajectory went on this side.
-    commanded: Option<Commanded>,
+    commanded: Option<Over>,
     /// How it ended, and until when samples up to there are waited for.
     ended: Option<(Ended, Instant)>,
-}
-
-struct Commanded {
-    start_s: f64,
-    end_s: f64,
-    error: Option<Refusal>,
 }
 
 #[derive(Default)]
@@ -492,15 +489,7 @@ impl<C> Desk<C> {
                     running.keep(&heard);
                 }
             }
-            Event::Ended { start_s, end_s, stopped, .. } => {
-                let error = stopped.map(|[at_s, of_s]| {
-                    Refusal::robot(format!("stopped on request at {at_s:.2} of {of_s:.2} s"))
-                });
-                self.commanded(Commanded { start_s, end_s, error }, now);
-            }
-            Event::Broken { start_s, end_s, error, .. } => {
-                self.commanded(Commanded { start_s, end_s, error: Some(error) }, now);
-            }
+            Event::Over(over) => self.commanded(over, now),
             Event::Discarded => {
                 // It was to be stopped before it began.
                 if let State::Running(running) = &self.state
@@ -514,9 +503,9 @@ impl<C> Desk<C> {
     }
 
     /// A trajectory is over on this side: the robot program is told, and says idle then.
-    fn commanded(&mut self, commanded: Commanded, now: Instant) {
+    fn commanded(&mut self, over: Over, now: Instant) {
         if let State::Running(running) = &mut self.state {
-            running.commanded = Some(commanded);
+            running.commanded = Some(over);
             let run = running.run;
             self.instruct(Instruction::EndTrajectory { run }, Purpose::End, now);
         }
@@ -667,7 +656,7 @@ impl<C> Running<C> {
         }
         let ended = match self.commanded.take() {
             // This side knows best when the set-points began and ended.
-            Some(Commanded { start_s, end_s, error }) if outcome.error.is_none() => {
+            Some(Over { start_s, end_s, error }) if outcome.error.is_none() => {
                 Ended { start_s: Some(start_s), end_s: Some(end_s), error }
             }
             commanded => Ended {
