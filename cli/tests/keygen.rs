@@ -2,8 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[path = "common/helpers.rs"]
-mod helpers;
+#[path = "common/run.rs"]
+mod run;
 
 use std::fs;
 
@@ -14,7 +14,7 @@ use predicates::{
 };
 use tempfile::tempdir;
 
-use helpers::{files, iiwasim};
+use run::{files, iiwasim};
 
 #[test]
 fn writes_two_files_that_belong_together() {

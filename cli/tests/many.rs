@@ -4,6 +4,8 @@
 
 #[path = "common/helpers.rs"]
 mod helpers;
+#[path = "common/run.rs"]
+mod run;
 
 use std::{
     fs,
@@ -20,7 +22,8 @@ use predicates::{
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-use helpers::{files, fixture, iiwasim, long_program, program};
+use helpers::{fixture, long_program, program};
+use run::{files, iiwasim};
 
 /// A program of one motion, the longer the larger `deg` is.
 fn turn(deg: f64) -> String {

@@ -4,6 +4,8 @@
 
 #[path = "common/helpers.rs"]
 mod helpers;
+#[path = "common/run.rs"]
+mod run;
 
 use std::{
     fs,
@@ -19,7 +21,8 @@ use predicates::{
 };
 use tempfile::{TempDir, tempdir};
 
-use helpers::{START, files, fixture, iiwasim, long_program, program};
+use helpers::{START, fixture, long_program, program};
+use run::{files, iiwasim};
 
 fn plan(folder: &TempDir, program: &Path, arguments: &[&str]) -> Assert {
     cargo_bin_cmd!("iiwasim").current_dir(folder).arg("plan").arg(program).args(arguments).assert()

@@ -28,9 +28,9 @@ pub(crate) fn run(options: &Keygen) -> Result<(), Failure> {
 {key}: secret; it stays here, and only you can read it
 {public}: public; it goes to the other side
 
-If they are the drive's: {public} goes to each client, and the clients' .pub files into a folder:
+If it is the drive's: {public} goes to each client, and the clients' .pub files into a folder:
   iiwasim drive --key {key} --allow clients/
-If they are a client's: {public} goes into that folder, and the drive's .pub file comes here:
+If it is a client's: {public} goes into that folder, and the drive's .pub file comes here:
   --key {key} --server-key drive.pub
 "
     ))

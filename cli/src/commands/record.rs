@@ -10,7 +10,9 @@ use std::{
 use iiwa_link::{Published, Stream};
 use iiwa_log::{Config, Recorder, RecorderConfig};
 
-use crate::{args::Record, connection, failure::Failure, input::find_robot, output, progress::Progress};
+use crate::{
+    args::Record, connection, failure::Failure, input::find_robot, output, progress::Progress,
+};
 
 /// How long nothing may come before the file is brought up to date all the same.
 const PAUSE: Duration = Duration::from_millis(200);

@@ -131,13 +131,15 @@ fn go_to_start(client: &mut Client, options: &Run, start_rad: &Joints) -> Result
     let status = client.state().map_err(ask)?;
     let Some(joints_rad) = status.joints_rad else {
         return Err(Failure::Run {
-            what: "it is not known where the robot is: the drive does not hear the controller".to_owned(),
+            what: "it is not known where the robot is: the drive does not hear the controller"
+                .to_owned(),
             cause: None,
         });
     };
     let off = |j: &usize| (joints_rad[*j] - start_rad[*j]).abs();
     let worst = (0..7).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
-    if off(&worst) <= START_TOLERANCE_RAD && (options.move_to_start.is_none() || off(&worst) < 1e-6) {
+    if off(&worst) <= START_TOLERANCE_RAD && (options.move_to_start.is_none() || off(&worst) < 1e-6)
+    {
         return Ok(());
     }
     let Some(percent) = options.move_to_start else {
@@ -222,8 +224,7 @@ fn watch(
 fn recording(measured: &Measured, robot: &Robot, text: &Text) -> Result<Vec<u8>, Failure> {
     let refuse = |error: iiwa_log::WriteError| Failure::run("cannot write the recording", &error);
     let storage = Cursor::new(Vec::new());
-    let mut recorder =
-        Recorder::new(storage, robot, RecorderConfig::default()).map_err(refuse)?;
+    let mut recorder = Recorder::new(storage, robot, RecorderConfig::default()).map_err(refuse)?;
     let samples = &measured.samples;
     let from_s = measured.start_s.or(samples.t_s.first().copied()).unwrap_or_default();
     // Stamps are sums: the first sample may come out next to nothing before the start.

@@ -1,27 +1,9 @@
-//! Folders, files and programs for tests from outside.
+//! Programs for tests from outside.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
-
-use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};
-use tempfile::TempDir;
+use std::path::{Path, PathBuf};
 
 pub(crate) fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)
-}
-
-pub(crate) fn iiwasim(folder: &TempDir, arguments: &[&str]) -> Assert {
-    cargo_bin_cmd!("iiwasim").current_dir(folder).args(arguments).assert()
-}
-
-pub(crate) fn files(folder: &TempDir) -> Vec<String> {
-    let names = fs::read_dir(folder).unwrap();
-    let mut names: Vec<_> =
-        names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
 }
 
 pub(crate) const START: &str = r#""start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }"#;

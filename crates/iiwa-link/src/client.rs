@@ -7,9 +7,7 @@ use serde::{Deserialize, de::DeserializeOwned};
 
 use crate::{
     error::LinkError,
-    message::{
-        Code, IoValue, MAX_MESSAGE_BYTES, Refusal, Request, Run, Sensors, Status,
-    },
+    message::{Code, IoValue, MAX_MESSAGE_BYTES, Refusal, Request, Run, Sensors, Status},
     security::{Handshake, WatchedSocket},
     socket::Remote,
     timed_joints::TimedJoints,
@@ -104,6 +102,8 @@ impl ClientError {
 const CONNECTED_WITHIN: Duration = Duration::from_secs(3);
 /// How long an answer may take that needs no motion: the robot program is asked for some.
 const ANSWERED_WITHIN: Duration = Duration::from_secs(5);
+/// How often in a row the drive may hang up before it counts as its word.
+const HUNG_UP: u32 = 3;
 /// How often the connection is looked at while an answer is waited for, in ms.
 const LOOK_MS: i64 = 50;
 
@@ -261,12 +261,11 @@ impl Client {
         if request.len() > MAX_MESSAGE_BYTES {
             return Err(ClientError::TooLong { found: request.len() });
         }
-        let socket = match self.socket.take() {
-            Some(socket) => socket,
-            None => {
-                self.connected = false;
-                self.connect()?
-            }
+        let socket = if let Some(socket) = self.socket.take() {
+            socket
+        } else {
+            self.connected = false;
+            self.connect()?
         };
         let at = || self.at.clone();
         let failed = |source| ClientError::Link(LinkError::socket(source));
@@ -278,6 +277,7 @@ impl Client {
         }
         socket.send(request, zmq::DONTWAIT).map_err(failed)?;
         let since = Instant::now();
+        let mut hung_up = 0;
         loop {
             if socket.poll(zmq::POLLIN, LOOK_MS).map_err(failed)? > 0 {
                 let answer = socket.recv_bytes(zmq::DONTWAIT).map_err(failed)?;
@@ -286,13 +286,14 @@ impl Client {
                 return Ok(answer);
             }
             match socket.handshake().map_err(LinkError::from)? {
-                None => {}
                 Some(Handshake::Done) => self.connected = true,
                 // It may be back within a moment, but it does not know of the request then.
                 Some(Handshake::Lost) if self.connected => {
                     return Err(ClientError::Lost { at: at() });
                 }
-                Some(Handshake::Lost) => {}
+                None | Some(Handshake::Lost) => {}
+                // A drive that is just ending does so, too: it counts if it does so again.
+                Some(Handshake::HungUp) if hung_up < HUNG_UP => hung_up += 1,
                 Some(refused) => {
                     return Err(ClientError::Unauthorized { at: at(), what: refused.what() });
                 }

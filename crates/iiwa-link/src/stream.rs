@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use iiwa_kin::{Joints, json::Object};
-use serde::{Deserialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::{error::LinkError, message::DriveState, socket::Remote};
 
@@ -19,7 +19,8 @@ impl std::fmt::Debug for Stream {
 }
 
 /// Something that was published.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 #[non_exhaustive]
 pub enum Published {
     /// Measured joint positions, every cycle of FRI.
@@ -92,8 +93,9 @@ fn read(frames: &[Vec<u8>]) -> Option<Published> {
         serde_json::from_slice::<Object<T>>(body).ok().map(|Object(message)| message)
     }
     match frames {
-        [topic, body] if topic == b"joints" => json(body)
-            .map(|Joints7 { t_s, joints_rad }| Published::Joints { t_s, joints_rad }),
+        [topic, body] if topic == b"joints" => {
+            json(body).map(|Joints7 { t_s, joints_rad }| Published::Joints { t_s, joints_rad })
+        }
         [topic, body] if topic == b"state" => {
             json(body).map(|State { t_s, state }| Published::State { t_s, state })
         }

@@ -13,7 +13,8 @@ use super::fri::{Event, Heard, Order};
 use crate::{
     fri::{Quality, Safety, SessionState},
     message::{
-        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Request, Run, Samples, Status,
+        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Request, Run, Samples,
+        Status,
     },
     robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
     timed_joints::TimedJoints,
@@ -44,6 +45,8 @@ pub(super) struct Desk<C> {
     heard: Option<Heard>,
     /// The robot program's last word, and when it came.
     program: Option<(StateChange, Instant)>,
+    /// Its silence has been told.
+    program_lost: bool,
     seq: u64,
     next_run: RunId,
     /// Instructions that are still to be sent, and since when they are.
@@ -58,19 +61,19 @@ pub(super) struct Desk<C> {
 
 enum State<C> {
     Idle,
-    Running(Running<C>),
+    Running(Box<Running<C>>),
 }
 
 struct Running<C> {
     kind: DriveState,
     run: RunId,
     asked: Asked<C>,
-    /// When the robot program has taken it on.
-    begun: Option<Instant>,
     /// Clients that wait for it to stop.
     stoppers: Vec<Asked<C>>,
     samples: Samples,
     samples_left_out: u64,
+    /// When the robot program has taken it.
+    taken: Option<Instant>,
     /// How a trajectory went on this side.
     commanded: Option<Commanded>,
     /// How it ended, and until when samples up to there are waited for.
@@ -111,11 +114,14 @@ enum Wanted {
 /// Most samples that are kept of a run: half an hour at 1 ms.
 const MOST_SAMPLES: usize = 1_800_000;
 
+/// Most instructions that wait for those before them.
+const MOST_WAITING: usize = 100;
+
 /// How long an instruction may take to be acknowledged.
 const ACKNOWLEDGED_WITHIN: Duration = Duration::from_secs(2);
 
 /// How long motions may take to be acknowledged: they are planned before.
-const PLANNED_WITHIN: Duration = Duration::from_secs(60);
+const PLANNED_WITHIN: Duration = Duration::from_mins(1);
 
 /// How long the robot program may not yet know of a run that it has taken on.
 const KNOWN_WITHIN: Duration = Duration::from_secs(2);
@@ -137,6 +143,7 @@ impl<C> Desk<C> {
             state: State::Idle,
             heard: None,
             program: None,
+            program_lost: false,
             seq: 0,
             next_run: first_run,
             waiting: VecDeque::new(),
@@ -283,7 +290,9 @@ impl<C> Desk<C> {
     /// The robot program can be told, and the robot be seen.
     fn check_connected(&self, now: Instant) -> Result<Heard, Refusal> {
         if self.program_at(now).is_none() {
-            return Err(Refusal::robot("the robot program does not answer; is the cabinet running?"));
+            return Err(Refusal::robot(
+                "the robot program does not answer; is the cabinet running?",
+            ));
         }
         match self.heard {
             Some(heard) if now.saturating_duration_since(heard.at) <= FRI_SILENT => {
@@ -310,8 +319,7 @@ impl<C> Desk<C> {
     fn check_motions(&self, motions: &[Motion], now: Instant) -> Result<(), Refusal> {
         let heard = self.check_connected(now)?;
         let range = self.robot.limits().position_rad;
-        let start_rad =
-            std::array::from_fn(|j| heard.joints_rad[j].clamp(-range[j], range[j]));
+        let start_rad = std::array::from_fn(|j| heard.joints_rad[j].clamp(-range[j], range[j]));
         let program = Program { robot: None, start_rad, motions: motions.to_vec() };
         Path::new(&program, &self.robot)
             .map(drop)
@@ -349,10 +357,10 @@ impl<C> Desk<C> {
             kind,
             run,
             asked,
-            begun: None,
             stoppers: Vec::new(),
             samples: Samples::default(),
             samples_left_out: 0,
+            taken: None,
             commanded: None,
             ended: None,
         };
@@ -360,13 +368,20 @@ impl<C> Desk<C> {
         if let Some(heard) = &self.heard {
             running.keep(heard);
         }
-        self.state = State::Running(running);
+        self.state = State::Running(Box::new(running));
+        tracing::info!("run {run}: {kind}");
         self.outputs.push(Output::Order(Order::Publish(kind)));
         run
     }
 
     fn instruct(&mut self, instruction: Instruction, purpose: Purpose<C>, now: Instant) {
-        self.waiting.push_back((instruction, purpose, now));
+        match purpose {
+            Purpose::Ask(asked, _) if self.waiting.len() >= MOST_WAITING => {
+                let error = "too many requests wait for the robot program";
+                return self.reply(asked, Err(Refusal::robot(error)));
+            }
+            purpose => self.waiting.push_back((instruction, purpose, now)),
+        }
         self.send_next(now);
     }
 
@@ -404,7 +419,7 @@ impl<C> Desk<C> {
                 if let State::Running(running) = &mut self.state
                     && running.run == run
                 {
-                    running.begun = Some(now);
+                    running.taken.get_or_insert(now);
                 }
             }
             (Purpose::End, _) => {}
@@ -414,13 +429,13 @@ impl<C> Desk<C> {
 
     /// The robot program has said its state.
     pub(super) fn changed(&mut self, change: StateChange, now: Instant) {
-        let restarted =
-            self.program.as_ref().is_some_and(|(before, _)| before.boot != change.boot);
+        let restarted = self.program.as_ref().is_some_and(|(before, _)| before.boot != change.boot);
         if let State::Running(running) = &mut self.state {
             let run = running.run;
             match &change.outcome {
                 Some(outcome) if outcome.run == run => {
                     let ahead_s = self.heard.map_or(0.0, |heard| heard.clock_ahead_s);
+                    running.taken.get_or_insert(now);
                     running.end(outcome, ahead_s, now);
                 }
                 _ if restarted => {
@@ -449,6 +464,10 @@ impl<C> Desk<C> {
             self.given_up = None;
             self.instruct(Instruction::Stop, Purpose::End, now);
         }
+        if restarted || self.program_at(now).is_none() {
+            tracing::info!("the robot program is there");
+            self.program_lost = false;
+        }
         self.program = Some((change, now));
         self.tick(now);
     }
@@ -464,6 +483,10 @@ impl<C> Desk<C> {
     pub(super) fn heard(&mut self, event: Event, now: Instant) {
         match event {
             Event::Heard(heard) => {
+                let session = (heard.session, heard.quality);
+                if self.heard.is_none_or(|before| (before.session, before.quality) != session) {
+                    tracing::info!("FRI: {}, quality {}", session.0.name(), session.1.name());
+                }
                 self.heard = Some(heard);
                 if let State::Running(running) = &mut self.state {
                     running.keep(&heard);
@@ -505,27 +528,33 @@ impl<C> Desk<C> {
             self.outputs.push(Output::Reconnect);
             match purpose {
                 Purpose::Ask(asked, _) => self.reply(asked, Err(unanswered())),
-                Purpose::Begin(run) => {
-                    self.given_up = Some(run);
-                    self.fail(run, unanswered(), now);
-                }
+                Purpose::Begin(run) => self.fail(run, unanswered(), now),
                 Purpose::End => {}
             }
         }
         let lost = self.program_at(now).is_none();
+        if lost && self.program.is_some() && !self.program_lost {
+            self.program_lost = true;
+            tracing::warn!("the robot program is silent");
+        }
         if let State::Running(running) = &mut self.state {
             match &running.ended {
                 None if lost => {
                     let run = running.run;
-                    self.given_up = Some(run);
                     self.outputs.push(Output::Reconnect);
-                    self.in_flight = None;
-                    self.fail(run, Refusal::robot("the robot program does not answer any more"), now);
+                    if let Some((_, _, Purpose::Ask(asked, _))) = self.in_flight.take() {
+                        self.reply(asked, Err(unanswered()));
+                    }
+                    self.fail(
+                        run,
+                        Refusal::robot("the robot program does not answer any more"),
+                        now,
+                    );
                 }
                 Some((ended, until)) => {
-                    let complete = ended.end_s.is_none_or(|end_s| {
-                        self.heard.is_some_and(|heard| heard.t_s >= end_s)
-                    });
+                    let complete = ended
+                        .end_s
+                        .is_none_or(|end_s| self.heard.is_some_and(|heard| heard.t_s >= end_s));
                     if complete || now >= *until {
                         self.finish();
                     }
@@ -557,22 +586,32 @@ impl<C> Desk<C> {
         if let State::Running(running) = &mut self.state
             && running.run == run
         {
-            running.ended.get_or_insert((
-                Ended { start_s: None, end_s: None, error: Some(error) },
-                now,
-            ));
+            running
+                .ended
+                .get_or_insert((Ended { start_s: None, end_s: None, error: Some(error) }, now));
             self.finish();
+            // It is not to begin any more; if it does, or has, it is stopped.
+            self.waiting.retain(
+                |(_, purpose, _)| !matches!(purpose, Purpose::Begin(other) if *other == run),
+            );
+            self.given_up = Some(run);
         }
     }
 
     /// Replies with what was measured; then the state is idle again.
     fn finish(&mut self) {
-        let State::Running(running) = std::mem::replace(&mut self.state, State::Idle) else { return };
+        let State::Running(running) = std::mem::replace(&mut self.state, State::Idle) else {
+            return;
+        };
         if running.kind == DriveState::RunningTrajectory {
             self.outputs.push(Output::Order(Order::Release));
         }
         let ended = running.ended.map(|(ended, _)| ended);
         let Ended { start_s, end_s, error } = ended.unwrap_or_default();
+        match &error {
+            None => tracing::info!("run {}: done", running.run),
+            Some(error) => tracing::warn!("run {}: {error}", running.run),
+        }
         let mut samples = running.samples;
         samples.cut(end_s);
         let run = Run {
@@ -581,7 +620,9 @@ impl<C> Desk<C> {
             samples,
             samples_left_out: running.samples_left_out,
         };
-        self.last_run = Some((run.clone(), error.clone()));
+        if running.taken.is_some() {
+            self.last_run = Some((run.clone(), error.clone()));
+        }
         let reply = Reply { id: running.asked.id, error, body: Some(Body::Run(run)) };
         self.outputs.push(Output::Reply(running.asked.client, reply.to_json()));
         for stopper in running.stoppers {
@@ -619,7 +660,7 @@ impl<C> Running<C> {
 
     /// The robot program took it on, long enough ago to have said so in its states.
     fn is_forgotten(&self, now: Instant) -> bool {
-        self.begun.is_some_and(|begun| now.saturating_duration_since(begun) > KNOWN_WITHIN)
+        self.taken.is_some_and(|taken| now.saturating_duration_since(taken) > KNOWN_WITHIN)
     }
 
     /// The robot program has ended the run; its clock is `ahead_s` ahead of the stream's.

@@ -25,10 +25,11 @@ pub enum Handshake {
     Done,
     /// The server knows that it does not want this client: its key is not on the list.
     NotAllowed,
-    /// One side has keys and the other one does not.
+    /// One side has keys and the other one does not. If the server is the first to notice, this is
+    /// [`HungUp`](Self::HungUp) to the client.
     KeysOnOneSide,
-    /// The server hung up without a word. It does so if the client has the wrong server key, or if
-    /// its secret and public key do not belong together; libzmq tries again.
+    /// The server hung up without a word, and libzmq tries again. So it does if the client has the
+    /// wrong server key or keys that do not belong together, but also if it just ends.
     HungUp,
     /// The other side does not speak as it should.
     Protocol,

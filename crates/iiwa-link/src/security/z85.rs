@@ -1,4 +1,4 @@
-//! Z85 (ZeroMQ RFC 32): 4 bytes as 5 printable characters. libzmq's own decoder takes any character
+//! Z85 (RFC 32 of `ZeroMQ`): 4 bytes as 5 printable characters. libzmq's own decoder takes any character
 //! for one of the 85.
 
 use super::KeyTextError;

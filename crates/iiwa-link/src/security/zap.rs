@@ -1,4 +1,4 @@
-//! ZAP 1.0 (ZeroMQ RFC 27): libzmq asks about each client that has shown its key.
+//! ZAP 1.0 (RFC 27 of `ZeroMQ`): libzmq asks about each client that has shown its key.
 
 use super::{AllowList, PublicKey};
 

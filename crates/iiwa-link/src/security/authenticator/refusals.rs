@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use crate::security::PublicKey;
 
 /// A refused client tries again every tenth of a second: that is told once in a while.
-const AGAIN: Duration = Duration::from_secs(60);
+const AGAIN: Duration = Duration::from_mins(1);
 
 /// Clients that are remembered. Somebody who makes up keys pushes others out, and is told anyway.
 const MOST: usize = 64;

@@ -1,0 +1,18 @@
+//! The program run in a folder, and what it leaves there.
+
+use std::fs;
+
+use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};
+use tempfile::TempDir;
+
+pub(crate) fn iiwasim(folder: &TempDir, arguments: &[&str]) -> Assert {
+    cargo_bin_cmd!("iiwasim").current_dir(folder).args(arguments).assert()
+}
+
+pub(crate) fn files(folder: &TempDir) -> Vec<String> {
+    let names = fs::read_dir(folder).unwrap();
+    let mut names: Vec<_> =
+        names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
