@@ -713,6 +713,21 @@ fn a_run_that_is_not_acknowledged_never_began() {
     assert_eq!(rig.cabinet().position(), [0.0; 7]);
 }
 
+/// It waited behind a request when the robot program was missed.
+#[test]
+fn a_run_that_was_given_up_before_its_turn_does_not_begin() {
+    let (rig, liar) = Liar::new();
+    liar.say_idle();
+    thread::sleep(Duration::from_millis(1500));
+    let asked = get_io(&rig);
+    assert_eq!(liar.hear().1["type"], "get_io");
+    let error = run(&rig).join().unwrap().unwrap_err();
+    assert_eq!(error.code(), Code::Robot, "{error}");
+    assert_eq!(asked.join().unwrap().unwrap_err().code(), Code::Timeout);
+    liar.say_idle();
+    assert_eq!(liar.instructions.poll(zmq::POLLIN, 500).unwrap(), 0);
+}
+
 /// The robot program has taken on a run, and then knows nothing of it: nobody waits for ever.
 #[test]
 fn a_run_that_the_robot_program_forgets_ends() {
