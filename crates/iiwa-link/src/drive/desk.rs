@@ -71,12 +71,12 @@ struct Running<C> {
     kind: DriveState,
     run: RunId,
     asked: Asked<C>,
-    /// When the robot program has taken it on.
-    begun: Option<Instant>,
     /// Clients that wait for it to stop.
     stoppers: Vec<Asked<C>>,
     samples: Samples,
     samples_left_out: u64,
+    /// When the robot program has taken it.
+    taken: Option<Instant>,
     /// How a trajectory went on this side.
     commanded: Option<Over>,
     /// How it ended, and until when samples up to there are waited for.
@@ -354,10 +354,10 @@ impl<C> Desk<C> {
             kind,
             run,
             asked,
-            begun: None,
             stoppers: Vec::new(),
             samples: Samples::default(),
             samples_left_out: 0,
+            taken: None,
             commanded: None,
             ended: None,
         };
@@ -416,7 +416,7 @@ impl<C> Desk<C> {
                 if let State::Running(running) = &mut self.state
                     && running.run == run
                 {
-                    running.begun = Some(now);
+                    running.taken.get_or_insert(now);
                 }
             }
             (Purpose::End, _) => {}
@@ -432,7 +432,7 @@ impl<C> Desk<C> {
             match &change.outcome {
                 Some(outcome) if outcome.run == run => {
                     let ahead_s = self.heard.map_or(0.0, |heard| heard.clock_ahead_s);
-                    running.begun.get_or_insert(now);
+                    running.taken.get_or_insert(now);
                     running.end(outcome, ahead_s, now);
                 }
                 _ if restarted => {
@@ -517,10 +517,7 @@ impl<C> Desk<C> {
             self.outputs.push(Output::Reconnect);
             match purpose {
                 Purpose::Ask(asked, _) => self.reply(asked, Err(unanswered())),
-                Purpose::Begin(run) => {
-                    self.given_up = Some(run);
-                    self.fail(run, unanswered(), now);
-                }
+                Purpose::Begin(run) => self.fail(run, unanswered(), now),
                 Purpose::End => {}
             }
         }
@@ -533,9 +530,10 @@ impl<C> Desk<C> {
             match &running.ended {
                 None if lost => {
                     let run = running.run;
-                    self.given_up = Some(run);
                     self.outputs.push(Output::Reconnect);
-                    self.in_flight = None;
+                    if let Some((_, _, Purpose::Ask(asked, _))) = self.in_flight.take() {
+                        self.reply(asked, Err(unanswered()));
+                    }
                     self.fail(
                         run,
                         Refusal::robot("the robot program does not answer any more"),
@@ -572,7 +570,7 @@ impl<C> Desk<C> {
         }
     }
 
-    /// A run has failed, or never begun.
+    /// A run has failed, or never taken.
     fn fail(&mut self, run: RunId, error: Refusal, now: Instant) {
         if let State::Running(running) = &mut self.state
             && running.run == run
@@ -581,6 +579,11 @@ impl<C> Desk<C> {
                 .ended
                 .get_or_insert((Ended { start_s: None, end_s: None, error: Some(error) }, now));
             self.finish();
+            // It is not to begin any more; if it does, or has, it is stopped.
+            self.waiting.retain(
+                |(_, purpose, _)| !matches!(purpose, Purpose::Begin(other) if *other == run),
+            );
+            self.given_up = Some(run);
         }
     }
 
@@ -606,7 +609,7 @@ impl<C> Desk<C> {
             samples,
             samples_left_out: running.samples_left_out,
         };
-        if running.begun.is_some() {
+        if running.taken.is_some() {
             self.last_run = Some((run.clone(), error.clone()));
         }
         let reply = Reply { id: running.asked.id, error, body: Some(Body::Run(run)) };
@@ -646,7 +649,7 @@ impl<C> Running<C> {
 
     /// The robot program took it on, long enough ago to have said so in its states.
     fn is_forgotten(&self, now: Instant) -> bool {
-        self.begun.is_some_and(|begun| now.saturating_duration_since(begun) > KNOWN_WITHIN)
+        self.taken.is_some_and(|taken| now.saturating_duration_since(taken) > KNOWN_WITHIN)
     }
 
     /// The robot program has ended the run; its clock is `ahead_s` ahead of the stream's.
