@@ -570,7 +570,7 @@ impl<C> Desk<C> {
         }
     }
 
-    /// A run has failed, or never taken.
+    /// A run has failed, or never begun.
     fn fail(&mut self, run: RunId, error: Refusal, now: Instant) {
         if let State::Running(running) = &mut self.state
             && running.run == run
