@@ -13,6 +13,7 @@ mod clock;
 mod desk;
 mod fri;
 mod punctuality;
+mod run;
 mod setpoints;
 
 use std::{
