@@ -42,7 +42,7 @@ pub use drive::{Drive, DriveConfig, Punctuality};
 pub use error::LinkError;
 pub use socket::{Remote, Server};
 pub use stream::{Published, Stream};
-pub use timed_joints::{MARGINS, START_TOLERANCE_RAD, TimedJoints};
+pub use timed_joints::{MARGINS, MAX_STEP_S, START_TOLERANCE_RAD, TimedJoints};
 
 /// Where a drive takes requests.
 pub const INSTRUCTIONS_PORT: u16 = 5560;

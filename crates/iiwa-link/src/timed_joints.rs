@@ -71,6 +71,11 @@ pub const START_TOLERANCE_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// no rounding any more.
 pub const MARGINS: [f64; 3] = [0.02, 0.05, 0.10];
 
+/// Longest step from one point to the next while the arm moves, in s. Points that keep the limits tell too
+/// little of what is between those that are farther apart: the acceleration limits are reached within 30
+/// to 60 ms.
+pub const MAX_STEP_S: f64 = 0.025;
+
 /// Longest trajectory, in s: more than a day is a slip of the pen, as a wait of a program is.
 const LONGEST_S: f64 = 24.0 * 3600.0;
 
@@ -89,8 +94,8 @@ impl TimedJoints {
     /// It has to be well-formed, with finite numbers and strictly increasing stamps; to start where the
     /// robot is, within [`START_TOLERANCE_RAD`]; to stay within the position limits; and to keep the
     /// limits of velocity, acceleration and jerk but for [`MARGINS`], from rest at its start to rest at
-    /// its end. They are checked by divided differences of the points over 1 to 24 ms, or over one
-    /// step if that is longer; what rounding to six decimals explains is no excess.
+    /// its end. They are checked by divided differences of the points over 1 to 24 ms; what rounding to
+    /// six decimals explains is no excess. While the arm moves, points are at most [`MAX_STEP_S`] apart.
     ///
     /// # Errors
     ///
@@ -129,7 +134,28 @@ impl TimedJoints {
                 ));
             }
         }
+        self.check_steps()?;
         differences::check(self, limits)
+    }
+
+    fn check_steps(&self) -> Result<(), Refusal> {
+        // Stamps are sums.
+        const MOST_S: f64 = MAX_STEP_S + 1e-6;
+        let step_s = |i: usize| self.t_s[i + 1] - self.t_s[i];
+        let is_far = |i: &usize| step_s(*i) > MOST_S && !self.rests_after(*i);
+        match (0..self.t_s.len() - 1).find(is_far) {
+            None => Ok(()),
+            Some(i) => Err(Refusal::bad(format!(
+                "point {}: {} s after the one before; while the arm moves, {MAX_STEP_S} s is the most",
+                i + 2,
+                Figures(step_s(i), 4)
+            ))),
+        }
+    }
+
+    /// Whether the arm stands from a point to the next one.
+    fn rests_after(&self, i: usize) -> bool {
+        self.joints_rad[i] == self.joints_rad[i + 1]
     }
 
     fn check_form(&self) -> Result<(), Refusal> {
@@ -168,8 +194,8 @@ impl TimedJoints {
 
     /// Where the joints are `t_s` after the start, in rad; before it at the start, after the end there.
     ///
-    /// Between points, a cubic with the slopes of parabolas through three points, and of zero at both
-    /// ends.
+    /// Between points, a cubic with the slopes of parabolas through three points, and of zero where the
+    /// arm rests: at both ends, and beside steps without motion.
     #[must_use]
     pub fn at(&self, t_s: f64) -> Joints {
         let count = self.t_s.len().min(self.joints_rad.len());
@@ -199,7 +225,8 @@ impl TimedJoints {
 
     /// The slope at a point, of the parabola through it and its neighbours, in rad/s.
     fn slope(&self, i: usize) -> Joints {
-        if i == 0 || i + 1 >= self.t_s.len().min(self.joints_rad.len()) {
+        let last = self.t_s.len().min(self.joints_rad.len()) - 1;
+        if i == 0 || i >= last || self.rests_after(i - 1) || self.rests_after(i) {
             return [0.0; 7];
         }
         let (before, after) = (self.t_s[i] - self.t_s[i - 1], self.t_s[i + 1] - self.t_s[i]);

@@ -92,7 +92,9 @@ impl Server {
             replied |= client.requests.recv_bytes(zmq::DONTWAIT).is_ok();
             heard |= client.stream.recv_multipart(zmq::DONTWAIT).is_ok();
             for (socket, latest) in [&client.requests, &client.stream].iter().zip(&mut handshakes) {
-                *latest = socket.handshake().unwrap().or(*latest);
+                // A connection that was refused is lost then.
+                let next = socket.handshake().unwrap().filter(|next| *next != Handshake::Lost);
+                *latest = next.or(*latest);
             }
             if !handshakes.iter().all(|h| h.is_some_and(Handshake::is_refusal)) {
                 undecided = Instant::now();

@@ -112,7 +112,7 @@ proptest! {
         program in programs(),
         step_s in 0.001..0.02_f64,
         whole_ms in 1..=20_u32,
-        uneven in prop::collection::vec(1e-4..0.03_f64, 50),
+        uneven in prop::collection::vec(1e-4..0.025_f64, 50),
     ) {
         let plan = planned(&program);
         let uneven = uneven.iter().cycle().scan(0.0, |t_s, step_s| {
@@ -359,6 +359,29 @@ fn stamps_as_clocks_have_them_change_nothing() {
         let off = distance(&trajectory.at(t_s), &later.at(t_s));
         // A stamp of that size is exact to a quarter of a microsecond.
         assert!(off < 1e-6, "{off}");
+    }
+}
+
+#[test]
+fn points_far_apart_are_for_rest_only() {
+    let slow = Ramp::new(1.0, 1.0, 5.0, 50.0);
+    check(&slow.sampled(0, 0.025)).unwrap();
+    let refusal = check(&slow.sampled(0, 0.026)).unwrap_err();
+    assert_eq!(refusal.code, Code::BadRequest);
+    assert!(refusal.message.contains("0.026 s after the one before"), "{refusal}");
+
+    // A rest of a minute, before and in the middle, is one step, and the arm does not drift in it.
+    let mut trajectory = slow.sampled(0, 0.004);
+    let [first, last] = [trajectory.joints_rad[0], *trajectory.joints_rad.last().unwrap()];
+    trajectory.t_s.iter_mut().for_each(|t_s| *t_s += 60.0);
+    trajectory.t_s.insert(0, 0.0);
+    trajectory.joints_rad.insert(0, first);
+    trajectory.t_s.push(trajectory.t_s.last().unwrap() + 60.0);
+    trajectory.joints_rad.push(last);
+    check(&trajectory).unwrap();
+    for i in 0..60 {
+        assert_eq!(trajectory.at(f64::from(i)), first);
+        assert_eq!(trajectory.at(trajectory.duration_s() - f64::from(i)), last);
     }
 }
 

@@ -96,7 +96,13 @@ impl WatchedSocket {
         let mut latest = None;
         loop {
             match self.events.recv_multipart(zmq::DONTWAIT) {
-                Ok(frames) => latest = frames.first().and_then(|event| read(event)).or(latest),
+                Ok(frames) => {
+                    let next = frames.first().and_then(|event| read(event));
+                    // A connection that was refused is lost, too.
+                    if next != Some(Handshake::Lost) || !latest.is_some_and(Handshake::is_refusal) {
+                        latest = next.or(latest);
+                    }
+                }
                 Err(zmq::Error::EAGAIN) => return Ok(latest),
                 Err(zmq::Error::EINTR) => {}
                 Err(source) => {
