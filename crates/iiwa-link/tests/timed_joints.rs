@@ -368,7 +368,7 @@ fn points_far_apart_are_for_rest_only() {
     check(&slow.sampled(0, 0.025)).unwrap();
     let refusal = check(&slow.sampled(0, 0.026)).unwrap_err();
     assert_eq!(refusal.code, Code::BadRequest);
-    assert!(refusal.message.contains("0.026 s after the one before"), "{refusal}");
+    assert!(refusal.message.contains("after the one before"), "{refusal}");
 
     // A rest of a minute, before and in the middle, is one step, and the arm does not drift in it.
     let mut trajectory = slow.sampled(0, 0.004);
