@@ -7,11 +7,9 @@ use serde::{Deserialize, de::DeserializeOwned};
 
 use crate::{
     error::LinkError,
-    message::{
-        Code, IoValue, MAX_MESSAGE_BYTES, Refusal, Request, Run, Sensors, Status,
-    },
+    message::{Code, IoValue, MAX_MESSAGE_BYTES, Refusal, Request, Run, Sensors, Status},
     security::{Handshake, WatchedSocket},
-    socket::Remote,
+    socket::{HUNG_UP, Remote},
     timed_joints::TimedJoints,
 };
 
@@ -104,8 +102,6 @@ impl ClientError {
 const CONNECTED_WITHIN: Duration = Duration::from_secs(3);
 /// How long an answer may take that needs no motion: the robot program is asked for some.
 const ANSWERED_WITHIN: Duration = Duration::from_secs(5);
-/// How often in a row the drive may hang up before it counts as its word.
-const HUNG_UP: u32 = 3;
 /// How often the connection is looked at while an answer is waited for, in ms.
 const LOOK_MS: i64 = 50;
 
@@ -124,7 +120,7 @@ impl Client {
     }
 
     fn connect(&self) -> Result<WatchedSocket, LinkError> {
-        self.remote.connect_watched(zmq::REQ, &self.at)
+        self.remote.connect_watched(zmq::REQ, &self.at, |_| Ok(()))
     }
 
     /// What the robot does now.
