@@ -8,7 +8,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
 pub(crate) use link::{
-    Cabinet, ClientKeys, Drive, DriveAddress, Io, IoAction, Keygen, Record, Run, Sensors, ServerKeys, Status,
+    Cabinet, ClientKeys, Drive, DriveAddress, Io, IoAction, Keygen, Record, Run, Sensors,
+    ServerKeys, Status,
 };
 
 const EXIT_CODES: &str = "\

@@ -37,10 +37,12 @@ pub(crate) fn server(keys: &ServerKeys) -> Result<Server, Failure> {
 
 /// A connection that cannot be set up. Whether it is the options' fault decides on the exit code.
 pub(crate) fn refused(error: &LinkError) -> Failure {
-    use SecurityError::{Zmq, NoCurve, Thread};
+    use SecurityError::{NoCurve, Thread, Zmq};
     match error {
         LinkError::Config { .. } => Failure::input(error.to_string()),
-        LinkError::Security(cause) if !matches!(cause, Zmq { .. } | NoCurve { .. } | Thread { .. }) => {
+        LinkError::Security(cause)
+            if !matches!(cause, Zmq { .. } | NoCurve { .. } | Thread { .. }) =>
+        {
             Failure::input(chain(cause))
         }
         LinkError::Security(cause) => Failure::run("cannot connect", cause),

@@ -108,20 +108,29 @@ impl Seek for Stream {
 
 /// Prints to standard output. A reader that has gone away, as `head` does, is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    print_if_read(text).map(drop)
+}
+
+/// The same, and says whether somebody still reads.
+pub(crate) fn print_if_read(text: &str) -> Result<bool, Failure> {
     let mut out = anstream::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::run("cannot write to standard output", &error))
-        }
-        _ => Ok(()),
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(false),
+        Err(error) => Err(Failure::run("cannot write to standard output", &error)),
     }
+}
+
+/// A line of JSON.
+pub(crate) fn json_line(value: &impl serde::Serialize) -> Result<String, Failure> {
+    let json = serde_json::to_string(value)
+        .map_err(|error| Failure::run("cannot write the answer", &error))?;
+    Ok(format!("{json}\n"))
 }
 
 /// Prints a line of JSON.
 pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
-    let json = serde_json::to_string(value)
-        .map_err(|error| Failure::run("cannot write the answer", &error))?;
-    print(&format!("{json}\n"))
+    print(&json_line(value)?)
 }
 
 static INTERRUPTED: OnceLock<AtomicBool> = OnceLock::new();

@@ -2,10 +2,12 @@
 """Holds a recording against readers that this project has not written.
 
     check.py FILE.mcap [--figures FIGURES.json]
+    check.py --recording FILE.mcap
 
 Reads the whole file with `mcap`, `mcap-ros2-support`, `rosbags` and `rerun`, and checks what the
-file promises. FIGURES.json is what `iiwasim plan --json` printed for it. Exit code 1 when a check
-fails. Needs what requirements.txt names, next to this file.
+file promises: a plan's, or with --recording the one of what a robot did, finished or not.
+FIGURES.json is what `iiwasim plan --json` printed for it. Exit code 1 when a check fails. Needs what
+requirements.txt names, next to this file.
 """
 
 from __future__ import annotations
@@ -33,6 +35,8 @@ TYPES = {
     "/joint_trajectory": "trajectory_msgs/msg/JointTrajectory",
     "/motion": "iiwasim_msgs/msg/Motion",
 }
+# What only a plan has.
+PLANNED = {"/joint_trajectory", "/motion"}
 LATCHED = {"/robot_description", "/joint_trajectory"}
 JOINTS = [f"iiwa_joint_{i}" for i in range(1, 8)]
 NS = 1_000_000_000
@@ -72,7 +76,7 @@ def header_stamps(topic: str, message: object) -> set[int]:
     return {nanoseconds(message.header.stamp)}
 
 
-def read_mcap(tally: Tally, path: Path) -> dict:
+def read_mcap(tally: Tally, path: Path, expected: dict) -> dict:
     """The container, with every checksum: header, channels, metadata, attachments, messages."""
     with path.open("rb") as stream:
         reader = mcap.reader.make_reader(stream, validate_crcs=True)
@@ -85,7 +89,7 @@ def read_mcap(tally: Tally, path: Path) -> dict:
         types = {
             topic: summary.schemas[channel.schema_id].name for topic, channel in channels.items()
         }
-        tally.equal("topics and types", types, TYPES)
+        tally.equal("topics and types", types, expected)
         tally.equal("one channel a topic", len(summary.channels), len(channels))
         for topic, channel in channels.items():
             schema = summary.schemas[channel.schema_id]
@@ -132,18 +136,18 @@ def decode_mcap_ros2(tally: Tally, path: Path) -> dict:
     return messages
 
 
-def decode_rosbags(tally: Tally, path: Path) -> dict:
+def decode_rosbags(tally: Tally, path: Path, expected: dict) -> dict:
     """Every message once more, by a reader with its own types, schema parser and CDR decoder."""
     messages = defaultdict(list)
     with AnyReader([path]) as reader:
         types = {connection.topic: connection.msgtype for connection in reader.connections}
-        tally.equal("types by rosbags", types, TYPES)
+        tally.equal("types by rosbags", types, expected)
         for connection in reader.connections:
             durabilities = [
                 qos.durability.name for qos in connection.ext.offered_qos_profiles
             ]
-            expected = "TRANSIENT_LOCAL" if connection.topic in LATCHED else "VOLATILE"
-            tally.equal(f"{connection.topic} durability by rosbags", durabilities, [expected])
+            durability = "TRANSIENT_LOCAL" if connection.topic in LATCHED else "VOLATILE"
+            tally.equal(f"{connection.topic} durability by rosbags", durabilities, [durability])
         for connection, log_time, raw in reader.messages():
             decoded = reader.deserialize(raw, connection.msgtype)
             messages[connection.topic].append((log_time, decoded))
@@ -151,7 +155,7 @@ def decode_rosbags(tally: Tally, path: Path) -> dict:
     return messages
 
 
-def check_rerun(tally: Tally, path: Path) -> None:
+def check_rerun(tally: Tally, path: Path, expected: dict) -> None:
     """Structure and timelines as the Rerun viewer takes them."""
     program = Path(sys.executable).parent / "rerun"
     result = subprocess.run(
@@ -164,31 +168,43 @@ def check_rerun(tally: Tally, path: Path) -> None:
         print(result.stdout + result.stderr)
     rows = [line.split() for line in result.stdout.splitlines() if " /" in line]
     status = {row[3]: row[0] for row in rows if len(row) > 3}
-    tally.check("rerun knows every topic", status.keys() >= TYPES.keys(), sorted(status))
+    tally.check("rerun knows every topic", status.keys() >= expected.keys(), sorted(status))
     tally.equal("status by rerun", set(status.values()), {"ok"})
     print(f"rerun: {len(rows)} channels")
 
 
-def check_time(tally: Tally, stamps: dict, cycle_time_s: float) -> None:
+def check_order(tally: Tally, stamps: dict) -> None:
     for topic, times in sorted(stamps.items()):
         increasing = all(a < b for a, b in zip(times, times[1:]))
         tally.check(f"{topic} stamps increase", increasing)
+    tally.check("no message after the last joint state",
+                max(max(times) for times in stamps.values()) == stamps["/joint_states"][-1])
+    tally.equal("robot descriptions", len(stamps["/robot_description"]), 1)
+
+
+def check_time(tally: Tally, stamps: dict, cycle_time_s: float) -> None:
+    """The stamps of a plan."""
     joint_states = stamps["/joint_states"]
     epoch = min(min(times) for times in stamps.values())
     tally.equal("first joint state at the epoch", joint_states[0], epoch)
     last = (joint_states[-1] - epoch) - round(cycle_time_s * NS)
     tally.check("last joint state at the cycle time to 1 ns", abs(last) <= 1, last)
-    tally.check("no message after the last joint state",
-                max(max(times) for times in stamps.values()) == joint_states[-1])
     tally.check("/tf has the stamps of /joint_states", stamps["/tf"] == joint_states)
     tally.check("/tcp_pose has the stamps of /joint_states", stamps["/tcp_pose"] == joint_states)
-    tally.equal("robot descriptions", len(stamps["/robot_description"]), 1)
     tally.equal("joint trajectories", len(stamps["/joint_trajectory"]), 1)
     tally.check("a motion at the start", stamps["/motion"][:1] == [epoch])
 
 
-def check_messages(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -> None:
-    """What the messages say, whoever has decoded them."""
+def check_poses(tally: Tally, stamps: dict) -> None:
+    """The stamps of a recording: poses for some of the joint states."""
+    tally.check("/tf has the stamps of /tcp_pose", stamps["/tf"] == stamps["/tcp_pose"])
+    tally.check("/tf has stamps of /joint_states",
+                set(stamps["/tf"]) <= set(stamps["/joint_states"]))
+    tally.check("/tf begins with /joint_states", stamps["/tf"][:1] == stamps["/joint_states"][:1])
+
+
+def checks(tally: Tally, reader: str, messages: dict) -> tuple[Callable, Callable]:
+    """What every message of a topic has to hold, and seven finite numbers."""
 
     def every(what: str, topic: str, holds: Callable[[object], bool]) -> None:
         bad = [t for t, message in messages[topic] if not holds(message)]
@@ -196,6 +212,13 @@ def check_messages(tally: Tally, reader: str, messages: dict, cycle_time_s: floa
 
     def finite(values: object, count: int) -> bool:
         return len(values) == count and all(math.isfinite(value) for value in values)
+
+    return every, finite
+
+
+def check_messages(tally: Tally, reader: str, messages: dict) -> None:
+    """What the messages say, whoever has decoded them."""
+    every, finite = checks(tally, reader, messages)
 
     def unit(q: object) -> bool:
         return abs(math.hypot(q.x, q.y, q.z, q.w) - 1) < 1e-9
@@ -225,6 +248,18 @@ def check_messages(tally: Tally, reader: str, messages: dict, cycle_time_s: floa
         lambda m: finite([m.pose.position.x, m.pose.position.y, m.pose.position.z], 3),
     )
 
+    (_, description) = messages["/robot_description"][0]
+    try:
+        root = ElementTree.fromstring(description.data)
+        tally.equal(f"{reader}: /robot_description root", root.tag, "robot")
+    except ElementTree.ParseError as error:
+        tally.check(f"{reader}: /robot_description is XML", False, str(error))
+
+
+def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -> None:
+    """What the messages say that only a plan has."""
+    every, finite = checks(tally, reader, messages)
+
     indices = [message.index for _, message in messages["/motion"]]
     tally.check(f"{reader}: /motion: indices from 1, never back",
                 bool(indices) and indices[0] >= 1 and indices == sorted(indices), indices)
@@ -234,13 +269,6 @@ def check_messages(tally: Tally, reader: str, messages: dict, cycle_time_s: floa
         "/motion",
         lambda m: 0 <= m.limiting_joint <= 7 and (m.limiting_joint > 0) == bool(m.limiting_kind),
     )
-
-    (_, description) = messages["/robot_description"][0]
-    try:
-        root = ElementTree.fromstring(description.data)
-        tally.equal(f"{reader}: /robot_description root", root.tag, "robot")
-    except ElementTree.ParseError as error:
-        tally.check(f"{reader}: /robot_description is XML", False, str(error))
 
     (start, trajectory) = messages["/joint_trajectory"][0]
     points = trajectory.points
@@ -275,7 +303,8 @@ def values(messages: dict) -> list:
     ]
     points = [
         (nanoseconds(p.time_from_start), *p.positions, *p.velocities, *p.accelerations)
-        for p in messages["/joint_trajectory"][0][1].points
+        for _, m in messages["/joint_trajectory"]
+        for p in m.points
     ]
     return states + points
 
@@ -299,31 +328,40 @@ def check_figures(tally: Tally, record: dict, figures: dict) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file", type=Path)
+    parser.add_argument("--recording", action="store_true", help="not of a plan but of a robot")
     parser.add_argument("--figures", type=Path, help="the figures that belong to the file")
     arguments = parser.parse_args()
 
     tally = Tally()
-    contents = read_mcap(tally, arguments.file)
+    left_out = PLANNED if arguments.recording else set()
+    expected = {topic: name for topic, name in TYPES.items() if topic not in left_out}
+    contents = read_mcap(tally, arguments.file, expected)
     record = contents["metadata"].get("iiwasim", {})
-    if not tally.check("metadata record iiwasim with a cycle time", "cycle_time_s" in record):
-        print(f"{tally.passed} passed, {tally.failed} failed")
-        return 1
-    cycle_time_s = float(record["cycle_time_s"])
-    tally.check("attachments: a program and a URDF", len(contents["attachments"]) >= 2)
-    check_time(tally, contents["stamps"], cycle_time_s)
+    check_order(tally, contents["stamps"])
+    if arguments.recording:
+        check_poses(tally, contents["stamps"])
+    else:
+        if not tally.check("metadata record iiwasim with a cycle time", "cycle_time_s" in record):
+            print(f"{tally.passed} passed, {tally.failed} failed")
+            return 1
+        cycle_time_s = float(record["cycle_time_s"])
+        tally.check("attachments: a program and a URDF", len(contents["attachments"]) >= 2)
+        check_time(tally, contents["stamps"], cycle_time_s)
 
     decoded = {
         "mcap-ros2-support": decode_mcap_ros2(tally, arguments.file),
-        "rosbags": decode_rosbags(tally, arguments.file),
+        "rosbags": decode_rosbags(tally, arguments.file, expected),
     }
     for reader, messages in decoded.items():
         found = {topic: [t for t, _ in entries] for topic, entries in messages.items()}
         tally.check(f"{reader} reads every message", found == contents["stamps"])
-        check_messages(tally, reader, messages, cycle_time_s)
+        check_messages(tally, reader, messages)
+        if not arguments.recording:
+            check_plan(tally, reader, messages, cycle_time_s)
     one, other = (values(messages) for messages in decoded.values())
     tally.check("both decoders read the same numbers", one == other)
 
-    check_rerun(tally, arguments.file)
+    check_rerun(tally, arguments.file, expected)
     if arguments.figures:
         check_figures(tally, record, json.loads(arguments.figures.read_text()))
 

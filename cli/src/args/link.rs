@@ -263,6 +263,15 @@ pub(crate) struct Status {
     #[arg(long)]
     pub(crate) json: bool,
 
+    /// Follow the robot until Ctrl-C: a line five times a second; with --json, every message of the
+    /// stream as it comes
+    #[arg(long)]
+    pub(crate) watch: bool,
+
+    /// Where the drive publishes
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5561")]
+    pub(crate) stream: Endpoint,
+
     #[command(flatten)]
     pub(crate) drive: DriveAddress,
 }

@@ -4,7 +4,12 @@ use std::time::{Duration, Instant};
 
 use iiwa_link::{Cabinet, CabinetConfig, Faults};
 
-use crate::{args, connection, failure::{Failure, tell}, input::find_robot, log, output};
+use crate::{
+    args, connection,
+    failure::{Failure, tell},
+    input::find_robot,
+    log, output,
+};
 
 /// How long a fault that comes again and again lasts.
 const FAULT: Duration = Duration::from_secs(1);
@@ -32,8 +37,7 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     };
     output::catch_interrupts();
     log::start();
-    let cabinet =
-        Cabinet::start(config, &server).map_err(|error| connection::refused(&error))?;
+    let cabinet = Cabinet::start(config, &server).map_err(|error| connection::refused(&error))?;
     tell(&format!(
         "Simulated cabinet: instructions at {}, state at {}, FRI every {} ms to UDP {}. Ctrl-C ends it.\n",
         cabinet.instructions(),
@@ -55,7 +59,10 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     });
     let report = cabinet.report();
     let micros = |share| {
-        report.latency.quantile(share).map_or_else(|| "-".to_owned(), |t| format!("{} us", t.as_micros()))
+        report
+            .latency
+            .quantile(share)
+            .map_or_else(|| "-".to_owned(), |t| format!("{} us", t.as_micros()))
     };
     tell(&format!(
         "{} messages, {} answers: after {} (median), {} (99.9 %), {} (maximum); {} cycles held up here\n",

@@ -4,7 +4,12 @@ use std::net::{IpAddr, ToSocketAddrs};
 
 use iiwa_link::{Drive, DriveConfig, Remote, security::ClientSecurity};
 
-use crate::{args, connection, failure::{Failure, tell}, input::find_robot, log, output};
+use crate::{
+    args, connection,
+    failure::{Failure, tell},
+    input::find_robot,
+    log, output,
+};
 
 /// Runs a drive until it is interrupted.
 pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
@@ -28,8 +33,8 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
     };
     output::catch_interrupts();
     log::start();
-    let drive = Drive::start(config, &clients, &cabinet)
-        .map_err(|error| connection::refused(&error))?;
+    let drive =
+        Drive::start(config, &clients, &cabinet).map_err(|error| connection::refused(&error))?;
     tell(&format!(
         "iiwaDrive: requests at {}, stream at {}, FRI at UDP {}, cabinet {host}. Ctrl-C ends it.\n",
         drive.instructions(),
@@ -41,7 +46,11 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
 }
 
 fn at(host: &str, port: u16) -> String {
-    if host.contains(':') { format!("tcp://[{host}]:{port}") } else { format!("tcp://{host}:{port}") }
+    if host.contains(':') {
+        format!("tcp://[{host}]:{port}")
+    } else {
+        format!("tcp://{host}:{port}")
+    }
 }
 
 /// The address behind a name.
@@ -51,5 +60,7 @@ fn address(host: &str, v4: bool) -> Result<IpAddr, Failure> {
         .map_err(|error| Failure::input(format!("--cabinet {host}: {error}")))?
         .map(|address| address.ip())
         .find(|address| address.is_ipv4() == v4);
-    found.ok_or_else(|| Failure::input(format!("--cabinet {host} has no address of the kind of --fri")))
+    found.ok_or_else(|| {
+        Failure::input(format!("--cabinet {host} has no address of the kind of --fri"))
+    })
 }

@@ -192,13 +192,6 @@ struct Report<'a> {
     output: Option<String>,
 }
 
-/// A line of JSON.
-fn json_line(report: &impl Serialize) -> Result<String, Failure> {
-    let json = serde_json::to_string(report)
-        .map_err(|error| Failure::run("cannot write the figures", &error))?;
-    Ok(format!("{json}\n"))
-}
-
 fn report(options: &Plan, figures: &Figures, file: Option<&FilePath>) -> Result<(), Failure> {
     if !options.json {
         let mut text = table::figures(figures);
@@ -208,5 +201,5 @@ fn report(options: &Plan, figures: &Figures, file: Option<&FilePath>) -> Result<
         return output::print(&text);
     }
     let output = file.map(|file| file.display().to_string());
-    output::print(&json_line(&Report { program: None, figures, output })?)
+    output::print_json(&Report { program: None, figures, output })
 }

@@ -1,24 +1,76 @@
 //! `iiwasim status`.
 
-use std::fmt::Write as _;
+use std::{
+    fmt::Write as _,
+    time::{Duration, Instant},
+};
 
-use iiwa_link::message::Presence;
+use iiwa_link::{
+    Published, Stream,
+    message::{DriveState, Presence, Status as Answer},
+};
 
 use crate::{args::Status, connection, failure::Failure, output};
 
-/// Prints what the robot does now.
+/// Prints what the robot does now, and from now on if that is asked for.
 pub(crate) fn run(options: &Status) -> Result<(), Failure> {
     let status = connection::client(&options.drive)?
         .state()
         .map_err(|error| connection::failed("cannot ask for the state", &error))?;
+    if options.watch {
+        return watch(options, status.state);
+    }
     if options.json {
         return output::print_json(&status);
     }
+    output::print(&text(&status))
+}
+
+/// Follows the robot until an interrupt comes.
+fn watch(options: &Status, mut state: DriveState) -> Result<(), Failure> {
+    const EVERY: Duration = Duration::from_millis(200);
+    const SILENT: Duration = Duration::from_secs(1);
+    let mut stream =
+        Stream::new(&connection::remote(&options.drive.keys)?, &options.stream.to_string())
+            .map_err(|error| connection::refused(&error))?;
+    output::catch_interrupts();
+    let mut shown = None::<Instant>;
+    while !output::interrupted() {
+        let pause = |length| shown.is_none_or(|shown| shown.elapsed() >= length);
+        let next = stream.next(EVERY).map_err(|error| connection::refused(&error))?;
+        let line = match next {
+            Some(message) if options.json => output::json_line(&message)?,
+            Some(Published::State { state: now, .. }) => {
+                state = now;
+                continue;
+            }
+            Some(Published::Joints { t_s, joints_rad }) if pause(EVERY) => {
+                format!("{t_s:10.3} s  {state:<18}{}\n", degrees(&joints_rad))
+            }
+            None if pause(SILENT) && !options.json => {
+                "nothing is published: the drive does not hear the controller\n".to_owned()
+            }
+            _ => continue,
+        };
+        shown = Some(Instant::now());
+        if !output::print_if_read(&line)? {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn degrees(joints_rad: &[f64; 7]) -> String {
+    // No negative zero.
+    joints_rad.map(|q| format!("{:8.3}", (q.to_degrees() * 1e3).round() / 1e3 + 0.0)).join(" ")
+        + " deg"
+}
+
+fn text(status: &Answer) -> String {
     let mut text = format!("state          {}\n", status.state);
     match (status.joints_rad, status.t_s) {
         (Some(joints), Some(t_s)) => {
-            let degrees = joints.map(|q| format!("{:.3}", q.to_degrees() + 0.0)).join(", ");
-            let _ = writeln!(text, "joints         {degrees} deg, at {t_s:.3} s");
+            let _ = writeln!(text, "joints        {}, at {t_s:.3} s", degrees(&joints));
         }
         _ => text.push_str("joints         unknown: the controller has not been heard of\n"),
     }
@@ -33,5 +85,5 @@ pub(crate) fn run(options: &Status) -> Result<(), Failure> {
         Presence::Silent => "silent",
     };
     let _ = writeln!(text, "robot program  {program}");
-    output::print(&text)
+    text
 }

@@ -50,8 +50,12 @@ fn a_program_runs() {
     rig.iiwasim("run", &[program])
         .success()
         .stdout(contains("Cycle time 3.198 s").and(contains("A1 velocity")))
-        .stdout(is_match("Measured   3.20[0-9] s, planned 3.198 s: the plan is off by -0.00").unwrap())
-        .stdout(is_match("\n64[0-9] samples of what the robot did in slow.measured.mcap\n").unwrap())
+        .stdout(
+            is_match("Measured   3.20[0-9] s, planned 3.198 s: the plan is off by -0.00").unwrap(),
+        )
+        .stdout(
+            is_match("\n64[0-9] samples of what the robot did in slow.measured.mcap\n").unwrap(),
+        )
         .stderr(is_empty());
     let recording = rig.recording("slow.measured.mcap");
     let [first, .., last] = recording.joint_states.as_slice() else { panic!("no states") };
@@ -116,7 +120,8 @@ fn a_recording_lasts_as_long_as_asked() {
 fn without_a_drive_it_is_said_soon() {
     let rig = Rig::parts();
     let begin = Instant::now();
-    let nobody = || contains("no drive answers at").and(contains("is `iiwasim drive` running there?"));
+    let nobody =
+        || contains("no drive answers at").and(contains("is `iiwasim drive` running there?"));
     rig.iiwasim("status", &[]).code(1).stdout(is_empty()).stderr(nobody());
     rig.iiwasim("run", &[rig.slow_program()]).code(1).stderr(nobody());
     assert!(!rig.path("slow.measured.mcap").exists());

@@ -5,5 +5,4 @@
 mod commands;
 mod faults;
 mod keys;
-mod peer;
 mod rig;

@@ -32,7 +32,7 @@ use crate::{
     fri::{ControllerConfig, Format, Quality, SessionState},
     message::{MAX_MESSAGE_BYTES, to_json},
     robot_program::{Acknowledgement, Instruction, STATE_EVERY_MS, StateChange},
-    socket::{Server, is_timeout, random},
+    socket::{SHORT_MESSAGE_BYTES, Server, is_timeout, limit_messages, random},
 };
 
 pub use latency::Latency;
@@ -165,10 +165,10 @@ impl Cabinet {
         }
         let (instructions, instructions_at) =
             security.bind(zmq::REP, &config.instructions, |socket| {
-                socket.set_maxmsgsize(MAX_MESSAGE_BYTES as i64)
+                limit_messages(socket, MAX_MESSAGE_BYTES)
             })?;
         let (state, state_at) = security.bind(zmq::DEALER, &config.state, |socket| {
-            socket.set_maxmsgsize(1024)?;
+            limit_messages(socket, SHORT_MESSAGE_BYTES)?;
             // The newest state counts: old ones need not wait.
             socket.set_sndhwm(1)
         })?;
@@ -222,12 +222,8 @@ impl Cabinet {
         let period =
             Duration::from_millis(u64::from(config.period_ms)).div_f64(config.speed.max(1e-3));
         let client = config.fri_client;
-        let mut cabinet = Self {
-            instructions: instructions_at,
-            state: state_at,
-            shared,
-            threads: Vec::new(),
-        };
+        let mut cabinet =
+            Self { instructions: instructions_at, state: state_at, shared, threads: Vec::new() };
         cabinet.spawn("cabinet clock", move |shared| run_clock(shared, &udp, client, period))?;
         cabinet.spawn("cabinet FRI", move |shared| take_answers(shared, &answers, client))?;
         cabinet.spawn("cabinet instructions", move |shared| {

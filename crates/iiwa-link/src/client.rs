@@ -259,12 +259,11 @@ impl Client {
         if request.len() > MAX_MESSAGE_BYTES {
             return Err(ClientError::TooLong { found: request.len() });
         }
-        let socket = match self.socket.take() {
-            Some(socket) => socket,
-            None => {
-                self.connected = false;
-                self.connect()?
-            }
+        let socket = if let Some(socket) = self.socket.take() {
+            socket
+        } else {
+            self.connected = false;
+            self.connect()?
         };
         let at = || self.at.clone();
         let failed = |source| ClientError::Link(LinkError::socket(source));
@@ -285,13 +284,12 @@ impl Client {
                 return Ok(answer);
             }
             match socket.handshake().map_err(LinkError::from)? {
-                None => {}
                 Some(Handshake::Done) => self.connected = true,
                 // It may be back within a moment, but it does not know of the request then.
                 Some(Handshake::Lost) if self.connected => {
                     return Err(ClientError::Lost { at: at() });
                 }
-                Some(Handshake::Lost) => {}
+                None | Some(Handshake::Lost) => {}
                 // A drive that is just ending does so, too: it counts if it does so again.
                 Some(Handshake::HungUp) if hung_up < HUNG_UP => hung_up += 1,
                 Some(refused) => {

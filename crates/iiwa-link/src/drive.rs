@@ -34,7 +34,7 @@ use crate::{
     message::MAX_MESSAGE_BYTES,
     robot_program::{self, RECEIVED, StateChange},
     security::GuardedSocket,
-    socket::{Remote, Server, random},
+    socket::{Remote, SHORT_MESSAGE_BYTES, Server, limit_messages, random},
 };
 
 /// Where a drive listens, and to what it connects.
@@ -89,7 +89,11 @@ impl Drive {
     /// # Errors
     ///
     /// If an address cannot be bound or is not safe.
-    pub fn start(config: DriveConfig, clients: &Server, cabinet: &Remote) -> Result<Self, LinkError> {
+    pub fn start(
+        config: DriveConfig,
+        clients: &Server,
+        cabinet: &Remote,
+    ) -> Result<Self, LinkError> {
         if !config.fri.ip().is_loopback() && config.fri_controller.is_loopback() {
             return Err(LinkError::Config {
                 what: format!(
@@ -100,16 +104,15 @@ impl Drive {
         }
         let (requests, instructions) =
             clients.bind(zmq::ROUTER, &config.instructions, |socket| {
-                socket.set_maxmsgsize(MAX_MESSAGE_BYTES as i64)
+                limit_messages(socket, MAX_MESSAGE_BYTES)
             })?;
         let (stream, stream_at) = clients.bind(zmq::PUB, &config.stream, |socket| {
-            // Subscribers send a topic, nothing long.
-            socket.set_maxmsgsize(1024)?;
+            // Subscribers send a topic.
+            limit_messages(socket, SHORT_MESSAGE_BYTES)?;
             socket.set_sndhwm(STREAM_BACKLOG)
         })?;
         let state = cabinet.connect(zmq::REP, &config.cabinet_state, |_| Ok(()))?;
-        let udp_error =
-            |source| LinkError::Udp { address: config.fri.to_string(), source };
+        let udp_error = |source| LinkError::Udp { address: config.fri.to_string(), source };
         let udp = UdpSocket::bind(config.fri).map_err(udp_error)?;
         udp.set_read_timeout(Some(fri::AWAKE)).map_err(udp_error)?;
 

@@ -40,13 +40,14 @@ pub(crate) struct Playback<M> {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::struct_field_names, reason = "the unit is part of a name")]
 struct Braking {
     /// Where along the motion it began, in s.
-    from_s: f64,
+    began_at_s: f64,
     /// For how long it has braked, in s.
-    for_s: f64,
+    lasted_s: f64,
     /// How long it takes, in s.
-    whole_s: f64,
+    duration_s: f64,
 }
 
 impl<M: Motion> Playback<M> {
@@ -59,19 +60,19 @@ impl<M: Motion> Playback<M> {
         match &mut self.braking {
             None => self.at_s += dt_s,
             Some(braking) => {
-                braking.for_s = (braking.for_s + dt_s).min(braking.whole_s);
-                let x = braking.for_s / braking.whole_s;
+                braking.lasted_s = (braking.lasted_s + dt_s).min(braking.duration_s);
+                let x = braking.lasted_s / braking.duration_s;
                 // The integral of 1 - (10 x^3 - 15 x^4 + 6 x^5).
                 let way = x - x.powi(4) * (2.5 - 3.0 * x + x * x);
-                self.at_s = braking.from_s + way * braking.whole_s;
+                self.at_s = braking.began_at_s + way * braking.duration_s;
             }
         }
     }
 
-    /// From now on slows down to a stop, which takes `whole_s`.
-    pub(crate) fn stop(&mut self, whole_s: f64) {
+    /// From now on slows down to a stop, which takes `duration_s`.
+    pub(crate) fn stop(&mut self, duration_s: f64) {
         if self.braking.is_none() {
-            self.braking = Some(Braking { from_s: self.at_s, for_s: 0.0, whole_s });
+            self.braking = Some(Braking { began_at_s: self.at_s, lasted_s: 0.0, duration_s });
         }
     }
 
@@ -82,7 +83,7 @@ impl<M: Motion> Playback<M> {
 
     /// Whether the arm has come to rest, at the motion's end or before.
     pub(crate) fn is_over(&self) -> bool {
-        let stands = self.braking.is_some_and(|braking| braking.for_s >= braking.whole_s);
+        let stands = self.braking.is_some_and(|braking| braking.lasted_s >= braking.duration_s);
         stands || self.at_s >= self.motion.duration_s()
     }
 

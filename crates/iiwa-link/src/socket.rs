@@ -142,6 +142,14 @@ fn prepare(socket: &zmq::Socket) -> zmq::Result<()> {
     socket.set_heartbeat_timeout(timeout_ms)
 }
 
+/// Longest message where nobody has anything long to say.
+pub(crate) const SHORT_MESSAGE_BYTES: usize = 1024;
+
+/// Closes the connection to whoever sends a longer message.
+pub(crate) fn limit_messages(socket: &zmq::Socket, bytes: usize) -> zmq::Result<()> {
+    socket.set_maxmsgsize(i64::try_from(bytes).unwrap_or(i64::MAX))
+}
+
 /// Whether nothing has come in time.
 pub(crate) fn is_timeout(error: &io::Error) -> bool {
     use io::ErrorKind::{Interrupted, TimedOut, WouldBlock};

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use iiwa_kin::{Joints, json::Object};
-use serde::{Deserialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::{
     error::LinkError,
@@ -27,7 +27,8 @@ impl std::fmt::Debug for Stream {
 }
 
 /// Something that was published.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 #[non_exhaustive]
 pub enum Published {
     /// Measured joint positions, every cycle of FRI.

@@ -100,7 +100,8 @@ impl TimedJoints {
                 "the trajectory has {points} points; at least 2 are needed"
             )));
         }
-        let finite = |i: usize| self.t_s[i].is_finite() && self.joints_rad[i].iter().all(|q| q.is_finite());
+        let finite =
+            |i: usize| self.t_s[i].is_finite() && self.joints_rad[i].iter().all(|q| q.is_finite());
         if let Some(i) = (0..points).find(|&i| !finite(i)) {
             return Err(Refusal::bad(format!("point {}: a number is not finite", i + 1)));
         }
@@ -181,7 +182,8 @@ impl TimedJoints {
             weight[..=order].iter().map(|w| w.abs()).sum::<f64>() * factorial * ROUNDING_RAD;
         (0..7).find_map(|j| {
             let difference: f64 =
-                (0..=order).map(|i| weight[i] * self.position(place(i))[j]).sum::<f64>() * factorial;
+                (0..=order).map(|i| weight[i] * self.position(place(i))[j]).sum::<f64>()
+                    * factorial;
             let most = limit[j] * (1.0 + MARGINS[order - 1]) + rounding;
             // Not `>`: what is no number is no answer.
             (!(difference.abs() <= most)).then_some((j, difference.abs()))

@@ -6,9 +6,9 @@ use std::io::{ErrorKind, Read};
 use std::sync::Arc;
 use std::time::Duration;
 
-use mcap::McapError;
 use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::{MAGIC, McapError};
 use serde::Deserialize;
 
 use crate::error::ReadError;
@@ -66,8 +66,8 @@ pub enum Entry {
 ///
 /// An iterator over the entries in the order of the file; it ends after the first error. Topics
 /// other than those of [`Topic`] are passed over, and so is `/tf`, which follows from the joint
-/// positions. All checksums of the file are checked. Bytes after its end are left alone: a
-/// [`Recorder`](crate::Recorder) that was killed may leave some.
+/// positions. All checksums of the file are checked. Bytes after its end are an error, unless they
+/// end as a file does: a [`Recorder`](crate::Recorder) that was killed may leave such.
 pub struct Reader<R> {
     stream: R,
     mcap: LinearReader,
@@ -76,6 +76,8 @@ pub struct Reader<R> {
     epoch_ns: Option<u64>,
     frame_id: Arc<str>,
     offset: u64,
+    /// The last bytes that were read.
+    end: Vec<u8>,
     messages: u64,
     done: bool,
 }
@@ -99,7 +101,7 @@ impl<R: Read> Reader<R> {
             .with_prevalidate_chunk_crcs(true)
             .with_validate_data_section_crc(true)
             .with_validate_summary_section_crc(true)
-            .with_check_finishes_after_end_magic(false)
+            .with_check_finishes_after_end_magic(true)
             .with_record_length_limit(RECORD_LIMIT_BYTES);
         Self {
             stream,
@@ -109,6 +111,7 @@ impl<R: Read> Reader<R> {
             epoch_ns: None,
             frame_id: Arc::from(""),
             offset: 0,
+            end: Vec::new(),
             messages: 0,
             done: false,
         }
@@ -126,6 +129,12 @@ impl<R: Read> Reader<R> {
         loop {
             let need = match self.mcap.next_event() {
                 None => return Ok(None),
+                Some(Err(source @ McapError::BytesAfterEndMagic)) => {
+                    if self.rest_ends_a_file()? {
+                        return Ok(None);
+                    }
+                    return Err(broken(self.offset, self.messages, source));
+                }
                 Some(Err(source)) => return Err(broken(self.offset, self.messages, source)),
                 Some(Ok(LinearReadEvent::ReadRequest(need))) => need,
                 Some(Ok(LinearReadEvent::Record { data, opcode })) => {
@@ -147,15 +156,26 @@ impl<R: Read> Reader<R> {
                 }
             };
             let room = self.mcap.insert(need.clamp(*READ_BYTES.start(), *READ_BYTES.end()));
-            let read = loop {
-                match self.stream.read(room) {
-                    Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                    Err(source) => return Err(ReadError::Io { offset: self.offset, source }),
-                    Ok(read) => break read,
-                }
-            };
+            let read = read(&mut self.stream, room)
+                .map_err(|source| ReadError::Io { offset: self.offset, source })?;
+            keep_end(&mut self.end, &room[..read]);
             self.mcap.notify_read(read);
             self.offset += read as u64;
+        }
+    }
+
+    /// Reads on to the end of the stream: whether it ends as a file does.
+    fn rest_ends_a_file(&mut self) -> Result<bool, ReadError> {
+        let mut room = vec![0; *READ_BYTES.start()];
+        loop {
+            match read(&mut self.stream, &mut room) {
+                Err(source) => return Err(ReadError::Io { offset: self.offset, source }),
+                Ok(0) => return Ok(self.end == MAGIC),
+                Ok(read) => {
+                    keep_end(&mut self.end, &room[..read]);
+                    self.offset += read as u64;
+                }
+            }
         }
     }
 }
@@ -171,6 +191,22 @@ impl<R: Read> Iterator for Reader<R> {
         self.done = !matches!(entry, Some(Ok(_)));
         entry
     }
+}
+
+/// Reads once, however often it is interrupted.
+fn read<R: Read>(stream: &mut R, room: &mut [u8]) -> std::io::Result<usize> {
+    loop {
+        match stream.read(room) {
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            result => return result,
+        }
+    }
+}
+
+/// Appends to what is kept of the end of the stream, as long as the magic at the end of a file.
+fn keep_end(end: &mut Vec<u8>, read: &[u8]) {
+    end.extend(&read[read.len().saturating_sub(MAGIC.len())..]);
+    end.drain(..end.len().saturating_sub(MAGIC.len()));
 }
 
 fn broken(offset: u64, messages: u64, source: McapError) -> ReadError {

@@ -45,8 +45,13 @@ impl Default for RecorderConfig {
 /// `/tf` and `/tcp_pose` come with the first sample of every interval of their rate, and with the
 /// last one of all.
 ///
-/// The same calls give the same bytes. Memory holds a period of messages, and some 150 bytes for
-/// every period before it.
+/// At 1 kHz an hour is some 600 MB, of which the poses are a fifth; at 200 Hz it is a third of that.
+/// Every period ends with the index of the whole file being written anew, some 110 bytes for every
+/// period before: 4 MB after ten hours of periods of a second, which takes some 10 ms then. Memory
+/// grows by some 2 kB a period. Longer periods make both less.
+///
+/// The same calls give the same bytes. The end of a period goes by the stamps, never by the clock:
+/// a caller whose samples stop coming calls [`flush`](Self::flush).
 pub struct Recorder<S: Storage> {
     writer: Writer<Buffer>,
     /// What `writer` has written and `file` does not have yet.

@@ -214,3 +214,57 @@ pub(crate) fn record_header(opcode: u8, length: u64) -> [u8; RECORD_HEADER_BYTES
     header[1..].copy_from_slice(&length.to_le_bytes());
     header
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::{Config, Writer};
+
+    /// Cross-validated against the tail that the `mcap` crate writes itself.
+    #[test]
+    fn the_tail_is_the_one_of_mcap() {
+        let mut writer = Writer::new(Cursor::new(Vec::new()), Config::default()).unwrap();
+        writer.robot_description(Duration::ZERO, "<robot/>").unwrap();
+        for tick in 0..20_000 {
+            let t = Duration::from_millis(tick);
+            writer.joint_state(t, &[t.as_secs_f64(); 7], &[1.0; 7]).unwrap();
+            if tick % 7 == 0 {
+                writer.tcp_pose(t, "iiwa_link_0", [0.0; 3], [0.0, 0.0, 0.0, 1.0]).unwrap();
+            }
+            if tick % 5000 == 4999 {
+                writer.end_chunk().unwrap();
+            }
+        }
+        let file = writer.finish().unwrap().into_inner();
+
+        let footer = &file[file.len() - FOOTER_BYTES..][FOOTER_CONTENT];
+        let summary = u64::from_le_bytes(*footer.first_chunk().unwrap());
+        let data_end = usize::try_from(summary).unwrap() - RECORD_HEADER_BYTES - 4;
+        let mut index = Index::default();
+        // In two parts, as a recorder does it.
+        let half = usize::try_from(chunks(&file)[2]).unwrap();
+        index.take(0, &file[..half]).unwrap();
+        index.take(half as u64, &file[half..data_end]).unwrap();
+        let tail = index.tail(data_end as u64).unwrap();
+
+        // The checksum of the data section.
+        let crc = RECORD_HEADER_BYTES..RECORD_HEADER_BYTES + 4;
+        assert_eq!(tail[crc.clone()], [0; 4]);
+        assert_eq!(tail[..crc.start], file[data_end..][..crc.start]);
+        assert!(tail[crc.end..] == file[data_end..][crc.end..]);
+        assert!(index.statistics.chunk_count > 5);
+    }
+
+    /// Where the chunks begin.
+    fn chunks(file: &[u8]) -> Vec<u64> {
+        mcap::Summary::read(file)
+            .unwrap()
+            .unwrap()
+            .chunk_indexes
+            .iter()
+            .map(|chunk| chunk.chunk_start_offset)
+            .collect()
+    }
+}

@@ -15,8 +15,8 @@
 //! 6. The header of that record becomes the one of the first record that was added.
 //! 7. The file is cut off behind the new tail.
 //!
-//! From 1 to 4 and from 6 to 7, who reads from the start finds bytes after the end of the file and
-//! has no reason to look at them.
+//! From 1 to 4 and from 6 to 7, who reads from the start finds bytes after the end of the file; and
+//! from 6 to 7, what was added, which the index does not have yet.
 
 use std::io::{self, SeekFrom};
 

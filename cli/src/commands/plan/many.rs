@@ -15,7 +15,7 @@ use rayon::{
 use serde::Serialize;
 
 use super::{
-    Report, json_line,
+    Report,
     programs::{self, Job},
     too_long, write,
 };
@@ -115,7 +115,7 @@ impl Outcome {
     fn planned(options: &Plan, job: &Job, name: &str, figures: &Figures) -> Result<Self, Failure> {
         let line = || {
             let output = job.target.as_deref().map(|file| file.display().to_string());
-            json_line(&Report { program: Some(name), figures, output })
+            output::json_line(&Report { program: Some(name), figures, output })
         };
         let too_long = too_long(options, figures);
         let complain = |how: &String| Failure::Gate(format!("{} {how}", printable(name))).text();
@@ -132,7 +132,7 @@ impl Outcome {
 
     fn failed(options: &Plan, name: String, failure: Failure) -> Self {
         let failure = failure.about(&name);
-        let line = || json_line(&Refusal { program: &name, error: failure.what() });
+        let line = || output::json_line(&Refusal { program: &name, error: failure.what() });
         Self {
             // Two texts always become JSON.
             line: options.json.then(line).and_then(Result::ok),

@@ -72,6 +72,9 @@ impl Ports {
 
     fn unknown(&self, name: &str) -> Refusal {
         let known = self.0.keys().copied().collect::<Vec<_>>().join(", ");
-        Refusal::bad(format!("there is no input or output `{}`; known are {known}", shortened(name)))
+        Refusal::bad(format!(
+            "there is no input or output `{}`; known are {known}",
+            shortened(name)
+        ))
     }
 }

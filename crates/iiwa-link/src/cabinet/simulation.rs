@@ -22,6 +22,9 @@ use crate::{
 /// How long the controller waits for the client before a trajectory, in s.
 const COMMANDING_WAIT_S: f64 = 5.0;
 
+/// Longest time between messages over which the arm can be commanded, in s.
+const COMMANDED_EVERY_S: f64 = 0.010;
+
 /// How much faster than its limit a joint may be told to go by set-points: clocks are not exact, and
 /// positions are rounded.
 const SETPOINT_MARGIN: f64 = 1.1;
@@ -55,7 +58,12 @@ pub(super) struct Simulation {
 enum Activity {
     Nothing,
     /// Motions that it planned.
-    Motions { run: RunId, playback: Box<Playback<Trajectory>>, from: u64, error: Option<Refusal> },
+    Motions {
+        run: RunId,
+        playback: Box<Playback<Trajectory>>,
+        from: u64,
+        error: Option<Refusal>,
+    },
     /// Set-points of the client.
     Commanded(Commanded),
     /// The arm is brought to rest where it happens to be.
@@ -288,16 +296,17 @@ impl Simulation {
             commanded.left = commanded.left.max(1);
         }
         let Some((target, _)) = commanded.last else { return Ok(()) };
-        for j in 0..7 {
+        self.q = std::array::from_fn(|j| {
+            let q = self.q[j];
             // Without a new set-point the arm goes on as it went.
             let step = match commanded.left {
                 0 => self.dq[j] * self.period_s,
-                left => (target[j] - self.q[j]) / f64::from(left),
+                left => (target[j] - q) / f64::from(left),
             };
             let most = limits.velocity_rad_s[j] * SETPOINT_MARGIN * self.period_s;
             let range = limits.position_rad[j];
-            self.q[j] = (self.q[j] + step.clamp(-most, most)).clamp(-range, range);
-        }
+            (q + step.clamp(-most, most)).clamp(-range, range)
+        });
         commanded.left = commanded.left.saturating_sub(1);
         Ok(())
     }
@@ -346,12 +355,18 @@ impl Simulation {
                 self.check_ready()?;
                 let Some(trajectory) = planned else { return Ok(answer) };
                 let playback = Box::new(Playback::new(trajectory));
-                self.activity =
-                    Activity::Motions { run, playback, from: self.cycle, error: None };
+                self.activity = Activity::Motions { run, playback, from: self.cycle, error: None };
                 self.changed = true;
             }
             Instruction::RunTrajectory { run } => {
                 self.check_ready()?;
+                if self.period_s > COMMANDED_EVERY_S {
+                    return Err(Refusal::robot(format!(
+                        "FRI is open every {} ms; to command, it has to be every 1 to {} ms",
+                        self.period_s * 1e3,
+                        COMMANDED_EVERY_S * 1e3
+                    )));
+                }
                 self.fri.request_commanding();
                 self.activity = Activity::Commanded(Commanded {
                     run,

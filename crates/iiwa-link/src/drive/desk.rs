@@ -13,7 +13,8 @@ use super::fri::{Event, Heard, Order};
 use crate::{
     fri::{Quality, Safety, SessionState},
     message::{
-        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Request, Run, Samples, Status,
+        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Request, Run, Samples,
+        Status,
     },
     robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
     timed_joints::TimedJoints,
@@ -60,7 +61,7 @@ pub(super) struct Desk<C> {
 
 enum State<C> {
     Idle,
-    Running(Running<C>),
+    Running(Box<Running<C>>),
 }
 
 struct Running<C> {
@@ -71,6 +72,8 @@ struct Running<C> {
     stoppers: Vec<Asked<C>>,
     samples: Samples,
     samples_left_out: u64,
+    /// The robot program has taken it.
+    taken: bool,
     /// How a trajectory went on this side.
     commanded: Option<Commanded>,
     /// How it ended, and until when samples up to there are waited for.
@@ -103,11 +106,14 @@ enum Purpose<C> {
 /// Most samples that are kept of a run: half an hour at 1 ms.
 const MOST_SAMPLES: usize = 1_800_000;
 
+/// Most instructions that wait for those before them.
+const MOST_WAITING: usize = 100;
+
 /// How long an instruction may take to be acknowledged.
 const ACKNOWLEDGED_WITHIN: Duration = Duration::from_secs(2);
 
 /// How long motions may take to be acknowledged: they are planned before.
-const PLANNED_WITHIN: Duration = Duration::from_secs(60);
+const PLANNED_WITHIN: Duration = Duration::from_mins(1);
 
 /// How long the robot program may keep silent, which says its state twice a second.
 const PROGRAM_SILENT: Duration = Duration::from_secs(3);
@@ -268,7 +274,9 @@ impl<C> Desk<C> {
     /// The robot program can be told, and the robot be seen.
     fn check_connected(&self, now: Instant) -> Result<Heard, Refusal> {
         if self.program_at(now).is_none() {
-            return Err(Refusal::robot("the robot program does not answer; is the cabinet running?"));
+            return Err(Refusal::robot(
+                "the robot program does not answer; is the cabinet running?",
+            ));
         }
         match self.heard {
             Some(heard) if now.saturating_duration_since(heard.at) <= FRI_SILENT => {
@@ -295,8 +303,7 @@ impl<C> Desk<C> {
     fn check_motions(&self, motions: &[Motion], now: Instant) -> Result<(), Refusal> {
         let heard = self.check_connected(now)?;
         let range = self.robot.limits().position_rad;
-        let start_rad =
-            std::array::from_fn(|j| heard.joints_rad[j].clamp(-range[j], range[j]));
+        let start_rad = std::array::from_fn(|j| heard.joints_rad[j].clamp(-range[j], range[j]));
         let program = Program { robot: None, start_rad, motions: motions.to_vec() };
         Path::new(&program, &self.robot)
             .map(drop)
@@ -337,6 +344,7 @@ impl<C> Desk<C> {
             stoppers: Vec::new(),
             samples: Samples::default(),
             samples_left_out: 0,
+            taken: false,
             commanded: None,
             ended: None,
         };
@@ -344,14 +352,20 @@ impl<C> Desk<C> {
         if let Some(heard) = &self.heard {
             running.keep(heard);
         }
-        self.state = State::Running(running);
+        self.state = State::Running(Box::new(running));
         tracing::info!("run {run}: {kind}");
         self.outputs.push(Output::Order(Order::Publish(kind)));
         run
     }
 
     fn instruct(&mut self, instruction: Instruction, purpose: Purpose<C>, now: Instant) {
-        self.waiting.push_back((instruction, purpose));
+        match purpose {
+            Purpose::Ask(asked) if self.waiting.len() >= MOST_WAITING => {
+                let error = "too many requests wait for the robot program";
+                return self.reply(asked, Err(Refusal::robot(error)));
+            }
+            purpose => self.waiting.push_back((instruction, purpose)),
+        }
         self.send_next(now);
     }
 
@@ -383,20 +397,27 @@ impl<C> Desk<C> {
                 self.reply(asked, Ok(body));
             }
             (Purpose::Begin(run), Some(error)) => self.fail(run, error, now),
-            (Purpose::Begin(_) | Purpose::End, _) => {}
+            (Purpose::Begin(run), None) => {
+                if let State::Running(running) = &mut self.state
+                    && running.run == run
+                {
+                    running.taken = true;
+                }
+            }
+            (Purpose::End, _) => {}
         }
         self.send_next(now);
     }
 
     /// The robot program has said its state.
     pub(super) fn changed(&mut self, change: StateChange, now: Instant) {
-        let restarted =
-            self.program.as_ref().is_some_and(|(before, _)| before.boot != change.boot);
+        let restarted = self.program.as_ref().is_some_and(|(before, _)| before.boot != change.boot);
         if let State::Running(running) = &mut self.state {
             let run = running.run;
             match &change.outcome {
                 Some(outcome) if outcome.run == run => {
                     let ahead_s = self.heard.map_or(0.0, |heard| heard.clock_ahead_s);
+                    running.taken = true;
                     running.end(outcome, ahead_s, now);
                 }
                 _ if restarted => {
@@ -497,12 +518,16 @@ impl<C> Desk<C> {
                     self.given_up = Some(run);
                     self.outputs.push(Output::Reconnect);
                     self.in_flight = None;
-                    self.fail(run, Refusal::robot("the robot program does not answer any more"), now);
+                    self.fail(
+                        run,
+                        Refusal::robot("the robot program does not answer any more"),
+                        now,
+                    );
                 }
                 Some((ended, until)) => {
-                    let complete = ended.end_s.is_none_or(|end_s| {
-                        self.heard.is_some_and(|heard| heard.t_s >= end_s)
-                    });
+                    let complete = ended
+                        .end_s
+                        .is_none_or(|end_s| self.heard.is_some_and(|heard| heard.t_s >= end_s));
                     if complete || now >= *until {
                         self.finish();
                     }
@@ -518,17 +543,18 @@ impl<C> Desk<C> {
         if let State::Running(running) = &mut self.state
             && running.run == run
         {
-            running.ended.get_or_insert((
-                Ended { start_s: None, end_s: None, error: Some(error) },
-                now,
-            ));
+            running
+                .ended
+                .get_or_insert((Ended { start_s: None, end_s: None, error: Some(error) }, now));
             self.finish();
         }
     }
 
     /// Replies with what was measured; then the state is idle again.
     fn finish(&mut self) {
-        let State::Running(running) = std::mem::replace(&mut self.state, State::Idle) else { return };
+        let State::Running(running) = std::mem::replace(&mut self.state, State::Idle) else {
+            return;
+        };
         if running.kind == DriveState::RunningTrajectory {
             self.outputs.push(Output::Order(Order::Release));
         }
@@ -546,7 +572,9 @@ impl<C> Desk<C> {
             samples,
             samples_left_out: running.samples_left_out,
         };
-        self.last_run = Some((run.clone(), error.clone()));
+        if running.taken {
+            self.last_run = Some((run.clone(), error.clone()));
+        }
         let reply = Reply { id: running.asked.id, error, body: Some(Body::Run(run)) };
         self.outputs.push(Output::Reply(running.asked.client, reply.to_json()));
         for stopper in running.stoppers {

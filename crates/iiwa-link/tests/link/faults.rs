@@ -203,6 +203,22 @@ fn packets_that_get_lost_in_a_trajectory_stop_it_in_order() {
     assert_works(&rig);
 }
 
+#[test]
+fn messages_that_are_late_are_too_bad_to_command_over() {
+    let rig = Rig::new(5);
+    rig.set_faults(Faults { delay_cycles: 3, ..Faults::default() });
+    let mut client = rig.client();
+    wait_for("poor quality", || client.state().unwrap().fri.quality == "poor");
+    let run = client.run_motions(slowly_to(40.0), Some(LONG)).unwrap();
+    let late_s = run.cycle_time_s.unwrap() - planned(slowly_to(40.0)).cycle_time_s();
+    assert!((-1e-6..0.0051).contains(&late_s), "{late_s}");
+    client.run_motions(slowly_to(0.0), Some(LONG)).unwrap();
+    let error = client.run_trajectory(trajectory_to(10.0), Some(LONG)).unwrap_err();
+    assert!(error.to_string().contains("quality poor"), "{error}");
+    rig.set_faults(Faults::default());
+    assert_works(&rig);
+}
+
 /// No joint goes faster than it may from one sample to the next.
 fn assert_no_jumps(run: &Run) {
     let limits = iiwa_kin::Robot::default();
@@ -388,6 +404,18 @@ fn garbage_and_a_hundred_megabytes_harm_nobody() {
     let status = rig.client().state().unwrap();
     assert_eq!((status.state, status.fri.lost), (DriveState::Idle, 0));
     assert_works(&rig);
+}
+
+#[test]
+fn a_slow_session_is_for_watching_only() {
+    let rig = Rig::new(20);
+    rig.client().run_motions(slowly_to(10.0), Some(LONG)).unwrap();
+    let error = rig.client().run_trajectory(trajectory_to(10.0), Some(LONG)).unwrap_err();
+    assert_eq!(error.code(), Code::StartMismatch, "{error}");
+    rig.client().run_motions(slowly_to(0.0), Some(LONG)).unwrap();
+    let error = rig.client().run_trajectory(trajectory_to(10.0), Some(LONG)).unwrap_err();
+    assert!(error.to_string().contains("every 20 ms"), "{error}");
+    assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
 }
 
 #[test]

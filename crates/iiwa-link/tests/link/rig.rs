@@ -1,6 +1,5 @@
 //! A drive and a simulated cabinet on free ports of the loopback interface.
 
-
 use std::{
     net::{Ipv4Addr, SocketAddr, TcpListener, UdpSocket},
     time::{Duration, Instant},

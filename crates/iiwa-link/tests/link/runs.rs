@@ -1,16 +1,20 @@
 //! Runs through the simulated cabinet take the time and the path that were planned.
 
-
 use crate::rig::{LONG, Rig};
 use iiwa_kin::{Joints, Robot};
-use iiwa_link::{ClientError, TimedJoints, message::{Code, DriveState, Run}};
+use iiwa_link::{
+    ClientError, TimedJoints,
+    message::{Code, DriveState, Run},
+};
 use iiwa_path::{Blend, Motion, Path, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 
 fn motions() -> Vec<Motion> {
     let rad = |deg: Joints| deg.map(f64::to_radians);
     vec![
-        Motion::Ptp(Ptp::to(rad([10.0, 20.0, 0.0, -40.0, 0.0, 30.0, 0.0])).blend(Blend::Fraction(0.25))),
+        Motion::Ptp(
+            Ptp::to(rad([10.0, 20.0, 0.0, -40.0, 0.0, 30.0, 0.0])).blend(Blend::Fraction(0.25)),
+        ),
         Motion::Ptp(Ptp::to(rad([30.0, 10.0, 5.0, -60.0, 0.0, 50.0, 20.0])).velocity(0.5)),
         Motion::Wait { seconds: 0.1 },
         Motion::Ptp(Ptp::to(rad([0.0, 10.0, 5.0, -50.0, 0.0, 50.0, 0.0]))),
@@ -57,9 +61,8 @@ fn motions_take_the_planned_time_and_path() {
 
 pub(crate) fn sampled(plan: &Trajectory, step_s: f64) -> TimedJoints {
     let count = (plan.cycle_time_s() / step_s).ceil();
-    let t_s: Vec<f64> = (0..=count as u32)
-        .map(|i| (f64::from(i) * step_s).min(plan.cycle_time_s()))
-        .collect();
+    let t_s: Vec<f64> =
+        (0..=count as u32).map(|i| (f64::from(i) * step_s).min(plan.cycle_time_s())).collect();
     let joints_rad = t_s.iter().map(|t_s| plan.at(*t_s).q).collect();
     TimedJoints { t_s, joints_rad }
 }

@@ -7,5 +7,8 @@
 )]
 
 mod damage;
+mod kill;
+mod recorder;
 mod round_trip;
 mod sample;
+mod whole;
