@@ -66,7 +66,7 @@ fn strangers_get_nothing_and_move_nothing() {
         assert!(ended.stdout.is_empty(), "{}", ended.stdout);
         assert!(ended.stderr.contains("no answer"), "{}", ended.stderr);
     }
-    assert_eq!(rig.json("status", &ALICE)["joints_rad"], serde_json::json!([0.0; 7]));
+    assert_eq!(rig.json("status", &ALICE)["joints_rad"], serde_json::json!([0.0_f64; 7].to_vec()));
     rig.iiwasim("io", &[&["get", "MediaFlange.LEDBlue"], &ALICE[..]].concat()).stdout("false\n");
     let log = rig.drive.as_ref().unwrap().stderr();
     assert!(!log.contains("running"), "{log}");

@@ -84,7 +84,8 @@ impl Drop for Process {
         let _ = self.child.kill();
         let _ = self.child.wait();
         if thread::panicking() {
-            eprintln!("{}:\n{}{}", self.name, self.stdout(), self.stderr());
+            let printed = |path| fs::read_to_string(path).unwrap_or_default();
+            eprintln!("{}:\n{}{}", self.name, printed(&self.stdout), printed(&self.stderr));
         }
     }
 }
@@ -100,7 +101,6 @@ impl Ended {
 
 /// Both sides, each of which may be away, and a folder for files.
 pub(crate) struct Rig {
-    pub(crate) folder: TempDir,
     pub(crate) cabinet: Option<Process>,
     pub(crate) drive: Option<Process>,
     instructions: String,
@@ -108,6 +108,8 @@ pub(crate) struct Rig {
     pub(crate) fri: String,
     pub(crate) cabinet_instructions: String,
     cabinet_state: String,
+    /// Goes after the processes that print into it.
+    folder: TempDir,
 }
 
 fn free_tcp() -> String {

@@ -271,6 +271,10 @@ impl Client {
             Some(Handshake::Done) => self.connected = true,
             // Since the last request: another connection is on its way.
             Some(Handshake::Lost) => self.connected = false,
+            // It was not let in, and does not try again.
+            Some(refused) if refused != Handshake::HungUp => {
+                return Err(ClientError::Unauthorized { at: at(), what: refused.what() });
+            }
             _ => {}
         }
         socket.send(request, zmq::DONTWAIT).map_err(failed)?;
@@ -284,11 +288,11 @@ impl Client {
                 return Ok(answer);
             }
             match socket.handshake().map_err(LinkError::from)? {
-                Some(Handshake::Done) => self.connected = true,
                 // It may be back within a moment, but it does not know of the request then.
-                Some(Handshake::Lost) if self.connected => {
+                Some(Handshake::Done | Handshake::Lost) if self.connected => {
                     return Err(ClientError::Lost { at: at() });
                 }
+                Some(Handshake::Done) => self.connected = true,
                 None | Some(Handshake::Lost) => {}
                 // A drive that is just ending does so, too: it counts if it does so again.
                 Some(Handshake::HungUp) if hung_up < HUNG_UP => hung_up += 1,
