@@ -264,9 +264,9 @@ impl Rig {
         Recording::from_bytes(&fs::read(self.path(name)).unwrap()).unwrap()
     }
 
-    /// Where joint 1 is, in rad.
+    /// Where joint 1 is, in rad; NaN as long as that is unknown.
     pub(crate) fn joint_1(&self) -> f64 {
-        self.json("status", &[])["joints_rad"][0].as_f64().unwrap()
+        self.json("status", &[])["joints_rad"][0].as_f64().unwrap_or(f64::NAN)
     }
 
     /// Begins to run the slow program, and waits until the arm moves.
