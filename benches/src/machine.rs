@@ -37,3 +37,15 @@ pub fn processor() -> String {
         field("model\t")
     )
 }
+
+/// The most memory that this process has held so far, in MB of 10^6 bytes.
+///
+/// # Errors
+///
+/// If the system does not tell.
+pub fn peak_memory_mb() -> crate::Result<f64> {
+    let status = fs::read_to_string("/proc/self/status")?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|line| line.trim().strip_suffix("kB")).ok_or("no VmHWM")?;
+    Ok(kib.trim().parse::<f64>()? * 1024.0 * 1e-6)
+}

@@ -117,7 +117,7 @@ fn within(most: Duration, command: &mut Command) -> Result<Option<Output>> {
 }
 
 fn measure(file: &FilePath, timing: Timing) -> Result<Report> {
-    let idle_mb = peak_memory_mb()?;
+    let idle_mb = machine::peak_memory_mb()?;
     let robot = Robot::lbr_iiwa_7_r800();
     let mut start = Instant::now();
     let mut lap_ms = || {
@@ -135,14 +135,6 @@ fn measure(file: &FilePath, timing: Timing) -> Result<Report> {
         cycle_time_s = stretch?.end_s();
     }
     let plan_ms = lap_ms();
-    let memory_mb = [idle_mb, peak_memory_mb()?];
+    let memory_mb = [idle_mb, machine::peak_memory_mb()?];
     Ok(Report { parse_ms, path_ms, plan_ms, cycle_time_s, memory_mb })
-}
-
-/// The most memory that this process has held so far, in MB of 10^6 bytes.
-fn peak_memory_mb() -> Result<f64> {
-    let status = fs::read_to_string("/proc/self/status")?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let kib = line.and_then(|line| line.trim().strip_suffix("kB")).ok_or("no VmHWM")?;
-    Ok(kib.trim().parse::<f64>()? * 1024.0 * 1e-6)
 }

@@ -134,10 +134,20 @@ fn shown(found: &str) -> String {
     };
     let plain = plain.strip_prefix("floating point ").unwrap_or(plain);
     let plain = plain.strip_prefix("boolean ").unwrap_or(plain);
-    if plain.len() <= MAX_SHOWN {
-        return plain.to_owned();
+    let mut shown = String::with_capacity(plain.len());
+    for (count, letter) in plain.chars().enumerate() {
+        if count == MAX_SHOWN {
+            shown.push_str("...");
+            break;
+        }
+        // What would do something to a terminal.
+        if letter.is_control() {
+            shown.extend(letter.escape_default());
+        } else {
+            shown.push(letter);
+        }
     }
-    plain.chars().take(MAX_SHOWN).chain("...".chars()).collect()
+    shown
 }
 
 /// Longest piece of somebody's text that a message repeats, in characters.
@@ -346,6 +356,15 @@ mod tests {
     struct Point {
         #[allow(dead_code)]
         x: Vec<f64>,
+    }
+
+    #[test]
+    fn shows_keys_without_what_would_steer_a_terminal() {
+        let (.., what) = error::<Point>("{\"\\u001b[2J\\n\": 1}");
+        assert_eq!(what, "unknown key `\\u{1b}[2J\\n`, expected `x`");
+        let long = format!("{{\"{}\": 1}}", "ü".repeat(100));
+        let (.., what) = error::<Point>(&long);
+        assert_eq!(what, format!("unknown key `{}..., expected `x`", "ü".repeat(59)));
     }
 
     /// The first letter of what is wrong, whatever `serde_json` had read when it noticed.

@@ -35,7 +35,7 @@ use crate::{
     socket::{SHORT_MESSAGE_BYTES, Server, is_timeout, limit_messages, random},
 };
 
-pub use latency::Latency;
+pub use latency::{Late, Latency};
 
 /// What is simulated, and where.
 #[derive(Clone, Debug)]
@@ -106,9 +106,14 @@ pub struct Report {
     pub cycles: u64,
     /// Cycles in which this simulation was not on time itself, and waited with its clock.
     pub held_up: u64,
+    /// Whether the system lets the simulation's clock run ahead of ordinary threads.
+    pub real_time: bool,
     /// From a message to its answer.
     pub latency: Latency,
-    /// Messages without an answer before the next one was due.
+    /// Answers that came more than a cycle after their messages, the first ten thousand of them.
+    pub late: Vec<Late>,
+    /// Messages that were never answered: a thousand messages later, there was no answer to them. With a
+    /// multiplier above 1 most need none.
     pub unanswered: u64,
     /// The session's state.
     pub session: SessionState,
@@ -139,6 +144,7 @@ struct Network {
     kept_back: std::collections::VecDeque<Vec<u8>>,
     cycles: u64,
     held_up: u64,
+    real_time: bool,
     latency: latency::Watch,
 }
 
@@ -205,6 +211,8 @@ impl Cabinet {
         let mut simulation =
             Simulation::new(config.robot, config.start_rad, fri, config.noise_rad, random());
         simulation.press_emergency_stop_at(config.faults.emergency_stop_at);
+        let period =
+            Duration::from_millis(u64::from(config.period_ms)).div_f64(config.speed.max(1e-3));
         let shared = Arc::new(Shared {
             simulation: Mutex::new(simulation),
             network: Mutex::new(Network {
@@ -213,14 +221,13 @@ impl Cabinet {
                 kept_back: std::collections::VecDeque::new(),
                 cycles: 0,
                 held_up: 0,
-                latency: latency::Watch::default(),
+                real_time: false,
+                latency: latency::Watch::new(period),
             }),
             over: AtomicBool::new(false),
             silent_until_ms: AtomicU64::new(0),
             started: Instant::now(),
         });
-        let period =
-            Duration::from_millis(u64::from(config.period_ms)).div_f64(config.speed.max(1e-3));
         let client = config.fri_client;
         let mut cabinet =
             Self { instructions: instructions_at, state: state_at, shared, threads: Vec::new() };
@@ -295,7 +302,9 @@ impl Cabinet {
         Report {
             cycles: network.cycles,
             held_up: network.held_up,
+            real_time: network.real_time,
             latency: network.latency.latency().clone(),
+            late: network.latency.late().to_vec(),
             unanswered: network.latency.unanswered(),
             session,
             quality,
@@ -333,7 +342,8 @@ impl Shared {
 /// The controller's clock: a cycle each `period`. When this machine holds it up for more than that, it
 /// waits, as if nothing had been: robot time has no gaps.
 fn run_clock(shared: &Shared, udp: &UdpSocket, client: SocketAddr, period: Duration) {
-    crate::priority::raise();
+    let real_time = crate::priority::raise();
+    lock(&shared.network).real_time = real_time;
     let mut next = Instant::now() + period;
     let mut message = Vec::with_capacity(1500);
     while !shared.is_over() {
@@ -411,7 +421,7 @@ fn take_answers(shared: &Shared, udp: &UdpSocket, client: SocketAddr) {
 fn take_instructions(shared: &Shared, socket: &zmq::Socket, robot: &Robot) {
     while !shared.is_over() {
         match socket.poll(zmq::POLLIN, AWAKE_MS) {
-            Ok(0) => continue,
+            Ok(0) | Err(zmq::Error::EINTR) => continue,
             Ok(_) => {}
             Err(_) => return,
         }

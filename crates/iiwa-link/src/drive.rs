@@ -11,6 +11,7 @@
 
 mod desk;
 mod fri;
+mod punctuality;
 
 use std::{
     net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket},
@@ -29,6 +30,7 @@ use crate::{
     drive::{
         desk::{Desk, Output},
         fri::{Event, FriThread, Order},
+        punctuality::Account,
     },
     error::LinkError,
     message::MAX_MESSAGE_BYTES,
@@ -36,6 +38,8 @@ use crate::{
     security::GuardedSocket,
     socket::{Remote, SHORT_MESSAGE_BYTES, Server, limit_messages, random},
 };
+
+pub use punctuality::Punctuality;
 
 /// Where a drive listens, and to what it connects.
 #[derive(Clone, Debug)]
@@ -77,10 +81,13 @@ pub struct Drive {
     instructions: String,
     stream: String,
     fri: SocketAddr,
+    account: Arc<Account>,
     threads: Vec<JoinHandle<()>>,
 }
 
-/// Most messages that wait for a subscriber: at 1 ms, two seconds.
+/// Most messages that wait for a subscriber: at 1 ms, two seconds, which take about 1 MB. Beyond that the
+/// subscriber loses what is published, and nobody else does. One that takes nothing for longer than a
+/// heartbeat's timeout is disconnected, and what waits for it goes.
 const STREAM_BACKLOG: i32 = 2000;
 
 impl Drive {
@@ -124,6 +131,7 @@ impl Drive {
             instructions,
             stream: stream_at,
             fri: udp.local_addr().map_err(udp_error)?,
+            account: Arc::default(),
             threads: Vec::new(),
         };
         let fri = FriThread {
@@ -132,6 +140,7 @@ impl Drive {
             stream,
             orders: orders_in,
             events: events_out,
+            account: Arc::clone(&drive.account),
         };
         drive.spawn("drive FRI", move |over| fri.run(over))?;
         drive.spawn("drive state", move |over| hear_state(over, &state, &changes_out))?;
@@ -177,6 +186,12 @@ impl Drive {
     #[must_use]
     pub fn fri(&self) -> SocketAddr {
         self.fri
+    }
+
+    /// Whether the controller's messages were answered in time so far.
+    #[must_use]
+    pub fn punctuality(&self) -> Punctuality {
+        self.account.read()
     }
 }
 

@@ -36,9 +36,9 @@ mod socket;
 mod stream;
 mod timed_joints;
 
-pub use cabinet::{Cabinet, CabinetConfig, Faults, Latency, Report};
+pub use cabinet::{Cabinet, CabinetConfig, Faults, Late, Latency, Report};
 pub use client::{Client, ClientError};
-pub use drive::{Drive, DriveConfig};
+pub use drive::{Drive, DriveConfig, Punctuality};
 pub use error::LinkError;
 pub use socket::{Remote, Server};
 pub use stream::{Published, Stream};

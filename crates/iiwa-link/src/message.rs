@@ -7,8 +7,11 @@ use iiwa_kin::{
     json::{Object, Place, problem},
 };
 use iiwa_path::Motion;
-use serde::{Deserialize, Deserializer, Serialize, de::DeserializeOwned};
-use serde_json::{Number, value::RawValue};
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{DeserializeOwned, Visitor},
+};
+use serde_json::value::RawValue;
 
 use crate::timed_joints::TimedJoints;
 
@@ -74,13 +77,12 @@ impl Request {
     ///
     /// [`Code::BadRequest`] that says what is wrong and where, with the id as far as it can be read.
     pub fn from_json(bytes: &[u8]) -> (Option<Id>, Result<Self, Refusal>) {
-        let text = match str::from_utf8(bytes) {
-            Ok(text) => text,
-            Err(_) => return (None, Err(Refusal::bad("the request is not text in UTF-8"))),
+        let Ok(text) = str::from_utf8(bytes) else {
+            return (None, Err(Refusal::bad("the request is not text in UTF-8")));
         };
         let head = match serde_json::from_str::<Object<Head>>(text) {
             Ok(Object(head)) => head,
-            Err(error) => return (None, Err(bad_json(text, &error))),
+            Err(error) => return (id_of(text), Err(bad_json(text, &error))),
         };
         (head.id, Self::of_type(head.r#type.as_deref(), text))
     }
@@ -158,14 +160,28 @@ pub(crate) fn bad_json(text: &str, error: &serde_json::Error) -> Refusal {
     Refusal::bad(format!("{}, at {}", problem(error), Place::of_error(text, text, error)))
 }
 
-/// The beginning of somebody's text, for messages.
+/// The beginning of somebody's text, for messages; what is not ASCII is escaped.
 pub(crate) fn shortened(text: &str) -> String {
     const MOST: usize = 60;
-    let mut shown: String = text.chars().take(MOST).flat_map(char::escape_default).collect();
-    if text.chars().nth(MOST).is_some() {
-        shown.push_str("...");
+    let mut shown = String::new();
+    for letter in text.chars() {
+        if shown.len() >= MOST {
+            shown.push_str("...");
+            break;
+        }
+        shown.extend(letter.escape_default());
     }
     shown
+}
+
+/// A number in messages, with so many decimals; one of many digits with a power of ten.
+pub(crate) struct Figures(pub(crate) f64, pub(crate) usize);
+
+impl fmt::Display for Figures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value, decimals) = self;
+        if value.abs() < 1e9 { write!(f, "{value:.decimals$}") } else { write!(f, "{value:.3e}") }
+    }
 }
 
 fn only<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
@@ -179,8 +195,23 @@ fn only<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
 struct Head {
     #[serde(default)]
     r#type: Option<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "given")]
     id: Option<Id>,
+}
+
+/// An id of `null` is one, too.
+fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Id>, D::Error> {
+    Id::deserialize(deserializer).map(Some)
+}
+
+/// The id of a request in which something else is wrong.
+fn id_of(text: &str) -> Option<Id> {
+    #[derive(Deserialize)]
+    struct OnlyId {
+        #[serde(default, deserialize_with = "given")]
+        id: Option<Id>,
+    }
+    serde_json::from_str::<Object<OnlyId>>(text).ok().and_then(|Object(only)| only.id)
 }
 
 /// What each request may have beside its own keys.
@@ -228,20 +259,26 @@ pub enum IoValue {
 
 impl<'de> Deserialize<'de> for IoValue {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged, expecting = "a value is true, false or a number")]
-        enum Wire {
-            Boolean(bool),
-            Number(Number),
+        struct OfValue;
+        impl Visitor<'_> for OfValue {
+            type Value = IoValue;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("true, false or a number")
+            }
+            fn visit_bool<E>(self, value: bool) -> Result<IoValue, E> {
+                Ok(IoValue::Boolean(value))
+            }
+            fn visit_u64<E>(self, value: u64) -> Result<IoValue, E> {
+                Ok(IoValue::Digital(value))
+            }
+            fn visit_i64<E>(self, value: i64) -> Result<IoValue, E> {
+                Ok(IoValue::Analog(value as f64))
+            }
+            fn visit_f64<E>(self, value: f64) -> Result<IoValue, E> {
+                Ok(IoValue::Analog(value))
+            }
         }
-        Ok(match Wire::deserialize(deserializer)? {
-            Wire::Boolean(value) => Self::Boolean(value),
-            Wire::Number(number) => match number.as_u64() {
-                Some(value) => Self::Digital(value),
-                // Numbers out of range have been refused before.
-                None => Self::Analog(number.as_f64().unwrap_or_default()),
-            },
-        })
+        deserializer.deserialize_any(OfValue)
     }
 }
 
@@ -250,6 +287,10 @@ impl fmt::Display for IoValue {
         match self {
             Self::Boolean(value) => value.fmt(f),
             Self::Digital(value) => value.fmt(f),
+            // Not with hundreds of digits.
+            Self::Analog(value) if value.abs() >= 1e16 || value.abs() < 1e-5 && *value != 0.0 => {
+                write!(f, "{value:e}")
+            }
             Self::Analog(value) => value.fmt(f),
         }
     }

@@ -9,7 +9,7 @@ use iiwa_kin::json::Object;
 use iiwa_path::Motion;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use crate::message::{DriveState, IoValue, Refusal, Sensors, bad_json, to_json};
+use crate::message::{DriveState, IoValue, Refusal, Sensors, bad_json, shortened, to_json};
 
 /// The number of a run.
 pub(crate) type RunId = u64;
@@ -95,7 +95,12 @@ impl Instruction {
                 let Valued { name, value } = read(text)?;
                 Self::SetIo { name, value }
             }
-            _ => return Err(Refusal::bad("the robot program does not know this instruction")),
+            other => {
+                return Err(Refusal::bad(format!(
+                    "the robot program does not know the instruction `{}`",
+                    shortened(other)
+                )));
+            }
         })
     }
 }

@@ -185,7 +185,10 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
             Ok(Motion::Wait { seconds: wire.seconds })
         }
         Some(other) => {
-            let other: String = other.chars().take(MAX_SHOWN).collect();
+            let shown = other.chars().take(MAX_SHOWN);
+            // Without what would do something to a terminal.
+            let other: String =
+                shown.map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
             let what = format!("unknown type `{other}`; `ptp` and `wait` are known");
             Err(wrong(what, Some("type")))
         }

@@ -33,49 +33,117 @@ impl Latency {
     }
 }
 
+/// An answer that came more than a cycle after its message was sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Late {
+    /// When the message was sent.
+    pub sent: Instant,
+    /// When the answer came.
+    pub answered: Instant,
+}
+
+/// Most late answers that are kept.
+const MOST_LATE: usize = 10_000;
+
 /// Holds messages and answers together.
 #[derive(Debug)]
 pub(super) struct Watch {
-    /// The last messages: counter, and when they were sent, until they are answered.
-    sent: [Option<(u32, Instant)>; 64],
-    next: usize,
+    /// The last messages, each in the place that its counter gives it, until they are answered.
+    sent: Box<[Option<Sent>]>,
+    /// An answer that takes longer is late.
+    cycle: Duration,
+    late: Vec<Late>,
     unanswered: u64,
     latency: Latency,
 }
 
-impl Default for Watch {
-    fn default() -> Self {
-        Self { sent: [None; 64], next: 0, unanswered: 0, latency: Latency::default() }
-    }
+#[derive(Clone, Copy, Debug)]
+struct Sent {
+    sequence: u32,
+    at: Instant,
 }
 
+/// How many messages an answer may come late and still be timed: a power of two, so that counters that
+/// wrap around keep their places.
+const REMEMBERED: usize = 1024;
+
 impl Watch {
+    pub(super) fn new(cycle: Duration) -> Self {
+        let sent = vec![None; REMEMBERED].into();
+        Self { sent, cycle, late: Vec::new(), unanswered: 0, latency: Latency::default() }
+    }
+
     pub(super) fn sent(&mut self, datagram: &[u8], now: Instant) {
         let Ok(message) = Format::V1.decode_monitoring(datagram) else { return };
-        let slot = &mut self.sent[self.next];
-        self.unanswered += u64::from(slot.is_some());
-        *slot = Some((message.sequence, now));
-        self.next = (self.next + 1) % self.sent.len();
+        let sent = Sent { sequence: message.sequence, at: now };
+        let before = self.place(message.sequence).replace(sent);
+        self.unanswered += u64::from(before.is_some());
     }
 
     pub(super) fn answered(&mut self, datagram: &[u8], now: Instant) {
         let Ok(answer) = Format::V1.decode_command(datagram) else { return };
-        let of = |slot: &&mut Option<(u32, Instant)>| {
-            slot.is_some_and(|(sequence, _)| sequence == answer.reflected)
-        };
-        if let Some((_, at)) = self.sent.iter_mut().find(of).and_then(Option::take)
-            && self.latency.nanoseconds.len() < MOST
-        {
-            let time = now.duration_since(at).as_nanos();
+        let place = self.place(answer.reflected);
+        let Some(sent) = place.take_if(|sent| sent.sequence == answer.reflected) else { return };
+        let time = now.duration_since(sent.at);
+        if time > self.cycle && self.late.len() < MOST_LATE {
+            self.late.push(Late { sent: sent.at, answered: now });
+        }
+        if self.latency.nanoseconds.len() < MOST {
+            let time = time.as_nanos();
             self.latency.nanoseconds.push(u32::try_from(time).unwrap_or(u32::MAX));
         }
+    }
+
+    fn place(&mut self, sequence: u32) -> &mut Option<Sent> {
+        &mut self.sent[sequence as usize % REMEMBERED]
     }
 
     pub(super) fn latency(&self) -> &Latency {
         &self.latency
     }
 
+    pub(super) fn late(&self) -> &[Late] {
+        &self.late
+    }
+
     pub(super) fn unanswered(&self) -> u64 {
         self.unanswered
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fri::{Command, Monitoring};
+
+    #[test]
+    fn tells_punctual_late_and_missing_answers_apart() {
+        let mut watch = Watch::new(Duration::from_millis(10));
+        let start = Instant::now();
+        let ms = |ms: u64| start + Duration::from_millis(ms);
+        let mut bytes = Vec::new();
+        let first = u32::MAX - 1;
+        for i in 0..REMEMBERED as u32 + 4 {
+            let sequence = first.wrapping_add(i);
+            let message = Monitoring { sequence, ..Monitoring::default() };
+            Format::V1.encode_monitoring(&message, &mut bytes);
+            let at = 10 * u64::from(i);
+            watch.sent(&bytes, ms(at));
+            // The second answer is late, the third and the last four never come; all come twice.
+            let after = [4, 14].get(i as usize).copied().unwrap_or(6);
+            if i == 2 || i >= REMEMBERED as u32 {
+                continue;
+            }
+            Format::V1
+                .encode_command(&Command { reflected: sequence, ..Command::default() }, &mut bytes);
+            watch.answered(&bytes, ms(at + after));
+            watch.answered(&bytes, ms(at + after + 1));
+        }
+        assert_eq!(watch.late(), [Late { sent: ms(10), answered: ms(24) }]);
+        assert_eq!(watch.unanswered(), 1);
+        let latency = watch.latency();
+        assert_eq!(latency.count(), REMEMBERED - 1);
+        let quantiles = [0.0, 0.5, 1.0].map(|share| latency.quantile(share).unwrap().as_millis());
+        assert_eq!(quantiles, [4, 6, 14]);
     }
 }

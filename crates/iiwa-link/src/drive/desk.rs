@@ -49,8 +49,8 @@ pub(super) struct Desk<C> {
     program_lost: bool,
     seq: u64,
     next_run: RunId,
-    /// Instructions that are still to be sent.
-    waiting: VecDeque<(Instruction, Purpose<C>)>,
+    /// Instructions that are still to be sent, and since when they are.
+    waiting: VecDeque<(Instruction, Purpose<C>, Instant)>,
     /// The one that is not acknowledged yet.
     in_flight: Option<(u64, Instant, Purpose<C>)>,
     /// A run that was given up: should the robot program begin it later, it is to be stopped.
@@ -68,12 +68,12 @@ struct Running<C> {
     kind: DriveState,
     run: RunId,
     asked: Asked<C>,
+    /// When the robot program has taken it on.
+    begun: Option<Instant>,
     /// Clients that wait for it to stop.
     stoppers: Vec<Asked<C>>,
     samples: Samples,
     samples_left_out: u64,
-    /// The robot program has taken it.
-    taken: bool,
     /// How a trajectory went on this side.
     commanded: Option<Commanded>,
     /// How it ended, and until when samples up to there are waited for.
@@ -96,11 +96,19 @@ struct Ended {
 /// What an instruction is for.
 enum Purpose<C> {
     /// A client waits for what it brings.
-    Ask(Asked<C>),
+    Ask(Asked<C>, Wanted),
     /// It begins the run.
     Begin(RunId),
     /// It stops or ends a run.
     End,
+}
+
+/// What an acknowledgement is to bring.
+#[derive(Clone, Copy)]
+enum Wanted {
+    Nothing,
+    Value,
+    Sensors,
 }
 
 /// Most samples that are kept of a run: half an hour at 1 ms.
@@ -114,6 +122,9 @@ const ACKNOWLEDGED_WITHIN: Duration = Duration::from_secs(2);
 
 /// How long motions may take to be acknowledged: they are planned before.
 const PLANNED_WITHIN: Duration = Duration::from_mins(1);
+
+/// How long the robot program may not yet know of a run that it has taken on.
+const KNOWN_WITHIN: Duration = Duration::from_secs(2);
 
 /// How long the robot program may keep silent, which says its state twice a second.
 const PROGRAM_SILENT: Duration = Duration::from_secs(3);
@@ -176,12 +187,17 @@ impl<C> Desk<C> {
                         self.begin_trajectory(asked, trajectory, now);
                     }
                     Request::GetIo { name } => {
-                        self.instruct(Instruction::GetIo { name }, Purpose::Ask(asked), now);
+                        let purpose = Purpose::Ask(asked, Wanted::Value);
+                        self.instruct(Instruction::GetIo { name }, purpose, now);
                     }
                     Request::SetIo { name, value } => {
-                        self.instruct(Instruction::SetIo { name, value }, Purpose::Ask(asked), now);
+                        let purpose = Purpose::Ask(asked, Wanted::Value);
+                        self.instruct(Instruction::SetIo { name, value }, purpose, now);
                     }
-                    _ => self.instruct(Instruction::ReadSensors, Purpose::Ask(asked), now),
+                    _ => {
+                        let purpose = Purpose::Ask(asked, Wanted::Sensors);
+                        self.instruct(Instruction::ReadSensors, purpose, now);
+                    }
                 }
             }
         }
@@ -211,7 +227,7 @@ impl<C> Desk<C> {
             }
             // What was running before this drive was started.
             State::Idle if state != DriveState::Idle => {
-                self.instruct(Instruction::Stop, Purpose::Ask(asked), now);
+                self.instruct(Instruction::Stop, Purpose::Ask(asked, Wanted::Nothing), now);
             }
             State::Idle => self.reply(asked, Ok(None)),
         }
@@ -341,10 +357,10 @@ impl<C> Desk<C> {
             kind,
             run,
             asked,
+            begun: None,
             stoppers: Vec::new(),
             samples: Samples::default(),
             samples_left_out: 0,
-            taken: false,
             commanded: None,
             ended: None,
         };
@@ -360,11 +376,11 @@ impl<C> Desk<C> {
 
     fn instruct(&mut self, instruction: Instruction, purpose: Purpose<C>, now: Instant) {
         match purpose {
-            Purpose::Ask(asked) if self.waiting.len() >= MOST_WAITING => {
+            Purpose::Ask(asked, _) if self.waiting.len() >= MOST_WAITING => {
                 let error = "too many requests wait for the robot program";
                 return self.reply(asked, Err(Refusal::robot(error)));
             }
-            purpose => self.waiting.push_back((instruction, purpose)),
+            purpose => self.waiting.push_back((instruction, purpose, now)),
         }
         self.send_next(now);
     }
@@ -373,7 +389,7 @@ impl<C> Desk<C> {
         if self.in_flight.is_some() {
             return;
         }
-        let Some((instruction, purpose)) = self.waiting.pop_front() else { return };
+        let Some((instruction, purpose, _)) = self.waiting.pop_front() else { return };
         self.seq += 1;
         let within = match instruction {
             Instruction::RunMotions { .. } => PLANNED_WITHIN,
@@ -388,20 +404,22 @@ impl<C> Desk<C> {
         let waited_for = |(seq, ..): &mut (u64, _, _)| answer.seq == Some(*seq);
         let Some((_, _, purpose)) = self.in_flight.take_if(waited_for) else { return };
         match (purpose, answer.error) {
-            (Purpose::Ask(asked), Some(error)) => self.reply(asked, Err(error)),
-            (Purpose::Ask(asked), None) => {
-                let body = match (answer.sensors, answer.value) {
-                    (Some(sensors), _) => Some(Body::Sensors { sensors }),
-                    (None, value) => value.map(|value| Body::Value { value }),
+            (Purpose::Ask(asked, _), Some(error)) => self.reply(asked, Err(error)),
+            (Purpose::Ask(asked, wanted), None) => {
+                let brought = match (wanted, answer.sensors, answer.value) {
+                    (Wanted::Nothing, ..) => Ok(None),
+                    (Wanted::Sensors, Some(sensors), _) => Ok(Some(Body::Sensors { sensors })),
+                    (Wanted::Value, _, Some(value)) => Ok(Some(Body::Value { value })),
+                    _ => Err(Refusal::robot("the robot program's answer lacks what was asked for")),
                 };
-                self.reply(asked, Ok(body));
+                self.reply(asked, brought);
             }
             (Purpose::Begin(run), Some(error)) => self.fail(run, error, now),
             (Purpose::Begin(run), None) => {
                 if let State::Running(running) = &mut self.state
                     && running.run == run
                 {
-                    running.taken = true;
+                    running.begun = Some(now);
                 }
             }
             (Purpose::End, _) => {}
@@ -417,11 +435,15 @@ impl<C> Desk<C> {
             match &change.outcome {
                 Some(outcome) if outcome.run == run => {
                     let ahead_s = self.heard.map_or(0.0, |heard| heard.clock_ahead_s);
-                    running.taken = true;
+                    running.begun.get_or_insert(now);
                     running.end(outcome, ahead_s, now);
                 }
                 _ if restarted => {
                     let error = "the robot program was started again in the middle of the run";
+                    self.fail(run, Refusal::robot(error), now);
+                }
+                _ if change.run != Some(run) && running.is_forgotten(now) => {
+                    let error = "the robot program does not know of the run any more";
                     self.fail(run, Refusal::robot(error), now);
                 }
                 _ => {}
@@ -433,6 +455,7 @@ impl<C> Desk<C> {
         };
         if let (DriveState::RunningTrajectory, Some(run)) = (change.state, change.run)
             && own != Some(run)
+            && !self.is_ending()
         {
             // The drive that fed it is gone.
             self.instruct(Instruction::EndTrajectory { run }, Purpose::End, now);
@@ -447,6 +470,13 @@ impl<C> Desk<C> {
         }
         self.program = Some((change, now));
         self.tick(now);
+    }
+
+    /// Whether the robot program is already being told to end something.
+    fn is_ending(&self) -> bool {
+        let waiting = self.waiting.iter().map(|(_, purpose, _)| purpose);
+        let in_flight = self.in_flight.iter().map(|(.., purpose)| purpose);
+        waiting.chain(in_flight).any(|purpose| matches!(purpose, Purpose::End))
     }
 
     /// The FRI thread has told something.
@@ -496,12 +526,11 @@ impl<C> Desk<C> {
     pub(super) fn tick(&mut self, now: Instant) {
         if let Some((_, _, purpose)) = self.in_flight.take_if(|(_, until, _)| *until <= now) {
             self.outputs.push(Output::Reconnect);
-            let error = Refusal::new(Code::Timeout, "the robot program did not answer in time");
             match purpose {
-                Purpose::Ask(asked) => self.reply(asked, Err(error)),
+                Purpose::Ask(asked, _) => self.reply(asked, Err(unanswered())),
                 Purpose::Begin(run) => {
                     self.given_up = Some(run);
-                    self.fail(run, error, now);
+                    self.fail(run, unanswered(), now);
                 }
                 Purpose::End => {}
             }
@@ -536,6 +565,22 @@ impl<C> Desk<C> {
             }
         }
         self.send_next(now);
+        self.refuse_waiting(now);
+    }
+
+    /// Refuses what has waited for too long: clients give it up, and it is not to be done behind their
+    /// backs.
+    fn refuse_waiting(&mut self, now: Instant) {
+        for (instruction, purpose, since) in std::mem::take(&mut self.waiting) {
+            match purpose {
+                Purpose::Ask(asked, _)
+                    if now.saturating_duration_since(since) >= ACKNOWLEDGED_WITHIN =>
+                {
+                    self.reply(asked, Err(unanswered()));
+                }
+                purpose => self.waiting.push_back((instruction, purpose, since)),
+            }
+        }
     }
 
     /// A run has failed, or never begun.
@@ -572,7 +617,7 @@ impl<C> Desk<C> {
             samples,
             samples_left_out: running.samples_left_out,
         };
-        if running.taken {
+        if running.begun.is_some() {
             self.last_run = Some((run.clone(), error.clone()));
         }
         let reply = Reply { id: running.asked.id, error, body: Some(Body::Run(run)) };
@@ -593,6 +638,10 @@ impl<C> Desk<C> {
     }
 }
 
+fn unanswered() -> Refusal {
+    Refusal::new(Code::Timeout, "the robot program did not answer in time")
+}
+
 /// The name of a session of which nothing is heard.
 const SILENT: &str = "silent";
 
@@ -604,6 +653,11 @@ impl<C> Running<C> {
         } else {
             self.samples_left_out += 1;
         }
+    }
+
+    /// The robot program took it on, long enough ago to have said so in its states.
+    fn is_forgotten(&self, now: Instant) -> bool {
+        self.begun.is_some_and(|begun| now.saturating_duration_since(begun) > KNOWN_WITHIN)
     }
 
     /// The robot program has ended the run; its clock is `ahead_s` ahead of the stream's.

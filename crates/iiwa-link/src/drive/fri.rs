@@ -5,8 +5,10 @@
 //! looks into once a cycle.
 
 use std::{
+    io::ErrorKind,
     net::{IpAddr, UdpSocket},
     sync::{
+        Arc,
         atomic::{AtomicBool, Ordering},
         mpsc::{Receiver, Sender},
     },
@@ -16,6 +18,7 @@ use std::{
 use iiwa_kin::Joints;
 use serde::Serialize;
 
+use super::punctuality::Account;
 use crate::{
     fri::{Client, Format, Monitoring, Quality, Received, Safety, SessionState},
     message::{DriveState, Refusal},
@@ -124,6 +127,7 @@ pub(super) struct FriThread {
     pub(super) stream: GuardedSocket,
     pub(super) orders: Receiver<Order>,
     pub(super) events: Sender<Event>,
+    pub(super) account: Arc<Account>,
 }
 
 /// How often the thread looks for orders while the controller is silent.
@@ -132,8 +136,8 @@ pub(super) const AWAKE: Duration = Duration::from_millis(20);
 impl FriThread {
     /// Answers until `over`.
     pub(super) fn run(self, over: &AtomicBool) {
-        crate::priority::raise();
-        let Self { udp, cabinet, stream, orders, events } = self;
+        let Self { udp, cabinet, stream, orders, events, account } = self;
+        account.raised(crate::priority::raise());
         let mut line =
             Line { client: Client::new(Format::V1), clock: Clock::default(), stream, events };
         let mut task = Task::Nothing;
@@ -173,6 +177,7 @@ impl FriThread {
             if from.ip() != cabinet {
                 continue;
             }
+            let read_at = Instant::now();
             match line.client.receive(&buffer[..length]) {
                 Ok(Received::New) => {}
                 Ok(Received::Restarted) => line.clock.restart(),
@@ -182,13 +187,17 @@ impl FriThread {
                     continue;
                 }
             }
+            account.received();
             let Some(message) = line.client.latest().cloned() else { continue };
             let t_s = line.clock.stream_s(&message);
             let (next, setpoint) = step(task, &message, t_s, &line.events);
             task = next;
             if line.client.answer(setpoint.as_ref(), &mut answer) {
+                // Not asked afterwards: the answer may wake others who run first then.
+                let is_behind = is_next_there(&udp, cabinet);
                 // The controller counts what does not arrive.
                 let _ = udp.send_to(&answer, from);
+                account.answered(read_at.elapsed(), is_behind);
             }
             // All else comes after the answer.
             if let Some(joints_rad) = message.measured_rad.or(last_rad) {
@@ -197,6 +206,21 @@ impl FriThread {
             }
         }
     }
+}
+
+/// Whether the controller's next message has come in already.
+fn is_next_there(udp: &UdpSocket, cabinet: IpAddr) -> bool {
+    // A moment's look: nobody else uses the socket, which waits otherwise.
+    if udp.set_nonblocking(true).is_err() {
+        return false;
+    }
+    let is_there = match udp.peek_from(&mut [0; 64]) {
+        Ok((_, from)) => from.ip() == cabinet,
+        // Some systems say so of a message longer than the buffer.
+        Err(error) => !matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted),
+    };
+    let _ = udp.set_nonblocking(false);
+    is_there
 }
 
 /// As near as this the robot has got the last set-point, in rad.

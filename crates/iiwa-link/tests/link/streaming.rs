@@ -1,0 +1,126 @@
+//! Subscribers get every message, and one that sleeps takes nothing from the others.
+//!
+//! What waits for a sleeper is bounded: by what its own socket takes, here next to nothing, by the
+//! system's buffers, and by the drive's high-water mark of 2000 messages, about 1 MB. The drive drops what
+//! is published beyond that for this subscriber, and lets go of it and of all that waits when it has
+//! shown no sign of life for some seconds.
+
+use std::time::{Duration, Instant};
+
+use iiwa_link::{Published, Stream};
+use serde::Deserialize;
+
+use crate::rig::{LONG, Rig, wait_for};
+
+/// Those that keep awake.
+const LIVE: usize = 9;
+const PERIOD_S: f64 = 0.001;
+/// Longer than the drive waits for a sign of a subscriber (4 s), and than what it keeps for one (2 s).
+const ASLEEP: Duration = Duration::from_secs(6);
+
+/// A subscriber that keeps next to nothing by itself.
+fn sleeper(rig: &Rig) -> zmq::Socket {
+    let socket = zmq::Context::new().socket(zmq::SUB).unwrap();
+    socket.set_rcvhwm(1).unwrap();
+    socket.set_rcvbuf(4096).unwrap();
+    socket.set_subscribe(b"joints").unwrap();
+    socket.connect(&rig.drive_config.stream).unwrap();
+    socket
+}
+
+/// The next message's stamp.
+fn take(sleeper: &zmq::Socket) -> Option<f64> {
+    #[derive(Deserialize)]
+    struct Stamp {
+        t_s: f64,
+    }
+    if sleeper.poll(zmq::POLLIN, LONG.as_millis() as i64).unwrap() == 0 {
+        return None;
+    }
+    let frames = sleeper.recv_multipart(zmq::DONTWAIT).unwrap();
+    Some(serde_json::from_slice::<Stamp>(&frames[1]).unwrap().t_s)
+}
+
+/// Stamps of what is published, until nothing waits or `enough`.
+fn follow(
+    stream: &mut Stream,
+    stamps: &mut Vec<f64>,
+    patience: Duration,
+    enough: impl Fn(f64) -> bool,
+) {
+    while let Some(published) = stream.next(patience).unwrap() {
+        if let Published::Joints { t_s, .. } = published {
+            stamps.push(t_s);
+            if enough(t_s) {
+                return;
+            }
+        }
+    }
+}
+
+/// Messages between two stamps, both included.
+fn count(first_s: f64, last_s: f64) -> u64 {
+    ((last_s - first_s) / PERIOD_S).round() as u64 + 1
+}
+
+/// Every message was answered, but for those that were lost on the way or while the machine held up even
+/// the controller. The controller is silent afterwards.
+fn assert_answered(rig: &Rig) {
+    rig.cabinet().silence(Duration::from_secs(3600));
+    let drive = rig.drive.as_ref().unwrap();
+    wait_for("the last answer", || {
+        let punctuality = drive.punctuality();
+        punctuality.answered == punctuality.received
+    });
+    let (punctuality, report) = (drive.punctuality(), rig.cabinet().report());
+    let (late, held_up) = (report.late.len(), report.held_up);
+    let lost = rig.client().state().unwrap().fri.lost;
+    println!("{punctuality:?}; {late} late, {lost} lost, {held_up} held up");
+    assert!(report.unanswered <= lost || held_up > 0, "{} unanswered", report.unanswered);
+}
+
+#[test]
+fn a_subscriber_that_sleeps_loses_its_own_messages_only() {
+    let without = Rig::new(1);
+    std::thread::sleep(Duration::from_secs(2));
+    assert_answered(&without);
+    drop(without);
+
+    let rig = Rig::new(1);
+    let asleep = sleeper(&rig);
+    let mut live: Vec<(Stream, Vec<f64>)> = (0..LIVE).map(|_| (rig.stream(), Vec::new())).collect();
+    for (stream, stamps) in &mut live {
+        follow(stream, stamps, LONG, |_| true);
+    }
+    let first_s = take(&asleep).unwrap();
+    let since = Instant::now();
+    while since.elapsed() < ASLEEP {
+        for (stream, stamps) in &mut live {
+            follow(stream, stamps, Duration::ZERO, |_| false);
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+
+    // Awake, it gets what the system's buffers have held, and then what is published now.
+    let awake_s = *live[0].1.last().unwrap();
+    let mut stamps = vec![first_s];
+    while *stamps.last().unwrap() < awake_s + 0.1 {
+        stamps.push(take(&asleep).expect("the sleeper is published to again"));
+    }
+    assert!(stamps.is_sorted_by(|a, b| a < b));
+    let missed = count(first_s, *stamps.last().unwrap()) - stamps.len() as u64;
+    assert!(missed > 100, "it has missed {missed} only");
+
+    // The others have heard all that the drive has, to the last message.
+    assert_answered(&rig);
+    let status = rig.client().state().unwrap();
+    let last_s = status.t_s.unwrap();
+    for (stream, stamps) in &mut live {
+        follow(stream, stamps, LONG, |t_s| t_s == last_s);
+        assert!(stamps.is_sorted_by(|a, b| a < b));
+        assert_eq!(*stamps.last().unwrap(), last_s);
+        let missed = count(stamps[0], last_s) - stamps.len() as u64;
+        assert!(missed <= status.fri.lost, "{missed} missed");
+    }
+    println!("{} messages each; the sleeper missed {missed}", live[0].1.len());
+}
