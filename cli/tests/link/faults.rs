@@ -1,6 +1,9 @@
 //! Interrupts, and processes that are killed.
 
-use std::{thread, time::Duration};
+use std::{
+    thread,
+    time::{Duration, Instant},
+};
 
 use predicates::str::contains;
 
@@ -65,17 +68,17 @@ fn an_interrupt_stops_the_move_to_the_start() {
 fn a_killed_recorder_leaves_a_file() {
     let rig = Rig::new();
     let mut recorder = rig.begin("record", &["-o", "r.mcap"]);
-    thread::sleep(Duration::from_secs(2));
+    let last_s = || rig.recording_so_far("r.mcap").last().map(|sample| sample.t_s);
+    wait_for("samples", || last_s().is_some());
+    let (begin, from_s) = (Instant::now(), last_s().unwrap());
+    thread::sleep(Duration::from_millis(2300));
     assert!(!recorder.has_ended());
-    // The robot's clock when the recorder was still there.
-    let recorded = || rig.recording("r.mcap").joint_states.last().unwrap().t_s;
-    let before = rig.json("status", &[])["t_s"].as_f64().unwrap();
+    let recorded_s = begin.elapsed().as_secs_f64();
     recorder.signal("KILL");
-    let after = rig.json("status", &[])["t_s"].as_f64().unwrap();
     assert_eq!(recorder.end().status.code(), None);
-    assert!(recorded() > 0.5 && after - before < 1.0);
-    // It had connected within a moment of the start.
-    assert!(2.0 - recorded() < 1.2, "{} s of 2 s", recorded());
+    let kept_s = rig.recording("r.mcap").joint_states.last().unwrap().t_s - from_s;
+    // A second, and what a busy machine adds.
+    assert!(kept_s > recorded_s - 1.3, "{kept_s} s of {recorded_s} s");
 }
 
 #[test]

@@ -14,12 +14,12 @@ use std::{
 
 use assert_cmd::{assert::Assert, cargo::cargo_bin};
 use iiwa_link::security::has_curve;
-use iiwa_log::Recording;
+use iiwa_log::{JointSample, Recording};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
 /// How long anything may take.
-pub(crate) const LONG: Duration = Duration::from_secs(60);
+pub(crate) const LONG: Duration = Duration::from_mins(1);
 
 /// A process that ends with this value, with files for what it prints.
 pub(crate) struct Process {
@@ -262,6 +262,12 @@ impl Rig {
     /// Reads a file that a command has written.
     pub(crate) fn recording(&self, name: &str) -> Recording {
         Recording::from_bytes(&fs::read(self.path(name)).unwrap()).unwrap()
+    }
+
+    /// What is in a file that is being written; nothing before it is there.
+    pub(crate) fn recording_so_far(&self, name: &str) -> Vec<JointSample> {
+        let bytes = fs::read(self.path(name)).unwrap_or_default();
+        Recording::from_bytes(&bytes).map(|recording| recording.joint_states).unwrap_or_default()
     }
 
     /// Where joint 1 is, in rad; NaN as long as that is unknown.
