@@ -9,9 +9,12 @@
 //! Clients speak to it through a ROUTER socket, so that one can ask for the state, or stop a motion,
 //! while another waits for its end.
 
+mod clock;
 mod desk;
 mod fri;
 mod punctuality;
+mod run;
+mod setpoints;
 
 use std::{
     net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket},

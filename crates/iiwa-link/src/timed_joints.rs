@@ -100,8 +100,9 @@ impl TimedJoints {
         let start = &self.joints_rad[0];
         let off = |j: &usize| (start[*j] - start_rad[*j]).abs();
         let worst = (0..7).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
-        // Not `>`: what is no number is near nothing.
-        if !(off(&worst) <= START_TOLERANCE_RAD) {
+        // What is no number is near nothing.
+        let is_near = off(&worst) <= START_TOLERANCE_RAD;
+        if !is_near {
             return Err(Refusal::new(
                 Code::StartMismatch,
                 format!(
@@ -156,8 +157,7 @@ impl TimedJoints {
                 self.t_s[i - 1]
             )));
         }
-        // Not `>`: from the least stamp to the largest it is no number of seconds.
-        if !(self.duration_s() <= LONGEST_S) {
+        if self.duration_s() > LONGEST_S {
             return Err(Refusal::bad(format!(
                 "the trajectory takes {} s; a day, {LONGEST_S} s, is the most",
                 Figures(self.duration_s(), 0)

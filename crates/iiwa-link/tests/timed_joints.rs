@@ -1,6 +1,13 @@
 //! Trajectories of clients: what a planner makes is taken, what no robot should do is refused, and
 //! between the points the arm goes where it was planned to.
 
+#![expect(clippy::unwrap_used, clippy::expect_used, reason = "these are tests")]
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "counts are small and positive"
+)]
+
 use std::time::Instant;
 
 use iiwa_kin::{Joints, Robot};
@@ -28,17 +35,16 @@ fn programs() -> impl Strategy<Value = Program> {
             let mut at = start_rad;
             let mut motions: Vec<_> = drafts
                 .into_iter()
-                .map(|((size, by), velocity, acceleration, blend, wait)| match wait {
-                    Some(seconds) => Motion::Wait { seconds },
-                    None => {
-                        at = std::array::from_fn(|j| (at[j] + size * by[j]).clamp(-2.0, 2.0));
-                        let ptp = Ptp {
-                            acceleration_rel: [acceleration; 7],
-                            blend,
-                            ..Ptp::to(at).velocity(velocity)
-                        };
-                        Motion::Ptp(ptp)
+                .map(|((size, by), velocity, acceleration, blend, wait)| {
+                    if let Some(seconds) = wait {
+                        return Motion::Wait { seconds };
                     }
+                    at = std::array::from_fn(|j| (at[j] + size * by[j]).clamp(-2.0, 2.0));
+                    Motion::Ptp(Ptp {
+                        acceleration_rel: [acceleration; 7],
+                        blend,
+                        ..Ptp::to(at).velocity(velocity)
+                    })
                 })
                 .collect();
             for i in 0..motions.len() {
@@ -99,7 +105,7 @@ fn assert_refused(trajectory: &TimedJoints, what: &str) -> Refusal {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn what_is_planned_is_taken(
@@ -270,6 +276,9 @@ impl Ramp {
     }
 }
 
+/// A ramp that reaches so much of one limit.
+type Make<'a> = &'a dyn Fn(f64) -> Ramp;
+
 /// Each limit in turn is exceeded by less and by more than its margin, the others not nearly reached.
 #[test]
 fn each_limit_is_known_to_its_margin() {
@@ -292,7 +301,7 @@ fn each_limit_is_known_to_its_margin() {
             // The wrists are at their full jerk for less than 30 ms: rounding to six decimals explains
             // much of a difference over so short a time.
             let jerk_beyond = if joint < 4 { 1.15 } else { 2.0 };
-            let cases: [(&str, &dyn Fn(f64) -> Ramp, f64, f64); 3] = [
+            let cases: [(&str, Make<'_>, f64, f64); 3] = [
                 ("velocity", &fast, 1.015, 1.025),
                 ("acceleration", &strong, 1.04, 1.06),
                 ("jerk", &jerky, 1.09, jerk_beyond),
@@ -433,6 +442,8 @@ fn assert_told(refusal: &Refusal) {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     #[test]
     fn no_numbers_make_it_panic(
         mut t_s in prop::collection::vec(number(), 0..20),

@@ -9,14 +9,17 @@ use std::{
 use iiwa_kin::Robot;
 use iiwa_path::{Motion, Path, Program};
 
-use super::fri::{Event, Heard, Order};
+use super::{
+    fri::{Event, Heard, Order},
+    run::{Left, Running},
+    setpoints::Over,
+};
 use crate::{
     fri::{Quality, Safety, SessionState},
     message::{
-        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Request, Run, Samples,
-        Status,
+        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Request, Run, Status,
     },
-    robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
+    robot_program::{Acknowledgement, Instruction, RunId, StateChange},
     timed_joints::TimedJoints,
 };
 
@@ -61,36 +64,7 @@ pub(super) struct Desk<C> {
 
 enum State<C> {
     Idle,
-    Running(Box<Running<C>>),
-}
-
-struct Running<C> {
-    kind: DriveState,
-    run: RunId,
-    asked: Asked<C>,
-    /// When the robot program has taken it on.
-    begun: Option<Instant>,
-    /// Clients that wait for it to stop.
-    stoppers: Vec<Asked<C>>,
-    samples: Samples,
-    samples_left_out: u64,
-    /// How a trajectory went on this side.
-    commanded: Option<Commanded>,
-    /// How it ended, and until when samples up to there are waited for.
-    ended: Option<(Ended, Instant)>,
-}
-
-struct Commanded {
-    start_s: f64,
-    end_s: f64,
-    error: Option<Refusal>,
-}
-
-#[derive(Default)]
-struct Ended {
-    start_s: Option<f64>,
-    end_s: Option<f64>,
-    error: Option<Refusal>,
+    Running(Box<Running<Asked<C>>>),
 }
 
 /// What an instruction is for.
@@ -111,9 +85,6 @@ enum Wanted {
     Sensors,
 }
 
-/// Most samples that are kept of a run: half an hour at 1 ms.
-const MOST_SAMPLES: usize = 1_800_000;
-
 /// Most instructions that wait for those before them.
 const MOST_WAITING: usize = 100;
 
@@ -123,17 +94,11 @@ const ACKNOWLEDGED_WITHIN: Duration = Duration::from_secs(2);
 /// How long motions may take to be acknowledged: they are planned before.
 const PLANNED_WITHIN: Duration = Duration::from_mins(1);
 
-/// How long the robot program may not yet know of a run that it has taken on.
-const KNOWN_WITHIN: Duration = Duration::from_secs(2);
-
 /// How long the robot program may keep silent, which says its state twice a second.
 const PROGRAM_SILENT: Duration = Duration::from_secs(3);
 
 /// How long FRI may keep silent before it counts as such.
 const FRI_SILENT: Duration = Duration::from_millis(500);
-
-/// How long the last samples of a run are waited for.
-const LAST_SAMPLES: Duration = Duration::from_millis(100);
 
 impl<C> Desk<C> {
     /// `first_run` is to be another number each time a drive starts.
@@ -353,21 +318,7 @@ impl<C> Desk<C> {
     fn begin(&mut self, kind: DriveState, asked: Asked<C>) -> RunId {
         let run = self.next_run;
         self.next_run = self.next_run.wrapping_add(1);
-        let mut running = Running {
-            kind,
-            run,
-            asked,
-            begun: None,
-            stoppers: Vec::new(),
-            samples: Samples::default(),
-            samples_left_out: 0,
-            commanded: None,
-            ended: None,
-        };
-        // The motion may begin before the next message comes.
-        if let Some(heard) = &self.heard {
-            running.keep(heard);
-        }
+        let running = Running::new(kind, run, asked, self.heard.as_ref());
         self.state = State::Running(Box::new(running));
         tracing::info!("run {run}: {kind}");
         self.outputs.push(Output::Order(Order::Publish(kind)));
@@ -419,7 +370,7 @@ impl<C> Desk<C> {
                 if let State::Running(running) = &mut self.state
                     && running.run == run
                 {
-                    running.begun = Some(now);
+                    running.take(now);
                 }
             }
             (Purpose::End, _) => {}
@@ -435,7 +386,6 @@ impl<C> Desk<C> {
             match &change.outcome {
                 Some(outcome) if outcome.run == run => {
                     let ahead_s = self.heard.map_or(0.0, |heard| heard.clock_ahead_s);
-                    running.begun.get_or_insert(now);
                     running.end(outcome, ahead_s, now);
                 }
                 _ if restarted => {
@@ -492,15 +442,7 @@ impl<C> Desk<C> {
                     running.keep(&heard);
                 }
             }
-            Event::Ended { start_s, end_s, stopped, .. } => {
-                let error = stopped.map(|[at_s, of_s]| {
-                    Refusal::robot(format!("stopped on request at {at_s:.2} of {of_s:.2} s"))
-                });
-                self.commanded(Commanded { start_s, end_s, error }, now);
-            }
-            Event::Broken { start_s, end_s, error, .. } => {
-                self.commanded(Commanded { start_s, end_s, error: Some(error) }, now);
-            }
+            Event::Over(over) => self.commanded(over, now),
             Event::Discarded => {
                 // It was to be stopped before it began.
                 if let State::Running(running) = &self.state
@@ -514,9 +456,9 @@ impl<C> Desk<C> {
     }
 
     /// A trajectory is over on this side: the robot program is told, and says idle then.
-    fn commanded(&mut self, commanded: Commanded, now: Instant) {
+    fn commanded(&mut self, over: Over, now: Instant) {
         if let State::Running(running) = &mut self.state {
-            running.commanded = Some(commanded);
+            running.commanded = Some(over);
             let run = running.run;
             self.instruct(Instruction::EndTrajectory { run }, Purpose::End, now);
         }
@@ -528,10 +470,7 @@ impl<C> Desk<C> {
             self.outputs.push(Output::Reconnect);
             match purpose {
                 Purpose::Ask(asked, _) => self.reply(asked, Err(unanswered())),
-                Purpose::Begin(run) => {
-                    self.given_up = Some(run);
-                    self.fail(run, unanswered(), now);
-                }
+                Purpose::Begin(run) => self.fail(run, unanswered(), now),
                 Purpose::End => {}
             }
         }
@@ -540,28 +479,17 @@ impl<C> Desk<C> {
             self.program_lost = true;
             tracing::warn!("the robot program is silent");
         }
-        if let State::Running(running) = &mut self.state {
-            match &running.ended {
-                None if lost => {
-                    let run = running.run;
-                    self.given_up = Some(run);
-                    self.outputs.push(Output::Reconnect);
-                    self.in_flight = None;
-                    self.fail(
-                        run,
-                        Refusal::robot("the robot program does not answer any more"),
-                        now,
-                    );
+        if let State::Running(running) = &self.state {
+            if running.is_complete(self.heard.as_ref(), now) {
+                self.finish();
+            } else if lost && !running.has_ended() {
+                let run = running.run;
+                self.outputs.push(Output::Reconnect);
+                if let Some((_, _, Purpose::Ask(asked, _))) = self.in_flight.take() {
+                    self.reply(asked, Err(unanswered()));
                 }
-                Some((ended, until)) => {
-                    let complete = ended
-                        .end_s
-                        .is_none_or(|end_s| self.heard.is_some_and(|heard| heard.t_s >= end_s));
-                    if complete || now >= *until {
-                        self.finish();
-                    }
-                }
-                None => {}
+                let error = Refusal::robot("the robot program does not answer any more");
+                self.fail(run, error, now);
             }
         }
         self.send_next(now);
@@ -588,10 +516,13 @@ impl<C> Desk<C> {
         if let State::Running(running) = &mut self.state
             && running.run == run
         {
-            running
-                .ended
-                .get_or_insert((Ended { start_s: None, end_s: None, error: Some(error) }, now));
+            running.fail(error, now);
             self.finish();
+            // It is not to begin any more; if it does, or has, it is stopped.
+            self.waiting.retain(
+                |(_, purpose, _)| !matches!(purpose, Purpose::Begin(other) if *other == run),
+            );
+            self.given_up = Some(run);
         }
     }
 
@@ -603,26 +534,18 @@ impl<C> Desk<C> {
         if running.kind == DriveState::RunningTrajectory {
             self.outputs.push(Output::Order(Order::Release));
         }
-        let ended = running.ended.map(|(ended, _)| ended);
-        let Ended { start_s, end_s, error } = ended.unwrap_or_default();
+        let number = running.run;
+        let Left { run, error, was_taken, asked, stoppers } = running.leave();
         match &error {
-            None => tracing::info!("run {}: done", running.run),
-            Some(error) => tracing::warn!("run {}: {error}", running.run),
+            None => tracing::info!("run {number}: done"),
+            Some(error) => tracing::warn!("run {number}: {error}"),
         }
-        let mut samples = running.samples;
-        samples.cut(end_s);
-        let run = Run {
-            cycle_time_s: start_s.zip(end_s).map(|(start, end)| end - start),
-            start_s,
-            samples,
-            samples_left_out: running.samples_left_out,
-        };
-        if running.begun.is_some() {
+        if was_taken {
             self.last_run = Some((run.clone(), error.clone()));
         }
-        let reply = Reply { id: running.asked.id, error, body: Some(Body::Run(run)) };
-        self.outputs.push(Output::Reply(running.asked.client, reply.to_json()));
-        for stopper in running.stoppers {
+        let reply = Reply { id: asked.id, error, body: Some(Body::Run(run)) };
+        self.outputs.push(Output::Reply(asked.client, reply.to_json()));
+        for stopper in stoppers {
             self.reply(stopper, Ok(None));
         }
         self.outputs.push(Output::Order(Order::Publish(DriveState::Idle)));
@@ -644,51 +567,3 @@ fn unanswered() -> Refusal {
 
 /// The name of a session of which nothing is heard.
 const SILENT: &str = "silent";
-
-impl<C> Running<C> {
-    fn keep(&mut self, heard: &Heard) {
-        if self.samples.t_s.len() < MOST_SAMPLES {
-            self.samples.t_s.push(heard.t_s);
-            self.samples.joints_rad.push(heard.joints_rad);
-        } else {
-            self.samples_left_out += 1;
-        }
-    }
-
-    /// The robot program took it on, long enough ago to have said so in its states.
-    fn is_forgotten(&self, now: Instant) -> bool {
-        self.begun.is_some_and(|begun| now.saturating_duration_since(begun) > KNOWN_WITHIN)
-    }
-
-    /// The robot program has ended the run; its clock is `ahead_s` ahead of the stream's.
-    fn end(&mut self, outcome: &Outcome, ahead_s: f64, now: Instant) {
-        if self.ended.is_some() {
-            return;
-        }
-        let ended = match self.commanded.take() {
-            // This side knows best when the set-points began and ended.
-            Some(Commanded { start_s, end_s, error }) if outcome.error.is_none() => {
-                Ended { start_s: Some(start_s), end_s: Some(end_s), error }
-            }
-            commanded => Ended {
-                start_s: outcome.start_s.map(|start_s| start_s - ahead_s),
-                end_s: Some(outcome.end_s - ahead_s),
-                error: outcome.error.clone().or(commanded.and_then(|commanded| commanded.error)),
-            },
-        };
-        self.ended = Some((ended, now + LAST_SAMPLES));
-    }
-}
-
-impl Samples {
-    /// Leaves out what came after the end.
-    fn cut(&mut self, end_s: Option<f64>) {
-        // Stamps are sums: the last one may be a little off.
-        const ROUNDING_S: f64 = 1e-6;
-        if let Some(end_s) = end_s {
-            let count = self.t_s.partition_point(|t_s| *t_s <= end_s + ROUNDING_S);
-            self.t_s.truncate(count);
-            self.joints_rad.truncate(count);
-        }
-    }
-}

@@ -163,8 +163,9 @@ impl Points {
 fn rest(step_s: f64) -> Vec<f64> {
     let [shortest_s, .., longest_s] = SPANS_S;
     let step_s = step_s.clamp(shortest_s, longest_s);
-    let most = (3.0 * longest_s / step_s).ceil() + 3.0;
-    (1_u32..).map(f64::from).take_while(|i| *i <= most).map(|i| i * step_s).collect()
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 75")]
+    let count = (3.0 * longest_s / step_s).ceil() as u32 + 3;
+    (1..=count).map(|i| f64::from(i) * step_s).collect()
 }
 
 fn divided(from: &Joints, to: &Joints, by: f64) -> Joints {

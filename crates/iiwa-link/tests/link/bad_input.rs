@@ -1,6 +1,8 @@
 //! Bad input: each field of each message wrong in turn, on every socket. There is an answer that says
 //! what is wrong, and nothing else happens.
 
+#![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by them")]
+
 use std::{
     net::{Ipv4Addr, TcpListener},
     thread::{self, JoinHandle},
@@ -164,68 +166,67 @@ fn fields_of(name: &str) -> Vec<Field> {
     [Field("/type", Never, &[])].into_iter().chain(own).collect()
 }
 
+/// Requests of few words in which something is wrong, and what the message names.
+const BAD_TEXTS: [(&str, &str); 36] = [
+    ("", "too early"),
+    ("null", "object"),
+    ("[]", "object"),
+    (r#"["state"]"#, "object"),
+    (r#"{"type": "state""#, "too early"),
+    (r#"{"type": "state"} x"#, "more text"),
+    (r#"{"type": "STATE"}"#, "`STATE`"),
+    (r#"{"type": "fly\u0007\n\u001b[2J"}"#, "fly"),
+    (r#"{"type": "state", "type": "stop"}"#, "`type`"),
+    (r#"{"type": "state", "id": 1, "id": 2}"#, "`id`"),
+    (r#"{"type": "state", "x\u001b\n": 1}"#, "unknown key"),
+    (r#"{"type": "get_io", "name": "", "value": 1}"#, "`value`"),
+    (r#"{"type": "get_io", "name": ""}"#, "``"),
+    (r#"{"type": "get_io", "name": "a", "name": "b"}"#, "`name`"),
+    (r#"{"type": "get_io", "name": "mediaflange.userbutton"}"#, "mediaflange"),
+    (r#"{"type": "get_io", "name": "\u0000\u202e\ud83d\ude00"}"#, "\\u{202e}"),
+    (r#"{"type": "get_io", "name": "\ud800"}"#, "column"),
+    (r#"{"type": "set_io", "name": "MediaFlange.UserButton", "value": true}"#, "input"),
+    (r#"{"type": "set_io", "name": "Simulation.AnalogInput", "value": 1.0}"#, "input"),
+    (r#"{"type": "set_io", "name": "MediaFlange.LEDBlue", "value": 1}"#, "true or false"),
+    (r#"{"type": "set_io", "name": "MediaFlange.LEDBlue", "value": 1e300}"#, "1e300"),
+    (r#"{"type": "set_io", "name": "Simulation.DigitalOutput", "value": 1.5}"#, "whole"),
+    (r#"{"type": "set_io", "name": "Simulation.DigitalOutput", "value": -1}"#, "whole"),
+    (r#"{"type": "set_io", "name": "Simulation.DigitalOutput", "value": true}"#, "whole"),
+    (r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": false}"#, "number"),
+    (r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": 1e999}"#, "column"),
+    (r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": NaN}"#, "column"),
+    (
+        r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": null}"#,
+        "expected true, false or a number, found null, at line 1, column 64",
+    ),
+    (r#"{"type": "run_trajectory", "trajectory": {"t_s": [], "joints_rad": []}}"#, "0 points"),
+    (
+        r#"{"type": "run_trajectory", "trajectory": {"t_s": [0], "joints_rad": [[0,0,0,0,0,0,0]]}}"#,
+        "1 points",
+    ),
+    (
+        r#"{"type": "run_trajectory", "trajectory": {"t_s": [0, 1e999], "joints_rad": []}}"#,
+        "too large",
+    ),
+    (
+        r#"{"type": "run_trajectory", "trajectory": {"t_s": [-Infinity], "joints_rad": []}}"#,
+        "column",
+    ),
+    (
+        r#"{"type": "run_trajectory", "trajectory": {"t_s": [], "t_s": [], "joints_rad": []}}"#,
+        "`t_s`",
+    ),
+    (r#"{"type": "run_motions", "motions": [], "motions": []}"#, "`motions`"),
+    (r#"{"type": "run_motions", "motions": []}"#, "no motions"),
+    (
+        r#"{"type": "run_motions", "motions": [{"type": "fly\u001b", "joints_deg": []}]}"#,
+        "motion 1",
+    ),
+];
+
 /// Requests in which something else is wrong, with the code and what the message names.
 fn bad_requests() -> Vec<(String, &'static str, &'static str)> {
-    let long = "x".repeat(100_000);
-    let deep = format!("{}{}", "[".repeat(10_000), "]".repeat(10_000));
-    let mut bad: Vec<(String, &str, &str)> = [
-        ("", "too early"),
-        ("null", "object"),
-        ("[]", "object"),
-        (r#"["state"]"#, "object"),
-        (r#"{"type": "state""#, "too early"),
-        (r#"{"type": "state"} x"#, "more text"),
-        (r#"{"type": "STATE"}"#, "`STATE`"),
-        (r#"{"type": "fly\u0007\n\u001b[2J"}"#, "fly"),
-        (r#"{"type": "state", "type": "stop"}"#, "`type`"),
-        (r#"{"type": "state", "id": 1, "id": 2}"#, "`id`"),
-        (r#"{"type": "state", "x\u001b\n": 1}"#, "unknown key"),
-        (r#"{"type": "get_io", "name": "", "value": 1}"#, "`value`"),
-        (r#"{"type": "get_io", "name": ""}"#, "``"),
-        (r#"{"type": "get_io", "name": "a", "name": "b"}"#, "`name`"),
-        (r#"{"type": "get_io", "name": "mediaflange.userbutton"}"#, "mediaflange"),
-        (r#"{"type": "get_io", "name": "\u0000\u202e\ud83d\ude00"}"#, "\\u{202e}"),
-        (r#"{"type": "get_io", "name": "\ud800"}"#, "column"),
-        (r#"{"type": "set_io", "name": "MediaFlange.UserButton", "value": true}"#, "input"),
-        (r#"{"type": "set_io", "name": "Simulation.AnalogInput", "value": 1.0}"#, "input"),
-        (r#"{"type": "set_io", "name": "MediaFlange.LEDBlue", "value": 1}"#, "true or false"),
-        (r#"{"type": "set_io", "name": "MediaFlange.LEDBlue", "value": 1e300}"#, "1e300"),
-        (r#"{"type": "set_io", "name": "Simulation.DigitalOutput", "value": 1.5}"#, "whole"),
-        (r#"{"type": "set_io", "name": "Simulation.DigitalOutput", "value": -1}"#, "whole"),
-        (r#"{"type": "set_io", "name": "Simulation.DigitalOutput", "value": true}"#, "whole"),
-        (r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": false}"#, "number"),
-        (r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": 1e999}"#, "column"),
-        (r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": NaN}"#, "column"),
-        (
-            r#"{"type": "set_io", "name": "Simulation.AnalogOutput", "value": null}"#,
-            "expected true, false or a number, found null, at line 1, column 64",
-        ),
-        (r#"{"type": "run_trajectory", "trajectory": {"t_s": [], "joints_rad": []}}"#, "0 points"),
-        (
-            r#"{"type": "run_trajectory", "trajectory": {"t_s": [0], "joints_rad": [[0,0,0,0,0,0,0]]}}"#,
-            "1 points",
-        ),
-        (
-            r#"{"type": "run_trajectory", "trajectory": {"t_s": [0, 1e999], "joints_rad": []}}"#,
-            "too large",
-        ),
-        (
-            r#"{"type": "run_trajectory", "trajectory": {"t_s": [-Infinity], "joints_rad": []}}"#,
-            "column",
-        ),
-        (
-            r#"{"type": "run_trajectory", "trajectory": {"t_s": [], "t_s": [], "joints_rad": []}}"#,
-            "`t_s`",
-        ),
-        (r#"{"type": "run_motions", "motions": [], "motions": []}"#, "`motions`"),
-        (r#"{"type": "run_motions", "motions": []}"#, "no motions"),
-        (
-            r#"{"type": "run_motions", "motions": [{"type": "fly\u001b", "joints_deg": []}]}"#,
-            "motion 1",
-        ),
-    ]
-    .map(|(request, name)| (request.to_owned(), "bad_request", name))
-    .into();
+    let texts = BAD_TEXTS.map(|(request, name)| (request.to_owned(), "bad_request", name));
     let joints = |count: usize| vec![0.0; count];
     let points = |count: usize| {
         json!({"type": "run_trajectory", "trajectory":
@@ -234,6 +235,9 @@ fn bad_requests() -> Vec<(String, &'static str, &'static str)> {
     let motion = |ptp: Value| json!({"type": "run_motions", "motions": [ptp]});
     let to = |deg: f64| json!([0, 0, 0, deg, 0, 0, 0]);
     let value = |request: Value, code, name| (request.to_string(), code, name);
+    let long = "x".repeat(100_000);
+    let deep = format!("{}{}", "[".repeat(10_000), "]".repeat(10_000));
+    let mut bad: Vec<_> = texts.into();
     bad.extend([
         value(points(6), "bad_request", "found 6, at line 1, column"),
         value(points(8), "bad_request", "found 8, at line 1, column"),
@@ -444,7 +448,7 @@ fn every_bad_instruction_is_answered_and_the_robot_program_goes_on() {
         }
     }
     for garbage in [
-        "".to_owned(),
+        String::new(),
         "{}".to_owned(),
         "[]".to_owned(),
         "null".to_owned(),
@@ -567,10 +571,11 @@ fn run(rig: &Rig) -> JoinHandle<Result<Run, ClientError>> {
 
 #[test]
 fn the_drive_takes_no_harm_of_garbage_for_a_state() {
+    use Left::{Never, Out};
+
     let (rig, liar) = Liar::new();
     let good = json!({"boot": 1, "state": "idle", "run": 3, "outcome":
         {"run": 2, "start_s": 1.0, "end_s": 2.0, "error": {"code": "robot", "message": "m"}}});
-    use Left::{Never, Out};
     let fields = [
         Field("/boot", Never, &["3"]),
         Field("/state", Never, &[]),
@@ -585,7 +590,7 @@ fn the_drive_takes_no_harm_of_garbage_for_a_state() {
     ];
     let mut garbage: Vec<_> =
         spoilt(&good, &fields).into_iter().map(|(state, _)| state.into_bytes()).collect();
-    garbage.extend(["", "{}", "[1, \"running_motion\"]", "null"].map(|text| text.into()));
+    garbage.extend(["", "{}", "[1, \"running_motion\"]", "null"].map(Into::into));
     garbage.push(vec![b'['; 100_000]);
     garbage.push(vec![0xff; 10]);
     garbage.push(br#"{"boot": 1, "state": "running_motion", "state": "idle"}"#.to_vec());
@@ -706,6 +711,21 @@ fn a_run_that_is_not_acknowledged_never_began() {
         liar.acknowledge(&told, "");
     }
     assert_eq!(rig.cabinet().position(), [0.0; 7]);
+}
+
+/// It waited behind a request when the robot program was missed.
+#[test]
+fn a_run_that_was_given_up_before_its_turn_does_not_begin() {
+    let (rig, liar) = Liar::new();
+    liar.say_idle();
+    thread::sleep(Duration::from_millis(1500));
+    let asked = get_io(&rig);
+    assert_eq!(liar.hear().1["type"], "get_io");
+    let error = run(&rig).join().unwrap().unwrap_err();
+    assert_eq!(error.code(), Code::Robot, "{error}");
+    assert_eq!(asked.join().unwrap().unwrap_err().code(), Code::Timeout);
+    liar.say_idle();
+    assert_eq!(liar.instructions.poll(zmq::POLLIN, 500).unwrap(), 0);
 }
 
 /// The robot program has taken on a run, and then knows nothing of it: nobody waits for ever.

@@ -1,0 +1,56 @@
+//! Values of inputs and outputs.
+
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, Serialize, de::Visitor};
+
+/// The value of an input or output.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum IoValue {
+    /// On or off.
+    Boolean(bool),
+    /// A whole number.
+    Digital(u64),
+    /// A number.
+    Analog(f64),
+}
+
+impl<'de> Deserialize<'de> for IoValue {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OfValue;
+        impl Visitor<'_> for OfValue {
+            type Value = IoValue;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("true, false or a number")
+            }
+            fn visit_bool<E>(self, value: bool) -> Result<IoValue, E> {
+                Ok(IoValue::Boolean(value))
+            }
+            fn visit_u64<E>(self, value: u64) -> Result<IoValue, E> {
+                Ok(IoValue::Digital(value))
+            }
+            fn visit_i64<E>(self, value: i64) -> Result<IoValue, E> {
+                Ok(IoValue::Analog(value as f64))
+            }
+            fn visit_f64<E>(self, value: f64) -> Result<IoValue, E> {
+                Ok(IoValue::Analog(value))
+            }
+        }
+        deserializer.deserialize_any(OfValue)
+    }
+}
+
+impl fmt::Display for IoValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Boolean(value) => value.fmt(f),
+            Self::Digital(value) => value.fmt(f),
+            // Not with hundreds of digits.
+            Self::Analog(value) if value.abs() >= 1e16 || value.abs() < 1e-5 && *value != 0.0 => {
+                write!(f, "{value:e}")
+            }
+            Self::Analog(value) => value.fmt(f),
+        }
+    }
+}

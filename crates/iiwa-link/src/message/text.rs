@@ -1,0 +1,42 @@
+//! JSON, and pieces of text in messages.
+
+use std::fmt;
+
+use iiwa_kin::json::{Place, problem};
+use serde::Serialize;
+
+use super::Refusal;
+
+/// A value as JSON. Only a map with keys that are no strings could fail.
+pub(crate) fn to_json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_default()
+}
+
+/// Why a text is not the JSON that is asked for, and where.
+pub(crate) fn bad_json(text: &str, error: &serde_json::Error) -> Refusal {
+    Refusal::bad(format!("{}, at {}", problem(error), Place::of_error(text, text, error)))
+}
+
+/// The beginning of somebody's text, for messages; what is not ASCII is escaped.
+pub(crate) fn shortened(text: &str) -> String {
+    const MOST: usize = 60;
+    let mut shown = String::new();
+    for letter in text.chars() {
+        if shown.len() >= MOST {
+            shown.push_str("...");
+            break;
+        }
+        shown.extend(letter.escape_default());
+    }
+    shown
+}
+
+/// A number in messages, with so many decimals; one of many digits with a power of ten.
+pub(crate) struct Figures(pub(crate) f64, pub(crate) usize);
+
+impl fmt::Display for Figures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value, decimals) = self;
+        if value.abs() < 1e9 { write!(f, "{value:.decimals$}") } else { write!(f, "{value:.3e}") }
+    }
+}
