@@ -7,7 +7,7 @@ Answers the controller's messages, and prints a JSON line for every session stat
 with the quality. With --command, its set-points in the commanding states are the controller's own
 interpolation with a small sine on joint 1, which starts gently when commanding is active. Ends after
 N seconds, or when it is interrupted, with a JSON line of figures, and exits with 0. Needs what
-requirements.txt names, next to this file.
+requirements.txt names, one folder up.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@
                        {"command": {...}} or {"error": "..."} for each
     codec.py --encode  the other way round
 
-Enums are numbers; fields go by their names in fri.proto. Needs what requirements.txt names, next to
-this file.
+Enums are numbers; fields go by their names in fri.proto. Needs what requirements.txt names, one folder
+up.
 """
 
 from __future__ import annotations

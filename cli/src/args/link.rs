@@ -209,8 +209,8 @@ pub(crate) struct Run {
     pub(crate) as_trajectory: bool,
 
     /// First move to the program's start, in a straight line of joint space, at this share of the limits
-    /// of velocity, in per cent
-    #[arg(long, value_name = "PERCENT", num_args = 0..=1, default_missing_value = "10", value_parser = percent_above_zero)]
+    /// of velocity, in per cent: 10 where none is given
+    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = percent_above_zero)]
     pub(crate) move_to_start: Option<f64>,
 
     /// Print the figures as one JSON object

@@ -1,7 +1,7 @@
 //! `iiwasim record`.
 
 use std::{
-    fs::File,
+    fs::{self, File},
     io::ErrorKind,
     path::Path,
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
@@ -11,11 +11,19 @@ use iiwa_link::{Published, Stream};
 use iiwa_log::{Config, Recorder, RecorderConfig};
 
 use crate::{
-    args::Record, connection, failure::Failure, input::find_robot, output, progress::Progress,
+    args::Record,
+    connection,
+    failure::{Failure, tell},
+    input::find_robot,
+    output,
+    progress::Progress,
 };
 
 /// How long nothing may come before the file is brought up to date all the same.
 const PAUSE: Duration = Duration::from_millis(200);
+
+/// How long nothing may come at first before that is told.
+const PATIENCE: Duration = Duration::from_secs(3);
 
 /// Records until it is interrupted.
 pub(crate) fn run(options: &Record) -> Result<(), Failure> {
@@ -47,9 +55,22 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let mut first_s = None;
     let mut last = Duration::ZERO;
     let mut fresh = false;
+    let mut told = false;
     let mut progress = Progress::of_recording();
     while !output::interrupted() && limit.is_none_or(|limit| since.elapsed() < limit) {
-        match stream.next(PAUSE).map_err(|error| connection::refused(&error))? {
+        let published = match stream.next(PAUSE) {
+            Ok(published) => published,
+            Err(error) if samples == 0 => {
+                discard(path);
+                return Err(connection::refused(&error));
+            }
+            // What is there is kept.
+            Err(error) => {
+                progress.aside(|| tell(&format!("The stream broke off: {error}\n")));
+                break;
+            }
+        };
+        match published {
             Some(Published::Joints { t_s, joints_rad }) => {
                 let from_s = *first_s.get_or_insert(t_s);
                 let t = Duration::try_from_secs_f64(t_s - from_s).unwrap_or_default();
@@ -71,6 +92,15 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
                     recorder.flush().map_err(refuse)?;
                 }
                 progress.alive();
+                if samples == 0 && !told && since.elapsed() > PATIENCE {
+                    told = true;
+                    let at = &options.stream;
+                    progress.aside(|| {
+                        tell(&format!(
+                            "Nothing comes from {at} yet; is `iiwasim drive` running there?\n"
+                        ));
+                    });
+                }
             }
         }
     }
@@ -78,14 +108,9 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let metadata = [("samples".to_owned(), samples.to_string())].into();
     recorder.finish(&metadata, &[]).map_err(refuse)?;
     if samples == 0 {
-        return Err(Failure::Run {
-            what: format!(
-                "nothing was recorded: no drive published at {}; {} holds the robot only",
-                options.stream,
-                path.display()
-            ),
-            cause: None,
-        });
+        discard(path);
+        let what = format!("nothing was recorded: nothing came from {}", options.stream);
+        return Err(Failure::Run { what, cause: None });
     }
     let left_out = if left_out > 0 { format!(", {left_out} left out") } else { String::new() };
     output::print(&format!(
@@ -93,4 +118,10 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
         last.as_secs_f64(),
         path.display()
     ))
+}
+
+/// Takes away a file in which there is nothing: it would be in the way of the next recording.
+fn discard(path: &Path) {
+    // Whoever took it away before has done the same.
+    let _ = fs::remove_file(path);
 }

@@ -33,6 +33,9 @@ use crate::{
 /// Time from one point of a trajectory to the next, in s.
 const STEP_S: f64 = 0.004;
 
+/// A session of FRI of which nothing is heard.
+const SILENT: &str = "silent";
+
 /// How long the stream is waited for before the connection is looked at again.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -43,29 +46,36 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     output::catch_interrupts();
     let (plan, figures) = plan(&text, &program, &robot)?;
 
-    let mut client = connection::client(&options.drive)?;
     let remote = connection::remote(&options.drive.keys)?;
-    let stream = Stream::new(&remote, &options.stream.to_string())
-        .map_err(|error| connection::refused(&error))?;
+    let mut line = Line {
+        client: connection::client(&options.drive)?,
+        helper: connection::client(&options.drive)?,
+        stream: Stream::new(&remote, &options.stream.to_string())
+            .map_err(|error| connection::refused(&error))?,
+    };
     if !options.json {
         output::print(&table::figures(&figures))?;
     }
     let output = target.as_deref().map(Output::new).transpose()?;
-    go_to_start(&mut client, options, &program.start_rad)?;
+    go_to_start(&mut line, options, &program.start_rad)?;
+    output::check_interrupt()?;
 
     let task = if options.as_trajectory {
         Task::Trajectory(sampled(&plan))
     } else {
         Task::Motions(program.motions)
     };
-    let helper = connection::client(&options.drive)?;
-    let watched = watch(client, helper, stream, task, plan.cycle_time_s());
+    let watched = watch(&mut line, task, Some(plan.cycle_time_s()));
     let (measured, failure) = match watched.result {
         Ok(measured) => (measured, None),
         Err(ClientError::Refused { refusal, run }) => {
+            let run = run.map(|run| *run).unwrap_or_default();
+            let what = match run.samples.t_s.as_slice() {
+                [] => "the robot did not run the program",
+                _ => "the robot did not finish the program",
+            };
             let failed = ClientError::Refused { refusal, run: None };
-            let failure = connection::failed("the robot did not run the program", &failed);
-            (run.map(|run| *run).unwrap_or_default(), Some(failure))
+            (run, Some(connection::failed(what, &failed)))
         }
         // What the stream has brought is all there is.
         Err(error) => {
@@ -73,16 +83,22 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
             (Measured { samples: watched.seen, ..Measured::default() }, Some(failure))
         }
     };
-    let written = output.filter(|_| !measured.samples.t_s.is_empty());
+    let samples = since_start(&measured);
+    let written = output.filter(|_| !samples.is_empty());
     let file = match written {
         Some(output) => {
-            output.write(&recording(&measured, &robot, &text)?)?;
+            output.write(&recording(&samples, &measured, &robot, &text)?)?;
             output.complete_always()?;
             target.as_deref()
         }
         None => None,
     };
-    report(options, &plan, &measured, file)?;
+    let figures = Report::new(&plan, &measured, failure.is_none(), samples.len(), file);
+    if options.json {
+        output::print_json(&figures)?;
+    } else {
+        output::print(&figures.text())?;
+    }
     failure.map_or(Ok(()), Err)
 }
 
@@ -126,10 +142,10 @@ fn sampled(plan: &Trajectory) -> TimedJoints {
 }
 
 /// The robot has to be where the program starts.
-fn go_to_start(client: &mut Client, options: &Run, start_rad: &Joints) -> Result<(), Failure> {
+fn go_to_start(line: &mut Line, options: &Run, start_rad: &Joints) -> Result<(), Failure> {
     let ask = |error: ClientError| connection::failed("cannot ask where the robot is", &error);
-    let status = client.state().map_err(ask)?;
-    let Some(joints_rad) = status.joints_rad else {
+    let status = line.client.state().map_err(ask)?;
+    let Some(joints_rad) = status.joints_rad.filter(|_| status.fri.session != SILENT) else {
         return Err(Failure::Run {
             what: "it is not known where the robot is: the drive does not hear the controller"
                 .to_owned(),
@@ -156,10 +172,18 @@ fn go_to_start(client: &mut Client, options: &Run, start_rad: &Joints) -> Result
     };
     tell("Moving to the start\n");
     let there = vec![Motion::Ptp(Ptp::to(*start_rad).velocity(percent / 100.0))];
-    client
-        .run_motions(there, None)
+    watch(line, Task::Motions(there), None)
+        .result
         .map(drop)
         .map_err(|error| connection::failed("the robot did not move to the start", &error))
+}
+
+/// The connections to a drive.
+struct Line {
+    client: Client,
+    /// Stops the run that the client waits for.
+    helper: Client,
+    stream: Stream,
 }
 
 /// What the drive is to do.
@@ -176,68 +200,88 @@ struct Watched {
 }
 
 /// Lets the drive run a task, shows how far it is, and stops it when it is interrupted.
-fn watch(
-    mut client: Client,
-    mut helper: Client,
-    mut stream: Stream,
-    task: Task,
-    planned_s: f64,
-) -> Watched {
-    let running = thread::spawn(move || match task {
-        Task::Motions(motions) => client.run_motions(motions, None),
-        Task::Trajectory(trajectory) => client.run_trajectory(trajectory, None),
-    });
+fn watch(line: &mut Line, task: Task, planned_s: Option<f64>) -> Watched {
+    let Line { client, helper, stream } = line;
+    thread::scope(|scope| {
+        let running = scope.spawn(move || match task {
+            Task::Motions(motions) => client.run_motions(motions, None),
+            Task::Trajectory(trajectory) => client.run_trajectory(trajectory, None),
+        });
+        let seen = follow(helper, stream, planned_s, || running.is_finished());
+        let result = running.join().unwrap_or_else(|_| {
+            let what = "this program has failed; please report it".to_owned();
+            Err(ClientError::Answer { what })
+        });
+        Watched { result, seen }
+    })
+}
+
+/// Follows a run until it has ended.
+fn follow(
+    helper: &mut Client,
+    stream: &mut Stream,
+    planned_s: Option<f64>,
+    has_ended: impl Fn() -> bool,
+) -> Samples {
     let mut progress = Progress::of_run();
     let mut seen = Samples::default();
     let mut runs = false;
-    let mut stopped = false;
-    while !running.is_finished() {
-        if output::interrupted() && !stopped {
-            stopped = true;
-            progress.aside(|| tell("Stopping the robot\n"));
-            if let Err(error) = helper.stop() {
-                progress.aside(|| tell(&format!("It could not be told to stop: {error}\n")));
-            }
+    let mut stops = 0;
+    while !has_ended() {
+        if output::interrupted() {
+            // Again until it has ended: the first one may have come before it began.
+            let stopped = helper.stop();
+            progress.aside(|| match stopped {
+                _ if stops > 0 => {}
+                Ok(()) => tell("Interrupted: the robot is stopped on its path\n"),
+                Err(error) => tell(&format!("The robot could not be told to stop: {error}\n")),
+            });
+            stops += 1;
         }
         match stream.next(LOOK) {
             Ok(Some(Published::Joints { t_s, joints_rad })) if runs => {
                 seen.t_s.push(t_s);
                 seen.joints_rad.push(joints_rad);
-                progress.show_share(((t_s - seen.t_s[0]) / planned_s).min(1.0));
+                if let Some(planned_s) = planned_s {
+                    progress.show_share(((t_s - seen.t_s[0]) / planned_s).min(1.0));
+                }
             }
             Ok(Some(Published::State { state, .. })) => runs = state != DriveState::Idle,
             Ok(_) => {}
             Err(error) => {
-                tell(&format!("The stream broke off: {error}\n"));
+                progress.aside(|| tell(&format!("The stream broke off: {error}\n")));
                 thread::sleep(LOOK);
             }
         }
     }
     progress.clear();
-    let result = running.join().unwrap_or_else(|_| {
-        Err(ClientError::Answer { what: "this program has failed; please report it".to_owned() })
-    });
-    Watched { result, seen }
+    seen
+}
+
+/// The samples from the start of a run on, each with its time since then.
+fn since_start(measured: &Measured) -> Vec<(Duration, &Joints)> {
+    let Samples { t_s, joints_rad } = &measured.samples;
+    let from_s = measured.start_s.or(t_s.first().copied()).unwrap_or_default();
+    // Stamps are sums: the first sample may come out next to nothing before the start.
+    let since = |t_s: f64| (t_s - from_s > -1e-6).then(|| (t_s - from_s).max(0.0));
+    let time = |t_s: &f64| Duration::try_from_secs_f64(since(*t_s)?).ok();
+    t_s.iter().zip(joints_rad).filter_map(|(t_s, q)| Some((time(t_s)?, q))).collect()
 }
 
 /// What the robot did, as MCAP, from the start of the run on.
-fn recording(measured: &Measured, robot: &Robot, text: &Text) -> Result<Vec<u8>, Failure> {
+fn recording(
+    samples: &[(Duration, &Joints)],
+    measured: &Measured,
+    robot: &Robot,
+    text: &Text,
+) -> Result<Vec<u8>, Failure> {
     let refuse = |error: iiwa_log::WriteError| Failure::run("cannot write the recording", &error);
     let storage = Cursor::new(Vec::new());
     let mut recorder = Recorder::new(storage, robot, RecorderConfig::default()).map_err(refuse)?;
-    let samples = &measured.samples;
-    let from_s = measured.start_s.or(samples.t_s.first().copied()).unwrap_or_default();
-    // Stamps are sums: the first sample may come out next to nothing before the start.
-    let since = |t_s: f64| (t_s - from_s > -1e-6).then(|| (t_s - from_s).max(0.0));
-    let mut count = 0_u64;
-    for (t_s, q) in samples.t_s.iter().zip(&samples.joints_rad) {
-        let Some(t) = since(*t_s).and_then(|t_s| Duration::try_from_secs_f64(t_s).ok()) else {
-            continue;
-        };
-        recorder.sample(t, q).map_err(refuse)?;
-        count += 1;
+    for (t, q) in samples {
+        recorder.sample(*t, q).map_err(refuse)?;
     }
-    let mut metadata = BTreeMap::from([("samples".to_owned(), count.to_string())]);
+    let mut metadata = BTreeMap::from([("samples".to_owned(), samples.len().to_string())]);
     if let Some(cycle_time_s) = measured.cycle_time_s {
         metadata.insert("cycle_time_s".to_owned(), cycle_time_s.to_string());
     }
@@ -246,53 +290,62 @@ fn recording(measured: &Measured, robot: &Robot, text: &Text) -> Result<Vec<u8>,
     Ok(storage.into_inner())
 }
 
+/// The `--json` object.
 #[derive(Serialize)]
 struct Report {
     planned_cycle_time_s: f64,
     measured_cycle_time_s: Option<f64>,
     error_s: Option<f64>,
     error_percent: Option<f64>,
+    /// When a run that broke off did so.
+    ended_after_s: Option<f64>,
     samples: usize,
     output: Option<String>,
 }
 
-fn report(
-    options: &Run,
-    plan: &Trajectory,
-    measured: &Measured,
-    file: Option<&FilePath>,
-) -> Result<(), Failure> {
-    let planned_s = plan.cycle_time_s();
-    // As Eq. 40 of the thesis has it: of the measured time.
-    let error_s = measured.cycle_time_s.map(|measured_s| planned_s - measured_s);
-    let error_percent =
-        error_s.zip(measured.cycle_time_s).map(|(error, measured)| 100.0 * error / measured);
-    if options.json {
-        return output::print_json(&Report {
+impl Report {
+    fn new(
+        plan: &Trajectory,
+        measured: &Measured,
+        complete: bool,
+        samples: usize,
+        file: Option<&FilePath>,
+    ) -> Self {
+        let planned_s = plan.cycle_time_s();
+        let measured_s = measured.cycle_time_s.filter(|_| complete);
+        // As Eq. 40 of the thesis has it: of the measured time.
+        let error_s = measured_s.map(|measured_s| planned_s - measured_s);
+        Self {
             planned_cycle_time_s: planned_s,
-            measured_cycle_time_s: measured.cycle_time_s,
+            measured_cycle_time_s: measured_s,
             error_s,
-            error_percent,
-            samples: measured.samples.t_s.len(),
+            error_percent: error_s
+                .zip(measured_s)
+                .map(|(error, measured)| 100.0 * error / measured),
+            ended_after_s: measured.cycle_time_s.filter(|_| !complete),
+            samples,
             output: file.map(|file| file.display().to_string()),
-        });
+        }
     }
-    let mut text = String::new();
-    if let (Some(measured_s), Some(error_s), Some(percent)) =
-        (measured.cycle_time_s, error_s, error_percent)
-    {
-        let _ = writeln!(
-            text,
-            "Measured   {measured_s:.3} s, planned {planned_s:.3} s: {error_s:+.3} s, {percent:+.2} %"
-        );
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        let planned_s = self.planned_cycle_time_s;
+        if let (Some(measured_s), Some(error_s), Some(percent)) =
+            (self.measured_cycle_time_s, self.error_s, self.error_percent)
+        {
+            let _ = writeln!(
+                text,
+                "Measured   {measured_s:.3} s, planned {planned_s:.3} s: the plan is off by \
+                 {error_s:+.3} s, {percent:+.2} %"
+            );
+        }
+        if let Some(after_s) = self.ended_after_s {
+            let _ = writeln!(text, "Ended after {after_s:.3} s of {planned_s:.3} s");
+        }
+        if let Some(file) = &self.output {
+            let _ = writeln!(text, "{} samples of what the robot did in {file}", self.samples);
+        }
+        text
     }
-    if let Some(file) = file {
-        let _ = writeln!(
-            text,
-            "{} samples of what the robot did in {}",
-            measured.samples.t_s.len(),
-            file.display()
-        );
-    }
-    output::print(&text)
 }

@@ -9,7 +9,7 @@ use crate::{
     error::LinkError,
     message::{Code, IoValue, MAX_MESSAGE_BYTES, Refusal, Request, Run, Sensors, Status},
     security::{Handshake, WatchedSocket},
-    socket::Remote,
+    socket::{HUNG_UP, Remote},
     timed_joints::TimedJoints,
 };
 
@@ -102,8 +102,6 @@ impl ClientError {
 const CONNECTED_WITHIN: Duration = Duration::from_secs(3);
 /// How long an answer may take that needs no motion: the robot program is asked for some.
 const ANSWERED_WITHIN: Duration = Duration::from_secs(5);
-/// How often in a row the drive may hang up before it counts as its word.
-const HUNG_UP: u32 = 3;
 /// How often the connection is looked at while an answer is waited for, in ms.
 const LOOK_MS: i64 = 50;
 
@@ -122,7 +120,7 @@ impl Client {
     }
 
     fn connect(&self) -> Result<WatchedSocket, LinkError> {
-        self.remote.connect_watched(zmq::REQ, &self.at)
+        self.remote.connect_watched(zmq::REQ, &self.at, |_| Ok(()))
     }
 
     /// What the robot does now.
@@ -273,6 +271,10 @@ impl Client {
             Some(Handshake::Done) => self.connected = true,
             // Since the last request: another connection is on its way.
             Some(Handshake::Lost) => self.connected = false,
+            // It was not let in, and does not try again.
+            Some(refused) if refused != Handshake::HungUp => {
+                return Err(ClientError::Unauthorized { at: at(), what: refused.what() });
+            }
             _ => {}
         }
         socket.send(request, zmq::DONTWAIT).map_err(failed)?;
@@ -286,11 +288,11 @@ impl Client {
                 return Ok(answer);
             }
             match socket.handshake().map_err(LinkError::from)? {
-                Some(Handshake::Done) => self.connected = true,
                 // It may be back within a moment, but it does not know of the request then.
-                Some(Handshake::Lost) if self.connected => {
+                Some(Handshake::Done | Handshake::Lost) if self.connected => {
                     return Err(ClientError::Lost { at: at() });
                 }
+                Some(Handshake::Done) => self.connected = true,
                 None | Some(Handshake::Lost) => {}
                 // A drive that is just ending does so, too: it counts if it does so again.
                 Some(Handshake::HungUp) if hung_up < HUNG_UP => hung_up += 1,

@@ -31,6 +31,14 @@ pub enum LinkError {
     /// Addresses or keys are not safe, or do not fit.
     #[error(transparent)]
     Security(#[from] SecurityError),
+    /// The drive does not let this client in.
+    #[error("the drive at {at} does not let this client in: {what}")]
+    Unauthorized {
+        /// The address.
+        at: String,
+        /// What it has against it.
+        what: &'static str,
+    },
     /// The configuration makes no sense.
     #[error("{what}")]
     Config {

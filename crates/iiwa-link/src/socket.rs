@@ -105,9 +105,10 @@ impl Remote {
         &self,
         kind: zmq::SocketType,
         to: &str,
+        set: impl FnOnce(&zmq::Socket) -> zmq::Result<()>,
     ) -> Result<WatchedSocket, LinkError> {
         let socket = WatchedSocket::new(&self.context, kind)?;
-        self.connect_it(&socket, to, |_| Ok(()))?;
+        self.connect_it(&socket, to, set)?;
         Ok(socket)
     }
 
@@ -126,6 +127,8 @@ impl Remote {
     }
 }
 
+/// How often in a row a drive may hang up before it counts as its word.
+pub(crate) const HUNG_UP: u32 = 3;
 /// How long after a connection was lost another one is tried, in ms.
 const RECONNECT_MS: i32 = 50;
 /// How often a silent connection is tried, and how long it may keep silent then, in ms.

@@ -5,11 +5,19 @@ use std::time::Duration;
 use iiwa_kin::{Joints, json::Object};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use crate::{error::LinkError, message::DriveState, socket::Remote};
+use crate::{
+    error::LinkError,
+    message::DriveState,
+    security::{Handshake, WatchedSocket},
+    socket::{HUNG_UP, Remote},
+};
 
 /// Follows the robot.
 pub struct Stream {
-    socket: zmq::Socket,
+    socket: WatchedSocket,
+    at: String,
+    /// How often in a row the drive has hung up.
+    hung_up: u32,
 }
 
 impl std::fmt::Debug for Stream {
@@ -50,23 +58,24 @@ impl Stream {
     ///
     /// If the address is none, or needs keys.
     pub fn new(remote: &Remote, at: &str) -> Result<Self, LinkError> {
-        let socket = remote.connect(zmq::SUB, at, |socket| {
+        let socket = remote.connect_watched(zmq::SUB, at, |socket| {
             socket.set_rcvhwm(BACKLOG)?;
             socket.set_subscribe(b"joints")?;
             socket.set_subscribe(b"state")
         })?;
-        Ok(Self { socket })
+        Ok(Self { socket, at: at.to_owned(), hung_up: 0 })
     }
 
     /// The next thing published; none within `patience`.
     ///
     /// # Errors
     ///
-    /// If the library refuses.
+    /// [`LinkError::Unauthorized`] if the drive does not let this client in; the library refuses.
     pub fn next(&mut self, patience: Duration) -> Result<Option<Published>, LinkError> {
         let patience_ms = i64::try_from(patience.as_millis()).unwrap_or(i64::MAX);
         match self.socket.poll(zmq::POLLIN, patience_ms) {
-            Ok(0) | Err(zmq::Error::EINTR) => return Ok(None),
+            Ok(0) => return self.check_let_in().map(|()| None),
+            Err(zmq::Error::EINTR) => return Ok(None),
             Ok(_) => {}
             Err(error) => return Err(LinkError::socket(error)),
         }
@@ -75,6 +84,21 @@ impl Stream {
             Err(zmq::Error::EAGAIN | zmq::Error::EINTR) => Ok(None),
             Err(error) => Err(LinkError::socket(error)),
         }
+    }
+
+    /// Silence may mean that the drive does not want this client.
+    fn check_let_in(&mut self) -> Result<(), LinkError> {
+        match self.socket.handshake()? {
+            None => {}
+            Some(Handshake::Done | Handshake::Lost) => self.hung_up = 0,
+            // A drive that is just ending does so, too: it counts if it does so again.
+            Some(Handshake::HungUp) if self.hung_up < HUNG_UP => self.hung_up += 1,
+            Some(refused) => {
+                let at = self.at.clone();
+                return Err(LinkError::Unauthorized { at, what: refused.what() });
+            }
+        }
+        Ok(())
     }
 }
 

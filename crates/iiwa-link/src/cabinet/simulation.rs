@@ -74,6 +74,8 @@ struct Commanded {
     run: RunId,
     /// The cycle of the request.
     since: u64,
+    /// Where the arm was then, in rad.
+    at_rad: Joints,
     /// The cycle in which the client was told to command.
     from: Option<u64>,
     /// The last set-point, and when it came.
@@ -199,13 +201,22 @@ impl Simulation {
         let reading = Reading {
             measured_rad,
             commanded_rad: self.q,
-            ipo_rad: Some(self.q),
+            ipo_rad: Some(self.ipo_rad()),
             measured_torque_nm: holding_torques(&self.robot, &self.q),
             external_torque_nm: [0.0; 7],
             time: Duration::from_secs_f64(self.now_s()),
             safety: if self.pressed_until.is_some() { Safety::Stop1 } else { Safety::Normal },
         };
         self.fri.message(&reading, message)
+    }
+
+    /// Where the controller's own motion has the arm, in rad. Under commands that is one that holds the
+    /// arm where it was: set-points do not change it.
+    fn ipo_rad(&self) -> Joints {
+        match &self.activity {
+            Activity::Commanded(commanded) => commanded.at_rad,
+            _ => self.q,
+        }
     }
 
     fn advance(&mut self) {
@@ -371,6 +382,7 @@ impl Simulation {
                 self.activity = Activity::Commanded(Commanded {
                     run,
                     since: self.cycle,
+                    at_rad: self.q,
                     from: None,
                     last: None,
                     left: 0,

@@ -39,6 +39,8 @@ pub struct Client {
     answered: Option<u32>,
     /// The own counter.
     sequence: u32,
+    /// The last set-point since commanding has become active.
+    held_rad: Option<Joints>,
     /// The counter of the last late message, and how many of them came in their order.
     late_row: Option<(u32, u32)>,
     counters: Counters,
@@ -136,8 +138,10 @@ impl Client {
     }
 
     /// Writes the answer to the latest message in place of what `out` holds. In monitoring it
-    /// echoes the commanded joint positions. In the commanding states it sends `setpoint_rad`, or
-    /// the controller's own interpolation without one, or with one that is not finite.
+    /// echoes the commanded joint positions. In the commanding states it sends `setpoint_rad`.
+    /// Without one, or with one that is not finite, it sends the last one since commanding has become
+    /// active, so that the arm stays there; before the first one, the controller's own interpolation,
+    /// which is where the arm was when commanding began.
     ///
     /// `false`, and nothing in `out`, when no answer is due: there is no new message, the session
     /// is idle, or the last answer is less than `receive_multiplier` messages ago.
@@ -151,13 +155,17 @@ impl Client {
         if since.is_some_and(|messages| messages < latest.receive_multiplier) {
             return false;
         }
-        let held = if latest.session.commands() { latest.ipo_rad } else { None };
-        let setpoint_rad = setpoint_rad
-            .filter(|joints| latest.session.commands() && joints.iter().all(|q| q.is_finite()));
+        let commands = latest.session.commands();
+        let setpoint_rad =
+            setpoint_rad.filter(|joints| commands && joints.iter().all(|q| q.is_finite())).copied();
+        self.held_rad = setpoint_rad
+            .or(self.held_rad)
+            .filter(|_| latest.session == SessionState::CommandingActive);
+        let held = self.held_rad.or(latest.ipo_rad.filter(|_| commands));
         let command = Command {
             sequence: self.sequence,
             reflected: latest.sequence,
-            joints_rad: setpoint_rad.copied().or(held).or(latest.commanded_rad),
+            joints_rad: setpoint_rad.or(held).or(latest.commanded_rad),
         };
         self.format.encode_command(&command, out);
         self.answered = Some(latest.sequence);
@@ -232,7 +240,10 @@ mod tests {
             (CommandingWait, Some(SETPOINT), SETPOINT),
             (CommandingActive, None, IPO),
             (CommandingActive, Some(SETPOINT), SETPOINT),
-            (CommandingActive, Some(nan), IPO),
+            (CommandingActive, Some(nan), SETPOINT),
+            (CommandingActive, None, SETPOINT),
+            (MonitoringReady, None, COMMANDED),
+            (CommandingActive, None, IPO),
         ]) {
             assert_eq!(give(&mut client, &message(40 + n, session)), New);
             let expected = Command { sequence: n, reflected: 40 + n, joints_rad: Some(expected) };
@@ -243,9 +254,9 @@ mod tests {
         assert_eq!(answer(&mut client, None), None);
         let without = Monitoring { commanded_rad: None, ..message(51, MonitoringWait) };
         give(&mut client, &without);
-        let header = Command { sequence: 7, reflected: 51, joints_rad: None };
+        let header = Command { sequence: 10, reflected: 51, joints_rad: None };
         assert_eq!(answer(&mut client, None), Some(header));
-        assert_eq!(client.counters().answered, 8);
+        assert_eq!(client.counters().answered, 11);
     }
 
     #[test]

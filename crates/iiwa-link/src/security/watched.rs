@@ -1,6 +1,7 @@
 //! A client's socket that knows whether it was let in.
 
 use std::{
+    cell::Cell,
     ops::Deref,
     sync::atomic::{AtomicU64, Ordering},
 };
@@ -33,7 +34,7 @@ pub enum Handshake {
     HungUp,
     /// The other side does not speak as it should.
     Protocol,
-    /// The connection was lost.
+    /// The connection was lost, after the server had let the client in.
     Lost,
 }
 
@@ -66,6 +67,7 @@ impl Handshake {
 pub struct WatchedSocket {
     socket: zmq::Socket,
     events: zmq::Socket,
+    let_in: Cell<bool>,
 }
 
 impl WatchedSocket {
@@ -83,7 +85,7 @@ impl WatchedSocket {
         socket
             .monitor(&address, i32::from(DISCONNECTED | NO_DETAIL | SUCCEEDED | PROTOCOL | AUTH))
             .map_err(refuse())?;
-        let watched = Self { socket, events };
+        let watched = Self { socket, events, let_in: Cell::new(false) };
         watched.events.connect(&address).map_err(refuse())?;
         Ok(watched)
     }
@@ -97,11 +99,9 @@ impl WatchedSocket {
         loop {
             match self.events.recv_multipart(zmq::DONTWAIT) {
                 Ok(frames) => {
-                    let next = frames.first().and_then(|event| read(event));
-                    // A connection that was refused is lost, too.
-                    if next != Some(Handshake::Lost) || !latest.is_some_and(Handshake::is_refusal) {
-                        latest = next.or(latest);
-                    }
+                    let event = frames.first().and_then(|event| read(event));
+                    // A refused connection ends, too: that is no news.
+                    latest = event.filter(|event| self.is_news(*event)).or(latest);
                 }
                 Err(zmq::Error::EAGAIN) => return Ok(latest),
                 Err(zmq::Error::EINTR) => {}
@@ -110,6 +110,11 @@ impl WatchedSocket {
                 }
             }
         }
+    }
+
+    fn is_news(&self, event: Handshake) -> bool {
+        let was_let_in = self.let_in.replace(event == Handshake::Done);
+        event != Handshake::Lost || was_let_in
     }
 }
 

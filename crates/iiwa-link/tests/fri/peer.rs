@@ -1,5 +1,5 @@
 //! Against protobuf's own codec, and an FRI client that shares no code with this crate: the scripts
-//! in `tests/fri` of the workspace. They need a Python with what `requirements.txt` there names, at
+//! in `tests/fri` of the workspace. They need a Python with what `tests/requirements.txt` names, at
 //! the path in `IIWASIM_PYTHON`; without it these tests are left out.
 
 use std::{

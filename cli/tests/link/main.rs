@@ -1,0 +1,14 @@
+//! `iiwasim drive`, `cabinet` and the commands that speak to them, as processes.
+
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a failed test is a panic, and one that is left out says so"
+)]
+
+mod commands;
+mod faults;
+mod keys;
+mod rig;

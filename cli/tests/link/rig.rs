@@ -1,0 +1,304 @@
+//! A cabinet and a drive as processes, on free ports of the loopback interface, and commands that
+//! speak to them.
+
+use std::{
+    env,
+    ffi::OsStr,
+    fs::{self, File},
+    net::{Ipv4Addr, TcpListener, UdpSocket},
+    path::{Path, PathBuf},
+    process::{Child, Command, ExitStatus},
+    thread,
+    time::{Duration, Instant},
+};
+
+use assert_cmd::{assert::Assert, cargo::cargo_bin};
+use iiwa_link::security::has_curve;
+use iiwa_log::{JointSample, Recording};
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+
+/// How long anything may take.
+pub(crate) const LONG: Duration = Duration::from_mins(1);
+
+/// A process that ends with this value, with files for what it prints.
+pub(crate) struct Process {
+    child: Child,
+    name: String,
+    stdout: PathBuf,
+    stderr: PathBuf,
+}
+
+/// How a process ended, and what it printed.
+pub(crate) struct Ended {
+    pub(crate) status: ExitStatus,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Process {
+    fn start(folder: &Path, program: &OsStr, arguments: &[&str]) -> Self {
+        let name = arguments.join(" ");
+        let count = fs::read_dir(folder.join("printed")).unwrap().count();
+        let file = |kind: &str| folder.join("printed").join(format!("{count}.{kind}"));
+        let (stdout, stderr) = (file("stdout"), file("stderr"));
+        let child = Command::new(program)
+            .current_dir(folder)
+            .args(arguments)
+            .stdout(File::create(&stdout).unwrap())
+            .stderr(File::create(&stderr).unwrap())
+            .spawn()
+            .unwrap();
+        Self { child, name, stdout, stderr }
+    }
+
+    /// Sends a signal, as `INT` or `KILL`.
+    pub(crate) fn signal(&self, signal: &str) {
+        let id = self.child.id().to_string();
+        assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+    }
+
+    pub(crate) fn has_ended(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_some()
+    }
+
+    /// Waits for its end.
+    pub(crate) fn end(mut self) -> Ended {
+        wait_for(&format!("end of {}", self.name), || self.has_ended());
+        let status = self.child.wait().unwrap();
+        Ended { status, stdout: self.stdout(), stderr: self.stderr() }
+    }
+
+    pub(crate) fn stdout(&self) -> String {
+        fs::read_to_string(&self.stdout).unwrap()
+    }
+
+    pub(crate) fn stderr(&self) -> String {
+        fs::read_to_string(&self.stderr).unwrap()
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        if thread::panicking() {
+            let printed = |path| fs::read_to_string(path).unwrap_or_default();
+            eprintln!("{}:\n{}{}", self.name, printed(&self.stdout), printed(&self.stderr));
+        }
+    }
+}
+
+impl Ended {
+    /// Fails unless it exited with this code.
+    pub(crate) fn code(self, code: i32) -> Self {
+        let Self { status, stdout, stderr } = &self;
+        assert_eq!(status.code(), Some(code), "{stdout}{stderr}");
+        self
+    }
+}
+
+/// Both sides, each of which may be away, and a folder for files.
+pub(crate) struct Rig {
+    pub(crate) cabinet: Option<Process>,
+    pub(crate) drive: Option<Process>,
+    instructions: String,
+    stream: String,
+    pub(crate) fri: String,
+    pub(crate) cabinet_instructions: String,
+    cabinet_state: String,
+    /// Goes after the processes that print into it.
+    folder: TempDir,
+}
+
+fn free_tcp() -> String {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    listener.local_addr().unwrap().to_string()
+}
+
+fn free_udp() -> String {
+    let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    socket.local_addr().unwrap().to_string()
+}
+
+fn port(address: &str) -> &str {
+    address.rsplit(':').next().unwrap()
+}
+
+impl Rig {
+    /// Nothing runs yet.
+    pub(crate) fn parts() -> Self {
+        let folder = tempdir().unwrap();
+        fs::create_dir(folder.path().join("printed")).unwrap();
+        Self {
+            folder,
+            cabinet: None,
+            drive: None,
+            instructions: free_tcp(),
+            stream: free_tcp(),
+            fri: free_udp(),
+            cabinet_instructions: free_tcp(),
+            cabinet_state: free_tcp(),
+        }
+    }
+
+    /// Both run, and the connection is good.
+    pub(crate) fn new() -> Self {
+        let mut rig = Self::parts();
+        rig.start_cabinet(&[]);
+        rig.start_drive(&[]);
+        rig.wait_until_ready(&[]);
+        rig
+    }
+
+    pub(crate) fn start_cabinet(&mut self, options: &[&str]) {
+        let instructions = self.cabinet_instructions.clone();
+        let mut arguments = vec!["cabinet", "--fri", &self.fri, "--instructions", &instructions];
+        arguments.extend(["--state", &self.cabinet_state]);
+        arguments.extend(options);
+        self.cabinet = Some(self.start(&arguments));
+    }
+
+    pub(crate) fn start_drive(&mut self, options: &[&str]) {
+        let mut arguments = vec!["drive", "--fri", &self.fri, "--instructions", &self.instructions];
+        arguments.extend(["--stream", &self.stream]);
+        arguments.extend(["--cabinet-instructions", port(&self.cabinet_instructions)]);
+        arguments.extend(["--cabinet-state", port(&self.cabinet_state)]);
+        arguments.extend(options);
+        self.drive = Some(self.start(&arguments));
+    }
+
+    /// Until FRI is ready to command, and requests find the robot program.
+    pub(crate) fn wait_until_ready(&self, keys: &[&str]) {
+        wait_for("good connection", || {
+            let output = self.command("status", &[&["--json"], keys].concat()).output().unwrap();
+            output.status.success() && {
+                let status = serde_json::from_slice::<Value>(&output.stdout).unwrap();
+                let quality = status["fri"]["quality"].as_str().unwrap();
+                status["fri"]["session"] == "monitoring_ready"
+                    && ["good", "excellent"].contains(&quality)
+                    && status["robot_program"] == "connected"
+                    && status["state"] == "idle"
+            }
+        });
+    }
+
+    /// The addresses of the drive that a command asks for.
+    fn addresses(&self, command: &str) -> Vec<&str> {
+        let (drive, stream) = (["--drive", &self.instructions], ["--stream", &self.stream]);
+        match command {
+            "record" => stream.to_vec(),
+            "run" => [drive, stream].concat(),
+            _ => drive.to_vec(),
+        }
+    }
+
+    fn command(&self, command: &str, arguments: &[&str]) -> assert_cmd::Command {
+        let mut process = assert_cmd::Command::new(cargo_bin!("iiwasim"));
+        let addresses = self.addresses(command);
+        process.current_dir(&self.folder).arg(command).args(arguments).args(addresses);
+        process.timeout(LONG);
+        process
+    }
+
+    /// Runs a command that speaks to the drive, to its end.
+    pub(crate) fn iiwasim(&self, command: &str, arguments: &[&str]) -> Assert {
+        self.command(command, arguments).assert()
+    }
+
+    /// What a command prints with `--json`.
+    pub(crate) fn json(&self, command: &str, arguments: &[&str]) -> Value {
+        let assert = self.iiwasim(command, &[&["--json"], arguments].concat());
+        serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
+    }
+
+    /// Begins a command as it is.
+    pub(crate) fn start(&self, arguments: &[&str]) -> Process {
+        Process::start(self.folder.path(), cargo_bin!("iiwasim").as_os_str(), arguments)
+    }
+
+    /// Begins a command that speaks to the drive.
+    pub(crate) fn begin(&self, command: &str, arguments: &[&str]) -> Process {
+        let addresses = self.addresses(command);
+        self.start(&[&[command], arguments, &addresses].concat())
+    }
+
+    /// Begins the example in Python; `None` where there is no Python for it.
+    pub(crate) fn example(&self, keys: &[&str]) -> Option<Process> {
+        let [drive, stream] = [&self.instructions, &self.stream].map(|at| format!("tcp://{at}"));
+        let addresses = ["--drive", &drive, "--stream", &stream];
+        self.script("docs/client.py", &[&addresses, keys].concat())
+    }
+
+    /// Begins a script of this workspace; `None` where there is no Python for it.
+    pub(crate) fn script(&self, path: &str, arguments: &[&str]) -> Option<Process> {
+        let Some(python) = env::var_os("IIWASIM_PYTHON") else {
+            eprintln!("left out: IIWASIM_PYTHON names no Python for {path}");
+            return None;
+        };
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
+        let all = [&["-B", script.to_str().unwrap()], arguments].concat();
+        Some(Process::start(self.folder.path(), &python, &all))
+    }
+
+    /// A program that turns joint 1 from 0 to 60 deg, which takes 3 s.
+    pub(crate) fn slow_program(&self) -> &'static str {
+        let text = r#"{
+            "version": 1,
+            "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+            "motions": [
+                { "type": "ptp", "joints_deg": [60, 0, 0, 0, 0, 0, 0], "velocity_rel": 0.2 }
+            ]
+        }"#;
+        fs::write(self.path("slow.json"), text).unwrap();
+        "slow.json"
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Reads a file that a command has written.
+    pub(crate) fn recording(&self, name: &str) -> Recording {
+        Recording::from_bytes(&fs::read(self.path(name)).unwrap()).unwrap()
+    }
+
+    /// What is in a file that is being written; nothing before it is there.
+    pub(crate) fn recording_so_far(&self, name: &str) -> Vec<JointSample> {
+        let bytes = fs::read(self.path(name)).unwrap_or_default();
+        Recording::from_bytes(&bytes).map(|recording| recording.joint_states).unwrap_or_default()
+    }
+
+    /// Where joint 1 is, in rad; NaN as long as that is unknown.
+    pub(crate) fn joint_1(&self) -> f64 {
+        self.json("status", &[])["joints_rad"][0].as_f64().unwrap_or(f64::NAN)
+    }
+
+    /// Begins to run the slow program, and waits until the arm moves.
+    pub(crate) fn begin_run(&self, arguments: &[&str]) -> Process {
+        let program = self.slow_program();
+        let running = self.begin("run", &[&[program], arguments].concat());
+        wait_for("motion", || self.joint_1() > 0.1);
+        running
+    }
+}
+
+/// Asks again and again.
+pub(crate) fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
+    let since = Instant::now();
+    while !holds() {
+        assert!(since.elapsed() < LONG, "no {what} within {LONG:?}");
+        thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Whether this build has CURVE; where it is expected, it must.
+pub(crate) fn with_curve() -> bool {
+    if has_curve() {
+        return true;
+    }
+    assert!(env::var_os("IIWASIM_EXPECT_CURVE").is_none(), "this build has no CURVE");
+    println!("left out: this build has no CURVE");
+    false
+}
