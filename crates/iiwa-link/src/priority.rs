@@ -1,23 +1,29 @@
 //! Threads that have to be on time.
 
-use thread_priority::{
-    RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
-    set_thread_priority_and_policy, thread_native_id,
-};
+use thread_priority::{ThreadPriority, ThreadPriorityValue};
 
 /// Lets this thread run ahead of others, where the system permits it; else it stays an ordinary one, and
 /// this is false.
 pub(crate) fn raise() -> bool {
     // Above ordinary threads, below what keeps a machine alive.
     const PRIORITY: u8 = 40;
-    let Ok(value) = ThreadPriorityValue::try_from(PRIORITY) else { return false };
+    ThreadPriorityValue::try_from(PRIORITY).is_ok_and(|value| {
+        let priority = ThreadPriority::Crossplatform(value);
+        set(priority).inspect_err(|error| tracing::debug!("ordinary priority: {error}")).is_ok()
+    })
+}
+
+#[cfg(unix)]
+fn set(priority: ThreadPriority) -> Result<(), thread_priority::Error> {
+    use thread_priority::{
+        RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy,
+        thread_native_id,
+    };
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-    let priority = ThreadPriority::Crossplatform(value);
-    match set_thread_priority_and_policy(thread_native_id(), priority, policy) {
-        Ok(()) => true,
-        Err(error) => {
-            tracing::debug!("this thread keeps its ordinary priority: {error}");
-            false
-        }
-    }
+    set_thread_priority_and_policy(thread_native_id(), priority, policy)
+}
+
+#[cfg(not(unix))]
+fn set(priority: ThreadPriority) -> Result<(), thread_priority::Error> {
+    thread_priority::set_current_thread_priority(priority)
 }

@@ -139,9 +139,9 @@ impl Client {
 
     /// Writes the answer to the latest message in place of what `out` holds. In monitoring it
     /// echoes the commanded joint positions. In the commanding states it sends `setpoint_rad`.
-    /// Without one, or with one that is not finite, it sends the last one since commanding has become
-    /// active, so that the arm stays there; before the first one, the controller's own interpolation,
-    /// which is where the arm was when commanding began.
+    /// Without one, or with one that is not finite, the arm is to stay where it is: it sends the last one
+    /// since commanding has become active, or else what the controller says is commanded. Before
+    /// commanding is active, it sends the controller's own interpolation, as it has to.
     ///
     /// `false`, and nothing in `out`, when no answer is due: there is no new message, the session
     /// is idle, or the last answer is less than `receive_multiplier` messages ago.
@@ -161,7 +161,12 @@ impl Client {
         self.held_rad = setpoint_rad
             .or(self.held_rad)
             .filter(|_| latest.session == SessionState::CommandingActive);
-        let held = self.held_rad.or(latest.ipo_rad.filter(|_| commands));
+        let held = match latest.session {
+            SessionState::CommandingActive => {
+                self.held_rad.or(latest.commanded_rad).or(latest.ipo_rad)
+            }
+            _ => latest.ipo_rad.filter(|_| commands),
+        };
         let command = Command {
             sequence: self.sequence,
             reflected: latest.sequence,
@@ -238,12 +243,12 @@ mod tests {
             (MonitoringReady, Some(SETPOINT), COMMANDED),
             (CommandingWait, None, IPO),
             (CommandingWait, Some(SETPOINT), SETPOINT),
-            (CommandingActive, None, IPO),
+            (CommandingActive, None, COMMANDED),
             (CommandingActive, Some(SETPOINT), SETPOINT),
             (CommandingActive, Some(nan), SETPOINT),
             (CommandingActive, None, SETPOINT),
             (MonitoringReady, None, COMMANDED),
-            (CommandingActive, None, IPO),
+            (CommandingActive, None, COMMANDED),
         ]) {
             assert_eq!(give(&mut client, &message(40 + n, session)), New);
             let expected = Command { sequence: n, reflected: 40 + n, joints_rad: Some(expected) };
