@@ -123,7 +123,8 @@ mod tests {
         let ms = |ms: u64| start + Duration::from_millis(ms);
         let mut bytes = Vec::new();
         let first = u32::MAX - 1;
-        for i in 0..REMEMBERED as u32 + 4 {
+        let remembered = u32::try_from(REMEMBERED).unwrap();
+        for i in 0..remembered + 4 {
             let sequence = first.wrapping_add(i);
             let message = Monitoring { sequence, ..Monitoring::default() };
             Format::V1.encode_monitoring(&message, &mut bytes);
@@ -131,7 +132,7 @@ mod tests {
             watch.sent(&bytes, ms(at));
             // The second answer is late, the third and the last four never come; all come twice.
             let after = [4, 14].get(i as usize).copied().unwrap_or(6);
-            if i == 2 || i >= REMEMBERED as u32 {
+            if i == 2 || i >= remembered {
                 continue;
             }
             Format::V1

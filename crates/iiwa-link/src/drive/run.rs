@@ -65,7 +65,9 @@ impl<A> Running<A> {
             ended: None,
         };
         // The motion may begin before the next message comes.
-        heard.into_iter().for_each(|heard| running.keep(heard));
+        if let Some(heard) = heard {
+            running.keep(heard);
+        }
         running
     }
 

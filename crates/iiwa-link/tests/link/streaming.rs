@@ -66,7 +66,7 @@ fn count(first_s: f64, last_s: f64) -> u64 {
 /// Every message was answered, but for those that were lost on the way or while the machine held up even
 /// the controller. The controller is silent afterwards.
 fn assert_answered(rig: &Rig) {
-    rig.cabinet().silence(Duration::from_secs(3600));
+    rig.cabinet().silence(Duration::from_hours(1));
     let drive = rig.drive.as_ref().unwrap();
     wait_for("the last answer", || {
         let punctuality = drive.punctuality();
