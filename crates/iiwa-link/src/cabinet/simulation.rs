@@ -78,8 +78,8 @@ struct Commanded {
     at_rad: Joints,
     /// The cycle in which the client was told to command.
     from: Option<u64>,
-    /// The last set-point, and when it came.
-    last: Option<(Joints, u64)>,
+    /// The last set-point, and the counter of the message that it answers.
+    last: Option<(Joints, u32)>,
     /// Cycles within which the arm is to be there.
     left: u32,
 }
@@ -291,8 +291,11 @@ impl Simulation {
                     format!("a set-point was outside the position limit of joint {}", j + 1),
                 ));
             }
-            let (last, at) = commanded.last.unwrap_or((self.q, self.cycle - 1));
-            let elapsed_s = (self.cycle - at) as f64 * self.period_s;
+            // By the messages that they answer: some answers take longer than others.
+            let answered = self.fri.answered().unwrap_or_default();
+            let first = (self.q, answered.wrapping_sub(self.receive_multiplier));
+            let (last, before) = commanded.last.unwrap_or(first);
+            let elapsed_s = f64::from(answered.wrapping_sub(before).max(1)) * self.period_s;
             let most = |j: usize| limits.velocity_rad_s[j] * SETPOINT_MARGIN * elapsed_s;
             if let Some(j) = (0..7).find(|&j| (setpoint[j] - last[j]).abs() > most(j) + 1e-6) {
                 return Err(Refusal::new(
@@ -301,7 +304,7 @@ impl Simulation {
                 ));
             }
             if commanded.last.is_none_or(|(last, _)| last != *setpoint) {
-                commanded.last = Some((*setpoint, self.cycle));
+                commanded.last = Some((*setpoint, answered));
                 commanded.left = self.receive_multiplier;
             }
             commanded.left = commanded.left.max(1);

@@ -111,7 +111,7 @@ impl FriThread {
                         Task::Nothing
                     }
                     Order::Release => Task::Nothing,
-                    Order::Run(trajectory) => Task::Waiting(trajectory),
+                    Order::Run(trajectory) => Task::Waiting { trajectory, armed: false },
                 };
                 let _ = line.events.send(Event::Freed(std::mem::replace(&mut task, next)));
             }

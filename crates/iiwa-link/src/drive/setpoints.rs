@@ -45,7 +45,12 @@ pub(super) enum Task {
     #[default]
     Nothing,
     /// Until the session commands.
-    Waiting(Box<TimedJoints>),
+    Waiting {
+        trajectory: Box<TimedJoints>,
+        /// Since it was ordered, the session has been in another state: it commands for this trajectory,
+        /// not for the one before.
+        armed: bool,
+    },
     Running {
         playback: Box<Playback<Offset>>,
         start_s: f64,
@@ -88,9 +93,11 @@ impl Task {
         t_s: f64,
     ) -> (Option<Joints>, Option<Over>) {
         let commands = message.session == SessionState::CommandingActive;
-        if let Self::Waiting(trajectory) = self
-            && commands
-        {
+        if let Self::Waiting { trajectory, armed } = self {
+            if !(commands && *armed) {
+                *armed = !commands;
+                return (None, None);
+            }
             return match start(trajectory, message) {
                 Ok(mut playback) => {
                     playback.advance(cycle_s(message));

@@ -266,6 +266,12 @@ impl Controller {
         self.lost_commanding
     }
 
+    /// The counter of the message that the client answered last.
+    #[must_use]
+    pub fn answered(&self) -> Option<u32> {
+        self.accepted.map(|(_, reflected)| reflected)
+    }
+
     /// The set-point for the coming cycle, in rad, in `CommandingActive`: the client's latest one.
     /// `None` when the last tick was due one that had not arrived.
     #[must_use]
