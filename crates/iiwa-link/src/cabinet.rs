@@ -229,12 +229,8 @@ impl Cabinet {
             started: Instant::now(),
         });
         let client = config.fri_client;
-        let mut cabinet = Self {
-            instructions: instructions_at,
-            state: state_at,
-            shared,
-            threads: Vec::new(),
-        };
+        let mut cabinet =
+            Self { instructions: instructions_at, state: state_at, shared, threads: Vec::new() };
         cabinet.spawn("cabinet clock", move |shared| run_clock(shared, &udp, client, period))?;
         cabinet.spawn("cabinet FRI", move |shared| take_answers(shared, &answers, client))?;
         cabinet.spawn("cabinet instructions", move |shared| {

@@ -96,7 +96,11 @@ impl Drive {
     /// # Errors
     ///
     /// If an address cannot be bound or is not safe.
-    pub fn start(config: DriveConfig, clients: &Server, cabinet: &Remote) -> Result<Self, LinkError> {
+    pub fn start(
+        config: DriveConfig,
+        clients: &Server,
+        cabinet: &Remote,
+    ) -> Result<Self, LinkError> {
         if !config.fri.ip().is_loopback() && config.fri_controller.is_loopback() {
             return Err(LinkError::Config {
                 what: format!(
@@ -115,8 +119,7 @@ impl Drive {
             socket.set_sndhwm(STREAM_BACKLOG)
         })?;
         let state = cabinet.connect(zmq::REP, &config.cabinet_state, |_| Ok(()))?;
-        let udp_error =
-            |source| LinkError::Udp { address: config.fri.to_string(), source };
+        let udp_error = |source| LinkError::Udp { address: config.fri.to_string(), source };
         let udp = UdpSocket::bind(config.fri).map_err(udp_error)?;
         udp.set_read_timeout(Some(fri::AWAKE)).map_err(udp_error)?;
 

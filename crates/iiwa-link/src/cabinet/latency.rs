@@ -134,7 +134,8 @@ mod tests {
             if i == 2 || i >= REMEMBERED as u32 {
                 continue;
             }
-            Format::V1.encode_command(&Command { reflected: sequence, ..Command::default() }, &mut bytes);
+            Format::V1
+                .encode_command(&Command { reflected: sequence, ..Command::default() }, &mut bytes);
             watch.answered(&bytes, ms(at + after));
             watch.answered(&bytes, ms(at + after + 1));
         }

@@ -138,7 +138,8 @@ impl FriThread {
     pub(super) fn run(self, over: &AtomicBool) {
         let Self { udp, cabinet, stream, orders, events, account } = self;
         account.raised(crate::priority::raise());
-        let mut line = Line { client: Client::new(Format::V1), clock: Clock::default(), stream, events };
+        let mut line =
+            Line { client: Client::new(Format::V1), clock: Clock::default(), stream, events };
         let mut task = Task::Nothing;
         let mut last_rad = None;
         let mut buffer = [0; 2048];
@@ -233,14 +234,14 @@ fn step(
     events: &Sender<Event>,
 ) -> (Task, Option<Joints>) {
     let commands = message.session == SessionState::CommandingActive;
-    let ahead_s = f64::from(message.send_period_ms.max(1) * message.receive_multiplier.max(1)) * 1e-3;
+    let ahead_s =
+        f64::from(message.send_period_ms.max(1) * message.receive_multiplier.max(1)) * 1e-3;
     match task {
         Task::Nothing => (Task::Nothing, None),
         Task::Waiting(trajectory) if commands => {
             let q = message.ipo_rad.or(message.commanded_rad).or(message.measured_rad);
             let start = trajectory.at(0.0);
-            let offset_rad =
-                q.map_or([0.0; 7], |q| std::array::from_fn(|j| q[j] - start[j]));
+            let offset_rad = q.map_or([0.0; 7], |q| std::array::from_fn(|j| q[j] - start[j]));
             let mut playback = Box::new(Playback::new(Offset { trajectory, offset_rad }));
             playback.advance(ahead_s);
             let setpoint = playback.position();
@@ -253,7 +254,8 @@ fn step(
                 message.session.name(),
                 message.quality.name()
             ));
-            let _ = events.send(Event::Broken { start_s, end_s: t_s, error, _trajectory: playback });
+            let _ =
+                events.send(Event::Broken { start_s, end_s: t_s, error, _trajectory: playback });
             (Task::Nothing, None)
         }
         Task::Running { mut playback, start_s, at_s } => {
@@ -262,7 +264,12 @@ fn step(
             if playback.is_over() && t_s > at_s && message.commanded_rad.is_none_or(there) {
                 let stopped =
                     playback.is_cut_short().then(|| [playback.at_s(), playback.duration_s()]);
-                let _ = events.send(Event::Ended { start_s, end_s: t_s, stopped, _trajectory: playback });
+                let _ = events.send(Event::Ended {
+                    start_s,
+                    end_s: t_s,
+                    stopped,
+                    _trajectory: playback,
+                });
                 return (Task::Nothing, Some(setpoint));
             }
             // By the controller's clock: a lost message costs no time.
@@ -343,9 +350,10 @@ impl Clock {
         let silence_s = self.heard.map_or(0.0, |heard| now.duration_since(heard).as_secs_f64());
         let cycle_s = f64::from(message.send_period_ms.max(1)) * 1e-3;
         // Without time stamps, messages come as they were sent: a cycle after the other.
-        let controller_s = message
-            .time
-            .map_or_else(|| self.ahead_s + self.last_s + cycle_s.max(silence_s.floor()), |t| t.as_secs_f64());
+        let controller_s = message.time.map_or_else(
+            || self.ahead_s + self.last_s + cycle_s.max(silence_s.floor()),
+            |t| t.as_secs_f64(),
+        );
         if self.heard.is_none() {
             self.ahead_s = controller_s;
         } else if self.restarted || controller_s <= self.ahead_s + self.last_s {

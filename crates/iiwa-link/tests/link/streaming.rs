@@ -42,7 +42,12 @@ fn take(sleeper: &zmq::Socket) -> Option<f64> {
 }
 
 /// Stamps of what is published, until nothing waits or `enough`.
-fn follow(stream: &mut Stream, stamps: &mut Vec<f64>, patience: Duration, enough: impl Fn(f64) -> bool) {
+fn follow(
+    stream: &mut Stream,
+    stamps: &mut Vec<f64>,
+    patience: Duration,
+    enough: impl Fn(f64) -> bool,
+) {
     while let Some(published) = stream.next(patience).unwrap() {
         if let Published::Joints { t_s, .. } = published {
             stamps.push(t_s);
