@@ -1,6 +1,8 @@
-//! What the end-to-end tests share: the reference programs, random programs, and an eye for limits.
+//! What the end-to-end tests share: the reference programs, random programs, an eye for limits, and
+//! free ports.
 
 pub mod differences;
+pub mod ports;
 pub mod random;
 pub mod reference;
 

@@ -21,7 +21,7 @@
 use std::{
     env,
     io::{self, BufRead, BufReader, Write},
-    net::{Ipv4Addr, SocketAddr, TcpListener, UdpSocket},
+    net::SocketAddr,
     path::Path as FilePath,
     process::{Child, ChildStdin, Command, ExitCode, Stdio},
     sync::{
@@ -40,6 +40,7 @@ use iiwa_link::{
 use iiwa_path::{Blend, Motion, Path, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::{Result, machine};
+use iiwasim_tests::ports::free_address;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// What is measured.
@@ -232,18 +233,15 @@ struct Sockets {
 }
 
 impl Sockets {
-    fn free() -> Result<Self> {
-        let tcp = || -> Result<String> {
-            let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
-            Ok(format!("tcp://{}", listener.local_addr()?))
-        };
-        Ok(Self {
-            fri: UdpSocket::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?,
-            instructions: tcp()?,
-            stream: tcp()?,
-            cabinet_instructions: tcp()?,
-            cabinet_state: tcp()?,
-        })
+    fn free() -> Self {
+        let tcp = || format!("tcp://{}", free_address());
+        Self {
+            fri: free_address(),
+            instructions: tcp(),
+            stream: tcp(),
+            cabinet_instructions: tcp(),
+            cabinet_state: tcp(),
+        }
     }
 }
 
@@ -251,7 +249,7 @@ impl Sockets {
 fn measure(case: &Case) -> Result<Option<Measured>> {
     // As root has it without this capability: like anybody else.
     const ORDINARY: [&str; 2] = ["--bounding-set=-sys_nice", "--inh-caps=-sys_nice"];
-    let sockets = Sockets::free()?;
+    let sockets = Sockets::free();
     let text = serde_json::to_string(&sockets)?;
     let this = env::current_exe()?;
     let _busy = Part::start(Command::new(&this).args(["--part", "busy"]))?;

@@ -5,7 +5,6 @@ use std::{
     env,
     ffi::OsStr,
     fs::{self, File},
-    net::{Ipv4Addr, TcpListener, UdpSocket},
     path::{Path, PathBuf},
     process::{Child, Command, ExitStatus},
     thread,
@@ -15,6 +14,7 @@ use std::{
 use assert_cmd::{assert::Assert, cargo::cargo_bin};
 use iiwa_link::security::has_curve;
 use iiwa_log::{JointSample, Recording};
+use iiwasim_tests::ports::free_address;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
@@ -112,16 +112,6 @@ pub(crate) struct Rig {
     folder: TempDir,
 }
 
-fn free_tcp() -> String {
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-    listener.local_addr().unwrap().to_string()
-}
-
-fn free_udp() -> String {
-    let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-    socket.local_addr().unwrap().to_string()
-}
-
 fn port(address: &str) -> &str {
     address.rsplit(':').next().unwrap()
 }
@@ -135,11 +125,11 @@ impl Rig {
             folder,
             cabinet: None,
             drive: None,
-            instructions: free_tcp(),
-            stream: free_tcp(),
-            fri: free_udp(),
-            cabinet_instructions: free_tcp(),
-            cabinet_state: free_tcp(),
+            instructions: free_address().to_string(),
+            stream: free_address().to_string(),
+            fri: free_address().to_string(),
+            cabinet_instructions: free_address().to_string(),
+            cabinet_state: free_address().to_string(),
         }
     }
 

@@ -4,7 +4,6 @@
 #![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by them")]
 
 use std::{
-    net::{Ipv4Addr, TcpListener},
     thread::{self, JoinHandle},
     time::{Duration, Instant},
 };
@@ -16,7 +15,7 @@ use iiwa_link::{
 use serde_json::{Value, json};
 
 use crate::{
-    rig::{LONG, Rig, wait_for},
+    rig::{LONG, Rig, free_tcp, wait_for},
     runs::{planned, sampled},
 };
 
@@ -497,12 +496,8 @@ impl Liar {
     /// With a drive that has heard of both, of the robot program that it is idle.
     fn new() -> (Rig, Self) {
         let mut rig = Rig::parts(5);
-        let free = || {
-            let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-            format!("tcp://{}", listener.local_addr().unwrap())
-        };
-        rig.cabinet_config.instructions = free();
-        rig.cabinet_config.state = free();
+        rig.cabinet_config.instructions = free_tcp();
+        rig.cabinet_config.state = free_tcp();
         rig.start_cabinet();
         let context = zmq::Context::new();
         let bound = |kind, at: &str| {

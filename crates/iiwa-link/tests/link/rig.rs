@@ -1,14 +1,12 @@
 //! A drive and a simulated cabinet on free ports of the loopback interface.
 
-use std::{
-    net::{Ipv4Addr, SocketAddr, TcpListener, UdpSocket},
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use iiwa_link::{
     Cabinet, CabinetConfig, Client, Drive, DriveConfig, Faults, Remote, Server, Stream,
     message::{DriveState, Presence},
 };
+use iiwasim_tests::ports::free_address;
 
 /// How long anything may take.
 pub(crate) const LONG: Duration = Duration::from_secs(20);
@@ -21,19 +19,15 @@ pub(crate) struct Rig {
     pub(crate) drive: Option<Drive>,
 }
 
-fn free_tcp() -> String {
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-    format!("tcp://{}", listener.local_addr().unwrap())
-}
-
-fn free_udp() -> SocketAddr {
-    UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap()
+/// A free address for a socket of ZeroMQ.
+pub(crate) fn free_tcp() -> String {
+    format!("tcp://{}", free_address())
 }
 
 impl Rig {
     /// Nothing runs yet.
     pub(crate) fn parts(period_ms: u32) -> Self {
-        let fri = free_udp();
+        let fri = free_address();
         let [instructions, state] = [free_tcp(), free_tcp()];
         Self {
             cabinet_config: CabinetConfig {
