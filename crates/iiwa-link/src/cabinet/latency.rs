@@ -65,11 +65,11 @@ struct Sent {
 
 /// How many messages an answer may come late and still be timed: a power of two, so that counters that
 /// wrap around keep their places.
-const REMEMBERED: usize = 1024;
+const REMEMBERED: u32 = 1024;
 
 impl Watch {
     pub(super) fn new(cycle: Duration) -> Self {
-        let sent = vec![None; REMEMBERED].into();
+        let sent = vec![None; REMEMBERED as usize].into();
         Self { sent, cycle, late: Vec::new(), unanswered: 0, latency: Latency::default() }
     }
 
@@ -95,7 +95,7 @@ impl Watch {
     }
 
     fn place(&mut self, sequence: u32) -> &mut Option<Sent> {
-        &mut self.sent[sequence as usize % REMEMBERED]
+        &mut self.sent[(sequence % REMEMBERED) as usize]
     }
 
     pub(super) fn latency(&self) -> &Latency {
@@ -123,8 +123,7 @@ mod tests {
         let ms = |ms: u64| start + Duration::from_millis(ms);
         let mut bytes = Vec::new();
         let first = u32::MAX - 1;
-        let remembered = u32::try_from(REMEMBERED).unwrap();
-        for i in 0..remembered + 4 {
+        for i in 0..REMEMBERED + 4 {
             let sequence = first.wrapping_add(i);
             let message = Monitoring { sequence, ..Monitoring::default() };
             Format::V1.encode_monitoring(&message, &mut bytes);
@@ -132,7 +131,7 @@ mod tests {
             watch.sent(&bytes, ms(at));
             // The second answer is late, the third and the last four never come; all come twice.
             let after = [4, 14].get(i as usize).copied().unwrap_or(6);
-            if i == 2 || i >= remembered {
+            if i == 2 || i >= REMEMBERED {
                 continue;
             }
             Format::V1
@@ -143,7 +142,7 @@ mod tests {
         assert_eq!(watch.late(), [Late { sent: ms(10), answered: ms(24) }]);
         assert_eq!(watch.unanswered(), 1);
         let latency = watch.latency();
-        assert_eq!(latency.count(), REMEMBERED - 1);
+        assert_eq!(latency.count(), REMEMBERED as usize - 1);
         let quantiles = [0.0, 0.5, 1.0].map(|share| latency.quantile(share).unwrap().as_millis());
         assert_eq!(quantiles, [4, 6, 14]);
     }

@@ -34,7 +34,8 @@ fn take(sleeper: &zmq::Socket) -> Option<f64> {
     struct Stamp {
         t_s: f64,
     }
-    if sleeper.poll(zmq::POLLIN, LONG.as_millis() as i64).unwrap() == 0 {
+    let patience_ms = i64::try_from(LONG.as_millis()).unwrap();
+    if sleeper.poll(zmq::POLLIN, patience_ms).unwrap() == 0 {
         return None;
     }
     let frames = sleeper.recv_multipart(zmq::DONTWAIT).unwrap();
@@ -60,7 +61,9 @@ fn follow(
 
 /// Messages between two stamps, both included.
 fn count(first_s: f64, last_s: f64) -> u64 {
-    ((last_s - first_s) / PERIOD_S).round() as u64 + 1
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousands")]
+    let periods = ((last_s - first_s) / PERIOD_S).round() as u64;
+    periods + 1
 }
 
 /// Every message was answered, but for those that were lost on the way or while the machine held up even
