@@ -24,7 +24,8 @@ impl Motion for iiwa_traj::Trajectory {
 ///
 /// The limits of acceleration are five times those of speed (Larsen 2019, Table 4). Time that slows
 /// down as it does here within half a second takes 3.75/s of them at most, at half the speed; the
-/// path's own acceleration is down to a quarter there. So the arm keeps its limits of acceleration.
+/// path's own acceleration is down to a quarter there. Together they are at most 1.24 times the limits
+/// of acceleration, if both are at their limits just where the stop begins.
 pub(crate) const STOP_S: f64 = 0.5;
 
 /// How long an emergency stop on the path takes, in s: half as long, whatever the limits say.
@@ -100,5 +101,64 @@ impl<M: Motion> Playback<M> {
     /// How long the motion takes, in s.
     pub(crate) fn duration_s(&self) -> f64 {
         self.motion.duration_s()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use iiwa_kin::Robot;
+    use iiwa_path::{Blend, Motion as Entry, Path, Program, Ptp};
+    use iiwa_traj::{Timing, Trajectory};
+
+    use super::*;
+
+    fn planned() -> Trajectory {
+        let targets = [
+            [0.8, 0.5, 0.0, -1.0, 0.4, 0.9, -1.0],
+            [0.2, 1.0, 0.6, -0.4, -0.8, -0.5, 1.5],
+            [-0.9, 0.2, -0.4, -1.5, 0.0, 1.2, 0.0],
+        ];
+        let mut motions: Vec<_> =
+            targets.map(|target| Ptp::to(target).blend(Blend::Fraction(0.3))).into();
+        motions[2].blend = None;
+        let motions = motions.into_iter().map(Entry::Ptp).collect();
+        let program = Program { robot: None, start_rad: [0.0; 7], motions };
+        let path = Path::new(&program, &Robot::default()).unwrap();
+        Trajectory::plan(&path, Timing::default()).unwrap()
+    }
+
+    /// Wherever the arm is stopped, it stays on its path and keeps its limits of speed; of acceleration
+    /// it does not need much more.
+    #[test]
+    fn a_stop_keeps_to_path_and_limits() {
+        const DT_S: f64 = 0.001;
+        let plan = planned();
+        let limits = *Robot::default().limits();
+        let mut worst = [0.0_f64; 2];
+        for tenth in 0..200 {
+            let at_s = f64::from(tenth) / 200.0 * plan.cycle_time_s();
+            let mut playback = Playback::new(plan.clone());
+            playback.advance(at_s);
+            let mut q = vec![playback.position(); 2];
+            playback.stop(STOP_S);
+            let mut cycles = 0;
+            while !playback.is_over() {
+                playback.advance(DT_S);
+                q.push(playback.position());
+                cycles += 1;
+            }
+            assert!(f64::from(cycles) * DT_S <= STOP_S + DT_S);
+            assert_eq!(q.last(), Some(&plan.at(playback.at_s()).q));
+            q.extend_from_within(q.len() - 1..);
+            for three in q[2..].windows(3) {
+                for j in 0..7 {
+                    let speed = (three[1][j] - three[0][j]).abs() / DT_S;
+                    let bend = (three[2][j] - 2.0 * three[1][j] + three[0][j]).abs() / DT_S / DT_S;
+                    worst[0] = worst[0].max(speed / limits.velocity_rad_s[j]);
+                    worst[1] = worst[1].max(bend / limits.acceleration_rad_s2[j]);
+                }
+            }
+        }
+        assert!(worst[0] < 1.01 && worst[1] < 1.24, "{worst:?}");
     }
 }
