@@ -15,7 +15,7 @@
 //! A cycle is lost by the drive if its answer came more than a period after its message, after the time
 //! in which the machine stood still is taken off. Nothing else is: the times that the system, and the
 //! cabinet's own threads, take to wake count against the drive. Exits with 1 if a drive with real-time
-//! priority lost a cycle, or if a live subscriber missed a message.
+//! priority lost more than one cycle in 10 000, or if a live subscriber missed a message.
 #![expect(clippy::print_stdout, reason = "a table is what it is for")]
 
 use std::{
@@ -144,6 +144,10 @@ fn print_row(case: &Case, measured: &Measured) {
     );
 }
 
+/// One cycle in so many may be lost without a fault: a witness sees a standstill up to 0.25 ms after it has
+/// begun, so that several in a row, at 1 ms, may leave a late answer unexplained.
+const UNEXPLAINED: u64 = 10_000;
+
 fn note(case: &Case, measured: &Measured, notes: &mut Vec<String>, faults: &mut Vec<String>) {
     let Measured { cabinet, drive, subscribers, runs, still } = measured;
     let name = format!("{} ms, {} s", case.period_ms, case.seconds);
@@ -179,10 +183,15 @@ fn note(case: &Case, measured: &Measured, notes: &mut Vec<String>, faults: &mut 
             faults.push(format!("{name}: live subscribers missed {missed} messages"));
         }
     }
+    if let Some([took, stood]) = measured.late_by_drive().max_by_key(|[took, stood]| took - stood) {
+        say(format!(
+            "the worst answer lost by the drive took {took} us, for {stood} us of which the machine stood still"
+        ));
+    }
     if runs.done < runs.begun {
         say(format!("a trajectory broke off: {}", runs.error));
     }
-    if drive.real_time && measured.lost() > 0 {
+    if drive.real_time && measured.lost() * UNEXPLAINED > cabinet.cycles {
         faults.push(format!("{name}: the drive lost {} cycles", measured.lost()));
     }
 }
@@ -209,16 +218,20 @@ impl Measured {
     /// Cycles lost by the drive: messages that have reached it, and were answered too late or never,
     /// though the machine went on.
     fn lost(&self) -> u64 {
+        self.late_by_drive().count() as u64 + (self.drive.received - self.drive.answered)
+    }
+
+    /// Late answers that no standstill explains: how long they took, and for how much of it the machine
+    /// stood still, in us.
+    fn late_by_drive(&self) -> impl Iterator<Item = [i64; 2]> {
         let still = self.still.as_deref().unwrap_or_default();
-        let by_drive = |late: &&Answer| {
-            let stood: i64 = still
-                .iter()
-                .map(|[from, to]| (late.answered.min(*to) - late.sent.max(*from)).max(0))
-                .sum();
-            late.answered - late.sent - stood > 1000 * i64::from(self.cabinet.period_ms)
-        };
-        let late = self.cabinet.late_us.iter().filter(by_drive).count() as u64;
-        late + (self.drive.received - self.drive.answered)
+        let period_us = 1000 * i64::from(self.cabinet.period_ms);
+        self.cabinet.late_us.iter().filter_map(move |late| {
+            let overlap = |[from, to]: &Stretch| late.answered.min(*to) - late.sent.max(*from);
+            let stood: i64 = still.iter().map(|stretch| overlap(stretch).max(0)).sum();
+            let took = late.answered - late.sent;
+            (took - stood > period_us).then_some([took, stood])
+        })
     }
 }
 
