@@ -2,7 +2,7 @@
 
 use std::net::{IpAddr, ToSocketAddrs};
 
-use iiwa_link::{Drive, DriveConfig, Remote, security::ClientSecurity};
+use iiwa_link::{Drive, DriveConfig, Punctuality, Remote, security::ClientSecurity};
 
 use crate::{
     args, connection,
@@ -41,7 +41,19 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
         drive.stream(),
         drive.fri()
     ));
+    if !drive.punctuality().real_time {
+        tell(
+            "The system does not let it answer ahead of other programs: to command at 1 ms, give the user \
+             rtprio in /etc/security/limits.conf, or the program cap_sys_nice (setcap).\n",
+        );
+    }
     output::wait_for_interrupt(|| ());
+    let Punctuality { received, answered, behind, slowest, .. } = drive.punctuality();
+    tell(&format!(
+        "{received} messages, {answered} answers: within {} us at most; {behind} left when the next message was \
+         there already\n",
+        slowest.as_micros()
+    ));
     Ok(())
 }
 

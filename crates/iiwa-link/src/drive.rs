@@ -19,7 +19,7 @@ mod setpoints;
 use std::{
     net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket},
     sync::{
-        Arc,
+        Arc, Barrier,
         atomic::{AtomicBool, Ordering},
         mpsc::{self, Receiver, Sender},
     },
@@ -137,6 +137,7 @@ impl Drive {
             account: Arc::default(),
             threads: Vec::new(),
         };
+        let ready = Arc::new(Barrier::new(2));
         let fri = FriThread {
             udp,
             cabinet: config.fri_controller,
@@ -144,8 +145,10 @@ impl Drive {
             orders: orders_in,
             events: events_out,
             account: Arc::clone(&drive.account),
+            ready: Arc::clone(&ready),
         };
         drive.spawn("drive FRI", move |over| fri.run(over))?;
+        ready.wait();
         drive.spawn("drive state", move |over| hear_state(over, &state, &changes_out))?;
         let handler = InstructionThread {
             desk: Desk::new(config.robot, random()),

@@ -8,7 +8,7 @@ use std::{
     io::ErrorKind,
     net::{IpAddr, UdpSocket},
     sync::{
-        Arc,
+        Arc, Barrier,
         atomic::{AtomicBool, Ordering},
         mpsc::{Receiver, Sender},
     },
@@ -79,6 +79,8 @@ pub(super) struct FriThread {
     pub(super) orders: Receiver<Order>,
     pub(super) events: Sender<Event>,
     pub(super) account: Arc<Account>,
+    /// Passed once the thread has the priority that it gets.
+    pub(super) ready: Arc<Barrier>,
 }
 
 /// How often the thread looks for orders while the controller is silent.
@@ -87,8 +89,9 @@ pub(super) const AWAKE: Duration = Duration::from_millis(20);
 impl FriThread {
     /// Answers until `over`.
     pub(super) fn run(self, over: &AtomicBool) {
-        let Self { udp, cabinet, stream, orders, events, account } = self;
+        let Self { udp, cabinet, stream, orders, events, account, ready } = self;
         account.raised(crate::priority::raise());
+        ready.wait();
         let mut line =
             Line { client: Client::new(Format::V1), clock: Clock::default(), stream, events };
         let mut task = Task::Nothing;
