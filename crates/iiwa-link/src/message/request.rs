@@ -66,7 +66,7 @@ impl Request {
     ///
     /// # Errors
     ///
-    /// [`Code::BadRequest`] that says what is wrong and where, with the id as far as it can be read.
+    /// [`Code::BadRequest`](super::Code::BadRequest) that says what is wrong and where, with the id as far as it can be read.
     pub fn from_json(bytes: &[u8]) -> (Option<Id>, Result<Self, Refusal>) {
         let Ok(text) = str::from_utf8(bytes) else {
             return (None, Err(Refusal::bad("the request is not text in UTF-8")));
