@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Swings joint 1 of the robot there and back: an example of a client of iiwaDrive.
+"""Swings joint 1 of the robot there and back: an example of a client of iiwaDrive. Ctrl-C stops the robot.
 
 client.py [--drive ADDRESS] [--stream ADDRESS] [--key NAME.key --server-key drive.pub]; needs pyzmq."""
 import argparse, json, sys
@@ -21,20 +21,29 @@ def connect(kind, address):
     socket.connect(address)
     return socket
 
-def answer():
+def answer(drive):
     reply = drive.recv_json() if drive.poll(5000) else {"ok": False, "error": "no answer"}
     return reply if reply["ok"] else sys.exit(f"the drive says: {reply['error']}")
 
-drive, stream = connect(zmq.REQ, options.drive), connect(zmq.SUB, options.stream)
+def ask(request):
+    drive = connect(zmq.REQ, options.drive)
+    drive.send_json(request)
+    return answer(drive)
+
+stream = connect(zmq.SUB, options.stream)
 stream.subscribe("joints")
-drive.send_json({"type": "state"})
-here = answer()["joints_rad"]
+here = ask({"type": "state"})["joints_rad"] or sys.exit("the drive does not hear the robot")
 there = [here[0] + 0.2, *here[1:]]
 motions = [{"type": "ptp", "joints_rad": q, "velocity_rel": 0.2} for q in (there, here)]
+drive = connect(zmq.REQ, options.drive)
 drive.send_json({"type": "run_motions", "motions": motions})
-while not drive.poll(0):  # the answer comes when the robot stands again
-    if stream.poll(100):
+try:
+    while not drive.poll(0):  # the answer comes when the robot stands again
+        if not stream.poll(3000):
+            sys.exit("\nnothing comes any more; the robot may still be moving")
         topic, message = stream.recv_multipart()
         print(f"\rA1 at {json.loads(message)['joints_rad'][0]:+.4f} rad", end="")
-run = answer()
+except KeyboardInterrupt:
+    ask({"type": "stop"})  # by another socket: this one waits
+run = answer(drive)
 print(f"\nmeasured: {run['cycle_time_s']:.3f} s, {len(run['samples']['t_s'])} samples")

@@ -40,7 +40,8 @@ impl Failure {
             let _ = write!(cause, ": {error}");
             source = error.source();
         }
-        Self::Run { what: printable(&what.into()), cause: Some(cause) }
+        // It may have come over the network.
+        Self::Run { what: printable(&what.into()), cause: Some(printable(&cause)) }
     }
 
     /// The same, with the program's name in front, unless the failure begins with it by itself.
@@ -133,5 +134,20 @@ impl Diagnostic for Problem {
         // A whole object is shown by where it begins.
         let span = place.span.start..place.span.end.min(place.span.start + 60);
         Some(Box::new(std::iter::once(LabeledSpan::at(span, "here"))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_others_say_does_not_reach_the_terminal_as_commands() {
+        let error = std::io::Error::other("\u{1b}[2J\u{9b}31m gone\r\n");
+        let failures = [Failure::run("cannot ask", &error), Failure::input(error.to_string())];
+        for text in failures.map(|failure| failure.text()) {
+            assert!(!text.trim_end().contains(|c: char| c.is_control() && c != '\n'), "{text:?}");
+            assert!(text.contains("[2J"), "{text}");
+        }
     }
 }

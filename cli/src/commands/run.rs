@@ -22,7 +22,7 @@ use serde::Serialize;
 use crate::{
     args::Run,
     connection,
-    failure::{Failure, tell},
+    failure::{Failure, printable, tell},
     figures::Figures,
     input::{self, Text},
     output::{self, Output},
@@ -79,7 +79,9 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
         }
         // What the stream has brought is all there is.
         Err(error) => {
-            let failure = connection::failed("the run broke off", &error);
+            // A motion needs no drive to go on.
+            let failure =
+                connection::failed("the run broke off, the robot may still be moving", &error);
             (Measured { samples: watched.seen, ..Measured::default() }, Some(failure))
         }
     };
@@ -234,7 +236,10 @@ fn follow(
             progress.aside(|| match stopped {
                 _ if stops > 0 => {}
                 Ok(()) => tell("Interrupted: the robot is stopped on its path\n"),
-                Err(error) => tell(&format!("The robot could not be told to stop: {error}\n")),
+                Err(error) => tell(&format!(
+                    "The robot could not be told to stop: {}\n",
+                    printable(&error.to_string())
+                )),
             });
             stops += 1;
         }

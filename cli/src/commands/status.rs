@@ -10,7 +10,12 @@ use iiwa_link::{
     message::{DriveState, Presence, Status as Answer},
 };
 
-use crate::{args::Status, connection, failure::Failure, output};
+use crate::{
+    args::Status,
+    connection,
+    failure::{Failure, printable},
+    output,
+};
 
 /// Prints what the robot does now, and from now on if that is asked for.
 pub(crate) fn run(options: &Status) -> Result<(), Failure> {
@@ -78,7 +83,10 @@ fn text(status: &Answer) -> String {
     let _ = writeln!(
         text,
         "FRI            {}, quality {}; {} messages lost, {} late",
-        fri.session, fri.quality, fri.lost, fri.late
+        printable(&fri.session),
+        printable(&fri.quality),
+        fri.lost,
+        fri.late
     );
     let program = match status.robot_program {
         Presence::Connected => "connected",

@@ -44,6 +44,6 @@ pub use message::{
 pub use wire::{Format, MAX_DATAGRAM_BYTES};
 
 /// How far a 32-bit counter that wraps around is ahead of an earlier count; negative when behind.
-fn ahead(counter: u32, of: u32) -> i32 {
+pub(crate) fn ahead(counter: u32, of: u32) -> i32 {
     counter.wrapping_sub(of).cast_signed()
 }

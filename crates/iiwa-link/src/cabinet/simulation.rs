@@ -245,8 +245,10 @@ impl Simulation {
                     return self.end(braking.run, braking.from, Some(braking.error));
                 }
                 let share = 1.0 - self.period_s / left_s;
-                for (q, dq) in self.q.iter_mut().zip(&self.dq) {
-                    *q += dq * share * self.period_s;
+                let range = self.robot.limits().position_rad;
+                for ((q, dq), range) in self.q.iter_mut().zip(&self.dq).zip(range) {
+                    // Outside its range no motion could begin any more.
+                    *q = (*q + dq * share * self.period_s).clamp(-range, range);
                 }
                 self.activity = Activity::Braking(braking);
             }

@@ -51,13 +51,14 @@ pub(super) struct Desk<C> {
     /// Its silence has been told.
     program_lost: bool,
     seq: u64,
+    first_run: RunId,
     next_run: RunId,
     /// Instructions that are still to be sent, and since when they are.
     waiting: VecDeque<(Instruction, Purpose<C>, Instant)>,
     /// The one that is not acknowledged yet.
     in_flight: Option<(u64, Instant, Purpose<C>)>,
-    /// A run that was given up: should the robot program begin it later, it is to be stopped.
-    given_up: Option<RunId>,
+    /// Who waits for the arm to stand.
+    stoppers: Vec<Asked<C>>,
     last_run: Option<(Run, Option<Refusal>)>,
     outputs: Vec<Output<C>>,
 }
@@ -80,7 +81,6 @@ enum Purpose<C> {
 /// What an acknowledgement is to bring.
 #[derive(Clone, Copy)]
 enum Wanted {
-    Nothing,
     Value,
     Sensors,
 }
@@ -110,10 +110,11 @@ impl<C> Desk<C> {
             program: None,
             program_lost: false,
             seq: 0,
+            first_run,
             next_run: first_run,
             waiting: VecDeque::new(),
             in_flight: None,
-            given_up: None,
+            stoppers: Vec::new(),
             last_run: None,
             outputs: Vec::new(),
         }
@@ -179,22 +180,55 @@ impl<C> Desk<C> {
     }
 
     fn serve_stop(&mut self, asked: Asked<C>, now: Instant) {
-        let state = self.drive_state(now);
-        match &mut self.state {
-            State::Running(running) => {
-                running.stoppers.push(asked);
-                if running.kind == DriveState::RunningTrajectory {
-                    // On its path, by set-points: the cabinet does not know the path.
-                    self.outputs.push(Output::Order(Order::Stop));
-                } else {
-                    self.instruct(Instruction::Stop, Purpose::End, now);
-                }
+        match &self.state {
+            State::Running(running) if running.kind == DriveState::RunningTrajectory => {
+                // On its path, by set-points: the cabinet does not know the path.
+                self.outputs.push(Output::Order(Order::Stop));
             }
-            // What was running before this drive was started.
-            State::Idle if state != DriveState::Idle => {
-                self.instruct(Instruction::Stop, Purpose::Ask(asked, Wanted::Nothing), now);
+            State::Running(_) => self.end_by(Instruction::Stop, now),
+            // What was running before this drive was started, or is not known to stand still.
+            State::Idle
+                if self.program_at(now).is_none_or(|said| said.state != DriveState::Idle) =>
+            {
+                self.tell_end(Instruction::Stop, now);
             }
-            State::Idle => self.reply(asked, Ok(None)),
+            State::Idle => {}
+        }
+        self.stoppers.push(asked);
+        self.answer_stoppers(now);
+    }
+
+    /// Answers those who wait for the arm to stand, once that is known.
+    fn answer_stoppers(&mut self, now: Instant) {
+        if matches!(self.state, State::Running(_)) {
+            return;
+        }
+        let stands = match self.program_at(now) {
+            Some(said) if said.state == DriveState::Idle => Ok(None),
+            Some(_) => return,
+            None => Err(Refusal::robot(
+                "the robot program does not answer: whether the robot stands is not known",
+            )),
+        };
+        for asked in std::mem::take(&mut self.stoppers) {
+            self.reply(asked, stands.clone());
+        }
+    }
+
+    /// From now on the robot program is to end the run, unless it is told to already.
+    fn end_by(&mut self, instruction: Instruction, now: Instant) {
+        if let State::Running(running) = &mut self.state
+            && running.ended_by.is_none()
+        {
+            running.ended_by = Some(instruction.clone());
+            self.instruct(instruction, Purpose::End, now);
+        }
+    }
+
+    /// Tells the robot program to end something, unless it is being told so.
+    fn tell_end(&mut self, instruction: Instruction, now: Instant) {
+        if !self.is_ending() {
+            self.instruct(instruction, Purpose::End, now);
         }
     }
 
@@ -295,7 +329,7 @@ impl<C> Desk<C> {
         match self.check_trajectory(&trajectory, now) {
             Ok(()) => {
                 let run = self.begin(DriveState::RunningTrajectory, asked);
-                self.outputs.push(Output::Order(Order::Run(Box::new(trajectory))));
+                self.outputs.push(Output::Order(Order::Run(run, Box::new(trajectory))));
                 self.instruct(Instruction::RunTrajectory { run }, Purpose::Begin(run), now);
             }
             Err(refusal) => self.reply(asked, Err(refusal)),
@@ -358,7 +392,6 @@ impl<C> Desk<C> {
             (Purpose::Ask(asked, _), Some(error)) => self.reply(asked, Err(error)),
             (Purpose::Ask(asked, wanted), None) => {
                 let brought = match (wanted, answer.sensors, answer.value) {
-                    (Wanted::Nothing, ..) => Ok(None),
                     (Wanted::Sensors, Some(sensors), _) => Ok(Some(Body::Sensors { sensors })),
                     (Wanted::Value, _, Some(value)) => Ok(Some(Body::Value { value })),
                     _ => Err(Refusal::robot("the robot program's answer lacks what was asked for")),
@@ -381,6 +414,7 @@ impl<C> Desk<C> {
     /// The robot program has said its state.
     pub(super) fn changed(&mut self, change: StateChange, now: Instant) {
         let restarted = self.program.as_ref().is_some_and(|(before, _)| before.boot != change.boot);
+        self.take_for_acknowledged(&change, now);
         if let State::Running(running) = &mut self.state {
             let run = running.run;
             match &change.outcome {
@@ -399,20 +433,9 @@ impl<C> Desk<C> {
                 _ => {}
             }
         }
-        let own = match &self.state {
-            State::Running(running) => Some(running.run),
-            State::Idle => None,
-        };
-        if let (DriveState::RunningTrajectory, Some(run)) = (change.state, change.run)
-            && own != Some(run)
-            && !self.is_ending()
-        {
-            // The drive that fed it is gone.
-            self.instruct(Instruction::EndTrajectory { run }, Purpose::End, now);
-        }
-        if change.run.is_some() && change.run == self.given_up {
-            self.given_up = None;
-            self.instruct(Instruction::Stop, Purpose::End, now);
+        // At each word, so that nothing moves on because an instruction got lost.
+        if let Some(end) = change.run.and_then(|run| self.end_of(run, change.state)) {
+            self.tell_end(end, now);
         }
         if restarted || self.program_at(now).is_none() {
             tracing::info!("the robot program is there");
@@ -420,6 +443,38 @@ impl<C> Desk<C> {
         }
         self.program = Some((change, now));
         self.tick(now);
+    }
+
+    /// The robot program speaks of the run: it has the instruction that begins it, even if its
+    /// acknowledgement got lost. What waits behind that, as a stop, must not wait any longer.
+    fn take_for_acknowledged(&mut self, change: &StateChange, now: Instant) {
+        let ended = change.outcome.as_ref().map(|outcome| outcome.run);
+        let is_known = |run: &RunId| change.run == Some(*run) || ended == Some(*run);
+        let begins = |purpose: &Purpose<C>| matches!(purpose, Purpose::Begin(run) if is_known(run));
+        if let Some((_, _, Purpose::Begin(run))) =
+            self.in_flight.take_if(|(.., purpose)| begins(purpose))
+            && let State::Running(running) = &mut self.state
+            && running.run == run
+        {
+            running.take(now);
+        }
+    }
+
+    /// How a run that the robot program is busy with is to be ended, if it is.
+    fn end_of(&self, run: RunId, state: DriveState) -> Option<Instruction> {
+        match &self.state {
+            State::Running(running) if running.run == run => running.ended_by.clone(),
+            // Nobody feeds it any more.
+            _ if state == DriveState::RunningTrajectory => Some(Instruction::EndTrajectory { run }),
+            // It was given up, and has begun all the same.
+            _ if self.is_own(run) => Some(Instruction::Stop),
+            _ => (!self.stoppers.is_empty()).then_some(Instruction::Stop),
+        }
+    }
+
+    /// Whether this drive has given a run that number.
+    fn is_own(&self, run: RunId) -> bool {
+        run.wrapping_sub(self.first_run) < self.next_run.wrapping_sub(self.first_run)
     }
 
     /// Whether the robot program is already being told to end something.
@@ -445,10 +500,8 @@ impl<C> Desk<C> {
             Event::Over(over) => self.commanded(over, now),
             Event::Discarded => {
                 // It was to be stopped before it began.
-                if let State::Running(running) = &self.state
-                    && !running.stoppers.is_empty()
-                {
-                    self.instruct(Instruction::Stop, Purpose::End, now);
+                if !self.stoppers.is_empty() {
+                    self.end_by(Instruction::Stop, now);
                 }
             }
             Event::Freed(_) => {}
@@ -457,10 +510,12 @@ impl<C> Desk<C> {
 
     /// A trajectory is over on this side: the robot program is told, and says idle then.
     fn commanded(&mut self, over: Over, now: Instant) {
-        if let State::Running(running) = &mut self.state {
+        if let State::Running(running) = &mut self.state
+            && running.run == over.run
+        {
+            let run = over.run;
             running.commanded = Some(over);
-            let run = running.run;
-            self.instruct(Instruction::EndTrajectory { run }, Purpose::End, now);
+            self.end_by(Instruction::EndTrajectory { run }, now);
         }
     }
 
@@ -492,6 +547,7 @@ impl<C> Desk<C> {
                 self.fail(run, error, now);
             }
         }
+        self.answer_stoppers(now);
         self.send_next(now);
         self.refuse_waiting(now);
     }
@@ -518,11 +574,10 @@ impl<C> Desk<C> {
         {
             running.fail(error, now);
             self.finish();
-            // It is not to begin any more; if it does, or has, it is stopped.
+            // It is not to begin any more; if it does, or has, it is stopped by its number.
             self.waiting.retain(
                 |(_, purpose, _)| !matches!(purpose, Purpose::Begin(other) if *other == run),
             );
-            self.given_up = Some(run);
         }
     }
 
@@ -535,7 +590,7 @@ impl<C> Desk<C> {
             self.outputs.push(Output::Order(Order::Release));
         }
         let number = running.run;
-        let Left { run, error, was_taken, asked, stoppers } = running.leave();
+        let Left { run, error, was_taken, asked } = running.leave();
         match &error {
             None => tracing::info!("run {number}: done"),
             Some(error) => tracing::warn!("run {number}: {error}"),
@@ -545,9 +600,6 @@ impl<C> Desk<C> {
         }
         let reply = Reply { id: asked.id, error, body: Some(Body::Run(run)) };
         self.outputs.push(Output::Reply(asked.client, reply.to_json()));
-        for stopper in stoppers {
-            self.reply(stopper, Ok(None));
-        }
         self.outputs.push(Output::Order(Order::Publish(DriveState::Idle)));
     }
 
@@ -567,3 +619,6 @@ fn unanswered() -> Refusal {
 
 /// The name of a session of which nothing is heard.
 const SILENT: &str = "silent";
+
+#[cfg(test)]
+mod tests;

@@ -26,6 +26,7 @@ use super::{
 use crate::{
     fri::{Client, Format, Monitoring, Quality, Received, Safety, SessionState},
     message::DriveState,
+    robot_program::RunId,
     security::GuardedSocket,
     socket::is_timeout,
     timed_joints::TimedJoints,
@@ -34,10 +35,10 @@ use crate::{
 /// What the FRI thread is told.
 pub(super) enum Order {
     /// Run this trajectory as soon as the session commands.
-    Run(Box<TimedJoints>),
+    Run(RunId, Box<TimedJoints>),
     /// Stop it on its path.
     Stop,
-    /// Forget it.
+    /// Forget it; if the arm moves, only after a stop on its path.
     Release,
     /// Publish a state.
     Publish(DriveState),
@@ -86,8 +87,11 @@ pub(super) struct FriThread {
 /// How often the thread looks for orders while the controller is silent.
 pub(super) const AWAKE: Duration = Duration::from_millis(20);
 
+/// How long an arm that moves may take to stop when the drive ends.
+const LAST_STOP: Duration = Duration::from_secs(1);
+
 impl FriThread {
-    /// Answers until `over`.
+    /// Answers until `over`; a trajectory is stopped on its path then.
     pub(super) fn run(self, over: &AtomicBool) {
         let Self { udp, cabinet, stream, orders, events, account, ready } = self;
         account.raised(crate::priority::raise());
@@ -98,14 +102,22 @@ impl FriThread {
         let mut last_rad = None;
         let mut buffer = [0; 2048];
         let mut answer = Vec::with_capacity(1500);
-        while !over.load(Ordering::Relaxed) {
+        let mut until = None;
+        loop {
+            if over.load(Ordering::Relaxed) {
+                task.stop();
+                let until = *until.get_or_insert_with(|| Instant::now() + LAST_STOP);
+                if !task.moves() || Instant::now() >= until {
+                    return;
+                }
+            }
             for order in orders.try_iter() {
                 let next = match order {
                     Order::Publish(state) => {
                         line.publish_state(state);
                         continue;
                     }
-                    Order::Stop if task.moves() => {
+                    Order::Stop | Order::Release if task.moves() => {
                         task.stop();
                         continue;
                     }
@@ -114,7 +126,7 @@ impl FriThread {
                         Task::Nothing
                     }
                     Order::Release => Task::Nothing,
-                    Order::Run(trajectory) => Task::Waiting { trajectory, armed: false },
+                    Order::Run(run, trajectory) => Task::Waiting { run, trajectory, armed: false },
                 };
                 let _ = line.events.send(Event::Freed(std::mem::replace(&mut task, next)));
             }

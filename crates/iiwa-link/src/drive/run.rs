@@ -5,16 +5,16 @@ use std::time::{Duration, Instant};
 use super::{fri::Heard, setpoints::Over};
 use crate::{
     message::{DriveState, Refusal, Run, Samples},
-    robot_program::{Outcome, RunId},
+    robot_program::{Instruction, Outcome, RunId},
 };
 
-/// A run that has begun. `A` is who asked for it, or for its end.
+/// A run that has begun. `A` is who asked for it.
 pub(super) struct Running<A> {
     pub(super) kind: DriveState,
     pub(super) run: RunId,
     pub(super) asked: A,
-    /// Who waits for it to stop.
-    pub(super) stoppers: Vec<A>,
+    /// How the robot program is told to end it, once it is: again, as long as it goes on.
+    pub(super) ended_by: Option<Instruction>,
     samples: Samples,
     samples_left_out: u64,
     /// When the robot program has taken it.
@@ -39,7 +39,6 @@ pub(super) struct Left<A> {
     /// Whether it had come as far as to the robot program.
     pub(super) was_taken: bool,
     pub(super) asked: A,
-    pub(super) stoppers: Vec<A>,
 }
 
 /// Most samples that are kept of a run: half an hour at 1 ms.
@@ -57,7 +56,7 @@ impl<A> Running<A> {
             kind,
             run,
             asked,
-            stoppers: Vec::new(),
+            ended_by: None,
             samples: Samples::default(),
             samples_left_out: 0,
             taken: None,
@@ -99,7 +98,7 @@ impl<A> Running<A> {
         }
         let ended = match self.commanded.take() {
             // This side knows best when the set-points began and ended.
-            Some(Over { start_s, end_s, error }) if outcome.error.is_none() => {
+            Some(Over { start_s, end_s, error, .. }) if outcome.error.is_none() => {
                 Ended { start_s: Some(start_s), end_s: Some(end_s), error }
             }
             commanded => Ended {
@@ -145,7 +144,6 @@ impl<A> Running<A> {
             error,
             was_taken: self.taken.is_some(),
             asked: self.asked,
-            stoppers: self.stoppers,
         }
     }
 }

@@ -3,9 +3,10 @@
 use iiwa_kin::Joints;
 
 use crate::{
-    fri::{CommandMode, Monitoring, SessionState},
+    fri::{CommandMode, Monitoring, Safety, SessionState, ahead},
     message::{Code, Refusal},
     playback::{Motion, Playback, STOP_S},
+    robot_program::RunId,
     timed_joints::{START_TOLERANCE_RAD, TimedJoints},
 };
 
@@ -46,21 +47,26 @@ pub(super) enum Task {
     Nothing,
     /// Until the session commands.
     Waiting {
+        run: RunId,
         trajectory: Box<TimedJoints>,
         /// Since it was ordered, the session has been in another state: it commands for this trajectory,
         /// not for the one before.
         armed: bool,
     },
     Running {
+        run: RunId,
         playback: Box<Playback<Offset>>,
         start_s: f64,
         /// Time of the last set-point.
         at_s: f64,
+        /// The counter of the message that it answered.
+        sequence: u32,
     },
 }
 
 /// How a trajectory has ended, on this side.
 pub(super) struct Over {
+    pub(super) run: RunId,
     /// When it began, in s of the stream.
     pub(super) start_s: f64,
     /// When it ended, in s of the stream.
@@ -92,8 +98,9 @@ impl Task {
         message: &Monitoring,
         t_s: f64,
     ) -> (Option<Joints>, Option<Over>) {
-        let commands = message.session == SessionState::CommandingActive;
-        if let Self::Waiting { trajectory, armed } = self {
+        let commands = message.session == SessionState::CommandingActive && is_safe(message);
+        if let Self::Waiting { run, trajectory, armed } = self {
+            let run = *run;
             if !(commands && *armed) {
                 *armed = !commands;
                 return (None, None);
@@ -102,20 +109,21 @@ impl Task {
                 Ok(mut playback) => {
                     playback.advance(cycle_s(message));
                     let setpoint = playback.position();
-                    *self = Self::Running { playback, start_s: t_s, at_s: t_s };
+                    let sequence = message.sequence;
+                    *self = Self::Running { run, playback, start_s: t_s, at_s: t_s, sequence };
                     (Some(setpoint), None)
                 }
-                Err(error) => (None, Some(Over { start_s: t_s, end_s: t_s, error: Some(error) })),
+                Err(error) => {
+                    (None, Some(Over { run, start_s: t_s, end_s: t_s, error: Some(error) }))
+                }
             };
         }
-        let Self::Running { playback, start_s, at_s } = self else { return (None, None) };
-        let over = |error| Over { start_s: *start_s, end_s: t_s, error };
-        if !commands {
-            let error = Refusal::robot(format!(
-                "FRI does not command any more: session {}, quality {}",
-                message.session.name(),
-                message.quality.name()
-            ));
+        let Self::Running { run, playback, start_s, at_s, sequence } = self else {
+            return (None, None);
+        };
+        let over = |error| Over { run: *run, start_s: *start_s, end_s: t_s, error };
+        let cycles = ahead(message.sequence, *sequence);
+        if let Some(error) = broken_off(message, cycles) {
             return (None, Some(over(Some(error))));
         }
         let setpoint = playback.position();
@@ -128,10 +136,41 @@ impl Task {
             return (Some(setpoint), Some(over(error)));
         }
         // By the controller's clock: a lost message costs no time.
-        playback.advance((t_s - *at_s).max(0.0));
-        *at_s = t_s;
+        playback.advance((t_s - *at_s).clamp(0.0, most_s(message, cycles)));
+        (*at_s, *sequence) = (t_s, message.sequence);
         (Some(playback.position()), None)
     }
+}
+
+/// Whether no safety stop is on.
+fn is_safe(message: &Monitoring) -> bool {
+    message.safety.is_none_or(|safety| safety == Safety::Normal)
+}
+
+/// Why a trajectory must not go on with this message, which is so many cycles after the last one.
+fn broken_off(message: &Monitoring, cycles: i32) -> Option<Refusal> {
+    if message.session != SessionState::CommandingActive {
+        return Some(Refusal::robot(format!(
+            "FRI does not command any more: session {}, quality {}",
+            message.session.name(),
+            message.quality.name()
+        )));
+    }
+    if !is_safe(message) {
+        // The arm stands, or brakes: set-points that went on would run away from it.
+        return Some(Refusal::robot("the robot's safety stop is on"));
+    }
+    (cycles <= 0)
+        .then(|| Refusal::robot("the controller has started again in the middle of the run"))
+}
+
+/// The longest time, in s, that the controller's clock can have gone on within so many cycles. It may be
+/// set while the arm moves: set-points must not leap with it.
+fn most_s(message: &Monitoring, cycles: i32) -> f64 {
+    if message.send_period_ms == 0 {
+        return f64::INFINITY;
+    }
+    2.0 * f64::from(cycles) * f64::from(message.send_period_ms) * 1e-3
 }
 
 /// Time from one expected answer to the next, in s: a set-point is for the end of it.
@@ -150,9 +189,10 @@ fn start(
         ));
     }
     let start = trajectory.at(0.0);
-    let robot = message.ipo_rad.or(message.commanded_rad).or(message.measured_rad);
-    let offset_rad: Joints =
-        robot.map_or([0.0; 7], |robot| std::array::from_fn(|j| robot[j] - start[j]));
+    let Some(robot) = message.ipo_rad.or(message.commanded_rad).or(message.measured_rad) else {
+        return Err(Refusal::robot("FRI does not say where the robot is"));
+    };
+    let offset_rad: Joints = std::array::from_fn(|j| robot[j] - start[j]);
     if let Some(j) = (0..7).find(|&j| offset_rad[j].abs() > START_TOLERANCE_RAD) {
         return Err(Refusal::new(
             Code::StartMismatch,
@@ -164,4 +204,70 @@ fn start(
         ));
     }
     Ok(Box::new(Playback::new(Offset { trajectory: std::mem::take(trajectory), offset_rad })))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CYCLE_S: f64 = 0.005;
+
+    /// The `cycle`-th message of a session that commands, with the robot at 0.
+    fn message(cycle: u32) -> Monitoring {
+        Monitoring {
+            sequence: cycle,
+            session: SessionState::CommandingActive,
+            send_period_ms: 5,
+            ipo_rad: Some([0.0; 7]),
+            ..Monitoring::default()
+        }
+    }
+
+    /// A trajectory of joint 1 at 0.1 rad/s, in its tenth cycle.
+    fn running() -> (Task, f64) {
+        let t_s: Vec<f64> = (0..1000).map(|i| f64::from(i) * 0.01).collect();
+        let joints_rad = t_s.iter().map(|t_s| [0.1 * t_s, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
+        let trajectory = Box::new(TimedJoints { t_s, joints_rad });
+        let mut task = Task::Waiting { run: 7, trajectory, armed: true };
+        let mut last = 0.0;
+        for cycle in 0..10 {
+            let (setpoint, over) = task.advance(&message(cycle), f64::from(cycle) * CYCLE_S);
+            assert!(over.is_none());
+            last = setpoint.unwrap()[0];
+        }
+        (task, last)
+    }
+
+    #[test]
+    fn a_clock_that_is_set_makes_no_leap() {
+        let (mut task, before) = running();
+        // Two messages are lost: their time is not.
+        let (setpoint, _) = task.advance(&message(12), 12.0 * CYCLE_S);
+        let after_loss = setpoint.unwrap()[0];
+        assert!((after_loss - before - 0.1 * 3.0 * CYCLE_S).abs() < 1e-9);
+        // The clock is an hour ahead, from one message to the next.
+        let (setpoint, over) = task.advance(&message(13), 3600.0);
+        assert!(over.is_none());
+        assert!(setpoint.unwrap()[0] - after_loss <= 0.1 * 2.0 * CYCLE_S + 1e-9);
+    }
+
+    #[test]
+    fn nothing_goes_on_after_a_safety_stop_or_a_restart() {
+        let stopped = Monitoring { safety: Some(Safety::Stop1), ..message(10) };
+        for (message, why) in [(stopped, "safety stop"), (message(3), "started again")] {
+            let (mut task, _) = running();
+            let (setpoint, over) = task.advance(&message, 10.0 * CYCLE_S);
+            assert_eq!(setpoint, None);
+            let over = over.unwrap();
+            assert!(over.run == 7 && over.error.unwrap().message.contains(why));
+        }
+    }
+
+    #[test]
+    fn nothing_begins_where_the_robot_is_not_seen() {
+        let trajectory = TimedJoints { t_s: vec![0.0, 1.0], joints_rad: vec![[0.5; 7]; 2] };
+        let mut task = Task::Waiting { run: 7, trajectory: Box::new(trajectory), armed: true };
+        let (setpoint, over) = task.advance(&Monitoring { ipo_rad: None, ..message(0) }, 0.0);
+        assert!(setpoint.is_none() && over.unwrap().error.is_some());
+    }
 }

@@ -137,8 +137,8 @@ pub enum SecurityError {
     /// An address on another machine, without keys.
     #[error(
         "{endpoint} may be another machine, so keys are needed: make them with `iiwasim keygen \
-         NAME`, then give --key NAME.key and --server-key with the server's .pub file. Without \
-         keys, only loopback addresses are used, such as tcp://127.0.0.1:5560"
+         NAME`, then give --key NAME.key and --server-key (a drive: --cabinet-key) with the other \
+         side's .pub file. Without keys, only loopback addresses are used, such as tcp://127.0.0.1:5560"
     )]
     ConnectNeedsKeys {
         /// The address.
