@@ -1,11 +1,8 @@
 #!/usr/bin/env python3
-"""Swings joint 1 of the robot there and back: an example of a client of iiwaDrive. Ctrl-C stops the robot.
+"""Swings joint 1 of the robot there and back, as an example of a client of iiwaDrive. Needs pyzmq."""
+import argparse, json, sys, zmq, zmq.auth
 
-client.py [--drive ADDRESS] [--stream ADDRESS] [--key NAME.key --server-key drive.pub]; needs pyzmq."""
-import argparse, json, sys
-import zmq, zmq.auth
-
-parser = argparse.ArgumentParser()
+parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--drive", default="tcp://127.0.0.1:5560", help="where it takes requests")
 parser.add_argument("--stream", default="tcp://127.0.0.1:5561", help="where it publishes")
 parser.add_argument("--key", help="own key of `iiwasim keygen`, if the drive asks for keys")
@@ -21,29 +18,23 @@ def connect(kind, address):
     socket.connect(address)
     return socket
 
-def answer(drive):
-    reply = drive.recv_json() if drive.poll(5000) else {"ok": False, "error": "no answer"}
-    return reply if reply["ok"] else sys.exit(f"the drive says: {reply['error']}")
-
-def ask(request):
+def ask(request, wait=lambda drive: drive.poll(5000)):
     drive = connect(zmq.REQ, options.drive)
     drive.send_json(request)
-    return answer(drive)
+    reply = drive.recv_json() if wait(drive) else {"ok": False, "error": "no answer"}
+    return reply if reply["ok"] else sys.exit(f"the drive says: {reply['error']}")
 
-stream = connect(zmq.SUB, options.stream)
-stream.subscribe("joints")
+def watch(drive):  # the answer comes when the robot stands again; Ctrl-C stops it
+    try:
+        while not drive.poll(0) and stream.poll(3000):
+            joints_rad = json.loads(stream.recv_multipart()[1])["joints_rad"]
+            print(f"\rA1 at {joints_rad[0]:+.4f} rad", end="", flush=True)
+    except KeyboardInterrupt:
+        ask({"type": "stop"})
+    return drive.poll(5000)
+
+(stream := connect(zmq.SUB, options.stream)).subscribe("joints")
 here = ask({"type": "state"})["joints_rad"] or sys.exit("the drive does not hear the robot")
-there = [here[0] + 0.2, *here[1:]]
-motions = [{"type": "ptp", "joints_rad": q, "velocity_rel": 0.2} for q in (there, here)]
-drive = connect(zmq.REQ, options.drive)
-drive.send_json({"type": "run_motions", "motions": motions})
-try:
-    while not drive.poll(0):  # the answer comes when the robot stands again
-        if not stream.poll(3000):
-            sys.exit("\nnothing comes any more; the robot may still be moving")
-        topic, message = stream.recv_multipart()
-        print(f"\rA1 at {json.loads(message)['joints_rad'][0]:+.4f} rad", end="")
-except KeyboardInterrupt:
-    ask({"type": "stop"})  # by another socket: this one waits
-run = answer(drive)
+motions = [{"type": "ptp", "joints_rad": [here[0] + by, *here[1:]], "velocity_rel": 0.2} for by in (0.2, 0)]
+run = ask({"type": "run_motions", "motions": motions}, watch)
 print(f"\nmeasured: {run['cycle_time_s']:.3f} s, {len(run['samples']['t_s'])} samples")

@@ -151,9 +151,10 @@ mod tests {
             assert_eq!(q.last(), Some(&plan.at(playback.at_s()).q));
             q.extend_from_within(q.len() - 1..);
             for three in q[2..].windows(3) {
-                for j in 0..7 {
-                    let speed = (three[1][j] - three[0][j]).abs() / DT_S;
-                    let bend = (three[2][j] - 2.0 * three[1][j] + three[0][j]).abs() / DT_S / DT_S;
+                let [a, b, c] = [three[0], three[1], three[2]];
+                for (j, b) in b.iter().enumerate() {
+                    let speed = (b - a[j]).abs() / DT_S;
+                    let bend = (c[j] - 2.0 * b + a[j]).abs() / DT_S / DT_S;
                     worst[0] = worst[0].max(speed / limits.velocity_rad_s[j]);
                     worst[1] = worst[1].max(bend / limits.acceleration_rad_s2[j]);
                 }
