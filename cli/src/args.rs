@@ -9,7 +9,7 @@ use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
 pub(crate) use link::{
     Cabinet, ClientKeys, Drive, DriveAddress, Io, IoAction, Keygen, Record, Run, Sensors,
-    ServerKeys, Status,
+    ServerKeys, Status, Stop,
 };
 
 const EXIT_CODES: &str = "\
@@ -34,6 +34,7 @@ pub(crate) enum Command {
     Run(Run),
     Record(Record),
     Status(Status),
+    Stop(Stop),
     Io(Io),
     Sensors(Sensors),
     Drive(Drive),

@@ -12,3 +12,4 @@ pub(crate) mod run;
 pub(crate) mod schema;
 pub(crate) mod sensors;
 pub(crate) mod status;
+pub(crate) mod stop;

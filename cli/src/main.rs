@@ -37,6 +37,7 @@ fn main() -> ExitCode {
         Command::Run(options) => commands::run::run(&options),
         Command::Record(options) => commands::record::run(&options),
         Command::Status(options) => commands::status::run(&options),
+        Command::Stop(options) => commands::stop::run(&options),
         Command::Io(options) => commands::io::run(&options.action),
         Command::Sensors(options) => commands::sensors::run(&options),
     };

@@ -255,6 +255,16 @@ pub(crate) struct Record {
     pub(crate) keys: ClientKeys,
 }
 
+/// Stop the robot on its path, whoever made it move, and wait until it stands.
+///
+/// This is no emergency stop: it needs the network, the drive and the robot program.
+#[derive(Args, Debug)]
+#[command(after_help = EXIT_CODES)]
+pub(crate) struct Stop {
+    #[command(flatten)]
+    pub(crate) drive: DriveAddress,
+}
+
 /// Print what the robot does now, where it is, and how the connection to it is.
 #[derive(Args, Debug)]
 #[command(after_help = EXIT_CODES)]

@@ -45,6 +45,20 @@ fn the_robot_tells_of_itself() {
 }
 
 #[test]
+fn anybody_can_stop_the_robot() {
+    let rig = Rig::new();
+    let running = rig.begin("run", &[rig.slow_program()]);
+    wait_for("motion", || rig.joint_1() > 0.2);
+    rig.iiwasim("stop", &[]).success().stdout("The robot stands\n").stderr(is_empty());
+    let here = rig.joint_1();
+    assert!(here < 1.0);
+    let ended = running.end().code(1);
+    assert!(ended.stderr.contains("stopped on request at"), "{}", ended.stderr);
+    rig.iiwasim("stop", &[]).success().stdout("The robot stands\n");
+    assert_eq!(rig.joint_1(), here);
+}
+
+#[test]
 fn a_program_runs() {
     let rig = Rig::new();
     let program = rig.slow_program();

@@ -114,6 +114,8 @@ impl Drive {
         }
         let (requests, instructions) =
             clients.bind(zmq::ROUTER, &config.instructions, |socket| {
+                // Requests of a client wait for each other, and long ones take memory meanwhile.
+                socket.set_rcvhwm(10)?;
                 limit_messages(socket, MAX_MESSAGE_BYTES)
             })?;
         let (stream, stream_at) = clients.bind(zmq::PUB, &config.stream, |socket| {
