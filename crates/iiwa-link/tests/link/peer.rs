@@ -71,6 +71,9 @@ fn read_lines(stdout: ChildStdout) -> Receiver<Value> {
     lines
 }
 
+/// How many times as fast as real time the controller's clock goes.
+const SPEED: f64 = 0.5;
+
 /// The script's offset of joint 1, in rad, after so many seconds of commanding.
 fn offset_rad(t_s: f64) -> f64 {
     let share = (t_s / 2.0).min(1.0);
@@ -92,6 +95,9 @@ fn an_independent_client_moves_the_arm() {
     let Some(mut script) = Script::start() else { return };
     let config = CabinetConfig {
         fri_client: script.line()["bound"].as_str().unwrap().parse().unwrap(),
+        // A cycle every 20 ms: a script has no real-time priority.
+        period_ms: 10,
+        speed: SPEED,
         instructions: "tcp://127.0.0.1:*".to_owned(),
         state: "tcp://127.0.0.1:*".to_owned(),
         ..CabinetConfig::default()
@@ -117,10 +123,10 @@ fn an_independent_client_moves_the_arm() {
     script.expect("commanding_active");
     let begin = Instant::now();
     let mut trace = Vec::new();
-    while begin.elapsed() < Duration::from_secs(4) {
+    while begin.elapsed() < Duration::from_secs(4).div_f64(SPEED) {
         let position = cabinet.position();
         assert_eq!(position[1..], [0.0; 6]);
-        trace.push((begin.elapsed().as_secs_f64(), position[0]));
+        trace.push((begin.elapsed().as_secs_f64() * SPEED, position[0]));
         thread::sleep(Duration::from_millis(2));
     }
     let (high, low, between_s) = extremes(&trace);
@@ -149,6 +155,6 @@ fn an_independent_client_moves_the_arm() {
     println!("{figures}");
     assert_eq!((&figures["invalid"], figures["states"].as_array().unwrap().len()), (&json!(0), 8));
     // From a set-point to the measurement two cycles later, at 0.03 rad/s.
-    assert!(figures["largest_difference_rad"].as_f64().unwrap() < 5e-4);
-    assert!(figures["messages"].as_u64().unwrap() > 900 && report.cycles > 900);
+    assert!(figures["largest_difference_rad"].as_f64().unwrap() < 1e-3);
+    assert!(figures["messages"].as_u64().unwrap() > 450 && report.cycles > 450);
 }
