@@ -12,7 +12,7 @@ use std::{
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     Client, ClientError, Published, START_TOLERANCE_RAD, Stream, TimedJoints,
-    message::{DriveState, Run as Measured, Samples},
+    message::{DriveState, FriStatus, Run as Measured, Samples},
 };
 use iiwa_log::{Recorder, RecorderConfig};
 use iiwa_path::{Motion, Path, Program, Ptp};
@@ -32,9 +32,6 @@ use crate::{
 
 /// Time from one point of a trajectory to the next, in s.
 const STEP_S: f64 = 0.004;
-
-/// A session of FRI of which nothing is heard.
-const SILENT: &str = "silent";
 
 /// How long the stream is waited for before the connection is looked at again.
 const LOOK: Duration = Duration::from_millis(50);
@@ -147,7 +144,8 @@ fn sampled(plan: &Trajectory) -> TimedJoints {
 fn go_to_start(line: &mut Line, options: &Run, start_rad: &Joints) -> Result<(), Failure> {
     let ask = |error: ClientError| connection::failed("cannot ask where the robot is", &error);
     let status = line.client.state().map_err(ask)?;
-    let Some(joints_rad) = status.joints_rad.filter(|_| status.fri.session != SILENT) else {
+    let Some(joints_rad) = status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT)
+    else {
         return Err(Failure::Run {
             what: "it is not known where the robot is: the drive does not hear the controller"
                 .to_owned(),

@@ -243,7 +243,7 @@ impl<C> Desk<C> {
     fn status(&self, now: Instant) -> Status {
         let fri = match &self.heard {
             None => FriStatus {
-                session: SILENT.to_owned(),
+                session: FriStatus::SILENT.to_owned(),
                 quality: Quality::Poor.name().to_owned(),
                 ..FriStatus::default()
             },
@@ -251,7 +251,8 @@ impl<C> Desk<C> {
                 let silent = now.saturating_duration_since(heard.at) > FRI_SILENT;
                 let quality = if silent { Quality::Poor } else { heard.quality };
                 FriStatus {
-                    session: if silent { SILENT } else { heard.session.name() }.to_owned(),
+                    session: if silent { FriStatus::SILENT } else { heard.session.name() }
+                        .to_owned(),
                     quality: quality.name().to_owned(),
                     lost: heard.lost,
                     late: heard.late,
@@ -616,9 +617,6 @@ impl<C> Desk<C> {
 fn unanswered() -> Refusal {
     Refusal::new(Code::Timeout, "the robot program did not answer in time")
 }
-
-/// The name of a session of which nothing is heard.
-const SILENT: &str = "silent";
 
 #[cfg(test)]
 mod tests;

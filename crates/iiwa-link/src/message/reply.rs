@@ -91,6 +91,11 @@ pub struct FriStatus {
     pub late: u64,
 }
 
+impl FriStatus {
+    /// The session of which nothing is heard.
+    pub const SILENT: &str = "silent";
+}
+
 /// What the robot does now.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
