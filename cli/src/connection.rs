@@ -8,7 +8,7 @@ use iiwa_link::{
 
 use crate::{
     args::{ClientKeys, DriveAddress, ServerKeys},
-    failure::Failure,
+    failure::{Failure, chain},
 };
 
 /// A client of the drive that the options name.
@@ -61,14 +61,4 @@ pub(crate) fn failed(what: &str, error: &ClientError) -> Failure {
         ClientError::Link(error) => refused(error),
         error => Failure::run(what, error),
     }
-}
-
-fn chain(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(error) = source {
-        text = format!("{text}: {error}");
-        source = error.source();
-    }
-    text
 }

@@ -34,14 +34,8 @@ impl Failure {
 
     /// Something that went wrong on the way, and why.
     pub(crate) fn run(what: impl Into<String>, error: &dyn Error) -> Self {
-        let mut cause = error.to_string();
-        let mut source = error.source();
-        while let Some(error) = source {
-            let _ = write!(cause, ": {error}");
-            source = error.source();
-        }
         // It may have come over the network.
-        Self::Run { what: printable(&what.into()), cause: Some(printable(&cause)) }
+        Self::Run { what: printable(&what.into()), cause: Some(printable(&chain(error))) }
     }
 
     /// The same, with the program's name in front, unless the failure begins with it by itself.
@@ -86,6 +80,17 @@ impl Failure {
     pub(crate) fn report(&self) {
         tell(&self.text());
     }
+}
+
+/// An error with all that caused it, in one line.
+pub(crate) fn chain(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(error) = source {
+        let _ = write!(text, ": {error}");
+        source = error.source();
+    }
+    text
 }
 
 /// Writes to standard error. If that is closed, there is nobody to tell.

@@ -36,8 +36,8 @@ use crate::{
         punctuality::Account,
     },
     error::LinkError,
-    message::MAX_MESSAGE_BYTES,
-    robot_program::{self, RECEIVED, StateChange},
+    message::{MAX_MESSAGE_BYTES, from_json},
+    robot_program::{RECEIVED, StateChange},
     security::GuardedSocket,
     socket::{Remote, SHORT_MESSAGE_BYTES, Server, limit_messages, random},
 };
@@ -223,7 +223,7 @@ fn hear_state(over: &AtomicBool, socket: &zmq::Socket, changes: &Sender<StateCha
         }
         let Ok(frames) = socket.recv_multipart(0) else { continue };
         if let [body] = frames.as_slice()
-            && let Some(change) = robot_program::read(body)
+            && let Some(change) = from_json(body)
         {
             let _ = changes.send(change);
         } else {
@@ -276,7 +276,7 @@ impl InstructionThread {
             }
             while let Ok(frames) = program.recv_multipart(zmq::DONTWAIT) {
                 if let [.., body] = frames.as_slice()
-                    && let Some(answer) = robot_program::read(body)
+                    && let Some(answer) = from_json(body)
                 {
                     self.desk.acknowledged(answer, now);
                 }

@@ -153,10 +153,5 @@ pub(crate) struct Outcome {
 /// What is sent back for a state change.
 pub(crate) const RECEIVED: &str = r#"{"ok":true}"#;
 
-/// Reads an acknowledgement or a state change.
-pub(crate) fn read<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
-    serde_json::from_slice::<Object<T>>(bytes).ok().map(|Object(message)| message)
-}
-
 /// How often the robot program says its state, also when nothing changes, in ms.
 pub(crate) const STATE_EVERY_MS: u64 = 500;

@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use iiwa_kin::{Joints, json::Object};
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use iiwa_kin::Joints;
+use serde::{Deserialize, Serialize};
 
 use crate::{
     error::LinkError,
-    message::DriveState,
+    message::{DriveState, from_json},
     security::{Handshake, WatchedSocket},
     socket::{HUNG_UP, Remote},
 };
@@ -113,15 +113,12 @@ fn read(frames: &[Vec<u8>]) -> Option<Published> {
         t_s: f64,
         state: DriveState,
     }
-    fn json<T: DeserializeOwned>(body: &[u8]) -> Option<T> {
-        serde_json::from_slice::<Object<T>>(body).ok().map(|Object(message)| message)
-    }
     match frames {
         [topic, body] if topic == b"joints" => {
-            json(body).map(|Joints7 { t_s, joints_rad }| Published::Joints { t_s, joints_rad })
+            from_json(body).map(|Joints7 { t_s, joints_rad }| Published::Joints { t_s, joints_rad })
         }
         [topic, body] if topic == b"state" => {
-            json(body).map(|State { t_s, state }| Published::State { t_s, state })
+            from_json(body).map(|State { t_s, state }| Published::State { t_s, state })
         }
         _ => None,
     }

@@ -2,14 +2,19 @@
 
 use std::fmt;
 
-use iiwa_kin::json::{Place, problem};
-use serde::Serialize;
+use iiwa_kin::json::{Object, Place, problem};
+use serde::{Serialize, de::DeserializeOwned};
 
 use super::Refusal;
 
 /// A value as JSON. Only a map with keys that are no strings could fail.
 pub(crate) fn to_json(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default()
+}
+
+/// A message that was sent by another program of ours; none if it is not what it should be.
+pub(crate) fn from_json<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    serde_json::from_slice::<Object<T>>(bytes).ok().map(|Object(message)| message)
 }
 
 /// Why a text is not the JSON that is asked for, and where.
