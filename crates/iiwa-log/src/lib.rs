@@ -38,6 +38,7 @@ mod arm;
 mod buffer;
 mod cdr;
 mod error;
+mod joint_log;
 mod plan;
 mod reader;
 mod recorder;
@@ -52,6 +53,7 @@ mod writer;
 
 pub use arm::LINK_NAMES;
 pub use error::{ReadError, WriteError};
+pub use joint_log::JointLog;
 pub use plan::{PlanConfig, PlanWriter};
 pub use reader::{Entry, Reader};
 pub use recorder::{Recorder, RecorderConfig};
