@@ -5,3 +5,13 @@
 //!
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapters 4 and 5 and the appendices, cited as "Larsen 2019".
+
+mod estimate;
+pub mod experiment;
+pub mod identify;
+mod least_squares;
+mod vector;
+mod virtual_robot;
+
+pub use estimate::Estimate;
+pub use virtual_robot::VirtualRobot;

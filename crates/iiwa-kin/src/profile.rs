@@ -338,7 +338,7 @@ impl Robot {
         schemars::schema_for!(Wire).to_value()
     }
 
-    fn forget_assumption(&mut self, what: &str) {
+    pub(crate) fn forget_assumption(&mut self, what: &str) {
         self.assumptions.retain(|assumption| assumption.what != what);
     }
 }

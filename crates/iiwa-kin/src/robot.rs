@@ -171,6 +171,41 @@ impl Robot {
         Ok(self)
     }
 
+    /// The same robot under another name.
+    #[must_use]
+    pub fn with_name(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// The same robot with other limits: numbers above 0. Those of acceleration and jerk that differ are
+    /// no assumptions any more.
+    #[must_use]
+    pub fn with_limits(mut self, limits: Limits) -> Self {
+        if limits.acceleration_rad_s2 != self.limits.acceleration_rad_s2 {
+            self.forget_assumption("acceleration");
+        }
+        if limits.jerk_rad_s3 != self.limits.jerk_rad_s3 {
+            self.forget_assumption("jerk");
+        }
+        self.limits = limits;
+        self
+    }
+
+    /// The same robot with another [`kappa`](Self::blend_kappa).
+    #[must_use]
+    pub fn with_blend_kappa(mut self, blend_kappa: [f64; 3]) -> Self {
+        self.blend_kappa = blend_kappa;
+        self
+    }
+
+    /// The same robot that settles for so many seconds, above 0.
+    #[must_use]
+    pub fn with_settle_time_s(mut self, settle_time_s: f64) -> Self {
+        self.settle_time_s = settle_time_s;
+        self
+    }
+
     /// The model's name.
     #[must_use]
     pub fn name(&self) -> &str {
