@@ -5,3 +5,10 @@
 //!
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapters 4 and 5 and the appendices, cited as "Larsen 2019".
+
+mod compare;
+
+pub use compare::{
+    CompareError, Comparison, CycleTime, Deviation, MotionTime, Plan, PlanFileError, StopTime,
+    TracePoint, Whereabouts, compare,
+};
