@@ -1,5 +1,6 @@
 //! The command line.
 
+mod experiment;
 mod link;
 
 use std::{path::PathBuf, time::Duration};
@@ -7,6 +8,7 @@ use std::{path::PathBuf, time::Duration};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
+pub(crate) use experiment::{Experiment, ExperimentName};
 pub(crate) use link::{
     Cabinet, ClientKeys, Drive, DriveAddress, Io, IoAction, Keygen, Record, Run, Sensors,
     ServerKeys, Status, Stop,
@@ -35,6 +37,7 @@ pub(crate) enum Command {
     Record(Record),
     Status(Status),
     Stop(Stop),
+    Experiment(Experiment),
     Io(Io),
     Sensors(Sensors),
     Drive(Drive),

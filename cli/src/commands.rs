@@ -2,6 +2,7 @@
 
 pub(crate) mod cabinet;
 pub(crate) mod drive;
+pub(crate) mod experiment;
 pub(crate) mod fk;
 pub(crate) mod io;
 pub(crate) mod keygen;

@@ -1,46 +1,19 @@
 //! A picture of a plan: the path of the flange, and the joints' speeds over time.
 
+pub(crate) mod canvas;
+pub(crate) mod plot;
+
 use iiwa_kin::Robot;
 use iiwa_traj::{PieceKind, Stretch};
-use plotters::{
-    chart::ChartContext,
-    coord::{Shift, cartesian::Cartesian2d, types::RangedCoordf64},
-    prelude::{
-        ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, LineSeries, PathElement,
-        RGBColor, Rectangle, SVGBackend, SeriesLabelPosition, WHITE,
-    },
+use plotters::prelude::{
+    ChartBuilder, Circle, Color, LineSeries, PathElement, Rectangle, SeriesLabelPosition, WHITE,
 };
 
 use crate::failure::Failure;
-
-/// Colours that the colour-blind can tell apart (Okabe and Ito), one a joint.
-const COLOURS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(213, 94, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(204, 121, 167),
-    RGBColor(90, 90, 90),
-];
-
-/// From slow to fast.
-const SLOW: RGBColor = RGBColor(68, 1, 84);
-const MIDDLE: RGBColor = RGBColor(33, 145, 140);
-const FAST: RGBColor = RGBColor(245, 190, 20);
-
-const INK: RGBColor = RGBColor(60, 60, 60);
-const SHADE: RGBColor = RGBColor(225, 232, 240);
+use canvas::{Area, COLOURS, DASH, DOT, Drawn, FINE, INK, SHADE, font, legend, shade, svg};
 
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 900;
-
-/// The backend draws in whole units: it gets a larger canvas, which the picture then shows small.
-const FINE: u32 = 4;
-
-/// Radius of a circle at a blend's end, and length of a line in a legend.
-const DOT: i32 = 20;
-const DASH: i32 = 72;
 
 /// Samples that a picture can show; a longer program is thinned out.
 const SAMPLES: usize = 20_000;
@@ -105,21 +78,11 @@ impl Picture {
 
     /// The picture as SVG.
     pub(crate) fn draw(&self) -> Result<String, Failure> {
-        let mut svg = String::new();
-        {
-            let root = SVGBackend::with_string(&mut svg, (FINE * WIDTH, FINE * HEIGHT))
-                .into_drawing_area();
-            let failed =
-                |error: &dyn std::error::Error| Failure::run("cannot draw the picture", error);
-            root.fill(&WHITE).map_err(|error| failed(&error))?;
+        svg(WIDTH, HEIGHT, |root| {
             let (top, bottom) = root.split_vertically(FINE * HEIGHT * 3 / 5);
-            self.draw_path(&top).map_err(|error| failed(&*error))?;
-            self.draw_speeds(&bottom).map_err(|error| failed(&*error))?;
-            root.present().map_err(|error| failed(&error))?;
-        }
-        let size =
-            |factor: u32| format!("width=\"{}\" height=\"{}\"", factor * WIDTH, factor * HEIGHT);
-        Ok(svg.replacen(&size(FINE), &size(1), 1))
+            self.draw_path(&top)?;
+            self.draw_speeds(&bottom)
+        })
     }
 
     /// The flange's path in the plane that shows most of it, with the same scale on both axes.
@@ -197,7 +160,7 @@ impl Picture {
                 .label("start and end of blends")
                 .legend(|(x, y)| Circle::new((x + DASH / 2, y), DOT, INK.stroke_width(FINE)));
         }
-        legend(&mut chart)
+        legend(&mut chart, SeriesLabelPosition::UpperRight)
     }
 
     /// The joints' speeds; blends are shaded.
@@ -234,30 +197,8 @@ impl Picture {
                     PathElement::new([(x, y), (x + DASH, y)], colour.stroke_width(2 * FINE))
                 });
         }
-        legend(&mut chart)
+        legend(&mut chart, SeriesLabelPosition::UpperRight)
     }
-}
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
-
-fn font() -> (&'static str, u32) {
-    ("sans-serif", 15 * FINE)
-}
-
-type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-
-fn legend(chart: &mut Chart<'_>) -> Drawn {
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .legend_area_size(30 * FINE)
-        .margin(8 * FINE)
-        .background_style(WHITE.mix(0.85))
-        .border_style(SHADE.stroke_width(FINE))
-        .label_font(font())
-        .draw()?;
-    Ok(())
 }
 
 /// Steps of colour from standstill to full speed.
@@ -269,15 +210,4 @@ fn tone(sample: &Sample) -> u8 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to TONES")]
     let tone = (fastest.min(1.0) * f64::from(TONES)).round() as u8;
     tone
-}
-
-/// The colour of a share of the speed limit.
-fn shade(share: f64) -> RGBColor {
-    let mix = |from: RGBColor, to: RGBColor, share: f64| {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 255")]
-        let part = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))) as u8;
-        RGBColor(part(from.0, to.0), part(from.1, to.1), part(from.2, to.2))
-    };
-    let share = share.clamp(0.0, 1.0);
-    if share < 0.5 { mix(SLOW, MIDDLE, 2.0 * share) } else { mix(MIDDLE, FAST, 2.0 * share - 1.0) }
 }

@@ -11,6 +11,7 @@ mod estimate;
 pub mod experiment;
 pub mod identify;
 mod least_squares;
+mod local_cubic;
 mod vector;
 mod virtual_robot;
 
@@ -19,4 +20,5 @@ pub use compare::{
     TracePoint, Whereabouts, compare,
 };
 pub use estimate::Estimate;
-pub use virtual_robot::VirtualRobot;
+pub use local_cubic::local_cubic;
+pub use virtual_robot::{VirtualRobot, VirtualRobotError};
