@@ -35,7 +35,6 @@ impl Folder {
         Ok(Self { path: path.to_owned(), recordings })
     }
 
-
     /// Writes a program, and what was recorded while it ran.
     pub(crate) fn run(&self, trial: &Trial, log: &JointLog, robot: &Robot) -> Result<(), Failure> {
         if !self.recordings {
