@@ -71,7 +71,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
          line: from each point of the measured path to the nearest of the calculated one and the other way \
          round, on the mean over the path, and at most. The thesis has pictures only.",
     );
-    chapter.table(&["shape", "mean deg", "largest deg", "the thesis"], &rows);
+    chapter.table(&["shape", "mean deg", "largest deg", "the thesis, in words"], &rows);
     // In the order of the thesis.
     let eq_39 = figures.pop();
     for (number, caption, svg) in figures {
@@ -268,17 +268,19 @@ fn distance(p: Point, a: Point, b: Point) -> f64 {
 fn overview(corners: &[Corner], calculated: Vec<Vec<Point>>) -> Result<String, Failure> {
     let measured: Vec<_> = corners.iter().map(|corner| corner.measured.clone()).collect();
     let Some(corner) = corners.first() else { return Ok(String::new()) };
-    let plot = |caption: &str| {
+    let plot = |caption: &str, [red, blue]: [&str; 2]| {
         Plot::new(caption, "joint 2, deg", "joint 4, deg")
-            .lines(measured.clone(), MEASURED, 3.0, "measured")
-            .lines(calculated.clone(), CALCULATED, 1.0, "calculated")
+            .lines(measured.clone(), MEASURED, 3.0, red)
+            .lines(calculated.clone(), CALCULATED, 1.0, blue)
             .equal_scale()
             .legend_at(SeriesLabelPosition::UpperLeft)
     };
     let (x, y) = corner.target_deg;
     let side = ENLARGED * corner.reach_deg;
-    let plots =
-        [plot("(a) overview"), plot("(b) enlarged").within(x - side..x + side, y - side..y + side)];
+    let plots = [
+        plot("(a) overview", ["measured", "calculated"]),
+        plot("(b) enlarged", ["", ""]).within(x - side..x + side, y - side..y + side),
+    ];
     draw(&plots, 2, 1200, 620)
 }
 
@@ -301,7 +303,7 @@ fn effect(corner: &Corner) -> Result<String, Failure> {
     .line(corner.measured.clone(), MEASURED, 3.0, "measured")
     .equal_scale()
     .legend_at(SeriesLabelPosition::UpperLeft)
-    .within(x - side..x + side, y - side..y + side);
+    .within(x - side..x + 0.3 * side, y - 0.3 * side..y + side);
     let lines: Vec<_> = KAPPAS
         .iter()
         .map(|kappa| {
@@ -312,7 +314,7 @@ fn effect(corner: &Corner) -> Result<String, Failure> {
         .collect();
     for (line, kappa) in lines.iter().zip(KAPPAS) {
         let middle = line[line.len() / 2];
-        plot = plot.note((middle.0 + 0.02 * side, middle.1), kappa.to_string());
+        plot = plot.note((middle.0 + 0.01 * side, middle.1), format!("kappa {kappa}"));
     }
     let plot = plot.lines(lines, CALCULATED, 1.0, "by Eq. 25").circles(
         vec![in_plane(&corner.target_rad)],

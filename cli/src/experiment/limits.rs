@@ -192,7 +192,7 @@ fn figure(bench: &Bench, run: &Run, line: &LineObservation) -> Result<String, Fa
         .enumerate()
         .map(|(i, (axis, (measured, calculated)))| {
             let label = |label: &'static str| if i == 0 { label } else { "" };
-            Plot::new(axis, "time s", axis)
+            Plot::new(axis.split(' ').next().unwrap_or(axis), "time s", axis)
                 .line(measured, MEASURED, 3.0, label("measured"))
                 .line(calculated, CALCULATED, 1.0, label("model"))
                 .legend_at(plotters::prelude::SeriesLabelPosition::LowerRight)
