@@ -17,6 +17,8 @@ mod limits;
 mod ramps;
 mod stops;
 
+use std::f64::consts::SQRT_2;
+
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
 use iiwa_path::{Blend, BlendSearch, Fault, Motion, Path, Program, Step};
@@ -158,8 +160,8 @@ pub struct LineObservation {
     pub speed_rad_s: Option<f64>,
     /// Acceleration along the way, in rad/s^2, if it was kept for a time.
     pub acceleration_rad_s2: Option<f64>,
-    /// Jerk along the way, in rad/s^3.
-    pub jerk_rad_s3: f64,
+    /// Jerk along the way, in rad/s^3, if it shows.
+    pub jerk_rad_s3: Option<f64>,
     /// Root mean square of what the seven phases leave over, in rad.
     pub residual_rad: f64,
 }
@@ -253,17 +255,27 @@ pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identifie
     for (recording, Recording { program, log }) in recordings.iter().enumerate() {
         let path = Path::new(program, model)
             .map_err(|fault| IdentifyError::Program { recording, fault })?;
-        let Some(Followed { passages, lost_in }) = stops::follow(&path, log) else {
+        let Some(mut followed) = stops::follow(&path, log, 0) else {
             let from_start = log.q_rad.iter().map(|q| distance(q, path.start_rad()));
             let nearest_rad = from_start.fold(f64::INFINITY, f64::min);
             return Err(IdentifyError::NotThere { recording, nearest_rad });
         };
-        if passages.is_empty() {
+        if followed.passages.is_empty() {
             return Err(IdentifyError::NoMotion { recording });
         }
-        Observer { recording, program, path: &path, log, found: &mut found }.observe(&passages);
-        if let Some(motion) = lost_in {
-            found.known.left_out.push(LeftOut { recording, motion, why: Why::NotFollowed });
+        // The program may have been run again and again.
+        loop {
+            let Followed { passages, lost_in } = &followed;
+            Observer { recording, program, path: &path, log, found: &mut found }.observe(passages);
+            if let Some(motion) = *lost_in {
+                found.known.left_out.push(LeftOut { recording, motion, why: Why::NotFollowed });
+                break;
+            }
+            let from = passages.last().map_or(log.q_rad.len(), |last| last.arrives);
+            match stops::follow(&path, log, from) {
+                Some(again) if !again.passages.is_empty() => followed = again,
+                _ => break,
+            }
         }
     }
     Ok(found.conclude(model))
@@ -341,19 +353,21 @@ impl Observer<'_> {
     fn observe(&mut self, passages: &[Passage]) {
         let mut before: Option<(Ramps, &Passage)> = None;
         for passage in passages {
-            let ramps = match &self.path.steps()[passage.steps.clone()] {
-                [Step::Move { motion, blend: None, .. }] => self.observe_line(*motion, passage),
-                _ => {
-                    self.observe_blends(passage);
-                    None
-                }
+            let steps = &self.path.steps()[passage.steps.clone()];
+            let ramps = if let [Step::Move { motion, blend: None, .. }] = steps {
+                self.observe_line(*motion, passage)
+            } else {
+                self.observe_blends(passage);
+                None
             };
             if let (Some((last, stop)), Some(next)) = (before, ramps)
                 && stop.settles > 0
             {
                 let count = f64::from(stop.settles);
                 let stood_s = next.start_s.0 - last.end_s.0 - stop.waits_s;
-                let deviation_s = next.start_s.1.hypot(last.end_s.1);
+                // Ramps that are found too long make the stops at both ends of their motion too short:
+                // each error counts in two of them.
+                let deviation_s = SQRT_2 * next.start_s.1.hypot(last.end_s.1);
                 self.found.settles.push((stood_s / count, deviation_s / count));
             }
             before = ramps.map(|ramps| (ramps, passage));
@@ -394,11 +408,11 @@ impl Observer<'_> {
         };
         let Motion::Ptp(ptp) = &self.program.motions[motion] else { return None };
         let shares = [&ptp.velocity_rel, &ptp.acceleration_rel, &ptp.jerk_rel];
-        let figures = [ramps.speed, ramps.acceleration, Some(ramps.jerk)];
+        let figures = [ramps.speed, ramps.acceleration, ramps.jerk];
         for ((bounds, along), shares) in self.found.bounds.iter_mut().zip(figures).zip(shares) {
             bounds.extend(along.map(|along| Bound::new(along, &direction, shares)));
         }
-        let mut moving = (0..7).filter(|&j| way[j] != 0.0);
+        let mut moving = (0..7).filter(|&j| direction[j].abs() > limits::ROUNDING);
         self.found.known.lines.push(LineObservation {
             recording: self.recording,
             motion,
@@ -408,7 +422,7 @@ impl Observer<'_> {
             time_s: [ramps.start_s.0, ramps.end_s.0],
             speed_rad_s: ramps.speed.map(|(speed, _)| speed),
             acceleration_rad_s2: ramps.acceleration.map(|(acceleration, _)| acceleration),
-            jerk_rad_s3: ramps.jerk.0,
+            jerk_rad_s3: ramps.jerk.map(|(jerk, _)| jerk),
             residual_rad: ramps.residual,
         });
         Some(ramps)
