@@ -1,10 +1,66 @@
 //! What the joints did, whatever file it was in.
 
-use std::io::Read;
+mod check;
+mod columns;
+mod error;
+mod loss;
+mod recording;
+mod samples;
+mod table;
 
-use crate::{Entry, ReadError, Reader};
+use std::fmt;
+use std::io::{Cursor, Read, Write};
+
+pub use error::JointLogError;
+pub use loss::{Loss, Place};
+
+use crate::reader::read as read_once;
+
+/// How much of a file is looked at to tell what it is, bytes. A header line that is longer is none.
+const HEAD_BYTES: usize = 64 * 1024;
 
 /// Joint positions over time: what is left of a recording when all else is taken away.
+///
+/// # Formats
+///
+/// [`read`](Self::read) tells by a file's content, not by its name, which of these it is:
+///
+/// - An MCAP file with `/joint_states`, as this crate writes. The robot is that of the metadata
+///   record `iiwasim`; without one, as in a file whose recorder was killed, it is the one of
+///   `/robot_description`. The program is the attachment `program.json`.
+/// - A table: a line of column names, then a line a sample, with commas, semicolons, tabs or spaces
+///   between fields. Names may be in quotes and in capitals or not. A decimal point is a point.
+///
+/// | column | accepted names |
+/// |---|---|
+/// | time, s | `t_s`, `time_s`, `time` or `t`; or both of `ZeitInSec` and `ZeitInNanoSec` |
+/// | joint 1, rad | `joint_1`, `iiwa_joint_1`, `q1` or `A1`, with `_rad` behind it or nothing |
+/// | joint 1, degrees | the same with `_deg` |
+/// | joint 1 of a KUKA `DataRecorder`, rad | `axisQMsr_ROBOT[0]`, or else `axisQCmd_ROBOT[0]` |
+///
+/// Measured positions (`axisQMsr_`) are taken where there are any, then commanded ones, then the
+/// others; [`source`](Self::source) says which it was. A `DataRecorder` names the robot in its
+/// columns. All other columns are passed over.
+///
+/// # What is refused, and what is lost
+///
+/// A value that is missing or is no number, two samples of one time with different values, time
+/// that runs backwards, positions or speeds that no LBR iiwa has: an error, with the line. A file
+/// that breaks off, a stretch without samples, a sample that is there twice: a [`Loss`]. Nothing is
+/// made up in its place.
+///
+/// ```
+/// use iiwa_log::JointLog;
+///
+/// let file = "t_s,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,q7_deg\n\
+///             0.0,0,0,0,90,0,0,0\n\
+///             0.1,0,0,0,91,0,0,0\n";
+/// let log = JointLog::read(file.as_bytes())?;
+/// assert_eq!(log.t_s, [0.0, 0.1]);
+/// assert_eq!(log.q_rad[0][3], 90_f64.to_radians());
+/// assert!(log.losses.is_empty());
+/// # Ok::<(), iiwa_log::JointLogError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct JointLog {
@@ -16,6 +72,35 @@ pub struct JointLog {
     pub program: Option<String>,
     /// The robot's name, if the recording has it.
     pub robot: Option<String>,
+    /// Where the positions were read; `None` if they were not read.
+    pub source: Option<Source>,
+    /// What the file does not have of the motion, in the order of time.
+    pub losses: Vec<Loss>,
+}
+
+/// Where joint positions were read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Source {
+    /// `/joint_states` of an MCAP file.
+    Mcap,
+    /// A table with a column a joint.
+    Table,
+    /// `axisQMsr_` of a `DataRecorder`: measured positions.
+    Measured,
+    /// `axisQCmd_` of a `DataRecorder`, which had no measured ones: commanded positions.
+    Commanded,
+}
+
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Mcap => "/joint_states of an MCAP file",
+            Self::Table => "a table",
+            Self::Measured => "a DataRecorder log, measured positions (axisQMsr)",
+            Self::Commanded => "a DataRecorder log, commanded positions (axisQCmd)",
+        })
+    }
 }
 
 impl JointLog {
@@ -25,28 +110,68 @@ impl JointLog {
         Self { t_s, q_rad, ..Self::default() }
     }
 
-    /// Reads an MCAP file.
+    /// Reads a recording in any of the [formats](Self#formats), in one pass. Buffering the stream
+    /// is not needed.
+    ///
+    /// A recording that is read has at least one sample.
     ///
     /// # Errors
     ///
-    /// If it is none, or damaged.
-    pub fn read_mcap<R: Read>(stream: R) -> Result<Self, ReadError> {
-        let mut log = Self::default();
-        for entry in Reader::new(stream) {
-            match entry? {
-                Entry::JointState(sample) => {
-                    log.t_s.push(sample.t_s);
-                    log.q_rad.push(sample.q);
-                }
-                Entry::Attachment(attachment) if attachment.name == "program.json" => {
-                    log.program = String::from_utf8(attachment.bytes).ok();
-                }
-                Entry::Metadata { name, entries } if name == "iiwasim" => {
-                    log.robot = entries.get("robot").cloned();
-                }
-                _ => {}
+    /// Any [`JointLogError`], apart from those of the checks against a robot.
+    pub fn read<R: Read>(mut stream: R) -> Result<Self, JointLogError> {
+        let mut head = vec![0; HEAD_BYTES];
+        let mut len = 0;
+        while len < head.len() {
+            match read_once(&mut stream, &mut head[len..])? {
+                0 => break,
+                read => len += read,
             }
         }
-        Ok(log)
+        head.truncate(len);
+        if head.is_empty() {
+            return Err(JointLogError::Empty);
+        }
+        if recording::is_mcap(&head) {
+            return recording::read(Cursor::new(head).chain(stream));
+        }
+        table::read(&head, stream)
+    }
+
+    /// Writes a table that [`read`](Self::read) reads back to the same times and positions: the
+    /// columns `t_s` and `joint_1_rad` to `joint_7_rad`, with commas between them.
+    ///
+    /// # Errors
+    ///
+    /// If the stream refuses.
+    pub fn write_csv<W: Write>(&self, mut stream: W) -> std::io::Result<()> {
+        stream.write_all(b"t_s")?;
+        for joint in 1..=7 {
+            write!(stream, ",joint_{joint}_rad")?;
+        }
+        stream.write_all(b"\n")?;
+        for (t_s, q_rad) in self.t_s.iter().zip(&self.q_rad) {
+            // The shortest text that gives the same number.
+            write!(stream, "{t_s:?}")?;
+            for q_rad in q_rad {
+                write!(stream, ",{q_rad:?}")?;
+            }
+            stream.write_all(b"\n")?;
+        }
+        stream.flush()
+    }
+
+    /// From the first sample to the last, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        match (self.t_s.first(), self.t_s.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        }
+    }
+
+    /// The usual time from one sample to the next, s: the median. `None` for fewer than two samples.
+    #[must_use]
+    pub fn period_s(&self) -> Option<f64> {
+        samples::median_step(&self.t_s)
     }
 }

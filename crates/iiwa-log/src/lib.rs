@@ -3,8 +3,11 @@
 //! A [`Writer`] takes joint states, transforms, poses, motions and a trajectory by the time since
 //! the start of the motion and writes them, compressed, into anything that is [`Write`] and
 //! [`Seek`]; a [`PlanWriter`] does it for a plan. A [`Recorder`] writes what the robot did, as it
-//! happens, into a file that is whole at every moment. [`Recording`] reads such a file back, and [`Reader`] does it entry by entry. The
-//! topics and their types are those of [`Topic`].
+//! happens, into a file that is whole at every moment. [`Recording`] reads such a file back, and
+//! [`Reader`] does it entry by entry. The topics and their types are those of [`Topic`].
+//!
+//! [`JointLog`] is what the joints did and nothing else, from such a file, from CSV or from a log of
+//! KUKA's `DataRecorder`. It refuses what cannot be right, and states what a file has lost.
 //!
 //! Lengths are in m, angles in rad, times in s. The same calls give the same bytes.
 //!
@@ -53,7 +56,7 @@ mod writer;
 
 pub use arm::LINK_NAMES;
 pub use error::{ReadError, WriteError};
-pub use joint_log::JointLog;
+pub use joint_log::{JointLog, JointLogError, Loss, Place, Source};
 pub use plan::{PlanConfig, PlanWriter};
 pub use reader::{Entry, Reader};
 pub use recorder::{Recorder, RecorderConfig};

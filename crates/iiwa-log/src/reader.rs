@@ -73,6 +73,8 @@ pub struct Reader<R> {
     mcap: LinearReader,
     schemas: BTreeMap<u16, (String, String)>,
     channels: BTreeMap<u16, Option<Topic>>,
+    /// Topics that are read; all if `None`.
+    wanted: Option<Vec<Topic>>,
     epoch_ns: Option<u64>,
     frame_id: Arc<str>,
     offset: u64,
@@ -108,6 +110,7 @@ impl<R: Read> Reader<R> {
             mcap: LinearReader::new_with_options(options),
             schemas: BTreeMap::new(),
             channels: BTreeMap::new(),
+            wanted: None,
             epoch_ns: None,
             frame_id: Arc::from(""),
             offset: 0,
@@ -115,6 +118,13 @@ impl<R: Read> Reader<R> {
             messages: 0,
             done: false,
         }
+    }
+
+    /// Passes over messages of all other topics, whatever they carry, which takes less time than to
+    /// read them. Attachments and metadata are read.
+    #[must_use]
+    pub fn only(self, topics: &[Topic]) -> Self {
+        Self { wanted: Some(topics.to_vec()), ..self }
     }
 
     /// The instant of `t_s` = 0 as the time since 1970-01-01T00:00:00Z: the log time of the first
@@ -144,6 +154,7 @@ impl<R: Read> Reader<R> {
                     let mut content = Content {
                         schemas: &mut self.schemas,
                         channels: &mut self.channels,
+                        wanted: self.wanted.as_deref(),
                         epoch_ns: &mut self.epoch_ns,
                         frame_id: &mut self.frame_id,
                         offset: self.offset,
@@ -194,7 +205,7 @@ impl<R: Read> Iterator for Reader<R> {
 }
 
 /// Reads once, however often it is interrupted.
-fn read<R: Read>(stream: &mut R, room: &mut [u8]) -> std::io::Result<usize> {
+pub(crate) fn read<R: Read>(stream: &mut R, room: &mut [u8]) -> std::io::Result<usize> {
     loop {
         match stream.read(room) {
             Err(error) if error.kind() == ErrorKind::Interrupted => {}
@@ -269,6 +280,7 @@ fn map(data: &[u8]) -> Option<()> {
 struct Content<'a> {
     schemas: &'a mut BTreeMap<u16, (String, String)>,
     channels: &'a mut BTreeMap<u16, Option<Topic>>,
+    wanted: Option<&'a [Topic]>,
     epoch_ns: &'a mut Option<u64>,
     frame_id: &'a mut Arc<str>,
     offset: u64,
@@ -283,7 +295,8 @@ impl Content<'_> {
                 Ok(None)
             }
             Record::Channel(channel) => {
-                let topic = Topic::from_name(&channel.topic);
+                let topic = Topic::from_name(&channel.topic)
+                    .filter(|topic| self.wanted.is_none_or(|wanted| wanted.contains(topic)));
                 if let Some(topic) = topic {
                     self.check_type(topic, &channel)?;
                 }

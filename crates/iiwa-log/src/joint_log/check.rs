@@ -1,0 +1,111 @@
+//! Whether positions can be those of a robot.
+
+use iiwa_kin::Robot;
+
+use super::{JointLog, JointLogError};
+
+/// How far outside its range a joint may be measured, rad: half a degree.
+const OUTSIDE_RAD: f64 = 0.009;
+
+/// Speeds are taken over this long, s, so that stamps that come in bursts do no harm.
+const STRETCH_S: f64 = 0.05;
+
+/// Three times the fastest speed of any LBR iiwa, 180 degrees a second.
+const FASTEST_RAD_S: f64 = 3.0 * std::f64::consts::PI;
+
+/// How many times its limit of speed a joint may have.
+const TOO_FAST: f64 = 1.5;
+
+/// A motion that is not wider is none: some ten times an encoder's noise and an arm's sway, rad.
+const STILL_RAD: f64 = 1e-3;
+
+impl JointLog {
+    /// Whether the positions can be those of `robot`: its range of each joint, with half a degree to
+    /// spare, and one and a half times its limit of speed, over stretches of 0.05 s and more.
+    ///
+    /// The limit of speed finds degrees that were taken for radians where the motion is so small that
+    /// the range does not.
+    ///
+    /// # Errors
+    ///
+    /// [`JointLogError::OutsideLimits`] and [`JointLogError::TooFast`] at the first sample that does
+    /// not fit. [`JointLogError::WrongRobot`] when the recording names another built-in robot.
+    pub fn check_robot(&self, robot: &Robot) -> Result<(), JointLogError> {
+        let built_in = |name: &str| Robot::BUILT_IN.contains(&name);
+        if let Some(found) = self.robot.as_deref().filter(|found| *found != robot.name())
+            && built_in(found)
+            && built_in(robot.name())
+        {
+            let expected = robot.name().to_owned();
+            return Err(JointLogError::WrongRobot { found: found.to_owned(), expected });
+        }
+        let limits = robot.limits();
+        for (&t_s, q_rad) in self.t_s.iter().zip(&self.q_rad) {
+            for ((joint, &found_rad), limit_rad) in (1..).zip(q_rad).zip(limits.position_rad) {
+                // The negation refuses what is not a number.
+                if !(found_rad.abs() <= limit_rad + OUTSIDE_RAD) {
+                    return Err(JointLogError::OutsideLimits {
+                        robot: robot.name().to_owned(),
+                        joint,
+                        t_s,
+                        found_rad,
+                        limit_rad: limit_rad.copysign(found_rad),
+                    });
+                }
+            }
+        }
+        self.check_speed(&limits.velocity_rad_s.map(|limit| TOO_FAST * limit))
+    }
+
+    /// Whether any joint moves by more than 1e-3 rad.
+    ///
+    /// # Errors
+    ///
+    /// [`JointLogError::NoMotion`] if none does.
+    pub fn check_motion(&self) -> Result<(), JointLogError> {
+        let mut least = [f64::INFINITY; 7];
+        let mut most = [f64::NEG_INFINITY; 7];
+        for q_rad in &self.q_rad {
+            for joint in 0..7 {
+                least[joint] = least[joint].min(q_rad[joint]);
+                most[joint] = most[joint].max(q_rad[joint]);
+            }
+        }
+        let spans = most.iter().zip(least).map(|(most, least)| most - least);
+        let most_rad = spans.fold(0.0, f64::max);
+        if most_rad > STILL_RAD {
+            return Ok(());
+        }
+        Err(JointLogError::NoMotion { most_rad, duration_s: self.duration_s() })
+    }
+
+    /// Whether the positions can be those of any LBR iiwa, by their speed.
+    pub(super) fn check_units(&self) -> Result<(), JointLogError> {
+        self.check_speed(&[FASTEST_RAD_S; 7])
+    }
+
+    /// Holds the speed over stretches that follow each other against `most_rad_s`.
+    fn check_speed(&self, most_rad_s: &[f64; 7]) -> Result<(), JointLogError> {
+        let mut samples = self.t_s.iter().zip(&self.q_rad);
+        let Some(mut from) = samples.next() else { return Ok(()) };
+        for to in samples {
+            let span_s = to.0 - from.0;
+            if span_s < STRETCH_S {
+                continue;
+            }
+            for joint in 0..7 {
+                let found_rad_s = (to.1[joint] - from.1[joint]).abs() / span_s;
+                if found_rad_s > most_rad_s[joint] {
+                    return Err(JointLogError::TooFast {
+                        joint: joint + 1,
+                        t_s: 0.5 * (from.0 + to.0),
+                        found_rad_s,
+                        most_rad_s: most_rad_s[joint],
+                    });
+                }
+            }
+            from = to;
+        }
+        Ok(())
+    }
+}

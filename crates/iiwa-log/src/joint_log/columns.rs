@@ -1,0 +1,179 @@
+//! Which column of a table is what, by its names.
+
+use iiwa_kin::Robot;
+
+use super::table::shown;
+use super::{JointLogError, Source};
+
+/// What a column is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Time, s.
+    Time,
+    /// Whole seconds of the time.
+    Seconds,
+    /// Nanoseconds of the time, without its whole seconds.
+    Nanoseconds,
+    /// Position of the joint with this index, rad.
+    Radians(usize),
+    /// Position of the joint with this index, degrees.
+    Degrees(usize),
+    /// Anything else.
+    PassedOver,
+}
+
+/// The columns of a table.
+#[derive(Debug)]
+pub(super) struct Columns {
+    /// What each column is.
+    pub(super) roles: Vec<Role>,
+    /// What each column is called.
+    pub(super) names: Vec<String>,
+    pub(super) source: Source,
+    pub(super) robot: Option<String>,
+}
+
+impl Columns {
+    /// The columns of these names, which stand in this line.
+    pub(super) fn new(line: u64, names: Vec<String>) -> Result<Self, JointLogError> {
+        let mut columns =
+            Choice { line, names: &names, roles: vec![Role::PassedOver; names.len()] };
+        let joints =
+            [Source::Measured, Source::Commanded, Source::Table].into_iter().find_map(|source| {
+                let joints: Vec<_> =
+                    names.iter().map(|name| joint(source, &name.to_ascii_lowercase())).collect();
+                joints.iter().any(Option::is_some).then_some((source, joints))
+            });
+        let is = |name: &str, known: &[&str]| known.iter().any(|k| name.eq_ignore_ascii_case(k));
+        let time = |name: &str| is(name, &["t_s", "time_s", "time", "t"]);
+        let seconds = |name: &str| is(name, &["ZeitInSec"]);
+        let nanoseconds = |name: &str| is(name, &["ZeitInNanoSec"]);
+        let split = names.iter().any(|name| seconds(name) || nanoseconds(name));
+
+        let Some((source, joints)) = joints else {
+            if split || names.iter().any(|name| time(name)) {
+                return Err(columns.missing(&title(0), "`joint_1_rad` or `joint_1_deg`".to_owned()));
+            }
+            return Err(JointLogError::Unknown { found: format!("`{}`", names.join(" ")) });
+        };
+        if split {
+            columns.choose("seconds", "`ZeitInSec`", Role::Seconds, seconds)?;
+            columns.choose("nanoseconds", "`ZeitInNanoSec`", Role::Nanoseconds, nanoseconds)?;
+        } else {
+            let expected = "`t_s`, or `ZeitInSec` and `ZeitInNanoSec`";
+            columns.choose("time", expected, Role::Time, time)?;
+        }
+        for wanted in 0..7 {
+            let mut found = None;
+            for (column, joint) in joints.iter().enumerate() {
+                let Some((_, role)) = joint.as_ref().filter(|(index, _)| *index == wanted) else {
+                    continue;
+                };
+                columns.set(&title(wanted), &mut found, column, *role)?;
+            }
+            if found.is_none() {
+                let expected = match source {
+                    Source::Measured => format!("`axisQMsr_...[{wanted}]`"),
+                    Source::Commanded => format!("`axisQCmd_...[{wanted}]`"),
+                    _ => format!("`joint_{0}_rad` or `joint_{0}_deg`", wanted + 1),
+                };
+                return Err(columns.missing(&title(wanted), expected));
+            }
+        }
+        let robot = names.iter().find_map(|name| axis(source, &name.to_ascii_lowercase())?.1);
+        let roles = columns.roles;
+        Ok(Self { roles, names, source, robot })
+    }
+
+    /// Which joints are in degrees.
+    pub(super) fn in_degrees(&self) -> [bool; 7] {
+        std::array::from_fn(|joint| self.roles.contains(&Role::Degrees(joint)))
+    }
+}
+
+/// Columns while their roles are found.
+struct Choice<'a> {
+    line: u64,
+    names: &'a [String],
+    roles: Vec<Role>,
+}
+
+impl Choice<'_> {
+    /// Gives `role` to the one column whose name fits.
+    fn choose(
+        &mut self,
+        what: &str,
+        expected: &str,
+        role: Role,
+        fits: impl Fn(&str) -> bool,
+    ) -> Result<(), JointLogError> {
+        let mut found = None;
+        for (column, name) in self.names.iter().enumerate() {
+            if fits(name) {
+                self.set(what, &mut found, column, role)?;
+            }
+        }
+        found.map(drop).ok_or_else(|| self.missing(what, expected.to_owned()))
+    }
+
+    /// Gives `role` to a column, unless another one, in `found`, has it.
+    fn set(
+        &mut self,
+        what: &str,
+        found: &mut Option<usize>,
+        column: usize,
+        role: Role,
+    ) -> Result<(), JointLogError> {
+        if let Some(first) = found.replace(column) {
+            return Err(JointLogError::DuplicateColumn {
+                line: self.line,
+                what: what.to_owned(),
+                first: self.names[first].clone(),
+                second: self.names[column].clone(),
+            });
+        }
+        self.roles[column] = role;
+        Ok(())
+    }
+
+    fn missing(&self, what: &str, expected: String) -> JointLogError {
+        JointLogError::MissingColumn { line: self.line, what: what.to_owned(), expected }
+    }
+}
+
+fn title(joint: usize) -> String {
+    format!("joint {}", joint + 1)
+}
+
+/// The joint that a column of this source, by its name in small letters, has the position of.
+fn joint(source: Source, name: &str) -> Option<(usize, Role)> {
+    if source != Source::Table {
+        let (joint, _) = axis(source, name)?;
+        return Some((joint, Role::Radians(joint)));
+    }
+    let (stem, degrees) = match name.strip_suffix("_deg") {
+        Some(stem) => (stem, true),
+        None => (name.strip_suffix("_rad").unwrap_or(name), false),
+    };
+    let number = ["iiwa_joint_", "joint_", "q", "a"].iter().find_map(|p| stem.strip_prefix(p))?;
+    let joint = digit(number)?.checked_sub(1)?;
+    Some((joint, if degrees { Role::Degrees(joint) } else { Role::Radians(joint) }))
+        .filter(|_| joint < 7)
+}
+
+/// Joint and robot of a `DataRecorder`'s column, by its name in small letters:
+/// `axisqmsr_lbr_iiwa_7_r800_1[0]` is joint 0 of an `lbr_iiwa_7_r800`.
+fn axis(source: Source, name: &str) -> Option<(usize, Option<String>)> {
+    let prefix = if source == Source::Measured { "axisqmsr" } else { "axisqcmd" };
+    let (device, index) = name.strip_prefix(prefix)?.strip_suffix(']')?.split_once('[')?;
+    let joint = digit(index).filter(|joint| *joint < 7)?;
+    let device = device.trim_start_matches('_');
+    let built_in = Robot::BUILT_IN.iter().find(|robot| device.starts_with(*robot));
+    let robot = built_in.map_or_else(|| shown(device.as_bytes()), |robot| (*robot).to_owned());
+    Some((joint, Some(robot).filter(|robot| !robot.is_empty())))
+}
+
+fn digit(text: &str) -> Option<usize> {
+    let [digit @ b'0'..=b'9'] = text.as_bytes() else { return None };
+    Some(usize::from(digit - b'0'))
+}

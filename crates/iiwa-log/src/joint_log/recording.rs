@@ -1,0 +1,69 @@
+//! Joint positions of an MCAP file.
+
+use std::io::Read;
+
+use mcap::{MAGIC, McapError};
+
+use super::samples::Samples;
+use super::{JointLog, JointLogError, Loss, Place, Source};
+use crate::{Entry, ReadError, Reader, Topic};
+
+/// Whether a file begins as an MCAP file does; it may be cut off within the magic.
+pub(super) fn is_mcap(head: &[u8]) -> bool {
+    let len = head.len().min(MAGIC.len());
+    head[..len] == MAGIC[..len]
+}
+
+pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
+    let mut samples = Samples::new(Source::Mcap, [false; 7]);
+    let mut described = None;
+    let mut place = 0;
+    let mut end = None;
+    let topics = [Topic::JointStates, Topic::RobotDescription];
+    for entry in Reader::new(stream).only(&topics) {
+        match entry {
+            Ok(Entry::JointState(sample)) => {
+                place += 1;
+                samples.push(Place::Sample(place), sample.t_s, sample.q)?;
+            }
+            Ok(Entry::RobotDescription { urdf, .. }) => described = robot_of(&urdf),
+            Ok(Entry::Attachment(attachment)) if attachment.name == "program.json" => {
+                samples.log().program = String::from_utf8(attachment.bytes).ok();
+            }
+            Ok(Entry::Metadata { name, mut entries }) if name == "iiwasim" => {
+                samples.log().robot = entries.remove("robot");
+            }
+            Ok(_) => {}
+            Err(error) => end = Some(broken_off(&mut samples, error)?),
+        }
+    }
+    let log = samples.log();
+    log.robot = log.robot.take().or(described);
+    samples.finish(end)
+}
+
+/// What is lost with the rest of a file that is cut off or damaged, if what was read before is to
+/// be trusted.
+fn broken_off(samples: &mut Samples, error: ReadError) -> Result<Loss, JointLogError> {
+    let reason = match &error {
+        // The checksum of everything, when each chunk's was right. It may be that a chunk was not
+        // recognised as one, and there is no telling where.
+        ReadError::Mcap { source: McapError::BadDataCrc { .. }, .. } => return Err(error.into()),
+        ReadError::Mcap { source, .. } => format!("{error}: {source}"),
+        ReadError::Truncated { .. } => error.to_string(),
+        _ => return Err(error.into()),
+    };
+    match samples.log().t_s.last() {
+        Some(&t_s) => Ok(Loss::BrokenOff { t_s, samples: samples.len(), reason }),
+        None => Err(error.into()),
+    }
+}
+
+/// The name in a URDF's first element.
+fn robot_of(urdf: &str) -> Option<String> {
+    let (_, element) = urdf.split_once("<robot")?;
+    let (attributes, _) = element.split_once('>')?;
+    let (_, value) = attributes.split_once("name=\"")?;
+    let (name, _) = value.split_once('"')?;
+    Some(name.to_owned())
+}

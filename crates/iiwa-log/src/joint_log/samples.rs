@@ -1,0 +1,123 @@
+//! Samples as they come from a file, each held against the one before it.
+
+use super::{JointLog, JointLogError, Loss, Place, Source};
+
+/// No LBR iiwa turns further: the widest range is 175 degrees, 3.054 rad. The rest is for joints
+/// that are measured a little outside of it.
+const REACH_RAD: f64 = 3.2;
+
+/// A step this many times the usual one is a gap: two samples are missing, not one that is late.
+const GAP_STEPS: f64 = 2.5;
+
+/// Takes samples in the order of a file.
+#[derive(Debug, Default)]
+pub(super) struct Samples {
+    log: JointLog,
+    /// What became of samples that are there twice.
+    repeated: Option<Loss>,
+    /// Which joints are in degrees in the file.
+    in_degrees: [bool; 7],
+}
+
+impl Samples {
+    pub(super) fn new(source: Source, in_degrees: [bool; 7]) -> Self {
+        let log = JointLog { source: Some(source), ..JointLog::default() };
+        Self { log, in_degrees, ..Self::default() }
+    }
+
+    pub(super) fn log(&mut self) -> &mut JointLog {
+        &mut self.log
+    }
+
+    pub(super) fn len(&self) -> u64 {
+        self.log.t_s.len() as u64
+    }
+
+    /// Takes a sample. `t_s` is finite.
+    pub(super) fn push(
+        &mut self,
+        place: Place,
+        t_s: f64,
+        q_rad: [f64; 7],
+    ) -> Result<(), JointLogError> {
+        // Not `any(|q| q > REACH)`: that would let what is not a number through.
+        if !q_rad.iter().all(|q| q.abs() <= REACH_RAD) {
+            return Err(self.out_of_reach(place, &q_rad));
+        }
+        if let (Some(&last_s), Some(last_rad)) = (self.log.t_s.last(), self.log.q_rad.last()) {
+            if t_s < last_s {
+                return Err(JointLogError::Backwards { place, t_s, previous_s: last_s });
+            }
+            if t_s == last_s {
+                if q_rad != *last_rad {
+                    return Err(JointLogError::SameTime { place, t_s });
+                }
+                match &mut self.repeated {
+                    Some(Loss::Repeated { count, .. }) => *count += 1,
+                    other => *other = Some(Loss::Repeated { first: place, t_s, count: 1 }),
+                }
+                return Ok(());
+            }
+        }
+        self.log.t_s.push(t_s);
+        self.log.q_rad.push(q_rad);
+        Ok(())
+    }
+
+    fn out_of_reach(&self, place: Place, q_rad: &[f64; 7]) -> JointLogError {
+        let joints = (1..).zip(q_rad).zip(self.in_degrees);
+        for ((joint, &found_rad), in_degrees) in joints {
+            if !found_rad.is_finite() {
+                return JointLogError::NotFinite { place, joint, found_rad };
+            }
+            if found_rad.abs() > REACH_RAD {
+                return if in_degrees {
+                    let found_deg = found_rad.to_degrees();
+                    JointLogError::OutOfReach { place, joint, found_deg }
+                } else {
+                    JointLogError::Degrees { place, joint, found_rad }
+                };
+            }
+        }
+        JointLogError::NoSamples
+    }
+
+    /// The log, with its gaps and `end`, what is lost at its end.
+    pub(super) fn finish(mut self, end: Option<Loss>) -> Result<JointLog, JointLogError> {
+        if self.log.t_s.is_empty() {
+            return Err(JointLogError::NoSamples);
+        }
+        self.log.losses.extend(self.repeated);
+        add_gaps(&mut self.log);
+        self.log.losses.extend(end);
+        Ok(self.log)
+    }
+}
+
+fn add_gaps(log: &mut JointLog) {
+    let Some(usual_s) = median_step(&log.t_s) else { return };
+    for pair in log.t_s.windows(2) {
+        let &[from_s, to_s] = pair else { continue };
+        let steps = (to_s - from_s) / usual_s;
+        if steps > GAP_STEPS {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "above 1, and a count that is too large for an integer becomes the largest"
+            )]
+            let missing = steps.round() as u64 - 1;
+            log.losses.push(Loss::Gap { from_s, to_s, missing });
+        }
+    }
+}
+
+/// The median of the steps from one time to the next, s.
+pub(super) fn median_step(t_s: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if steps.is_empty() {
+        return None;
+    }
+    let middle = steps.len() / 2;
+    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(*median)
+}

@@ -1,0 +1,229 @@
+//! Joint positions of a table: CSV, and what a `DataRecorder` writes.
+
+use std::io::{Cursor, Read};
+
+use csv::{ByteRecord, ReaderBuilder};
+
+use super::columns::{Columns, Role};
+use super::samples::Samples;
+use super::{JointLog, JointLogError, Loss, Place};
+
+/// The most characters of a file's content that an error repeats.
+const SHOWN: usize = 40;
+
+/// Reads a table that begins with `head` and goes on in `stream`.
+pub(super) fn read<R: Read>(head: &[u8], stream: R) -> Result<JointLog, JointLogError> {
+    let (number, header) = header(head)?;
+    let delimiter = [b';', b'\t', b','].into_iter().find(|d| header.contains(d)).unwrap_or(b' ');
+    let layout = Layout { spaces: delimiter == b' ' };
+    let columns = Columns::new(number, names(header, delimiter, layout)?)?;
+
+    let mut samples = Samples::new(columns.source, columns.in_degrees());
+    samples.log().robot.clone_from(&columns.robot);
+    // Numbers need no quotes. If quotes counted, a single one would swallow the lines behind it.
+    let mut table = ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(delimiter)
+        .quoting(false)
+        .buffer_capacity(1 << 18)
+        .from_reader(Ended { stream: Cursor::new(head).chain(stream), last: b'\n' });
+    let mut origin = None;
+    let mut end = None;
+    let (mut line, mut next) = (ByteRecord::new(), ByteRecord::new());
+    // The header, which comes behind blank lines.
+    while read_line(&mut table, &mut line)? && layout.is_blank(&line) {}
+    let mut more = read_line(&mut table, &mut line)?;
+    while more {
+        more = read_line(&mut table, &mut next)?;
+        if !layout.is_blank(&line) {
+            let number = line.position().map_or(0, csv::Position::line);
+            if !more && !matches!(table.get_ref().last, b'\n' | b'\r') {
+                end = Some(Loss::LastLine { line: number });
+                break;
+            }
+            let row = Row::parse(&columns, layout, number, &line)?;
+            samples.push(Place::Line(number), row.t_s(&mut origin), row.q_rad)?;
+        }
+        std::mem::swap(&mut line, &mut next);
+    }
+    let log = samples.finish(end)?;
+    log.check_units()?;
+    Ok(log)
+}
+
+/// The first line that is not blank, and its number.
+fn header(head: &[u8]) -> Result<(u64, &[u8]), JointLogError> {
+    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    let mut lines = (1..).zip(head.split(|byte| *byte == b'\n'));
+    let (number, header) =
+        lines.find(|(_, line)| !line.trim_ascii().is_empty()).ok_or(JointLogError::NoSamples)?;
+    let header = header.trim_ascii();
+    let is_text = std::str::from_utf8(header).is_ok_and(|text| !text.contains('\0'));
+    let is_whole = header.len() < super::HEAD_BYTES && !header.contains(&b'\r');
+    if is_text && is_whole {
+        return Ok((number, header));
+    }
+    Err(JointLogError::Unknown { found: format!("`{}`", shown(header)) })
+}
+
+fn names(header: &[u8], delimiter: u8, layout: Layout) -> Result<Vec<String>, JointLogError> {
+    let mut line = ByteRecord::new();
+    let mut table =
+        ReaderBuilder::new().has_headers(false).delimiter(delimiter).from_reader(header);
+    read_line(&mut table, &mut line)?;
+    let names = layout.fields(&line).map(|name| match name {
+        // Long names are none that are known, and `shown` keeps the known ones as they are.
+        name if name.len() > 4 * SHOWN => String::new(),
+        name => name.iter().map(|byte| char::from(*byte)).flat_map(char::escape_debug).collect(),
+    });
+    let mut names: Vec<String> = names.collect();
+    names.pop_if(|last| last.is_empty());
+    if names.iter().any(|name| name.parse::<f64>().is_ok()) {
+        let found = format!("numbers: `{}`", shown(header));
+        return Err(JointLogError::Unknown { found });
+    }
+    Ok(names)
+}
+
+fn read_line<R: Read>(
+    table: &mut csv::Reader<R>,
+    line: &mut ByteRecord,
+) -> Result<bool, JointLogError> {
+    // Nothing but the stream can fail: lines may have any bytes and any number of fields.
+    table.read_byte_record(line).map_err(|error| JointLogError::Io { source: error.into() })
+}
+
+/// How fields are parted.
+#[derive(Clone, Copy, Debug)]
+struct Layout {
+    /// By spaces, any number of them.
+    spaces: bool,
+}
+
+impl Layout {
+    fn fields(self, line: &ByteRecord) -> impl Iterator<Item = &[u8]> {
+        line.iter().map(<[u8]>::trim_ascii).filter(move |field| !self.spaces || !field.is_empty())
+    }
+
+    fn is_blank(self, line: &ByteRecord) -> bool {
+        (self.spaces || line.len() < 2) && line.iter().all(|field| field.trim_ascii().is_empty())
+    }
+}
+
+/// The numbers of a line that count.
+#[derive(Debug, Default)]
+struct Row {
+    time_s: f64,
+    /// Whole seconds and nanoseconds, where the time is in two columns.
+    split: Option<[f64; 2]>,
+    q_rad: [f64; 7],
+}
+
+impl Row {
+    fn parse(
+        columns: &Columns,
+        layout: Layout,
+        number: u64,
+        line: &ByteRecord,
+    ) -> Result<Self, JointLogError> {
+        let expected = columns.roles.len();
+        let mut row = Self::default();
+        let mut found = 0;
+        for field in layout.fields(line) {
+            let column = found;
+            let Some(role) = columns.roles.get(column) else {
+                // A line may end with a delimiter.
+                if column == expected && field.is_empty() {
+                    break;
+                }
+                return Err(JointLogError::FieldCount {
+                    line: number,
+                    found: layout.fields(line).count(),
+                    expected,
+                });
+            };
+            found += 1;
+            if let Err(expected) = row.take(*role, field) {
+                let column = columns.names[column].clone();
+                return Err(JointLogError::Field {
+                    line: number,
+                    column,
+                    found: shown(field),
+                    expected,
+                });
+            }
+        }
+        if found < expected {
+            return Err(JointLogError::FieldCount { line: number, found, expected });
+        }
+        Ok(row)
+    }
+
+    /// Takes a field. The error is what it should be.
+    fn take(&mut self, role: Role, field: &[u8]) -> Result<(), &'static str> {
+        if role == Role::PassedOver {
+            return Ok(());
+        }
+        let value = number(field).ok_or("a finite number with a decimal point")?;
+        match role {
+            Role::Time => self.time_s = value,
+            Role::Seconds if value.fract() != 0.0 || value.abs() > MOST_SECONDS => {
+                return Err("a whole number of seconds");
+            }
+            Role::Seconds => self.split.get_or_insert_default()[0] = value,
+            Role::Nanoseconds if value.fract() != 0.0 || !(0.0..1e9).contains(&value) => {
+                return Err("a whole number of nanoseconds below 1000000000");
+            }
+            Role::Nanoseconds => self.split.get_or_insert_default()[1] = value,
+            Role::Radians(joint) => self.q_rad[joint] = value,
+            Role::Degrees(joint) => self.q_rad[joint] = value.to_radians(),
+            Role::PassedOver => {}
+        }
+        Ok(())
+    }
+
+    /// The time, s. Where it is in two columns, it counts from `origin`, the first one: seconds since
+    /// 1970 would leave no room for digits behind the point.
+    fn t_s(&self, origin: &mut Option<[f64; 2]>) -> f64 {
+        let Some([seconds, nanoseconds]) = self.split else { return self.time_s };
+        let [first_seconds, first_nanoseconds] = *origin.get_or_insert([seconds, nanoseconds]);
+        ((seconds - first_seconds) * 1e9 + (nanoseconds - first_nanoseconds)) / 1e9
+    }
+}
+
+/// Far beyond any clock, and differences are exact.
+const MOST_SECONDS: f64 = 1e12;
+
+fn number(field: &[u8]) -> Option<f64> {
+    let bare = field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\""));
+    let text = std::str::from_utf8(bare.unwrap_or(field)).ok()?;
+    text.parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// The beginning of a piece of a file, without characters that a terminal would obey.
+pub(super) fn shown(bytes: &[u8]) -> String {
+    let start = &bytes[..bytes.len().min(4 * SHOWN)];
+    let text = String::from_utf8_lossy(start);
+    let mut shown: String = text.chars().take(SHOWN).flat_map(char::escape_debug).collect();
+    if bytes.len() > start.len() || text.chars().count() > SHOWN {
+        shown.push_str("...");
+    }
+    shown
+}
+
+/// A stream that keeps the last byte that was read.
+struct Ended<R> {
+    stream: R,
+    last: u8,
+}
+
+impl<R: Read> Read for Ended<R> {
+    fn read(&mut self, room: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.stream.read(room)?;
+        if let Some(last) = room[..read].last() {
+            self.last = *last;
+        }
+        Ok(read)
+    }
+}
