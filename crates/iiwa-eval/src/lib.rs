@@ -6,6 +6,7 @@
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapters 4 and 5 and the appendices, cited as "Larsen 2019".
 
+mod compare;
 mod estimate;
 pub mod experiment;
 pub mod identify;
@@ -13,5 +14,9 @@ mod least_squares;
 mod vector;
 mod virtual_robot;
 
+pub use compare::{
+    CompareError, Comparison, CycleTime, Deviation, MotionTime, Plan, PlanFileError, StopTime,
+    TracePoint, Whereabouts, compare,
+};
 pub use estimate::Estimate;
-pub use virtual_robot::VirtualRobot;
+pub use virtual_robot::{VirtualRobot, VirtualRobotError};

@@ -1,0 +1,502 @@
+//! A recording held against a plan: how long the arm took, and which way it went.
+//!
+//! **Times.** The cycle time's error is that of Larsen 2019, Eq. 40: `T_s - T_r`, and its share of `T_r`,
+//! with the simulated time `T_s` and the real one `T_r`. Joint positions tell when the arm leaves its
+//! start and when it arrives at its end, not for how long it stands before and after. So `T_r` is the
+//! time between these two, plus the time that the plan stands at its start and its end (to settle and
+//! to wait there); `T_s` is the plan's cycle time.
+//!
+//! **Paths.** Each sample's distance is that to the nearest place of the planned path, whenever the plan
+//! is there: in joint space, in rad, and of the TCP, in m. Places are looked for in the order of the
+//! path, so that a path that goes back on itself is not mixed up.
+
+mod curve;
+mod deviation;
+mod edge;
+mod error;
+mod follow;
+mod noise;
+mod plan;
+mod vector;
+
+use iiwa_log::JointLog;
+
+use edge::{Edge, Line, Side, Stop};
+use follow::Followed;
+use noise::Noise;
+use plan::{Leg, Piece, PieceKind};
+
+pub use deviation::{Deviation, TracePoint, Whereabouts};
+pub use error::CompareError;
+pub use plan::{Plan, PlanFileError};
+
+/// What came of holding a recording against a plan.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Comparison {
+    /// The whole program's time.
+    pub cycle_time: CycleTime,
+    /// When the arm leaves its start, in s of the recording.
+    pub departure_s: f64,
+    /// When it arrives at its end, in s of the recording.
+    pub arrival_s: f64,
+    /// Each motion of the program, in order.
+    pub motions: Vec<MotionTime>,
+    /// Each stop between motions, in order.
+    pub stops: Vec<StopTime>,
+    /// How far off the path in joint space, in rad.
+    pub joints_rad: Deviation,
+    /// How far off the path of the TCP, in m: the distance between the measured TCP and the nearest
+    /// point of its planned path about the matched place.
+    pub tcp_m: Deviation,
+    /// Samples between departure and arrival.
+    pub samples: usize,
+    /// The usual time between two samples, in s.
+    pub step_s: f64,
+    /// Noise of the recording: standard deviation of all joints together, in rad. The path deviates by
+    /// about as much.
+    pub noise_rad: f64,
+    /// The same program is in the recording once more, from this time on, in s of the recording.
+    pub again_s: Option<f64>,
+    /// What the figures leave out or take for granted, for people.
+    pub losses: Vec<String>,
+    /// Some of the samples, for pictures.
+    pub trace: Vec<TracePoint>,
+}
+
+/// The error of a cycle time (Larsen 2019, Eq. 40).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CycleTime {
+    /// Simulated: the plan's cycle time, in s.
+    pub simulated_s: f64,
+    /// Real: from departure to arrival, plus [`standing_s`](Self::standing_s), in s.
+    pub real_s: f64,
+    /// Simulated minus real, in s.
+    pub error_s: f64,
+    /// The same in per cent of the real one.
+    pub error_percent: f64,
+    /// For how long the plan stands at its start and its end, in s: in both.
+    pub standing_s: f64,
+    /// Standard deviation of the real time due to the recording's noise, in s.
+    pub deviation_s: f64,
+}
+
+/// The time of a motion, or of a wait.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionTime {
+    /// Its place in the program, from 1.
+    pub motion: usize,
+    /// Whether it is a wait.
+    pub waits: bool,
+    /// When the plan starts it, in s.
+    pub planned_start_s: f64,
+    /// For how long, in s; without the time to settle after it.
+    pub planned_s: f64,
+    /// The arm's time at the place where the plan starts it, in s since the program's start; none if the
+    /// recording does not tell.
+    pub real_start_s: Option<f64>,
+    /// How long the arm took, in s.
+    pub real_s: Option<f64>,
+    /// Planned minus real duration, in s.
+    pub error_s: Option<f64>,
+    /// The same in per cent of the real one.
+    pub error_percent: Option<f64>,
+}
+
+/// The time of standing between motions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StopTime {
+    /// The motion after which the arm stands, from 1.
+    pub after_motion: usize,
+    /// Planned: to settle and to wait, in s.
+    pub planned_s: f64,
+    /// From arrival to departure, in s; none if the recording does not tell.
+    pub real_s: Option<f64>,
+}
+
+/// Holds a recording against a plan. Of a recording with several things in it, the first time that the
+/// arm goes along the whole path counts.
+///
+/// It takes time in proportion to the number of samples, and memory for a number a sample.
+///
+/// # Errors
+///
+/// [`CompareError`] if there is nothing to compare, if it is not the same program, or if the recording
+/// does not hold all of it.
+pub fn compare(plan: &Plan, measured: &JointLog) -> Result<Comparison, CompareError> {
+    let legs = plan.legs();
+    if legs.is_empty() || plan.curve.length() <= 0.0 {
+        return Err(CompareError::PlanStands);
+    }
+    check(plan, measured)?;
+    let noise = Noise::of(measured);
+    let followed = follow::find(plan, &legs, measured, &noise)?;
+    let mut losses = Vec::new();
+    let timing = Timing::new(plan, &legs, measured, &noise, &followed, &mut losses)?;
+    let (departure, arrival) = (timing.departure, timing.arrival);
+
+    let standing_s = plan.cycle_time_s() - (legs[legs.len() - 1].end_s - legs[0].start_s);
+    let real_s = arrival.t_s - departure.t_s + standing_s;
+    let simulated_s = plan.cycle_time_s();
+    let error_s = simulated_s - real_s;
+    let cycle_time = CycleTime {
+        simulated_s,
+        real_s,
+        error_s,
+        error_percent: 100.0 * error_s / real_s,
+        standing_s,
+        deviation_s: departure.deviation_s.hypot(arrival.deviation_s),
+    };
+
+    let from = measured.t_s.partition_point(|t_s| *t_s < departure.t_s).max(followed.first);
+    let to = measured.t_s.partition_point(|t_s| *t_s <= arrival.t_s);
+    let to = to.min(followed.first + followed.place_s.len()).max(from + 1);
+    report_gaps(measured, from..to, &noise, &mut losses);
+    let places = followed.place_s.get(from - followed.first..).unwrap_or_default();
+    let (joints_rad, tcp_m, trace) =
+        deviation::deviations(plan, measured, from..to, places, departure.t_s)
+            .ok_or(CompareError::TooFewSamples { samples: 0 })?;
+    Ok(Comparison {
+        cycle_time,
+        departure_s: departure.t_s,
+        arrival_s: arrival.t_s,
+        motions: timing.motions(plan),
+        stops: timing.stops(plan),
+        joints_rad,
+        tcp_m,
+        samples: to - from,
+        step_s: noise.step_s,
+        noise_rad: noise.norm_rad(),
+        again_s: followed.again_s,
+        losses,
+        trace,
+    })
+}
+
+/// Whether a log can be compared at all.
+fn check(plan: &Plan, log: &JointLog) -> Result<(), CompareError> {
+    let samples = log.t_s.len().min(log.q_rad.len());
+    if samples < 4 || log.t_s.len() != log.q_rad.len() {
+        return Err(CompareError::TooFewSamples { samples });
+    }
+    if let Some(measured) = log.robot.as_ref().filter(|name| *name != plan.robot().name()) {
+        let (planned, measured) = (plan.robot().name().to_owned(), measured.clone());
+        return Err(CompareError::OtherRobot { planned, measured });
+    }
+    let mut before = f64::NEG_INFINITY;
+    let mut range = ([f64::MAX; 7], [f64::MIN; 7]);
+    for (i, (t_s, q)) in log.t_s.iter().zip(&log.q_rad).enumerate() {
+        let bad = |what| CompareError::BadSample { index: i + 1, what };
+        if !t_s.is_finite() || q.iter().any(|v| !v.is_finite()) {
+            return Err(bad("has a number that is none"));
+        }
+        if *t_s <= before {
+            return Err(bad("is not later than the one before"));
+        }
+        before = *t_s;
+        for j in 0..7 {
+            range.0[j] = range.0[j].min(q[j]);
+            range.1[j] = range.1[j].max(q[j]);
+        }
+    }
+    let extent_rad = (0..7).map(|j| range.1[j] - range.0[j]).fold(0.0, f64::max);
+    if extent_rad < 2e-4 {
+        return Err(CompareError::NoMotion { extent_rad });
+    }
+    Ok(())
+}
+
+/// Says what gaps leave out.
+fn report_gaps(
+    log: &JointLog,
+    samples: std::ops::Range<usize>,
+    noise: &Noise,
+    losses: &mut Vec<String>,
+) {
+    let t_s = &log.t_s[samples];
+    let gaps = || t_s.windows(2).filter(|pair| pair[1] - pair[0] > noise.gap_s());
+    let longest = gaps().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+    if let Some(longest) = longest {
+        losses.push(format!(
+            "{} in the recording of the motion, the longest of {:.3} s at {:.3} s: the path there is \
+             not compared",
+            match gaps().count() {
+                1 => "a gap".to_owned(),
+                count => format!("{count} gaps"),
+            },
+            longest[1] - longest[0],
+            longest[0]
+        ));
+    }
+}
+
+/// A gap about an edge from which on nothing is known of it, in s.
+const EDGE_GAP_S: f64 = 0.05;
+
+/// When the arm was where the plan starts and ends its motions.
+struct Timing {
+    departure: Edge,
+    arrival: Edge,
+    /// Each leg's departure and arrival, in s of the recording.
+    legs: Vec<(Leg, Option<f64>, Option<f64>)>,
+    /// Places within legs at which another motion begins: when in the plan, and in the recording.
+    passes: Vec<(f64, Option<f64>)>,
+}
+
+impl Timing {
+    fn new(
+        plan: &Plan,
+        legs: &[Leg],
+        log: &JointLog,
+        noise: &Noise,
+        followed: &Followed,
+        losses: &mut Vec<String>,
+    ) -> Result<Self, CompareError> {
+        let finder = Finder::new(plan, legs, log, noise, followed);
+        let last = legs.len() - 1;
+        let departure = finder.edge(0, Side::Leaves).map_err(|unclear| {
+            let (t_s, distance_rad) = (unclear.t_s, unclear.distance_rad);
+            CompareError::BeginsInMotion { t_s, distance_rad }
+        })?;
+        let arrival = finder.edge(last, Side::Arrives).map_err(|unclear| {
+            let (t_s, distance_rad) = (unclear.t_s, unclear.distance_rad);
+            CompareError::DoesNotStop { t_s, distance_rad }
+        })?;
+        for (edge, name) in [(&departure, "start"), (&arrival, "end")] {
+            let (from_s, to_s) = edge.gap_s;
+            if to_s - from_s > EDGE_GAP_S.max(noise.gap_s()) {
+                return Err(CompareError::GapAtEdge { edge: name, from_s, to_s });
+            }
+            if to_s - from_s > noise.gap_s() {
+                losses.push(format!(
+                    "the {name} of the motion is in a gap of the recording of {:.3} s: it is \
+                     calculated from what follows the gap",
+                    to_s - from_s
+                ));
+            }
+            if !edge.stands {
+                losses.push(format!(
+                    "the arm is not recorded standing at the {name} of the motion: it is taken to \
+                     stand where the plan does"
+                ));
+            }
+        }
+        let mut unknown = 0;
+        let mut times = Vec::with_capacity(legs.len());
+        for (k, leg) in legs.iter().enumerate() {
+            let mut edge = |side, known: Option<&Edge>| {
+                if let Some(edge) = known {
+                    return Some(edge.t_s);
+                }
+                let edge = finder.edge(k, side).ok();
+                let clear = edge.filter(|edge| edge.gap_s.1 - edge.gap_s.0 <= noise.gap_s());
+                unknown += usize::from(clear.is_none());
+                clear.map(|edge| edge.t_s)
+            };
+            let leaves = edge(Side::Leaves, (k == 0).then_some(&departure));
+            let arrives = edge(Side::Arrives, (k == last).then_some(&arrival));
+            times.push((*leg, leaves, arrives));
+        }
+        let passes: Vec<_> = finder.passes();
+        unknown += passes.iter().filter(|pass| pass.1.is_none()).count();
+        if unknown > 0 {
+            losses.push(format!(
+                "{unknown} of the places where motions start and end are not clear in the recording: \
+                 the times of these motions are left out"
+            ));
+        }
+        Ok(Self { departure, arrival, legs: times, passes })
+    }
+
+    /// When the arm was where the plan is at a time at which a piece starts or ends, in s of the
+    /// recording. `after` is the piece that starts there, if it is about a start.
+    fn at(&self, plan_s: f64, starts: bool) -> Option<f64> {
+        let same = |a: f64| (a - plan_s).abs() <= 1e-9;
+        if let Some(pass) = self.passes.iter().find(|pass| same(pass.0)) {
+            return pass.1;
+        }
+        let next = self.legs.partition_point(|(leg, ..)| leg.start_s < plan_s - 1e-9);
+        match (self.legs.get(next), next.checked_sub(1).map(|before| &self.legs[before])) {
+            (Some((leg, leaves, _)), None) => leaves.map(|t_s| t_s + plan_s - leg.start_s),
+            (Some((leg, leaves, _)), Some((before, _, arrives))) => {
+                if same(leg.start_s) {
+                    // Two legs meet where there is no time to settle.
+                    return if starts || !same(before.end_s) { *leaves } else { *arrives };
+                }
+                let t_s = (*arrives)? + plan_s - before.end_s;
+                Some(leaves.map_or(t_s, |leaves| t_s.min(leaves)))
+            }
+            (None, Some((before, _, arrives))) => arrives.map(|t_s| t_s + plan_s - before.end_s),
+            (None, None) => None,
+        }
+    }
+
+    fn motions(&self, plan: &Plan) -> Vec<MotionTime> {
+        let (first, last) = (self.legs[0].0.start_s, self.legs[self.legs.len() - 1].0.end_s);
+        let row = |pieces: &[Piece]| {
+            let (start, end) = (&pieces[0], &pieces[pieces.len() - 1]);
+            let planned_start_s = start.start_s;
+            let planned_end_s =
+                if end.kind == PieceKind::Settles { end.start_s } else { end.end_s };
+            let waits = start.kind == PieceKind::Waits;
+            // Before the first departure and after the last arrival standing is not told apart from
+            // what is not part of the program.
+            let seen = !waits || (planned_start_s >= first && planned_end_s < last);
+            let real = self.at(planned_start_s, true).zip(self.at(planned_end_s, false));
+            let real = real.filter(|_| seen);
+            let planned_s = planned_end_s - planned_start_s;
+            let real_s = real.map(|(from, to)| to - from);
+            MotionTime {
+                motion: start.motion,
+                waits,
+                planned_start_s,
+                planned_s,
+                real_start_s: real.map(|(from, _)| from - self.departure.t_s + first),
+                real_s,
+                error_s: real_s.map(|real_s| planned_s - real_s),
+                error_percent: real_s
+                    .filter(|real_s| *real_s > 0.0)
+                    .map(|real_s| 100.0 * (planned_s - real_s) / real_s),
+            }
+        };
+        plan.pieces.chunk_by(|a, b| a.motion == b.motion).map(row).collect()
+    }
+
+    fn stops(&self, plan: &Plan) -> Vec<StopTime> {
+        let stop = |pair: &[(Leg, Option<f64>, Option<f64>)]| StopTime {
+            after_motion: plan.motion_at(pair[0].0.end_s - 1e-9),
+            planned_s: pair[1].0.start_s - pair[0].0.end_s,
+            real_s: pair[1].1.zip(pair[0].2).map(|(leaves, arrives)| leaves - arrives),
+        };
+        self.legs.windows(2).map(stop).collect()
+    }
+}
+
+/// Finds when the arm was where.
+struct Finder<'a> {
+    plan: &'a Plan,
+    legs: &'a [Leg],
+    log: &'a JointLog,
+    noise: &'a Noise,
+    followed: &'a Followed,
+    /// Length of each leg, in rad.
+    lengths: Vec<f64>,
+}
+
+/// How far about a stop it is looked for the arm standing, in rad.
+const ABOUT_RAD: f64 = 0.05;
+
+impl<'a> Finder<'a> {
+    fn new(
+        plan: &'a Plan,
+        legs: &'a [Leg],
+        log: &'a JointLog,
+        noise: &'a Noise,
+        followed: &'a Followed,
+    ) -> Self {
+        let arc = |t_s| plan.curve.arc_at(t_s);
+        let lengths = legs.iter().map(|leg| arc(leg.end_s) - arc(leg.start_s)).collect();
+        Self { plan, legs, log, noise, followed, lengths }
+    }
+
+    /// The first sample at a place of the plan or beyond.
+    fn sample_at(&self, plan_s: f64) -> usize {
+        let places = &self.followed.place_s;
+        // Noise takes places back a bit; about where they are to be found that does not matter.
+        self.followed.first + places.partition_point(|place_s| *place_s < plan_s)
+    }
+
+    /// A leg's departure or arrival.
+    fn edge(&self, leg: usize, side: Side) -> Result<Edge, edge::Unclear> {
+        let curve = &self.plan.curve;
+        let (at_s, leg_rad) = match side {
+            Side::Leaves => (self.legs[leg].start_s, self.lengths[leg]),
+            Side::Arrives => (self.legs[leg].end_s, self.lengths[leg]),
+        };
+        let before = match side {
+            Side::Leaves => leg.checked_sub(1),
+            Side::Arrives => Some(leg),
+        };
+        let after = before.map_or(0, |before| before + 1);
+        let end = self.followed.first + self.followed.place_s.len();
+        let reach = |leg: usize| (0.4 * self.lengths[leg]).min(ABOUT_RAD);
+        let from = match before {
+            None => self.pause_before(),
+            Some(before) => {
+                let arc = curve.arc_at(self.legs[before].end_s) - reach(before);
+                self.sample_at(self.time_at_arc(arc))
+            }
+        };
+        let to = match self.legs.get(after) {
+            None => end,
+            Some(next) => {
+                self.sample_at(self.time_at_arc(curve.arc_at(next.start_s) + reach(after)))
+            }
+        };
+        let end_s = before.map_or(0.0, |before| self.legs[before].end_s);
+        let start_s = self.legs.get(after).map_or(self.plan.cycle_time_s(), |leg| leg.start_s);
+        let stop = Stop { curve, at_s, leg_rad, stand_s: start_s - end_s, side };
+        stop.find(self.log, from..to.max(from), self.noise)
+    }
+
+    /// The first sample that may belong to the stand before the program.
+    fn pause_before(&self) -> usize {
+        const BEFORE_S: f64 = 2.0;
+        let first = self.followed.first;
+        let from_s = self.log.t_s[first] - BEFORE_S;
+        self.log.t_s.partition_point(|t_s| *t_s < from_s)
+    }
+
+    fn time_at_arc(&self, arc_rad: f64) -> f64 {
+        let curve = &self.plan.curve;
+        let interval = curve.interval_at_arc(arc_rad);
+        let start = &curve.knots()[interval];
+        let q = vector::add_scaled(
+            &start.q,
+            (arc_rad - curve.arc(interval))
+                / (curve.arc(interval + 1) - curve.arc(interval)).max(1e-12),
+            &vector::sub(&curve.knots()[interval + 1].q, &start.q),
+        );
+        curve.refine(interval, &q, arc_rad - curve.arc(interval)).t_s
+    }
+
+    /// When the arm passes the places within legs at which another motion begins.
+    fn passes(&self) -> Vec<(f64, Option<f64>)> {
+        let begins = |pair: &&[Piece]| {
+            let moves = pair.iter().all(|piece| piece.kind == PieceKind::Moves);
+            moves && pair[0].motion != pair[1].motion
+        };
+        let pairs = self.plan.pieces.windows(2).filter(begins);
+        pairs.map(|pair| (pair[1].start_s, self.pass(pair[1].start_s))).collect()
+    }
+
+    /// When the arm passes the place where the plan is at a time: times of samples follow those of
+    /// their places along a line, nearly.
+    fn pass(&self, plan_s: f64) -> Option<f64> {
+        const AROUND_S: f64 = 0.008;
+        const AROUND: usize = 3;
+        let log = self.log;
+        let (first, places) = (self.followed.first, &self.followed.place_s);
+        let at = self.sample_at(plan_s);
+        let before = at.checked_sub(1).filter(|before| *before >= first)?;
+        if at >= first + places.len() || log.t_s[at] - log.t_s[before] > self.noise.gap_s() {
+            return None;
+        }
+        let leg = self.legs.iter().find(|leg| leg.start_s <= plan_s && plan_s <= leg.end_s)?;
+        let near = |i: usize| {
+            let place_s = places[i - first];
+            let close = (log.t_s[i] - log.t_s[at]).abs() <= AROUND_S || i.abs_diff(at) <= AROUND;
+            close && leg.start_s < place_s && place_s < leg.end_s
+        };
+        let from = (first..at).rev().take_while(|i| near(*i)).last().unwrap_or(at);
+        let to = (at..first + places.len()).take_while(|i| near(*i)).last().map_or(at, |i| i + 1);
+        let points = (from..to).map(|i| {
+            let place_s = places[i - first];
+            let speed = vector::norm(&self.plan.curve.at(place_s).1);
+            (place_s - plan_s, log.t_s[i], speed * speed)
+        });
+        let line = Line::fit(points)?;
+        // Two motions may meet where the arm turns back; there its time is between the two samples.
+        Some(line.zero.clamp(log.t_s[before], log.t_s[at]))
+    }
+}

@@ -1,0 +1,265 @@
+//! The planned path as a curve through the nodes of its trajectory.
+
+use iiwa_kin::Joints;
+
+use super::vector::{add_scaled, dot, norm, scale, sub};
+
+/// Where the arm is to be at a time, and how fast.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Knot {
+    pub(crate) t_s: f64,
+    pub(crate) q: Joints,
+    pub(crate) dq: Joints,
+    pub(crate) ddq: Joints,
+}
+
+/// A polynomial between each two nodes: of degree five, which meets position, velocity and acceleration at
+/// both, as plans with limits on jerk have it; or a cubic without the acceleration, where that jumps.
+#[derive(Clone, Debug)]
+pub(crate) struct Curve {
+    knots: Vec<Knot>,
+    /// Length of the chords up to each node, in rad.
+    arc_rad: Vec<f64>,
+    smooth: bool,
+}
+
+/// A place on the curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    /// Interval between nodes.
+    pub(crate) interval: usize,
+    /// When the plan is there, in s.
+    pub(crate) t_s: f64,
+    /// Length up to there, in rad.
+    pub(crate) arc_rad: f64,
+    /// How far what was looked for is away, in rad.
+    pub(crate) distance_rad: f64,
+}
+
+/// Steps after which a root is known to the last digit.
+const STEPS: usize = 80;
+
+impl Curve {
+    /// The curve through some nodes, of which there are at least two, later and later; `smooth` if
+    /// the acceleration never jumps.
+    pub(crate) fn new(knots: Vec<Knot>, smooth: bool) -> Self {
+        let mut arc = 0.0;
+        let mut arc_rad = Vec::with_capacity(knots.len());
+        arc_rad.push(0.0);
+        for pair in knots.windows(2) {
+            arc += norm(&sub(&pair[1].q, &pair[0].q));
+            arc_rad.push(arc);
+        }
+        Self { knots, arc_rad, smooth }
+    }
+
+    pub(crate) fn knots(&self) -> &[Knot] {
+        &self.knots
+    }
+
+    pub(crate) fn intervals(&self) -> usize {
+        self.knots.len() - 1
+    }
+
+    /// Length up to a node, in rad.
+    pub(crate) fn arc(&self, knot: usize) -> f64 {
+        self.arc_rad[knot]
+    }
+
+    /// Length of all of it, in rad.
+    pub(crate) fn length(&self) -> f64 {
+        self.arc_rad[self.knots.len() - 1]
+    }
+
+    /// The interval that a time is in.
+    pub(crate) fn interval_at(&self, t_s: f64) -> usize {
+        self.knots.partition_point(|knot| knot.t_s <= t_s).clamp(1, self.knots.len() - 1) - 1
+    }
+
+    /// The interval that a length is in.
+    pub(crate) fn interval_at_arc(&self, arc_rad: f64) -> usize {
+        self.arc_rad.partition_point(|arc| *arc <= arc_rad).clamp(1, self.knots.len() - 1) - 1
+    }
+
+    /// Length up to a time, in rad.
+    pub(crate) fn arc_at(&self, t_s: f64) -> f64 {
+        let interval = self.interval_at(t_s);
+        let q = self.in_interval(interval, t_s).0;
+        self.arc_rad[interval] + norm(&sub(&q, &self.knots[interval].q))
+    }
+
+    /// Position and velocity at a time.
+    pub(crate) fn at(&self, t_s: f64) -> (Joints, Joints) {
+        self.in_interval(self.interval_at(t_s), t_s)
+    }
+
+    /// The same, in an interval that is known.
+    pub(crate) fn in_interval(&self, interval: usize, t_s: f64) -> (Joints, Joints) {
+        let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
+        let h = b.t_s - a.t_s;
+        let x = ((t_s - a.t_s) / h).clamp(0.0, 1.0);
+        let mut state = ([0.0; 7], [0.0; 7]);
+        for j in 0..7 {
+            let ends = [a, b].map(|knot| [knot.q[j], knot.dq[j], knot.ddq[j]]);
+            let polynomial = Polynomial::new(ends[0], ends[1], h, self.smooth);
+            (state.0[j], state.1[j]) = (polynomial.at(x), polynomial.slope(x) / h);
+        }
+        state
+    }
+
+    /// The way along a direction in an interval, from its first node on.
+    fn along(&self, interval: usize, unit: &Joints) -> Polynomial {
+        let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
+        let ends =
+            [a, b].map(|k| [dot(&sub(&k.q, &a.q), unit), dot(&k.dq, unit), dot(&k.ddq, unit)]);
+        Polynomial::new(ends[0], ends[1], b.t_s - a.t_s, self.smooth)
+    }
+
+    /// How far `q` is from the chord of an interval, beginning at the length `from_rad`, squared;
+    /// and how far along the chord the nearest point is.
+    pub(crate) fn to_chord(&self, interval: usize, q: &Joints, from_rad: f64) -> (f64, f64) {
+        let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
+        let (chord, to) = (sub(&b.q, &a.q), sub(q, &a.q));
+        let length = self.arc_rad[interval + 1] - self.arc_rad[interval];
+        if length <= 0.0 {
+            return (dot(&to, &to), 0.0);
+        }
+        let least = (from_rad - self.arc_rad[interval]).max(0.0).min(length);
+        let along = (dot(&to, &chord) / length).clamp(least, length);
+        let off = add_scaled(&to, -along / length, &chord);
+        (dot(&off, &off), along)
+    }
+
+    /// The place in an interval that is nearest to `q`, given how far along the chord it is about.
+    pub(crate) fn refine(&self, interval: usize, q: &Joints, along_rad: f64) -> Place {
+        let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
+        let h = b.t_s - a.t_s;
+        let length = self.arc_rad[interval + 1] - self.arc_rad[interval];
+        let mut x = 0.0;
+        if length > 0.0 {
+            let unit = scale(1.0 / length, &sub(&b.q, &a.q));
+            x = self.along(interval, &unit).solve(along_rad);
+        }
+        // On a blend the nearest point of the curve is not above that of its chord.
+        let mut t_s = a.t_s + x * h;
+        let (mut at, mut v) = self.in_interval(interval, t_s);
+        for _ in 0..3 {
+            let speed = dot(&v, &v);
+            let slow = 1e-2 * length / h;
+            let ahead = dot(&sub(q, &at), &v);
+            if x <= 0.0 || x >= 1.0 || speed <= slow * slow || ahead.abs() <= 1e-15 * speed * h {
+                break;
+            }
+            t_s = (t_s + (ahead / speed).clamp(-0.25 * h, 0.25 * h)).clamp(a.t_s, b.t_s);
+            (at, v) = self.in_interval(interval, t_s);
+        }
+        Place {
+            interval,
+            t_s,
+            arc_rad: self.arc_rad[interval] + norm(&sub(&at, &a.q)).min(length),
+            distance_rad: norm(&sub(q, &at)),
+        }
+    }
+
+    /// When the plan, from `from_s` on (or before it), has gone `along_rad` in the direction `unit`;
+    /// none if it turns away before.
+    pub(crate) fn time_along(
+        &self,
+        knot: usize,
+        forward: bool,
+        unit: &Joints,
+        along_rad: f64,
+    ) -> Option<f64> {
+        let origin = self.knots[knot].q;
+        let mut at = knot;
+        let mut gone = 0.0;
+        loop {
+            let next = if forward { at + 1 } else { at.checked_sub(1)? };
+            let to = dot(&sub(&self.knots.get(next)?.q, &origin), unit);
+            let (first, second) = if forward { (at, next) } else { (next, at) };
+            if (to - gone).abs() <= 0.0 && at != knot {
+                return None;
+            }
+            // Turned by 8 degrees, the direction is no measure of the way any more.
+            let chord = self.arc_rad[second] - self.arc_rad[first];
+            if (to - gone).abs() < 0.99 * chord {
+                return None;
+            }
+            if (along_rad - gone) * (along_rad - to) <= 0.0 {
+                let (a, b) = (&self.knots[first], &self.knots[second]);
+                let h = b.t_s - a.t_s;
+                let from = if forward { gone } else { to };
+                return Some(a.t_s + h * self.along(first, unit).solve(along_rad - from));
+            }
+            (at, gone) = (next, to);
+        }
+    }
+}
+
+/// A polynomial over 0..=1.
+struct Polynomial {
+    /// Coefficients from that of x on, after the value at 0.
+    start: f64,
+    c: [f64; 5],
+}
+
+impl Polynomial {
+    /// The one that meets positions, velocities and, if it is smooth, accelerations at both ends.
+    fn new(a: [f64; 3], b: [f64; 3], h: f64, smooth: bool) -> Self {
+        let (rise, m0, m1) = (b[0] - a[0], h * a[1], h * b[1]);
+        let c = if smooth {
+            let (k0, k1) = (0.5 * h * h * a[2], 0.5 * h * h * b[2]);
+            // What constant acceleration would miss at the end.
+            let (way, slope, bend) = (rise - m0 - k0, m1 - m0 - 2.0 * k0, k1 - k0);
+            let cubic = 10.0 * way - 4.0 * slope + bend;
+            let quartic = -15.0 * way + 7.0 * slope - 2.0 * bend;
+            let quintic = 6.0 * way - 3.0 * slope + bend;
+            [m0, k0, cubic, quartic, quintic]
+        } else {
+            [m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise, 0.0, 0.0]
+        };
+        Self { start: a[0], c }
+    }
+
+    fn at(&self, x: f64) -> f64 {
+        let [c1, c2, c3, c4, c5] = self.c;
+        self.start + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
+    }
+
+    fn slope(&self, x: f64) -> f64 {
+        let [c1, c2, c3, c4, c5] = self.c;
+        c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
+    }
+
+    /// Where it has a value between those at its ends: Newton's method, kept in a bracket.
+    fn solve(&self, value: f64) -> f64 {
+        let (first, last) = (self.at(0.0), self.at(1.0));
+        let sign = (last - first).signum();
+        let miss = |x: f64| sign * (self.at(x) - value);
+        if last == first || miss(0.0) >= 0.0 {
+            return 0.0;
+        }
+        if miss(1.0) <= 0.0 {
+            return 1.0;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        let mut x = ((value - first) / (last - first)).clamp(0.0, 1.0);
+        for _ in 0..STEPS {
+            let f = miss(x);
+            if f == 0.0 {
+                break;
+            }
+            if f > 0.0 {
+                high = x
+            } else {
+                low = x
+            }
+            let newton = x - f / (sign * self.slope(x));
+            if (newton - x).abs() <= 1e-15 * x {
+                break;
+            }
+            x = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        }
+        x
+    }
+}

@@ -1,0 +1,60 @@
+//! How noisy a recording is.
+
+use iiwa_kin::Joints;
+use iiwa_log::JointLog;
+
+use super::vector::{median, quantile};
+
+/// Samples that are looked at.
+const SAMPLES: usize = 20_000;
+
+/// What is known of a recording before it is compared.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Noise {
+    /// Standard deviation of each joint's position, in rad.
+    pub(crate) joints_rad: Joints,
+    /// The usual time between two samples, in s.
+    pub(crate) step_s: f64,
+}
+
+impl Noise {
+    /// Third differences leave noise and jerk; where the arm stands, or goes or gains speed evenly,
+    /// noise alone. So the small ones tell.
+    pub(crate) fn of(log: &JointLog) -> Self {
+        let count = log.t_s.len();
+        let stride = (count / SAMPLES).max(1);
+        let mut steps: Vec<f64> =
+            (1..count).step_by(stride).map(|i| log.t_s[i] - log.t_s[i - 1]).collect();
+        let step_s = median(&mut steps);
+        let even = |i: &usize| {
+            (1..4).all(|k| (log.t_s[i + k] - log.t_s[i + k - 1] - step_s).abs() < 0.2 * step_s)
+        };
+        let at: Vec<usize> = (0..count.saturating_sub(3)).step_by(stride).filter(even).collect();
+        let joints_rad = std::array::from_fn(|j| {
+            let difference = |i: &usize| {
+                let q = |k: usize| log.q_rad[i + k][j];
+                (q(3) - 3.0 * q(2) + 3.0 * q(1) - q(0)).abs()
+            };
+            let mut differences: Vec<f64> = at.iter().map(difference).collect();
+            // A quarter of a normal distribution is within 0.3186 of its standard deviation; that
+            // of third differences is sqrt(1 + 9 + 9 + 1) times as large.
+            quantile(&mut differences, 0.25) / (0.3186 * 20.0_f64.sqrt())
+        });
+        Self { joints_rad, step_s }
+    }
+
+    /// All joints together, in rad.
+    pub(crate) fn norm_rad(&self) -> f64 {
+        super::vector::norm(&self.joints_rad)
+    }
+
+    /// Standard deviation along a direction, in rad.
+    pub(crate) fn along_rad(&self, unit: &Joints) -> f64 {
+        super::vector::norm(&std::array::from_fn(|j| unit[j] * self.joints_rad[j]))
+    }
+
+    /// The time without a sample from which on it is a gap, in s.
+    pub(crate) fn gap_s(&self) -> f64 {
+        (5.0 * self.step_s).max(0.02)
+    }
+}
