@@ -238,6 +238,9 @@ const TOLERANCES: [f64; 3] = [0.005, 0.02, 0.1];
 const LEFT_RAD: f64 = 1e-3;
 const LEFT_SHARE: f64 = 0.01;
 
+/// No mean time is taken to be known better than to this share of the time between samples.
+const TIME_SHARE: f64 = 0.01;
+
 /// kappa is fitted if the angles differ by so much, in degrees.
 const SPREAD_DEG: f64 = 45.0;
 
@@ -263,6 +266,7 @@ pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identifie
         if followed.passages.is_empty() {
             return Err(IdentifyError::NoMotion { recording });
         }
+        found.period_s = found.period_s.max(log.period_s().unwrap_or_default());
         // The program may have been run again and again.
         loop {
             let Followed { passages, lost_in } = &followed;
@@ -288,6 +292,8 @@ struct Findings {
     bounds: [Vec<Bound>; 3],
     settles: Vec<Observed>,
     unequal: Vec<Observed>,
+    /// The longest time between samples of a recording, in s.
+    period_s: f64,
 }
 
 impl Findings {
@@ -298,7 +304,7 @@ impl Findings {
             velocity_rad_s: limits::estimate(speed, TOLERANCES[0]),
             acceleration_rad_s2: limits::estimate(acceleration, TOLERANCES[1]),
             jerk_rad_s3: limits::estimate(jerk, TOLERANCES[2]),
-            settle: settle(&self.settles),
+            settle: settle(&self.settles, self.period_s),
             kappa,
             unequal_share: Estimate::mean(&self.unequal),
             ..self.known
@@ -306,8 +312,9 @@ impl Findings {
     }
 }
 
-fn settle(observations: &[Observed]) -> Option<Settle> {
-    let mean_s = Estimate::mean(observations)?;
+fn settle(observations: &[Observed], period_s: f64) -> Option<Settle> {
+    let mut mean_s = Estimate::mean(observations)?;
+    mean_s.uncertainty = mean_s.uncertainty.hypot(TIME_SHARE * period_s);
     let count = observations.len() as f64;
     let mean = observations.iter().map(|(seconds, _)| seconds).sum::<f64>() / count;
     let squares: f64 = observations.iter().map(|(seconds, _)| (seconds - mean).powi(2)).sum();

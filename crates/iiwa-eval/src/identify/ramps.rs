@@ -108,7 +108,8 @@ impl Ramps {
         let line = Line { t_s, way };
         let start = line.guess(length)?;
         let mut held = [false; COUNT];
-        let mut best = least_squares::fit(&line, start, held)?;
+        let free = least_squares::fit(&line, start, held)?;
+        let mut best = free.clone();
         // What is not shown is taken to be absent, so that it does not blur the rest.
         for (phase, absent) in [(CRUISE, 0.0), (PUSH, 0.0), (JERK, SHORTEST_S)] {
             let mut parameters = best.parameters;
@@ -120,10 +121,12 @@ impl Ramps {
             held[phase] = without.is_some();
             best = without.unwrap_or(best);
         }
-        Some(Self::of(&best))
+        Some(Self::of(&free, &best))
     }
 
-    fn of(fit: &Fit<COUNT>) -> Self {
+    /// From the fit in which all phases were free and the one without those that are not there. Whether
+    /// they are is not certain: what that makes of the times counts as their uncertainty.
+    fn of(free: &Fit<COUNT>, fit: &Fit<COUNT>) -> Self {
         type Parameters = [f64; COUNT];
         let half = |p: &Parameters| 0.5 * p[CRUISE] + 2.0 * p[JERK] + p[PUSH];
         let speed = |p: &Parameters| p[WAY].abs() / (2.0 * p[JERK] + p[PUSH] + p[CRUISE]);
@@ -132,9 +135,13 @@ impl Ramps {
         let observed = |figure: &dyn Fn(&Parameters) -> f64| {
             (figure(&fit.parameters), fit.deviation_of(figure))
         };
+        let time = |figure: &dyn Fn(&Parameters) -> f64| {
+            let (time_s, deviation_s) = observed(figure);
+            (time_s, deviation_s.hypot(figure(&free.parameters) - time_s))
+        };
         Self {
-            start_s: observed(&|p| p[MIDDLE] - half(p)),
-            end_s: observed(&|p| p[MIDDLE] + half(p)),
+            start_s: time(&|p| p[MIDDLE] - half(p)),
+            end_s: time(&|p| p[MIDDLE] + half(p)),
             speed: shows(CRUISE).then(|| observed(&speed)),
             acceleration: shows(PUSH).then(|| observed(&acceleration)),
             jerk: shows(JERK).then(|| observed(&|p| acceleration(p) / p[JERK])),
