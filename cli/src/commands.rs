@@ -3,6 +3,7 @@
 pub(crate) mod cabinet;
 pub(crate) mod drive;
 pub(crate) mod fk;
+pub(crate) mod identify;
 pub(crate) mod io;
 pub(crate) mod keygen;
 pub(crate) mod plan;
