@@ -2,6 +2,7 @@
 
 #![expect(
     clippy::unwrap_used,
+    clippy::panic,
     clippy::float_cmp,
     reason = "a failed test is a panic, and what is read back is what was written, bit by bit"
 )]
