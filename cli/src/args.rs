@@ -1,5 +1,6 @@
 //! The command line.
 
+mod compare;
 mod link;
 
 use std::{path::PathBuf, time::Duration};
@@ -7,6 +8,7 @@ use std::{path::PathBuf, time::Duration};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
+pub(crate) use compare::Compare;
 pub(crate) use link::{
     Cabinet, ClientKeys, Drive, DriveAddress, Io, IoAction, Keygen, Record, Run, Sensors,
     ServerKeys, Status, Stop,
@@ -31,6 +33,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Plan(Plan),
+    Compare(Compare),
     Run(Run),
     Record(Record),
     Status(Status),
