@@ -1,5 +1,6 @@
 //! The command line.
 
+mod compare;
 mod identify;
 mod link;
 
@@ -8,6 +9,7 @@ use std::{path::PathBuf, time::Duration};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
+pub(crate) use compare::Compare;
 pub(crate) use identify::Identify;
 pub(crate) use link::{
     Cabinet, ClientKeys, Drive, DriveAddress, Io, IoAction, Keygen, Record, Run, Sensors,
@@ -33,6 +35,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Plan(Plan),
+    Compare(Compare),
     Identify(Identify),
     Run(Run),
     Record(Record),

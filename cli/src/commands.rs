@@ -1,6 +1,7 @@
 //! One file a command.
 
 pub(crate) mod cabinet;
+pub(crate) mod compare;
 pub(crate) mod drive;
 pub(crate) mod fk;
 pub(crate) mod identify;

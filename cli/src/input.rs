@@ -62,14 +62,19 @@ pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<(Text, Program
     Ok((text, program, robot))
 }
 
-/// Reads what a robot did from any file that holds joint positions.
-pub(crate) fn recording(path: &Path) -> Result<JointLog, Failure> {
+/// Opens a file.
+pub(crate) fn open(path: &Path) -> Result<File, Failure> {
     let refuse = |error| Failure::input(format!("cannot read {}: {error}", path.display()));
     let file = File::open(path).map_err(refuse)?;
     if file.metadata().is_ok_and(|kind| kind.is_dir()) {
         return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
     }
-    JointLog::read(file)
+    Ok(file)
+}
+
+/// Reads what a robot did from any file that holds joint positions.
+pub(crate) fn recording(path: &Path) -> Result<JointLog, Failure> {
+    JointLog::read(open(path)?)
         .map_err(|error| Failure::input(format!("{}: {}", path.display(), chain(&error))))
 }
 

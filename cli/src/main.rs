@@ -28,6 +28,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
         Command::Plan(options) => commands::plan::run(&options),
+        Command::Compare(options) => commands::compare::run(&options),
         Command::Identify(options) => commands::identify::run(&options),
         Command::Fk(options) => commands::fk::run(&options),
         Command::Robot(options) => commands::robot::run(&options),

@@ -46,11 +46,10 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
     let (sources, model) = read(options)?;
     let recordings: Vec<_> =
         sources.iter().map(|Source { program, log, .. }| Recording { program, log }).collect();
-    let found = identify(&recordings, &model).map_err(|error| {
-        let names: Vec<_> = sources.iter().map(|source| source.name.as_str()).collect();
-        Failure::input(format!("{error} (recordings in order: {})", names.join(", ")))
-    })?;
-    let report = Report::new(&sources, &model, &found, target);
+    let found = identify(&recordings, &model)
+        .map_err(|error| Failure::input(format!("{}: {error}", sources[error.recording()].name)))?;
+    let name = options.name.as_deref().unwrap_or(model.name());
+    let report = Report::new(&sources, name, &found, target);
     if report.is_empty() {
         return Err(Failure::input(
             "the recordings show no limit, no time to settle and no blend: `iiwasim experiment` has \
@@ -58,7 +57,7 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
         ));
     }
     if let Some(target) = target {
-        let robot = found.robot(&model).with_name(options.name.as_deref().unwrap_or(model.name()));
+        let robot = found.robot(&model).with_name(name);
         let profile = format!("{}\n", robot.to_profile());
         // A name may be one that no profile can have.
         Robot::from_profile(&profile)
@@ -243,7 +242,7 @@ impl From<&BlendObservation> for BlendRow {
 }
 
 impl Report {
-    fn new(sources: &[Source], model: &Robot, found: &Identified, target: Option<&Path>) -> Self {
+    fn new(sources: &[Source], robot: &str, found: &Identified, target: Option<&Path>) -> Self {
         let degrees = |figures: &[Option<Estimate>; 7]| {
             figures.map(|figure| figure.map(|figure| figure.scaled(1_f64.to_degrees()).into()))
         };
@@ -269,7 +268,7 @@ impl Report {
             format!("{}, motion {}: {}", sources[left.recording].name, left.motion + 1, left.why)
         });
         Self {
-            robot: model.name().to_owned(),
+            robot: robot.to_owned(),
             recordings: sources.iter().map(|source| source.name.clone()).collect(),
             velocity_deg_s: degrees(&found.velocity_rad_s),
             acceleration_deg_s2: degrees(&found.acceleration_rad_s2),

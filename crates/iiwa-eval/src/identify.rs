@@ -48,7 +48,7 @@ pub struct Recording<'a> {
 #[non_exhaustive]
 pub enum IdentifyError {
     /// The program is none for this robot.
-    #[error("recording {}: its program cannot be planned: {fault}", .recording + 1)]
+    #[error("the program cannot be planned: {fault}")]
     Program {
         /// The recording, from 0.
         recording: usize,
@@ -57,9 +57,8 @@ pub enum IdentifyError {
     },
     /// The arm is never where the program begins.
     #[error(
-        "recording {}: the arm is never where its program starts; the nearest it comes is {:.2} deg \
-         away: is it another program's, another robot's, or in other units?",
-        .recording + 1,
+        "the arm is never where the program starts; the nearest it comes is {:.2} deg away: is it another \
+         program's recording, another robot's, or in other units?",
         .nearest_rad.to_degrees()
     )]
     NotThere {
@@ -69,11 +68,23 @@ pub enum IdentifyError {
         nearest_rad: f64,
     },
     /// It stands, or leaves the program, before it has done any of it.
-    #[error("recording {}: the arm does not do the first motion of its program", .recording + 1)]
+    #[error("the arm is where the program starts, but does not do its first motion")]
     NoMotion {
         /// The recording, from 0.
         recording: usize,
     },
+}
+
+impl IdentifyError {
+    /// Which recording it is about, from 0.
+    #[must_use]
+    pub fn recording(&self) -> usize {
+        match self {
+            Self::Program { recording, .. }
+            | Self::NotThere { recording, .. }
+            | Self::NoMotion { recording } => *recording,
+        }
+    }
 }
 
 /// What is known of a robot from recordings. Angles are in rad.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_log::{Entry, ReadError, Reader};
+use iiwa_log::{Entry, ReadError, Reader, Topic};
 use iiwa_traj::Trajectory;
 
 use super::curve::{Curve, Knot};
@@ -120,7 +120,8 @@ impl Plan {
         let mut knots: Vec<Knot> = Vec::new();
         let mut starts: Vec<(f64, usize, PieceKind)> = Vec::new();
         let mut metadata = BTreeMap::new();
-        for entry in Reader::new(stream) {
+        let topics = [Topic::JointTrajectory, Topic::Motion];
+        for entry in Reader::new(stream).only(&topics) {
             match entry? {
                 Entry::Trajectory { t_s, points } => {
                     // A part of a long trajectory begins with the last point of the part before.

@@ -22,6 +22,9 @@ const SHORTEST_S: f64 = 1e-4;
 /// A phase is there if leaving it out costs so many standard deviations.
 const SHOWN_DEVIATIONS: f64 = 5.0;
 
+/// It is, without looking, if its duration is so many times its standard deviation.
+const CLEAR_DEVIATIONS: f64 = 30.0;
+
 /// It shows a limit if it is at least this long, in s.
 const SHOWN_S: f64 = 2e-3;
 
@@ -112,6 +115,9 @@ impl Ramps {
         let mut best = free.clone();
         // What is not shown is taken to be absent, so that it does not blur the rest.
         for (phase, absent) in [(CRUISE, 0.0), (PUSH, 0.0), (JERK, SHORTEST_S)] {
+            if best.parameters[phase] > CLEAR_DEVIATIONS * best.deviation(phase) {
+                continue;
+            }
             let mut parameters = best.parameters;
             parameters[phase] = absent;
             held[phase] = true;
