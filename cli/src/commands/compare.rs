@@ -60,6 +60,21 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     gate(options, &report)
 }
 
+/// A number that is not -0 when it is printed.
+fn rounded(value: f64, digits: i32) -> f64 {
+    let scale = 10_f64.powi(digits);
+    (value * scale).round() / scale + 0.0
+}
+
+/// A number with its sign, but for 0.
+fn signed(value: f64, digits: u8) -> String {
+    let precision = usize::from(digits);
+    match rounded(value, i32::from(digits)) {
+        0.0 => format!("{:.precision$}", 0.0),
+        value => format!("{value:+.precision$}"),
+    }
+}
+
 /// Which gates are not met.
 fn gate(options: &Compare, report: &Report) -> Result<(), Failure> {
     let percent = report.cycle_time.error_percent;
@@ -248,26 +263,33 @@ impl Report {
         let head = ["motion", "type", "planned s", "real s", "error s", "error %"];
         let mut motions = table(&head);
         shortened(&mut motions, &self.motions, |table, row| {
-            let cell = |value: Option<f64>, digits: usize, sign: bool| match value {
-                None => Cell::new("?"),
-                Some(v) if sign => Cell::new(format!("{v:+.digits$}")),
-                Some(v) => Cell::new(format!("{v:.digits$}")),
+            // What the recording does not tell is a question; a share of no time is none.
+            let (real_s, error_s, percent) = match (row.real_s, row.error_s) {
+                (Some(real_s), Some(error_s)) => (
+                    format!("{:.3}", rounded(real_s, 3)),
+                    signed(error_s, 4),
+                    row.error_percent.map_or_else(String::new, |percent| signed(percent, 2)),
+                ),
+                _ => ("?".to_owned(), "?".to_owned(), "?".to_owned()),
             };
             table.add_row([
                 Cell::new(row.index),
                 Cell::new(row.r#type),
                 Cell::new(format!("{:.3}", row.planned_s)),
-                cell(row.real_s, 3, false),
-                cell(row.error_s, 4, true),
-                cell(row.error_percent, 2, true),
+                Cell::new(real_s),
+                Cell::new(error_s),
+                Cell::new(percent),
             ]);
         });
         let mut text = format!("{motions}\n\n");
         let cycle = &self.cycle_time;
         let _ = writeln!(
             text,
-            "Cycle time  {:.3} s simulated, {:.3} s real: off by {:+.4} s, {:+.2} %",
-            cycle.simulated_s, cycle.real_s, cycle.error_s, cycle.error_percent
+            "Cycle time  {:.3} s simulated, {:.3} s real: off by {} s, {} %",
+            cycle.simulated_s,
+            cycle.real_s,
+            signed(cycle.error_s, 4),
+            signed(cycle.error_percent, 2)
         );
         let _ = writeln!(
             text,
@@ -299,7 +321,11 @@ impl Report {
         let _ = writeln!(
             text,
             "Recording   {} samples in motion from {:.3} s to {:.3} s, {:.0} Hz, noise {:.1e} rad",
-            self.samples, self.departure_s, self.arrival_s, self.rate_hz, self.noise_rad
+            self.samples,
+            rounded(self.departure_s, 3),
+            self.arrival_s,
+            self.rate_hz,
+            self.noise_rad
         );
         if let Some(again_s) = self.again_s {
             let _ = writeln!(
