@@ -1,6 +1,8 @@
 //! The command line.
 
+mod compare;
 mod experiment;
+mod identify;
 mod link;
 
 use std::{path::PathBuf, time::Duration};
@@ -8,7 +10,9 @@ use std::{path::PathBuf, time::Duration};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
+pub(crate) use compare::Compare;
 pub(crate) use experiment::{Experiment, ExperimentName};
+pub(crate) use identify::Identify;
 pub(crate) use link::{
     Cabinet, ClientKeys, Drive, DriveAddress, Io, IoAction, Keygen, Record, Run, Sensors,
     ServerKeys, Status, Stop,
@@ -33,6 +37,8 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Plan(Plan),
+    Compare(Compare),
+    Identify(Identify),
     Run(Run),
     Record(Record),
     Status(Status),

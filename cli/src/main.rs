@@ -31,6 +31,8 @@ fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Plan(options) => commands::plan::run(&options),
         Command::Experiment(options) => commands::experiment::run(&options),
+        Command::Compare(options) => commands::compare::run(&options),
+        Command::Identify(options) => commands::identify::run(&options),
         Command::Fk(options) => commands::fk::run(&options),
         Command::Robot(options) => commands::robot::run(&options),
         Command::Schema(options) => commands::schema::run(&options),

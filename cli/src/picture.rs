@@ -1,120 +1,158 @@
-//! A picture of a plan: the path of the flange, and the joints' speeds over time.
+//! Pictures: what those of plans and of comparisons share.
 
-pub(crate) mod canvas;
+mod comparison;
+mod plan;
 pub(crate) mod plot;
 
-use iiwa_kin::Robot;
-use iiwa_traj::{PieceKind, Stretch};
-use plotters::prelude::{
-    ChartBuilder, Circle, Color, LineSeries, PathElement, Rectangle, SeriesLabelPosition, WHITE,
+use plotters::{
+    chart::ChartContext,
+    coord::{Shift, cartesian::Cartesian2d, types::RangedCoordf64},
+    prelude::{
+        ChartBuilder, Color, DrawingArea, IntoDrawingArea, RGBColor, SVGBackend,
+        SeriesLabelPosition, WHITE,
+    },
 };
 
 use crate::failure::Failure;
-use canvas::{Area, COLOURS, DASH, DOT, Drawn, FINE, INK, SHADE, font, legend, shade, svg};
+
+pub(crate) use comparison::draw as draw_comparison;
+pub(crate) use plan::Picture;
+
+/// Colours that the colour-blind can tell apart (Okabe and Ito), one a joint.
+pub(crate) const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(230, 159, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(213, 94, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(204, 121, 167),
+    RGBColor(90, 90, 90),
+];
+
+pub(crate) const INK: RGBColor = RGBColor(60, 60, 60);
+const SHADE: RGBColor = RGBColor(225, 232, 240);
+
+/// What is planned or calculated, and what was measured: blue and red, as in the thesis (Larsen 2019,
+/// Fig. 22).
+pub(crate) const PLANNED: RGBColor = RGBColor(0, 114, 178);
+pub(crate) const MEASURED: RGBColor = RGBColor(205, 30, 30);
+
+/// From slow to fast.
+const SLOW: RGBColor = RGBColor(68, 1, 84);
+const MIDDLE: RGBColor = RGBColor(33, 145, 140);
+const FAST: RGBColor = RGBColor(245, 190, 20);
 
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 900;
 
-/// Samples that a picture can show; a longer program is thinned out.
-const SAMPLES: usize = 20_000;
+/// The backend draws in whole units: it gets a larger canvas, which the picture then shows small.
+const FINE: u32 = 4;
 
-/// What a picture is drawn from.
-pub(crate) struct Picture {
-    robot: Robot,
-    step_s: f64,
-    next_s: f64,
-    samples: Vec<Sample>,
-    blends: Vec<Blend>,
-}
+/// Length of a line in a legend.
+const DASH: i32 = 72;
 
-#[derive(Clone, Copy)]
-struct Sample {
-    t_s: f64,
-    tcp_mm: [f64; 3],
-    /// Share of each joint's speed limit.
-    speed: [f64; 7],
-}
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-struct Blend {
-    start_s: f64,
-    end_s: f64,
-    ends_mm: [[f64; 3]; 2],
-}
-
-impl Picture {
-    pub(crate) fn new(robot: &Robot) -> Self {
-        Self {
-            robot: robot.clone(),
-            step_s: 0.004,
-            next_s: 0.0,
-            samples: Vec::new(),
-            blends: Vec::new(),
-        }
+/// A picture of so many pixels as SVG.
+fn svg(
+    [width, height]: [u32; 2],
+    draw: impl FnOnce(&Area<'_>) -> Drawn,
+) -> Result<String, Failure> {
+    let mut svg = String::new();
+    {
+        let root =
+            SVGBackend::with_string(&mut svg, (FINE * width, FINE * height)).into_drawing_area();
+        let failed = |error: &dyn std::error::Error| Failure::run("cannot draw the picture", error);
+        root.fill(&WHITE).map_err(|error| failed(&error))?;
+        draw(&root).map_err(|error| failed(&*error))?;
+        root.present().map_err(|error| failed(&error))?;
     }
+    let size = |factor: u32| format!("width=\"{}\" height=\"{}\"", factor * width, factor * height);
+    Ok(svg.replacen(&size(FINE), &size(1), 1))
+}
 
-    /// Takes in a stretch.
-    pub(crate) fn add(&mut self, stretch: &Stretch) {
-        while self.next_s <= stretch.end_s() {
-            let state = stretch.at(self.next_s);
-            let limits = &self.robot.limits().velocity_rad_s;
-            self.samples.push(Sample {
-                t_s: state.t_s,
-                tcp_mm: self.robot.tcp_position(&state.q).map(|v| 1e3 * v),
-                speed: std::array::from_fn(|j| state.dq[j] / limits[j]),
-            });
-            self.next_s += self.step_s;
-            if self.samples.len() >= SAMPLES {
-                let mut keep = [true, false].into_iter().cycle();
-                self.samples.retain(|_| keep.next().unwrap_or(true));
-                self.step_s *= 2.0;
+fn font() -> (&'static str, u32) {
+    ("sans-serif", 15 * FINE)
+}
+
+fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> Drawn {
+    chart
+        .configure_series_labels()
+        .position(position)
+        .legend_area_size(30 * FINE)
+        .margin(8 * FINE)
+        .background_style(WHITE.mix(0.85))
+        .border_style(SHADE.stroke_width(FINE))
+        .label_font(font())
+        .draw()?;
+    Ok(())
+}
+
+/// The colour of a share of the speed limit.
+pub(crate) fn shade(share: f64) -> RGBColor {
+    let mix = |from: RGBColor, to: RGBColor, share: f64| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 255")]
+        let part = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))) as u8;
+        RGBColor(part(from.0, to.0), part(from.1, to.1), part(from.2, to.2))
+    };
+    let share = share.clamp(0.0, 1.0);
+    if share < 0.5 { mix(SLOW, MIDDLE, 2.0 * share) } else { mix(MIDDLE, FAST, 2.0 * share - 1.0) }
+}
+
+/// The space that points in mm take.
+struct Space {
+    ranges: [(f64, f64); 3],
+}
+
+impl Space {
+    fn of(points: impl Iterator<Item = [f64; 3]>) -> Self {
+        let mut ranges = [(f64::MAX, f64::MIN); 3];
+        for point in points {
+            for (range, v) in ranges.iter_mut().zip(point) {
+                *range = (range.0.min(v), range.1.max(v));
             }
         }
-        let tcp = |t_s| self.robot.tcp_position(&stretch.at(t_s).q).map(|v| 1e3 * v);
-        for piece in stretch.pieces().iter().filter(|piece| piece.kind == PieceKind::Blend) {
-            let (start_s, end_s) = (piece.start_s, piece.end_s);
-            self.blends.push(Blend { start_s, end_s, ends_mm: [tcp(start_s), tcp(end_s)] });
-        }
+        Self { ranges }
     }
 
-    /// The picture as SVG.
-    pub(crate) fn draw(&self) -> Result<String, Failure> {
-        svg(WIDTH, HEIGHT, |root| {
-            let (top, bottom) = root.split_vertically(FINE * HEIGHT * 3 / 5);
-            self.draw_path(&top)?;
-            self.draw_speeds(&bottom)
-        })
+    fn extent(&self, axis: usize) -> f64 {
+        self.ranges[axis].1 - self.ranges[axis].0
     }
 
-    /// The flange's path in the plane that shows most of it, with the same scale on both axes.
-    fn draw_path(&self, area: &Area<'_>) -> Drawn {
-        let range = |axis: usize| {
-            let values = self.samples.iter().map(|sample| sample.tcp_mm[axis]);
-            values.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
-        };
-        let ranges = [range(0), range(1), range(2)];
-        let extent = |axis: usize| ranges[axis].1 - ranges[axis].0;
-        let flat = (0..3).rev().min_by(|a, b| extent(*a).total_cmp(&extent(*b))).unwrap_or(1);
-        let (across, up) = [(1, 2), (0, 2), (0, 1)][flat];
-        let names = ["x", "y", "z"];
+    /// The planes (across and up), the one that shows most first.
+    fn planes(&self) -> [(usize, usize); 3] {
+        let mut seen_along = [2, 1, 0];
+        seen_along.sort_by(|a, b| self.extent(*a).total_cmp(&self.extent(*b)));
+        seen_along.map(|axis| [(1, 2), (0, 2), (0, 1)][axis])
+    }
 
+    /// A chart of a plane in mm, with the same scale on both axes.
+    fn chart<'a>(
+        &self,
+        area: &Area<'a>,
+        caption: &str,
+        (across, up): (usize, usize),
+    ) -> Result<Chart<'a>, Box<dyn std::error::Error>> {
         let (width, height) = area.dim_in_pixel();
         let frame = f64::from(FINE) * 110.0;
         let plot = (f64::from(width) - frame, f64::from(height) - frame);
-        let scale =
-            (extent(across) / plot.0).max(extent(up) / plot.1).max(0.05 / f64::from(FINE)) * 1.1;
+        let scale = (self.extent(across) / plot.0)
+            .max(self.extent(up) / plot.1)
+            .max(0.05 / f64::from(FINE))
+            * 1.1;
         let axis = |axis: usize, pixels: f64| {
-            let middle = 0.5 * (ranges[axis].0 + ranges[axis].1);
+            let middle = 0.5 * (self.ranges[axis].0 + self.ranges[axis].1);
             middle - 0.5 * scale * pixels..middle + 0.5 * scale * pixels
         };
         let mut chart = ChartBuilder::on(area)
-            .caption(
-                "Path of the flange, coloured by the fastest joint's share of its limit",
-                font(),
-            )
+            .caption(caption, font())
             .margin(14 * FINE)
             .x_label_area_size(44 * FINE)
             .y_label_area_size(62 * FINE)
             .build_cartesian_2d(axis(across, plot.0), axis(up, plot.1))?;
+        let names = ["x", "y", "z"];
         chart
             .configure_mesh()
             .light_line_style(WHITE)
@@ -126,88 +164,6 @@ impl Picture {
             .x_desc(format!("{} in mm", names[across]))
             .y_desc(format!("{} in mm", names[up]))
             .draw()?;
-        let point = |mm: [f64; 3]| (mm[across], mm[up]);
-        for blend in &self.blends {
-            for end in blend.ends_mm {
-                chart.draw_series([Circle::new(point(end), DOT, INK.stroke_width(FINE))])?;
-            }
-        }
-        let mut from = 0;
-        for run in self.samples.chunk_by(|a, b| tone(a) == tone(b)) {
-            // Each run of one colour reaches to the first point of the next.
-            let to = (from + run.len()).min(self.samples.len() - 1);
-            let line: Vec<_> = self.samples[from..=to].iter().map(|s| point(s.tcp_mm)).collect();
-            let colour = shade(f64::from(tone(&run[0])) / f64::from(TONES));
-            chart.draw_series([PathElement::new(line, colour.stroke_width(3 * FINE))])?;
-            from = to;
-        }
-        for share in 0..=4 {
-            let share = f64::from(share) / 4.0;
-            chart
-                .draw_series(LineSeries::new([], shade(share).stroke_width(4 * FINE)))?
-                .label(format!("{:.0} %", 100.0 * share))
-                .legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + DASH, y)], shade(share).stroke_width(4 * FINE))
-                });
-        }
-        if !self.blends.is_empty() {
-            chart
-                .draw_series([Circle::new(
-                    point(self.blends[0].ends_mm[0]),
-                    DOT,
-                    INK.stroke_width(FINE),
-                )])?
-                .label("start and end of blends")
-                .legend(|(x, y)| Circle::new((x + DASH / 2, y), DOT, INK.stroke_width(FINE)));
-        }
-        legend(&mut chart, SeriesLabelPosition::UpperRight)
+        Ok(chart)
     }
-
-    /// The joints' speeds; blends are shaded.
-    fn draw_speeds(&self, area: &Area<'_>) -> Drawn {
-        let end = self.samples.last().map_or(1.0, |sample| sample.t_s).max(1e-3);
-        let mut chart = ChartBuilder::on(area)
-            .caption("Joint speeds in % of their limits, blends shaded", font())
-            .margin(14 * FINE)
-            .x_label_area_size(44 * FINE)
-            .y_label_area_size(62 * FINE)
-            .build_cartesian_2d(0.0..end, -105.0..105.0)?;
-        chart.draw_series(self.blends.iter().map(|blend| {
-            Rectangle::new([(blend.start_s, -105.0), (blend.end_s, 105.0)], SHADE.filled())
-        }))?;
-        chart
-            .configure_mesh()
-            .light_line_style(WHITE.mix(0.0))
-            .bold_line_style(SHADE.stroke_width(FINE))
-            .axis_style(INK.stroke_width(FINE))
-            .label_style(font())
-            .y_label_formatter(&|v| format!("{v:.0}"))
-            .x_desc("time in s")
-            .y_desc("speed in %")
-            .draw()?;
-        for (joint, colour) in COLOURS.iter().enumerate() {
-            if self.samples.iter().all(|sample| sample.speed[joint] == 0.0) {
-                continue;
-            }
-            let points = self.samples.iter().map(|s| (s.t_s, 100.0 * s.speed[joint]));
-            chart
-                .draw_series(LineSeries::new(points, colour.stroke_width(2 * FINE)))?
-                .label(format!("A{}", joint + 1))
-                .legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + DASH, y)], colour.stroke_width(2 * FINE))
-                });
-        }
-        legend(&mut chart, SeriesLabelPosition::UpperRight)
-    }
-}
-
-/// Steps of colour from standstill to full speed.
-const TONES: u8 = 40;
-
-/// The fastest joint's share of its limit, in steps of colour.
-fn tone(sample: &Sample) -> u8 {
-    let fastest = sample.speed.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to TONES")]
-    let tone = (fastest.min(1.0) * f64::from(TONES)).round() as u8;
-    tone
 }

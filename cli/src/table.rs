@@ -25,19 +25,23 @@ pub(crate) fn table(head: &[&str]) -> Table {
     table
 }
 
+/// Adds a row for each motion; of a long program, for the first and the last ones.
+pub(crate) fn shortened<T>(table: &mut Table, rows: &[T], mut add: impl FnMut(&mut Table, &T)) {
+    let hidden = rows.len().saturating_sub(2 * SHOWN);
+    for (index, row) in rows.iter().enumerate() {
+        if hidden == 0 || index < SHOWN || index >= rows.len() - SHOWN {
+            add(table, row);
+        } else if index == SHOWN {
+            table.add_row(["...".to_owned(), format!("{hidden} more, see --json")]);
+        }
+    }
+}
+
 /// The figures of a plan, for people.
 pub(crate) fn figures(figures: &Figures) -> String {
     let head = ["motion", "type", "start s", "end s", "duration s", "top speed %", "limited by"];
     let mut table = table(&head);
-    let motions = &figures.motions;
-    if motions.len() <= 2 * SHOWN {
-        add(&mut table, motions);
-    } else {
-        add(&mut table, &motions[..SHOWN]);
-        let hidden = motions.len() - 2 * SHOWN;
-        table.add_row(["...".to_owned(), format!("{hidden} more, see --json")]);
-        add(&mut table, &motions[motions.len() - SHOWN..]);
-    }
+    shortened(&mut table, &figures.motions, add);
     let mut text = format!("{table}\n\n");
     let Figures { cycle_time_s, motion_time_s, settle_time_s, wait_time_s, .. } = figures;
     let _ = writeln!(
@@ -75,19 +79,17 @@ fn limits(first: &LimitRow, all: &[LimitShareRow]) -> String {
     if shown.is_empty() { name(first) } else { shown.join(", ") }
 }
 
-fn add(table: &mut Table, rows: &[MotionRow]) {
-    for row in rows {
-        let limit = row.limited_by.as_ref();
-        let limited_by = limit.map(|limit| limits(limit, &row.limits));
-        let speed = limit.map(|_| format!("{:.1}", 100.0 * row.peak_velocity_rel));
-        table.add_row([
-            Cell::new(row.index),
-            Cell::new(row.r#type),
-            Cell::new(format!("{:.3}", row.start_s)),
-            Cell::new(format!("{:.3}", row.end_s)),
-            Cell::new(format!("{:.3}", row.end_s - row.start_s)),
-            Cell::new(speed.unwrap_or_default()),
-            Cell::new(limited_by.unwrap_or_default()),
-        ]);
-    }
+fn add(table: &mut Table, row: &MotionRow) {
+    let limit = row.limited_by.as_ref();
+    let limited_by = limit.map(|limit| limits(limit, &row.limits));
+    let speed = limit.map(|_| format!("{:.1}", 100.0 * row.peak_velocity_rel));
+    table.add_row([
+        Cell::new(row.index),
+        Cell::new(row.r#type),
+        Cell::new(format!("{:.3}", row.start_s)),
+        Cell::new(format!("{:.3}", row.end_s)),
+        Cell::new(format!("{:.3}", row.end_s - row.start_s)),
+        Cell::new(speed.unwrap_or_default()),
+        Cell::new(limited_by.unwrap_or_default()),
+    ]);
 }

@@ -71,7 +71,8 @@ fn zone_velocity_writes_what_it_says() {
 #[test]
 fn limits_are_those_of_the_virtual_robot() {
     let folder = tempdir().unwrap();
-    let profile = r#"{ "version": 1, "acceleration_limit_deg_s2": [400, 490, 500, 650, 700, 900, 900] }"#;
+    let profile =
+        r#"{ "version": 1, "acceleration_limit_deg_s2": [400, 490, 500, 650, 700, 900, 900] }"#;
     fs::write(folder.path().join("weak.json"), profile).unwrap();
     let options = ["--count", "2", "--virtual-robot", "weak.json", "--noise", "0", "-o", "out"];
     iiwasim(&folder, &[&["experiment", "limits", "--simulate"], &options[..]].concat()).success();

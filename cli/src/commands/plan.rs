@@ -158,9 +158,6 @@ fn file_name(program: &FilePath) -> PathBuf {
 
 /// Refuses to write over what is read, or one file twice.
 fn distinct(options: &Plan, program: &FilePath, target: Option<&FilePath>) -> Result<(), Failure> {
-    let same = |a: &FilePath, b: &FilePath| {
-        a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
-    };
     let robot = options.robot.as_deref().map(FilePath::new);
     let read = [("program", Some(program)), ("robot", robot)];
     let written = [("trajectory", target), ("picture", options.picture.as_deref())];
@@ -168,7 +165,7 @@ fn distinct(options: &Plan, program: &FilePath, target: Option<&FilePath>) -> Re
         let others = read.iter().chain(written.iter().filter(|(other, _)| *other < what));
         for (other, its) in others {
             if let (Some(path), Some(its)) = (path, its)
-                && same(path, its)
+                && output::same_file(path, its)
             {
                 return Err(Failure::input(format!(
                     "the {what} would be written over the {other}, {}; name another file with {}",

@@ -9,8 +9,8 @@ use crate::{
     experiment::{Bench, Chapter, Run, identified, left_out, path},
     failure::Failure,
     picture::{
-        canvas::{COLOURS, INK},
-        plot::{CALCULATED, MEASURED, Plot, Point, draw},
+        COLOURS, INK, MEASURED, PLANNED,
+        plot::{Plot, Point, draw},
     },
 };
 
@@ -125,13 +125,13 @@ fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(),
     let (low, high): (Vec<Point>, Vec<Point>) = (zero(-1.0), zero(1.0));
     let plots = [
         Plot::new("kappa over gamma", "gamma deg", "kappa")
-            .line(model, CALCULATED, 4.0, "the model: Eq. 38")
+            .line(model, PLANNED, 4.0, "the model: Eq. 38")
             .line(at(0.0), COLOURS[1], 1.5, "polynomial found")
             .dots(observed, MEASURED, "observed")
             .legend_at(SeriesLabelPosition::UpperLeft),
         Plot::new("the same minus the model's", "gamma deg", "kappa minus Eq. 38")
             .band(&low, &high, COLOURS[1], "polynomial found, 95 %")
-            .line(angles().map(|gamma| (gamma, 0.0)).collect(), CALCULATED, 1.0, "")
+            .line(angles().map(|gamma| (gamma, 0.0)).collect(), PLANNED, 1.0, "")
             .dots(off, MEASURED, "observed"),
     ];
     chapter.figure(
@@ -271,7 +271,7 @@ fn overview(corners: &[Corner], calculated: Vec<Vec<Point>>) -> Result<String, F
     let plot = |caption: &str, [red, blue]: [&str; 2]| {
         Plot::new(caption, "joint 2, deg", "joint 4, deg")
             .lines(measured.clone(), MEASURED, 3.0, red)
-            .lines(calculated.clone(), CALCULATED, 1.0, blue)
+            .lines(calculated.clone(), PLANNED, 1.0, blue)
             .equal_scale()
             .legend_at(SeriesLabelPosition::UpperLeft)
     };
@@ -314,9 +314,9 @@ fn effect(corner: &Corner) -> Result<String, Failure> {
         .collect();
     for (line, kappa) in lines.iter().zip(KAPPAS) {
         let middle = line[line.len() / 2];
-        plot = plot.note((middle.0 + 0.01 * side, middle.1), format!("kappa {kappa}"));
+        plot = plot.note((middle.0 + 0.01 * side, middle.1), kappa.to_string());
     }
-    let plot = plot.lines(lines, CALCULATED, 1.0, "by Eq. 25").circles(
+    let plot = plot.lines(lines, PLANNED, 1.0, "by Eq. 26, with its k beside").circles(
         vec![in_plane(&corner.target_rad)],
         INK,
         "point that is blended away",

@@ -12,7 +12,10 @@ use iiwa_traj::{Timing, Trajectory};
 use crate::{
     experiment::{Bench, Chapter, Run, identified, left_out, plan, spread},
     failure::Failure,
-    picture::plot::{CALCULATED, MEASURED, Plot, Point, draw},
+    picture::{
+        MEASURED, PLANNED,
+        plot::{Plot, Point, draw},
+    },
 };
 
 /// Means and standard deviations of Table 4, in deg/s^2, and Table 5, in deg/s^3.
@@ -45,7 +48,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
     ));
     let kinds: [(&str, &str, fn(&LineObservation) -> Option<f64>, usize); 2] = [
         ("Table 4: acceleration", "deg/s^2", |line| line.acceleration_rad_s2, 2),
-        ("Table 5: jerk", "deg/s^3", |line| Some(line.jerk_rad_s3), 2),
+        ("Table 5: jerk", "deg/s^3", |line| line.jerk_rad_s3, 2),
     ];
     for ((title, unit, of, places), thesis) in kinds.into_iter().zip(THESIS) {
         chapter.heading(&format!("{title}, {unit}"));
@@ -95,7 +98,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
              trapezoid of acceleration, which rises and falls along pulses of jerk.",
             deg(line.speed_rad_s),
             deg(line.acceleration_rad_s2),
-            deg(Some(line.jerk_rad_s3))
+            deg(line.jerk_rad_s3)
         ));
     }
     Ok(chapter)
@@ -194,7 +197,7 @@ fn figure(bench: &Bench, run: &Run, line: &LineObservation) -> Result<String, Fa
             let label = |label: &'static str| if i == 0 { label } else { "" };
             Plot::new(axis.split(' ').next().unwrap_or(axis), "time s", axis)
                 .line(measured, MEASURED, 3.0, label("measured"))
-                .line(calculated, CALCULATED, 1.0, label("model"))
+                .line(calculated, PLANNED, 1.0, label("model"))
                 .legend_at(plotters::prelude::SeriesLabelPosition::LowerRight)
         })
         .collect();

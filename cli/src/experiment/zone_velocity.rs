@@ -12,8 +12,9 @@ use crate::{
     experiment::{Bench, Chapter, Run, path},
     failure::Failure,
     picture::{
-        canvas::{INK, shade},
+        INK,
         plot::{Plot, Point, draw},
+        shade,
     },
 };
 

@@ -8,12 +8,11 @@ use plotters::prelude::{
 
 use crate::{
     failure::Failure,
-    picture::canvas::{Area, DASH, DOT, Drawn, FINE, INK, SHADE, font, legend, svg},
+    picture::{Area, DASH, Drawn, FINE, INK, SHADE, font, legend, svg},
 };
 
-/// What is calculated is blue, what was measured is red, as in the thesis.
-pub(crate) const CALCULATED: RGBColor = RGBColor(0, 90, 200);
-pub(crate) const MEASURED: RGBColor = RGBColor(220, 50, 32);
+/// Radius of a circle.
+const DOT: i32 = 20;
 
 pub(crate) type Point = (f64, f64);
 
@@ -254,7 +253,7 @@ pub(crate) fn draw(
     height: u32,
 ) -> Result<String, Failure> {
     let rows = plots.len().div_ceil(columns.max(1));
-    svg(width, height, |root| {
+    svg([width, height], |root| {
         for (area, plot) in root.split_evenly((rows, columns)).iter().zip(plots) {
             plot.draw(area)?;
         }

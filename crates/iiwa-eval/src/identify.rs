@@ -17,6 +17,8 @@ mod limits;
 mod ramps;
 mod stops;
 
+use std::f64::consts::SQRT_2;
+
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
 use iiwa_path::{Blend, BlendSearch, Fault, Motion, Path, Program, Step};
@@ -46,7 +48,7 @@ pub struct Recording<'a> {
 #[non_exhaustive]
 pub enum IdentifyError {
     /// The program is none for this robot.
-    #[error("recording {}: its program cannot be planned: {fault}", .recording + 1)]
+    #[error("the program cannot be planned: {fault}")]
     Program {
         /// The recording, from 0.
         recording: usize,
@@ -55,9 +57,8 @@ pub enum IdentifyError {
     },
     /// The arm is never where the program begins.
     #[error(
-        "recording {}: the arm is never where its program starts; the nearest it comes is {:.2} deg \
-         away: is it another program's, another robot's, or in other units?",
-        .recording + 1,
+        "the arm is never where the program starts; the nearest it comes is {:.2} deg away: is it another \
+         program's recording, another robot's, or in other units?",
         .nearest_rad.to_degrees()
     )]
     NotThere {
@@ -67,11 +68,23 @@ pub enum IdentifyError {
         nearest_rad: f64,
     },
     /// It stands, or leaves the program, before it has done any of it.
-    #[error("recording {}: the arm does not do the first motion of its program", .recording + 1)]
+    #[error("the arm is where the program starts, but does not do its first motion")]
     NoMotion {
         /// The recording, from 0.
         recording: usize,
     },
+}
+
+impl IdentifyError {
+    /// Which recording it is about, from 0.
+    #[must_use]
+    pub fn recording(&self) -> usize {
+        match self {
+            Self::Program { recording, .. }
+            | Self::NotThere { recording, .. }
+            | Self::NoMotion { recording } => *recording,
+        }
+    }
 }
 
 /// What is known of a robot from recordings. Angles are in rad.
@@ -158,8 +171,8 @@ pub struct LineObservation {
     pub speed_rad_s: Option<f64>,
     /// Acceleration along the way, in rad/s^2, if it was kept for a time.
     pub acceleration_rad_s2: Option<f64>,
-    /// Jerk along the way, in rad/s^3.
-    pub jerk_rad_s3: f64,
+    /// Jerk along the way, in rad/s^3, if it shows.
+    pub jerk_rad_s3: Option<f64>,
     /// Root mean square of what the seven phases leave over, in rad.
     pub residual_rad: f64,
 }
@@ -236,6 +249,9 @@ const TOLERANCES: [f64; 3] = [0.005, 0.02, 0.1];
 const LEFT_RAD: f64 = 1e-3;
 const LEFT_SHARE: f64 = 0.01;
 
+/// No mean time is taken to be known better than to this share of the time between samples.
+const TIME_SHARE: f64 = 0.01;
+
 /// kappa is fitted if the angles differ by so much, in degrees.
 const SPREAD_DEG: f64 = 45.0;
 
@@ -253,17 +269,28 @@ pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identifie
     for (recording, Recording { program, log }) in recordings.iter().enumerate() {
         let path = Path::new(program, model)
             .map_err(|fault| IdentifyError::Program { recording, fault })?;
-        let Some(Followed { passages, lost_in }) = stops::follow(&path, log) else {
+        let Some(mut followed) = stops::follow(&path, log, 0) else {
             let from_start = log.q_rad.iter().map(|q| distance(q, path.start_rad()));
             let nearest_rad = from_start.fold(f64::INFINITY, f64::min);
             return Err(IdentifyError::NotThere { recording, nearest_rad });
         };
-        if passages.is_empty() {
+        if followed.passages.is_empty() {
             return Err(IdentifyError::NoMotion { recording });
         }
-        Observer { recording, program, path: &path, log, found: &mut found }.observe(&passages);
-        if let Some(motion) = lost_in {
-            found.known.left_out.push(LeftOut { recording, motion, why: Why::NotFollowed });
+        found.period_s = found.period_s.max(log.period_s().unwrap_or_default());
+        // The program may have been run again and again.
+        loop {
+            let Followed { passages, lost_in } = &followed;
+            Observer { recording, program, path: &path, log, found: &mut found }.observe(passages);
+            if let Some(motion) = *lost_in {
+                found.known.left_out.push(LeftOut { recording, motion, why: Why::NotFollowed });
+                break;
+            }
+            let from = passages.last().map_or(log.q_rad.len(), |last| last.arrives);
+            match stops::follow(&path, log, from) {
+                Some(again) if !again.passages.is_empty() => followed = again,
+                _ => break,
+            }
         }
     }
     Ok(found.conclude(model))
@@ -276,6 +303,8 @@ struct Findings {
     bounds: [Vec<Bound>; 3],
     settles: Vec<Observed>,
     unequal: Vec<Observed>,
+    /// The longest time between samples of a recording, in s.
+    period_s: f64,
 }
 
 impl Findings {
@@ -286,7 +315,7 @@ impl Findings {
             velocity_rad_s: limits::estimate(speed, TOLERANCES[0]),
             acceleration_rad_s2: limits::estimate(acceleration, TOLERANCES[1]),
             jerk_rad_s3: limits::estimate(jerk, TOLERANCES[2]),
-            settle: settle(&self.settles),
+            settle: settle(&self.settles, self.period_s),
             kappa,
             unequal_share: Estimate::mean(&self.unequal),
             ..self.known
@@ -294,8 +323,9 @@ impl Findings {
     }
 }
 
-fn settle(observations: &[Observed]) -> Option<Settle> {
-    let mean_s = Estimate::mean(observations)?;
+fn settle(observations: &[Observed], period_s: f64) -> Option<Settle> {
+    let mut mean_s = Estimate::mean(observations)?;
+    mean_s.uncertainty = mean_s.uncertainty.hypot(TIME_SHARE * period_s);
     let count = observations.len() as f64;
     let mean = observations.iter().map(|(seconds, _)| seconds).sum::<f64>() / count;
     let squares: f64 = observations.iter().map(|(seconds, _)| (seconds - mean).powi(2)).sum();
@@ -341,19 +371,21 @@ impl Observer<'_> {
     fn observe(&mut self, passages: &[Passage]) {
         let mut before: Option<(Ramps, &Passage)> = None;
         for passage in passages {
-            let ramps = match &self.path.steps()[passage.steps.clone()] {
-                [Step::Move { motion, blend: None, .. }] => self.observe_line(*motion, passage),
-                _ => {
-                    self.observe_blends(passage);
-                    None
-                }
+            let steps = &self.path.steps()[passage.steps.clone()];
+            let ramps = if let [Step::Move { motion, blend: None, .. }] = steps {
+                self.observe_line(*motion, passage)
+            } else {
+                self.observe_blends(passage);
+                None
             };
             if let (Some((last, stop)), Some(next)) = (before, ramps)
                 && stop.settles > 0
             {
                 let count = f64::from(stop.settles);
                 let stood_s = next.start_s.0 - last.end_s.0 - stop.waits_s;
-                let deviation_s = next.start_s.1.hypot(last.end_s.1);
+                // Ramps that are found too long make the stops at both ends of their motion too short:
+                // each error counts in two of them.
+                let deviation_s = SQRT_2 * next.start_s.1.hypot(last.end_s.1);
                 self.found.settles.push((stood_s / count, deviation_s / count));
             }
             before = ramps.map(|ramps| (ramps, passage));
@@ -394,11 +426,11 @@ impl Observer<'_> {
         };
         let Motion::Ptp(ptp) = &self.program.motions[motion] else { return None };
         let shares = [&ptp.velocity_rel, &ptp.acceleration_rel, &ptp.jerk_rel];
-        let figures = [ramps.speed, ramps.acceleration, Some(ramps.jerk)];
+        let figures = [ramps.speed, ramps.acceleration, ramps.jerk];
         for ((bounds, along), shares) in self.found.bounds.iter_mut().zip(figures).zip(shares) {
             bounds.extend(along.map(|along| Bound::new(along, &direction, shares)));
         }
-        let mut moving = (0..7).filter(|&j| way[j] != 0.0);
+        let mut moving = (0..7).filter(|&j| direction[j].abs() > limits::ROUNDING);
         self.found.known.lines.push(LineObservation {
             recording: self.recording,
             motion,
@@ -408,7 +440,7 @@ impl Observer<'_> {
             time_s: [ramps.start_s.0, ramps.end_s.0],
             speed_rad_s: ramps.speed.map(|(speed, _)| speed),
             acceleration_rad_s2: ramps.acceleration.map(|(acceleration, _)| acceleration),
-            jerk_rad_s3: ramps.jerk.0,
+            jerk_rad_s3: ramps.jerk.map(|(jerk, _)| jerk),
             residual_rad: ramps.residual,
         });
         Some(ramps)

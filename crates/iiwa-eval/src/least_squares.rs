@@ -21,6 +21,8 @@ pub(crate) struct Fit<const N: usize> {
     pub(crate) parameters: [f64; N],
     /// Covariance of the parameters, by the scatter of the residuals; zero for those held.
     pub(crate) covariance: SMatrix<f64, N, N>,
+    /// Sum of the squares of the residuals.
+    pub(crate) squares: f64,
     /// Root mean square of the residuals.
     pub(crate) residual: f64,
 }
@@ -84,7 +86,44 @@ impl<const N: usize> Sums<N> {
     }
 }
 
+impl<const N: usize> Sums<N> {
+    /// The damped step to the least squares. Parameters that it would take beyond their bounds go just
+    /// there, and the others make the best of it.
+    fn step(&self, at: &[f64; N], least: &[f64; N], damping: f64) -> Option<SVector<f64, N>> {
+        let mut bound: [Option<f64>; N] = [None; N];
+        loop {
+            let mut normal = self.normal;
+            let mut gradient = self.gradient;
+            for i in 0..N {
+                normal[(i, i)] *= 1.0 + damping;
+            }
+            for i in 0..N {
+                if let Some(step) = bound[i] {
+                    gradient.axpy(-step, &normal.column(i).into_owned(), 1.0);
+                }
+            }
+            for i in 0..N {
+                if let Some(step) = bound[i] {
+                    normal.row_mut(i).fill(0.0);
+                    normal.column_mut(i).fill(0.0);
+                    normal[(i, i)] = 1.0;
+                    gradient[i] = step;
+                }
+            }
+            let step = normal.cholesky()?.solve(&gradient);
+            let beyond = (0..N).find(|&i| bound[i].is_none() && at[i] + step[i] < least[i]);
+            match beyond {
+                Some(i) => bound[i] = Some(least[i] - at[i]),
+                None => return Some(step),
+            }
+        }
+    }
+}
+
 const MOST_STEPS: usize = 60;
+
+/// No samples are taken to be better, in rad: positions travel as 32-bit numbers now and then.
+const LEAST_RESIDUAL: f64 = 1e-9;
 
 /// Least squares by the method of Levenberg and Marquardt, with some parameters held; none if there are
 /// too few samples, or if they do not determine the parameters.
@@ -98,39 +137,41 @@ pub(crate) fn fit<const N: usize>(
     let mut sums = Sums::of(model, &parameters).hold(&held);
     let least = model.least();
     for _ in 0..MOST_STEPS {
-        // A parameter at its bound that would go beyond stays there.
-        let pushes = |i: usize| parameters[i] <= least[i] && sums.gradient[i] < 0.0;
-        let stuck: [bool; N] = std::array::from_fn(pushes);
-        let Sums { mut normal, gradient, squares, .. } = sums.clone().hold(&stuck);
-        for i in 0..N {
-            normal[(i, i)] *= 1.0 + damping;
-        }
-        let step = normal.cholesky()?.solve(&gradient);
-        let next: [f64; N] = std::array::from_fn(|i| (parameters[i] + step[i]).max(least[i]));
-        let candidate = Sums::of(model, &next).hold(&held);
-        if candidate.squares <= squares {
-            let gain = squares - candidate.squares;
-            parameters = next;
-            sums = candidate;
-            damping = (damping * 0.1).max(1e-12);
-            if gain <= 1e-10 * squares {
-                break;
+        let next = sums.step(&parameters, &least, damping).map(|step| {
+            let next: [f64; N] = std::array::from_fn(|i| (parameters[i] + step[i]).max(least[i]));
+            (next, Sums::of(model, &next).hold(&held))
+        });
+        match next {
+            Some((next, candidate)) if candidate.squares <= sums.squares => {
+                let gain = sums.squares - candidate.squares;
+                parameters = next;
+                sums = candidate;
+                damping = (damping * 0.1).max(1e-12);
+                // Far less than the residuals' scatter lets the parameters vary.
+                if damping < 1e-3 && gain <= 1e-6 * sums.squares / sums.count as f64 {
+                    break;
+                }
             }
-        } else {
-            damping *= 10.0;
-            if damping > 1e8 {
-                break;
-            }
+            _ if damping > 1e8 => break,
+            _ => damping *= 10.0,
         }
     }
+    // What its bound holds does not vary.
+    let held: [bool; N] = std::array::from_fn(|i| held[i] || parameters[i] <= least[i]);
+    let sums = sums.hold(&held);
     let free = held.iter().filter(|held| !**held).count();
     let degrees = sums.count.checked_sub(free).filter(|&degrees| degrees > 0)?;
-    let variance = sums.squares / degrees as f64;
+    let variance = (sums.squares / degrees as f64).max(LEAST_RESIDUAL.powi(2));
     let mut covariance = sums.normal.cholesky()?.inverse() * variance;
     for i in (0..N).filter(|&i| held[i]) {
         covariance.row_mut(i).fill(0.0);
         covariance.column_mut(i).fill(0.0);
     }
     let finite = parameters.iter().chain(covariance.iter()).all(|v| v.is_finite());
-    finite.then_some(Fit { parameters, covariance, residual: variance.sqrt() })
+    finite.then_some(Fit {
+        parameters,
+        covariance,
+        squares: sums.squares,
+        residual: variance.sqrt(),
+    })
 }

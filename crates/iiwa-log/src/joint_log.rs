@@ -72,6 +72,8 @@ pub struct JointLog {
     pub program: Option<String>,
     /// The robot's name, if the recording has it.
     pub robot: Option<String>,
+    /// The cycle time that the recording states, as the robot program measured it, in s.
+    pub cycle_time_s: Option<f64>,
     /// Where the positions were read; `None` if they were not read.
     pub source: Option<Source>,
     /// What the file does not have of the motion, in the order of time.

@@ -10,15 +10,17 @@ pub(crate) struct Knot {
     pub(crate) t_s: f64,
     pub(crate) q: Joints,
     pub(crate) dq: Joints,
+    pub(crate) ddq: Joints,
 }
 
-/// A cubic between each two nodes that meets position and velocity at both: exact where the plan has
-/// constant jerk or acceleration along a line.
+/// A polynomial between each two nodes: of degree five, which meets position, velocity and acceleration at
+/// both, as plans with limits on jerk have it; or a cubic without the acceleration, where that jumps.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
     knots: Vec<Knot>,
     /// Length of the chords up to each node, in rad.
     arc_rad: Vec<f64>,
+    smooth: bool,
 }
 
 /// A place on the curve.
@@ -38,8 +40,9 @@ pub(crate) struct Place {
 const STEPS: usize = 80;
 
 impl Curve {
-    /// The curve through some nodes, of which there are at least two, later and later.
-    pub(crate) fn new(knots: Vec<Knot>) -> Self {
+    /// The curve through some nodes, of which there are at least two, later and later; `smooth` if
+    /// the acceleration never jumps.
+    pub(crate) fn new(knots: Vec<Knot>, smooth: bool) -> Self {
         let mut arc = 0.0;
         let mut arc_rad = Vec::with_capacity(knots.len());
         arc_rad.push(0.0);
@@ -47,7 +50,7 @@ impl Curve {
             arc += norm(&sub(&pair[1].q, &pair[0].q));
             arc_rad.push(arc);
         }
-        Self { knots, arc_rad }
+        Self { knots, arc_rad, smooth }
     }
 
     pub(crate) fn knots(&self) -> &[Knot] {
@@ -95,9 +98,21 @@ impl Curve {
         let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
         let h = b.t_s - a.t_s;
         let x = ((t_s - a.t_s) / h).clamp(0.0, 1.0);
-        let q = std::array::from_fn(|j| Cubic::new(a, b, h, j).at(x));
-        let dq = std::array::from_fn(|j| Cubic::new(a, b, h, j).slope(x) / h);
-        (q, dq)
+        let mut state = ([0.0; 7], [0.0; 7]);
+        for j in 0..7 {
+            let ends = [a, b].map(|knot| [knot.q[j], knot.dq[j], knot.ddq[j]]);
+            let polynomial = Polynomial::new(ends[0], ends[1], h, self.smooth);
+            (state.0[j], state.1[j]) = (polynomial.at(x), polynomial.slope(x) / h);
+        }
+        state
+    }
+
+    /// The way along a direction in an interval, from its first node on.
+    fn along(&self, interval: usize, unit: &Joints) -> Polynomial {
+        let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
+        let ends =
+            [a, b].map(|k| [dot(&sub(&k.q, &a.q), unit), dot(&k.dq, unit), dot(&k.ddq, unit)]);
+        Polynomial::new(ends[0], ends[1], b.t_s - a.t_s, self.smooth)
     }
 
     /// How far `q` is from the chord of an interval, beginning at the length `from_rad`, squared;
@@ -123,7 +138,7 @@ impl Curve {
         let mut x = 0.0;
         if length > 0.0 {
             let unit = scale(1.0 / length, &sub(&b.q, &a.q));
-            x = Cubic::along(a, b, h, &unit).solve(along_rad);
+            x = self.along(interval, &unit).solve(along_rad);
         }
         // On a blend the nearest point of the curve is not above that of its chord.
         let mut t_s = a.t_s + x * h;
@@ -174,80 +189,76 @@ impl Curve {
                 let (a, b) = (&self.knots[first], &self.knots[second]);
                 let h = b.t_s - a.t_s;
                 let from = if forward { gone } else { to };
-                return Some(a.t_s + h * Cubic::along(a, b, h, unit).solve(along_rad - from));
+                return Some(a.t_s + h * self.along(first, unit).solve(along_rad - from));
             }
             (at, gone) = (next, to);
         }
     }
 }
 
-/// A cubic over 0..=1 that is 0 at 0.
-struct Cubic {
-    /// At 0.
+/// A polynomial over 0..=1.
+struct Polynomial {
+    /// Coefficients from that of x on, after the value at 0.
     start: f64,
-    /// How much it rises.
-    rise: f64,
-    slopes: [f64; 2],
+    c: [f64; 5],
 }
 
-impl Cubic {
-    fn new(a: &Knot, b: &Knot, h: f64, joint: usize) -> Self {
-        Self {
-            start: a.q[joint],
-            rise: b.q[joint] - a.q[joint],
-            slopes: [h * a.dq[joint], h * b.dq[joint]],
-        }
-    }
-
-    /// Of the way along a direction, from the first node on.
-    fn along(a: &Knot, b: &Knot, h: f64, unit: &Joints) -> Self {
-        Self {
-            start: 0.0,
-            rise: dot(&sub(&b.q, &a.q), unit),
-            slopes: [h * dot(&a.dq, unit), h * dot(&b.dq, unit)],
-        }
+impl Polynomial {
+    /// The one that meets positions, velocities and, if it is smooth, accelerations at both ends.
+    fn new(a: [f64; 3], b: [f64; 3], h: f64, smooth: bool) -> Self {
+        let (rise, m0, m1) = (b[0] - a[0], h * a[1], h * b[1]);
+        let c = if smooth {
+            let (k0, k1) = (0.5 * h * h * a[2], 0.5 * h * h * b[2]);
+            // What constant acceleration would miss at the end.
+            let (way, slope, bend) = (rise - m0 - k0, m1 - m0 - 2.0 * k0, k1 - k0);
+            let cubic = 10.0 * way - 4.0 * slope + bend;
+            let quartic = -15.0 * way + 7.0 * slope - 2.0 * bend;
+            let quintic = 6.0 * way - 3.0 * slope + bend;
+            [m0, k0, cubic, quartic, quintic]
+        } else {
+            [m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise, 0.0, 0.0]
+        };
+        Self { start: a[0], c }
     }
 
     fn at(&self, x: f64) -> f64 {
-        let [m0, m1] = self.slopes;
-        let (c2, c3) = (3.0 * self.rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * self.rise);
-        self.start + x * (m0 + x * (c2 + x * c3))
+        let [c1, c2, c3, c4, c5] = self.c;
+        self.start + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
     }
 
     fn slope(&self, x: f64) -> f64 {
-        let [m0, m1] = self.slopes;
-        let (c2, c3) = (3.0 * self.rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * self.rise);
-        m0 + x * (2.0 * c2 + x * 3.0 * c3)
+        let [c1, c2, c3, c4, c5] = self.c;
+        c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
     }
 
     /// Where it has a value between those at its ends: Newton's method, kept in a bracket.
     fn solve(&self, value: f64) -> f64 {
-        if self.rise == 0.0 {
-            return 0.0;
-        }
-        let sign = self.rise.signum();
+        let (first, last) = (self.at(0.0), self.at(1.0));
+        let sign = (last - first).signum();
         let miss = |x: f64| sign * (self.at(x) - value);
-        if miss(0.0) >= 0.0 {
+        if last == first || miss(0.0) >= 0.0 {
             return 0.0;
         }
         if miss(1.0) <= 0.0 {
             return 1.0;
         }
         let (mut low, mut high) = (0.0, 1.0);
-        let mut x = ((value - self.start) / self.rise).clamp(0.0, 1.0);
+        let mut x = ((value - first) / (last - first)).clamp(0.0, 1.0);
         for _ in 0..STEPS {
             let f = miss(x);
+            if f == 0.0 {
+                break;
+            }
             if f > 0.0 {
                 high = x
             } else {
                 low = x
             }
             let newton = x - f / (sign * self.slope(x));
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if (next - x).abs() <= 1e-15 * next.abs() || f == 0.0 {
-                return next;
+            if (newton - x).abs() <= 1e-15 * x {
+                break;
             }
-            x = next;
+            x = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         }
         x
     }

@@ -2,8 +2,9 @@
 //!
 //! A ramp begins so gently that noise hides it: with a jerk of 180 rad/s^3 and noise of 1e-5 rad the arm
 //! is 10 ms on its way before a threshold would notice. So the time is found from where the arm is well
-//! seen, just after: the way is set against how the plan goes that way, or against powers of time, and
-//! the line through the points is followed back to where the way is zero.
+//! seen, just after: the way is set against how the plan goes that way, or, if that does not fit, against
+//! ramps of constant jerk and acceleration, and the line through the points is followed back to where the
+//! way is zero.
 
 use iiwa_kin::Joints;
 use iiwa_log::JointLog;
@@ -13,13 +14,13 @@ use super::noise::Noise;
 use super::vector::{distance, dot, median, norm, scale, sub};
 
 /// The way over which a ramp is looked at, in rad, if noise does not ask for more.
-const WAY_RAD: f64 = 1e-3;
+const WAY_RAD: f64 = 3e-3;
 
 /// Farther than this from where it should, the arm does not stand for this stop, in rad.
 const STANDS_RAD: f64 = 5e-3;
 
 /// The least samples of a ramp.
-const SAMPLES: usize = 6;
+const SAMPLES: usize = 5;
 
 /// Leaving a stop or arriving at one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -191,22 +192,20 @@ impl Stop<'_> {
             let speed = dot(&curve.at(t_s).1, &unit);
             Some((sign * (t_s - curve.knots()[knot].t_s), speed))
         };
-        let fit = |law: &dyn Fn(f64) -> Option<(f64, f64)>, most: f64| {
-            let points = ramp.iter().filter(|(_, p)| *p <= most);
-            Line::fit(points.filter_map(|&(i, p)| {
+        let fit = |law: &dyn Fn(f64) -> Option<(f64, f64)>| {
+            Line::fit(ramp.iter().filter_map(|&(i, p)| {
                 let (tau, speed) = law(p)?;
                 Some((tau, sign * log.t_s[i], speed * speed))
             }))
         };
-        let power = |n: f64| move |p: f64| Some((p.powf(1.0 / n), n * p.powf(1.0 - 1.0 / n)));
-        let as_planned = fit(&plan_time, f64::INFINITY);
-        let powers = [2.0, 3.0, 4.0].map(|n| fit(&power(n), 2.0 * top));
-        let better = |a: Line, b: Line| if b.miss() < a.miss() { b } else { a };
-        let powers = powers.into_iter().flatten().filter(|line| line.points >= 4).reduce(better);
-        let line = match (as_planned, powers) {
-            (Some(plan), Some(other)) if plan.miss() > (1.5 * other.miss()).max(2.0 * sigma) => {
-                other
-            }
+        let as_planned = fit(&plan_time);
+        let best = |a: Line, b: Line| if b.miss() < a.miss() { b } else { a };
+        let any = BENDS_RAD.into_iter().filter_map(|bend| fit(&|p| Some(ramp_law(p, bend))));
+        let any = any.filter(|line| line.points >= 4).reduce(best);
+        let line = match (as_planned, any) {
+            // Other than planned only if the plan's law is clearly not that of the arm: if noise made
+            // it fit so much worse once in a thousand times, or less.
+            (Some(plan), Some(other)) if plan.misfit(sigma.max(other.miss())) > 12.0 => other,
             (Some(line), _) | (None, Some(line)) => line,
             (None, None) => return None,
         };
@@ -252,6 +251,26 @@ impl Stop<'_> {
         let length = norm(&to);
         let sign = if self.side == Side::Leaves { 1.0 } else { -1.0 };
         (length > 0.0).then(|| scale(sign / length, &to))
+    }
+}
+
+/// The ways after which a ramp's acceleration may have stopped to grow, in rad: from one that is at its
+/// acceleration from the first sample on to one of constant jerk throughout.
+const BENDS_RAD: [f64; 14] =
+    [1e-9, 3e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 3e-4, 5e-4, 8e-4, 1.3e-3, 2e-3, 3e-3, 1.0];
+
+/// The time for a way `p` from standstill with constant jerk up to the way `bend`, and with constant
+/// acceleration from then on, in units of the time to the bend; and the speed there in units of way.
+fn ramp_law(p: f64, bend: f64) -> (f64, f64) {
+    let y = p / bend;
+    if y <= 1.0 {
+        // y = tau^3
+        let tau = y.cbrt();
+        (tau, 3.0 * bend * tau * tau)
+    } else {
+        // y = tau^3 - (tau - 1)^3
+        let tau = 0.5 + (12.0 * y - 3.0).sqrt() / 6.0;
+        (tau, 3.0 * bend * (2.0 * tau - 1.0))
     }
 }
 
@@ -347,6 +366,11 @@ impl Line {
     /// What is left of the way, root mean square, in rad.
     fn miss(&self) -> f64 {
         (self.left / self.points as f64).sqrt() / self.slope
+    }
+
+    /// How much worse it fits than noise would have it: chi squared, less the number of points.
+    fn misfit(&self, sigma: f64) -> f64 {
+        (self.miss() / sigma.max(1e-12)).powi(2) * self.points as f64 - self.points as f64
     }
 
     /// Standard deviation of where tau is 0, when the way has that of noise, in s.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_log::{Entry, ReadError, Reader};
+use iiwa_log::{Entry, ReadError, Reader, Topic};
 use iiwa_traj::Trajectory;
 
 use super::curve::{Curve, Knot};
@@ -90,7 +90,7 @@ impl Plan {
     pub fn from_trajectory(trajectory: &Trajectory) -> Self {
         let mut knots: Vec<Knot> = Vec::new();
         for state in trajectory.states() {
-            let knot = Knot { t_s: state.t_s, q: state.q, dq: state.dq };
+            let knot = Knot { t_s: state.t_s, q: state.q, dq: state.dq, ddq: state.ddq };
             if knots.last().is_none_or(|last| knot.t_s > last.t_s) {
                 knots.push(knot);
             }
@@ -120,7 +120,8 @@ impl Plan {
         let mut knots: Vec<Knot> = Vec::new();
         let mut starts: Vec<(f64, usize, PieceKind)> = Vec::new();
         let mut metadata = BTreeMap::new();
-        for entry in Reader::new(stream) {
+        let topics = [Topic::JointTrajectory, Topic::Motion];
+        for entry in Reader::new(stream).only(&topics) {
             match entry? {
                 Entry::Trajectory { t_s, points } => {
                     // A part of a long trajectory begins with the last point of the part before.
@@ -129,6 +130,7 @@ impl Plan {
                         t_s: t_s + point.time_from_start.as_secs_f64(),
                         q: point.positions,
                         dq: point.velocities,
+                        ddq: point.accelerations,
                     });
                     knots.extend(points.filter(|knot| knot.t_s > last + 1e-10));
                 }
@@ -173,12 +175,18 @@ impl Plan {
     fn of(robot: Robot, mut knots: Vec<Knot>, pieces: Vec<Piece>) -> Self {
         // A program without motions has a single state.
         if knots.is_empty() {
-            knots.push(Knot { t_s: 0.0, q: [0.0; 7], dq: [0.0; 7] });
+            knots.push(Knot { t_s: 0.0, q: [0.0; 7], dq: [0.0; 7], ddq: [0.0; 7] });
         }
         if let [only] = knots[..] {
             knots.push(Knot { t_s: only.t_s + 1e-9, ..only });
         }
-        Self { robot, curve: Curve::new(knots), pieces }
+        // With limits on jerk, the arm leaves its stops without acceleration.
+        let leaves = |pair: &&[Knot]| pair[0].dq == [0.0; 7] && pair[1].dq != [0.0; 7];
+        let smooth = knots
+            .windows(2)
+            .filter(leaves)
+            .all(|pair| pair[0].ddq.iter().all(|ddq| ddq.abs() <= 1e-6));
+        Self { robot, curve: Curve::new(knots, smooth), pieces }
     }
 
     /// The robot it is for.
@@ -220,7 +228,7 @@ impl Plan {
 fn check(knots: &[Knot]) -> Result<(), PlanFileError> {
     let finite = |q: &Joints| q.iter().all(|v| v.is_finite());
     for knot in knots {
-        if !finite(&knot.q) || !finite(&knot.dq) {
+        if !finite(&knot.q) || !finite(&knot.dq) || !finite(&knot.ddq) {
             let what = format!("a number that is none at {:.3} s", knot.t_s);
             return Err(PlanFileError::Damaged { what });
         }

@@ -15,12 +15,17 @@ pub(super) struct Bound {
     deviation: f64,
 }
 
+/// A joint with a smaller share in a motion does not move: targets in degrees are rounded.
+pub(super) const ROUNDING: f64 = 1e-9;
+
 impl Bound {
     /// From a figure along the way, the direction of the way (a unit vector) and the shares of the
     /// limits that the motion was allowed.
     pub(super) fn new(along: Observed, direction: &Joints, shares: &Joints) -> Self {
         let (figure, deviation) = along;
-        let of_joint = |j: usize| figure * direction[j].abs() / shares[j];
+        let moves = |j: usize| direction[j].abs() > ROUNDING;
+        let of_joint =
+            |j: usize| if moves(j) { figure * direction[j].abs() / shares[j] } else { 0.0 };
         Self { of_joint: std::array::from_fn(of_joint), deviation: deviation / figure }
     }
 }

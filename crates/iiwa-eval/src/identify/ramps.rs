@@ -19,8 +19,13 @@ const COUNT: usize = 6;
 /// No phase of jerk is shorter, in s: it is not to vanish.
 const SHORTEST_S: f64 = 1e-4;
 
-/// A phase is shown if its duration is so many times its standard deviation, and at least this long.
+/// A phase is there if leaving it out costs so many standard deviations.
 const SHOWN_DEVIATIONS: f64 = 5.0;
+
+/// It is, without looking, if its duration is so many times its standard deviation.
+const CLEAR_DEVIATIONS: f64 = 30.0;
+
+/// It shows a limit if it is at least this long, in s.
 const SHOWN_S: f64 = 2e-3;
 
 /// A figure and its standard deviation.
@@ -37,8 +42,8 @@ pub(super) struct Ramps {
     pub(super) speed: Option<Observed>,
     /// Acceleration, if it was kept for a time.
     pub(super) acceleration: Option<Observed>,
-    /// Jerk.
-    pub(super) jerk: Observed,
+    /// Jerk, if speeding up took so long that it shows.
+    pub(super) jerk: Option<Observed>,
     /// Root mean square of what the model leaves over.
     pub(super) residual: f64,
 }
@@ -106,34 +111,46 @@ impl Ramps {
         let line = Line { t_s, way };
         let start = line.guess(length)?;
         let mut held = [false; COUNT];
-        let mut best = least_squares::fit(&line, start, held)?;
+        let free = least_squares::fit(&line, start, held)?;
+        let mut best = free.clone();
         // What is not shown is taken to be absent, so that it does not blur the rest.
-        for phase in [CRUISE, PUSH] {
-            let least = SHOWN_S.max(SHOWN_DEVIATIONS * best.deviation(phase));
-            if best.parameters[phase] < least {
-                held[phase] = true;
-                let mut parameters = best.parameters;
-                parameters[phase] = 0.0;
-                best = least_squares::fit(&line, parameters, held)?;
+        for (phase, absent) in [(CRUISE, 0.0), (PUSH, 0.0), (JERK, SHORTEST_S)] {
+            if best.parameters[phase] > CLEAR_DEVIATIONS * best.deviation(phase) {
+                continue;
             }
+            let mut parameters = best.parameters;
+            parameters[phase] = absent;
+            held[phase] = true;
+            let without = least_squares::fit(&line, parameters, held).filter(|without| {
+                without.squares - best.squares < (SHOWN_DEVIATIONS * best.residual).powi(2)
+            });
+            held[phase] = without.is_some();
+            best = without.unwrap_or(best);
         }
-        Some(Self::of(&best, [held[PUSH], held[CRUISE]]))
+        Some(Self::of(&free, &best))
     }
 
-    fn of(fit: &Fit<COUNT>, [no_push, no_cruise]: [bool; 2]) -> Self {
+    /// From the fit in which all phases were free and the one without those that are not there. Whether
+    /// they are is not certain: what that makes of the times counts as their uncertainty.
+    fn of(free: &Fit<COUNT>, fit: &Fit<COUNT>) -> Self {
         type Parameters = [f64; COUNT];
         let half = |p: &Parameters| 0.5 * p[CRUISE] + 2.0 * p[JERK] + p[PUSH];
         let speed = |p: &Parameters| p[WAY].abs() / (2.0 * p[JERK] + p[PUSH] + p[CRUISE]);
         let acceleration = |p: &Parameters| speed(p) / (p[JERK] + p[PUSH]);
+        let shows = |phase: usize| fit.parameters[phase] >= SHOWN_S;
         let observed = |figure: &dyn Fn(&Parameters) -> f64| {
             (figure(&fit.parameters), fit.deviation_of(figure))
         };
+        let time = |figure: &dyn Fn(&Parameters) -> f64| {
+            let (time_s, deviation_s) = observed(figure);
+            (time_s, deviation_s.hypot(figure(&free.parameters) - time_s))
+        };
         Self {
-            start_s: observed(&|p| p[MIDDLE] - half(p)),
-            end_s: observed(&|p| p[MIDDLE] + half(p)),
-            speed: (!no_cruise).then(|| observed(&speed)),
-            acceleration: (!no_push).then(|| observed(&acceleration)),
-            jerk: observed(&|p| acceleration(p) / p[JERK]),
+            start_s: time(&|p| p[MIDDLE] - half(p)),
+            end_s: time(&|p| p[MIDDLE] + half(p)),
+            speed: shows(CRUISE).then(|| observed(&speed)),
+            acceleration: shows(PUSH).then(|| observed(&acceleration)),
+            jerk: shows(JERK).then(|| observed(&|p| acceleration(p) / p[JERK])),
             residual: fit.residual,
         }
     }
@@ -180,7 +197,7 @@ mod tests {
         let found = Ramps::fit(&t_s, &relative, 40.0).unwrap();
         assert!((found.speed.unwrap().0 / v - 1.0).abs() < 1e-7, "{found:?}");
         assert!((found.acceleration.unwrap().0 / a - 1.0).abs() < 1e-6, "{found:?}");
-        assert!((found.jerk.0 / j - 1.0).abs() < 1e-5, "{found:?}");
+        assert!((found.jerk.unwrap().0 / j - 1.0).abs() < 1e-5, "{found:?}");
         assert!((found.end_s.0 - found.start_s.0 - 0.655_347).abs() < 1e-6);
     }
 

@@ -21,6 +21,8 @@ pub(super) struct Passage {
     pub(super) to: Joints,
     /// Samples from standing before to standing after.
     pub(super) samples: Range<usize>,
+    /// The first sample near its end.
+    pub(super) arrives: usize,
     /// How often the arm settles at its end, and how long it waits there besides, in s.
     pub(super) settles: u32,
     pub(super) waits_s: f64,
@@ -82,13 +84,14 @@ fn planned(path: &Path) -> Vec<Planned> {
     stretches
 }
 
-/// Finds the stretches of `path` in `log`; none if the arm is never where the path begins.
-pub(super) fn follow(path: &Path, log: &JointLog) -> Option<Followed> {
+/// Finds the stretches of `path` in `log`, from the sample `from` on; none if the arm is never where the
+/// path begins.
+pub(super) fn follow(path: &Path, log: &JointLog, from: usize) -> Option<Followed> {
     let q = &log.q_rad;
     let find = |from: usize, holds: &dyn Fn(&Joints) -> bool| {
-        q[from..].iter().position(|q| holds(q)).map(|at| from + at)
+        q[from..].iter().position(holds).map(|at| from + at)
     };
-    let mut at = find(0, &|q| distance(q, path.start_rad()) < NEAR_RAD)?;
+    let mut at = find(from, &|q| distance(q, path.start_rad()) < NEAR_RAD)?;
     let mut lost_in = None;
     // Where the arm leaves each stop, and where it is near the next one.
     let mut cores = Vec::new();
@@ -126,7 +129,8 @@ pub(super) fn follow(path: &Path, log: &JointLog) -> Option<Followed> {
             None => standing_after(log, core.end),
         };
         let Planned { steps, from, to, settles, waits_s } = stretch;
-        passages.push(Passage { steps, from, to, samples: begin..end, settles, waits_s });
+        let (samples, arrives) = (begin..end, core.end);
+        passages.push(Passage { steps, from, to, samples, arrives, settles, waits_s });
         begin = end;
     }
     Some(Followed { passages, lost_in })

@@ -42,8 +42,9 @@ impl JointLog {
         let limits = robot.limits();
         for (&t_s, q_rad) in self.t_s.iter().zip(&self.q_rad) {
             for ((joint, &found_rad), limit_rad) in (1..).zip(q_rad).zip(limits.position_rad) {
-                // The negation refuses what is not a number.
-                if !(found_rad.abs() <= limit_rad + OUTSIDE_RAD) {
+                let most_rad = limit_rad + OUTSIDE_RAD;
+                // What is not a number is in no range.
+                if !(-most_rad..=most_rad).contains(&found_rad) {
                     return Err(JointLogError::OutsideLimits {
                         robot: robot.name().to_owned(),
                         joint,
@@ -93,14 +94,14 @@ impl JointLog {
             if span_s < STRETCH_S {
                 continue;
             }
-            for joint in 0..7 {
+            for (joint, &most_rad_s) in most_rad_s.iter().enumerate() {
                 let found_rad_s = (to.1[joint] - from.1[joint]).abs() / span_s;
-                if found_rad_s > most_rad_s[joint] {
+                if found_rad_s > most_rad_s {
                     return Err(JointLogError::TooFast {
                         joint: joint + 1,
                         t_s: 0.5 * (from.0 + to.0),
                         found_rad_s,
-                        most_rad_s: most_rad_s[joint],
+                        most_rad_s,
                     });
                 }
             }

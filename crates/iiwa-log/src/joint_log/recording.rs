@@ -31,7 +31,9 @@ pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
                 samples.log().program = String::from_utf8(attachment.bytes).ok();
             }
             Ok(Entry::Metadata { name, mut entries }) if name == "iiwasim" => {
-                samples.log().robot = entries.remove("robot");
+                let log = samples.log();
+                log.robot = entries.remove("robot");
+                log.cycle_time_s = entries.remove("cycle_time_s").and_then(|s| s.parse().ok());
             }
             Ok(_) => {}
             Err(error) => end = Some(broken_off(&mut samples, error)?),

@@ -1,12 +1,13 @@
 //! Joint positions of a table: CSV, and what a `DataRecorder` writes.
 
-use std::io::{Cursor, Read};
+use std::io::{self, Cursor, Read};
 
-use csv::{ByteRecord, ReaderBuilder};
+use csv::{ByteRecord, ErrorKind, ReaderBuilder};
 
 use super::columns::{Columns, Role};
 use super::samples::Samples;
 use super::{JointLog, JointLogError, Loss, Place};
+use crate::reader::read as read_once;
 
 /// The most characters of a file's content that an error repeats.
 const SHOWN: usize = 40;
@@ -72,7 +73,7 @@ fn names(header: &[u8], delimiter: u8, layout: Layout) -> Result<Vec<String>, Jo
     let mut table =
         ReaderBuilder::new().has_headers(false).delimiter(delimiter).from_reader(header);
     read_line(&mut table, &mut line)?;
-    let names = layout.fields(&line).map(|name| match name {
+    let names = layout.fields(&line).map(bare).map(|name| match name {
         // Long names are none that are known, and `shown` keeps the known ones as they are.
         name if name.len() > 4 * SHOWN => String::new(),
         name => name.iter().map(|byte| char::from(*byte)).flat_map(char::escape_debug).collect(),
@@ -90,8 +91,11 @@ fn read_line<R: Read>(
     table: &mut csv::Reader<R>,
     line: &mut ByteRecord,
 ) -> Result<bool, JointLogError> {
-    // Nothing but the stream can fail: lines may have any bytes and any number of fields.
-    table.read_byte_record(line).map_err(|error| JointLogError::Io { source: error.into() })
+    table.read_byte_record(line).map_err(|error| match error.into_kind() {
+        ErrorKind::Io(source) => source.into(),
+        // Lines may have any bytes and any number of fields.
+        _ => io::Error::from(io::ErrorKind::InvalidData).into(),
+    })
 }
 
 /// How fields are parted.
@@ -195,9 +199,14 @@ impl Row {
 /// Far beyond any clock, and differences are exact.
 const MOST_SECONDS: f64 = 1e12;
 
+/// A field without quotes around it.
+fn bare(field: &[u8]) -> &[u8] {
+    let inner = field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\""));
+    inner.unwrap_or(field)
+}
+
 fn number(field: &[u8]) -> Option<f64> {
-    let bare = field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\""));
-    let text = std::str::from_utf8(bare.unwrap_or(field)).ok()?;
+    let text = std::str::from_utf8(bare(field)).ok()?;
     text.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
@@ -219,8 +228,8 @@ struct Ended<R> {
 }
 
 impl<R: Read> Read for Ended<R> {
-    fn read(&mut self, room: &mut [u8]) -> std::io::Result<usize> {
-        let read = self.stream.read(room)?;
+    fn read(&mut self, room: &mut [u8]) -> io::Result<usize> {
+        let read = read_once(&mut self.stream, room)?;
         if let Some(last) = room[..read].last() {
             self.last = *last;
         }

@@ -1,0 +1,103 @@
+//! A picture of a recording held against a plan: both paths of the flange, and the deviations.
+
+use iiwa_eval::{Comparison, Plan, TracePoint};
+use plotters::prelude::{
+    ChartBuilder, Color, LineSeries, PathElement, Rectangle, SeriesLabelPosition, WHITE,
+};
+
+use super::{
+    Area, DASH, Drawn, FINE, HEIGHT, INK, MEASURED, PLANNED, SHADE, Space, WIDTH, font, legend, svg,
+};
+use crate::failure::Failure;
+
+/// Points of the planned path.
+const POINTS: u32 = 8000;
+
+/// The picture as SVG.
+pub(crate) fn draw(plan: &Plan, comparison: &Comparison) -> Result<String, Failure> {
+    let mm = |m: [f64; 3]| m.map(|v| 1e3 * v);
+    let planned: Vec<_> = (0..=POINTS)
+        .map(|k| plan.at(plan.cycle_time_s() * f64::from(k) / f64::from(POINTS)))
+        .map(|q| mm(plan.robot().tcp_position(&q)))
+        .collect();
+    let measured: Vec<_> = comparison.trace.iter().map(|point| mm(point.tcp_m)).collect();
+    let space = Space::of(planned.iter().chain(&measured).copied());
+    svg([WIDTH, HEIGHT], |root| {
+        let (top, bottom) = root.split_vertically(FINE * HEIGHT * 11 / 20);
+        let [best, second, _] = space.planes();
+        // What is seen from the side is a line.
+        let size = |plane: (usize, usize)| space.extent(plane.0).min(space.extent(plane.1));
+        if size(second) > 0.02 * size(best) {
+            let (left, right) = top.split_horizontally(FINE * WIDTH / 2);
+            draw_paths(&left, &space, best, (&planned, &measured))?;
+            draw_paths(&right, &space, second, (&planned, &measured))?;
+        } else {
+            draw_paths(&top, &space, best, (&planned, &measured))?;
+        }
+        let (flange, joints) = bottom.split_vertically(FINE * HEIGHT * 9 / 40);
+        let title = "Flange's distance from its path in mm, over time in the plan";
+        draw_deviation(&flange, title, comparison, |point| 1e3 * point.tcp_deviation_m)?;
+        let title = "Joints' distance from their path in mrad, over time in the plan";
+        draw_deviation(&joints, title, comparison, |point| 1e3 * point.joints_rad)
+    })
+}
+
+/// Both paths in a plane.
+fn draw_paths(
+    area: &Area<'_>,
+    space: &Space,
+    (across, up): (usize, usize),
+    (planned, measured): (&[[f64; 3]], &[[f64; 3]]),
+) -> Drawn {
+    let mut chart = space.chart(area, "Path of the flange", (across, up))?;
+    // Where both are the same, blue is left at both sides of red.
+    let paths = [
+        ("planned", planned, PLANNED.stroke_width(5 * FINE)),
+        ("measured", measured, MEASURED.stroke_width(3 * FINE / 2)),
+    ];
+    for (name, path, style) in paths {
+        let points = path.iter().map(|mm| (mm[across], mm[up]));
+        chart
+            .draw_series(LineSeries::new(points, style))?
+            .label(name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + DASH, y)], style));
+    }
+    legend(&mut chart, SeriesLabelPosition::UpperRight)
+}
+
+/// A deviation along the path; every other motion is shaded.
+fn draw_deviation(
+    area: &Area<'_>,
+    title: &str,
+    comparison: &Comparison,
+    value: impl Fn(&TracePoint) -> f64,
+) -> Drawn {
+    let end_s = comparison.cycle_time.simulated_s.max(1e-3);
+    let most = comparison.trace.iter().map(&value).fold(0.0, f64::max);
+    let top = 1.15 * most.max(1e-6);
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, font())
+        .margin(8 * FINE)
+        .x_label_area_size(30 * FINE)
+        .y_label_area_size(62 * FINE)
+        .build_cartesian_2d(0.0..end_s, 0.0..top)?;
+    chart.draw_series(comparison.motions.iter().step_by(2).map(|motion| {
+        let from_s = motion.planned_start_s;
+        Rectangle::new([(from_s, 0.0), (from_s + motion.planned_s, top)], SHADE.mix(0.6).filled())
+    }))?;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 7")]
+    let digits = (1.0 - top.log10().floor()).clamp(0.0, 7.0) as usize;
+    chart
+        .configure_mesh()
+        .disable_x_mesh()
+        .light_line_style(WHITE.mix(0.0))
+        .bold_line_style(SHADE.stroke_width(FINE))
+        .axis_style(INK.stroke_width(FINE))
+        .label_style(font())
+        .y_labels(5)
+        .y_label_formatter(&|v| format!("{v:.digits$}"))
+        .draw()?;
+    let points = comparison.trace.iter().map(|point| (point.plan_s, value(point)));
+    chart.draw_series(LineSeries::new(points, MEASURED.stroke_width(3 * FINE / 2)))?;
+    Ok(())
+}
