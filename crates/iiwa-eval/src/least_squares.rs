@@ -148,7 +148,8 @@ pub(crate) fn fit<const N: usize>(
                 sums = candidate;
                 damping = (damping * 0.1).max(1e-12);
                 // Far less than the residuals' scatter lets the parameters vary.
-                if damping < 1e-3 && gain <= 1e-6 * sums.squares / sums.count as f64 {
+                let variance = (sums.squares / sums.count as f64).max(LEAST_RESIDUAL.powi(2));
+                if damping < 1e-3 && gain <= 1e-6 * variance {
                     break;
                 }
             }

@@ -8,7 +8,7 @@ use iiwa_eval::{
 };
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
-use iiwa_path::{Motion, Path, Program, Ptp, Step};
+use iiwa_path::{Continuity, Motion, Path, PolynomialBlend, Program, Ptp, Step};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 /// A robot whose limits are up to 25 % below and 30 % above the model's, and whose kappa is up to 1.5 away
@@ -317,4 +317,39 @@ fn other_motions_are_left_out() {
     let found = identify(&[recording], &Robot::default()).unwrap();
     assert_eq!(found.velocity_rad_s, [None; 7]);
     assert!(matches!(found.left_out[0].why, Why::NoLine(_)), "{:?}", found.left_out);
+}
+
+/// An arm that blends a quarter of each motion, however long they are: no Algorithm 3.
+#[test]
+fn blends_that_begin_and_end_at_other_distances() {
+    let corner = [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let end = [0.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+    let to_corner = Ptp::to(corner).blend(iiwa_path::Blend::Fraction(0.25));
+    let turn = program([to_corner, Ptp::to(end)]);
+    let kappa = Robot::default().kappa(90.0);
+    let scaled = |v: &Joints, k: f64| v.map(|v| k * v);
+    let (d0, d1) = ([0.125, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.25, 0.0, 0.0, 0.0]);
+    let blend = PolynomialBlend::new(&corner, d0, &d1, kappa, Continuity::Second);
+    let t_s: Vec<f64> = (0..3000).map(|i| f64::from(i) * 1e-3).collect();
+    let at = |t_s: f64| {
+        // From 0 to 3 within two seconds: a line, the blend, a line.
+        let t = ((t_s - 0.5) / 2.0).clamp(0.0, 1.0);
+        let way = 3.0 * t * t * t * (10.0 - t * (15.0 - 6.0 * t));
+        match way {
+            ..1.0 => scaled(&[0.375, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], way),
+            ..2.0 => blend.at(way - 1.0).q,
+            _ => {
+                let beyond = 0.25 + 0.75 * (way - 2.0);
+                [0.5, 0.0, 0.0, beyond, 0.0, 0.0, 0.0]
+            }
+        }
+    };
+    let q_rad = t_s.iter().map(|t_s| at(*t_s)).collect();
+    let log = JointLog::new(t_s, q_rad);
+    let recording = Recording { program: &turn, log: &log };
+    let found = identify(&[recording], &Robot::default()).unwrap();
+    let unequal = found.unequal_share.unwrap();
+    assert!((unequal.value - 1.0).abs() < 1e-3, "{unequal:?} {:?}", found.blends);
+    let [before, after] = found.blends[0].found_reach_rad.unwrap();
+    assert!((before - 0.125).abs() < 1e-4 && (after - 0.25).abs() < 1e-4);
 }

@@ -45,20 +45,6 @@ impl Continuity {
         }
     }
 
-    /// alpha (Larsen 2019, Eq. 18) and its derivative at `s` in [0, 1].
-    #[must_use]
-    pub fn alpha_at(self, s: f64) -> [f64; 2] {
-        let [value, slope, ..] = evaluate(&self.alpha(), s);
-        [value, slope]
-    }
-
-    /// beta (Larsen 2019, Eq. 21 with k = 1) and its derivative at `s` in [0, 1].
-    #[must_use]
-    pub fn beta_at(self, s: f64) -> [f64; 2] {
-        let [value, slope, ..] = evaluate(&self.beta(), s);
-        [value, slope]
-    }
-
     /// Largest value of |beta| on [0, 1], at s = 1/2.
     const fn beta_peak(self) -> f64 {
         match self {

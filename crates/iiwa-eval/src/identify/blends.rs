@@ -4,7 +4,6 @@
 //! the curve small.
 
 use iiwa_kin::Joints;
-use iiwa_path::Continuity;
 
 use crate::{
     least_squares::{self, Model},
@@ -54,6 +53,9 @@ impl Corner {
 /// Where, about the kappa that is expected, the fit begins.
 const STARTS: [f64; 3] = [0.0, -1.5, 1.5];
 
+/// From this angle on, in degrees, more than one start is tried.
+const SHARP_DEG: f64 = 140.0;
+
 const KAPPA: usize = 0;
 const BEFORE: usize = 1;
 const AFTER: usize = 2;
@@ -71,14 +73,21 @@ struct Point {
     by: [[f64; 2]; 3],
 }
 
+/// alpha and beta (Larsen 2019, Eq. 18 and 21) for N = 2 with their derivatives, for `s` in [0, 1].
+fn weights(s: f64) -> [[f64; 2]; 2] {
+    let rest = 1.0 - s;
+    let hump = s * rest;
+    let alpha = s * s * s * (10.0 - s * (15.0 - 6.0 * s));
+    [[alpha, 30.0 * hump * hump], [-hump * hump * hump, -3.0 * hump * hump * (rest - s)]]
+}
+
 impl Bend<'_> {
     /// The curve (Larsen 2019, Eq. 39) for `s` in [0, 1], and the lines that it joins before and after.
     fn point(&self, [kappa, before, after]: [f64; 3], s: f64) -> Point {
         let out = self.out;
         let on_curve = s.clamp(0.0, 1.0);
         let beyond = s - on_curve;
-        let [alpha, alpha_slope] = Continuity::Second.alpha_at(on_curve);
-        let [beta, beta_slope] = Continuity::Second.beta_at(on_curve);
+        let [[alpha, alpha_slope], [beta, beta_slope]] = weights(on_curve);
         // Shares of the two ways, in lengths of the blend's reach on either side.
         let first = -(1.0 - alpha) * (1.0 - on_curve) + kappa * beta;
         let second = alpha * on_curve - kappa * beta;
@@ -156,7 +165,8 @@ impl Curve {
         let (sin, cos) = corner.gamma_rad.sin_cos();
         let bend = Bend { samples, out: [cos, sin] };
         // In a sharp corner both branches are near each other: samples are to find their own.
-        let bound = STARTS
+        let starts = if corner.gamma_deg() < SHARP_DEG { &STARTS[..1] } else { &STARTS };
+        let bound = starts
             .iter()
             .filter_map(|off| {
                 let start = [kappa + off, reach_rad, reach_rad];
@@ -174,5 +184,44 @@ impl Curve {
             difference_deviation_rad: free.as_ref().map_or(0.0, difference),
             residual_rad: bound.residual,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use iiwa_path::{Continuity, PolynomialBlend};
+
+    use super::*;
+
+    /// The curve is that of the plans.
+    #[test]
+    fn the_curve_is_the_planners() {
+        let before = [-0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let after = [0.2, 0.0, 0.0, 0.4, 0.0, 0.0, 0.0];
+        let corner = Corner::new(&[0.0; 7], &before, &after).unwrap();
+        let (sin, cos) = corner.gamma_rad.sin_cos();
+        let bend = Bend { samples: &[], out: [cos, sin] };
+        let (kappa, reach) = (1.7, 0.1);
+        let d0 = unit(&sub(&[0.0; 7], &before)).map(|v| reach * v);
+        let d1 = unit(&after).map(|v| reach * v);
+        let blend = PolynomialBlend::new(&[0.0; 7], d0, &d1, kappa, Continuity::Second);
+        for i in 0..=20 {
+            let s = f64::from(i) / 20.0;
+            let expected = corner.in_plane(&blend.at(s).q);
+            let point = bend.point([kappa, reach, reach], s);
+            assert!((point.at[0] - expected[0]).hypot(point.at[1] - expected[1]) < 1e-15);
+            // Slopes and derivatives by the parameters are those of the point itself.
+            const STEP: f64 = 1e-6;
+            let slope = |to: &Point| [0, 1].map(|k| (to.at[k] - point.at[k]) / STEP);
+            let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-4;
+            if s < 1.0 {
+                assert!(near(slope(&bend.point([kappa, reach, reach], s + STEP)), point.slope));
+            }
+            for parameter in 0..3 {
+                let mut moved = [kappa, reach, reach];
+                moved[parameter] += STEP;
+                assert!(near(slope(&bend.point(moved, s)), point.by[parameter]));
+            }
+        }
     }
 }
