@@ -20,7 +20,7 @@ use iiwa_log::JointLog;
 use crate::failure::Failure;
 
 pub(crate) use arm::{Arm, VirtualArm};
-pub(crate) use chapter::Chapter;
+pub(crate) use chapter::{Chapter, wrapped};
 pub(crate) use folder::{Folder, write};
 pub(crate) use other_robot::other_robot;
 

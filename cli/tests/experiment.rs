@@ -41,7 +41,7 @@ fn zone_velocity_writes_what_it_says() {
     let folder = tempdir().unwrap();
     iiwasim(&folder, &["experiment", "zone-velocity", "--simulate"])
         .success()
-        .stdout("1 programs on a virtual robot; report in experiment-zone-velocity/report.md\n")
+        .stdout("1 program on a virtual robot; report in experiment-zone-velocity/report.md\n")
         .stderr(is_empty());
     assert_eq!(files(&folder), ["experiment-zone-velocity"]);
     let expected = ["figure-29.svg", "programs", "recordings", "report.md"];

@@ -12,7 +12,7 @@ use iiwa_path::Motion;
 
 use crate::{
     args::{DriveAddress, Experiment, ExperimentName},
-    experiment::{Arm, Bench, Folder, Kind, Run, VirtualArm, other_robot},
+    experiment::{Arm, Bench, Folder, Kind, Run, VirtualArm, other_robot, wrapped, write},
     failure::{Failure, tell},
     input, output,
     progress::Progress,
@@ -102,8 +102,9 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         text.push_str(&other_robot(&bench, arm)?.text);
     }
     progress.clear();
-    crate::experiment::write(&report, text.as_bytes())?;
-    output::print(&format!("{count} programs {}; report in {}\n", bench.on, report.display()))
+    write(&report, text.as_bytes())?;
+    let programs = if count == 1 { "program" } else { "programs" };
+    output::print(&format!("{count} {programs} {}; report in {}\n", bench.on, report.display()))
 }
 
 /// Where the report goes, and how it is linked from there to the folder's files.
@@ -139,7 +140,7 @@ fn warning<'a>(trials: impl Iterator<Item = &'a Trial>, count: usize) -> String 
         }
     }
     let mut text =
-        format!("The arm will run {count} programs. Joints will move between, in deg:\n");
+        format!("The arm will run programs: {count}. Joints will move between, in deg:\n");
     for (j, (low, high)) in range.iter().enumerate() {
         let _ =
             writeln!(text, "  A{} {:7.1} and {:6.1}", j + 1, low.to_degrees(), high.to_degrees());
@@ -154,7 +155,10 @@ fn warning<'a>(trials: impl Iterator<Item = &'a Trial>, count: usize) -> String 
 fn heading(options: &Experiment, bench: &Bench, arm: &Arm) -> String {
     let mut text = String::from("# The thesis's experiments, done again\n\n");
     let command: Vec<_> = env::args().skip(1).collect();
-    let _ = writeln!(text, "Made by\n\n```sh\niiwasim {}\n```\n", command.join(" "));
+    let _ = writeln!(text, "Made by\n\n```sh\niiwasim {}\n```", command.join(" "));
+    let mut paragraph = |words: &str| {
+        let _ = writeln!(text, "\n{}", wrapped(words));
+    };
     let model = bench.model.name();
     match arm {
         Arm::Virtual(arm) => {
@@ -162,30 +166,26 @@ fn heading(options: &Experiment, bench: &Bench, arm: &Arm) -> String {
                 None => format!("the model itself, {model}"),
                 Some(name) => format!("`{name}`, while the model is {model}"),
             };
-            let _ = writeln!(
-                text,
+            paragraph(&format!(
                 "**Everything measured here was measured on a virtual robot, not on a real one.** It is a \
-                 simulation\ninside the program that plans under limits of velocity, acceleration and jerk, \
-                 and is sampled with\nnoise of {:e} rad. It is {robot}. What agrees with the \
-                 model shows that\nthe methods find what is there; whether a real robot is like that, only \
-                 a real one can show:\nthe same command with `--drive` runs the same programs there.",
+                 simulation inside the program that plans under limits of velocity, acceleration and jerk, \
+                 and is sampled with noise of {:e} rad. It is {robot}. What agrees with the model shows \
+                 that the methods find what is there; whether a real robot is like that, only a real one \
+                 can show: the same command with `--drive` runs the same programs there.",
                 arm.noise_rad
-            );
+            ));
         }
-        Arm::Real { .. } => {
-            let _ = writeln!(
-                text,
-                "Measured {}; the model is {model}. Whether that was a real robot or a simulated cabinet, \
-                 the drive\ndoes not tell.",
-                bench.on
-            );
-        }
+        Arm::Real { .. } => paragraph(&format!(
+            "Measured {}; the model is {model}. Whether that was a real robot or a simulated cabinet, the \
+             drive does not tell.",
+            bench.on
+        )),
     }
-    text.push_str(
-        "\n\"The thesis\" is C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing \
-         Systems*\n(Chalmers 2019); numbers of figures, tables and equations are its own. Its figures are \
-         not shown here:\nwhat it reports is told in words or numbers. In pictures, what is calculated is \
-         blue, what was\nmeasured is red.\n",
+    paragraph(
+        "\"The thesis\" is C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing \
+         Systems* (Chalmers 2019); numbers of figures, tables and equations are its own. Its figures are \
+         not shown here: what it reports is told in words or numbers. In pictures, what is calculated is \
+         blue, what was measured is red.",
     );
     text
 }

@@ -55,7 +55,7 @@ impl Chapter {
 }
 
 /// Breaks a paragraph into lines.
-fn wrapped(text: &str) -> String {
+pub(crate) fn wrapped(text: &str) -> String {
     const WIDTH: usize = 100;
     let mut lines = String::new();
     let mut width = 0;

@@ -225,11 +225,11 @@ fn an_experiment_runs() {
     rig.iiwasim("experiment", &["zone-velocity", "--move-to-start=50"])
         .success()
         .stdout(contains("report in experiment-zone-velocity/report.md"))
-        .stderr(contains("The arm will run 1 programs").and(contains("has to be free")));
+        .stderr(contains("The arm will run programs: 1").and(contains("has to be free")));
     let folder = rig.path("experiment-zone-velocity");
     let report = std::fs::read_to_string(folder.join("report.md")).unwrap();
     assert!(
-        report.contains("on the robot at 127.0.0.1:") && !report.contains("virtual"),
+        report.contains("on the robot at tcp://127.0.0.1:") && !report.contains("virtual"),
         "{report}"
     );
     assert!(report.contains("in 3 of 3 blends"), "{report}");
