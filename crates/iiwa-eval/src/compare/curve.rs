@@ -250,9 +250,9 @@ impl Polynomial {
                 break;
             }
             if f > 0.0 {
-                high = x
+                high = x;
             } else {
-                low = x
+                low = x;
             }
             let newton = x - f / (sign * self.slope(x));
             if (newton - x).abs() <= 1e-15 * x {
