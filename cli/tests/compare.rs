@@ -8,7 +8,7 @@ mod helpers;
 #[path = "common/run.rs"]
 mod run;
 
-use std::fs;
+use std::{fmt::Write, fs};
 
 use predicates::{
     prelude::PredicateBooleanExt,
@@ -102,7 +102,7 @@ fn csv(unit: &str, factor: f64) -> String {
         let turn = (f64::from(k) / 2000.0 * std::f64::consts::TAU).cos();
         let joints = [20.0, 40.0 - 20.0 * turn, 0.0, -70.0, 0.0, 90.0, 0.0];
         let joints = joints.map(|deg: f64| (deg.to_radians() * factor).to_string());
-        text += &format!("{},{}\n", 0.004 * f64::from(k), joints.join(","));
+        writeln!(text, "{},{}", 0.004 * f64::from(k), joints.join(",")).unwrap();
     }
     text
 }
