@@ -1,6 +1,8 @@
 //! The command line.
 
 mod compare;
+mod experiment;
+mod identify;
 mod link;
 
 use std::{path::PathBuf, time::Duration};
@@ -9,6 +11,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
 pub(crate) use compare::Compare;
+pub(crate) use experiment::{Experiment, ExperimentName};
+pub(crate) use identify::Identify;
 pub(crate) use link::{
     Cabinet, ClientKeys, Drive, DriveAddress, Io, IoAction, Keygen, Record, Run, Sensors,
     ServerKeys, Status, Stop,
@@ -34,10 +38,12 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     Plan(Plan),
     Compare(Compare),
+    Identify(Identify),
     Run(Run),
     Record(Record),
     Status(Status),
     Stop(Stop),
+    Experiment(Experiment),
     Io(Io),
     Sensors(Sensors),
     Drive(Drive),

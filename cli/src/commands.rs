@@ -3,7 +3,9 @@
 pub(crate) mod cabinet;
 pub(crate) mod compare;
 pub(crate) mod drive;
+pub(crate) mod experiment;
 pub(crate) mod fk;
+pub(crate) mod identify;
 pub(crate) mod io;
 pub(crate) mod keygen;
 pub(crate) mod plan;

@@ -1,7 +1,7 @@
 //! Reading programs, profiles and robots.
 
 use std::{
-    fs,
+    fs::{self, File},
     io::{self, Read},
     path::{Path, PathBuf},
 };
@@ -10,9 +10,10 @@ use iiwa_kin::{
     Robot,
     json::{Step, locate},
 };
+use iiwa_log::JointLog;
 use iiwa_path::Program;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, chain};
 
 /// A file's name and text.
 pub(crate) struct Text {
@@ -59,6 +60,22 @@ pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<(Text, Program
         }
     };
     Ok((text, program, robot))
+}
+
+/// Opens a file.
+pub(crate) fn open(path: &Path) -> Result<File, Failure> {
+    let refuse = |error| Failure::input(format!("cannot read {}: {error}", path.display()));
+    let file = File::open(path).map_err(refuse)?;
+    if file.metadata().is_ok_and(|kind| kind.is_dir()) {
+        return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
+    }
+    Ok(file)
+}
+
+/// Reads what a robot did from any file that holds joint positions.
+pub(crate) fn recording(path: &Path) -> Result<JointLog, Failure> {
+    JointLog::read(open(path)?)
+        .map_err(|error| Failure::input(format!("{}: {}", path.display(), chain(&error))))
 }
 
 /// The built-in model or the profile file called `name`, looked for in `folder`.

@@ -7,6 +7,7 @@
 mod args;
 mod commands;
 mod connection;
+mod experiment;
 mod failure;
 mod figures;
 mod input;
@@ -14,6 +15,7 @@ mod log;
 mod output;
 mod picture;
 mod progress;
+mod runner;
 mod summary;
 mod table;
 
@@ -28,7 +30,9 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
         Command::Plan(options) => commands::plan::run(&options),
+        Command::Experiment(options) => commands::experiment::run(&options),
         Command::Compare(options) => commands::compare::run(&options),
+        Command::Identify(options) => commands::identify::run(&options),
         Command::Fk(options) => commands::fk::run(&options),
         Command::Robot(options) => commands::robot::run(&options),
         Command::Schema(options) => commands::schema::run(&options),

@@ -2,6 +2,7 @@
 
 mod comparison;
 mod plan;
+pub(crate) mod plot;
 
 use plotters::{
     chart::ChartContext,
@@ -18,7 +19,7 @@ pub(crate) use comparison::draw as draw_comparison;
 pub(crate) use plan::Picture;
 
 /// Colours that the colour-blind can tell apart (Okabe and Ito), one a joint.
-const COLOURS: [RGBColor; 7] = [
+pub(crate) const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),
     RGBColor(0, 158, 115),
@@ -28,8 +29,18 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(90, 90, 90),
 ];
 
-const INK: RGBColor = RGBColor(60, 60, 60);
+pub(crate) const INK: RGBColor = RGBColor(60, 60, 60);
 const SHADE: RGBColor = RGBColor(225, 232, 240);
+
+/// What is planned or calculated, and what was measured: blue and red, as in the thesis (Larsen 2019,
+/// Fig. 22).
+pub(crate) const PLANNED: RGBColor = RGBColor(0, 114, 178);
+pub(crate) const MEASURED: RGBColor = RGBColor(205, 30, 30);
+
+/// From slow to fast.
+const SLOW: RGBColor = RGBColor(68, 1, 84);
+const MIDDLE: RGBColor = RGBColor(33, 145, 140);
+const FAST: RGBColor = RGBColor(245, 190, 20);
 
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 900;
@@ -44,18 +55,21 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// A picture as SVG.
-fn svg(draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, Failure> {
+/// A picture of so many pixels as SVG.
+fn svg(
+    [width, height]: [u32; 2],
+    draw: impl FnOnce(&Area<'_>) -> Drawn,
+) -> Result<String, Failure> {
     let mut svg = String::new();
     {
         let root =
-            SVGBackend::with_string(&mut svg, (FINE * WIDTH, FINE * HEIGHT)).into_drawing_area();
+            SVGBackend::with_string(&mut svg, (FINE * width, FINE * height)).into_drawing_area();
         let failed = |error: &dyn std::error::Error| Failure::run("cannot draw the picture", error);
         root.fill(&WHITE).map_err(|error| failed(&error))?;
         draw(&root).map_err(|error| failed(&*error))?;
         root.present().map_err(|error| failed(&error))?;
     }
-    let size = |factor: u32| format!("width=\"{}\" height=\"{}\"", factor * WIDTH, factor * HEIGHT);
+    let size = |factor: u32| format!("width=\"{}\" height=\"{}\"", factor * width, factor * height);
     Ok(svg.replacen(&size(FINE), &size(1), 1))
 }
 
@@ -63,10 +77,10 @@ fn font() -> (&'static str, u32) {
     ("sans-serif", 15 * FINE)
 }
 
-fn legend(chart: &mut Chart<'_>) -> Drawn {
+fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> Drawn {
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
+        .position(position)
         .legend_area_size(30 * FINE)
         .margin(8 * FINE)
         .background_style(WHITE.mix(0.85))
@@ -74,6 +88,17 @@ fn legend(chart: &mut Chart<'_>) -> Drawn {
         .label_font(font())
         .draw()?;
     Ok(())
+}
+
+/// The colour of a share of the speed limit.
+pub(crate) fn shade(share: f64) -> RGBColor {
+    let mix = |from: RGBColor, to: RGBColor, share: f64| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 255")]
+        let part = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))) as u8;
+        RGBColor(part(from.0, to.0), part(from.1, to.1), part(from.2, to.2))
+    };
+    let share = share.clamp(0.0, 1.0);
+    if share < 0.5 { mix(SLOW, MIDDLE, 2.0 * share) } else { mix(MIDDLE, FAST, 2.0 * share - 1.0) }
 }
 
 /// The space that points in mm take.

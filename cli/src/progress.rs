@@ -31,6 +31,11 @@ impl Progress {
         Self::new(1000, "running {wide_bar} {percent} %, {eta} left")
     }
 
+    /// Of an experiment's programs, of which the number that has run is told.
+    pub(crate) fn of_experiment(count: usize) -> Self {
+        Self::new(count as u64, "running {wide_bar} {pos} of {len} programs, {eta} left")
+    }
+
     /// Of a recording, of which the number of samples is told.
     pub(crate) fn of_recording() -> Self {
         Self::new(u64::MAX, "recording: {pos} samples in {elapsed}; Ctrl-C ends it")

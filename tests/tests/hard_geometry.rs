@@ -8,8 +8,12 @@ use iiwa_kin::{Joints, Robot};
 use iiwa_path::{
     Blend, BlendShape, Continuity, Motion, Path, PathOptions, Program, Ptp, Segment, Step,
 };
-use iiwa_traj::{SETTLE_TIME_S, State, SweepOptions, Timing, TimingError, Trajectory};
+use iiwa_traj::{State, SweepOptions, Timing, TimingError, Trajectory};
 use iiwasim_tests::differences::ratios;
+
+fn settle_time_s() -> f64 {
+    Robot::default().settle_time_s()
+}
 
 const SHAPES: [BlendShape; 6] = [
     BlendShape::Iiwa,
@@ -194,7 +198,7 @@ fn straight_on_is_one_motion() {
             assert!(path.blends().all(|(corner, _)| corner.gamma_deg.abs() < 1e-6));
             let trajectory = plan(&path, 100);
             same(trajectory.motion_time_s(), trapezoid(90.0, V1, A1), 1e-6);
-            same(trajectory.cycle_time_s(), trapezoid(90.0, V1, A1) + SETTLE_TIME_S, 1e-6);
+            same(trajectory.cycle_time_s(), trapezoid(90.0, V1, A1) + settle_time_s(), 1e-6);
         }
     }
 }
@@ -291,11 +295,11 @@ fn repeated_targets() {
     let once = plan(&path([0.0; 7], &single, BlendShape::Iiwa), 100);
     let twice = plan(&path([0.0; 7], &double, BlendShape::Iiwa), 100);
     same(twice.motion_time_s(), once.motion_time_s(), 1e-12);
-    same(twice.cycle_time_s(), once.cycle_time_s() + 2.0 * SETTLE_TIME_S, 1e-12);
+    same(twice.cycle_time_s(), once.cycle_time_s() + 2.0 * settle_time_s(), 1e-12);
 
     let nowhere = plan(&path(a, &[Ptp::to(a), Ptp::to(a)], BlendShape::Iiwa), 100);
     assert_eq!(nowhere.motion_time_s(), 0.0);
-    same(nowhere.cycle_time_s(), 2.0 * SETTLE_TIME_S, 1e-12);
+    same(nowhere.cycle_time_s(), 2.0 * settle_time_s(), 1e-12);
 }
 
 /// Two blends of half a motion leave nothing of it between them, but for rounding or a sliver.

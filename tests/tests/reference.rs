@@ -8,7 +8,7 @@
 
 use iiwa_kin::Robot;
 use iiwa_path::Path;
-use iiwa_traj::{JerkOptions, SETTLE_TIME_S, SweepOptions, Timing, Trajectory};
+use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 use iiwasim_tests::reference::{Case, cases};
 
 fn path(case: &Case) -> Path {
@@ -49,7 +49,7 @@ fn largest_time_error(samples: usize) -> f64 {
         largest = largest.max(error.abs());
         let settle = case.answers.settle_s;
         assert!((trajectory.totals().settle_time_s - settle).abs() < 1e-9, "program {}", case.id);
-        let stops = settle / SETTLE_TIME_S;
+        let stops = settle / Robot::default().settle_time_s();
         assert!((stops - stops.round()).abs() < 1e-9);
         let cycle = trajectory.motion_time_s() + settle;
         assert!((trajectory.cycle_time_s() - cycle).abs() < 1e-9);

@@ -1,9 +1,9 @@
-//! Records joint positions at 1 kHz, and says how soon they are read and how much memory that takes:
-//! from MCAP, then from CSV.
+//! Records a long program at 1 kHz, and says how soon the recording is read, held against its plan, and
+//! used to identify the robot, and with how much memory.
 //!
-//! `recording [MINUTES]`, 5 by default. An hour takes 2 GB in the folder for temporary files.
+//! `recording [MINUTES]`, 5 by default. An hour takes 5 GB in the folder for temporary files.
 //!
-//! Each reading has a process of its own, which reports the most memory that it ever held.
+//! Each job has a process of its own, which reports the most memory that it ever held.
 #![expect(clippy::print_stdout, reason = "figures are what it is for")]
 
 use std::{
@@ -11,84 +11,130 @@ use std::{
     env,
     fs::{self, File},
     io::BufWriter,
-    path::Path,
+    path::Path as FilePath,
     process::{Command, Stdio},
     time::{Duration, Instant},
 };
 
-use iiwa_kin::{Joints, Robot};
-use iiwa_log::{JointLog, Recorder, RecorderConfig};
-use iiwasim_benches::{Result, machine};
+use fastrand_contrib::RngExt;
+use iiwa_eval::{
+    Plan, compare,
+    identify::{Recording, identify},
+};
+use iiwa_kin::Robot;
+use iiwa_log::{JointLog, PlanConfig, PlanWriter, Recorder, RecorderConfig};
+use iiwa_path::{Path, Program};
+use iiwa_traj::{Timing, Trajectory};
+use iiwasim_benches::{
+    Result,
+    long_program::{self, Kind},
+    machine,
+};
 
 const RATE_HZ: u32 = 1000;
 
+/// Motions a minute of the program that is recorded, about.
+const MOTIONS_A_MINUTE: usize = 60;
+
+/// Standard deviation of each joint.
+const NOISE_RAD: f64 = 1e-5;
+
+const PROGRAM: &str = "program.json";
+const PLAN: &str = "plan.mcap";
+const MCAP: &str = "recording.mcap";
+const CSV: &str = "recording.csv";
+
 fn main() -> Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();
-    if let [flag, file] = arguments.as_slice()
-        && flag == "--read"
-    {
-        return read(Path::new(file));
+    if let [job, folder] = arguments.as_slice() {
+        let begin = Instant::now();
+        let what = run(job, FilePath::new(folder))?;
+        let spent_s = begin.elapsed().as_secs_f64();
+        let memory_mb = machine::peak_memory_mb()?;
+        println!("{what}: {spent_s:.2} s in all, with {memory_mb:.0} MB of memory");
+        return Ok(());
     }
-    let minutes: u32 = arguments.first().map_or(Ok(5), |text| text.parse())?;
+    let minutes: usize = arguments.first().map_or(Ok(5), |text| text.parse())?;
     println!("On {}, {}.", machine::processor(), machine::instruction_level());
     let folder = tempfile::tempdir()?;
-    let [mcap, csv] =
-        ["mcap", "csv"].map(|kind| folder.path().join("recording").with_extension(kind));
-    record(&mcap, minutes * 60 * RATE_HZ)?;
-    JointLog::read(File::open(&mcap)?)?.write_csv(BufWriter::new(File::create(&csv)?))?;
-    for file in [&mcap, &csv] {
+    write(minutes, folder.path())?;
+    for job in ["--read", "--read-csv", "--compare", "--identify"] {
         let status = Command::new(env::current_exe()?)
-            .arg("--read")
-            .arg(file)
+            .arg(job)
+            .arg(folder.path())
             .stdin(Stdio::null())
             .status()?;
         if !status.success() {
-            return Err(format!("reading {} failed", file.display()).into());
+            return Err(format!("{job} failed").into());
         }
     }
     Ok(())
 }
 
-/// Reads a file and reports.
-fn read(file: &Path) -> Result<()> {
-    let bytes = fs::metadata(file)?.len();
-    let begin = Instant::now();
-    let log = JointLog::read(File::open(file)?)?;
-    let spent_s = begin.elapsed().as_secs_f64();
-    let samples = log.t_s.len();
-    println!(
-        "{}: {samples} samples, {:.0} s of motion, {:.0} MB: read in {spent_s:.2} s, {:.0} ns a sample, \
-         with {:.0} MB of memory",
-        file.extension().unwrap_or_default().display(),
-        log.duration_s(),
-        bytes as f64 / 1e6,
-        spent_s / samples as f64 * 1e9,
-        machine::peak_memory_mb()?,
-    );
-    if !log.losses.is_empty() {
-        return Err(format!("{} losses, the first: {}", log.losses.len(), log.losses[0]).into());
-    }
-    Ok(())
+/// Does one job, and says what it was.
+fn run(job: &str, folder: &FilePath) -> Result<String> {
+    let read = |name: &str| -> Result<JointLog> {
+        let log = JointLog::read(File::open(folder.join(name))?)?;
+        match log.losses.first() {
+            Some(loss) => Err(format!("{} losses, the first: {loss}", log.losses.len()).into()),
+            None => Ok(log),
+        }
+    };
+    Ok(match job {
+        "--read" | "--read-csv" => {
+            let log = read(if job == "--read" { MCAP } else { CSV })?;
+            format!("{job}, {} samples", log.t_s.len())
+        }
+        "--compare" => {
+            let plan = Plan::read_mcap(File::open(folder.join(PLAN))?, None)?;
+            let comparison = compare(&plan, &read(MCAP)?)?;
+            format!(
+                "{job}, {} motions, off by {:.1e} s and, with its noise, {:.3} mm",
+                comparison.motions.len(),
+                comparison.cycle_time.error_s,
+                1e3 * comparison.tcp_m.max
+            )
+        }
+        _ => {
+            let program = Program::from_json(&fs::read_to_string(folder.join(PROGRAM))?)?;
+            let recording = Recording { program: &program, log: &read(MCAP)? };
+            let found = identify(&[recording], &Robot::default())?;
+            format!("{job}, {} blends", found.blends.len())
+        }
+    })
 }
 
-fn record(file: &Path, samples: u32) -> Result<()> {
-    let robot = Robot::lbr_iiwa_7_r800();
+/// Writes a program, its plan and a recording of it, with a pause before and after.
+fn write(minutes: usize, folder: &FilePath) -> Result<()> {
+    let create = |name: &str| File::create(folder.join(name));
+    let robot = Robot::default();
+    let text = long_program::text(Kind::Stops, minutes * MOTIONS_A_MINUTE);
+    fs::write(folder.join(PROGRAM), &text)?;
+    let program = Program::from_json(&text)?;
+    let trajectory = Trajectory::plan(&Path::new(&program, &robot)?, Timing::default())?;
+    let mut writer = PlanWriter::new(BufWriter::new(create(PLAN)?), &robot, PlanConfig::default())?;
+    for stretch in trajectory.stretches() {
+        writer.stretch(stretch)?;
+    }
+    let metadata = BTreeMap::from([("robot".to_owned(), robot.name().to_owned())]);
+    writer.finish(&metadata, &[])?;
+
     // The fewer periods, the sooner it is written; it makes no difference for what is read.
     let config = RecorderConfig { period: Duration::from_secs(10), ..RecorderConfig::default() };
-    let mut recorder = Recorder::new(File::create(file)?, &robot, config)?;
-    for k in 0..samples {
-        recorder.sample(Duration::from_secs(1) / RATE_HZ * k, &joints(k))?;
+    let mut random = fastrand::Rng::with_seed(1);
+    let mut recorder = Recorder::new(create(MCAP)?, &robot, config)?;
+    for k in 0.. {
+        let t = Duration::from_secs(1) / RATE_HZ * k;
+        if t.as_secs_f64() > trajectory.cycle_time_s() + 4.0 {
+            break;
+        }
+        let q = trajectory.at(t.as_secs_f64() - 2.0).q;
+        recorder.sample(t, &q.map(|q| q + NOISE_RAD * random.f64_normal(0.0, 1.0)))?;
     }
     recorder.finish(&BTreeMap::new(), &[])?;
+    JointLog::read(File::open(folder.join(MCAP))?)?.write_csv(BufWriter::new(create(CSV)?))?;
+    for name in [PLAN, MCAP, CSV] {
+        println!("{name}: {:.0} MB", fs::metadata(folder.join(name))?.len() as f64 / 1e6);
+    }
     Ok(())
-}
-
-/// Swings with different periods, and noise as from an encoder on top, some 1e-5 rad.
-fn joints(k: u32) -> Joints {
-    let mut noise = k;
-    std::array::from_fn(|joint| {
-        let phase = (0.5 + 0.1 * joint as f64) * f64::from(k) * 1e-3;
-        noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        0.8 * phase.sin() + 1e-7 * f64::from(noise >> 24)
-    })
 }

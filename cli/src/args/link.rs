@@ -172,7 +172,7 @@ pub(crate) struct DriveAddress {
 }
 
 /// What a client shows to be let in.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct ClientKeys {
     /// Own key of `iiwasim keygen`, for a drive that asks for keys
     #[arg(long, value_name = "FILE.key", requires = "server_key")]
@@ -344,7 +344,7 @@ fn speed(text: &str) -> Result<f64, String> {
     within(text, 0.01, 100.0, "a speed")
 }
 
-fn noise(text: &str) -> Result<f64, String> {
+pub(super) fn noise(text: &str) -> Result<f64, String> {
     within(text, 0.0, 0.1, "noise")
 }
 
@@ -352,7 +352,7 @@ fn percent(text: &str) -> Result<f64, String> {
     within(text, 0.0, 100.0, "a share in per cent")
 }
 
-fn percent_above_zero(text: &str) -> Result<f64, String> {
+pub(super) fn percent_above_zero(text: &str) -> Result<f64, String> {
     within(text, 0.1, 100.0, "a share in per cent")
 }
 

@@ -1,6 +1,6 @@
 //! `iiwasim compare`.
 
-use std::{fmt::Write as _, fs::File, path::Path};
+use std::{fmt::Write as _, path::Path};
 
 use comfy_table::Cell;
 use iiwa_eval::{Comparison, Deviation, MotionTime, Plan, PlanFileError, StopTime};
@@ -32,7 +32,7 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     }
     let robot = options.robot.as_deref();
     let robot = robot.map(|name| input::find_robot(name, Path::new("."))).transpose()?;
-    let plan = Plan::read_mcap(open(plan_file)?, robot).map_err(|error| {
+    let plan = Plan::read_mcap(input::open(plan_file)?, robot).map_err(|error| {
         let hint = match error {
             PlanFileError::UnknownRobot { .. } => "; name it with --robot",
             _ => "",
@@ -42,7 +42,7 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     let refuse = |error: &dyn std::error::Error| {
         Failure::input(format!("{}: {}", measured_file.display(), chain(error)))
     };
-    let measured = JointLog::read(open(measured_file)?).map_err(|error| refuse(&error))?;
+    let measured = input::recording(measured_file)?;
     measured.check_robot(plan.robot()).map_err(|error| refuse(&error))?;
     let comparison = iiwa_eval::compare(&plan, &measured).map_err(|error| refuse(&error))?;
 
@@ -58,15 +58,6 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
         output::print(&report.text())?;
     }
     gate(options, &report)
-}
-
-fn open(path: &Path) -> Result<File, Failure> {
-    let refuse = |error| Failure::input(format!("cannot read {}: {error}", path.display()));
-    let file = File::open(path).map_err(refuse)?;
-    if file.metadata().is_ok_and(|kind| kind.is_dir()) {
-        return Err(refuse(std::io::Error::from(std::io::ErrorKind::IsADirectory)));
-    }
-    Ok(file)
 }
 
 /// A number that is not -0 when it is printed.

@@ -74,6 +74,11 @@ fn model(robot: &Robot) -> String {
     }
     let _ = writeln!(text, "{rows}\n");
 
+    let [c0, c1, c2] = robot.blend_kappa();
+    let _ = writeln!(text, "kappa of blends: {c0} + {c1} gamma + {c2} gamma^2, gamma in deg");
+    let _ =
+        writeln!(text, "Settles for {} s after a motion without a blend", robot.settle_time_s());
+
     let masses = robot.link_mass_kg().map(round).join(", ");
     let _ = writeln!(text, "Link masses 0 to 7{}: {masses} kg", mark("masses"));
     for assumption in robot.assumptions() {

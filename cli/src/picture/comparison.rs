@@ -1,14 +1,14 @@
 //! A picture of a recording held against a plan: both paths of the flange, and the deviations.
 
 use iiwa_eval::{Comparison, Plan, TracePoint};
-use plotters::prelude::{ChartBuilder, Color, LineSeries, PathElement, RGBColor, Rectangle, WHITE};
+use plotters::prelude::{
+    ChartBuilder, Color, LineSeries, PathElement, Rectangle, SeriesLabelPosition, WHITE,
+};
 
-use super::{Area, DASH, Drawn, FINE, HEIGHT, INK, SHADE, Space, WIDTH, font, legend, svg};
+use super::{
+    Area, DASH, Drawn, FINE, HEIGHT, INK, MEASURED, PLANNED, SHADE, Space, WIDTH, font, legend, svg,
+};
 use crate::failure::Failure;
-
-/// As in Larsen 2019, Fig. 22.
-const PLANNED: RGBColor = RGBColor(0, 114, 178);
-const MEASURED: RGBColor = RGBColor(205, 30, 30);
 
 /// Points of the planned path.
 const POINTS: u32 = 8000;
@@ -22,7 +22,7 @@ pub(crate) fn draw(plan: &Plan, comparison: &Comparison) -> Result<String, Failu
         .collect();
     let measured: Vec<_> = comparison.trace.iter().map(|point| mm(point.tcp_m)).collect();
     let space = Space::of(planned.iter().chain(&measured).copied());
-    svg(|root| {
+    svg([WIDTH, HEIGHT], |root| {
         let (top, bottom) = root.split_vertically(FINE * HEIGHT * 11 / 20);
         let [best, second, _] = space.planes();
         // What is seen from the side is a line.
@@ -62,7 +62,7 @@ fn draw_paths(
             .label(name)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + DASH, y)], style));
     }
-    legend(&mut chart)
+    legend(&mut chart, SeriesLabelPosition::UpperRight)
 }
 
 /// A deviation along the path; every other motion is shaded.

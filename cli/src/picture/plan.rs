@@ -3,16 +3,13 @@
 use iiwa_kin::Robot;
 use iiwa_traj::{PieceKind, Stretch};
 use plotters::prelude::{
-    ChartBuilder, Circle, Color, LineSeries, PathElement, RGBColor, Rectangle, WHITE,
+    ChartBuilder, Circle, Color, LineSeries, PathElement, Rectangle, SeriesLabelPosition, WHITE,
 };
 
-use super::{Area, COLOURS, DASH, Drawn, FINE, HEIGHT, INK, SHADE, Space, font, legend, svg};
+use super::{
+    Area, COLOURS, DASH, Drawn, FINE, HEIGHT, INK, SHADE, Space, WIDTH, font, legend, shade, svg,
+};
 use crate::failure::Failure;
-
-/// From slow to fast.
-const SLOW: RGBColor = RGBColor(68, 1, 84);
-const MIDDLE: RGBColor = RGBColor(33, 145, 140);
-const FAST: RGBColor = RGBColor(245, 190, 20);
 
 /// Radius of a circle at a blend's end.
 const DOT: i32 = 20;
@@ -80,7 +77,7 @@ impl Picture {
 
     /// The picture as SVG.
     pub(crate) fn draw(&self) -> Result<String, Failure> {
-        svg(|root| {
+        svg([WIDTH, HEIGHT], |root| {
             let (top, bottom) = root.split_vertically(FINE * HEIGHT * 3 / 5);
             self.draw_path(&top)?;
             self.draw_speeds(&bottom)
@@ -127,7 +124,7 @@ impl Picture {
                 .label("start and end of blends")
                 .legend(|(x, y)| Circle::new((x + DASH / 2, y), DOT, INK.stroke_width(FINE)));
         }
-        legend(&mut chart)
+        legend(&mut chart, SeriesLabelPosition::UpperRight)
     }
 
     /// The joints' speeds; blends are shaded.
@@ -164,7 +161,7 @@ impl Picture {
                     PathElement::new([(x, y), (x + DASH, y)], colour.stroke_width(2 * FINE))
                 });
         }
-        legend(&mut chart)
+        legend(&mut chart, SeriesLabelPosition::UpperRight)
     }
 }
 
@@ -177,15 +174,4 @@ fn tone(sample: &Sample) -> u8 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to TONES")]
     let tone = (fastest.min(1.0) * f64::from(TONES)).round() as u8;
     tone
-}
-
-/// The colour of a share of the speed limit.
-fn shade(share: f64) -> RGBColor {
-    let mix = |from: RGBColor, to: RGBColor, share: f64| {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 255")]
-        let part = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))) as u8;
-        RGBColor(part(from.0, to.0), part(from.1, to.1), part(from.2, to.2))
-    };
-    let share = share.clamp(0.0, 1.0);
-    if share < 0.5 { mix(SLOW, MIDDLE, 2.0 * share) } else { mix(MIDDLE, FAST, 2.0 * share - 1.0) }
 }

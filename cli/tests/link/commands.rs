@@ -218,3 +218,21 @@ fn a_taken_address_is_named() {
     let ended = rig.start(&["drive", "--instructions", &at]).end().code(1);
     assert!(ended.stderr.contains(&at), "{}", ended.stderr);
 }
+
+#[test]
+fn an_experiment_runs() {
+    let rig = Rig::new();
+    rig.iiwasim("experiment", &["zone-velocity", "--move-to-start=50"])
+        .success()
+        .stdout(contains("report in experiment-zone-velocity/report.md"))
+        .stderr(contains("The arm will run programs: 1").and(contains("has to be free")));
+    let folder = rig.path("experiment-zone-velocity");
+    let report = std::fs::read_to_string(folder.join("report.md")).unwrap();
+    assert!(
+        report.contains("on the robot at tcp://127.0.0.1:") && !report.contains("virtual"),
+        "{report}"
+    );
+    assert!(report.contains("in 3 of 3 blends"), "{report}");
+    let recording = rig.recording("experiment-zone-velocity/recordings/appendix-b.mcap");
+    assert!(recording.joint_states.len() > 1700);
+}

@@ -7,8 +7,18 @@
 //! Chalmers 2019, chapters 4 and 5 and the appendices, cited as "Larsen 2019".
 
 mod compare;
+mod estimate;
+pub mod experiment;
+pub mod identify;
+mod least_squares;
+mod local_cubic;
+mod vector;
+mod virtual_robot;
 
 pub use compare::{
     CompareError, Comparison, CycleTime, Deviation, MotionTime, Plan, PlanFileError, StopTime,
     TracePoint, Whereabouts, compare,
 };
+pub use estimate::Estimate;
+pub use local_cubic::local_cubic;
+pub use virtual_robot::{VirtualRobot, VirtualRobotError};

@@ -70,7 +70,7 @@ pub enum ProfileError {
         found: String,
     },
     /// A list has too many or too few numbers.
-    #[error("{key} has {found} numbers; write {expected}, one for each {}, at {at}", owner(.key))]
+    #[error("{key} has {found} numbers; write {expected}, {}, at {at}", owner(.key))]
     Count {
         /// Where.
         at: Place,
@@ -81,7 +81,21 @@ pub enum ProfileError {
         /// How many it must have.
         expected: usize,
     },
-    /// A number is out of range.
+    /// A number is outside its range.
+    #[error("{what} is {found:?}; it must be at least {min:?} and at most {max:?}, at {at}")]
+    Range {
+        /// Where.
+        at: Place,
+        /// The key, and the place in a list.
+        what: String,
+        /// What it is.
+        found: f64,
+        /// The least that it may be.
+        min: f64,
+        /// The most that it may be.
+        max: f64,
+    },
+    /// A number is not above 0, or too large.
     #[error("{what} is {found:?}; it must be above 0 and at most {max:?}, at {at}")]
     Number {
         /// Where.
@@ -109,6 +123,7 @@ impl ProfileError {
             | Self::UnknownBase { at, .. }
             | Self::Name { at, .. }
             | Self::Count { at, .. }
+            | Self::Range { at, .. }
             | Self::Number { at, .. } => at,
         }
     }
@@ -169,6 +184,15 @@ struct Wire {
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 8), extend("items" = positive(MAX_NUMBER)))]
     link_mass_kg: Option<Vec<f64>>,
+    /// kappa of the blends as a polynomial of the angle gamma in degrees: the constant, the factors of
+    /// gamma and of gamma^2.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 3), extend("items" = range(KAPPA_RANGE)))]
+    blend_kappa: Option<Vec<f64>>,
+    /// How long the arm stands after a motion without a blend, in s.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("minimum" = SETTLE_RANGE_S[0], "maximum" = SETTLE_RANGE_S[1]))]
+    settle_time_s: Option<f64>,
 }
 
 /// Lengths in mm; those left out are the built-in model's.
@@ -215,9 +239,18 @@ fn positive(max: f64) -> serde_json::Value {
     serde_json::json!({ "type": "number", "exclusiveMinimum": 0, "maximum": max })
 }
 
+/// JSON Schema of a number within a range.
+fn range([min, max]: [f64; 2]) -> serde_json::Value {
+    serde_json::json!({ "type": "number", "minimum": min, "maximum": max })
+}
+
 /// What the numbers of the list `key` belong to.
 fn owner(key: &str) -> &'static str {
-    if key == MASSES { "link, the base included" } else { "joint" }
+    match key {
+        MASSES => "one for each link, the base included",
+        KAPPA => "the constant first, then the factors of gamma and gamma^2",
+        _ => "one for each joint",
+    }
 }
 
 const POSITIONS: &str = "position_limit_deg";
@@ -226,6 +259,14 @@ const ACCELERATIONS: &str = "acceleration_limit_deg_s2";
 const JERKS: &str = "jerk_limit_deg_s3";
 const TORQUES: &str = "torque_limit_nm";
 const MASSES: &str = "link_mass_kg";
+const KAPPA: &str = "blend_kappa";
+const SETTLE: &str = "settle_time_s";
+
+/// Coefficients of kappa: the arm's are below 4.
+const KAPPA_RANGE: [f64; 2] = [-100.0, 100.0];
+
+/// Times to settle, in s.
+const SETTLE_RANGE_S: [f64; 2] = [0.001, 10.0];
 
 impl Robot {
     /// Reads a robot profile (version 1): a built-in model, and what is different from it.
@@ -297,7 +338,7 @@ impl Robot {
         schemars::schema_for!(Wire).to_value()
     }
 
-    fn forget_assumption(&mut self, what: &str) {
+    pub(crate) fn forget_assumption(&mut self, what: &str) {
         self.assumptions.retain(|assumption| assumption.what != what);
     }
 }
@@ -352,6 +393,21 @@ impl Wire {
             robot.link_mass_kg = list(text, MASSES, numbers, MAX_NUMBER, SAME)?;
             robot.forget_assumption("masses");
         }
+        if let Some(numbers) = &self.blend_kappa {
+            let found = numbers.len();
+            robot.blend_kappa = numbers.as_slice().try_into().map_err(|_| {
+                let at = locate(text, &[Key(KAPPA)]);
+                ProfileError::Count { at, key: KAPPA, found, expected: 3 }
+            })?;
+            for (index, &found) in robot.blend_kappa.iter().enumerate() {
+                let what = || format!("{KAPPA}: number {}", index + 1);
+                within(text, &[Key(KAPPA), Index(index)], found, KAPPA_RANGE, what)?;
+            }
+        }
+        if let Some(found) = self.settle_time_s {
+            within(text, &[Key(SETTLE)], found, SETTLE_RANGE_S, || SETTLE.to_owned())?;
+            robot.settle_time_s = found;
+        }
         if self.acceleration_limit_deg_s2.is_some() {
             robot.forget_assumption("acceleration");
         }
@@ -395,6 +451,10 @@ impl Wire {
                 .then(|| limits.torque_nm.to_vec()),
             link_mass_kg: (known_masses || differ(&robot.link_mass_kg, &base.link_mass_kg))
                 .then(|| robot.link_mass_kg.to_vec()),
+            blend_kappa: differ(&robot.blend_kappa, &base.blend_kappa)
+                .then(|| robot.blend_kappa.to_vec()),
+            settle_time_s: differ(&[robot.settle_time_s], &[base.settle_time_s])
+                .then_some(robot.settle_time_s),
         }
     }
 
@@ -412,6 +472,8 @@ impl Wire {
                 self.jerk_limit_deg_s3.is_some(),
                 self.torque_limit_nm.is_some(),
                 self.link_mass_kg.is_some(),
+                self.blend_kappa.is_some(),
+                self.settle_time_s.is_some(),
             ]
             .into_iter()
             .filter(|&given| given)
@@ -491,6 +553,20 @@ fn checked(
         Ok(value)
     } else {
         Err(ProfileError::Number { at: locate(text, path), what: what(), found, max })
+    }
+}
+
+fn within(
+    text: &str,
+    path: &[Step<'_>],
+    found: f64,
+    [min, max]: [f64; 2],
+    what: impl Fn() -> String,
+) -> Result<(), ProfileError> {
+    if (min..=max).contains(&found) {
+        Ok(())
+    } else {
+        Err(ProfileError::Range { at: locate(text, path), what: what(), found, min, max })
     }
 }
 

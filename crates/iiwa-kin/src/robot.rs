@@ -48,6 +48,8 @@ pub struct Robot {
     pub(crate) lengths: Lengths,
     pub(crate) limits: Limits,
     pub(crate) link_mass_kg: [f64; 8],
+    pub(crate) blend_kappa: [f64; 3],
+    pub(crate) settle_time_s: f64,
     pub(crate) assumptions: Vec<Assumption>,
 }
 
@@ -95,6 +97,8 @@ impl Robot {
                 torque_nm: [176.0, 176.0, 110.0, 110.0, 110.0, 40.0, 40.0],
             },
             link_mass_kg: IIWA_7_MASS_KG,
+            blend_kappa: KAPPA,
+            settle_time_s: SETTLE_TIME_S,
             assumptions: vec![Assumption {
                 what: "masses".to_owned(),
                 basis: "a CAD estimate; published models differ by tens of percent".to_owned(),
@@ -126,6 +130,8 @@ impl Robot {
                 ..small.limits
             },
             link_mass_kg: IIWA_7_MASS_KG.map(|m| m * IIWA_14_WEIGHT_KG / IIWA_7_WEIGHT_KG),
+            blend_kappa: small.blend_kappa,
+            settle_time_s: small.settle_time_s,
             assumptions: vec![
                 Assumption {
                     what: "acceleration".to_owned(),
@@ -165,6 +171,41 @@ impl Robot {
         Ok(self)
     }
 
+    /// The same robot under another name.
+    #[must_use]
+    pub fn with_name(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// The same robot with other limits: numbers above 0. Those of acceleration and jerk that differ are
+    /// no assumptions any more.
+    #[must_use]
+    pub fn with_limits(mut self, limits: Limits) -> Self {
+        if limits.acceleration_rad_s2 != self.limits.acceleration_rad_s2 {
+            self.forget_assumption("acceleration");
+        }
+        if limits.jerk_rad_s3 != self.limits.jerk_rad_s3 {
+            self.forget_assumption("jerk");
+        }
+        self.limits = limits;
+        self
+    }
+
+    /// The same robot with another [`kappa`](Self::blend_kappa).
+    #[must_use]
+    pub fn with_blend_kappa(mut self, blend_kappa: [f64; 3]) -> Self {
+        self.blend_kappa = blend_kappa;
+        self
+    }
+
+    /// The same robot that settles for so many seconds, above 0.
+    #[must_use]
+    pub fn with_settle_time_s(mut self, settle_time_s: f64) -> Self {
+        self.settle_time_s = settle_time_s;
+        self
+    }
+
     /// The model's name.
     #[must_use]
     pub fn name(&self) -> &str {
@@ -187,6 +228,26 @@ impl Robot {
     #[must_use]
     pub fn link_mass_kg(&self) -> &[f64; 8] {
         &self.link_mass_kg
+    }
+
+    /// kappa of the robot's blends (Larsen 2019, Eq. 39) at the angle gamma between the two directions,
+    /// in degrees: 0 straight on, 180 turned back.
+    #[must_use]
+    pub fn kappa(&self, gamma_deg: f64) -> f64 {
+        let [c0, c1, c2] = self.blend_kappa;
+        (c2 * gamma_deg + c1) * gamma_deg + c0
+    }
+
+    /// Coefficients of [`kappa`](Self::kappa) as a polynomial of gamma in degrees, lowest power first.
+    #[must_use]
+    pub fn blend_kappa(&self) -> &[f64; 3] {
+        &self.blend_kappa
+    }
+
+    /// How long the arm stands at the end of a motion without a blend, in s.
+    #[must_use]
+    pub fn settle_time_s(&self) -> f64 {
+        self.settle_time_s
     }
 
     /// Figures of this model that no source states.
@@ -228,6 +289,12 @@ impl Robot {
     }
 }
 
+/// Larsen 2019, Eq. 38, for gamma in degrees.
+const KAPPA: [f64; 3] = [-3.974_264_71, 0.006_260_16, 0.000_284_72];
+
+/// Larsen 2019, section 2.4.2; Table 6 of Appendix C has a mean of 0.0496 s.
+const SETTLE_TIME_S: f64 = 0.05;
+
 /// Means of Larsen 2019, Table 5.
 const IIWA_7_JERK_DEG_S3: Joints =
     [10_384.86, 7_757.85, 9_986.65, 9_700.18, 19_406.08, 32_260.39, 33_028.15];
@@ -243,4 +310,17 @@ const ACCELERATION_PER_SPEED: f64 = 5.0;
 
 fn rad(deg: Joints) -> Joints {
     deg.map(f64::to_radians)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kappa_matches_the_stated_values() {
+        let robot = Robot::default();
+        assert!((robot.kappa(0.0) + 3.974).abs() < 5e-4);
+        assert!(robot.kappa(107.7).abs() < 5e-3);
+        assert!((robot.kappa(180.0) - 6.378).abs() < 1e-3);
+    }
 }

@@ -32,7 +32,9 @@ fn every_part_can_be_overridden() {
             "acceleration_limit_deg_s2": [10, 20, 30, 40, 50, 60, 70],
             "jerk_limit_deg_s3": [100, 200, 300, 400, 500, 600, 700],
             "torque_limit_nm": [11, 12, 13, 14, 15, 16, 17],
-            "link_mass_kg": [8, 7, 6, 5, 4, 3, 2, 1]
+            "link_mass_kg": [8, 7, 6, 5, 4, 3, 2, 1],
+            "blend_kappa": [-3, 0.01, 0.0002],
+            "settle_time_s": 0.04
         }"#,
     )
     .unwrap();
@@ -47,6 +49,8 @@ fn every_part_can_be_overridden() {
     assert_eq!(limits.jerk_rad_s3[3], 400_f64.to_radians());
     assert_eq!(limits.torque_nm[1], 12.0);
     assert_eq!(robot.link_mass_kg()[7], 1.0);
+    assert_eq!(robot.kappa(100.0), -3.0 + 1.0 + 2.0);
+    assert_eq!(robot.settle_time_s(), 0.04);
     assert!(robot.assumptions().is_empty());
     assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
 }
@@ -165,6 +169,15 @@ fn says_what_is_wrong_and_where() {
         ("{ \"version\": 1, \"torque_limit_nm\": [1e400] }", 1, 37, "1e400", "number is too large"),
         ("{ \"version\": 1, \"torque_limit_nm\": [null] }", 1, 37, "null", "expected a number"),
         ("{ \"version\": 1, \"torque_limit_nm\": [1e10] }", 1, 36, "[1e10]", "has 1 numbers"),
+        ("{ \"version\": 1, \"settle_time_s\": 0 }", 1, 34, "0", "at least 0.001"),
+        ("{ \"version\": 1, \"blend_kappa\": [1, 2] }", 1, 32, "[1, 2]", "has 2 numbers; write 3"),
+        (
+            "{ \"version\": 1, \"blend_kappa\": [1, -101, 0] }",
+            1,
+            36,
+            "-101",
+            "blend_kappa: number 2 is -101.0",
+        ),
         ("{ \"version\": 1, \"torque_limit_nm\": 5 }", 1, 36, "5", "expected a list"),
     ] {
         let error = refused(text);
@@ -223,7 +236,7 @@ fn a_flange_has_a_length() {
 fn the_schema_has_every_key() {
     let schema = Robot::profile_schema();
     let keys = schema["properties"].as_object().unwrap();
-    assert_eq!(keys.len(), 10);
+    assert_eq!(keys.len(), 12);
     assert_eq!(schema["additionalProperties"], false);
     assert_eq!(schema["required"], serde_json::json!(["version"]));
     assert_eq!(keys["version"]["const"], 1);
@@ -254,6 +267,8 @@ prop_compose! {
         jerk in numbers::<7>(1e9),
         torque in numbers::<7>(500.0),
         mass in numbers::<8>(50.0),
+        kappa in numbers::<3>(100.0),
+        settle in prop::option::of(0.001..=10.0_f64),
     ) -> serde_json::Value {
         let mut profile = serde_json::json!({
             "version": 1,
@@ -268,6 +283,8 @@ prop_compose! {
             "jerk_limit_deg_s3": jerk,
             "torque_limit_nm": torque,
             "link_mass_kg": mass,
+            "blend_kappa": kappa,
+            "settle_time_s": settle,
         });
         profile.as_object_mut().unwrap().retain(|_, value| !value.is_null());
         profile

@@ -48,7 +48,7 @@ pub use fault::{Fault, Field};
 pub use grid::Grid;
 pub use line::Line;
 pub use path::{BlendShape, Corner, MotionLimits, Path, PathOptions, Step};
-pub use polynomial::{Continuity, KAPPA_MIN_ACCELERATION, PolynomialBlend, kappa_iiwa};
+pub use polynomial::{Continuity, KAPPA_MIN_ACCELERATION, PolynomialBlend};
 pub use program::{Blend, Motion, Program, Ptp};
 pub use segment::{Derivatives, Segment};
 pub use wire::ProgramError;

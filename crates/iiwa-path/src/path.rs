@@ -9,7 +9,7 @@ use crate::{
     crossing::{BlendSearch, HALF},
     fault::Fault,
     line::Line,
-    polynomial::{Continuity, KAPPA_MIN_ACCELERATION, PolynomialBlend, kappa_iiwa},
+    polynomial::{Continuity, KAPPA_MIN_ACCELERATION, PolynomialBlend},
     program::{Motion, Program, Ptp, Zone},
     segment::Segment,
     vector,
@@ -23,7 +23,8 @@ const NO_MOTION_RAD: f64 = 1e-9;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum BlendShape {
-    /// Larsen 2019, Eq. 39 with kappa(gamma) of Eq. 38: what the LBR iiwa does.
+    /// Larsen 2019, Eq. 39 with the robot's kappa(gamma), by default that of Eq. 38: what the LBR iiwa
+    /// does.
     Iiwa,
     /// Larsen 2019, Eq. 13.
     Alpha(Continuity),
@@ -244,7 +245,7 @@ impl Builder<'_> {
     fn push_blend(&mut self, motion: usize, turn: &Turn, shape: BlendShape) -> Result<(), Fault> {
         let gamma_deg = turn.gamma_rad().to_degrees();
         let kappa = match shape {
-            BlendShape::Iiwa => kappa_iiwa(gamma_deg),
+            BlendShape::Iiwa => self.robot.kappa(gamma_deg),
             BlendShape::MinAcceleration => KAPPA_MIN_ACCELERATION,
             BlendShape::Alpha(_) | BlendShape::Circle => 0.0,
         };

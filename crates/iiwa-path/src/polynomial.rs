@@ -90,16 +90,6 @@ impl Basis {
     }
 }
 
-/// Coefficients of the kappa polynomial of Larsen 2019, Eq. 38, for gamma in degrees.
-const KAPPA: [f64; 3] = [-3.974_264_71, 0.006_260_16, 0.000_284_72];
-
-/// kappa of the LBR iiwa at the angle gamma between the two directions, in degrees: 0 straight on,
-/// 180 turned back (Larsen 2019, Eq. 38).
-#[must_use]
-pub fn kappa_iiwa(gamma_deg: f64) -> f64 {
-    (KAPPA[2] * gamma_deg + KAPPA[1]) * gamma_deg + KAPPA[0]
-}
-
 /// k that minimises the mean squared second derivative of a blend of continuity N = 2 (Larsen 2019,
 /// Eq. 22 to 26).
 pub const KAPPA_MIN_ACCELERATION: f64 = 7.5;
@@ -229,13 +219,6 @@ mod tests {
             assert_eq!(middle[0].abs(), continuity.beta_peak());
             assert!(middle[1].abs() < 1e-15);
         }
-    }
-
-    #[test]
-    fn kappa_matches_the_stated_values() {
-        assert!((kappa_iiwa(0.0) + 3.974).abs() < 5e-4);
-        assert!(kappa_iiwa(107.7).abs() < 5e-3);
-        assert!((kappa_iiwa(180.0) - 6.378).abs() < 1e-3);
     }
 
     /// Larsen 2019 states that k = 15/2 minimises the mean squared second derivative (Eq. 22).

@@ -49,7 +49,3 @@ pub use planner::Planner;
 pub use stretch::{Node, Piece, PieceKind, State, Stretch};
 pub use timing::{JerkOptions, SweepOptions, Timing, TimingError};
 pub use trajectory::Trajectory;
-
-/// How long the arm stands at the end of a motion without a blend, in s (Larsen 2019, Appendix C:
-/// Table 6 has a mean of 0.0496 s).
-pub const SETTLE_TIME_S: f64 = 0.05;

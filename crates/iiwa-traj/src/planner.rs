@@ -7,7 +7,6 @@ use iiwa_path::{Grid, Path, Segment, Step};
 use pulp::Simd;
 
 use crate::{
-    SETTLE_TIME_S,
     audit::{Load, TOLERANCE},
     interval, jerk,
     profile::LineLimits,
@@ -150,7 +149,9 @@ impl Iterator for Planner {
         let mut time_s = stretch.end_s();
         for (step, rest) in steps.iter().enumerate().take(end).skip(rest) {
             let (kind, motion, seconds) = match *rest {
-                Step::Settle { motion } => (PieceKind::Settle, motion, SETTLE_TIME_S),
+                Step::Settle { motion } => {
+                    (PieceKind::Settle, motion, self.path.robot().settle_time_s())
+                }
                 Step::Wait { motion, seconds } => (PieceKind::Wait, motion, seconds),
                 _ => continue,
             };

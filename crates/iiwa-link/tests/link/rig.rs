@@ -53,8 +53,9 @@ impl Rig {
     /// Both run, and the connection is good.
     pub(crate) fn new(period_ms: u32) -> Self {
         let mut rig = Self::parts(period_ms);
-        rig.start_cabinet();
+        // In this order no message is sent before somebody listens.
         rig.start_drive();
+        rig.start_cabinet();
         rig.wait_until_ready();
         rig
     }

@@ -67,13 +67,25 @@ pub(crate) fn sampled(plan: &Trajectory, step_s: f64) -> TimedJoints {
     TimedJoints { t_s, joints_rad }
 }
 
+/// Runs a trajectory from the start; again, if the machine stood still for so long that the controller
+/// gave up.
+fn commanded(period_ms: u32, trajectory: &TimedJoints) -> (Rig, Run) {
+    for _ in 0..5 {
+        let rig = Rig::new(period_ms);
+        match rig.client().run_trajectory(trajectory.clone(), Some(LONG)) {
+            Ok(run) => return (rig, run),
+            Err(error) if error.to_string().contains("too bad to command") => println!("{error}"),
+            Err(error) => panic!("{error}"),
+        }
+    }
+    panic!("the machine stands still again and again");
+}
+
 #[test]
 fn trajectories_take_their_time_and_path() {
     for period_ms in [5, 1] {
-        let rig = Rig::new(period_ms);
         let plan = planned(motions());
-        let trajectory = sampled(&plan, 0.004);
-        let run = rig.client().run_trajectory(trajectory, Some(LONG)).unwrap();
+        let (rig, run) = commanded(period_ms, &sampled(&plan, 0.004));
         assert_as_planned(&run, &plan, f64::from(period_ms) * 1e-3);
         assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
     }

@@ -1,0 +1,80 @@
+//! What runs the programs of an experiment.
+
+use iiwa_eval::{VirtualRobot, experiment::Trial};
+use iiwa_kin::Robot;
+use iiwa_link::message::Samples;
+use iiwa_log::JointLog;
+use iiwa_path::Motion;
+
+use crate::{
+    connection,
+    failure::{Failure, tell},
+    output,
+    runner::{Line, Task, go_to_start, watch},
+};
+
+/// A virtual robot, or one that a drive is connected with.
+pub(crate) enum Arm {
+    Virtual(VirtualArm),
+    Real {
+        line: Box<Line>,
+        /// Share of the limits of velocity at which it goes to a program's start, in per cent.
+        to_start: f64,
+    },
+}
+
+/// A robot inside the process.
+#[derive(Clone)]
+pub(crate) struct VirtualArm {
+    pub(crate) robot: Robot,
+    pub(crate) noise_rad: f64,
+    pub(crate) rate_hz: f64,
+    pub(crate) seed: u64,
+}
+
+impl Arm {
+    /// Runs a program and gives what was measured.
+    pub(crate) fn run(&mut self, trial: &Trial) -> Result<JointLog, Failure> {
+        output::check_interrupt()?;
+        match self {
+            Self::Virtual(arm) => arm.run(trial),
+            Self::Real { line, to_start } => run_real(line, *to_start, trial),
+        }
+    }
+}
+
+impl VirtualArm {
+    pub(crate) fn run(&self, trial: &Trial) -> Result<JointLog, Failure> {
+        // Noise of a program does not depend on what ran before it (FNV-1a).
+        let seed = trial.name.bytes().fold(self.seed ^ 0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        });
+        let mut robot = VirtualRobot::new(self.robot.clone(), seed);
+        robot.noise_rad = self.noise_rad;
+        robot.period_s = self.rate_hz.recip();
+        let run = robot.run(&trial.program);
+        run.map(|(_, log)| log).map_err(|error| {
+            Failure::run(format!("the virtual robot cannot run {}", trial.name), &error)
+        })
+    }
+}
+
+fn run_real(line: &mut Line, to_start: f64, trial: &Trial) -> Result<JointLog, Failure> {
+    tell(&format!("{}\n", trial.name));
+    go_to_start(line, Some(to_start), &trial.program.start_rad)?;
+    output::check_interrupt()?;
+    let motions: Vec<Motion> = trial.program.motions.clone();
+    let measured = watch(line, Task::Motions(motions), None).result.map_err(|error| {
+        let what = format!("{} was not run to its end, the robot may still be moving", trial.name);
+        connection::failed(&what, &error)
+    })?;
+    if measured.samples_left_out > 0 {
+        tell(&format!(
+            "{} samples were left out: the run was too long for the drive\n",
+            measured.samples_left_out
+        ));
+    }
+    let Samples { t_s, joints_rad } = measured.samples;
+    let from_s = t_s.first().copied().unwrap_or_default();
+    Ok(JointLog::new(t_s.iter().map(|t_s| t_s - from_s).collect(), joints_rad))
+}

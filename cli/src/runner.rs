@@ -1,0 +1,184 @@
+//! Runs on the robot, through a drive: the way to the start, the run, what is written of it.
+
+use std::{collections::BTreeMap, io::Cursor, thread, time::Duration};
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_link::{
+    Client, ClientError, Published, START_TOLERANCE_RAD, Stream, TimedJoints,
+    message::{DriveState, FriStatus, Run as Measured, Samples},
+    security::Endpoint,
+};
+use iiwa_log::{Recorder, RecorderConfig};
+use iiwa_path::{Motion, Ptp};
+
+use crate::{
+    args::DriveAddress,
+    connection,
+    failure::{Failure, printable, tell},
+    output,
+    progress::Progress,
+};
+
+/// How long the stream is waited for before the connection is looked at again.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// The connections to a drive.
+pub(crate) struct Line {
+    client: Client,
+    /// Stops the run that the client waits for.
+    helper: Client,
+    stream: Stream,
+}
+
+impl Line {
+    /// Connects with a drive, and with where it publishes.
+    pub(crate) fn new(drive: &DriveAddress, stream: &Endpoint) -> Result<Self, Failure> {
+        let remote = connection::remote(&drive.keys)?;
+        Ok(Self {
+            client: connection::client(drive)?,
+            helper: connection::client(drive)?,
+            stream: Stream::new(&remote, &stream.to_string())
+                .map_err(|error| connection::refused(&error))?,
+        })
+    }
+}
+
+/// What the drive is to do.
+pub(crate) enum Task {
+    Motions(Vec<Motion>),
+    Trajectory(TimedJoints),
+}
+
+/// How a run went.
+pub(crate) struct Watched {
+    pub(crate) result: Result<Measured, ClientError>,
+    /// What the stream brought meanwhile.
+    pub(crate) seen: Samples,
+}
+
+/// Lets the drive run a task, shows how far it is, and stops it when it is interrupted.
+pub(crate) fn watch(line: &mut Line, task: Task, planned_s: Option<f64>) -> Watched {
+    let Line { client, helper, stream } = line;
+    thread::scope(|scope| {
+        let running = scope.spawn(move || match task {
+            Task::Motions(motions) => client.run_motions(motions, None),
+            Task::Trajectory(trajectory) => client.run_trajectory(trajectory, None),
+        });
+        let seen = follow(helper, stream, planned_s, || running.is_finished());
+        let result = running.join().unwrap_or_else(|_| {
+            let what = "this program has failed; please report it".to_owned();
+            Err(ClientError::Answer { what })
+        });
+        Watched { result, seen }
+    })
+}
+
+/// Follows a run until it has ended.
+fn follow(
+    helper: &mut Client,
+    stream: &mut Stream,
+    planned_s: Option<f64>,
+    has_ended: impl Fn() -> bool,
+) -> Samples {
+    let mut progress = Progress::of_run();
+    let mut seen = Samples::default();
+    let mut runs = false;
+    let mut stops = 0;
+    while !has_ended() {
+        if output::interrupted() {
+            // Again until it has ended: the first one may have come before it began.
+            let stopped = helper.stop();
+            progress.aside(|| match stopped {
+                _ if stops > 0 => {}
+                Ok(()) => tell("Interrupted: the robot is stopped on its path\n"),
+                Err(error) => tell(&format!(
+                    "The robot could not be told to stop: {}\n",
+                    printable(&error.to_string())
+                )),
+            });
+            stops += 1;
+        }
+        match stream.next(LOOK) {
+            Ok(Some(Published::Joints { t_s, joints_rad })) if runs => {
+                seen.t_s.push(t_s);
+                seen.joints_rad.push(joints_rad);
+                if let Some(planned_s) = planned_s {
+                    progress.show_share(((t_s - seen.t_s[0]) / planned_s).min(1.0));
+                }
+            }
+            Ok(Some(Published::State { state, .. })) => runs = state != DriveState::Idle,
+            Ok(_) => {}
+            Err(error) => {
+                progress.aside(|| tell(&format!("The stream broke off: {error}\n")));
+                thread::sleep(LOOK);
+            }
+        }
+    }
+    progress.clear();
+    seen
+}
+
+/// The robot has to be where the program starts.
+///
+/// `move_to_start` is the share of the limits of velocity, in per cent, at which it may move there.
+pub(crate) fn go_to_start(
+    line: &mut Line,
+    move_to_start: Option<f64>,
+    start_rad: &Joints,
+) -> Result<(), Failure> {
+    let ask = |error: ClientError| connection::failed("cannot ask where the robot is", &error);
+    let status = line.client.state().map_err(ask)?;
+    let Some(joints_rad) = status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT)
+    else {
+        return Err(Failure::Run {
+            what: "it is not known where the robot is: the drive does not hear the controller"
+                .to_owned(),
+            cause: None,
+        });
+    };
+    let off = |j: &usize| (joints_rad[*j] - start_rad[*j]).abs();
+    let worst = (0..7).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+    if off(&worst) <= START_TOLERANCE_RAD && (move_to_start.is_none() || off(&worst) < 1e-6) {
+        return Ok(());
+    }
+    let Some(percent) = move_to_start else {
+        return Err(Failure::Run {
+            what: format!(
+                "the robot is not at the program's start: joint {} is at {:.3} deg, the program starts at \
+                 {:.3} deg; --move-to-start moves it there first",
+                worst + 1,
+                joints_rad[worst].to_degrees(),
+                start_rad[worst].to_degrees()
+            ),
+            cause: None,
+        });
+    };
+    tell("Moving to the start\n");
+    let there = vec![Motion::Ptp(Ptp::to(*start_rad).velocity(percent / 100.0))];
+    watch(line, Task::Motions(there), None)
+        .result
+        .map(drop)
+        .map_err(|error| connection::failed("the robot did not move to the start", &error))
+}
+
+/// What the robot did, as MCAP, with the program that it ran.
+pub(crate) fn recording(
+    samples: &[(Duration, &Joints)],
+    cycle_time_s: Option<f64>,
+    robot: &Robot,
+    program: &str,
+) -> Result<Vec<u8>, Failure> {
+    let refuse = |error: iiwa_log::WriteError| Failure::run("cannot write the recording", &error);
+    let storage = Cursor::new(Vec::new());
+    let mut recorder = Recorder::new(storage, robot, RecorderConfig::default()).map_err(refuse)?;
+    for (t, q) in samples {
+        recorder.sample(*t, q).map_err(refuse)?;
+    }
+    let mut metadata = BTreeMap::from([("samples".to_owned(), samples.len().to_string())]);
+    if let Some(cycle_time_s) = cycle_time_s {
+        metadata.insert("cycle_time_s".to_owned(), cycle_time_s.to_string());
+    }
+    let program = ("program.json", "application/json", program.as_bytes());
+    let storage = recorder.finish(&metadata, &[program]).map_err(refuse)?;
+    Ok(storage.into_inner())
+}

@@ -1,0 +1,194 @@
+//! `iiwasim experiment` from outside: files, exit codes, messages.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+#[path = "common/run.rs"]
+mod run;
+
+use std::{fs, path::Path};
+
+use iiwa_log::JointLog;
+use iiwa_path::Program;
+use predicates::{
+    prelude::PredicateBooleanExt,
+    str::{contains, is_empty},
+};
+use tempfile::{TempDir, tempdir};
+
+use run::{files, iiwasim};
+
+fn listed(folder: &TempDir, path: &str) -> Vec<String> {
+    let names = fs::read_dir(folder.path().join(path)).unwrap();
+    let mut names: Vec<_> =
+        names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+fn text(folder: &TempDir, path: &str) -> String {
+    fs::read_to_string(folder.path().join(path)).unwrap()
+}
+
+/// The number in a column of the first row of a report that begins with `row`.
+fn number(report: &str, row: &str, column: usize) -> f64 {
+    let line = report.lines().find(|line| line.starts_with(&format!("| {row}"))).unwrap();
+    let cell = line.split('|').nth(column + 1).unwrap().trim();
+    cell.split(' ').next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn zone_velocity_writes_what_it_says() {
+    let folder = tempdir().unwrap();
+    iiwasim(&folder, &["experiment", "zone-velocity", "--simulate"])
+        .success()
+        .stdout("1 program on a virtual robot; report in experiment-zone-velocity/report.md\n")
+        .stderr(is_empty());
+    assert_eq!(files(&folder), ["experiment-zone-velocity"]);
+    let expected = ["figure-29.svg", "programs", "recordings", "report.md"];
+    assert_eq!(listed(&folder, "experiment-zone-velocity"), expected);
+    let recordings = "experiment-zone-velocity/recordings";
+    assert_eq!(listed(&folder, recordings), ["appendix-b.csv", "appendix-b.mcap"]);
+
+    // Both recordings are the same, and hold the program that stands beside them.
+    let read = |name: &str| {
+        let file = fs::File::open(folder.path().join(recordings).join(name)).unwrap();
+        JointLog::read(file).unwrap()
+    };
+    let (csv, mcap) = (read("appendix-b.csv"), read("appendix-b.mcap"));
+    assert_eq!(csv.q_rad, mcap.q_rad);
+    assert!(csv.t_s.iter().zip(&mcap.t_s).all(|(a, b)| (a - b).abs() < 1e-8));
+    let program = text(&folder, "experiment-zone-velocity/programs/appendix-b.json");
+    assert_eq!(mcap.program.as_deref(), Some(program.trim_end()));
+    assert_eq!(Program::from_json(&program).unwrap().motions.len(), 4);
+
+    let report = text(&folder, "experiment-zone-velocity/report.md");
+    assert!(report.contains("not on a real one") && report.contains("](figure-29.svg)"));
+    assert!(report.contains("in 3 of 3 blends"), "{report}");
+    let svg = text(&folder, "experiment-zone-velocity/figure-29.svg");
+    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+}
+
+#[test]
+fn limits_are_those_of_the_virtual_robot() {
+    let folder = tempdir().unwrap();
+    let profile =
+        r#"{ "version": 1, "acceleration_limit_deg_s2": [400, 490, 500, 650, 700, 900, 900] }"#;
+    fs::write(folder.path().join("weak.json"), profile).unwrap();
+    let options = ["--count", "2", "--virtual-robot", "weak.json", "--noise", "0", "-o", "out"];
+    iiwasim(&folder, &[&["experiment", "limits", "--simulate"], &options[..]].concat()).success();
+    let report = text(&folder, "out/report.md");
+    assert!((number(&report, "mean", 1) - 400.0).abs() < 0.5, "{report}");
+    assert!((number(&report, "mean", 2) - 490.0).abs() < 0.5);
+    assert!(report.contains("It is `weak.json`, while the model is lbr_iiwa_7_r800"));
+    assert!(listed(&folder, "out").contains(&"figure-28.svg".to_owned()));
+    let programs = ["pose-01.json", "pose-02.json", "wide.json"];
+    assert_eq!(listed(&folder, "out/programs"), programs);
+}
+
+#[test]
+fn blends_tell_the_shapes_apart() {
+    let folder = tempdir().unwrap();
+    let command = ["experiment", "blends", "--simulate", "--no-recordings", "-o", "out"];
+    iiwasim(&folder, &command).success();
+    let figures = [15, 16, 17, 18, 20, 21].map(|number| format!("figure-{number}.svg"));
+    let mut expected = figures.to_vec();
+    expected.push("report.md".to_owned());
+    assert_eq!(listed(&folder, "out"), expected);
+    let report = text(&folder, "out/report.md");
+    for shape in ["Eq. 13", "Eq. 26", "Eq. 32"] {
+        assert!(number(&report, shape, 2) > 100.0 * number(&report, "Eq. 39", 2), "{report}");
+    }
+}
+
+#[test]
+fn settling_takes_what_the_robot_takes() {
+    let folder = tempdir().unwrap();
+    let command = ["experiment", "settle", "--simulate", "--count", "20", "-o", "out"];
+    iiwasim(&folder, &command).success();
+    let report = text(&folder, "out/report.md");
+    assert!((number(&report, "on a virtual robot", 1) - 0.05).abs() < 0.001, "{report}");
+    assert_eq!(number(&report, "on a virtual robot", 3), 19.0);
+}
+
+/// Larsen 2019, section 5.1.2: limits on acceleration alone make calculated times too short, the more the
+/// faster, the shorter and the less blended the motions are; limits on jerk explain it.
+#[test]
+fn cycle_times_err_as_the_thesis_says() {
+    let folder = tempdir().unwrap();
+    let command = ["experiment", "cycle-time", "--simulate", "--count", "1", "--no-recordings"];
+    iiwasim(&folder, &[&command[..], &["-o", "out"]].concat()).success();
+    let report = text(&folder, "out/report.md");
+    let section = |title: &str| report.split(&format!("### {title}")).nth(1).unwrap();
+    let error = |title: &str, row: &str| number(section(title), row, 3);
+    assert!(error("Fig. 23", "0.1 ").abs() < 0.1);
+    assert!(error("Fig. 23", "1 ") < 5.0 * error("Fig. 23", "0.1 "));
+    assert!(error("Fig. 24", "0 ") < 3.0 * error("Fig. 24", "0.5 "));
+    assert!(error("Fig. 25", "25 ") < 10.0 * error("Fig. 25", "200 "));
+    assert!(error("Path length at full speed", "25 ") < -15.0);
+    let by_jerk = report.split(" by acceleration and ").nth(1).unwrap();
+    let by_jerk: f64 = by_jerk.split(' ').next().unwrap().parse().unwrap();
+    assert!(by_jerk < 0.1, "{by_jerk}");
+}
+
+/// The page in the documentation is what its first lines say.
+#[test]
+fn the_committed_page_is_what_the_command_makes() {
+    let folder = tempdir().unwrap();
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    let page = fs::read_to_string(docs.join("evaluation.md")).unwrap();
+    let command = page.lines().find_map(|line| line.strip_prefix("iiwasim ")).unwrap();
+    iiwasim(&folder, &command.split(' ').collect::<Vec<_>>()).success();
+    assert_eq!(text(&folder, "docs/evaluation.md"), page, "make it anew: iiwasim {command}");
+    let mut names: Vec<_> = fs::read_dir(docs.join("evaluation"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(listed(&folder, "docs/evaluation"), names);
+    for name in names {
+        let committed = fs::read_to_string(docs.join("evaluation").join(&name)).unwrap();
+        assert!(text(&folder, &format!("docs/evaluation/{name}")) == committed, "{name} differs");
+    }
+}
+
+#[test]
+fn what_cannot_be_done_is_said() {
+    let folder = tempdir().unwrap();
+    let experiment =
+        |options: &[&str]| iiwasim(&folder, &[&["experiment", "zone-velocity"], options].concat());
+    experiment(&[]).code(2).stderr(contains("--simulate").and(contains("--drive")));
+    experiment(&["--drive", "127.0.0.1:1"]).code(2).stderr(contains("--move-to-start"));
+    experiment(&["--simulate", "--drive", "127.0.0.1:1"])
+        .code(2)
+        .stderr(contains("cannot be used"));
+    experiment(&["--simulate", "--virtual-robot", "none.json"])
+        .code(2)
+        .stderr(contains("no robot is called `none.json`"));
+    fs::write(folder.path().join("bad.json"), "{\n  \"version\": 1,\n  \"speed\": 2\n}").unwrap();
+    experiment(&["--simulate", "--virtual-robot", "bad.json"])
+        .code(2)
+        .stderr(contains("bad.json, line 3").and(contains("speed")));
+    experiment(&["--simulate", "-o", "bad.json"]).code(2).stderr(contains("is a file"));
+    experiment(&["--simulate", "-o", "out", "--report", "other/report.md"])
+        .code(2)
+        .stderr(contains("neither in the folder out nor above it"));
+
+    // What a robot did is not written over anything; what a virtual one did is.
+    fs::create_dir(folder.path().join("full")).unwrap();
+    fs::write(folder.path().join("full/notes.txt"), "mine").unwrap();
+    experiment(&["--drive", "127.0.0.1:1", "--move-to-start", "-o", "full"])
+        .code(2)
+        .stderr(contains("full is not empty"));
+    experiment(&["--simulate", "-o", "full"]).success();
+    experiment(&["--simulate", "-o", "full"]).success();
+    assert_eq!(text(&folder, "full/notes.txt"), "mine");
+}
+
+#[test]
+fn without_a_drive_nothing_is_written() {
+    let folder = tempdir().unwrap();
+    iiwasim(&folder, &["experiment", "zone-velocity", "--drive", "127.0.0.1:1", "--move-to-start"])
+        .code(1)
+        .stderr(contains("cannot ask where the robot is").and(contains("A2   -27.2 and   63.6")));
+    assert!(files(&folder).is_empty());
+}

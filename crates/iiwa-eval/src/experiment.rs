@@ -1,0 +1,296 @@
+//! The programs of the thesis's experiments (Larsen 2019, sections 4.2 and 5.1.2, Appendices A, B and C).
+//!
+//! Random ones are the same for the same seed. All keep the flange above the plane that the robot stands
+//! on; what else is around the robot they do not know.
+
+use fastrand::Rng;
+use iiwa_kin::{Joints, Robot};
+use iiwa_path::{Blend, Motion, Program, Ptp};
+
+use crate::vector::{norm, sub};
+
+/// A program of an experiment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// Its name: letters, digits and `-`.
+    pub name: String,
+    /// The program.
+    pub program: Program,
+}
+
+/// Larsen 2019, Table 3, in degrees.
+const POSES_DEG: [Joints; 20] = [
+    [-44.91, 27.72, 96.85, 49.32, -97.77, 71.79, 65.26],
+    [4.06, -13.72, -145.50, -81.72, -40.66, -70.54, -103.57],
+    [146.56, -3.80, -114.28, -99.07, -147.33, -24.42, 9.82],
+    [21.36, 7.12, 32.15, -66.75, 48.91, -9.84, -45.84],
+    [-132.89, 7.54, 85.00, 60.52, 5.96, -39.61, 116.55],
+    [68.00, 31.91, 127.72, 7.87, -107.30, -7.58, -82.05],
+    [108.67, -20.33, 83.90, 68.73, 149.04, 99.94, 34.56],
+    [-32.27, -16.37, -60.82, 68.03, -142.88, -24.83, -126.29],
+    [53.16, -31.06, -147.36, 83.76, -67.23, -45.42, 27.25],
+    [57.35, 23.63, 67.95, -3.01, -88.39, 48.75, -9.78],
+    [-12.61, 31.44, 73.33, -78.34, 29.71, -22.95, 72.85],
+    [32.69, 5.07, -41.60, -69.69, -82.47, -14.97, 93.89],
+    [5.13, 34.30, 75.46, -30.89, -99.31, 31.46, -2.51],
+    [-130.94, 13.98, 1.44, -70.50, 134.88, -71.68, 125.59],
+    [57.87, -13.79, -22.03, -85.92, 139.98, 36.64, -107.50],
+    [113.18, 22.52, 24.61, -61.73, -96.63, 63.44, -7.67],
+    [-103.33, 0.27, 69.61, -18.88, -66.13, 13.75, 56.49],
+    [76.76, 15.53, -7.41, -75.40, -39.66, 66.94, -144.12],
+    [5.10, 11.41, -22.13, -79.06, 134.80, 84.28, 15.36],
+    [-46.20, -1.98, -37.51, 69.40, -54.94, -8.78, -70.71],
+];
+
+/// How far the joints swing to either side of a pose in Appendix A, in degrees.
+const SWING_DEG: f64 = 20.0;
+
+/// How far they swing about zero, in degrees: joints 6 and 7 do not come to full speed within 40 deg.
+const WIDE_SWING_DEG: f64 = 70.0;
+
+/// The limits of the joints (Appendix A): from 20 pose, each joint by itself swings by 20 deg to either
+/// side at full speed. A last program swings them by 70 deg about zero, since joints 6 and 7 need more
+/// than 40 deg to come to full speed.
+#[must_use]
+pub fn limits() -> Vec<Trial> {
+    let swings = |pose_deg: Joints, swing_deg: f64| {
+        let start_rad = rad(pose_deg);
+        let joints = (0..7).flat_map(|j| {
+            [-swing_deg, swing_deg, 0.0].map(|swing_deg| {
+                let mut target_deg = pose_deg;
+                target_deg[j] += swing_deg;
+                Ptp::to(rad(target_deg))
+            })
+        });
+        program(start_rad, joints)
+    };
+    let poses = POSES_DEG.iter().enumerate().map(|(i, pose_deg)| Trial {
+        name: format!("pose-{:02}", i + 1),
+        program: swings(*pose_deg, SWING_DEG),
+    });
+    let wide = Trial { name: "wide".to_owned(), program: swings([0.0; 7], WIDE_SWING_DEG) };
+    poses.chain([wide]).collect()
+}
+
+/// Where the second motions of section 4.2 begin, and how long the two are, in degrees. Their lengths
+/// differ, so that Algorithm 3 shows; neither is stated.
+const CORNER_DEG: Joints = [0.0, 30.0, 0.0, -70.0, 0.0, 60.0, 0.0];
+const FIRST_LEG_DEG: f64 = 40.0;
+const SECOND_LEG_DEG: f64 = 25.0;
+
+/// The curve of blends (section 4.2): a corner with a relative blend of 0.25, and behind it 36 targets in
+/// a circle. Only joints 2 and 4 move, at `velocity_rel` of full speed.
+#[must_use]
+pub fn blends(velocity_rel: f64) -> Trial {
+    let about_corner = |deg: f64, angle_deg: f64| {
+        let (sin, cos) = angle_deg.to_radians().sin_cos();
+        let mut target_deg = CORNER_DEG;
+        target_deg[1] += deg * cos;
+        target_deg[3] += deg * sin;
+        rad(target_deg)
+    };
+    let start_rad = about_corner(FIRST_LEG_DEG, 180.0);
+    let motions = (0..36).flat_map(|i| {
+        let corner = Ptp::to(rad(CORNER_DEG)).blend(Blend::Fraction(0.25));
+        let end = about_corner(SECOND_LEG_DEG, f64::from(i) * 10.0);
+        [corner, Ptp::to(end), Ptp::to(start_rad)].map(|motion| motion.velocity(velocity_rel))
+    });
+    Trial { name: "circle".to_owned(), program: program(start_rad, motions) }
+}
+
+/// The velocity in blends (Appendix B): its program, as it is.
+#[must_use]
+pub fn zone_velocity() -> Trial {
+    let to = |[a2, a4, a6]: [f64; 3]| Ptp::to([0.0, a2, 0.0, a4, 0.0, a6, 0.0]);
+    let motions = [
+        to([-0.337_023, -0.984_366, 1.685_115]).blend(Blend::CartMm(200.0)).velocity(0.75),
+        to([-0.474_031, -1.991_944, 1.531_526]).blend(Blend::CartMm(50.0)).velocity(0.1),
+        to([0.739_496, -0.778_068, 1.578_825]).blend(Blend::CartMm(100.0)).velocity(0.5),
+        to([1.110_378, -1.156_979, 0.895_354]).velocity(0.2),
+    ];
+    Trial { name: "appendix-b".to_owned(), program: program([0.0; 7], motions) }
+}
+
+/// The time to settle (Appendix C): `count` random points at random speeds without blends; the thesis has
+/// 200.
+#[must_use]
+pub fn settle(robot: &Robot, count: usize, seed: u64) -> Trial {
+    let mut random = Rng::with_seed(seed);
+    let mut at = HOME_RAD;
+    let motions: Vec<_> = (0..count)
+        .map(|_| {
+            at = random_target(robot, &mut random, &at, |random| {
+                let range = robot.limits().position_rad;
+                std::array::from_fn(|j| 0.6 * range[j] * symmetric(random))
+            });
+            Ptp::to(at).velocity(0.1 + 0.9 * random.f64())
+        })
+        .collect();
+    Trial { name: "settle".to_owned(), program: program(HOME_RAD, motions) }
+}
+
+/// What the cycle time is looked at over (section 5.1.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sweep {
+    /// Relative velocity (Fig. 23).
+    Velocity,
+    /// Relative blend (Fig. 24).
+    Blend,
+    /// Path length (Fig. 25).
+    Length,
+}
+
+/// One of the programs of section 5.1.2: ten motions in random directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CycleTime {
+    /// Which of the random paths, from 0.
+    pub path: u64,
+    /// `v_%`: share of full speed.
+    pub velocity_rel: f64,
+    /// `b_%`: share of the motions that is blended; none at 0.
+    pub blend: f64,
+    /// lambda: the length of each motion, the norm of the joints' ways, in degrees. The thesis does not say
+    /// what its lambda is; this one makes motions as long as the thesis's cycle times suggest.
+    pub length_deg: f64,
+}
+
+impl Sweep {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Velocity, Self::Blend, Self::Length];
+
+    /// What the programs are made with: of each of the five random paths one for each value. What is not
+    /// varied is as in the thesis: velocity 0.4, blend 0.25, length 200.
+    #[must_use]
+    pub fn cases(self) -> Vec<CycleTime> {
+        let values: &[f64] = match self {
+            Self::Velocity => &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0],
+            Self::Blend => &[0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5],
+            Self::Length => &[25.0, 50.0, 75.0, 100.0, 125.0, 150.0, 175.0, 200.0],
+        };
+        let case = |path: u64, value: f64| {
+            let thesis = CycleTime { path, velocity_rel: 0.4, blend: 0.25, length_deg: 200.0 };
+            match self {
+                Self::Velocity => CycleTime { velocity_rel: value, ..thesis },
+                Self::Blend => CycleTime { blend: value, ..thesis },
+                Self::Length => CycleTime { length_deg: value, ..thesis },
+            }
+        };
+        let of_value = |value: &f64| (0..5).map(|path| case(path, *value)).collect::<Vec<_>>();
+        values.iter().flat_map(of_value).collect()
+    }
+}
+
+impl CycleTime {
+    /// The program.
+    #[must_use]
+    pub fn trial(&self, robot: &Robot, seed: u64) -> Trial {
+        let Self { path, velocity_rel, blend, length_deg } = *self;
+        let mut random = Rng::with_seed(seed.wrapping_mul(1000).wrapping_add(path));
+        let mut at = HOME_RAD;
+        let mut motions: Vec<_> = (0..10)
+            .map(|_| {
+                let from = at;
+                at = random_target(robot, &mut random, &from, |random| {
+                    // Evenly in all directions.
+                    let way: Joints = std::array::from_fn(|_| normal(random));
+                    let scale = length_deg.to_radians() / norm(&way);
+                    std::array::from_fn(|j| from[j] + scale * way[j])
+                });
+                let motion = Ptp::to(at).velocity(velocity_rel);
+                if blend > 0.0 { motion.blend(Blend::Fraction(blend)) } else { motion }
+            })
+            .collect();
+        if let Some(last) = motions.last_mut() {
+            last.blend = None;
+        }
+        let name = format!(
+            "path-{}-velocity-{:03.0}-blend-{:02.0}-length-{length_deg:03.0}",
+            path + 1,
+            100.0 * velocity_rel,
+            100.0 * blend
+        );
+        Trial { name, program: program(HOME_RAD, motions) }
+    }
+}
+
+/// Where random programs start, in rad: elbow and wrist bent.
+const HOME_RAD: Joints = [0.0, 0.5, 0.0, -1.2, 0.0, 0.8, 0.0];
+
+/// How far above the robot's foot the flange stays, in m.
+const CLEARANCE_M: f64 = 0.1;
+
+/// Joints stay away from the ends of their ranges by this share: blends may swing out.
+const RANGE_SHARE: f64 = 0.9;
+
+/// Draws targets until one can be reached from `from`.
+fn random_target(
+    robot: &Robot,
+    random: &mut Rng,
+    from: &Joints,
+    draw: impl Fn(&mut Rng) -> Joints,
+) -> Joints {
+    loop {
+        let to = draw(random);
+        let range = robot.limits().position_rad;
+        let way = sub(&to, from);
+        let above = |i: u32| {
+            let share = f64::from(i) / 16.0;
+            let q: Joints = std::array::from_fn(|j| from[j] + share * way[j]);
+            robot.tcp_position(&q)[2] > CLEARANCE_M
+        };
+        if (0..7).all(|j| to[j].abs() <= RANGE_SHARE * range[j]) && (1..=16).all(above) {
+            return to;
+        }
+    }
+}
+
+/// Evenly between -1 and 1.
+fn symmetric(random: &mut Rng) -> f64 {
+    2.0 * random.f64() - 1.0
+}
+
+fn normal(random: &mut Rng) -> f64 {
+    use fastrand_contrib::RngExt as _;
+    random.f64_normal(0.0, 1.0)
+}
+
+fn rad(deg: Joints) -> Joints {
+    deg.map(f64::to_radians)
+}
+
+fn program(start_rad: Joints, motions: impl IntoIterator<Item = Ptp>) -> Program {
+    Program { robot: None, start_rad, motions: motions.into_iter().map(Motion::Ptp).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use iiwa_path::Path;
+
+    use super::*;
+
+    #[test]
+    fn all_programs_can_be_planned() {
+        let robot = Robot::default();
+        let mut trials = limits();
+        trials.extend([blends(0.5), zone_velocity(), settle(&robot, 200, 1)]);
+        for sweep in Sweep::ALL {
+            trials.extend(sweep.cases().iter().map(|case| case.trial(&robot, 1)));
+        }
+        for Trial { name, program } in trials {
+            Path::new(&program, &robot).unwrap_or_else(|fault| panic!("{name}: {fault}"));
+        }
+    }
+
+    #[test]
+    fn lengths_are_as_asked_for() {
+        let case = CycleTime { path: 3, velocity_rel: 0.4, blend: 0.25, length_deg: 200.0 };
+        let Trial { name, program } = case.trial(&Robot::default(), 1);
+        assert_eq!(name, "path-4-velocity-040-blend-25-length-200");
+        let mut at = program.start_rad;
+        for motion in &program.motions {
+            let Motion::Ptp(ptp) = motion else { panic!("a wait") };
+            assert!((norm(&sub(&ptp.target_rad, &at)).to_degrees() - 200.0).abs() < 1e-9);
+            at = ptp.target_rad;
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! The curve of blends: kappa, and where they begin and end, fitted to the samples about a corner.
+//!
+//! The path does not depend on time, so neither does the fit: it makes the distances of the samples from
+//! the curve small.
+
+use iiwa_kin::Joints;
+
+use crate::{
+    least_squares::{self, Model},
+    vector::{dot, norm, sub, unit},
+};
+
+/// Corners that are straighter, or turn farther back, in degrees, show nothing of their curve.
+const GAMMA_DEG: std::ops::RangeInclusive<f64> = 3.0..=177.0;
+
+/// A corner of a path: the target that is blended away, the directions into and out of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    target: Joints,
+    into: Joints,
+    /// Unit vector across `into`, on the side of the way out.
+    across: Joints,
+    gamma_rad: f64,
+}
+
+impl Corner {
+    /// Of the ways to the target and away from it; none if it is too straight or too sharp.
+    pub(super) fn new(target: &Joints, before: &Joints, after: &Joints) -> Option<Self> {
+        let into = unit(&sub(target, before));
+        let out = unit(&sub(after, target));
+        let along = dot(&into, &out);
+        let beside: Joints = std::array::from_fn(|j| out[j] - along * into[j]);
+        let gamma_rad = norm(&beside).atan2(along);
+        GAMMA_DEG.contains(&gamma_rad.to_degrees()).then(|| Self {
+            target: *target,
+            into,
+            across: unit(&beside),
+            gamma_rad,
+        })
+    }
+
+    pub(super) fn gamma_deg(&self) -> f64 {
+        self.gamma_rad.to_degrees()
+    }
+
+    /// A sample in the plane of the corner, about the target: along the way in, and across it.
+    pub(super) fn in_plane(&self, q: &Joints) -> [f64; 2] {
+        let from_target = sub(q, &self.target);
+        [dot(&from_target, &self.into), dot(&from_target, &self.across)]
+    }
+}
+
+/// Where, about the kappa that is expected, the fit begins.
+const STARTS: [f64; 3] = [0.0, -1.5, 1.5];
+
+/// From this angle on, in degrees, more than one start is tried.
+const SHARP_DEG: f64 = 140.0;
+
+const KAPPA: usize = 0;
+const BEFORE: usize = 1;
+const AFTER: usize = 2;
+
+/// Samples about a corner, in its plane and in order.
+struct Bend<'a> {
+    samples: &'a [[f64; 2]],
+    out: [f64; 2],
+}
+
+/// A point of the curve: where it is, which way it goes, and how it moves with each parameter.
+struct Point {
+    at: [f64; 2],
+    slope: [f64; 2],
+    by: [[f64; 2]; 3],
+}
+
+/// alpha and beta (Larsen 2019, Eq. 18 and 21) for N = 2 with their derivatives, for `s` in [0, 1].
+fn weights(s: f64) -> [[f64; 2]; 2] {
+    let rest = 1.0 - s;
+    let hump = s * rest;
+    let alpha = s * s * s * (10.0 - s * (15.0 - 6.0 * s));
+    [[alpha, 30.0 * hump * hump], [-hump * hump * hump, -3.0 * hump * hump * (rest - s)]]
+}
+
+impl Bend<'_> {
+    /// The curve (Larsen 2019, Eq. 39) for `s` in [0, 1], and the lines that it joins before and after.
+    fn point(&self, [kappa, before, after]: [f64; 3], s: f64) -> Point {
+        let out = self.out;
+        let on_curve = s.clamp(0.0, 1.0);
+        let beyond = s - on_curve;
+        let [[alpha, alpha_slope], [beta, beta_slope]] = weights(on_curve);
+        // Shares of the two ways, in lengths of the blend's reach on either side.
+        let first = -(1.0 - alpha) * (1.0 - on_curve) + kappa * beta;
+        let second = alpha * on_curve - kappa * beta;
+        let first_slope = (1.0 - alpha) + alpha_slope * (1.0 - on_curve) + kappa * beta_slope;
+        let second_slope = alpha + alpha_slope * on_curve - kappa * beta_slope;
+        let join = |first: f64, second: f64| [first + second * out[0], second * out[1]];
+        let slope = join(first_slope * before, second_slope * after);
+        let at = join(first * before, second * after);
+        Point {
+            at: [at[0] + beyond * slope[0], at[1] + beyond * slope[1]],
+            slope,
+            by: [
+                join(beta * before, -beta * after),
+                join(first + beyond * first_slope, 0.0),
+                join(0.0, second + beyond * second_slope),
+            ],
+        }
+    }
+}
+
+impl Model<3> for Bend<'_> {
+    fn samples(&self, parameters: &[f64; 3], mut each: impl FnMut(f64, [f64; 3])) {
+        let [_, before, _] = *parameters;
+        // Samples are in order, so that the nearest point of one is a good guess for the next.
+        let mut s = self.samples.first().map_or(0.0, |first| first[0] / before + 1.0);
+        for sample in self.samples {
+            let mut point = self.point(*parameters, s);
+            for _ in 0..8 {
+                let squared = point.slope[0].powi(2) + point.slope[1].powi(2);
+                let off = [sample[0] - point.at[0], sample[1] - point.at[1]];
+                let step = (off[0] * point.slope[0] + off[1] * point.slope[1])
+                    / squared.max(f64::MIN_POSITIVE);
+                s = (s + step.clamp(-0.2, 0.2)).clamp(-1.0, 2.0);
+                point = self.point(*parameters, s);
+                if step.abs() < 1e-6 {
+                    break;
+                }
+            }
+            let length = point.slope[0].hypot(point.slope[1]).max(f64::MIN_POSITIVE);
+            let across = [-point.slope[1] / length, point.slope[0] / length];
+            let part = |v: [f64; 2]| v[0] * across[0] + v[1] * across[1];
+            let off = [sample[0] - point.at[0], sample[1] - point.at[1]];
+            each(part(off), point.by.map(part));
+        }
+    }
+
+    fn least(&self) -> [f64; 3] {
+        [f64::NEG_INFINITY, 1e-6, 1e-6]
+    }
+}
+
+/// A blend as it was observed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Curve {
+    /// kappa and its standard deviation, the blend beginning and ending where it should.
+    pub(super) kappa: (f64, f64),
+    /// How far before the target it begins, and how far behind it ends, in rad, each with its standard
+    /// deviation; none if the samples do not tell.
+    pub(super) reach_rad: Option<[(f64, f64); 2]>,
+    /// Standard deviation of the difference of the two.
+    pub(super) difference_deviation_rad: f64,
+    /// Root mean square of the distances from the curve, in rad.
+    pub(super) residual_rad: f64,
+}
+
+impl Curve {
+    /// Fits the curve of a blend that should have about this `kappa` and reach `reach_rad` on either side;
+    /// none if the samples do not determine it.
+    pub(super) fn fit(
+        corner: &Corner,
+        samples: &[[f64; 2]],
+        kappa: f64,
+        reach_rad: f64,
+    ) -> Option<Self> {
+        let (sin, cos) = corner.gamma_rad.sin_cos();
+        let bend = Bend { samples, out: [cos, sin] };
+        // In a sharp corner both branches are near each other: samples are to find their own.
+        let starts = if corner.gamma_deg() < SHARP_DEG { &STARTS[..1] } else { &STARTS };
+        let bound = starts
+            .iter()
+            .filter_map(|off| {
+                let start = [kappa + off, reach_rad, reach_rad];
+                least_squares::fit(&bend, start, [false, true, true])
+            })
+            .min_by(|a, b| a.residual.total_cmp(&b.residual))?;
+        let free = least_squares::fit(&bend, bound.parameters, [false; 3]);
+        let difference =
+            |free: &least_squares::Fit<3>| free.deviation_of(|p: &[f64; 3]| p[AFTER] - p[BEFORE]);
+        Some(Self {
+            kappa: (bound.parameters[KAPPA], bound.deviation(KAPPA)),
+            reach_rad: free
+                .as_ref()
+                .map(|free| [BEFORE, AFTER].map(|end| (free.parameters[end], free.deviation(end)))),
+            difference_deviation_rad: free.as_ref().map_or(0.0, difference),
+            residual_rad: bound.residual,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use iiwa_path::{Continuity, PolynomialBlend};
+
+    use super::*;
+
+    /// The curve is that of the plans.
+    #[test]
+    fn the_curve_is_the_planners() {
+        let before = [-0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let after = [0.2, 0.0, 0.0, 0.4, 0.0, 0.0, 0.0];
+        let corner = Corner::new(&[0.0; 7], &before, &after).unwrap();
+        let (sin, cos) = corner.gamma_rad.sin_cos();
+        let bend = Bend { samples: &[], out: [cos, sin] };
+        let (kappa, reach) = (1.7, 0.1);
+        let d0 = unit(&sub(&[0.0; 7], &before)).map(|v| reach * v);
+        let d1 = unit(&after).map(|v| reach * v);
+        let blend = PolynomialBlend::new(&[0.0; 7], d0, &d1, kappa, Continuity::Second);
+        for i in 0..=20 {
+            let s = f64::from(i) / 20.0;
+            let expected = corner.in_plane(&blend.at(s).q);
+            let point = bend.point([kappa, reach, reach], s);
+            assert!((point.at[0] - expected[0]).hypot(point.at[1] - expected[1]) < 1e-15);
+            // Slopes and derivatives by the parameters are those of the point itself.
+            const STEP: f64 = 1e-6;
+            let slope = |to: &Point| [0, 1].map(|k| (to.at[k] - point.at[k]) / STEP);
+            let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-4;
+            if s < 1.0 {
+                assert!(near(slope(&bend.point([kappa, reach, reach], s + STEP)), point.slope));
+            }
+            for parameter in 0..3 {
+                let mut moved = [kappa, reach, reach];
+                moved[parameter] += STEP;
+                assert!(near(slope(&bend.point(moved, s)), point.by[parameter]));
+            }
+        }
+    }
+}

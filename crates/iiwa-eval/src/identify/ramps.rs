@@ -1,0 +1,230 @@
+//! How fast the arm went along a straight line from rest to rest: the seven phases of constant jerk,
+//! fitted to all of its samples at once.
+//!
+//! Nothing is differentiated, so that noise is averaged over the whole motion instead of being
+//! amplified: top speed, acceleration and jerk are parameters of the way over time.
+
+use crate::least_squares::{self, Fit, Model};
+
+/// Parameters: where it begins and how far it goes, the middle of the time it takes, and the durations of
+/// its phases: jerk, constant acceleration, constant speed.
+const START: usize = 0;
+const WAY: usize = 1;
+const MIDDLE: usize = 2;
+const JERK: usize = 3;
+const PUSH: usize = 4;
+const CRUISE: usize = 5;
+const COUNT: usize = 6;
+
+/// No phase of jerk is shorter, in s: it is not to vanish.
+const SHORTEST_S: f64 = 1e-4;
+
+/// A phase is there if leaving it out costs so many standard deviations.
+const SHOWN_DEVIATIONS: f64 = 5.0;
+
+/// It is, without looking, if its duration is so many times its standard deviation.
+const CLEAR_DEVIATIONS: f64 = 30.0;
+
+/// It shows a limit if it is at least this long, in s.
+const SHOWN_S: f64 = 2e-3;
+
+/// A figure and its standard deviation.
+pub(super) type Observed = (f64, f64);
+
+/// A motion along a line, as it was observed; ways are those of the samples.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ramps {
+    /// When the arm began to move, in s.
+    pub(super) start_s: Observed,
+    /// When it came to rest, in s.
+    pub(super) end_s: Observed,
+    /// Top speed, if it was kept for a time.
+    pub(super) speed: Option<Observed>,
+    /// Acceleration, if it was kept for a time.
+    pub(super) acceleration: Option<Observed>,
+    /// Jerk, if speeding up took so long that it shows.
+    pub(super) jerk: Option<Observed>,
+    /// Root mean square of what the model leaves over.
+    pub(super) residual: f64,
+}
+
+/// Samples of the way over time.
+struct Line<'a> {
+    t_s: &'a [f64],
+    way: &'a [f64],
+}
+
+/// The way from 0 to 1 at `t` from its middle, for durations of the phases.
+fn shape(t: f64, [jerk_s, push_s, cruise_s]: [f64; 3]) -> f64 {
+    let rise_s = 2.0 * jerk_s + push_s;
+    let speed = (rise_s + cruise_s).recip();
+    // The second half mirrors the first.
+    let before = 0.5 * cruise_s + rise_s - t.abs();
+    let way = if before <= 0.0 {
+        0.0
+    } else {
+        let acceleration = speed / (jerk_s + push_s);
+        let jerk = acceleration / jerk_s;
+        if before < jerk_s {
+            jerk * before.powi(3) / 6.0
+        } else if before < jerk_s + push_s {
+            let pushed = before - jerk_s;
+            acceleration * (jerk_s * jerk_s / 6.0 + pushed * (jerk_s + pushed) / 2.0)
+        } else {
+            let left = rise_s - before;
+            let eased = if left > 0.0 { jerk * left.powi(3) / 6.0 } else { 0.0 };
+            speed * (0.5 * rise_s - left) + eased
+        }
+    };
+    if t < 0.0 { way } else { 1.0 - way }
+}
+
+impl Model<COUNT> for Line<'_> {
+    fn samples(&self, p: &[f64; COUNT], mut each: impl FnMut(f64, [f64; COUNT])) {
+        const STEP_S: f64 = 1e-6;
+        let durations = [p[JERK], p[PUSH], p[CRUISE]];
+        for (t_s, way) in self.t_s.iter().zip(self.way) {
+            let t = t_s - p[MIDDLE];
+            let at = shape(t, durations);
+            let mut by = [0.0; COUNT];
+            (by[START], by[WAY]) = (1.0, at);
+            by[MIDDLE] = p[WAY] * (at - shape(t + STEP_S, durations)) / STEP_S;
+            for phase in 0..3 {
+                let mut longer = durations;
+                longer[phase] += STEP_S;
+                by[JERK + phase] = p[WAY] * (shape(t, longer) - at) / STEP_S;
+            }
+            each(way - p[START] - p[WAY] * at, by);
+        }
+    }
+
+    fn least(&self) -> [f64; COUNT] {
+        let none = f64::NEG_INFINITY;
+        [none, none, none, SHORTEST_S, 0.0, 0.0]
+    }
+}
+
+impl Ramps {
+    /// Fits the phases to a way of about `length` from rest to rest; none if it has another form than
+    /// could be fitted.
+    pub(super) fn fit(t_s: &[f64], way: &[f64], length: f64) -> Option<Self> {
+        let line = Line { t_s, way };
+        let start = line.guess(length)?;
+        let mut held = [false; COUNT];
+        let free = least_squares::fit(&line, start, held)?;
+        let mut best = free.clone();
+        // What is not shown is taken to be absent, so that it does not blur the rest.
+        for (phase, absent) in [(CRUISE, 0.0), (PUSH, 0.0), (JERK, SHORTEST_S)] {
+            if best.parameters[phase] > CLEAR_DEVIATIONS * best.deviation(phase) {
+                continue;
+            }
+            let mut parameters = best.parameters;
+            parameters[phase] = absent;
+            held[phase] = true;
+            let without = least_squares::fit(&line, parameters, held).filter(|without| {
+                without.squares - best.squares < (SHOWN_DEVIATIONS * best.residual).powi(2)
+            });
+            held[phase] = without.is_some();
+            best = without.unwrap_or(best);
+        }
+        Some(Self::of(&free, &best))
+    }
+
+    /// From the fit in which all phases were free and the one without those that are not there. Whether
+    /// they are is not certain: what that makes of the times counts as their uncertainty.
+    fn of(free: &Fit<COUNT>, fit: &Fit<COUNT>) -> Self {
+        type Parameters = [f64; COUNT];
+        let half = |p: &Parameters| 0.5 * p[CRUISE] + 2.0 * p[JERK] + p[PUSH];
+        let speed = |p: &Parameters| p[WAY].abs() / (2.0 * p[JERK] + p[PUSH] + p[CRUISE]);
+        let acceleration = |p: &Parameters| speed(p) / (p[JERK] + p[PUSH]);
+        let shows = |phase: usize| fit.parameters[phase] >= SHOWN_S;
+        let observed = |figure: &dyn Fn(&Parameters) -> f64| {
+            (figure(&fit.parameters), fit.deviation_of(figure))
+        };
+        let time = |figure: &dyn Fn(&Parameters) -> f64| {
+            let (time_s, deviation_s) = observed(figure);
+            (time_s, deviation_s.hypot(figure(&free.parameters) - time_s))
+        };
+        Self {
+            start_s: time(&|p| p[MIDDLE] - half(p)),
+            end_s: time(&|p| p[MIDDLE] + half(p)),
+            speed: shows(CRUISE).then(|| observed(&speed)),
+            acceleration: shows(PUSH).then(|| observed(&acceleration)),
+            jerk: shows(JERK).then(|| observed(&|p| acceleration(p) / p[JERK])),
+            residual: fit.residual,
+        }
+    }
+}
+
+impl Line<'_> {
+    /// Parameters to begin with: from when the arm is at some shares of its way.
+    fn guess(&self, length: f64) -> Option<[f64; COUNT]> {
+        let first_beyond = |share: f64| {
+            let at = self.way.iter().position(|way| *way >= share * length)?;
+            Some(self.t_s[at])
+        };
+        let [near_s, quarter_s, middle_s, late_s, end_s] = [
+            first_beyond(0.02)?,
+            first_beyond(0.3)?,
+            first_beyond(0.5)?,
+            first_beyond(0.7)?,
+            first_beyond(0.98)?,
+        ];
+        let speed = 0.4 / (late_s - quarter_s).max(1e-6);
+        let total_s = 1.15 * (end_s - near_s).max(4.0 * SHORTEST_S);
+        // The way is speed times rise and cruise; the time is twice the rise and the cruise.
+        let rise_s = (total_s - speed.recip()).clamp(0.1 * total_s, 0.5 * total_s);
+        let cruise_s = (total_s - 2.0 * rise_s).max(0.0);
+        let mut p = [0.0; COUNT];
+        (p[WAY], p[MIDDLE]) = (length, middle_s);
+        (p[JERK], p[PUSH], p[CRUISE]) = (0.3 * rise_s, 0.4 * rise_s, cruise_s);
+        Some(p)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Joint 1 by 40 deg at the limits of Larsen 2019, in degrees: the durations are known.
+    #[test]
+    fn finds_what_was_put_in() {
+        let (v, a, j) = (98.0, 490.0, 10384.86);
+        let durations = [a / j, v / a - a / j, 40.0 / v - v / a - a / j];
+        let t_s: Vec<f64> = (0..900).map(|i| f64::from(i) * 1e-3).collect();
+        let way: Vec<f64> = t_s.iter().map(|t| 3.0 + 40.0 * shape(t - 0.4321, durations)).collect();
+        let relative: Vec<f64> = way.iter().map(|way| way - 3.0).collect();
+        let found = Ramps::fit(&t_s, &relative, 40.0).unwrap();
+        assert!((found.speed.unwrap().0 / v - 1.0).abs() < 1e-7, "{found:?}");
+        assert!((found.acceleration.unwrap().0 / a - 1.0).abs() < 1e-6, "{found:?}");
+        assert!((found.jerk.unwrap().0 / j - 1.0).abs() < 1e-5, "{found:?}");
+        assert!((found.end_s.0 - found.start_s.0 - 0.655_347).abs() < 1e-6);
+    }
+
+    /// A phase that is not there is not made up.
+    #[test]
+    fn what_is_not_shown_is_not_found() {
+        let t_s: Vec<f64> = (0..600).map(|i| f64::from(i) * 1e-3).collect();
+        for (push, cruise) in [(0.1, 0.0), (0.0, 0.1), (0.0, 0.0)] {
+            let way: Vec<f64> = t_s.iter().map(|t| shape(t - 0.3, [0.04, push, cruise])).collect();
+            let found = Ramps::fit(&t_s, &way, 1.0).unwrap();
+            assert_eq!(found.speed.is_some(), cruise > 0.0);
+            assert_eq!(found.acceleration.is_some(), push > 0.0);
+        }
+    }
+
+    #[test]
+    fn the_shape_is_smooth() {
+        for durations in [[0.1, 0.2, 0.3], [0.1, 0.0, 0.0], [0.1, 0.0, 1.0], [0.1, 1.0, 0.0]] {
+            let whole = 4.0 * durations[0] + 2.0 * durations[1] + durations[2];
+            assert!(shape(-whole / 2.0, durations).abs() < 1e-12);
+            assert!((shape(whole / 2.0, durations) - 1.0).abs() < 1e-12);
+            let mut before = 0.0;
+            for i in -1000..=1000 {
+                let way = shape(f64::from(i) * 1e-3, durations);
+                assert!(way >= before && way - before < 1e-2, "{durations:?} {i}");
+                before = way;
+            }
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! Where in a recording the motions of a program are: from stop to stop, by the targets.
+
+use std::ops::Range;
+
+use iiwa_kin::Joints;
+use iiwa_log::JointLog;
+use iiwa_path::{Path, Step};
+
+use crate::vector::distance;
+
+/// Nearer than this, in rad, the arm is taken to be about to leave a stop, or to arrive: more than robots
+/// lag behind or measure wrong, and little of a motion.
+const NEAR_RAD: f64 = 2e-3;
+
+/// A stretch of a path from one stop to the next, and its samples.
+#[derive(Clone, Debug)]
+pub(super) struct Passage {
+    /// Steps of the path.
+    pub(super) steps: Range<usize>,
+    pub(super) from: Joints,
+    pub(super) to: Joints,
+    /// Samples from standing before to standing after.
+    pub(super) samples: Range<usize>,
+    /// The first sample near its end.
+    pub(super) arrives: usize,
+    /// How often the arm settles at its end, and how long it waits there besides, in s.
+    pub(super) settles: u32,
+    pub(super) waits_s: f64,
+}
+
+/// The stretches of a path, as far as the recording follows it.
+#[derive(Debug)]
+pub(super) struct Followed {
+    pub(super) passages: Vec<Passage>,
+    /// The motion, from 0, in which the recording is not where the path is any more.
+    pub(super) lost_in: Option<usize>,
+}
+
+/// A stretch as it is planned.
+struct Planned {
+    steps: Range<usize>,
+    from: Joints,
+    to: Joints,
+    settles: u32,
+    waits_s: f64,
+}
+
+/// From stop to stop.
+fn planned(path: &Path) -> Vec<Planned> {
+    let mut stretches: Vec<Planned> = Vec::new();
+    let mut at = *path.start_rad();
+    let mut moving = false;
+    for (i, step) in path.steps().iter().enumerate() {
+        match step {
+            Step::Move { segment, .. } => {
+                let end = segment.at(1.0).q;
+                match stretches.last_mut().filter(|_| moving) {
+                    Some(stretch) => (stretch.steps.end, stretch.to) = (i + 1, end),
+                    None => stretches.push(Planned {
+                        steps: i..i + 1,
+                        from: at,
+                        to: end,
+                        settles: 0,
+                        waits_s: 0.0,
+                    }),
+                }
+                (at, moving) = (end, true);
+                continue;
+            }
+            Step::Settle { .. } => {
+                if let Some(stretch) = stretches.last_mut() {
+                    stretch.settles += 1;
+                }
+            }
+            Step::Wait { seconds, .. } => {
+                if let Some(stretch) = stretches.last_mut() {
+                    stretch.waits_s += seconds;
+                }
+            }
+            _ => {}
+        }
+        moving = false;
+    }
+    stretches
+}
+
+/// Finds the stretches of `path` in `log`, from the sample `from` on; none if the arm is never where the
+/// path begins.
+pub(super) fn follow(path: &Path, log: &JointLog, from: usize) -> Option<Followed> {
+    let q = &log.q_rad;
+    let find = |from: usize, holds: &dyn Fn(&Joints) -> bool| {
+        q[from..].iter().position(holds).map(|at| from + at)
+    };
+    let mut at = find(from, &|q| distance(q, path.start_rad()) < NEAR_RAD)?;
+    let mut lost_in = None;
+    // Where the arm leaves each stop, and where it is near the next one.
+    let mut cores = Vec::new();
+    let stretches = planned(path);
+    for stretch in &stretches {
+        let core = (|| {
+            // A short way is left and arrived at within less.
+            let near = NEAR_RAD.min(0.1 * distance(&stretch.from, &stretch.to)).max(1e-9);
+            let leaves = find(at, &|q| distance(q, &stretch.from) > near)?;
+            let mut passed = leaves;
+            for step in &path.steps()[stretch.steps.clone()] {
+                if let Step::Move { segment, blend: Some(_), .. } = step {
+                    let middle = segment.at(0.5).q;
+                    let reach = distance(&middle, &segment.at(0.0).q).max(NEAR_RAD);
+                    passed = find(passed, &|q| distance(q, &middle) < 0.7 * reach)?;
+                }
+            }
+            Some(leaves..find(passed, &|q| distance(q, &stretch.to) < near)?)
+        })();
+        let Some(core) = core else {
+            lost_in = Some(match &path.steps()[stretch.steps.start] {
+                Step::Move { motion, .. } => *motion,
+                _ => 0,
+            });
+            break;
+        };
+        at = core.end;
+        cores.push(core);
+    }
+    let mut begin = cores.first().map_or(0, |core| standing_before(log, core.start));
+    let mut passages = Vec::with_capacity(cores.len());
+    for (i, (stretch, core)) in stretches.into_iter().zip(&cores).enumerate() {
+        let end = match cores.get(i + 1) {
+            Some(next) => slowest(log, core.end..next.start),
+            None => standing_after(log, core.end),
+        };
+        let Planned { steps, from, to, settles, waits_s } = stretch;
+        let (samples, arrives) = (begin..end, core.end);
+        passages.push(Passage { steps, from, to, samples, arrives, settles, waits_s });
+        begin = end;
+    }
+    Some(Followed { passages, lost_in })
+}
+
+/// How much of the standing before the first motion and after the last one is looked at, in s.
+const STANDING_S: f64 = 0.5;
+
+fn standing_before(log: &JointLog, leaves: usize) -> usize {
+    let from_s = log.t_s[leaves] - STANDING_S;
+    log.t_s[..leaves].partition_point(|t_s| *t_s < from_s)
+}
+
+fn standing_after(log: &JointLog, arrives: usize) -> usize {
+    let until_s = log.t_s[arrives] + STANDING_S;
+    arrives + log.t_s[arrives..].partition_point(|t_s| *t_s <= until_s)
+}
+
+/// The mean of so many samples tells standing from creeping, in s.
+const MEAN_S: f64 = 0.008;
+
+/// The sample about which the arm moves least.
+fn slowest(log: &JointLog, within: Range<usize>) -> usize {
+    let Some(last) = within.clone().last() else { return within.start };
+    let period_s = (log.t_s[last] - log.t_s[within.start]) / within.len().max(1) as f64;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+    let width = ((MEAN_S / period_s) as usize).clamp(1, within.len());
+    let sum = |from: usize| {
+        let mut sum = [0.0; 7];
+        for q in &log.q_rad[from..from + width] {
+            sum = std::array::from_fn(|j| sum[j] + q[j]);
+        }
+        sum
+    };
+    let begin = within.start.saturating_sub(width);
+    let end = (within.end + width).min(log.q_rad.len());
+    let way = |middle: usize| distance(&sum(middle - width), &sum(middle));
+    (begin + width..(end + 1).saturating_sub(width))
+        .min_by(|a, b| way(*a).total_cmp(&way(*b)))
+        .unwrap_or(within.start)
+}

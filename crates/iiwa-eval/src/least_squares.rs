@@ -1,0 +1,178 @@
+//! Fitting a model with a few parameters to many samples.
+
+use nalgebra::{SMatrix, SVector};
+
+/// A model with `N` parameters. The samples are seen one by one, so that none of their residuals has to
+/// be kept.
+pub(crate) trait Model<const N: usize> {
+    /// Calls `each` with every sample's residual (observed minus model) and with the derivatives of the
+    /// model by its parameters.
+    fn samples(&self, parameters: &[f64; N], each: impl FnMut(f64, [f64; N]));
+
+    /// The least that each parameter may be.
+    fn least(&self) -> [f64; N] {
+        [f64::NEG_INFINITY; N]
+    }
+}
+
+/// A fitted model.
+#[derive(Clone, Debug)]
+pub(crate) struct Fit<const N: usize> {
+    pub(crate) parameters: [f64; N],
+    /// Covariance of the parameters, by the scatter of the residuals; zero for those held.
+    pub(crate) covariance: SMatrix<f64, N, N>,
+    /// Sum of the squares of the residuals.
+    pub(crate) squares: f64,
+    /// Root mean square of the residuals.
+    pub(crate) residual: f64,
+}
+
+impl<const N: usize> Fit<N> {
+    /// Standard deviation of a parameter.
+    pub(crate) fn deviation(&self, parameter: usize) -> f64 {
+        self.covariance[(parameter, parameter)].max(0.0).sqrt()
+    }
+
+    /// Standard deviation of a function of the parameters.
+    pub(crate) fn deviation_of(&self, function: impl Fn(&[f64; N]) -> f64) -> f64 {
+        let gradient = SVector::<f64, N>::from_fn(|i, _| {
+            let step = self.deviation(i) * 1e-2;
+            if step == 0.0 {
+                return 0.0;
+            }
+            let at = |step: f64| {
+                let mut parameters = self.parameters;
+                parameters[i] += step;
+                function(&parameters)
+            };
+            (at(step) - at(-step)) / (2.0 * step)
+        });
+        gradient.dot(&(self.covariance * gradient)).max(0.0).sqrt()
+    }
+}
+
+/// Sums over all samples.
+#[derive(Clone)]
+struct Sums<const N: usize> {
+    normal: SMatrix<f64, N, N>,
+    gradient: SVector<f64, N>,
+    squares: f64,
+    count: usize,
+}
+
+impl<const N: usize> Sums<N> {
+    fn of(model: &impl Model<N>, parameters: &[f64; N]) -> Self {
+        let mut sums =
+            Self { normal: SMatrix::zeros(), gradient: SVector::zeros(), squares: 0.0, count: 0 };
+        model.samples(parameters, |residual, derivatives| {
+            let derivatives = SVector::from(derivatives);
+            sums.normal.ger(1.0, &derivatives, &derivatives, 1.0);
+            sums.gradient.axpy(residual, &derivatives, 1.0);
+            sums.squares += residual * residual;
+            sums.count += 1;
+        });
+        sums
+    }
+
+    /// The same with some parameters held where they are.
+    fn hold(mut self, held: &[bool; N]) -> Self {
+        for i in (0..N).filter(|&i| held[i]) {
+            self.normal.row_mut(i).fill(0.0);
+            self.normal.column_mut(i).fill(0.0);
+            self.normal[(i, i)] = 1.0;
+            self.gradient[i] = 0.0;
+        }
+        self
+    }
+}
+
+impl<const N: usize> Sums<N> {
+    /// The damped step to the least squares. Parameters that it would take beyond their bounds go just
+    /// there, and the others make the best of it.
+    fn step(&self, at: &[f64; N], least: &[f64; N], damping: f64) -> Option<SVector<f64, N>> {
+        let mut bound: [Option<f64>; N] = [None; N];
+        loop {
+            let mut normal = self.normal;
+            let mut gradient = self.gradient;
+            for i in 0..N {
+                normal[(i, i)] *= 1.0 + damping;
+            }
+            for i in 0..N {
+                if let Some(step) = bound[i] {
+                    gradient.axpy(-step, &normal.column(i).into_owned(), 1.0);
+                }
+            }
+            for i in 0..N {
+                if let Some(step) = bound[i] {
+                    normal.row_mut(i).fill(0.0);
+                    normal.column_mut(i).fill(0.0);
+                    normal[(i, i)] = 1.0;
+                    gradient[i] = step;
+                }
+            }
+            let step = normal.cholesky()?.solve(&gradient);
+            let beyond = (0..N).find(|&i| bound[i].is_none() && at[i] + step[i] < least[i]);
+            match beyond {
+                Some(i) => bound[i] = Some(least[i] - at[i]),
+                None => return Some(step),
+            }
+        }
+    }
+}
+
+const MOST_STEPS: usize = 60;
+
+/// No samples are taken to be better, in rad: positions travel as 32-bit numbers now and then.
+const LEAST_RESIDUAL: f64 = 1e-9;
+
+/// Least squares by the method of Levenberg and Marquardt, with some parameters held; none if there are
+/// too few samples, or if they do not determine the parameters.
+pub(crate) fn fit<const N: usize>(
+    model: &impl Model<N>,
+    start: [f64; N],
+    held: [bool; N],
+) -> Option<Fit<N>> {
+    let mut parameters = start;
+    let mut damping = 1e-4;
+    let mut sums = Sums::of(model, &parameters).hold(&held);
+    let least = model.least();
+    for _ in 0..MOST_STEPS {
+        let next = sums.step(&parameters, &least, damping).map(|step| {
+            let next: [f64; N] = std::array::from_fn(|i| (parameters[i] + step[i]).max(least[i]));
+            (next, Sums::of(model, &next).hold(&held))
+        });
+        match next {
+            Some((next, candidate)) if candidate.squares <= sums.squares => {
+                let gain = sums.squares - candidate.squares;
+                parameters = next;
+                sums = candidate;
+                damping = (damping * 0.1).max(1e-12);
+                // Far less than the residuals' scatter lets the parameters vary.
+                let variance = (sums.squares / sums.count as f64).max(LEAST_RESIDUAL.powi(2));
+                if damping < 1e-3 && gain <= 1e-6 * variance {
+                    break;
+                }
+            }
+            _ if damping > 1e8 => break,
+            _ => damping *= 10.0,
+        }
+    }
+    // What its bound holds does not vary.
+    let held: [bool; N] = std::array::from_fn(|i| held[i] || parameters[i] <= least[i]);
+    let sums = sums.hold(&held);
+    let free = held.iter().filter(|held| !**held).count();
+    let degrees = sums.count.checked_sub(free).filter(|&degrees| degrees > 0)?;
+    let variance = (sums.squares / degrees as f64).max(LEAST_RESIDUAL.powi(2));
+    let mut covariance = sums.normal.cholesky()?.inverse() * variance;
+    for i in (0..N).filter(|&i| held[i]) {
+        covariance.row_mut(i).fill(0.0);
+        covariance.column_mut(i).fill(0.0);
+    }
+    let finite = parameters.iter().chain(covariance.iter()).all(|v| v.is_finite());
+    finite.then_some(Fit {
+        parameters,
+        covariance,
+        squares: sums.squares,
+        residual: variance.sqrt(),
+    })
+}

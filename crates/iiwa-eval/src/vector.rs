@@ -1,0 +1,25 @@
+//! Vectors in joint space.
+
+use iiwa_kin::Joints;
+
+pub(crate) fn sub(a: &Joints, b: &Joints) -> Joints {
+    std::array::from_fn(|j| a[j] - b[j])
+}
+
+pub(crate) fn dot(a: &Joints, b: &Joints) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+pub(crate) fn norm(a: &Joints) -> f64 {
+    dot(a, a).sqrt()
+}
+
+pub(crate) fn distance(a: &Joints, b: &Joints) -> f64 {
+    norm(&sub(a, b))
+}
+
+/// The direction of a vector that is not zero.
+pub(crate) fn unit(a: &Joints) -> Joints {
+    let length = norm(a);
+    a.map(|v| v / length)
+}

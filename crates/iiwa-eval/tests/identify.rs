@@ -1,0 +1,355 @@
+//! Virtual robots with limits and kappa drawn at random, identified from what they did.
+
+use fastrand::Rng;
+use iiwa_eval::{
+    Estimate, VirtualRobot,
+    experiment::{self, CycleTime, Trial},
+    identify::{Identified, IdentifyError, Recording, Why, identify},
+};
+use iiwa_kin::{Joints, Robot};
+use iiwa_log::JointLog;
+use iiwa_path::{Continuity, Motion, Path, PolynomialBlend, Program, Ptp, Step};
+use iiwa_traj::{SweepOptions, Timing, Trajectory};
+
+/// A robot whose limits are up to 25 % below and 30 % above the model's, and whose kappa is up to 1.5 away
+/// from it.
+fn any_robot(random: &mut Rng) -> Robot {
+    let mut limits = *Robot::default().limits();
+    for j in 0..7 {
+        let mut factor = || 0.75 + 0.55 * random.f64();
+        limits.velocity_rad_s[j] *= factor();
+        limits.acceleration_rad_s2[j] *= factor();
+        limits.jerk_rad_s3[j] *= factor();
+    }
+    // kappa at 0, 90 and 180 deg.
+    let [a, b, c] = [0.0, 90.0, 180.0]
+        .map(|gamma_deg| Robot::default().kappa(gamma_deg) + 3.0 * (random.f64() - 0.5));
+    let square = (a - 2.0 * b + c) / (2.0 * 90.0 * 90.0);
+    Robot::default()
+        .with_limits(limits)
+        .with_blend_kappa([a, (b - a) / 90.0 - 90.0 * square, square])
+        .with_settle_time_s(0.02 + 0.08 * random.f64())
+}
+
+/// Some of the experiments: limits from three poses and the wide swings, blends, times to settle.
+fn trials(seed: u64) -> Vec<Trial> {
+    let mut limits = experiment::limits();
+    let wide = limits.pop().unwrap();
+    limits.truncate(3);
+    let settle = experiment::settle(&Robot::default(), 40, seed);
+    limits.extend([wide, experiment::blends(0.5), settle]);
+    limits
+}
+
+fn run(robot: &mut VirtualRobot, trials: &[Trial]) -> Vec<JointLog> {
+    trials.iter().map(|trial| robot.run(&trial.program).unwrap().1).collect()
+}
+
+fn identified(trials: &[Trial], logs: &[JointLog]) -> Identified {
+    let recordings: Vec<_> = trials
+        .iter()
+        .zip(logs)
+        .map(|(trial, log)| Recording { program: &trial.program, log })
+        .collect();
+    identify(&recordings, &Robot::default()).unwrap()
+}
+
+/// Errors of one kind of figure.
+#[derive(Default)]
+struct Errors {
+    worst: f64,
+    inside: usize,
+    count: usize,
+}
+
+impl Errors {
+    /// The error is told in units of `unit`.
+    fn add(&mut self, found: Estimate, truth: f64, unit: f64) {
+        self.worst = self.worst.max(((found.value - truth) / unit).abs());
+        self.inside += usize::from(found.holds(truth));
+        self.count += 1;
+    }
+
+    fn share(&self) -> f64 {
+        self.inside as f64 / self.count as f64
+    }
+}
+
+/// Speed, acceleration and jerk as shares; time to settle in s; kappa.
+fn errors(found: &Identified, truth: &Robot, errors: &mut [Errors; 5]) {
+    let limits = truth.limits();
+    let kinds = [
+        (&found.velocity_rad_s, &limits.velocity_rad_s),
+        (&found.acceleration_rad_s2, &limits.acceleration_rad_s2),
+        (&found.jerk_rad_s3, &limits.jerk_rad_s3),
+    ];
+    for (errors, (found, truth)) in errors.iter_mut().zip(kinds) {
+        for (found, truth) in found.iter().zip(truth) {
+            errors.add(found.expect("a joint's limit is shown"), *truth, *truth);
+        }
+    }
+    errors[3].add(found.settle.unwrap().mean_s, truth.settle_time_s(), 1.0);
+    let kappa = found.kappa.unwrap();
+    for i in 1..=17 {
+        let gamma_deg = f64::from(i) * 10.0;
+        errors[4].add(kappa.at(gamma_deg), truth.kappa(gamma_deg), 1.0);
+    }
+}
+
+#[test]
+fn fifty_random_robots() {
+    let mut random = Rng::with_seed(1);
+    let mut all: [Errors; 5] = Default::default();
+    for seed in 0..50 {
+        let truth = any_robot(&mut random);
+        let mut robot = VirtualRobot::new(truth.clone(), seed);
+        robot.noise_rad = 1e-5;
+        let trials = trials(seed);
+        let logs = run(&mut robot, &trials);
+        let found = identified(&trials, &logs);
+        assert_eq!(found.left_out, []);
+        // Algorithm 3: blends begin and end at equal distances.
+        let unequal = found.unequal_share.unwrap();
+        assert!(unequal.value.abs() < 1e-3 && unequal.count > 30, "{unequal:?}");
+        errors(&found, &truth, &mut all);
+    }
+    println!("| figure | required | worst error | inside the uncertainty |\n|---|---|---|---|");
+    for ((what, most), errors) in [
+        ("velocity", 0.005),
+        ("acceleration", 0.02),
+        ("jerk", 0.1),
+        ("settle, s", 0.002),
+        ("kappa, 10 to 170 deg", 0.15),
+    ]
+    .into_iter()
+    .zip(all)
+    {
+        let Errors { worst, inside, count } = errors;
+        println!("| {what} | {most} | {worst:.2e} | {inside} of {count} |");
+        assert!(worst <= most, "{what}: {worst}");
+        assert!(errors.share() >= 0.9, "{what}: {inside} of {count}");
+    }
+}
+
+/// Ten times the noise, or a fifth of the samples: still found, and with honest uncertainties.
+#[test]
+fn noise_and_few_samples() {
+    for (noise_rad, period_s) in [(1e-4, 1e-3), (1e-5, 5e-3)] {
+        let mut random = Rng::with_seed(2);
+        let mut all: [Errors; 5] = Default::default();
+        for seed in 0..10 {
+            let truth = any_robot(&mut random);
+            let mut robot = VirtualRobot::new(truth.clone(), seed);
+            (robot.noise_rad, robot.period_s) = (noise_rad, period_s);
+            let trials = trials(seed);
+            let logs = run(&mut robot, &trials);
+            errors(&identified(&trials, &logs), &truth, &mut all);
+        }
+        for (errors, most) in all.iter().zip([0.005, 0.02, 0.1, 0.002, 0.15]) {
+            println!("{noise_rad} {period_s}: {:.2e}, {:.2}", errors.worst, errors.share());
+            assert!(errors.worst <= most && errors.share() >= 0.85);
+        }
+    }
+}
+
+/// Cycle times and paths of programs that were not used to identify the robot.
+#[test]
+fn fifty_unseen_programs() {
+    let mut random = Rng::with_seed(3);
+    let (mut worst_time, mut worst_path) = (0.0_f64, 0.0_f64);
+    for seed in 0..10 {
+        let truth = any_robot(&mut random);
+        let mut robot = VirtualRobot::new(truth.clone(), seed);
+        robot.noise_rad = 1e-5;
+        let trials = trials(seed);
+        let logs = run(&mut robot, &trials);
+        let found = identified(&trials, &logs).robot(&Robot::default());
+        for path in 0..5 {
+            let case = CycleTime {
+                path,
+                velocity_rel: [1.0, 0.3, 0.6, 0.8, 0.1][path as usize],
+                blend: [0.25, 0.5, 0.0, 0.4, 0.1][path as usize],
+                length_deg: [100.0, 50.0, 150.0, 25.0, 80.0][path as usize],
+            };
+            let program = case.trial(&Robot::default(), 100 + seed).program;
+            let [predicted, happened] =
+                [&found, &truth].map(|robot| Path::new(&program, robot).unwrap());
+            for (predicted, happened) in predicted.steps().iter().zip(happened.steps()) {
+                let (Step::Move { segment: a, .. }, Step::Move { segment: b, .. }) =
+                    (predicted, happened)
+                else {
+                    continue;
+                };
+                for i in 0..=50 {
+                    let s = f64::from(i) / 50.0;
+                    let [a, b] = [a, b].map(|segment| truth.tcp_position(&segment.at(s).q));
+                    let off = (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2]);
+                    worst_path = worst_path.max(off);
+                }
+            }
+            let [predicted, happened] = [predicted, happened]
+                .map(|path| Trajectory::plan(&path, Timing::default()).unwrap().cycle_time_s());
+            worst_time = worst_time.max((predicted / happened - 1.0).abs());
+        }
+    }
+    println!("cycle time {worst_time:.2e}, path {worst_path:.2e} m");
+    assert!(worst_time <= 0.005, "{worst_time}");
+    assert!(worst_path <= 1e-3, "{worst_path}");
+}
+
+fn ptp(joints_deg: Joints) -> Ptp {
+    Ptp::to(joints_deg.map(f64::to_radians))
+}
+
+fn program(motions: impl IntoIterator<Item = Ptp>) -> Program {
+    Program {
+        robot: None,
+        start_rad: [0.0; 7],
+        motions: motions.into_iter().map(Motion::Ptp).collect(),
+    }
+}
+
+fn what_one_shows(program: &Program) -> Identified {
+    let (_, log) = VirtualRobot::new(Robot::default(), 1).run(program).unwrap();
+    identify(&[Recording { program, log: &log }], &Robot::default()).unwrap()
+}
+
+#[test]
+fn nothing_is_identified_that_is_not_shown() {
+    // Joint 1 comes to full speed; joint 6 does not within 20 deg. The others do not move.
+    let swing = program([
+        ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        ptp([60.0, 0.0, 0.0, 0.0, 0.0, 20.0, 0.0]),
+    ]);
+    let found = what_one_shows(&swing);
+    let shown = |list: &[Option<Estimate>; 7]| list.map(|found| found.is_some());
+    assert_eq!(shown(&found.velocity_rad_s), [true, false, false, false, false, false, false]);
+    for limits in [&found.acceleration_rad_s2, &found.jerk_rad_s3] {
+        assert_eq!(shown(limits), [true, false, false, false, false, true, false]);
+    }
+    assert_eq!(found.settle.unwrap().mean_s.count, 1);
+    assert!(found.kappa.is_none() && found.unequal_share.is_none());
+    // What was not found stays as it is in the model.
+    let robot = found.robot(&Robot::default());
+    let model = Robot::default();
+    assert_eq!(robot.blend_kappa(), model.blend_kappa());
+    assert_eq!(robot.limits().velocity_rad_s[1..], model.limits().velocity_rad_s[1..]);
+
+    // One corner has one angle: no polynomial.
+    let mut corner = ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    corner.blend = Some(iiwa_path::Blend::Fraction(0.25));
+    let found = what_one_shows(&program([corner, ptp([60.0, 40.0, 0.0, 0.0, 0.0, 0.0, 0.0])]));
+    assert_eq!(found.blends.len(), 1);
+    assert!((found.blends[0].kappa.0 - model.kappa(90.0)).abs() < 1e-3);
+    assert!(found.kappa.is_none());
+}
+
+/// A robot without limits of jerk shows none.
+#[test]
+fn jerk_that_does_not_show() {
+    let swing = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
+    let path = Path::new(&swing, &Robot::default()).unwrap();
+    let plan = Trajectory::plan(&path, Timing::Acceleration(SweepOptions::default())).unwrap();
+    let t_s: Vec<f64> = (0..1500).map(|i| f64::from(i) * 1e-3).collect();
+    let q_rad = t_s.iter().map(|t_s| plan.at(t_s - 0.2).q).collect();
+    let log = JointLog::new(t_s, q_rad);
+    let recording = Recording { program: &swing, log: &log };
+    let found = identify(&[recording], &Robot::default()).unwrap();
+    assert_eq!(found.jerk_rad_s3, [None; 7]);
+    let acceleration = found.acceleration_rad_s2[0].unwrap().value.to_degrees();
+    assert!((acceleration / 490.0 - 1.0).abs() < 1e-3, "{acceleration}");
+}
+
+/// A program that is run again and again gives as many observations.
+#[test]
+fn every_run_counts() {
+    let swing = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]), ptp([0.0; 7])]);
+    let (_, once) = VirtualRobot::new(Robot::default(), 1).run(&swing).unwrap();
+    let whole_s = once.duration_s() + 1e-3;
+    let t_s = (0..3).flat_map(|run| once.t_s.iter().map(move |t_s| t_s + f64::from(run) * whole_s));
+    let q_rad = once.q_rad.repeat(3);
+    let log = JointLog::new(t_s.collect(), q_rad);
+    let recording = Recording { program: &swing, log: &log };
+    let found = identify(&[recording], &Robot::default()).unwrap();
+    assert_eq!(found.velocity_rad_s[0].unwrap().count, 6);
+    assert_eq!(found.settle.unwrap().mean_s.count, 3);
+}
+
+#[test]
+fn another_program_is_refused() {
+    let far = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
+    let (_, log) = VirtualRobot::new(Robot::default(), 1).run(&far).unwrap();
+    let mut elsewhere = far.clone();
+    elsewhere.start_rad[1] = 0.1;
+    let recording = Recording { program: &elsewhere, log: &log };
+    let error = identify(&[recording], &Robot::default()).unwrap_err();
+    assert!(matches!(error, IdentifyError::NotThere { .. }), "{error}");
+
+    let other = program([ptp([0.0, 60.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
+    let recording = Recording { program: &other, log: &log };
+    let error = identify(&[recording], &Robot::default()).unwrap_err();
+    assert!(matches!(error, IdentifyError::NoMotion { .. }), "{error}");
+
+    // As far as it goes.
+    let mut longer = far.clone();
+    longer.motions.push(Motion::Ptp(ptp([60.0, 60.0, 0.0, 0.0, 0.0, 0.0, 0.0])));
+    let recording = Recording { program: &longer, log: &log };
+    let found = identify(&[recording], &Robot::default()).unwrap();
+    assert!(found.velocity_rad_s[0].is_some());
+    assert_eq!((found.left_out[0].motion, found.left_out[0].why), (1, Why::NotFollowed));
+}
+
+/// An arm that creeps to its target in another way than a controller moves it.
+#[test]
+fn other_motions_are_left_out() {
+    let swing = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
+    let t_s: Vec<f64> = (0..6000).map(|i| f64::from(i) * 1e-3).collect();
+    let q_rad = t_s
+        .iter()
+        .map(|t_s| {
+            let t = (t_s - 1.0).max(0.0);
+            let way = 1.0 - (-t * 2.0).exp() * (1.0 + 2.0 * t) * (1.0 + 0.3 * (9.0 * t).sin());
+            [60_f64.to_radians() * way, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+        })
+        .collect();
+    let log = JointLog::new(t_s, q_rad);
+    let recording = Recording { program: &swing, log: &log };
+    let found = identify(&[recording], &Robot::default()).unwrap();
+    assert_eq!(found.velocity_rad_s, [None; 7]);
+    assert!(matches!(found.left_out[0].why, Why::NoLine(_)), "{:?}", found.left_out);
+}
+
+/// An arm that blends a quarter of each motion, however long they are: no Algorithm 3.
+#[test]
+fn blends_that_begin_and_end_at_other_distances() {
+    let corner = [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let end = [0.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+    let to_corner = Ptp::to(corner).blend(iiwa_path::Blend::Fraction(0.25));
+    let turn = program([to_corner, Ptp::to(end)]);
+    let kappa = Robot::default().kappa(90.0);
+    let scaled = |v: &Joints, k: f64| v.map(|v| k * v);
+    let (d0, d1) = ([0.125, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.25, 0.0, 0.0, 0.0]);
+    let blend = PolynomialBlend::new(&corner, d0, &d1, kappa, Continuity::Second);
+    let t_s: Vec<f64> = (0..3000).map(|i| f64::from(i) * 1e-3).collect();
+    let at = |t_s: f64| {
+        // From 0 to 3 within two seconds: a line, the blend, a line.
+        let t = ((t_s - 0.5) / 2.0).clamp(0.0, 1.0);
+        let way = 3.0 * t * t * t * (10.0 - t * (15.0 - 6.0 * t));
+        match way {
+            ..1.0 => scaled(&[0.375, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], way),
+            ..2.0 => blend.at(way - 1.0).q,
+            _ => {
+                let beyond = 0.25 + 0.75 * (way - 2.0);
+                [0.5, 0.0, 0.0, beyond, 0.0, 0.0, 0.0]
+            }
+        }
+    };
+    let q_rad = t_s.iter().map(|t_s| at(*t_s)).collect();
+    let log = JointLog::new(t_s, q_rad);
+    let recording = Recording { program: &turn, log: &log };
+    let found = identify(&[recording], &Robot::default()).unwrap();
+    let unequal = found.unequal_share.unwrap();
+    assert!((unequal.value - 1.0).abs() < 1e-3, "{unequal:?} {:?}", found.blends);
+    let [before, after] = found.blends[0].found_reach_rad.unwrap();
+    assert!((before - 0.125).abs() < 1e-4 && (after - 0.25).abs() < 1e-4);
+}
