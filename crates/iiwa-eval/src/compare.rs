@@ -408,10 +408,11 @@ impl<'a> Finder<'a> {
     /// A leg's departure or arrival.
     fn edge(&self, leg: usize, side: Side) -> Result<Edge, edge::Unclear> {
         let curve = &self.plan.curve;
-        let (at_s, leg_rad) = match side {
-            Side::Leaves => (self.legs[leg].start_s, self.lengths[leg]),
-            Side::Arrives => (self.legs[leg].end_s, self.lengths[leg]),
+        let at_s = match side {
+            Side::Leaves => self.legs[leg].start_s,
+            Side::Arrives => self.legs[leg].end_s,
         };
+        let (leg_rad, speed_rad_s) = (self.lengths[leg], self.speed(leg));
         let before = match side {
             Side::Leaves => leg.checked_sub(1),
             Side::Arrives => Some(leg),
@@ -434,15 +435,22 @@ impl<'a> Finder<'a> {
         };
         let end_s = before.map_or(0.0, |before| self.legs[before].end_s);
         let start_s = self.legs.get(after).map_or(self.plan.cycle_time_s(), |leg| leg.start_s);
-        let stop = Stop { curve, at_s, leg_rad, stand_s: start_s - end_s, side };
+        let stop = Stop { curve, at_s, leg_rad, speed_rad_s, stand_s: start_s - end_s, side };
         stop.find(self.log, from..to.max(from), self.noise)
+    }
+
+    /// A leg's mean speed in the plan, in rad/s.
+    fn speed(&self, leg: usize) -> f64 {
+        self.lengths[leg] / (self.legs[leg].end_s - self.legs[leg].start_s)
     }
 
     /// The first sample that may belong to the stand before the program.
     fn pause_before(&self) -> usize {
         const BEFORE_S: f64 = 2.0;
         let first = self.followed.first;
-        let from_s = self.log.t_s[first] - BEFORE_S;
+        // It may be on its way already, but hardly away from the start.
+        let away = follow::LEFT_RAD + 10.0 * self.noise.norm_rad();
+        let from_s = self.log.t_s[first] - BEFORE_S - 4.0 * away / self.speed(0);
         self.log.t_s.partition_point(|t_s| *t_s < from_s)
     }
 

@@ -234,6 +234,27 @@ fn a_path_that_goes_back_on_itself_is_not_mixed_up() {
     }
 }
 
+#[test]
+fn slow_motions_are_not_taken_for_standing() {
+    for (velocity_rel, within_s) in [(0.01, 2e-3), (0.001, 0.02), (0.0001, 0.3)] {
+        let program = format!(
+            r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, -60, 0, 90, 0] }}, "motions": [
+                {{ "type": "ptp", "joints_deg": [0.3, 0, 0, -60, 0, 90, 0],
+                   "velocity_rel": {velocity_rel} }}] }}"#
+        );
+        let real = trajectory(&program, jerk());
+        for (noise_rad, within_s) in [(0.0, 1e-8), (1e-5, within_s)] {
+            for (before_s, rate_hz) in [(0.0, 250.0), (3.0, 1000.0)] {
+                let tape =
+                    Tape { before_s, after_s: before_s, noise_rad, rate_hz, ..Tape::default() };
+                let c = compared(&real, tape);
+                let error_s = c.cycle_time.error_s.abs();
+                assert!(error_s < within_s, "{velocity_rel} {noise_rad} {before_s}: {error_s}");
+            }
+        }
+    }
+}
+
 /// One recording after the other, the arm going from one to the next in a straight line.
 fn joined(logs: &[JointLog]) -> JointLog {
     let mut joined = logs[0].clone();

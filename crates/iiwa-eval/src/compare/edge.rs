@@ -50,6 +50,8 @@ pub(crate) struct Stop<'a> {
     pub(crate) at_s: f64,
     /// The length of the leg after it or before it, in rad.
     pub(crate) leg_rad: f64,
+    /// The leg's mean speed in the plan, in rad/s.
+    pub(crate) speed_rad_s: f64,
     /// For how long the plan stands there, in s.
     pub(crate) stand_s: f64,
     pub(crate) side: Side,
@@ -122,6 +124,8 @@ impl Stop<'_> {
         // By how much the means of the halves of a window differ, while the arm stands.
         let noise_of_mean = noise.norm_rad() / (half as f64).sqrt();
         let still = 3.0 * std::f64::consts::SQRT_2 * noise_of_mean + 2e-6;
+        // Creeping is not standing, even at a tenth of the planned speed.
+        let still = still.min(0.1 * self.speed_rad_s * half as f64 * noise.step_s);
         let q = |i: usize| &log.q_rad[i];
         let mut differences = HalfMeans::new(log, samples.start, half);
         let mut found = None;

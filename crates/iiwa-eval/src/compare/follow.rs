@@ -12,6 +12,9 @@ use super::vector::{distance, norm, sub};
 /// How far from the plan's start and end the arm may stand, in rad.
 const ENDS_RAD: f64 = 0.05;
 
+/// So far from where it stood the arm has left, in rad.
+pub(crate) const LEFT_RAD: f64 = 2e-4;
+
 /// So far off the path it is another path, in rad.
 const STRAYS_RAD: f64 = 0.5;
 
@@ -103,7 +106,7 @@ impl Visit {
     fn leaves(&self, log: &JointLog, start: &Joints, noise: &Noise) -> usize {
         let away = |i: &usize| distance(&log.q_rad[*i], start);
         let nearest = (self.from..self.to).map(|i| away(&i)).fold(f64::MAX, f64::min);
-        let near = nearest + 2e-4 + 10.0 * noise.norm_rad();
+        let near = nearest + LEFT_RAD + 10.0 * noise.norm_rad();
         (self.from..self.to).rev().find(|i| away(i) <= near).unwrap_or(self.from)
     }
 }
