@@ -62,12 +62,12 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
             tell(&warning(programs.iter().flat_map(|(_, trials)| trials), count));
             Arm::Real { line, to_start }
         }
-        _ => Arm::Virtual(VirtualArm {
+        _ => Arm::Virtual(Box::new(VirtualArm {
             robot: virtual_robot,
             noise_rad: options.noise,
             rate_hz: 0.0,
             seed: options.seed,
-        }),
+        })),
     };
 
     let mut text = heading(options, &bench, &arm);

@@ -2,7 +2,7 @@
 
 use iiwa_eval::{VirtualRobot, experiment::Trial};
 use iiwa_kin::Robot;
-use iiwa_link::message::Samples;
+use iiwa_link::{ClientError, message::Samples};
 use iiwa_log::JointLog;
 use iiwa_path::Motion;
 
@@ -15,7 +15,7 @@ use crate::{
 
 /// A virtual robot, or one that a drive is connected with.
 pub(crate) enum Arm {
-    Virtual(VirtualArm),
+    Virtual(Box<VirtualArm>),
     Real {
         line: Box<Line>,
         /// Share of the limits of velocity at which it goes to a program's start, in per cent.
@@ -65,8 +65,12 @@ fn run_real(line: &mut Line, to_start: f64, trial: &Trial) -> Result<JointLog, F
     output::check_interrupt()?;
     let motions: Vec<Motion> = trial.program.motions.clone();
     let measured = watch(line, Task::Motions(motions), None).result.map_err(|error| {
-        let what = format!("{} was not run to its end, the robot may still be moving", trial.name);
-        connection::failed(&what, &error)
+        let what = match error {
+            ClientError::Refused { .. } => "was not run to its end",
+            // A motion needs no drive to go on.
+            _ => "broke off, the robot may still be moving",
+        };
+        connection::failed(&format!("{} {what}", trial.name), &error)
     })?;
     if measured.samples_left_out > 0 {
         tell(&format!(

@@ -64,7 +64,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
             thesis.to_owned(),
         ]);
         let caption = format!("Fig. {number}: blends by {equation} (blue) and as measured (red)");
-        figures.push((number, caption, overview(&corners, calculated)?));
+        figures.push((number, caption, overview(&corners, &calculated)?));
     }
     chapter.paragraph(
         "The table has the deviations in the plane of the two joints, where any of the shapes is not on a \
@@ -265,13 +265,13 @@ fn distance(p: Point, a: Point, b: Point) -> f64 {
 }
 
 /// All corners, as a whole and enlarged.
-fn overview(corners: &[Corner], calculated: Vec<Vec<Point>>) -> Result<String, Failure> {
+fn overview(corners: &[Corner], calculated: &[Vec<Point>]) -> Result<String, Failure> {
     let measured: Vec<_> = corners.iter().map(|corner| corner.measured.clone()).collect();
     let Some(corner) = corners.first() else { return Ok(String::new()) };
     let plot = |caption: &str, [red, blue]: [&str; 2]| {
         Plot::new(caption, "joint 2, deg", "joint 4, deg")
             .lines(measured.clone(), MEASURED, 3.0, red)
-            .lines(calculated.clone(), PLANNED, 1.0, blue)
+            .lines(calculated.to_vec(), PLANNED, 1.0, blue)
             .equal_scale()
             .legend_at(SeriesLabelPosition::UpperLeft)
     };

@@ -1,6 +1,6 @@
 //! What is told of an experiment: Markdown, and its figures.
 
-use std::fmt::Display;
+use std::fmt::{Display, Write as _};
 
 use crate::experiment::Bench;
 
@@ -29,14 +29,14 @@ impl Chapter {
     }
 
     pub(crate) fn heading(&mut self, title: &str) {
-        self.text.push_str(&format!("\n### {title}\n"));
+        let _ = writeln!(self.text, "\n### {title}");
     }
 
     /// Adds a figure under the thesis's number.
     pub(crate) fn figure(&mut self, bench: &Bench, number: &str, caption: &str, svg: String) {
         let name = format!("figure-{number}.svg");
         let caption = format!("{caption} ({})", bench.on);
-        self.text.push_str(&format!("\n![{caption}]({}{name})\n", bench.link));
+        let _ = writeln!(self.text, "\n![{caption}]({}{name})", bench.link);
         self.paragraph(format!("*{caption}.*"));
         self.figures.push((name, svg));
     }
@@ -47,7 +47,7 @@ impl Chapter {
         self.text.push('\n');
         self.text.push_str(&line(head.iter().map(ToString::to_string).collect()));
         let rule: Vec<_> = (0..head.len()).map(|i| if i == 0 { "---" } else { "---:" }).collect();
-        self.text.push_str(&format!("|{}|\n", rule.join("|")));
+        let _ = writeln!(self.text, "|{}|", rule.join("|"));
         for row in rows {
             self.text.push_str(&line(row.iter().map(ToString::to_string).collect()));
         }

@@ -46,14 +46,10 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
          differentiated. The thesis concludes that the limits do not depend on the pose.",
         bench.on
     ));
-    let kinds: [(&str, &str, fn(&LineObservation) -> Option<f64>, usize); 2] = [
-        ("Table 4: acceleration", "deg/s^2", |line| line.acceleration_rad_s2, 2),
-        ("Table 5: jerk", "deg/s^3", |line| line.jerk_rad_s3, 2),
-    ];
-    for ((title, unit, of, places), thesis) in kinds.into_iter().zip(THESIS) {
-        chapter.heading(&format!("{title}, {unit}"));
-        table(&mut chapter, &found, poses, of, places, &thesis);
-    }
+    chapter.heading("Table 4: acceleration, deg/s^2");
+    table(&mut chapter, &found, poses, |line| line.acceleration_rad_s2, &THESIS[0]);
+    chapter.heading("Table 5: jerk, deg/s^3");
+    table(&mut chapter, &found, poses, |line| line.jerk_rad_s3, &THESIS[1]);
 
     chapter.heading("What all motions together tell");
     chapter.paragraph(
@@ -94,8 +90,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
         chapter.figure(bench, "28", &caption, svg);
         chapter.paragraph(format!(
             "The fit of seven phases gives {} deg/s, {} deg/s^2 and {} deg/s^3. The differentiated jerk has \
-             its edges rounded by the window; the fit does not. The thesis's Fig. 28 shows the same: a \
-             trapezoid of acceleration, which rises and falls along pulses of jerk.",
+             its edges rounded by the window; the fit does not.",
             deg(line.speed_rad_s),
             deg(line.acceleration_rad_s2),
             deg(line.jerk_rad_s3)
@@ -117,12 +112,11 @@ fn table(
     found: &Identified,
     poses: usize,
     of: fn(&LineObservation) -> Option<f64>,
-    places: usize,
     [means, deviations]: &[[f64; 7]; 2],
 ) {
     let value =
         |run: usize, joint: usize| swing(found, run, joint).and_then(of).map(f64::to_degrees);
-    let text = |value: f64| format!("{value:.places$}");
+    let text = |value: f64| format!("{value:.2}");
     let row = |name: &str, cells: [String; 7]| {
         std::iter::once(name.to_owned()).chain(cells).collect::<Vec<_>>()
     };

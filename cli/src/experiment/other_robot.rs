@@ -67,14 +67,14 @@ pub(crate) fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, Fa
         .into_iter()
         .map(|(name, trial)| {
             let log = arm.run(&trial)?;
-            let percent = |robot: &Robot, timing: Timing| {
+            let planned = |robot: &Robot, timing: Timing| {
                 let path = Path::new(&trial.program, robot)
                     .map_err(|fault| Failure::input(format!("{}: {fault}", trial.name)))?;
                 let plan = Trajectory::plan(&path, timing)
                     .map_err(|error| Failure::run(format!("cannot plan {}", trial.name), &error))?;
                 Ok::<_, Failure>(plan)
             };
-            let by_identified = percent(&identified, Timing::default())?;
+            let by_identified = planned(&identified, Timing::default())?;
             let compared =
                 compare(&Plan::from_trajectory(&by_identified), &log).map_err(|error| {
                     Failure::run(format!("{} cannot be compared with its plan", trial.name), &error)
@@ -90,8 +90,8 @@ pub(crate) fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, Fa
             Ok(vec![
                 name,
                 format!("{real_s:.3}"),
-                error(&percent(&bench.model, acceleration)?, model_s),
-                error(&percent(&bench.model, Timing::default())?, model_s),
+                error(&planned(&bench.model, acceleration)?, model_s),
+                error(&planned(&bench.model, Timing::default())?, model_s),
                 error(&by_identified, identified.settle_time_s()),
                 format!("{:.3}", compared.joints_rad.max.to_degrees()),
             ])

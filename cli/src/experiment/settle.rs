@@ -38,9 +38,10 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
         ],
     );
     chapter.paragraph(format!(
-        "The model stands for {} s at each stop. The thesis's spread of a fifth of the mean is not \
-         explained there; a spread far below it, as here, is that of finding the ends of motions in samples. (Table 6 \
-         and section 2.4.2 agree on 0.05 s; the 0.005 s in the text of Appendix C is a slip.)",
+        "The model stands for {} s at each stop. The thesis does not say where its spread of a fifth of the \
+         mean comes from; of an arm that stands equally long at each stop, the figures here spread by how \
+         well the ends of motions are seen in the samples. (Table 6 and section 2.4.2 agree on 0.05 s; the \
+         0.005 s in the text of Appendix C is a slip.)",
         bench.model.settle_time_s()
     ));
     chapter.paragraph(left_out(runs, &found.left_out));

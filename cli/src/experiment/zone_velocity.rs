@@ -84,8 +84,8 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
     chapter.paragraph(format!(
         "The fastest joint's share of its limit stays within the velocity of the motion that follows, but for \
          {NOISE_PERCENT} % that differentiating may leave, in {kept} \
-         of {} blends. The thesis reports the same: the arm slows down before the blend, keeps a constant \
-         velocity in it, and the velocity in the blend is bounded by the following instruction's.",
+         of {} blends. The thesis reports that the arm slows down before the blend, keeps a constant \
+         velocity in it, and that the velocity in the blend is bounded by the following instruction's.",
         blends.len()
     ));
     Ok(chapter)
