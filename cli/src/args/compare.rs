@@ -28,7 +28,7 @@ pub(crate) struct Compare {
     #[arg(value_name = "PLAN.mcap")]
     pub(crate) plan: PathBuf,
 
-    /// What the robot did: an MCAP file of `iiwasim run` or `record`, a DataRecorder log, or a CSV
+    /// What the robot did: an MCAP file of `iiwasim run` or `record`, a `DataRecorder` log, or a CSV
     /// file with the columns `t_s` and `joint_1_rad` (or `_deg`) to `joint_7_rad`
     #[arg(value_name = "MEASURED")]
     pub(crate) measured: PathBuf,

@@ -189,7 +189,6 @@ fn check(plan: &Plan, log: &JointLog) -> Result<(), CompareError> {
         return Err(CompareError::OtherRobot { planned, measured });
     }
     let mut before = f64::NEG_INFINITY;
-    let mut range = ([f64::MAX; 7], [f64::MIN; 7]);
     for (i, (t_s, q)) in log.t_s.iter().zip(&log.q_rad).enumerate() {
         let bad = |what| CompareError::BadSample { index: i + 1, what };
         if !t_s.is_finite() || q.iter().any(|v| !v.is_finite()) {
@@ -199,11 +198,8 @@ fn check(plan: &Plan, log: &JointLog) -> Result<(), CompareError> {
             return Err(bad("is not later than the one before"));
         }
         before = *t_s;
-        for ((low, high), v) in range.0.iter_mut().zip(&mut range.1).zip(q) {
-            (*low, *high) = (low.min(*v), high.max(*v));
-        }
     }
-    let extent_rad = (0..7).map(|j| range.1[j] - range.0[j]).fold(0.0, f64::max);
+    let extent_rad = log.extent_rad();
     if extent_rad < 2e-4 {
         return Err(CompareError::NoMotion { extent_rad });
     }

@@ -51,6 +51,13 @@ impl<const N: usize> Fit<N> {
     }
 }
 
+/// Takes a parameter out of the equations.
+fn hold<const N: usize>(normal: &mut SMatrix<f64, N, N>, parameter: usize) {
+    normal.row_mut(parameter).fill(0.0);
+    normal.column_mut(parameter).fill(0.0);
+    normal[(parameter, parameter)] = 1.0;
+}
+
 /// Sums over all samples.
 #[derive(Clone)]
 struct Sums<const N: usize> {
@@ -77,16 +84,12 @@ impl<const N: usize> Sums<N> {
     /// The same with some parameters held where they are.
     fn hold(mut self, held: &[bool; N]) -> Self {
         for i in (0..N).filter(|&i| held[i]) {
-            self.normal.row_mut(i).fill(0.0);
-            self.normal.column_mut(i).fill(0.0);
-            self.normal[(i, i)] = 1.0;
+            hold(&mut self.normal, i);
             self.gradient[i] = 0.0;
         }
         self
     }
-}
 
-impl<const N: usize> Sums<N> {
     /// The damped step to the least squares. Parameters that it would take beyond their bounds go just
     /// there, and the others make the best of it.
     fn step(&self, at: &[f64; N], least: &[f64; N], damping: f64) -> Option<SVector<f64, N>> {
@@ -97,18 +100,13 @@ impl<const N: usize> Sums<N> {
             for i in 0..N {
                 normal[(i, i)] *= 1.0 + damping;
             }
-            for i in 0..N {
-                if let Some(step) = bound[i] {
-                    gradient.axpy(-step, &normal.column(i).into_owned(), 1.0);
-                }
+            let known = || bound.iter().enumerate().filter_map(|(i, step)| Some((i, (*step)?)));
+            for (i, step) in known() {
+                gradient.axpy(-step, &normal.column(i), 1.0);
             }
-            for i in 0..N {
-                if let Some(step) = bound[i] {
-                    normal.row_mut(i).fill(0.0);
-                    normal.column_mut(i).fill(0.0);
-                    normal[(i, i)] = 1.0;
-                    gradient[i] = step;
-                }
+            for (i, step) in known() {
+                hold(&mut normal, i);
+                gradient[i] = step;
             }
             let step = normal.cholesky()?.solve(&gradient);
             let beyond = (0..N).find(|&i| bound[i].is_none() && at[i] + step[i] < least[i]);

@@ -64,20 +64,24 @@ impl JointLog {
     ///
     /// [`JointLogError::NoMotion`] if none does.
     pub fn check_motion(&self) -> Result<(), JointLogError> {
-        let mut least = [f64::INFINITY; 7];
-        let mut most = [f64::NEG_INFINITY; 7];
-        for q_rad in &self.q_rad {
-            for joint in 0..7 {
-                least[joint] = least[joint].min(q_rad[joint]);
-                most[joint] = most[joint].max(q_rad[joint]);
-            }
-        }
-        let spans = most.iter().zip(least).map(|(most, least)| most - least);
-        let most_rad = spans.fold(0.0, f64::max);
+        let most_rad = self.extent_rad();
         if most_rad > STILL_RAD {
             return Ok(());
         }
         Err(JointLogError::NoMotion { most_rad, duration_s: self.duration_s() })
+    }
+
+    /// How far the joint that moves most is between its ends, rad.
+    #[must_use]
+    pub fn extent_rad(&self) -> f64 {
+        let extent = |joint: usize| {
+            let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+            for q_rad in &self.q_rad {
+                (least, most) = (least.min(q_rad[joint]), most.max(q_rad[joint]));
+            }
+            most - least
+        };
+        (0..7).map(extent).fold(0.0, f64::max)
     }
 
     /// Whether the positions can be those of any LBR iiwa, by their speed.
