@@ -24,7 +24,7 @@ use super::EXIT_CODES;
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct Identify {
     /// What the robot did: MCAP files of `iiwasim run` or `experiment`, which hold their programs, or with
-    /// --program of `iiwasim record`, DataRecorder logs or CSV files with the columns `t_s` and
+    /// --program of `iiwasim record`, `DataRecorder` logs or CSV files with the columns `t_s` and
     /// `joint_1_rad` (or `_deg`) to `joint_7_rad`
     #[arg(value_name = "RECORDING", required = true)]
     pub(crate) recordings: Vec<PathBuf>,

@@ -1,6 +1,9 @@
 //! `iiwasim identify`.
 
-use std::{fmt::Write as _, path::Path};
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
 
 use iiwa_eval::{
     Estimate,
@@ -31,7 +34,7 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
     let target = (!options.no_output).then_some(options.output.as_path());
     if let Some(target) = target {
         let robot = options.robot.as_deref().map(Path::new);
-        let read = options.recordings.iter().map(|path| path.as_path());
+        let read = options.recordings.iter().map(PathBuf::as_path);
         if read
             .chain(options.program.as_deref())
             .chain(robot)
