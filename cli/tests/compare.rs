@@ -67,7 +67,7 @@ fn figures_are_as_promised() {
     let error_s = number("/cycle_time/error_s");
     assert!((error_s - (simulated_s - real_s)).abs() < 1e-12);
     assert!((number("/cycle_time/error_percent") - 100.0 * error_s / real_s).abs() < 1e-9);
-    assert_eq!(number("/cycle_time/standing_s"), 0.050_000_000_000_000_71);
+    assert!((number("/cycle_time/standing_s") - 0.05).abs() < 1e-9);
     let motions = figures["motions"].as_array().unwrap();
     assert_eq!(motions.len(), 8);
     assert_eq!((&motions[2]["type"], &motions[2]["index"]), (&"wait".into(), &3.into()));
