@@ -8,11 +8,7 @@ mod helpers;
 #[path = "common/run.rs"]
 mod run;
 
-<<<<<<< HEAD
-use std::{fmt::Write, fs};
-=======
 use std::{fmt::Write as _, fs};
->>>>>>> compare
 
 use predicates::{
     prelude::PredicateBooleanExt,
