@@ -196,6 +196,7 @@ mod tests {
     /// The curve is that of the plans.
     #[test]
     fn the_curve_is_the_planners() {
+        const STEP: f64 = 1e-6;
         let before = [-0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         let after = [0.2, 0.0, 0.0, 0.4, 0.0, 0.0, 0.0];
         let corner = Corner::new(&[0.0; 7], &before, &after).unwrap();
@@ -211,7 +212,6 @@ mod tests {
             let point = bend.point([kappa, reach, reach], s);
             assert!((point.at[0] - expected[0]).hypot(point.at[1] - expected[1]) < 1e-15);
             // Slopes and derivatives by the parameters are those of the point itself.
-            const STEP: f64 = 1e-6;
             let slope = |to: &Point| [0, 1].map(|k| (to.at[k] - point.at[k]) / STEP);
             let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-4;
             if s < 1.0 {
