@@ -17,10 +17,11 @@ mod error;
 mod follow;
 mod noise;
 mod plan;
-mod vector;
 
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
+
+use crate::vector;
 
 use edge::{Edge, Line, Side, Stop};
 use follow::Followed;

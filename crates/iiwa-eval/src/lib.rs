@@ -12,6 +12,7 @@ pub mod experiment;
 pub mod identify;
 mod least_squares;
 mod local_cubic;
+mod quantile;
 mod vector;
 mod virtual_robot;
 

@@ -6,6 +6,15 @@ pub(crate) fn sub(a: &Joints, b: &Joints) -> Joints {
     std::array::from_fn(|j| a[j] - b[j])
 }
 
+/// a + k b.
+pub(crate) fn add_scaled(a: &Joints, k: f64, b: &Joints) -> Joints {
+    std::array::from_fn(|j| a[j] + k * b[j])
+}
+
+pub(crate) fn scale(k: f64, a: &Joints) -> Joints {
+    a.map(|v| k * v)
+}
+
 pub(crate) fn dot(a: &Joints, b: &Joints) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -20,6 +29,5 @@ pub(crate) fn distance(a: &Joints, b: &Joints) -> f64 {
 
 /// The direction of a vector that is not zero.
 pub(crate) fn unit(a: &Joints) -> Joints {
-    let length = norm(a);
-    a.map(|v| v / length)
+    scale(norm(a).recip(), a)
 }

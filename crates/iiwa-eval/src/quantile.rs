@@ -1,0 +1,17 @@
+//! Medians and other quantiles.
+
+/// The median of some numbers, which are put into another order; 0 of none.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
+    quantile(values, 0.5)
+}
+
+/// The value below which a share of the numbers is, which are put into another order; 0 of none.
+pub(crate) fn quantile(values: &mut [f64], share: f64) -> f64 {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "share <= 1")]
+    let index = (share * values.len() as f64) as usize;
+    let index = index.min(values.len().saturating_sub(1));
+    if values.is_empty() {
+        return 0.0;
+    }
+    *values.select_nth_unstable_by(index, f64::total_cmp).1
+}
