@@ -16,7 +16,8 @@ use super::EXIT_CODES;
 ///
 /// Each figure is told with its uncertainty, half of the interval that holds the true one in 95 of 100
 /// cases, and with the number of observations. What the recordings do not show is not told, and stays as
-/// it is in the model.
+/// it is in the model. Positions are taken at their word: measured ones that lag behind the commanded ones
+/// by some ms make jerk and the time to settle look smaller, so that commanded ones are better.
 ///
 /// The profile that it writes works with `iiwasim plan --robot PROFILE.json`. `iiwasim experiment` makes
 /// programs that show all of it.

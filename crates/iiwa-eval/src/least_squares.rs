@@ -118,6 +118,30 @@ impl<const N: usize> Sums<N> {
     }
 }
 
+/// By how much the variance grows because residuals hang together, as those of a model that is not quite
+/// right do: so many of them count as one. It is that of a first-order autoregression; 1 for white noise.
+fn dependence<const N: usize>(
+    model: &impl Model<N>,
+    parameters: &[f64; N],
+    squares: f64,
+    count: usize,
+) -> f64 {
+    let mut before = 0.0;
+    let mut products = 0.0;
+    model.samples(parameters, |residual, _| {
+        products += before * residual;
+        before = residual;
+    });
+    let correlation = products / squares.max(f64::MIN_POSITIVE);
+    // White noise shows as much by chance.
+    let count = count as f64;
+    if correlation < 2.0 / count.sqrt() {
+        return 1.0;
+    }
+    let correlation = correlation.min(1.0 - 2.0 / count);
+    (1.0 + correlation) / (1.0 - correlation)
+}
+
 const MOST_STEPS: usize = 60;
 
 /// No samples are taken to be better, in rad: positions travel as 32-bit numbers now and then.
@@ -161,7 +185,8 @@ pub(crate) fn fit<const N: usize>(
     let free = held.iter().filter(|held| !**held).count();
     let degrees = sums.count.checked_sub(free).filter(|&degrees| degrees > 0)?;
     let variance = (sums.squares / degrees as f64).max(LEAST_RESIDUAL.powi(2));
-    let mut covariance = sums.normal.cholesky()?.inverse() * variance;
+    let dependence = dependence(model, &parameters, sums.squares, sums.count);
+    let mut covariance = sums.normal.cholesky()?.inverse() * (variance * dependence);
     for i in (0..N).filter(|&i| held[i]) {
         covariance.row_mut(i).fill(0.0);
         covariance.column_mut(i).fill(0.0);
