@@ -17,7 +17,6 @@ mod error;
 mod follow;
 mod noise;
 mod plan;
-mod vector;
 
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
@@ -26,6 +25,8 @@ use edge::{Edge, Line, Side, Stop};
 use follow::Followed;
 use noise::Noise;
 use plan::{Leg, Piece, PieceKind};
+
+use crate::vector::{add_scaled, norm, sub};
 
 pub use deviation::{Deviation, TracePoint, Whereabouts};
 pub use error::CompareError;
@@ -458,11 +459,11 @@ impl<'a> Finder<'a> {
         let curve = &self.plan.curve;
         let interval = curve.interval_at_arc(arc_rad);
         let start = &curve.knots()[interval];
-        let q = vector::add_scaled(
+        let q = add_scaled(
             &start.q,
             (arc_rad - curve.arc(interval))
                 / (curve.arc(interval + 1) - curve.arc(interval)).max(1e-12),
-            &vector::sub(&curve.knots()[interval + 1].q, &start.q),
+            &sub(&curve.knots()[interval + 1].q, &start.q),
         );
         curve.refine(interval, &q, arc_rad - curve.arc(interval)).t_s
     }
@@ -499,7 +500,7 @@ impl<'a> Finder<'a> {
         let to = (at..first + places.len()).take_while(|i| near(*i)).last().map_or(at, |i| i + 1);
         let points = (from..to).map(|i| {
             let place_s = places[i - first];
-            let speed = vector::norm(&self.plan.curve.at(place_s).1);
+            let speed = norm(&self.plan.curve.at(place_s).1);
             (place_s - plan_s, log.t_s[i], speed * speed)
         });
         let line = Line::fit(points)?;

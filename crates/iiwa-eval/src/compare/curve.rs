@@ -2,7 +2,7 @@
 
 use iiwa_kin::Joints;
 
-use super::vector::{add_scaled, dot, norm, scale, sub};
+use crate::vector::{add_scaled, dot, norm, scale, sub};
 
 /// Where the arm is to be at a time, and how fast.
 #[derive(Clone, Copy, Debug, PartialEq)]

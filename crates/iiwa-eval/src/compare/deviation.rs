@@ -4,7 +4,7 @@ use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
 
 use super::plan::Plan;
-use super::vector::distance;
+use crate::vector::distance;
 
 /// How far the recorded path is from the planned one.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,7 @@ use iiwa_log::JointLog;
 
 use super::curve::Curve;
 use super::noise::Noise;
-use super::vector::{distance, dot, median, norm, scale, sub};
+use crate::vector::{distance, dot, median, norm, scale, sub};
 
 /// The way over which a ramp is looked at, in rad, if noise does not ask for more.
 const WAY_RAD: f64 = 3e-3;

@@ -7,7 +7,7 @@ use super::curve::{Curve, Place};
 use super::error::CompareError;
 use super::noise::Noise;
 use super::plan::{Leg, Plan};
-use super::vector::{distance, norm, sub};
+use crate::vector::{distance, norm, sub};
 
 /// How far from the plan's start and end the arm may stand, in rad.
 const ENDS_RAD: f64 = 0.05;

@@ -3,7 +3,7 @@
 use iiwa_kin::Joints;
 use iiwa_log::JointLog;
 
-use super::vector::{median, quantile};
+use crate::vector::{median, norm, quantile};
 
 /// Samples that are looked at.
 const SAMPLES: usize = 20_000;
@@ -45,12 +45,12 @@ impl Noise {
 
     /// All joints together, in rad.
     pub(crate) fn norm_rad(&self) -> f64 {
-        super::vector::norm(&self.joints_rad)
+        norm(&self.joints_rad)
     }
 
     /// Standard deviation along a direction, in rad.
     pub(crate) fn along_rad(&self, unit: &Joints) -> f64 {
-        super::vector::norm(&std::array::from_fn(|j| unit[j] * self.joints_rad[j]))
+        norm(&std::array::from_fn(|j| unit[j] * self.joints_rad[j]))
     }
 
     /// The time without a sample from which on it is a gap, in s.
