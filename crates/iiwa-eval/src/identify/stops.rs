@@ -6,11 +6,15 @@ use iiwa_kin::Joints;
 use iiwa_log::JointLog;
 use iiwa_path::{Path, Step};
 
-use crate::vector::distance;
+use crate::vector::{add_scaled, distance, dot, norm, sub};
 
 /// Nearer than this, in rad, the arm is taken to be about to leave a stop, or to arrive: more than robots
 /// lag behind or measure wrong, and little of a motion.
 const NEAR_RAD: f64 = 2e-3;
+
+/// Farther than this beside the line that it should go along, in rad, the arm does something else. If it
+/// arrived all the same, what it does next would be taken for what it does not.
+const ASTRAY_RAD: f64 = 0.1;
 
 /// A stretch of a path from one stop to the next, and its samples.
 #[derive(Clone, Debug)]
@@ -109,7 +113,14 @@ pub(super) fn follow(path: &Path, log: &JointLog, from: usize) -> Option<Followe
                     passed = find(passed, &|q| distance(q, &middle) < 0.7 * reach)?;
                 }
             }
-            Some(leaves..find(passed, &|q| distance(q, &stretch.to) < near)?)
+            let core = leaves..find(passed, &|q| distance(q, &stretch.to) < near)?;
+            let is_line =
+                matches!(path.steps()[stretch.steps.clone()], [Step::Move { blend: None, .. }]);
+            let astray = is_line
+                && q[core.clone()]
+                    .iter()
+                    .any(|q| beside(q, &stretch.from, &stretch.to) > ASTRAY_RAD);
+            (!astray).then_some(core)
         })();
         let Some(core) = core else {
             lost_in = Some(match &path.steps()[stretch.steps.start] {
@@ -134,6 +145,13 @@ pub(super) fn follow(path: &Path, log: &JointLog, from: usize) -> Option<Followe
         begin = end;
     }
     Some(Followed { passages, lost_in })
+}
+
+/// The distance from the line through two points.
+fn beside(q: &Joints, from: &Joints, to: &Joints) -> f64 {
+    let (way, off) = (sub(to, from), sub(q, from));
+    let along = dot(&off, &way) / dot(&way, &way).max(f64::MIN_POSITIVE);
+    norm(&add_scaled(&off, -along, &way))
 }
 
 /// How much of the standing before the first motion and after the last one is looked at, in s.
