@@ -154,9 +154,8 @@ pub enum JointLogError {
     },
     /// Samples that follow each other as slowly or as fast as nobody records a motion.
     #[error(
-        "a sample every {period_s} s: no recording of a robot's motion has so {} samples; is the time in \
-         seconds?",
-        if *.period_s > 1e-2 { "few" } else { "many" }
+        "{:.3} samples a second: nobody records a robot's motion so; is the time in seconds?",
+        .period_s.recip()
     )]
     Rate {
         /// The usual time from one sample to the next, s.
