@@ -75,6 +75,7 @@ pub(crate) fn open(path: &Path) -> Result<File, Failure> {
 /// Reads what a robot did from any file that holds joint positions.
 pub(crate) fn recording(path: &Path) -> Result<JointLog, Failure> {
     JointLog::read(open(path)?)
+        .and_then(|log| log.check_rate().map(|()| log))
         .map_err(|error| Failure::input(format!("{}: {}", path.display(), chain(&error))))
 }
 

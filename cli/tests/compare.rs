@@ -43,6 +43,19 @@ fn a_plan_against_itself_is_without_error() {
 }
 
 #[test]
+fn milliseconds_are_not_seconds() {
+    let folder = plans();
+    let mut table = String::from("t_s,A1_deg,A2_deg,A3_deg,A4_deg,A5_deg,A6_deg,A7_deg\n");
+    for k in 0..100 {
+        writeln!(table, "{k},{},0,0,0,0,0,0", f64::from(k) * 0.1).unwrap();
+    }
+    fs::write(folder.path().join("ms.csv"), table).unwrap();
+    iiwasim(&folder, &["compare", "plan.mcap", "ms.csv"])
+        .code(2)
+        .stderr(contains("1.000 samples a second"));
+}
+
+#[test]
 fn gates_name_both_figures() {
     let folder = plans();
     let both = ["--max-error-percent", "5", "--max-deviation-mm", "1"];

@@ -75,9 +75,9 @@ fn blends_from_a_recording_that_holds_its_program() {
     record(folder.path(), &experiment::blends(0.5));
     // The file of a plan is a recording, too: that of the model.
     iiwasim(&folder, &["plan", "circle.json", "--rate", "1000"]).success();
-    iiwasim(&folder, &["identify", "circle.mcap", "--no-output"])
-        .success()
-        .stdout(contains("kappa = -3.974").and(contains("confirmed")));
+    iiwasim(&folder, &["identify", "circle.mcap", "--no-output"]).success().stdout(
+        contains("kappa = -3.974").and(contains("confirmed")).and(contains("this is a plan")),
+    );
     let output =
         iiwasim(&folder, &["identify", "circle.csv", "--program", "circle.json", "--json"]);
     let figures: serde_json::Value =
@@ -134,6 +134,6 @@ fn what_is_lost_is_said() {
         .stdout(
             contains("A7               not shown")
                 .and(contains("the arm does not follow the program from here on"))
-                .and(contains("Not used: half.csv: ")),
+                .and(contains("Note: half.csv: ")),
         );
 }

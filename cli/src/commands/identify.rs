@@ -10,7 +10,7 @@ use iiwa_eval::{
     identify::{BlendObservation, Identified, LineObservation, Recording, identify},
 };
 use iiwa_kin::Robot;
-use iiwa_log::JointLog;
+use iiwa_log::{JointLog, Loss};
 use iiwa_path::Program;
 use serde::Serialize;
 
@@ -54,10 +54,12 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
     let name = options.name.as_deref().unwrap_or(model.name());
     let report = Report::new(&sources, name, &found, target);
     if report.is_empty() {
-        return Err(Failure::input(
+        let losses =
+            report.losses.iter().take(SHOWN).fold(String::new(), |text, loss| text + "; " + loss);
+        return Err(Failure::input(format!(
             "the recordings show no limit, no time to settle and no blend: `iiwasim experiment` has \
-             programs that do",
-        ));
+             programs that do{losses}"
+        )));
     }
     if let Some(target) = target {
         let robot = found.robot(&model).with_name(name);
@@ -93,7 +95,8 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
             })?,
             (None, None) => {
                 return Err(Failure::input(format!(
-                    "{name} does not hold the program that was run; name it with --program"
+                    "{name} does not hold the program that was run; name it with --program{}",
+                    broken_off(&log).map_or_else(String::new, |loss| format!(" ({loss})"))
                 )));
             }
         };
@@ -118,6 +121,35 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
         sources.push(Source { name, program, log });
     }
     Ok((sources, model.unwrap_or_default()))
+}
+
+/// The loss of the rest of a file.
+fn broken_off(log: &JointLog) -> Option<&Loss> {
+    log.losses.iter().find(|loss| matches!(loss, Loss::BrokenOff { .. }))
+}
+
+/// What a recording lacks, all gaps in one line.
+fn losses(log: &JointLog) -> Vec<String> {
+    let mut gaps = 0;
+    let mut gaps_s = 0.0;
+    let mut texts = Vec::new();
+    if log.is_plan {
+        texts.push(
+            "this is a plan: what was found is what it was made with, not a robot's".to_owned(),
+        );
+    }
+    for loss in &log.losses {
+        if let Loss::Gap { from_s, to_s, .. } = loss {
+            gaps += 1;
+            gaps_s += to_s - from_s;
+        } else {
+            texts.push(loss.to_string());
+        }
+    }
+    if gaps > 0 {
+        texts.push(format!("without samples in {gaps} gaps, {gaps_s:.3} s in all"));
+    }
+    texts
 }
 
 /// The `--json` object.
@@ -265,7 +297,7 @@ impl Report {
                 .collect(),
         });
         let lost = sources.iter().flat_map(|source| {
-            source.log.losses.iter().map(|loss| format!("{}: {loss}", source.name))
+            losses(&source.log).into_iter().map(|loss| format!("{}: {loss}", source.name))
         });
         let left_out = found.left_out.iter().map(|left| {
             format!("{}, motion {}: {}", sources[left.recording].name, left.motion + 1, left.why)
@@ -369,10 +401,10 @@ impl Report {
             ),
         }
         for loss in self.losses.iter().take(SHOWN) {
-            let _ = writeln!(text, "Not used: {}", printable(loss));
+            let _ = writeln!(text, "Note: {}", printable(loss));
         }
         if let Some(more @ 1..) = self.losses.len().checked_sub(SHOWN) {
-            let _ = writeln!(text, "Not used: {more} more, see --json");
+            let _ = writeln!(text, "Note: {more} more, see --json");
         }
         if let Some(file) = &self.output {
             let _ = writeln!(text, "Profile of {} in {}", printable(&self.robot), printable(file));

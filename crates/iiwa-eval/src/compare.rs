@@ -28,6 +28,8 @@ use follow::Followed;
 use noise::Noise;
 use plan::{Leg, Piece, PieceKind};
 
+use crate::vector::{add_scaled, norm, sub};
+
 pub use deviation::{Deviation, TracePoint, Whereabouts};
 pub use error::CompareError;
 pub use plan::{Plan, PlanFileError};
@@ -230,6 +232,30 @@ fn report_gaps(
     }
 }
 
+/// Whether the arm stands, or goes, elsewhere beyond an edge at which it was not seen to stand. If the
+/// recording is cut to the motion, there is nothing beyond.
+fn stands_elsewhere(
+    plan: &Plan,
+    log: &JointLog,
+    edge: &Edge,
+    name: &'static str,
+) -> Result<(), CompareError> {
+    let (t_s, planned) = match name {
+        "start" => (edge.t_s - BEYOND_S, plan.at(0.0)),
+        _ => (edge.t_s + BEYOND_S, plan.at(plan.cycle_time_s())),
+    };
+    let after = log.t_s.partition_point(|sample_s| *sample_s < t_s);
+    let Some(q) = log.q_rad.get(after).filter(|_| after > 0) else { return Ok(()) };
+    let distance_rad = vector::distance(q, &planned);
+    if distance_rad > edge::STANDS_RAD {
+        return Err(CompareError::StandsElsewhere { edge: name, t_s, distance_rad });
+    }
+    Ok(())
+}
+
+/// How far beyond an edge that is looked at, in s.
+const BEYOND_S: f64 = 0.1;
+
 /// A gap about an edge from which on nothing is known of it, in s.
 const EDGE_GAP_S: f64 = 0.05;
 
@@ -275,6 +301,7 @@ impl Timing {
                 ));
             }
             if !edge.stands {
+                stands_elsewhere(plan, log, edge, name)?;
                 losses.push(format!(
                     "the arm is not recorded standing at the {name} of the motion: it is taken to \
                      stand where the plan does"
@@ -459,11 +486,11 @@ impl<'a> Finder<'a> {
         let curve = &self.plan.curve;
         let interval = curve.interval_at_arc(arc_rad);
         let start = &curve.knots()[interval];
-        let q = vector::add_scaled(
+        let q = add_scaled(
             &start.q,
             (arc_rad - curve.arc(interval))
                 / (curve.arc(interval + 1) - curve.arc(interval)).max(1e-12),
-            &vector::sub(&curve.knots()[interval + 1].q, &start.q),
+            &sub(&curve.knots()[interval + 1].q, &start.q),
         );
         curve.refine(interval, &q, arc_rad - curve.arc(interval)).t_s
     }
@@ -500,7 +527,7 @@ impl<'a> Finder<'a> {
         let to = (at..first + places.len()).take_while(|i| near(*i)).last().map_or(at, |i| i + 1);
         let points = (from..to).map(|i| {
             let place_s = places[i - first];
-            let speed = vector::norm(&self.plan.curve.at(place_s).1);
+            let speed = norm(&self.plan.curve.at(place_s).1);
             (place_s - plan_s, log.t_s[i], speed * speed)
         });
         let line = Line::fit(points)?;

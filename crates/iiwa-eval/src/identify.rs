@@ -68,7 +68,10 @@ pub enum IdentifyError {
         nearest_rad: f64,
     },
     /// It stands, or leaves the program, before it has done any of it.
-    #[error("the arm is where the program starts, but does not do its first motion")]
+    #[error(
+        "the arm is where the program starts, but does not do its first motion: is it another program's \
+         recording, another robot's, or in other units?"
+    )]
     NoMotion {
         /// The recording, from 0.
         recording: usize,

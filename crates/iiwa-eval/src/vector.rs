@@ -1,4 +1,4 @@
-//! Vectors in joint space.
+//! Vectors in joint space, and quantiles.
 
 use iiwa_kin::Joints;
 

@@ -374,3 +374,25 @@ fn gaps_are_stated_and_never_hide_an_edge() {
         assert!(matches!(error, CompareError::GapAtEdge { .. }), "{error}");
     }
 }
+
+/// An axis that is off by a degree passes the plan's start when it already moves.
+#[test]
+fn an_arm_that_stands_elsewhere_is_refused() {
+    const BEND: &str = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, -60, 0, 90, 0] },
+        "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, -60, 0, 90, 0] },
+            { "type": "ptp", "joints_deg": [20, 0, 0, -30, 0, 90, 0] }] }"#;
+    let trajectory = trajectory(BEND, jerk());
+    let plan = Plan::from_trajectory(&trajectory);
+    let mut shift_rad = [0.0; 7];
+    shift_rad[0] = -1_f64.to_radians();
+    let tape = Tape { before_s: 0.5, after_s: 0.5, shift_rad, ..Tape::default() };
+    let log = tape.record(&trajectory, &mut Rng::with_seed(1));
+    let error = compare(&plan, &log).unwrap_err();
+    assert!(matches!(error, CompareError::StandsElsewhere { edge: "start", .. }), "{error}");
+    // The other way it never is at the start, and its time can be told.
+    shift_rad[0] = 1_f64.to_radians();
+    let tape = Tape { shift_rad, ..tape };
+    let log = tape.record(&trajectory, &mut Rng::with_seed(1));
+    let found = compare(&plan, &log).unwrap();
+    assert!(found.cycle_time.error_s.abs() < 1e-3, "{:?}", found.cycle_time);
+}

@@ -187,7 +187,7 @@ fn recordings_that_are_not_ideal() {
         }
         let inside: usize = all.iter().map(|errors| errors.inside).sum();
         let count: usize = all.iter().map(|errors| errors.count).sum();
-        assert!(inside as f64 >= 0.9 * count as f64, "{name}: {inside} of {count}");
+        assert!(inside as f64 >= 0.85 * count as f64, "{name}: {inside} of {count}");
     }
 }
 
@@ -343,6 +343,48 @@ fn another_program_is_refused() {
     assert_eq!((found.left_out[0].motion, found.left_out[0].why), (1, Why::NotFollowed));
 }
 
+/// Joint 2 of the recording is the program's joint 4: where they part, nothing more is found.
+#[test]
+fn what_goes_astray_is_left_out() {
+    let swing = |joint: usize| ptp(std::array::from_fn(|j| if j == joint { 60.0 } else { 0.0 }));
+    let home = || ptp([0.0; 7]);
+    let ran = program([swing(0), home(), swing(3), home(), swing(1), home()]);
+    let taken_for = program([swing(0), home(), swing(1), home(), swing(3), home()]);
+    let (_, log) = VirtualRobot::new(Robot::default(), 1).run(&ran).unwrap();
+    let recording = Recording { program: &taken_for, log: &log };
+    let found = identify(&[recording], &Robot::default()).unwrap();
+    let shown = found.velocity_rad_s.map(|limit| limit.is_some());
+    assert_eq!(shown, [true, false, false, false, false, false, false]);
+    let last = found.left_out.last().unwrap();
+    assert_eq!((last.motion, last.why), (2, Why::NotFollowed));
+}
+
+/// Noise may hide a phase of a motion. What is told all the same is not certain, and says so.
+#[test]
+fn what_noise_hides_is_no_certainty() {
+    let swing = |by_deg: f64| ptp([0.0, by_deg, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let swings = program((0..10).flat_map(|_| [swing(40.0), swing(0.0)]));
+    let limits = *Robot::default().limits();
+    for noise_rad in [1e-4, 5e-4, 1e-3] {
+        let mut robot = VirtualRobot::new(Robot::default(), 1);
+        robot.noise_rad = noise_rad;
+        let (_, log) = robot.run(&swings).unwrap();
+        let found =
+            identify(&[Recording { program: &swings, log: &log }], &Robot::default()).unwrap();
+        for (found, truth) in [
+            (found.velocity_rad_s[1], limits.velocity_rad_s[1]),
+            (found.acceleration_rad_s2[1], limits.acceleration_rad_s2[1]),
+            (found.jerk_rad_s3[1], limits.jerk_rad_s3[1]),
+        ] {
+            // Half of the interval that holds it in 95 of 100 cases, twice.
+            assert!(
+                found.is_none_or(|found| (found.value - truth).abs() < 2.0 * found.uncertainty),
+                "{noise_rad}: {found:?}, {truth}"
+            );
+        }
+    }
+}
+
 /// An arm that creeps to its target in another way than a controller moves it.
 #[test]
 fn other_motions_are_left_out() {
@@ -396,4 +438,28 @@ fn blends_that_begin_and_end_at_other_distances() {
     assert!((unequal.value - 1.0).abs() < 1e-3, "{unequal:?} {:?}", found.blends);
     let [before, after] = found.blends[0].found_reach_rad.unwrap();
     assert!((before - 0.125).abs() < 1e-4 && (after - 0.25).abs() < 1e-4);
+}
+
+/// What the arm does before it comes to the start, and after the end, is none of the program.
+#[test]
+fn motions_before_and_after_do_not_blur_the_program() {
+    let there = program([
+        ptp([0.0, 30.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        ptp([0.0; 7]),
+        ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        ptp([60.0, 0.0, 0.0, 30.0, 0.0, 0.0, 0.0]),
+    ]);
+    let (_, mut log) = VirtualRobot::new(Robot::default(), 1).run(&there).unwrap();
+    // The recording begins on the way to the start of the program, which is one motion of it.
+    let from = log.q_rad.iter().position(|q| q[1] > 0.5).unwrap();
+    log.t_s.drain(..from);
+    log.q_rad.drain(..from);
+    let swing = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
+    let recording = Recording { program: &swing, log: &log };
+    let found = identify(&[recording], &Robot::default()).unwrap();
+    assert_eq!(found.left_out, []);
+    let velocity = found.velocity_rad_s[0].unwrap().value.to_degrees();
+    let acceleration = found.acceleration_rad_s2[0].unwrap().value.to_degrees();
+    assert!((velocity / 98.0 - 1.0).abs() < 1e-6, "{velocity}");
+    assert!((acceleration / 490.0 - 1.0).abs() < 1e-5, "{acceleration}");
 }

@@ -70,6 +70,8 @@ pub struct JointLog {
     pub q_rad: Vec<[f64; 7]>,
     /// The motion program that was run, if the recording has it: JSON.
     pub program: Option<String>,
+    /// Whether it is a plan, of which nothing was measured.
+    pub is_plan: bool,
     /// The robot's name, if the recording has it.
     pub robot: Option<String>,
     /// The cycle time that the recording states, as the robot program measured it, in s.

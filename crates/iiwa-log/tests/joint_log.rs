@@ -405,6 +405,22 @@ mod refusals {
     }
 
     #[test]
+    fn time_that_is_not_in_seconds() {
+        let log = |period_s: f64| {
+            let t_s = (0..100).map(|k| f64::from(k) * period_s).collect();
+            JointLog::new(t_s, vec![[0.0; 7]; 100]).check_rate()
+        };
+        for period_s in [1e-4, 1e-3, 2e-2, 0.1] {
+            log(period_s).unwrap();
+        }
+        // Milliseconds as seconds, and seconds as milliseconds.
+        for period_s in [1.0, 20.0, 1e-6, 2e-5] {
+            assert!(matches!(log(period_s), Err(JointLogError::Rate { .. })), "{period_s}");
+        }
+        JointLog::new(vec![0.0], vec![[0.0; 7]]).check_rate().unwrap();
+    }
+
+    #[test]
     fn another_robot() {
         let small = Robot::lbr_iiwa_7_r800();
         let large = Robot::lbr_iiwa_14_r820();

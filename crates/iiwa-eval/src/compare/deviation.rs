@@ -133,7 +133,7 @@ struct Sum {
     before: f64,
     max: f64,
     /// The sample with the largest, and its place.
-    at: (usize, f64),
+    at: Option<(usize, f64)>,
 }
 
 impl Sum {
@@ -141,13 +141,13 @@ impl Sum {
         self.integral += 0.5 * (off + self.before) * way;
         self.way += way;
         self.before = off;
-        if off > self.max || self.at.0 == 0 {
-            (self.max, self.at) = (off.max(self.max), (sample, plan_s));
+        if off > self.max || self.at.is_none() {
+            (self.max, self.at) = (off, Some((sample, plan_s)));
         }
     }
 
     fn deviation(&self, plan: &Plan, log: &JointLog) -> Deviation {
-        let (i, plan_s) = self.at;
+        let (i, plan_s) = self.at.unwrap_or_default();
         let (planned_rad, measured_rad) = (plan.at(plan_s), log.q_rad[i]);
         Deviation {
             mean: if self.way > 0.0 { self.integral / self.way } else { self.max },

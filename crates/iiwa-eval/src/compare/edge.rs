@@ -18,7 +18,7 @@ use crate::vector::{distance, dot, norm, scale, sub};
 const WAY_RAD: f64 = 3e-3;
 
 /// Farther than this from where it should, the arm does not stand for this stop, in rad.
-const STANDS_RAD: f64 = 5e-3;
+pub(super) const STANDS_RAD: f64 = 5e-3;
 
 /// The least samples of a ramp.
 const SAMPLES: usize = 5;

@@ -102,6 +102,20 @@ pub enum CompareError {
         /// How far it is away, in rad.
         distance_rad: f64,
     },
+    /// The arm passes the start or the end of the program and stands elsewhere.
+    #[error(
+        "the arm does not stand where the plan's {edge} is: at {t_s:.3} s of the recording it is {:.2} deg \
+         away from there",
+        .distance_rad.to_degrees()
+    )]
+    StandsElsewhere {
+        /// `start` or `end`.
+        edge: &'static str,
+        /// When, in s of the recording.
+        t_s: f64,
+        /// How far away it is, in rad.
+        distance_rad: f64,
+    },
     /// The arm does not stand where the program ends.
     #[error(
         "the recorded motion does not end with the plan's: at {t_s:.3} s the arm is {distance_rad:.1e} rad \

@@ -9,6 +9,18 @@ use crate::vector::norm;
 /// Samples that are looked at.
 const SAMPLES: usize = 20_000;
 
+/// Smaller steps are the last digits of a number, in rad.
+const LEAST_STEP_RAD: f64 = 1e-9;
+
+/// Standard deviation of positions that were rounded, in rad: an arm that stands seems to be without any
+/// noise then, and one that moves goes by steps, the smallest of which is what they were rounded to.
+fn rounding_rad(log: &JointLog, joint: usize, stride: usize) -> f64 {
+    let steps =
+        log.q_rad.windows(2).step_by(stride).map(|pair| (pair[1][joint] - pair[0][joint]).abs());
+    let least = steps.filter(|step| *step > LEAST_STEP_RAD).fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least / 12.0_f64.sqrt() } else { 0.0 }
+}
+
 /// What is known of a recording before it is compared.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Noise {
@@ -39,7 +51,8 @@ impl Noise {
             let mut differences: Vec<f64> = at.iter().map(difference).collect();
             // A quarter of a normal distribution is within 0.3186 of its standard deviation; that
             // of third differences is sqrt(1 + 9 + 9 + 1) times as large.
-            quantile(&mut differences, 0.25) / (0.3186 * 20.0_f64.sqrt())
+            let noise_rad = quantile(&mut differences, 0.25) / (0.3186 * 20.0_f64.sqrt());
+            if noise_rad > LEAST_STEP_RAD { noise_rad } else { rounding_rad(log, j, stride) }
         });
         Self { joints_rad, step_s }
     }

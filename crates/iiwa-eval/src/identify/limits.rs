@@ -18,6 +18,9 @@ pub(super) struct Bound {
 /// A joint with a smaller share in a motion does not move: targets in degrees are rounded.
 pub(super) const ROUNDING: f64 = 1e-9;
 
+/// Nothing is taken to be off by more standard deviations.
+const SURE_DEVIATIONS: f64 = 3.0;
+
 impl Bound {
     /// From a figure along the way, the direction of the way (a unit vector) and the shares of the
     /// limits that the motion was allowed.
@@ -34,18 +37,23 @@ impl Bound {
 ///
 /// No joint exceeds its limit, so that the largest figure that was seen of it is a lower bound. In each
 /// motion some joint is at its limit: one of those that come near to their own largest figure, within
-/// `tolerance` (a share). Where that is one joint only, its limit is shown.
+/// `tolerance` (a share). Where that is one joint only, its limit is shown. Noise is not to make one
+/// figure of a joint so large that the motions which it limits seem to be limited by others: the largest
+/// is what surely was reached, and near it is what may be.
 pub(super) fn estimate(bounds: &[Bound], tolerance: f64) -> [Option<Estimate>; 7] {
     let mut largest = [0.0; 7];
     for bound in bounds {
-        largest = std::array::from_fn(|j| bound.of_joint[j].max(largest[j]));
+        let surely = (1.0 - SURE_DEVIATIONS * bound.deviation).max(0.0);
+        largest = std::array::from_fn(|j| (surely * bound.of_joint[j]).max(largest[j]));
     }
     let mut shown: [Vec<(f64, f64)>; 7] = Default::default();
     for bound in bounds {
         let mut moving = (0..7).filter(|&j| bound.of_joint[j] > 0.0);
         let alone = moving.next().filter(|_| moving.next().is_none());
-        let mut near = (0..7)
-            .filter(|&j| bound.of_joint[j] > (1.0 - tolerance) * largest[j].max(f64::MIN_POSITIVE));
+        let maybe = 1.0 + SURE_DEVIATIONS * bound.deviation;
+        let mut near = (0..7).filter(|&j| {
+            maybe * bound.of_joint[j] > (1.0 - tolerance) * largest[j].max(f64::MIN_POSITIVE)
+        });
         let only = alone.or_else(|| near.next().filter(|_| near.next().is_none()));
         if let Some(j) = only {
             let figure = bound.of_joint[j];
@@ -83,5 +91,17 @@ mod tests {
         let found = estimate(&[first, bound([0.1, 1.0], limits)], 0.01);
         assert!((found[0].unwrap().value - 3.0).abs() < 1e-12);
         assert!((found[1].unwrap().value - 5.0).abs() < 1e-12);
+    }
+
+    /// Joint 1 limits all motions; one of them, in noise, seems to be faster.
+    #[test]
+    fn noise_does_not_blame_another_joint() {
+        let limits = [3.0, 50.0];
+        let mut noisy = bound([1.0, 0.0], limits);
+        noisy.of_joint[0] *= 1.2;
+        noisy.deviation = 0.1;
+        let found = estimate(&[noisy, bound([1.0, 1.0], limits)], 0.01);
+        assert_eq!(found[1], None);
+        assert!(found[0].unwrap().holds(3.0));
     }
 }

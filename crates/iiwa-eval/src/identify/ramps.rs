@@ -131,18 +131,26 @@ impl Ramps {
     }
 
     /// From the fit in which all phases were free and the one without those that are not there. Whether
-    /// they are is not certain: what that makes of the times counts as their uncertainty.
+    /// they are is not certain: what that makes of the times counts as their uncertainty. A limit for
+    /// which it makes more of a difference than the scatter is told by the fit that leaves it open:
+    /// without acceleration at its limit, which noise had hidden, jerk would come out too small in all
+    /// motions alike, and no number of them would tell.
     fn of(free: &Fit<COUNT>, fit: &Fit<COUNT>) -> Self {
         type Parameters = [f64; COUNT];
         let half = |p: &Parameters| 0.5 * p[CRUISE] + 2.0 * p[JERK] + p[PUSH];
         let speed = |p: &Parameters| p[WAY].abs() / (2.0 * p[JERK] + p[PUSH] + p[CRUISE]);
         let acceleration = |p: &Parameters| speed(p) / (p[JERK] + p[PUSH]);
         let shows = |phase: usize| fit.parameters[phase] >= SHOWN_S;
-        let observed = |figure: &dyn Fn(&Parameters) -> f64| {
+        let told_by = |fit: &Fit<COUNT>, figure: &dyn Fn(&Parameters) -> f64| {
             (figure(&fit.parameters), fit.deviation_of(figure))
         };
+        let observed = |figure: &dyn Fn(&Parameters) -> f64| {
+            let (value, deviation) = told_by(fit, figure);
+            let certain = (figure(&free.parameters) - value).abs() <= deviation;
+            if certain { (value, deviation) } else { told_by(free, figure) }
+        };
         let time = |figure: &dyn Fn(&Parameters) -> f64| {
-            let (time_s, deviation_s) = observed(figure);
+            let (time_s, deviation_s) = told_by(fit, figure);
             (time_s, deviation_s.hypot(figure(&free.parameters) - time_s))
         };
         Self {

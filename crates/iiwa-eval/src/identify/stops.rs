@@ -6,11 +6,15 @@ use iiwa_kin::Joints;
 use iiwa_log::JointLog;
 use iiwa_path::{Path, Step};
 
-use crate::vector::distance;
+use crate::vector::{add_scaled, distance, dot, norm, sub};
 
 /// Nearer than this, in rad, the arm is taken to be about to leave a stop, or to arrive: more than robots
 /// lag behind or measure wrong, and little of a motion.
 const NEAR_RAD: f64 = 2e-3;
+
+/// Farther than this beside the line that it should go along, in rad, the arm does something else. If it
+/// arrived all the same, what it does next would be taken for what it does not.
+const ASTRAY_RAD: f64 = 0.1;
 
 /// A stretch of a path from one stop to the next, and its samples.
 #[derive(Clone, Debug)]
@@ -109,7 +113,14 @@ pub(super) fn follow(path: &Path, log: &JointLog, from: usize) -> Option<Followe
                     passed = find(passed, &|q| distance(q, &middle) < 0.7 * reach)?;
                 }
             }
-            Some(leaves..find(passed, &|q| distance(q, &stretch.to) < near)?)
+            let core = leaves..find(passed, &|q| distance(q, &stretch.to) < near)?;
+            let is_line =
+                matches!(path.steps()[stretch.steps.clone()], [Step::Move { blend: None, .. }]);
+            let astray = is_line
+                && q[core.clone()]
+                    .iter()
+                    .any(|q| beside(q, &stretch.from, &stretch.to) > ASTRAY_RAD);
+            (!astray).then_some(core)
         })();
         let Some(core) = core else {
             lost_in = Some(match &path.steps()[stretch.steps.start] {
@@ -121,12 +132,13 @@ pub(super) fn follow(path: &Path, log: &JointLog, from: usize) -> Option<Followe
         at = core.end;
         cores.push(core);
     }
-    let mut begin = cores.first().map_or(0, |core| standing_before(log, core.start));
+    let mut begin =
+        cores.first().map_or(0, |core| standing_before(log, core.start, path.start_rad()));
     let mut passages = Vec::with_capacity(cores.len());
     for (i, (stretch, core)) in stretches.into_iter().zip(&cores).enumerate() {
         let end = match cores.get(i + 1) {
             Some(next) => slowest(log, core.end..next.start),
-            None => standing_after(log, core.end),
+            None => standing_after(log, core.end, &stretch.to),
         };
         let Planned { steps, from, to, settles, waits_s } = stretch;
         let (samples, arrives) = (begin..end, core.end);
@@ -136,18 +148,36 @@ pub(super) fn follow(path: &Path, log: &JointLog, from: usize) -> Option<Followe
     Some(Followed { passages, lost_in })
 }
 
+/// The distance from the line through two points.
+fn beside(q: &Joints, from: &Joints, to: &Joints) -> f64 {
+    let (way, off) = (sub(to, from), sub(q, from));
+    let along = dot(&off, &way) / dot(&way, &way).max(f64::MIN_POSITIVE);
+    norm(&add_scaled(&off, -along, &way))
+}
+
 /// How much of the standing before the first motion and after the last one is looked at, in s.
 const STANDING_S: f64 = 0.5;
 
-fn standing_before(log: &JointLog, leaves: usize) -> usize {
+/// Before it stood at `from`, the arm may have done something else.
+fn standing_before(log: &JointLog, leaves: usize, from: &Joints) -> usize {
     let from_s = log.t_s[leaves] - STANDING_S;
-    log.t_s[..leaves].partition_point(|t_s| *t_s < from_s)
+    let there = |i: &usize| log.t_s[*i] >= from_s && distance(&log.q_rad[*i], from) < AWAY_RAD;
+    let first = leaves - (0..leaves).rev().take_while(there).count();
+    let came = first > 0 && log.t_s[first - 1] >= from_s;
+    if came { slowest(log, first..leaves) } else { first }
 }
 
-fn standing_after(log: &JointLog, arrives: usize) -> usize {
+/// Nor is what it does after it stood at `to` a part of this.
+fn standing_after(log: &JointLog, arrives: usize, to: &Joints) -> usize {
     let until_s = log.t_s[arrives] + STANDING_S;
-    arrives + log.t_s[arrives..].partition_point(|t_s| *t_s <= until_s)
+    let there = |i: &usize| log.t_s[*i] <= until_s && distance(&log.q_rad[*i], to) < AWAY_RAD;
+    let end = arrives + (arrives..log.t_s.len()).take_while(there).count();
+    let went = log.t_s.get(end).is_some_and(|t_s| *t_s <= until_s);
+    if went { slowest(log, arrives..end) } else { end }
 }
+
+/// Farther from a stop, in rad, the arm does not stand there, whatever the noise.
+const AWAY_RAD: f64 = 2.0 * NEAR_RAD;
 
 /// The mean of so many samples tells standing from creeping, in s.
 const MEAN_S: f64 = 0.008;

@@ -19,6 +19,13 @@ const TOO_FAST: f64 = 1.5;
 /// A motion that is not wider is none: some ten times an encoder's noise and an arm's sway, rad.
 const STILL_RAD: f64 = 1e-3;
 
+/// Samples farther apart than this show no motion, s: the fastest robot logs at 1 kHz, the slowest that
+/// can be evaluated at some 50 Hz, and a thousand times these are 1 s and 20 s.
+const LONGEST_PERIOD_S: f64 = 0.4;
+
+/// Nothing records joints so often, s: a thousandth of the time between samples at 50 Hz is less.
+const SHORTEST_PERIOD_S: f64 = 3e-5;
+
 impl JointLog {
     /// Whether the positions can be those of `robot`: its range of each joint, with half a degree to
     /// spare, and one and a half times its limit of speed, over stretches of 0.05 s and more.
@@ -69,6 +76,26 @@ impl JointLog {
             return Ok(());
         }
         Err(JointLogError::NoMotion { most_rad, duration_s: self.duration_s() })
+    }
+
+    /// Whether the samples follow each other as those of a recorded motion do: a time in milliseconds or
+    /// microseconds that was taken for seconds makes all speeds too small, and a time that is too small
+    /// may leave nothing that is long enough to have a speed.
+    ///
+    /// # Errors
+    ///
+    /// [`JointLogError::Rate`] if they usually are more than 0.4 s apart, or less than 30 microseconds
+    /// on average.
+    pub fn check_rate(&self) -> Result<(), JointLogError> {
+        let usual_s = self.period_s().filter(|period_s| *period_s > LONGEST_PERIOD_S);
+        // Not the usual one: stamps may come in bursts.
+        let steps = self.t_s.len().saturating_sub(1);
+        let mean_s = (steps > 0).then(|| self.duration_s() / steps as f64);
+        let mean_s = mean_s.filter(|period_s| *period_s < SHORTEST_PERIOD_S);
+        match usual_s.or(mean_s) {
+            Some(period_s) => Err(JointLogError::Rate { period_s }),
+            None => Ok(()),
+        }
     }
 
     /// How far the joint that moves most is between its ends, rad.

@@ -152,6 +152,15 @@ pub enum JointLogError {
         /// The most that is accepted, rad/s.
         most_rad_s: f64,
     },
+    /// Samples that follow each other as slowly or as fast as nobody records a motion.
+    #[error(
+        "{:.3} samples a second: nobody records a robot's motion so; is the time in seconds?",
+        .period_s.recip()
+    )]
+    Rate {
+        /// The usual time from one sample to the next, s.
+        period_s: f64,
+    },
     /// A position outside a robot's range.
     #[error(
         "joint {joint} is at {:.2} degrees at {t_s:.3} s, and the range of {robot} ends at {:.2}: \

@@ -32,6 +32,7 @@ pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
             }
             Ok(Entry::Metadata { name, mut entries }) if name == "iiwasim" => {
                 let log = samples.log();
+                log.is_plan = entries.contains_key("timing");
                 log.robot = entries.remove("robot");
                 log.cycle_time_s = entries.remove("cycle_time_s").and_then(|s| s.parse().ok());
             }
