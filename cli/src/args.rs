@@ -37,13 +37,13 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Plan(Plan),
+    Run(Run),
     Compare(Compare),
     Identify(Identify),
-    Run(Run),
+    Experiment(Experiment),
     Record(Record),
     Status(Status),
     Stop(Stop),
-    Experiment(Experiment),
     Io(Io),
     Sensors(Sensors),
     Drive(Drive),
