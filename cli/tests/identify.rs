@@ -31,7 +31,7 @@ fn record(folder: &Path, trial: &Trial) {
         .with_blend_kappa([-3.5, 0.006, 0.0003]);
     let mut robot = VirtualRobot::new(robot, 1);
     robot.noise_rad = 1e-5;
-    let (_, log) = robot.run(&trial.program).unwrap();
+    let log = robot.run(&trial.program).unwrap();
     let mut csv = Vec::new();
     log.write_csv(&mut csv).unwrap();
     let file = folder.join(&trial.name);

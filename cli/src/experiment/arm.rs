@@ -52,8 +52,7 @@ impl VirtualArm {
         let mut robot = VirtualRobot::new(self.robot.clone(), seed);
         robot.noise_rad = self.noise_rad;
         robot.period_s = self.rate_hz.recip();
-        let run = robot.run(&trial.program);
-        run.map(|(_, log)| log).map_err(|error| {
+        robot.run(&trial.program).map_err(|error| {
             Failure::run(format!("the virtual robot cannot run {}", trial.name), &error)
         })
     }

@@ -18,7 +18,6 @@ mod follow;
 mod noise;
 mod plan;
 
-use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 
 use crate::vector;
@@ -183,12 +182,8 @@ fn check(plan: &Plan, log: &JointLog) -> Result<(), CompareError> {
     if samples < 4 || log.t_s.len() != log.q_rad.len() {
         return Err(CompareError::TooFewSamples { samples });
     }
-    // A robot of one's own has the arm of a built-in one, and any name.
-    let built_in = |name: &str| Robot::built_in(name).is_some();
-    let planned = plan.robot().name();
-    let other = |name: &&String| **name != planned && built_in(name) && built_in(planned);
-    if let Some(measured) = log.robot.as_ref().filter(other) {
-        let (planned, measured) = (planned.to_owned(), measured.clone());
+    if let Some(measured) = log.other_robot(plan.robot()) {
+        let (planned, measured) = (plan.robot().name().to_owned(), measured.to_owned());
         return Err(CompareError::OtherRobot { planned, measured });
     }
     let mut before = f64::NEG_INFINITY;

@@ -21,7 +21,7 @@ use std::f64::consts::SQRT_2;
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
-use iiwa_path::{Blend, BlendSearch, Fault, Motion, Path, Program, Step};
+use iiwa_path::{BlendSearch, Fault, Motion, Path, Program, Step};
 
 use crate::{
     estimate::{Estimate, Linear, Row},
@@ -433,11 +433,11 @@ impl Observer<'_> {
         for ((bounds, along), shares) in self.found.bounds.iter_mut().zip(figures).zip(shares) {
             bounds.extend(along.map(|along| Bound::new(along, &direction, shares)));
         }
-        let mut moving = (0..7).filter(|&j| direction[j].abs() > limits::ROUNDING);
+        let moving = (0..7).filter(|&j| direction[j].abs() > limits::ROUNDING);
         self.found.known.lines.push(LineObservation {
             recording: self.recording,
             motion,
-            joint: moving.next().filter(|_| moving.next().is_none()),
+            joint: limits::only(moving),
             from_rad: *from,
             to_rad: *to,
             time_s: [ramps.start_s.0, ramps.end_s.0],
@@ -462,9 +462,7 @@ impl Observer<'_> {
             let reach_rad = distance(&target, &start);
             // The lines on either side show where the blend begins and ends; the next blend is not to.
             let free = |line: Option<&Step>| match line {
-                Some(Step::Move { segment, blend: None, .. }) => {
-                    distance(&segment.at(0.0).q, &segment.at(1.0).q)
-                }
+                Some(Step::Move { segment, blend: None, .. }) => segment.end_tangent_rad(),
                 _ => 0.0,
             };
             let margin = |line| reach_rad + free(line).min(0.5 * reach_rad);
@@ -523,17 +521,8 @@ impl Observer<'_> {
             return;
         };
         let own_reach = |end: &Joints| {
-            let share = match ptp.blend? {
-                Blend::Fraction(share) => share,
-                Blend::SunriseRel(share) => 0.5 * share,
-                Blend::CartMm(radius) => {
-                    let robot = self.path.robot();
-                    let search = BlendSearch::FirstCrossing;
-                    search.crossing(robot, target, end, radius * 1e-3).unwrap_or(0.5)
-                }
-                _ => return None,
-            };
-            Some(share * distance(target, end))
+            let (robot, search) = (self.path.robot(), BlendSearch::FirstCrossing);
+            Some(ptp.blend?.share(robot, search, target, end)? * distance(target, end))
         };
         if let (Some(own_before), Some(own_after)) = (own_reach(before), own_reach(after)) {
             let by = own_after - own_before;

@@ -40,12 +40,12 @@ impl VirtualRobot {
         Self { robot, period_s: 1e-3, noise_rad: 0.0, standing_s: 0.2, random }
     }
 
-    /// Runs a program under limits of speed, acceleration and jerk: what it did, and how that was planned.
+    /// Runs a program under limits of speed, acceleration and jerk, and gives what was sampled.
     ///
     /// # Errors
     ///
     /// If the program asks for something that the robot cannot do.
-    pub fn run(&mut self, program: &Program) -> Result<(Trajectory, JointLog), VirtualRobotError> {
+    pub fn run(&mut self, program: &Program) -> Result<JointLog, VirtualRobotError> {
         let path = Path::new(program, &self.robot)?;
         let trajectory = Trajectory::plan(&path, Timing::default())?;
         // It does not begin just at a sample.
@@ -59,6 +59,6 @@ impl VirtualRobot {
             q.map(|q| q + self.noise_rad * self.random.f64_normal(0.0, 1.0))
         };
         let q_rad = t_s.iter().map(sample).collect();
-        Ok((trajectory, JointLog::new(t_s, q_rad)))
+        Ok(JointLog::new(t_s, q_rad))
     }
 }

@@ -44,7 +44,7 @@ fn trials(seed: u64) -> Vec<Trial> {
 }
 
 fn run(robot: &mut VirtualRobot, trials: &[Trial]) -> Vec<JointLog> {
-    trials.iter().map(|trial| robot.run(&trial.program).unwrap().1).collect()
+    trials.iter().map(|trial| robot.run(&trial.program).unwrap()).collect()
 }
 
 fn identified(trials: &[Trial], logs: &[JointLog]) -> Identified {
@@ -254,7 +254,7 @@ fn program(motions: impl IntoIterator<Item = Ptp>) -> Program {
 }
 
 fn what_one_shows(program: &Program) -> Identified {
-    let (_, log) = VirtualRobot::new(Robot::default(), 1).run(program).unwrap();
+    let log = VirtualRobot::new(Robot::default(), 1).run(program).unwrap();
     identify(&[Recording { program, log: &log }], &Robot::default()).unwrap()
 }
 
@@ -308,7 +308,7 @@ fn jerk_that_does_not_show() {
 #[test]
 fn every_run_counts() {
     let swing = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]), ptp([0.0; 7])]);
-    let (_, once) = VirtualRobot::new(Robot::default(), 1).run(&swing).unwrap();
+    let once = VirtualRobot::new(Robot::default(), 1).run(&swing).unwrap();
     let whole_s = once.duration_s() + 1e-3;
     let t_s = (0..3).flat_map(|run| once.t_s.iter().map(move |t_s| t_s + f64::from(run) * whole_s));
     let q_rad = once.q_rad.repeat(3);
@@ -322,7 +322,7 @@ fn every_run_counts() {
 #[test]
 fn another_program_is_refused() {
     let far = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
-    let (_, log) = VirtualRobot::new(Robot::default(), 1).run(&far).unwrap();
+    let log = VirtualRobot::new(Robot::default(), 1).run(&far).unwrap();
     let mut elsewhere = far.clone();
     elsewhere.start_rad[1] = 0.1;
     let recording = Recording { program: &elsewhere, log: &log };
@@ -350,7 +350,7 @@ fn what_goes_astray_is_left_out() {
     let home = || ptp([0.0; 7]);
     let ran = program([swing(0), home(), swing(3), home(), swing(1), home()]);
     let taken_for = program([swing(0), home(), swing(1), home(), swing(3), home()]);
-    let (_, log) = VirtualRobot::new(Robot::default(), 1).run(&ran).unwrap();
+    let log = VirtualRobot::new(Robot::default(), 1).run(&ran).unwrap();
     let recording = Recording { program: &taken_for, log: &log };
     let found = identify(&[recording], &Robot::default()).unwrap();
     let shown = found.velocity_rad_s.map(|limit| limit.is_some());
@@ -368,7 +368,7 @@ fn what_noise_hides_is_no_certainty() {
     for noise_rad in [1e-4, 5e-4, 1e-3] {
         let mut robot = VirtualRobot::new(Robot::default(), 1);
         robot.noise_rad = noise_rad;
-        let (_, log) = robot.run(&swings).unwrap();
+        let log = robot.run(&swings).unwrap();
         let found =
             identify(&[Recording { program: &swings, log: &log }], &Robot::default()).unwrap();
         for (found, truth) in [
@@ -449,7 +449,7 @@ fn motions_before_and_after_do_not_blur_the_program() {
         ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         ptp([60.0, 0.0, 0.0, 30.0, 0.0, 0.0, 0.0]),
     ]);
-    let (_, mut log) = VirtualRobot::new(Robot::default(), 1).run(&there).unwrap();
+    let mut log = VirtualRobot::new(Robot::default(), 1).run(&there).unwrap();
     // The recording begins on the way to the start of the program, which is one motion of it.
     let from = log.q_rad.iter().position(|q| q[1] > 0.5).unwrap();
     log.t_s.drain(..from);

@@ -6,11 +6,11 @@ use iiwa_kin::{Joints, Robot};
 
 use crate::{
     circle::CircularBlend,
-    crossing::{BlendSearch, HALF},
+    crossing::BlendSearch,
     fault::Fault,
     line::Line,
     polynomial::{Continuity, KAPPA_MIN_ACCELERATION, PolynomialBlend},
-    program::{Motion, Program, Ptp, Zone},
+    program::{Motion, Program, Ptp},
     segment::Segment,
     vector,
 };
@@ -340,7 +340,7 @@ impl Turn {
         ptp: &Ptp,
         after: impl FnOnce() -> Option<Joints>,
     ) -> Option<Self> {
-        let zone = ptp.blend?.effective()?;
+        let blend = ptp.blend?;
         let target = ptp.target_rad;
         let after = after()?;
         let (d0, d1) = (vector::sub(&target, before), vector::sub(&after, &target));
@@ -348,14 +348,9 @@ impl Turn {
         if l0 <= NO_MOTION_RAD || l1 <= NO_MOTION_RAD {
             return None;
         }
-        let share = |other_end: &Joints| match zone {
-            Zone::Fraction(b) => b,
-            Zone::RadiusM(radius) => {
-                search.crossing(robot, &target, other_end, radius).unwrap_or(HALF)
-            }
-        };
+        let share = |other_end: &Joints| blend.share(robot, search, &target, other_end);
         // Both sides reach as far as the shorter one does (Larsen 2019, Algorithm 3).
-        let reach = (share(before) * l0).min(share(&after) * l1);
+        let reach = (share(before)? * l0).min(share(&after)? * l1);
         (reach > NO_MOTION_RAD).then(|| Self {
             target,
             y0: vector::scale(1.0 / l0, &d0),

@@ -1,8 +1,11 @@
 //! The motion program: what the robot is told to do.
 
-use iiwa_kin::{Joints, Limits};
+use iiwa_kin::{Joints, Limits, Robot};
 
-use crate::fault::{Fault, Field};
+use crate::{
+    crossing::{BlendSearch, HALF},
+    fault::{Fault, Field},
+};
 
 /// A motion program (version 1).
 ///
@@ -90,21 +93,35 @@ const SUNRISE_REL_MIN: f64 = 0.05;
 const CART_MM_MIN: f64 = 4.0;
 
 impl Blend {
-    /// The blend without those too small to have an effect, and in the thesis's own terms.
-    pub(crate) fn effective(self) -> Option<Zone> {
+    /// Whether it is large enough not to be a stop.
+    pub(crate) fn has_effect(self) -> bool {
         match self {
-            Self::Fraction(b) => (b > 0.0).then_some(Zone::Fraction(b)),
-            Self::SunriseRel(x) => (x >= SUNRISE_REL_MIN).then_some(Zone::Fraction(x / 2.0)),
-            Self::CartMm(r) => (r >= CART_MM_MIN).then_some(Zone::RadiusM(r * 1e-3)),
+            Self::Fraction(b) => b > 0.0,
+            Self::SunriseRel(x) => x >= SUNRISE_REL_MIN,
+            Self::CartMm(r) => r >= CART_MM_MIN,
         }
     }
-}
 
-/// The two kinds of blends of Larsen 2019, section 4.1.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Zone {
-    Fraction(f64),
-    RadiusM(f64),
+    /// The share of the segment from `target_rad` to `other_end_rad` that is blended away (Larsen 2019,
+    /// section 4.1), before Algorithm 3 makes both sides of the target reach equally far; none if the blend
+    /// is too small to have an effect.
+    #[must_use]
+    pub fn share(
+        self,
+        robot: &Robot,
+        search: BlendSearch,
+        target_rad: &Joints,
+        other_end_rad: &Joints,
+    ) -> Option<f64> {
+        self.has_effect().then(|| match self {
+            Self::Fraction(b) => b,
+            Self::SunriseRel(x) => x / 2.0,
+            Self::CartMm(r) => {
+                let crossing = search.crossing(robot, target_rad, other_end_rad, r * 1e-3);
+                crossing.unwrap_or(HALF)
+            }
+        })
+    }
 }
 
 impl Program {
@@ -164,7 +181,7 @@ impl Program {
             return Err(Fault::Blend { motion, blend });
         }
         match self.motions.get(motion + 1) {
-            _ if blend.effective().is_none() => Ok(()),
+            _ if !blend.has_effect() => Ok(()),
             None => Err(Fault::BlendAtTheEnd { motion }),
             Some(Motion::Wait { .. }) => Err(Fault::BlendBeforeWait { motion }),
             Some(Motion::Ptp(_)) => Ok(()),

@@ -33,6 +33,11 @@ impl Bound {
     }
 }
 
+/// The joint, if it is only one.
+pub(super) fn only(mut joints: impl Iterator<Item = usize>) -> Option<usize> {
+    joints.next().filter(|_| joints.next().is_none())
+}
+
 /// The limits of one kind, for the joints whose limits the observations show.
 ///
 /// No joint exceeds its limit, so that the largest figure that was seen of it is a lower bound. In each
@@ -48,14 +53,12 @@ pub(super) fn estimate(bounds: &[Bound], tolerance: f64) -> [Option<Estimate>; 7
     }
     let mut shown: [Vec<(f64, f64)>; 7] = Default::default();
     for bound in bounds {
-        let mut moving = (0..7).filter(|&j| bound.of_joint[j] > 0.0);
-        let alone = moving.next().filter(|_| moving.next().is_none());
+        let moving = (0..7).filter(|&j| bound.of_joint[j] > 0.0);
         let maybe = 1.0 + SURE_DEVIATIONS * bound.deviation;
-        let mut near = (0..7).filter(|&j| {
+        let near = (0..7).filter(|&j| {
             maybe * bound.of_joint[j] > (1.0 - tolerance) * largest[j].max(f64::MIN_POSITIVE)
         });
-        let only = alone.or_else(|| near.next().filter(|_| near.next().is_none()));
-        if let Some(j) = only {
+        if let Some(j) = only(moving).or_else(|| only(near)) {
             let figure = bound.of_joint[j];
             shown[j].push((figure, figure * bound.deviation));
         }

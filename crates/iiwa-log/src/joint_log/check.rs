@@ -38,11 +38,7 @@ impl JointLog {
     /// [`JointLogError::OutsideLimits`] and [`JointLogError::TooFast`] at the first sample that does
     /// not fit. [`JointLogError::WrongRobot`] when the recording names another built-in robot.
     pub fn check_robot(&self, robot: &Robot) -> Result<(), JointLogError> {
-        let built_in = |name: &str| Robot::BUILT_IN.contains(&name);
-        if let Some(found) = self.robot.as_deref().filter(|found| *found != robot.name())
-            && built_in(found)
-            && built_in(robot.name())
-        {
+        if let Some(found) = self.other_robot(robot) {
             let expected = robot.name().to_owned();
             return Err(JointLogError::WrongRobot { found: found.to_owned(), expected });
         }
@@ -63,6 +59,15 @@ impl JointLog {
             }
         }
         self.check_speed(&limits.velocity_rad_s.map(|limit| TOO_FAST * limit))
+    }
+
+    /// The built-in robot that the recording names, if `robot` is another built-in one. A robot of one's
+    /// own has the arm of a built-in one, and any name.
+    #[must_use]
+    pub fn other_robot(&self, robot: &Robot) -> Option<&str> {
+        let built_in = |name: &str| Robot::BUILT_IN.contains(&name);
+        let other = |found: &&str| *found != robot.name() && built_in(found);
+        self.robot.as_deref().filter(other).filter(|_| built_in(robot.name()))
     }
 
     /// Whether any joint moves by more than 1e-3 rad.
