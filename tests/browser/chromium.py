@@ -44,7 +44,7 @@ class Browser:
         self.requests: list[str] = []
         self.events: list[dict] = []
         port, path = self._address()
-        self.socket = websocket.create_connection(f"ws://127.0.0.1:{port}{path}", timeout=60)
+        self.socket = websocket.create_connection(f"ws://127.0.0.1:{port}{path}", timeout=180)
         self.session = None
         target = self.call("Target.getTargets")["targetInfos"]
         page = next(info["targetId"] for info in target if info["type"] == "page")
@@ -133,7 +133,7 @@ class Browser:
             "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"
         )
 
-    def until(self, script: str, seconds: float = 20) -> None:
+    def until(self, script: str, seconds: float = 120) -> None:
         """Waits until a script says yes."""
         until = time.monotonic() + seconds
         while not self.run(script):
@@ -159,13 +159,13 @@ class Browser:
 
     def picture(self, whole: bool = False) -> bytes:
         """A PNG of the screen, or of the whole page."""
-        answer = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
+        clip = {}
         if whole:
             content = self.call("Page.getLayoutMetrics")["cssContentSize"]
-            clip = {**content, "scale": 1}
-            answer = self.call(
-                "Page.captureScreenshot", format="png", captureBeyondViewport=True, clip=clip
-            )
+            clip = {"clip": {**content, "scale": 1}}
+        answer = self.call(
+            "Page.captureScreenshot", format="png", captureBeyondViewport=whole, **clip
+        )
         return base64.b64decode(answer["data"])
 
     def pdf(self) -> bytes:
@@ -182,9 +182,12 @@ class Browser:
 
     def box(self, selector: str) -> dict:
         """Where an element is, after it was brought into view."""
+        find = f"document.querySelector({json.dumps(selector)})"
+        self.run(f"{find}.scrollIntoView({{ block: 'center' }})")
+        # The mouse meets what is on the screen.
+        self.frames()
         script = f"""(() => {{
-            const found = document.querySelector({json.dumps(selector)});
-            found.scrollIntoView({{ block: "center" }});
+            const found = {find};
             const {{ x, y, width, height }} = found.getBoundingClientRect();
             return {{ x, y, width, height }};
         }})()"""

@@ -58,6 +58,7 @@ function writeHead() {
     const thinned = columns > 1 ? `; thinned out: each column spans from the lowest to the highest of ${columns} samples` : "";
     return `${it.file}: ${it.method}${thinned}.`;
   });
+  if (second) methods.unshift("Broad and pale is the plan, thin what was measured.");
   $("method").textContent = methods.join(" ");
   const assumed = report.robot.assumptions.filter((text) => !text.startsWith("masses"));
   $("footer").textContent = `${report.robot.name}. Made by iiwasim report.`
@@ -84,7 +85,7 @@ function theme() {
 /** What is drawn of the ways: the plan's by its pieces, the recording's beside it. */
 function ways() {
   const kinds = (times, usual) => times.map((t) => {
-    const piece = isPlan && pieceAt(t - 1e-6);
+    const piece = report.pieces.length > 0 && pieceAt(t - 1e-6);
     return piece && piece.kind === "blend" ? "blend" : usual;
   });
   const planned = flangePath(first);
@@ -123,8 +124,8 @@ function legend(target, entries) {
 }
 
 function writeLegends() {
-  const parts = isPlan ? [["line", "lines"]] : [["line", "way of the flange"]];
-  if (report.pieces.some((piece) => piece.kind === "blend") && isPlan) parts.push(["blend", report.corners.some((corner) => corner.radius_m) ? "blends, their targets and spheres" : "blends and their targets"]);
+  const parts = report.pieces.length ? [["line", "lines"]] : [["line", "way of the flange"]];
+  if (report.pieces.some((piece) => piece.kind === "blend")) parts.push(["blend", report.corners.some((corner) => corner.radius_m) ? "blends, their targets and spheres" : "blends and their targets"]);
   if (second) parts.push(["accent", `see-through arm: ${first.role}`], ["measured", "solid arm and thin line: measured"]);
   if (scene) legend($("legend"), parts);
   const kinds = [["line", "line"], ["blend", "blend"], ["settle", "settling"], ["wait", "waiting"]];
@@ -304,7 +305,8 @@ function writeCompared() {
     ...rest.losses,
   ];
   if (rest.again_s !== null) notes.push(`The program is in the recording again, from ${number(rest.again_s, 3)} s of it on: the first time counts.`);
-  $("compared-notes").textContent = notes.join(" ");
+  const sentence = (text) => text[0].toUpperCase() + text.slice(1) + (text.endsWith(".") ? "" : ".");
+  $("compared-notes").textContent = notes.map(sentence).join(" ");
 }
 
 // ---- time
@@ -364,8 +366,8 @@ function tick(now) {
   if (!state.playing) return;
   const passed = frame === null ? 0 : (now - frame) / 1000;
   frame = now;
-  // A page that was out of sight does not jump.
-  const next = state.time + Math.min(passed, 0.25) * state.speed;
+  // A page that was out of sight goes on from where it was.
+  const next = state.time + Math.min(passed, 1) * state.speed;
   const end = state.time > whole.to ? endS : whole.to;
   seek(Math.min(next, end));
   if (next >= end) play(false);
@@ -470,7 +472,12 @@ function listen() {
     drawNow();
   };
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
-  window.addEventListener("resize", draw);
+  let resized = false;
+  window.addEventListener("resize", () => {
+    if (resized) return;
+    resized = true;
+    requestAnimationFrame(() => { resized = false; draw(); });
+  });
   // Printers take no WebGL, but a copy of its picture.
   const onPaper = (on) => {
     const paper = $("paper");

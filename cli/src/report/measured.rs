@@ -37,12 +37,16 @@ impl Measured {
             half_s,
         };
         let (Some(first), Some(last)) = (log.t_s.first(), log.t_s.last()) else { return measured };
+        // No cubic is whole.
+        if last - first < 2.0 * half_s {
+            return measured;
+        }
         let joints: Vec<Vec<f64>> =
             (0..7).map(|j| log.q_rad.iter().map(|q| q[j]).collect()).collect();
         // A cubic changes little in a fifth of its window: no peak is between two of them.
         let step_s = (0.2 * half_s).max(log.period_s().unwrap_or(half_s));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
-        let steps = ((last - first - 2.0 * half_s) / step_s).max(0.0) as usize;
+        let steps = ((last - first - 2.0 * half_s) / step_s) as usize;
         let rows: Vec<(f64, [Joints; 3])> = (0..=steps)
             .into_par_iter()
             .map(|i| {

@@ -168,7 +168,7 @@ function makeScene(canvas, paths, corners) {
     const aspect = canvas.width / canvas.height;
     const field = 0.56;
     // As far as it takes for all to be in, across, too.
-    const far = (reach / Math.sin(field / 2) / Math.min(1, aspect)) * 0.86 * view.distance;
+    const far = (reach / Math.sin(field / 2) / Math.min(1, aspect)) * 0.94 * view.distance;
     const [sa, ca] = [Math.sin(view.azimuth), Math.cos(view.azimuth)];
     const [sh, ch] = [Math.sin(view.height), Math.cos(view.height)];
     const back = [ca * ch, sa * ch, sh];
@@ -266,6 +266,9 @@ function makeScene(canvas, paths, corners) {
     look(theme.blend, 1, 0.2);
     for (const corner of corners) if (corner.radius_m) beadAt(corner.target_m, corner.radius_m);
     gl.depthMask(true);
+    // Where both arms are in one place, the solid one is seen.
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1, 8);
     for (const { poses, ghost } of all) {
       if (!ghost) continue;
       gl.colorMask(false, false, false, false);
@@ -275,6 +278,7 @@ function makeScene(canvas, paths, corners) {
       look(theme.accent, 0.75, 0.38);
       drawArm(poses);
     }
+    gl.disable(gl.POLYGON_OFFSET_FILL);
   }
 
   /** Turns the view, in rad, and takes it nearer by a factor. */
