@@ -1,6 +1,5 @@
 // The page: what is shown when, and what its buttons do.
 
-const begun = performance.now();
 const $ = (id) => document.getElementById(id);
 
 /** An element with a text, and of a class. */
@@ -508,4 +507,5 @@ const drawAll = listen();
 const asked = Number(new URLSearchParams(location.hash.slice(1)).get("t") || NaN);
 if (Number.isFinite(asked)) state.time = Math.min(Math.max(asked, startS), endS);
 drawAll();
-document.documentElement.dataset.drawnMs = String(Math.round(performance.now() - begun));
+// Since the page was asked for.
+document.documentElement.dataset.drawnMs = String(Math.round(performance.now()));
