@@ -4,6 +4,7 @@ mod compare;
 mod experiment;
 mod identify;
 mod link;
+mod report;
 
 use std::{path::PathBuf, time::Duration};
 
@@ -17,6 +18,7 @@ pub(crate) use link::{
     Cabinet, ClientKeys, Drive, DriveAddress, Io, IoAction, Keygen, Record, Run, Sensors,
     ServerKeys, Status, Stop,
 };
+pub(crate) use report::Report;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -39,6 +41,7 @@ pub(crate) enum Command {
     Plan(Plan),
     Run(Run),
     Compare(Compare),
+    Report(Report),
     Identify(Identify),
     Experiment(Experiment),
     Record(Record),

@@ -10,6 +10,7 @@ pub(crate) mod io;
 pub(crate) mod keygen;
 pub(crate) mod plan;
 pub(crate) mod record;
+pub(crate) mod report;
 pub(crate) mod robot;
 pub(crate) mod run;
 pub(crate) mod schema;

@@ -15,6 +15,7 @@ mod log;
 mod output;
 mod picture;
 mod progress;
+mod report;
 mod runner;
 mod summary;
 mod table;
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         Command::Plan(options) => commands::plan::run(&options),
         Command::Experiment(options) => commands::experiment::run(&options),
         Command::Compare(options) => commands::compare::run(&options),
+        Command::Report(options) => commands::report::run(&options),
         Command::Identify(options) => commands::identify::run(&options),
         Command::Fk(options) => commands::fk::run(&options),
         Command::Robot(options) => commands::robot::run(&options),

@@ -51,7 +51,8 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
         drawing.write(picture::draw_comparison(&plan, &comparison)?.as_bytes())?;
         drawing.complete()?;
     }
-    let report = Report::new(options, &plan, &measured, &comparison);
+    let picture = options.picture.as_deref();
+    let report = Report::new([plan_file, measured_file], picture, &plan, &measured, &comparison);
     if options.json {
         output::print_json(&report)?;
     } else {
@@ -91,7 +92,7 @@ fn gate(options: &Compare, report: &Report) -> Result<(), Failure> {
 
 /// The `--json` object.
 #[derive(Serialize)]
-struct Report {
+pub(crate) struct Report {
     plan: String,
     measured: String,
     robot: String,
@@ -225,14 +226,21 @@ impl From<&Deviation> for TcpRow {
 }
 
 impl Report {
-    fn new(options: &Compare, plan: &Plan, measured: &JointLog, comparison: &Comparison) -> Self {
+    /// Of the files of a plan and of a recording, and a picture of both.
+    pub(crate) fn new(
+        [plan_file, measured_file]: [&Path; 2],
+        picture: Option<&Path>,
+        plan: &Plan,
+        measured: &JointLog,
+        comparison: &Comparison,
+    ) -> Self {
         let name = |path: &Path| path.display().to_string();
         let cycle = &comparison.cycle_time;
         // Gaps are told by the comparison, as far as they are in the motion.
         let read = measured.losses.iter().filter(|loss| !matches!(loss, Loss::Gap { .. }));
         Self {
-            plan: name(&options.plan),
-            measured: name(&options.measured),
+            plan: name(plan_file),
+            measured: name(measured_file),
             robot: plan.robot().name().to_owned(),
             cycle_time: CycleRow {
                 simulated_s: cycle.simulated_s,
@@ -254,7 +262,7 @@ impl Report {
             noise_rad: comparison.noise_rad,
             again_s: comparison.again_s,
             losses: read.map(Loss::to_string).chain(comparison.losses.clone()).collect(),
-            picture: options.picture.as_deref().map(name),
+            picture: picture.map(name),
         }
     }
 

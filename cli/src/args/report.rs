@@ -1,0 +1,38 @@
+//! A page to look at.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::EXIT_CODES;
+
+/// Make a page to look at: the arm in motion, its path, its joints over time, its motions.
+///
+/// The page is one HTML file that needs no network: the arm in 3D with play, pause, scrub and speed;
+/// the path of the flange with the blends and their spheres; position, velocity, acceleration and
+/// jerk of the joints next to their limits; when each motion runs and what limits it. With a second
+/// file, both arms and the errors that `iiwasim compare` finds.
+///
+/// A recording has no motions: then the page has what there is. Of a file that is cut off, the page
+/// has all up to the break, and says so. Long files are thinned out for the screen: each column of a
+/// curve spans from its lowest to its highest value.
+#[derive(Args, Debug)]
+#[command(after_help = EXIT_CODES)]
+pub(crate) struct Report {
+    /// An MCAP file of `iiwasim plan`, `run` or `record`, a `DataRecorder` log, or a CSV file with the
+    /// columns `t_s` and `joint_1_rad` (or `_deg`) to `joint_7_rad`
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+
+    /// What the robot did, in any of these formats, if FILE is a plan
+    #[arg(value_name = "MEASURED")]
+    pub(crate) measured: Option<PathBuf>,
+
+    /// Where the page goes [default: FILE.html in the current folder]
+    #[arg(short, long, value_name = "FILE.html")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Built-in model or robot profile, instead of the file's
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) robot: Option<String>,
+}

@@ -1,0 +1,39 @@
+//! `iiwasim report`.
+
+use std::path::{Path, PathBuf};
+
+use crate::{
+    args::Report,
+    failure::{Failure, printable, tell},
+    output::{self, Output},
+    report::{self, Page},
+};
+
+/// Makes the page, and says where it is.
+pub(crate) fn run(options: &Report) -> Result<(), Failure> {
+    let target = options.output.clone().unwrap_or_else(|| file_name(&options.file));
+    for read in [Some(&options.file), options.measured.as_ref()].into_iter().flatten() {
+        if output::same_file(&target, read) {
+            return Err(Failure::input(format!(
+                "the page would be written over {}; name another file with --output",
+                read.display()
+            )));
+        }
+    }
+    output::catch_interrupts();
+    let page = Page::of(&options.file, options.measured.as_deref(), options.robot.as_deref())?;
+    for note in page.notes() {
+        tell(&format!("Note: {}\n", printable(note)));
+    }
+    let output = Output::new(&target)?;
+    output.write(report::html(&page)?.as_bytes())?;
+    output.complete()?;
+    output::print(&format!("Page in {}\n", printable(&target.display().to_string())))
+}
+
+/// How the page of a file is called.
+fn file_name(file: &Path) -> PathBuf {
+    let mut name = file.file_stem().unwrap_or("report".as_ref()).to_owned();
+    name.push(".html");
+    PathBuf::from(name)
+}

@@ -1,0 +1,144 @@
+// The arm: its shapes and joints from its URDF, its links' poses from joint positions.
+// Matrices are 4 by 4, column by column, as WebGL has them.
+
+function product(a, b) {
+  const c = new Float32Array(16);
+  for (let column = 0; column < 4; column++) {
+    for (let row = 0; row < 4; row++) {
+      let sum = 0;
+      for (let k = 0; k < 4; k++) sum += a[4 * k + row] * b[4 * column + k];
+      c[4 * column + row] = sum;
+    }
+  }
+  return c;
+}
+
+/** A place and roll, pitch and yaw, as URDF has them. */
+function placed([x, y, z], [roll, pitch, yaw]) {
+  const [sr, cr, sp, cp] = [Math.sin(roll), Math.cos(roll), Math.sin(pitch), Math.cos(pitch)];
+  const [sy, cy] = [Math.sin(yaw), Math.cos(yaw)];
+  return new Float32Array([
+    cy * cp, sy * cp, -sp, 0,
+    cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr, 0,
+    cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr, 0,
+    x, y, z, 1,
+  ]);
+}
+
+function transformed(m, [x, y, z], w = 1) {
+  return [0, 1, 2].map((i) => m[i] * x + m[4 + i] * y + m[8 + i] * z + m[12 + i] * w);
+}
+
+const model = (() => {
+  const xml = new DOMParser().parseFromString(report.robot.urdf, "application/xml");
+  const numbers = (element, name) => {
+    const text = element && element.getAttribute(name);
+    return text ? text.trim().split(/\s+/).map(Number) : [0, 0, 0];
+  };
+  const origin = (element) => {
+    const at = element.querySelector("origin");
+    return placed(numbers(at, "xyz"), numbers(at, "rpy"));
+  };
+  // From the base to the flange: each joint's child is the next one's parent.
+  const joints = [...xml.querySelectorAll("robot > joint")].map((joint) => ({
+    origin: origin(joint),
+    moves: joint.getAttribute("type") === "revolute",
+  }));
+  const links = [...xml.querySelectorAll("robot > link")].map((link) =>
+    [...link.querySelectorAll("visual")].map((visual) => {
+      const solid = visual.querySelector("geometry > *");
+      return {
+        round: solid.tagName === "sphere",
+        radius: Number(solid.getAttribute("radius")),
+        length: Number(solid.getAttribute("length")),
+        origin: origin(visual),
+        colour: numbers(visual.querySelector("color"), "rgba").slice(0, 3),
+      };
+    }));
+  return { joints, links };
+})();
+
+/** Poses of all links in the base, the flange last, at joint positions in rad. */
+function linkPoses(q) {
+  const poses = [placed([0, 0, 0], [0, 0, 0])];
+  let j = 0;
+  for (const joint of model.joints) {
+    const turn = joint.moves ? q[j++] : 0;
+    poses.push(product(product(poses[poses.length - 1], joint.origin), placed([0, 0, 0], [0, 0, turn])));
+  }
+  return poses;
+}
+
+/** Where the flange is, in m. */
+function flangeAt(q) {
+  const poses = linkPoses(q);
+  return Array.from(poses[poses.length - 1].slice(12, 15));
+}
+
+/** The way of the flange: places in m, and their times. Places that cannot be told apart are left out. */
+function flangePath(arm, from = -Infinity, to = Infinity) {
+  const APART_M = 5e-4;
+  const places = [];
+  const times = [];
+  const add = (t, place) => { places.push(place); times.push(t); };
+  let before;
+  for (let i = 0; i < arm.poses.count; i++) {
+    const t = arm.poses.t_s[i];
+    if (t < from || t > to) continue;
+    const place = flangeAt(arm.poses.q_rad.subarray(7 * i, 7 * i + 7));
+    const last = places[places.length - 1];
+    if (!last || Math.hypot(...place.map((v, k) => v - last[k])) > APART_M) {
+      // Where a rest ends, the way goes on from there.
+      add(t, place);
+      before = undefined;
+    } else {
+      before = [t, place];
+    }
+  }
+  if (before) add(...before);
+  return { places, times };
+}
+
+/** A body of revolution about z as triangles: positions, normals. `profile` has radius, height, and
+    the normal's parts along both. */
+function turned(profile, sides = 40) {
+  const positions = [];
+  const normals = [];
+  const corner = (k, p) => {
+    const [s, c] = [Math.sin((2 * Math.PI * k) / sides), Math.cos((2 * Math.PI * k) / sides)];
+    positions.push([p[0] * c, p[0] * s, p[1]]);
+    normals.push([p[2] * c, p[2] * s, p[3]]);
+  };
+  for (let i = 0; i + 1 < profile.length; i++) {
+    const [a, b] = [profile[i], profile[i + 1]];
+    for (let k = 0; k < sides; k++) {
+      corner(k, a); corner(k + 1, a); corner(k + 1, b);
+      corner(k, a); corner(k + 1, b); corner(k, b);
+    }
+  }
+  return { positions, normals };
+}
+
+function sphere(radius, steps = 20) {
+  return turned(Array.from({ length: steps + 1 }, (_, i) => {
+    const angle = Math.PI * (i / steps - 0.5);
+    const [s, c] = [Math.sin(angle), Math.cos(angle)];
+    return [radius * c, radius * s, c, s];
+  }));
+}
+
+/** A cylinder about its middle, with rounded edges. */
+function cylinder(radius, length) {
+  const edge = Math.min(0.007, radius / 4, length / 4);
+  const half = length / 2;
+  const profile = [[0, -half, 0, -1]];
+  for (const end of [-1, 1]) {
+    for (let i = 0; i <= 4; i++) {
+      const angle = (Math.PI / 2) * (end < 0 ? i / 4 - 1 : i / 4);
+      const [s, c] = [Math.sin(angle), Math.cos(angle)];
+      profile.push([radius - edge + edge * c, end * (half - edge) + edge * s, c, s]);
+    }
+  }
+  profile.push([0, half, 0, 1]);
+  return turned(profile);
+}

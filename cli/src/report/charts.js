@@ -1,0 +1,256 @@
+// Curves over time and the timeline, on canvases with two dimensions.
+
+const QUANTITIES = [
+  { key: "position", title: "Position", unit: "deg", limit: "position_rad" },
+  { key: "velocity", title: "Velocity", unit: "deg/s", limit: "velocity_rad_s" },
+  { key: "acceleration", title: "Acceleration", unit: "deg/s\u00b2", limit: "acceleration_rad_s2" },
+  { key: "jerk", title: "Jerk", unit: "deg/s\u00b3", limit: "jerk_rad_s3" },
+];
+const DEG = 180 / Math.PI;
+/** Left and right of the curves, in px. */
+const LEFT = 52;
+const RIGHT = 8;
+
+/** A canvas as large as it is on the screen, cleared; sizes in CSS px. */
+function cleared(canvas) {
+  const ratio = Math.min(window.devicePixelRatio || 1, 2);
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  canvas.width = Math.max(1, Math.round(width * ratio));
+  canvas.height = Math.max(1, Math.round(height * ratio));
+  const context = canvas.getContext("2d");
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.font = `11px ${getComputedStyle(document.body).fontFamily}`;
+  return { context, width, height };
+}
+
+/** A step of 1, 2 or 5 times a power of ten that divides a span into some `count`. */
+function step(span, count) {
+  const rough = span / count;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const digit = rough / power;
+  return power * (digit < 1.5 ? 1 : digit < 3.5 ? 2 : digit < 7.5 ? 5 : 10);
+}
+
+function ticks(from, to, count) {
+  const by = step(to - from, count);
+  const decimals = Math.max(0, -Math.floor(Math.log10(by) + 1e-9));
+  const all = [];
+  for (let i = Math.ceil(from / by - 1e-9); i * by <= to + 1e-9 * by; i++) {
+    all.push({ value: i * by, text: number(i * by, decimals) });
+  }
+  return all;
+}
+
+/** Draws a curve of which there may be far more than there are pixels: of each column of pixels the
+    first, the lowest, the highest and the last value. What is not a number is a gap. */
+function trace(context, times, low, high, stride, offset, window_, x, y) {
+  const first = Math.max(countUpTo(times, window_.from) - 1, 0);
+  const last = Math.min(countUpTo(times, window_.to), times.length - 1);
+  context.beginPath();
+  let down = false;
+  let pixel = null;
+  const flush = () => {
+    if (!pixel) return;
+    const [px, a, least, most, b] = pixel;
+    if (down) context.lineTo(px, a);
+    else context.moveTo(px, a);
+    if (least !== most) {
+      context.lineTo(px, least);
+      context.lineTo(px, most);
+      context.lineTo(px, b);
+    }
+    down = true;
+    pixel = null;
+  };
+  for (let i = first; i <= last; i++) {
+    const k = stride * i + offset;
+    if (Number.isNaN(low[k])) {
+      flush();
+      down = false;
+      continue;
+    }
+    const px = x(times[i]);
+    const [a, b] = [y(low[k]), y(high[k])];
+    if (pixel && Math.floor(pixel[0]) === Math.floor(px)) {
+      pixel[2] = Math.max(pixel[2], a);
+      pixel[3] = Math.min(pixel[3], b);
+      pixel[4] = b;
+    } else {
+      flush();
+      pixel = [px, a, a, b, b];
+    }
+  }
+  flush();
+  context.stroke();
+}
+
+/** Axes of a chart: lines and numbers, and what takes values to px. */
+function axes(context, size, window_, range, theme, withTimes) {
+  const bottom = size.height - (withTimes ? 20 : 6);
+  const top = 6;
+  const [left, right] = [LEFT, size.width - RIGHT];
+  const x = (t) => left + ((t - window_.from) / (window_.to - window_.from)) * (right - left);
+  const y = (v) => bottom - ((v - range[0]) / (range[1] - range[0])) * (bottom - top);
+  context.lineWidth = 1;
+  context.strokeStyle = theme.rule;
+  context.fillStyle = theme.soft;
+  context.textAlign = "right";
+  context.textBaseline = "middle";
+  const line = (...points) => {
+    context.beginPath();
+    points.forEach(([px, py], i) => (i ? context.lineTo(px, py) : context.moveTo(px, py)));
+    context.stroke();
+  };
+  for (const { value, text } of ticks(...range, 4)) {
+    const py = Math.round(y(value)) + 0.5;
+    line([left, py], [right, py]);
+    context.fillText(text, left - 6, py);
+  }
+  context.textAlign = "center";
+  context.textBaseline = "top";
+  for (const { value, text } of ticks(window_.from, window_.to, Math.max(3, size.width / 110))) {
+    const px = Math.round(x(value)) + 0.5;
+    line([px, top], [px, bottom]);
+    if (withTimes) context.fillText(`${text} s`, Math.min(Math.max(px, left + 10), right - 14), bottom + 5);
+  }
+  return { x, y, left, right, top, bottom };
+}
+
+/** One quantity of all joints. `state` is shared: the window of time, which joints, the units. */
+function drawQuantity(canvas, quantity, state, theme, withTimes) {
+  const size = cleared(canvas);
+  const { context } = size;
+  const limits = report.robot[quantity.limit];
+  const shown = state.joints.flatMap((on, j) => (on ? [j] : []));
+  const scale = (j) => (state.percent ? 100 / limits[j] : DEG);
+  // What is drawn: at least the band of the limits in per cent, at most three times as much.
+  let most = state.percent ? 108 : 0;
+  for (const arm of report.arms) {
+    const curve = arm[quantity.key];
+    const from = Math.max(countUpTo(curve.t_s, state.window.from) - 1, 0);
+    const to = countUpTo(curve.t_s, state.window.to);
+    for (const j of shown) {
+      for (let i = from; i < to; i++) {
+        const value = Math.max(Math.abs(curve.low[7 * i + j]), Math.abs(curve.high[7 * i + j])) * scale(j);
+        if (value * 1.06 > most) most = value * 1.06;
+      }
+    }
+  }
+  most = Math.min(most, state.percent ? 300 : Infinity) || 1;
+  const axis = axes(context, size, state.window, [-most, most], theme, withTimes);
+  const { x, y, left, right, top, bottom } = axis;
+
+  context.save();
+  context.beginPath();
+  context.rect(left, top, right - left, bottom - top);
+  context.clip();
+  // Beyond the limits: of all joints in per cent, else of the joint that may go farthest.
+  const farthest = state.percent ? 100 : Math.max(...shown.map((j) => limits[j] * DEG), 0);
+  context.fillStyle = theme.beyond;
+  context.fillRect(left, top, right - left, Math.max(0, y(farthest) - top));
+  context.fillRect(left, y(-farthest), right - left, Math.max(0, bottom - y(-farthest)));
+  context.setLineDash([5, 4]);
+  context.lineWidth = 1;
+  for (const j of state.percent ? [-1] : shown) {
+    context.strokeStyle = state.percent ? theme.blend : theme.joints[j];
+    for (const sign of [-1, 1]) {
+      const at = Math.round(y(sign * (state.percent ? 100 : limits[j] * DEG))) + 0.5;
+      context.beginPath();
+      context.moveTo(left, at);
+      context.lineTo(right, at);
+      context.stroke();
+    }
+  }
+  context.setLineDash([]);
+  context.lineJoin = "round";
+  report.arms.forEach((arm, index) => {
+    // The plan is a pale, broad band under what was measured.
+    const under = report.arms.length > 1 && index === 0;
+    context.globalAlpha = under ? 0.4 : 1;
+    context.lineWidth = under ? 4 : 1.5;
+    const curve = arm[quantity.key];
+    for (const j of shown) {
+      context.strokeStyle = theme.joints[j];
+      trace(context, curve.t_s, curve.low, curve.high, 7, j, state.window, x, (v) => y(v * scale(j)));
+    }
+  });
+  context.globalAlpha = 1;
+  context.restore();
+  if (report.arms.every((arm) => arm[quantity.key].columns === 0)) {
+    context.fillStyle = theme.soft;
+    context.textAlign = "center";
+    context.fillText("the file does not tell", (left + right) / 2, (top + bottom) / 2);
+  }
+}
+
+/** How far the recording is off the plan's path, over the plan's time. */
+function drawDeviation(canvas, values, state, theme, withTimes) {
+  const size = cleared(canvas);
+  const { context } = size;
+  const most = values.reduce((a, b) => Math.max(a, b), 0) * 1.08 || 1;
+  const { x, y, left, right, top, bottom } = axes(context, size, state.window, [0, most], theme, withTimes);
+  context.save();
+  context.beginPath();
+  context.rect(left, top, right - left, bottom - top);
+  context.clip();
+  context.strokeStyle = theme.measured;
+  context.lineWidth = 1.5;
+  trace(context, report.compared.plan_s, values, values, 1, 0, state.window, x, y);
+  context.restore();
+}
+
+/** Lines, blends, settles and waits over the same time as the curves. */
+function drawTimeline(canvas, state, theme) {
+  const size = cleared(canvas);
+  const { context } = size;
+  const [left, right] = [LEFT, size.width - RIGHT];
+  const x = (t) => left + ((t - state.window.from) / (state.window.to - state.window.from)) * (right - left);
+  const [top, bottom] = [4, size.height - 18];
+  context.save();
+  context.beginPath();
+  context.rect(left, 0, right - left, size.height);
+  context.clip();
+  const first = Math.max(countUpTo(pieceStarts, state.window.from) - 1, 0);
+  let labelled = -Infinity;
+  for (let i = first; i < report.pieces.length; i++) {
+    const piece = report.pieces[i];
+    if (piece.start_s > state.window.to) break;
+    const [a, b] = [x(piece.start_s), x(piece.end_s)];
+    const width = Math.max(b - a, 1);
+    context.fillStyle = theme[piece.kind] || theme.settle;
+    // Standing is lower than moving, so that shape tells as well as colour does.
+    const moves = piece.kind === "line" || piece.kind === "blend";
+    const height = moves ? bottom - top : (bottom - top) / 2;
+    context.fillRect(a, bottom - height, width > 3 ? width - 1 : width, height);
+    if (piece.kind === "blend" && width > 6) {
+      // Blends are hatched.
+      context.save();
+      context.beginPath();
+      context.rect(a, top, width - 1, bottom - top);
+      context.clip();
+      context.strokeStyle = theme.paper;
+      context.globalAlpha = 0.55;
+      context.lineWidth = 1.5;
+      context.beginPath();
+      for (let h = a - (bottom - top); h < b; h += 6) {
+        context.moveTo(h, bottom);
+        context.lineTo(h + bottom - top, top);
+      }
+      context.stroke();
+      context.restore();
+    }
+    const before = report.pieces[i - 1];
+    if ((!before || before.motion !== piece.motion) && a > labelled + 16) {
+      context.fillStyle = theme.soft;
+      context.textAlign = "left";
+      context.textBaseline = "top";
+      context.fillText(`${piece.motion}`, Math.max(a, left), bottom + 4);
+      labelled = a;
+    }
+  }
+  context.restore();
+  context.fillStyle = theme.soft;
+  context.textAlign = "right";
+  context.textBaseline = "top";
+  context.fillText("motion", left - 6, bottom + 4);
+}

@@ -1,0 +1,138 @@
+//! Curves of the seven joints, thinned out for the screen.
+
+use iiwa_kin::Joints;
+use serde::Serialize;
+
+use super::packed::Packed;
+
+/// Columns of a curve at most: more than any screen has, so that there is something to zoom into.
+const COLUMNS: usize = 8000;
+
+/// Poses of an arm at most: an hour has ten a second, and the arm moves evenly in between.
+const POSES: usize = 36_000;
+
+/// Samples of seven values over time. What is not known is not a number.
+#[derive(Debug, Default)]
+pub(crate) struct Samples {
+    pub(crate) t_s: Vec<f64>,
+    pub(crate) rows: Vec<Joints>,
+}
+
+impl Samples {
+    pub(crate) fn push(&mut self, t_s: f64, row: Joints) {
+        self.t_s.push(t_s);
+        self.rows.push(row);
+    }
+}
+
+/// For each column, when it begins, and each joint's lowest and highest value from there to the next
+/// column: no peak gets lost.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Curve {
+    columns: usize,
+    /// Samples of a column: one if nothing was thinned out.
+    samples_a_column: usize,
+    /// Doubles: one a column.
+    t_s: Packed,
+    /// Singles: seven a column.
+    low: Packed,
+    /// The same; none if a column is one sample.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    high: Option<Packed>,
+}
+
+impl Curve {
+    /// The curve of some samples, all times later by `shift_s`.
+    pub(crate) fn new(samples: &Samples, shift_s: f64) -> Self {
+        Self::with_columns(samples, shift_s, COLUMNS)
+    }
+
+    fn with_columns(samples: &Samples, shift_s: f64, most: usize) -> Self {
+        let count = samples.rows.len().div_ceil(most).max(1);
+        let chunks = || samples.rows.chunks(count);
+        // What is not a number yields to what is.
+        let fold = |of: fn(f64, f64) -> f64| {
+            chunks().flat_map(move |rows| {
+                rows.iter().fold([f64::NAN; 7], |a, row| std::array::from_fn(|j| of(a[j], row[j])))
+            })
+        };
+        Self {
+            columns: chunks().count(),
+            samples_a_column: count,
+            t_s: Packed::doubles(samples.t_s.iter().step_by(count).map(|t_s| t_s + shift_s)),
+            low: Packed::singles(fold(f64::min)),
+            high: (count > 1).then(|| Packed::singles(fold(f64::max))),
+        }
+    }
+}
+
+/// Where the arm is, now and then.
+#[derive(Debug, Serialize)]
+pub(crate) struct Poses {
+    count: usize,
+    /// Doubles.
+    t_s: Packed,
+    /// Singles: seven a pose.
+    q_rad: Packed,
+}
+
+impl Poses {
+    /// Poses at some times, with gaps that are left out, all later by `shift_s`.
+    pub(crate) fn new(t_s: &[f64], q_rad: &[Joints], shift_s: f64) -> Self {
+        let step = t_s.len().div_ceil(POSES).max(1);
+        let last = t_s.len().saturating_sub(1);
+        let mut places: Vec<usize> = (0..t_s.len()).step_by(step).collect();
+        if places.last() != Some(&last) && !t_s.is_empty() {
+            places.push(last);
+        }
+        Self {
+            count: places.len(),
+            t_s: Packed::doubles(places.iter().map(|i| t_s[*i] + shift_s)),
+            q_rad: Packed::singles(places.iter().flat_map(|i| q_rad[*i])),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peaks_are_kept() {
+        let mut samples = Samples::default();
+        for i in 0..1000_u32 {
+            let mut row = [f64::NAN; 7];
+            row[0] = if i == 777 { 5.0 } else { 0.0 };
+            row[1] = if i == 333 { -5.0 } else { 0.0 };
+            samples.push(f64::from(i), row);
+        }
+        let curve = Curve::with_columns(&samples, 0.5, 10);
+        let expected = |low: bool| {
+            let value = |column: usize, j: usize| match (low, column, j) {
+                (true, 3, 1) => -5.0,
+                (false, 7, 0) => 5.0,
+                (_, _, 0 | 1) => 0.0,
+                _ => f64::NAN,
+            };
+            Packed::singles(
+                (0..10)
+                    .flat_map(|column| (0..7).map(move |j| (column, j)))
+                    .map(|(column, j)| value(column, j)),
+            )
+        };
+        let text = |packed: &Packed| serde_json::to_string(packed).unwrap();
+        assert_eq!((curve.columns, curve.samples_a_column), (10, 100));
+        assert_eq!(text(&curve.low), text(&expected(true)));
+        assert_eq!(text(&curve.high.unwrap()), text(&expected(false)));
+        let t_s = Packed::doubles((0..10).map(|i| f64::from(i) * 100.0 + 0.5));
+        assert_eq!(text(&curve.t_s), text(&t_s));
+    }
+
+    #[test]
+    fn short_curves_are_whole() {
+        let samples = Samples { t_s: vec![0.0, 1.0], rows: vec![[1.0; 7], [2.0; 7]] };
+        let curve = Curve::new(&samples, 0.0);
+        assert_eq!((curve.columns, curve.samples_a_column), (2, 1));
+        assert!(curve.high.is_none());
+    }
+}

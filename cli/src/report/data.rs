@@ -1,0 +1,282 @@
+//! All that the page shows, as it is in the page.
+
+use std::path::Path;
+
+use iiwa_eval::{Comparison, Plan};
+use iiwa_kin::{Joints, Robot};
+use iiwa_log::Loss;
+use iiwa_path::{Blend, Motion, Program};
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::{
+    commands::compare,
+    failure::{Failure, chain},
+    input,
+};
+
+use super::{
+    curve::{Curve, Poses},
+    measured::Measured,
+    planned::Planned,
+    source::{Piece, Source},
+};
+
+/// Everything on the page.
+#[derive(Debug, Serialize)]
+pub(crate) struct Page {
+    robot: Model,
+    /// The arm of FILE, then the one of MEASURED.
+    arms: Vec<Arm>,
+    /// Lines, blends, settles and waits, in the order of time.
+    pieces: Vec<Piece>,
+    corners: Vec<Corner>,
+    /// As `iiwasim plan --json` has them.
+    figures: Map<String, Value>,
+    compared: Option<Compared>,
+    /// What is missing or taken for granted, for people.
+    notes: Vec<String>,
+}
+
+/// The robot: what it looks like, how it moves, and how far it may go.
+#[derive(Debug, Serialize)]
+struct Model {
+    name: String,
+    /// Shapes and joints.
+    urdf: String,
+    position_rad: Joints,
+    velocity_rad_s: Joints,
+    acceleration_rad_s2: Joints,
+    jerk_rad_s3: Joints,
+    assumptions: Vec<String>,
+}
+
+/// What one file says of the arm. Times are in s of the page.
+#[derive(Debug, Serialize)]
+struct Arm {
+    /// `plan` or `recording`.
+    role: &'static str,
+    file: String,
+    start_s: f64,
+    end_s: f64,
+    samples: usize,
+    rate_hz: Option<f64>,
+    poses: Poses,
+    position: Curve,
+    velocity: Curve,
+    acceleration: Curve,
+    jerk: Curve,
+    /// Where velocity, acceleration and jerk come from, for people.
+    method: String,
+}
+
+/// A target that is blended away.
+#[derive(Debug, Serialize)]
+struct Corner {
+    /// From 1.
+    motion: usize,
+    target_m: [f64; 3],
+    /// Of the sphere; none if the blend is a share of its neighbours.
+    radius_m: Option<f64>,
+}
+
+/// A recording held against a plan.
+#[derive(Serialize)]
+struct Compared {
+    /// As `iiwasim compare --json` has it.
+    report: compare::Report,
+    /// Some samples of the recording: when the plan is where the arm was, and how far it was off.
+    plan_s: Vec<f64>,
+    tcp_mm: Vec<f64>,
+    joints_mrad: Vec<f64>,
+}
+
+impl std::fmt::Debug for Compared {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Compared").field("samples", &self.plan_s.len()).finish_non_exhaustive()
+    }
+}
+
+impl Page {
+    /// Reads one or two files.
+    pub(crate) fn of(
+        file: &Path,
+        measured: Option<&Path>,
+        robot: Option<&str>,
+    ) -> Result<Self, Failure> {
+        let first = Source::read(file)?;
+        let second = measured.map(Source::read).transpose()?;
+        let (robot, assumed) = first.robot(robot)?;
+        first.check(&robot)?;
+        let mut notes: Vec<String> = assumed.into_iter().collect();
+        notes.extend(first.losses());
+        if !first.is_plan() && !first.pieces.is_empty() {
+            notes.push(format!(
+                "{}: a plan without the end of its file: its motions and limits up to there",
+                first.name
+            ));
+        }
+
+        let mut compared = None;
+        let mut arms = vec![Arm::new(&first, from_start(&first))];
+        if let Some(second) = &second {
+            second.check(&robot)?;
+            let gap = |loss: &&Loss| matches!(loss, Loss::Gap { .. });
+            if second.log.losses.iter().any(|loss| !gap(&loss)) {
+                notes.extend(second.losses());
+            }
+            let shift_s = match comparison(file, &first, second, &robot) {
+                Ok((report, shift_s)) => {
+                    compared = Some(report);
+                    shift_s
+                }
+                Err(why) => {
+                    notes.push(why);
+                    from_start(second)
+                }
+            };
+            arms.push(Arm::new(second, shift_s));
+        }
+        Ok(Self {
+            robot: Model::from(&robot),
+            arms,
+            corners: corners(&first, &robot),
+            pieces: first.pieces,
+            figures: first.figures,
+            compared,
+            notes,
+        })
+    }
+
+    /// What is missing or taken for granted, for people.
+    pub(crate) fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// The files' names.
+    pub(crate) fn title(&self) -> String {
+        let files: Vec<_> = self.arms.iter().map(|arm| arm.file.as_str()).collect();
+        files.join(" and ")
+    }
+}
+
+/// What takes the times of a file to the page's: its first sample is at 0.
+fn from_start(source: &Source) -> f64 {
+    source.log.t_s.first().map_or(0.0, |first| 0.0 - first)
+}
+
+/// The recording held against the plan, and what takes its times to the plan's; or why not.
+fn comparison(
+    file: &Path,
+    first: &Source,
+    second: &Source,
+    robot: &Robot,
+) -> Result<(Compared, f64), String> {
+    let not = |why: String| format!("not compared, both start at 0: {why}");
+    if !first.is_plan() {
+        return Err(not(format!("{} is no whole plan", first.name)));
+    }
+    let stream = input::open(file).map_err(|failure| not(failure.what()))?;
+    let plan = Plan::read_mcap(stream, Some(robot.clone())).map_err(|error| not(chain(&error)))?;
+    let comparison: Comparison = iiwa_eval::compare(&plan, &second.log)
+        .map_err(|error| not(format!("{}: {}", second.name, chain(&error))))?;
+    let moves = |piece: &&Piece| piece.kind == "line" || piece.kind == "blend";
+    let start_s = first.pieces.iter().find(moves).map_or(0.0, |piece| piece.start_s);
+    let names = [Path::new(&first.name), Path::new(&second.name)];
+    let compared = Compared {
+        report: compare::Report::new(names, None, &plan, &second.log, &comparison),
+        plan_s: comparison.trace.iter().map(|point| point.plan_s).collect(),
+        tcp_mm: comparison.trace.iter().map(|point| 1e3 * point.tcp_deviation_m).collect(),
+        joints_mrad: comparison.trace.iter().map(|point| 1e3 * point.joints_rad).collect(),
+    };
+    Ok((compared, start_s - comparison.departure_s))
+}
+
+/// The targets that are blended away, of a plan that holds its program.
+fn corners(source: &Source, robot: &Robot) -> Vec<Corner> {
+    let program = source.log.program.as_deref().and_then(|text| Program::from_json(text).ok());
+    let motions = program.map(|program| program.motions).unwrap_or_default();
+    let blended = |motion: usize| {
+        let piece = |piece: &Piece| piece.kind == "blend" && piece.motion as usize == motion + 1;
+        source.pieces.iter().any(piece)
+    };
+    let corner = |(index, motion): (usize, &Motion)| {
+        let Motion::Ptp(ptp) = motion else { return None };
+        let radius_m = match ptp.blend? {
+            Blend::CartMm(radius_mm) => Some(1e-3 * radius_mm),
+            _ => None,
+        };
+        // A blend belongs to the motion that it leads into.
+        blended(index + 1).then(|| Corner {
+            motion: index + 1,
+            target_m: robot.tcp_position(&ptp.target_rad),
+            radius_m,
+        })
+    };
+    motions.iter().enumerate().filter_map(corner).collect()
+}
+
+impl Arm {
+    fn new(source: &Source, shift_s: f64) -> Self {
+        let log = &source.log;
+        let times = |t_s: Option<&f64>| t_s.map_or(0.0, |t_s| t_s + shift_s);
+        let (start_s, end_s) = (times(log.t_s.first()), times(log.t_s.last()));
+        let (role, poses, curves, method) = if source.is_plan() {
+            let smooth =
+                source.figures.get("timing").and_then(Value::as_str) != Some("acceleration");
+            let Planned { position, velocity, acceleration, jerk } =
+                Planned::new(&source.nodes, smooth);
+            let poses = Poses::new(&position.t_s, &position.rows, shift_s);
+            let method = if smooth {
+                "from the nodes of the trajectory; jerk is the mean from node to node"
+            } else {
+                "from the nodes of the trajectory; planned without limits of jerk: acceleration jumps"
+            };
+            ("plan", poses, [position, velocity, acceleration, jerk], method.to_owned())
+        } else {
+            let Measured { position, velocity, acceleration, jerk, half_s } = Measured::new(log);
+            let method = format!(
+                "velocity, acceleration and jerk are those of the best cubic over {:.0} ms: shorter \
+                 peaks are lower here than they were",
+                2e3 * half_s
+            );
+            let poses = Poses::new(&log.t_s, &log.q_rad, shift_s);
+            ("recording", poses, [position, velocity, acceleration, jerk], method)
+        };
+        let [position, velocity, acceleration, jerk] =
+            curves.map(|samples| Curve::new(&samples, shift_s));
+        Self {
+            role,
+            file: source.file.clone(),
+            start_s,
+            end_s,
+            samples: log.t_s.len(),
+            rate_hz: log.period_s().map(f64::recip),
+            poses,
+            position,
+            velocity,
+            acceleration,
+            jerk,
+            method,
+        }
+    }
+}
+
+impl From<&Robot> for Model {
+    fn from(robot: &Robot) -> Self {
+        let limits = robot.limits();
+        Self {
+            name: robot.name().to_owned(),
+            urdf: robot.to_urdf(),
+            position_rad: limits.position_rad,
+            velocity_rad_s: limits.velocity_rad_s,
+            acceleration_rad_s2: limits.acceleration_rad_s2,
+            jerk_rad_s3: limits.jerk_rad_s3,
+            assumptions: robot
+                .assumptions()
+                .iter()
+                .map(|assumption| format!("{}: {}", assumption.what, assumption.basis))
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,511 @@
+// The page: what is shown when, and what its buttons do.
+
+const $ = (id) => document.getElementById(id);
+
+/** An element with a text, and of a class. */
+function element(tag, text = "", kind = "") {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  if (kind) made.className = kind;
+  return made;
+}
+
+const [first, second] = report.arms;
+const isPlan = first.role === "plan";
+/** At first the page shows the plan, or everything there is. */
+const whole = isPlan ? { from: first.start_s, to: Math.max(first.end_s, first.start_s + 1e-3) } : { from: startS, to: endS };
+const state = {
+  time: whole.from,
+  playing: false,
+  speed: 1,
+  window: { ...whole },
+  joints: Array(7).fill(true),
+  percent: true,
+};
+
+// ---- the head of the page
+
+function figure(list, name, text) {
+  const group = element("div");
+  group.append(element("dt", name), element("dd", text));
+  list.append(group);
+}
+
+function writeHead() {
+  const { figures } = report;
+  const seconds = (value) => `${number(value, 3)} s`;
+  const arm = (it) => `${it.samples} samples${it.rate_hz ? `, ${number(it.rate_hz, 0)} Hz` : ""}`;
+  $("summary").textContent = isPlan
+    ? `Plan for ${report.robot.name}${figures.timing === "acceleration" ? ", limits of velocity and acceleration" : ", limits of velocity, acceleration and jerk"}`
+    : `Recording of ${report.robot.name}: ${arm(first)}`;
+  const list = $("figures");
+  if (figures.cycle_time_s !== undefined) figure(list, "Cycle time", seconds(Number(figures.cycle_time_s)));
+  else figure(list, "Duration", seconds(first.end_s - first.start_s));
+  if (isPlan && figures.motion_time_s !== undefined) {
+    figure(list, "in motion", seconds(figures.motion_time_s));
+    figure(list, "settling", seconds(figures.settle_time_s));
+    figure(list, "waiting", seconds(figures.wait_time_s));
+  }
+  const cycle = report.compared && report.compared.report.cycle_time;
+  if (cycle) {
+    figure(list, "measured", seconds(cycle.real_s));
+    figure(list, "off by", `${number(cycle.error_s, 4)} s, ${number(cycle.error_percent, 2)} %`);
+  }
+  for (const note of report.notes) $("notes").append(element("li", note));
+  const methods = report.arms.map((it) => {
+    const columns = Math.max(it.position.samples_a_column, it.velocity.samples_a_column);
+    const thinned = columns > 1 ? `; thinned out: each column spans from the lowest to the highest of ${columns} samples` : "";
+    return `${it.file}: ${it.method}${thinned}.`;
+  });
+  if (second) methods.unshift("Broad and pale is the plan, thin what was measured.");
+  $("method").textContent = methods.join(" ");
+  const assumed = report.robot.assumptions.filter((text) => !text.startsWith("masses"));
+  $("footer").textContent = `${report.robot.name}. Made by iiwasim report.`
+    + (assumed.length ? ` Assumed, not from a source: ${assumed.join("; ")}.` : "");
+}
+
+// ---- colours
+
+/** The page's colours: as CSS has them for canvases, or as three numbers for the 3D view. */
+function theme() {
+  const style = getComputedStyle(document.documentElement);
+  const css = (name) => style.getPropertyValue(`--${name}`).trim();
+  const names = ["paper", "ground", "ink", "soft", "rule", "accent", "line", "blend", "settle", "wait", "measured", "beyond"];
+  const flat = Object.fromEntries(names.map((name) => [name, css(name)]));
+  flat.joints = Array.from({ length: 7 }, (_, j) => css(`a${j + 1}`));
+  const solid = Object.fromEntries(names.filter((name) => flat[name].startsWith("#"))
+    .map((name) => [name, [1, 3, 5].map((i) => parseInt(flat[name].slice(i, i + 2), 16) / 255)]));
+  solid.shadow = Number(css("shadow"));
+  return { flat, solid };
+}
+
+// ---- the 3D view
+
+/** What is drawn of the ways: the plan's by its pieces, the recording's beside it. */
+function ways() {
+  const kinds = (times, usual) => times.map((t) => {
+    const piece = report.pieces.length > 0 && pieceAt(t - 1e-6);
+    return piece && piece.kind === "blend" ? "blend" : usual;
+  });
+  const planned = flangePath(first);
+  const all = [{ places: planned.places, kinds: kinds(planned.times, "line"), width: 3.5 }];
+  if (second) {
+    const measured = flangePath(second, whole.from - 1, whole.to + 1);
+    all.push({ places: measured.places, kinds: measured.times.map(() => "measured"), width: 1.8 });
+  }
+  return all;
+}
+
+let scene = null;
+try {
+  scene = makeScene($("scene"), ways(), report.corners);
+} catch (error) {
+  console.warn(error);
+}
+if (!scene) {
+  document.querySelector(".view").replaceChildren(element("p", "The 3D view needs WebGL, which this browser does not have. All else is here.", "notes"));
+}
+
+function drawScene() {
+  if (!scene) return;
+  const arms = report.arms.map((arm, i) => ({ q: jointsAt(arm, state.time), ghost: Boolean(second) && i === 0 }));
+  scene.show(arms);
+}
+
+function legend(target, entries) {
+  target.replaceChildren(...entries.map(([colour, text]) => {
+    const entry = element("span");
+    const swatch = element("i", "", "swatch");
+    swatch.style.background = `var(--${colour})`;
+    entry.append(swatch, text);
+    return entry;
+  }));
+}
+
+function writeLegends() {
+  const parts = report.pieces.length ? [["line", "lines"]] : [["line", "way of the flange"]];
+  if (report.pieces.some((piece) => piece.kind === "blend")) parts.push(["blend", report.corners.some((corner) => corner.radius_m) ? "blends, their targets and spheres" : "blends and their targets"]);
+  if (second) parts.push(["accent", `see-through arm: ${first.role}`], ["measured", "solid arm and thin line: measured"]);
+  if (scene) legend($("legend"), parts);
+  const kinds = [["line", "line"], ["blend", "blend"], ["settle", "settling"], ["wait", "waiting"]];
+  const there = new Set(report.pieces.map((piece) => piece.kind));
+  legend($("kinds"), kinds.filter(([kind]) => there.has(kind)));
+  document.querySelector(".track").hidden = report.pieces.length === 0;
+}
+
+// ---- curves
+
+/** A canvas with the line that shows the time, in a place. */
+function chart(parent, title, height) {
+  if (title) parent.append(title);
+  const box = element("div", "", "chart");
+  const canvas = element("canvas");
+  if (height) canvas.style.height = `${height}px`;
+  box.append(canvas, element("i", "", "cursor"));
+  parent.append(box);
+  return canvas;
+}
+
+const charts = QUANTITIES.filter(({ key }) => report.arms.some((arm) => arm[key].columns > 0)).map((quantity, i, all) => {
+  const title = element("h3");
+  const last = i + 1 === all.length;
+  const canvas = chart($("charts"), title, last ? 166 : 0);
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", `${quantity.title} of the joints over time`);
+  const draw = (colours) => {
+    title.textContent = `${quantity.title}, ${state.percent ? "% of the limit" : quantity.unit}`;
+    drawQuantity(canvas, quantity, state, colours, last);
+  };
+  return { canvas, draw };
+});
+charts.push({ canvas: $("timeline"), draw: (colours) => drawTimeline($("timeline"), state, colours) });
+if (report.compared) {
+  for (const [values, title, last] of [["tcp_mm", "Flange off its path, mm", false], ["joints_mrad", "Joints off their path, mrad", true]]) {
+    const canvas = chart($("deviations"), element("h3", title), last ? 126 : 110);
+    charts.push({ canvas, draw: (colours) => drawDeviation(canvas, report.compared[values], state, colours, last) });
+  }
+}
+
+function drawCharts() {
+  const colours = theme().flat;
+  for (const it of charts) it.draw(colours);
+  placeCursors();
+}
+
+function placeCursors() {
+  const share = (state.time - state.window.from) / (state.window.to - state.window.from);
+  for (const cursor of document.querySelectorAll(".cursor")) {
+    cursor.hidden = share < 0 || share > 1;
+    cursor.style.left = `calc(${LEFT}px + ${share} * (100% - ${LEFT + RIGHT}px))`;
+  }
+}
+
+// ---- what there is now
+
+const cells = { joints: [], flange: [], rows: [] };
+
+function writeNowTable() {
+  for (let j = 0; j < 7; j++) {
+    const row = element("tr");
+    const range = element("div", "", "range");
+    const mark = element("i");
+    range.append(mark);
+    const wide = element("td", "", "wide");
+    wide.append(range);
+    const [position, velocity] = [element("td"), element("td")];
+    row.append(element("td", `A${j + 1}`), position, velocity, wide);
+    $("joints").append(row);
+    cells.joints.push({ position, velocity, mark });
+  }
+  for (const arm of report.arms) {
+    const row = element("tr");
+    const places = [element("td"), element("td"), element("td")];
+    row.append(element("td", arm === second || !isPlan ? "measured" : "plan"), ...places);
+    $("flange").append(row);
+    cells.flange.push(places);
+  }
+}
+
+function writeNow() {
+  const t = state.time;
+  $("clock").textContent = `${number(t, 3)} s`;
+  $("scrub").value = t;
+  $("scrub").setAttribute("aria-valuetext", `${number(t, 3)} s`);
+  const arm = second || first;
+  const q = jointsAt(arm, t);
+  cells.joints.forEach(({ position, velocity, mark }, j) => {
+    position.textContent = number(q[j] * DEG, 2);
+    velocity.textContent = arm.velocity.columns ? number(valueAt(arm.velocity, t, j) * DEG, 1) : "";
+    mark.style.left = `${50 + (50 * q[j]) / report.robot.position_rad[j]}%`;
+  });
+  report.arms.forEach((it, i) => {
+    flangeAt(jointsAt(it, t)).forEach((v, k) => { cells.flange[i][k].textContent = number(1000 * v, 1); });
+  });
+  const piece = report.pieces.length ? pieceAt(t) : null;
+  const words = { line: "on its line", blend: "blending in", settle: "settling", wait: "waiting" };
+  $("piece").textContent = piece
+    ? `Motion ${piece.motion}, ${words[piece.kind] || piece.kind}${piece.joint ? `; limited by the ${piece.limit} of A${piece.joint}` : ""}`
+    : "";
+  for (const { row, motion } of cells.rows) row.classList.toggle("current", Boolean(piece) && piece.motion === motion);
+}
+
+// ---- the table of motions
+
+/** The motions, as the figures have them; else as the pieces tell. */
+function motionRows() {
+  if (Array.isArray(report.figures.motions)) return report.figures.motions;
+  const rows = [];
+  for (const piece of report.pieces) {
+    let row = rows[rows.length - 1];
+    if (!row || row.index !== piece.motion) {
+      row = { index: piece.motion, type: piece.kind === "wait" ? "wait" : "ptp", start_s: piece.start_s, limits: [] };
+      row.limited_by = piece.joint ? { joint: piece.joint, kind: piece.limit } : null;
+      rows.push(row);
+    }
+    if (piece.kind !== "settle") row.end_s = piece.end_s;
+  }
+  return rows;
+}
+
+function writeMotions() {
+  const SHOWN = 300;
+  const rows = motionRows();
+  if (!rows.length) return;
+  $("motions").hidden = false;
+  const measured = report.compared ? new Map(report.compared.report.motions.map((row) => [row.index, row])) : null;
+  const head = element("tr");
+  const columns = ["motion", "type", "start s", "end s", "duration s", "top speed %"];
+  if (measured) columns.push("real s", "error s", "error %");
+  for (const name of columns) head.append(element("th", name, name === "type" ? "word" : ""));
+  head.append(element("th", "limited by", "word"));
+  const headed = element("thead");
+  headed.append(head);
+  const body = element("tbody");
+  for (const motion of rows.slice(0, SHOWN)) {
+    const row = element("tr");
+    const add = (text, kind) => row.append(element("td", text, kind));
+    add(motion.index);
+    add(motion.type, "word");
+    for (const value of [motion.start_s, motion.end_s, motion.end_s - motion.start_s]) add(number(value, 3));
+    add(motion.peak_velocity_rel === undefined ? "" : number(100 * motion.peak_velocity_rel, 1));
+    if (measured) {
+      const real = measured.get(motion.index) || {};
+      const or = (value, decimals) => (typeof value === "number" ? number(value, decimals) : "?");
+      add(or(real.real_s, 3));
+      add(or(real.error_s, 4));
+      add(or(real.error_percent, 2));
+    }
+    const shares = (motion.limits || []).filter(({ share }) => share >= 0.005).slice(0, 4).map(({ joint, kind, share }) => `A${joint} ${kind} ${number(100 * share, 0)} %`);
+    if (!shares.length && motion.limited_by) shares.push(`A${motion.limited_by.joint} ${motion.limited_by.kind}`);
+    add(shares.join(", "), "word");
+    row.addEventListener("click", () => { seek(motion.start_s); });
+    body.append(row);
+    cells.rows.push({ row, motion: motion.index });
+  }
+  $("table").append(headed, body);
+  const hidden = rows.length - Math.min(rows.length, SHOWN);
+  $("more").textContent = "A motion lasts from the start of the blend that leads into it to the start of the blend that leads out of it, or to its stop; the shares are of its time."
+    + (hidden ? ` ${hidden} more motions: iiwasim plan --json has them.` : "");
+}
+
+function writeCompared() {
+  if (!report.compared) return;
+  $("compared").hidden = false;
+  const { cycle_time: cycle, tcp_deviation: tcp, joint_deviation: joint, ...rest } = report.compared.report;
+  const list = $("errors");
+  figure(list, "simulated", `${number(cycle.simulated_s, 3)} s`);
+  figure(list, "real", `${number(cycle.real_s, 3)} s`);
+  figure(list, "error of the cycle time", `${number(cycle.error_s, 4)} s, ${number(cycle.error_percent, 2)} %`);
+  figure(list, `flange off its path, at most (motion ${tcp.motion})`, `${number(tcp.max_mm, 3)} mm`);
+  figure(list, "on average", `${number(tcp.mean_mm, 3)} mm`);
+  figure(list, `joints, at most (motion ${joint.motion})`, `${number(1e3 * joint.max_rad, 3)} mrad`);
+  const notes = [
+    `Each sample is held against the nearest place of the planned path, whenever the arm is there; noise of the recording (${rest.noise_rad.toExponential(1)} rad) counts as distance.`,
+    ...rest.losses,
+  ];
+  if (rest.again_s !== null) notes.push(`The program is in the recording again, from ${number(rest.again_s, 3)} s of it on: the first time counts.`);
+  const sentence = (text) => text[0].toUpperCase() + text.slice(1) + (text.endsWith(".") ? "" : ".");
+  $("compared-notes").textContent = notes.map(sentence).join(" ");
+}
+
+// ---- time
+
+let drawn = false;
+/** Draws what depends on the time, once a frame. */
+function update() {
+  if (drawn) return;
+  drawn = true;
+  requestAnimationFrame(() => {
+    drawn = false;
+    drawNow();
+  });
+}
+
+function drawNow() {
+  drawScene();
+  writeNow();
+  placeCursors();
+}
+
+function seek(t) {
+  state.time = Math.min(Math.max(t, startS), endS);
+  const { from, to } = state.window;
+  if (state.time < from || state.time > to) look(state.time - 0.1 * (to - from), to - from);
+  update();
+}
+
+/** Shows another window of time on all curves. */
+function look(from, span) {
+  const most = Math.max(endS - startS, 1e-3);
+  const wide = Math.min(Math.max(span, 0.02), most);
+  const at = Math.min(Math.max(from, startS), endS - wide);
+  state.window = { from: at, to: at + wide };
+  drawCharts();
+}
+
+function zoom(factor) {
+  const { from, to } = state.window;
+  const middle = state.time >= from && state.time <= to ? state.time : (from + to) / 2;
+  const span = (to - from) * factor;
+  look(middle - ((middle - from) / (to - from)) * span, span);
+}
+
+let frame = null;
+function play(on) {
+  state.playing = on;
+  $("play").textContent = on ? "Pause" : "Play";
+  $("play").setAttribute("aria-label", on ? "Pause" : "Play");
+  frame = null;
+  if (!on) return;
+  if (state.time >= whole.to - 1e-9) seek(whole.from);
+  requestAnimationFrame(tick);
+}
+
+function tick(now) {
+  if (!state.playing) return;
+  const passed = frame === null ? 0 : (now - frame) / 1000;
+  frame = now;
+  // A page that was out of sight goes on from where it was.
+  const next = state.time + Math.min(passed, 1) * state.speed;
+  const end = state.time > whole.to ? endS : whole.to;
+  seek(Math.min(next, end));
+  if (next >= end) play(false);
+  else requestAnimationFrame(tick);
+}
+
+// ---- what people do
+
+function listen() {
+  const scrub = $("scrub");
+  [scrub.min, scrub.max] = [startS, endS];
+  scrub.addEventListener("input", () => { play(false); seek(Number(scrub.value)); });
+  $("play").addEventListener("click", () => play(!state.playing));
+  const speeds = [0.1, 0.25, 0.5, 1, 2, 5, 10];
+  if (whole.to - whole.from > 120) speeds.push(60);
+  for (const speed of speeds) {
+    const option = element("option", `${speed}\u00d7`);
+    option.value = speed;
+    option.selected = speed === 1;
+    $("speed").append(option);
+  }
+  $("speed").addEventListener("change", () => { state.speed = Number($("speed").value); });
+
+  state.joints.forEach((_, j) => {
+    const label = element("label");
+    const box = element("input");
+    box.type = "checkbox";
+    box.checked = true;
+    const swatch = element("i", "", "swatch");
+    swatch.style.background = `var(--a${j + 1})`;
+    swatch.style.marginRight = "0";
+    label.append(box, swatch, `A${j + 1}`);
+    box.addEventListener("change", () => { state.joints[j] = box.checked; drawCharts(); });
+    $("chips").append(label);
+  });
+  $("units").addEventListener("click", () => {
+    state.percent = !state.percent;
+    $("units").textContent = state.percent ? "Show degrees" : "Show % of limits";
+    $("units").setAttribute("aria-pressed", String(!state.percent));
+    drawCharts();
+  });
+  $("in").addEventListener("click", () => zoom(0.5));
+  $("out").addEventListener("click", () => zoom(2));
+  $("whole").addEventListener("click", () => look(whole.from, whole.to - whole.from));
+
+  // A pointer on a curve or on the timeline takes the time along.
+  for (const { canvas } of charts) {
+    const to = (event) => {
+      const box = canvas.getBoundingClientRect();
+      const share = (event.clientX - box.left - LEFT) / (box.width - LEFT - RIGHT);
+      const { from, to: end } = state.window;
+      play(false);
+      seek(from + Math.min(Math.max(share, 0), 1) * (end - from));
+    };
+    canvas.addEventListener("pointerdown", (event) => { canvas.setPointerCapture(event.pointerId); to(event); });
+    canvas.addEventListener("pointermove", (event) => { if (event.buttons) to(event); });
+  }
+
+  if (scene) {
+    const canvas = $("scene");
+    const fingers = new Map();
+    const apart = () => {
+      const [a, b] = [...fingers.values()];
+      return Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      fingers.set(event.pointerId, event);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      const before = fingers.get(event.pointerId);
+      if (!before) return;
+      const spread = fingers.size === 2 ? apart() : 0;
+      fingers.set(event.pointerId, event);
+      if (fingers.size === 2) scene.turn(0, 0, apart() / Math.max(spread, 1));
+      else scene.turn((before.clientX - event.clientX) / 160, (event.clientY - before.clientY) / 160);
+      update();
+    });
+    for (const end of ["pointerup", "pointercancel"]) {
+      canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
+    }
+    canvas.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      scene.turn(0, 0, Math.exp(-event.deltaY / 600));
+      update();
+    }, { passive: false });
+    canvas.addEventListener("keydown", (event) => {
+      const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1], "+": [0, 0, 1.15], "-": [0, 0, 1 / 1.15] };
+      if (!turns[event.key]) return;
+      event.preventDefault();
+      scene.turn(...turns[event.key]);
+      update();
+    });
+    $("look").addEventListener("click", () => { scene.reset(); update(); });
+  } else {
+    $("look")?.remove();
+  }
+
+  const draw = () => {
+    if (scene) scene.paint(theme().solid);
+    drawCharts();
+    drawNow();
+  };
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  let resized = false;
+  window.addEventListener("resize", () => {
+    if (resized) return;
+    resized = true;
+    requestAnimationFrame(() => { resized = false; draw(); });
+  });
+  // Printers take no WebGL, but a copy of its picture.
+  const onPaper = (on) => {
+    const paper = $("paper");
+    if (paper) paper.hidden = true;
+    const scene3d = $("scene");
+    if (on) document.documentElement.classList.add("printed", "measuring");
+    else document.documentElement.classList.remove("printed");
+    draw();
+    if (on && scene && paper) {
+      [paper.width, paper.height] = [scene3d.width, scene3d.height];
+      paper.getContext("2d").drawImage(scene3d, 0, 0);
+      paper.hidden = false;
+    }
+    document.documentElement.classList.remove("measuring");
+  };
+  window.addEventListener("beforeprint", () => onPaper(true));
+  window.addEventListener("afterprint", () => onPaper(false));
+  return draw;
+}
+
+writeHead();
+writeNowTable();
+writeMotions();
+writeCompared();
+writeLegends();
+const drawAll = listen();
+// page.html#t=1.5 opens at 1.5 s.
+const asked = Number(new URLSearchParams(location.hash.slice(1)).get("t") || NaN);
+if (Number.isFinite(asked)) state.time = Math.min(Math.max(asked, startS), endS);
+drawAll();
+// Since the page was asked for.
+document.documentElement.dataset.drawnMs = String(Math.round(performance.now()));

@@ -1,0 +1,109 @@
+//! The curves of a plan, from the nodes of its trajectory.
+
+use iiwa_kin::Joints;
+
+use super::{curve::Samples, source::Node};
+
+/// The longest step between two samples, in s.
+const STEP_S: f64 = 0.004;
+
+/// Position, velocity, acceleration and jerk of a plan.
+#[derive(Debug, Default)]
+pub(crate) struct Planned {
+    pub(crate) position: Samples,
+    pub(crate) velocity: Samples,
+    pub(crate) acceleration: Samples,
+    /// Steps; without samples if the acceleration jumps.
+    pub(crate) jerk: Samples,
+}
+
+impl Planned {
+    /// Samples at the nodes and between those that are far apart.
+    ///
+    /// Under limits of jerk (`smooth`), acceleration is linear between nodes, so that jerk is its mean
+    /// there: exact on lines, whose jerk is constant from node to node. Without them, acceleration is
+    /// constant from a node on, and jumps.
+    pub(crate) fn new(nodes: &[Node], smooth: bool) -> Self {
+        let mut planned = Self::default();
+        for pair in nodes.windows(2) {
+            let (from, to) = (&pair[0], &pair[1]);
+            let span_s = to.t_s - from.t_s;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+            let steps = (span_s / STEP_S).ceil().max(1.0) as u32;
+            for i in 0..steps {
+                let share = f64::from(i) / f64::from(steps);
+                let t_s = from.t_s + share * span_s;
+                let ddq: Joints = std::array::from_fn(|j| {
+                    let slope = if smooth { to.ddq[j] - from.ddq[j] } else { 0.0 };
+                    from.ddq[j] + share * slope
+                });
+                planned.position.push(
+                    t_s,
+                    std::array::from_fn(|j| {
+                        hermite(share, span_s, [from.q[j], from.dq[j]], [to.q[j], to.dq[j]])
+                    }),
+                );
+                planned.velocity.push(
+                    t_s,
+                    std::array::from_fn(|j| {
+                        if smooth {
+                            hermite(share, span_s, [from.dq[j], from.ddq[j]], [to.dq[j], to.ddq[j]])
+                        } else {
+                            from.dq[j] + share * (to.dq[j] - from.dq[j])
+                        }
+                    }),
+                );
+                planned.acceleration.push(t_s, ddq);
+            }
+            if smooth {
+                let jerk = std::array::from_fn(|j| (to.ddq[j] - from.ddq[j]) / span_s);
+                planned.jerk.push(from.t_s, jerk);
+                planned.jerk.push(to.t_s, jerk);
+            } else {
+                // A step, not a ramp to the next node.
+                planned.acceleration.push(to.t_s, from.ddq);
+            }
+        }
+        if let Some(last) = nodes.last() {
+            planned.position.push(last.t_s, last.q);
+            planned.velocity.push(last.t_s, last.dq);
+            planned.acceleration.push(last.t_s, last.ddq);
+        }
+        planned
+    }
+}
+
+/// The cubic with these values and slopes at both ends of a span.
+fn hermite(x: f64, span: f64, [a, da]: [f64; 2], [b, db]: [f64; 2]) -> f64 {
+    let (da, db) = (da * span, db * span);
+    let rise = b - a;
+    a + x * (da + x * (3.0 * rise - 2.0 * da - db + x * (da + db - 2.0 * rise)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cubics_are_met() {
+        // q = t^3 + t: all derivatives are known.
+        let node = |t: f64| Node {
+            t_s: t,
+            q: [t.powi(3) + t; 7],
+            dq: [3.0 * t * t + 1.0; 7],
+            ddq: [6.0 * t; 7],
+        };
+        let planned = Planned::new(&[node(0.0), node(0.5), node(0.501)], true);
+        assert_eq!(planned.position.t_s.len(), 127);
+        for (i, t) in planned.position.t_s.iter().enumerate() {
+            let expected = node(*t);
+            assert!((planned.position.rows[i][3] - expected.q[3]).abs() < 1e-12);
+            assert!((planned.velocity.rows[i][3] - expected.dq[3]).abs() < 1e-12);
+            assert!((planned.acceleration.rows[i][3] - expected.ddq[3]).abs() < 1e-12);
+        }
+        assert!(planned.jerk.rows.iter().all(|row| (row[0] - 6.0).abs() < 1e-9));
+        let jumps = Planned::new(&[node(0.0), node(0.5)], false);
+        assert!(jumps.jerk.rows.is_empty());
+        assert_eq!(jumps.acceleration.rows[10], [0.0; 7]);
+    }
+}

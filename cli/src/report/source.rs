@@ -1,0 +1,173 @@
+//! What a file has for the page.
+
+use std::{collections::BTreeMap, path::Path};
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_log::{Entry, JointLog, Loss, Reader, Source as Format, Topic};
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::{
+    failure::{Failure, chain},
+    input,
+};
+
+/// A file that was read.
+#[derive(Debug)]
+pub(crate) struct Source {
+    /// As it was named.
+    pub(crate) name: String,
+    /// The same without its folder: pages are passed on.
+    pub(crate) file: String,
+    /// Where the joints were.
+    pub(crate) log: JointLog,
+    /// The trajectory's nodes; none of a recording.
+    pub(crate) nodes: Vec<Node>,
+    /// Lines, blends, settles and waits; none of a recording.
+    pub(crate) pieces: Vec<Piece>,
+    /// The figures of a plan, as `iiwasim plan --json` has them.
+    pub(crate) figures: Map<String, Value>,
+}
+
+/// A node of a trajectory, in rad and s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node {
+    pub(crate) t_s: f64,
+    pub(crate) q: Joints,
+    pub(crate) dq: Joints,
+    pub(crate) ddq: Joints,
+}
+
+/// A piece of a plan.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Piece {
+    /// The motion, from 1.
+    pub(crate) motion: u32,
+    pub(crate) kind: String,
+    pub(crate) start_s: f64,
+    pub(crate) end_s: f64,
+    /// From 1.
+    pub(crate) joint: Option<u8>,
+    pub(crate) limit: String,
+}
+
+impl Source {
+    /// Reads a file, as far as it is whole.
+    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
+        let mut source = Self {
+            name: path.display().to_string(),
+            file: path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+            log: input::recording(path)?,
+            nodes: Vec::new(),
+            pieces: Vec::new(),
+            figures: Map::new(),
+        };
+        if source.log.source == Some(Format::Mcap) {
+            source.read_plan(path)?;
+        }
+        Ok(source)
+    }
+
+    /// Whether it is a plan, all of it.
+    pub(crate) fn is_plan(&self) -> bool {
+        self.nodes.len() > 1 && !self.pieces.is_empty()
+    }
+
+    /// What a plan has beside joint states, up to where the file breaks off: the joint states have
+    /// told that it does.
+    fn read_plan(&mut self, path: &Path) -> Result<(), Failure> {
+        let topics = [Topic::JointTrajectory, Topic::Motion];
+        let mut metadata = BTreeMap::new();
+        for entry in Reader::new(input::open(path)?).only(&topics) {
+            let entry = match entry {
+                Ok(entry) => entry,
+                Err(_) if self.broken_off() => break,
+                Err(error) => {
+                    return Err(Failure::input(format!("{}: {}", self.name, chain(&error))));
+                }
+            };
+            match entry {
+                Entry::Trajectory { t_s, points } => {
+                    // A part of a long trajectory begins with the last point of the part before.
+                    let last_s = self.nodes.last().map_or(f64::NEG_INFINITY, |last| last.t_s);
+                    let nodes = points.iter().map(|point| Node {
+                        t_s: t_s + point.time_from_start.as_secs_f64(),
+                        q: point.positions,
+                        dq: point.velocities,
+                        ddq: point.accelerations,
+                    });
+                    self.nodes.extend(nodes.filter(|node| node.t_s > last_s + 1e-10));
+                }
+                Entry::Motion(sample) => {
+                    if let Some(before) = self.pieces.last_mut() {
+                        before.end_s = sample.t_s;
+                    }
+                    self.pieces.push(Piece {
+                        motion: sample.motion.index,
+                        kind: sample.motion.kind.into_owned(),
+                        start_s: sample.t_s,
+                        end_s: sample.t_s,
+                        joint: sample.motion.limiting_joint,
+                        limit: sample.motion.limiting_kind.into_owned(),
+                    });
+                }
+                Entry::Metadata { name, entries } if name == "iiwasim" => metadata.extend(entries),
+                _ => {}
+            }
+        }
+        if let (Some(last), Some(end_s)) = (self.pieces.last_mut(), self.log.t_s.last()) {
+            last.end_s = last.start_s.max(*end_s);
+        }
+        // A number or a list is JSON in the record, a text is as it is.
+        let value = |text: String| serde_json::from_str(&text).unwrap_or(Value::String(text));
+        self.figures = metadata.into_iter().map(|(key, text)| (key, value(text))).collect();
+        Ok(())
+    }
+
+    /// Whether the file is cut off or damaged.
+    fn broken_off(&self) -> bool {
+        self.log.losses.iter().any(|loss| matches!(loss, Loss::BrokenOff { .. }))
+    }
+
+    /// The robot that was asked for, or the file's, or the usual one; and what is taken for granted.
+    pub(crate) fn robot(&self, name: Option<&str>) -> Result<(Robot, Option<String>), Failure> {
+        if let Some(name) = name {
+            return Ok((input::find_robot(name, Path::new("."))?, None));
+        }
+        let Some(name) = &self.log.robot else {
+            let robot = Robot::default();
+            let note = format!("{} names no robot: taken for {}", self.name, robot.name());
+            return Ok((robot, Some(note)));
+        };
+        let robot = Robot::built_in(name).ok_or_else(|| {
+            Failure::input(format!(
+                "{}: the robot `{name}` is not built in: name its profile with --robot",
+                self.name
+            ))
+        })?;
+        Ok((robot, None))
+    }
+
+    /// Refuses positions that the robot does not have.
+    pub(crate) fn check(&self, robot: &Robot) -> Result<(), Failure> {
+        self.log
+            .check_robot(robot)
+            .map_err(|error| Failure::input(format!("{}: {}", self.name, chain(&error))))
+    }
+
+    /// What the file does not have, for people.
+    pub(crate) fn losses(&self) -> Vec<String> {
+        const SHOWN: usize = 5;
+        let losses = &self.log.losses;
+        let mut told: Vec<String> =
+            losses.iter().take(SHOWN).map(|loss| format!("{}: {loss}", self.name)).collect();
+        if losses.len() > SHOWN {
+            told.push(format!("{}: and {} more losses", self.name, losses.len() - SHOWN));
+            // Where it ends is what people ask first.
+            if let Some(end @ Loss::BrokenOff { .. }) = losses.last() {
+                told.push(format!("{}: {end}", self.name));
+            }
+        }
+        told
+    }
+}

@@ -1,0 +1,308 @@
+//! `iiwasim report` from outside: what is in the page, and files that cannot be shown.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+#[expect(dead_code, reason = "other tests use the rest")]
+#[path = "common/helpers.rs"]
+mod helpers;
+#[path = "common/run.rs"]
+mod run;
+
+use std::{fmt::Write as _, fs};
+
+use iiwa_kin::Robot;
+use iiwa_log::{JointLog, Recording};
+use predicates::{
+    prelude::PredicateBooleanExt,
+    str::{contains, is_empty},
+};
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+
+use helpers::fixture;
+use run::{files, iiwasim};
+
+/// A folder with the plan of a fixture.
+fn plan(name: &str) -> TempDir {
+    let folder = tempdir().unwrap();
+    let program = fixture(name);
+    iiwasim(&folder, &["plan", program.to_str().unwrap(), "-o", "plan.mcap"]).success();
+    folder
+}
+
+/// The page that a file makes.
+fn page(folder: &TempDir, arguments: &[&str]) -> String {
+    let all = [&["report"], arguments, &["-o", "page.html"]].concat();
+    iiwasim(folder, &all).success().stdout(contains("Page in page.html"));
+    fs::read_to_string(folder.path().join("page.html")).unwrap()
+}
+
+fn data(html: &str) -> Value {
+    let (_, rest) = html.split_once(r#"<script id="data" type="application/json">"#).unwrap();
+    let (json, _) = rest.split_once("</script>").unwrap();
+    serde_json::from_str(json).unwrap()
+}
+
+/// Bytes of base64 text.
+fn bytes(text: &Value) -> Vec<u8> {
+    let digit = |c: char| match c {
+        'A'..='Z' => c as u32 - 65,
+        'a'..='z' => c as u32 - 71,
+        '0'..='9' => c as u32 + 4,
+        '+' => 62,
+        _ => 63,
+    };
+    let digits: Vec<u32> =
+        text.as_str().unwrap().trim_end_matches('=').chars().map(digit).collect();
+    let four = |digits: &[u32]| {
+        let bits =
+            digits.iter().fold(0, |bits, digit| bits << 6 | digit) << (6 * (4 - digits.len()));
+        bits.to_be_bytes()[1..digits.len()].to_vec()
+    };
+    digits.chunks(4).flat_map(four).collect()
+}
+
+fn doubles(text: &Value) -> Vec<f64> {
+    bytes(text).chunks(8).map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap())).collect()
+}
+
+fn singles(text: &Value) -> Vec<f64> {
+    bytes(text).chunks(4).map(|b| f64::from(f32::from_le_bytes(b.try_into().unwrap()))).collect()
+}
+
+#[test]
+fn a_page_needs_nothing_but_itself() {
+    let folder = plan("ten-motions.json");
+    let html = page(&folder, &["plan.mcap"]);
+    assert!(html.len() < 6_000_000, "{} bytes", html.len());
+    for outside in ["http:", "https:", "//www", "src=", "@import", "url(", "fetch(", "import("] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    for place in ["/*style.css*/", "/*main.js*/", "<!--data-->", "<!--title-->"] {
+        assert!(!html.contains(place), "{place}");
+    }
+    assert!(html.contains("<title>plan.mcap - iiwasim</title>"));
+    // The same input makes the same page.
+    assert_eq!(page(&folder, &["plan.mcap"]), html);
+    // Without a name, the page is called as the file is.
+    iiwasim(&folder, &["report", "plan.mcap"]).success().stderr(is_empty());
+    assert_eq!(files(&folder), ["page.html", "plan.html", "plan.mcap"]);
+}
+
+#[test]
+fn a_plan_is_in_its_page() {
+    let folder = plan("ten-motions.json");
+    let data = data(&page(&folder, &["plan.mcap"]));
+    let file = Recording::from_bytes(&fs::read(folder.path().join("plan.mcap")).unwrap()).unwrap();
+    let assert = iiwasim(
+        &folder,
+        &["plan", fixture("ten-motions.json").to_str().unwrap(), "--json", "--no-output"],
+    );
+    let figures: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    for key in ["cycle_time_s", "motion_time_s", "timing", "motions", "blends"] {
+        assert_eq!(data["figures"][key], figures[key], "{key}");
+    }
+
+    let arm = &data["arms"][0];
+    assert_eq!((&arm["role"], &arm["file"]), (&"plan".into(), &"plan.mcap".into()));
+    let curves = ["position", "velocity", "acceleration"].map(|name| {
+        assert_eq!(arm[name]["samples_a_column"], 1);
+        (doubles(&arm[name]["t_s"]), singles(&arm[name]["low"]))
+    });
+    // Every node of the file's trajectory is on the curves.
+    for point in &file.trajectory {
+        let t_s = point.time_from_start.as_secs_f64();
+        let values = [&point.positions, &point.velocities, &point.accelerations];
+        for ((times, rows), values) in curves.iter().zip(values) {
+            let at = times.partition_point(|time| *time < t_s - 1e-9);
+            assert!((times[at] - t_s).abs() < 1e-9, "{t_s}");
+            for (found, value) in rows[7 * at..7 * at + 7].iter().zip(values) {
+                assert!((found - value).abs() <= 1e-6 * value.abs().max(1.0), "{t_s}: {found}");
+            }
+        }
+    }
+    // Its joint states lie on the curves, too.
+    let (times, rows) = &curves[0];
+    for state in &file.joint_states {
+        let at = times.partition_point(|time| *time <= state.t_s).clamp(1, times.len() - 1);
+        let share = (state.t_s - times[at - 1]) / (times[at] - times[at - 1]);
+        for (j, q) in state.q.iter().enumerate() {
+            let [a, b] = [at - 1, at].map(|i| rows[7 * i + j]);
+            assert!((a + share.min(1.0) * (b - a) - q).abs() < 5e-4, "{}: {q}", state.t_s);
+        }
+    }
+    // Means of jerk keep its limits, but for what the planner allows itself between nodes.
+    let limits = Robot::default().limits().jerk_rad_s3;
+    for row in singles(&arm["jerk"]["low"]).chunks(7) {
+        for (jerk, limit) in row.iter().zip(limits) {
+            assert!(jerk.abs() < 1.04 * limit, "{jerk} {limit}");
+        }
+    }
+    let kinds = data["pieces"].as_array().unwrap().iter().map(|piece| &piece["kind"]);
+    assert_eq!(kinds.filter(|kind| **kind == "blend").count(), 9);
+    assert_eq!(data["pieces"].as_array().unwrap().len(), file.motions.len());
+    assert_eq!(data["robot"]["urdf"], file.robot_description.unwrap());
+    assert_eq!(data["notes"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn spheres_are_about_their_targets() {
+    let folder = plan("appendix-b.json");
+    let data = data(&page(&folder, &["plan.mcap"]));
+    let corners = data["corners"].as_array().unwrap();
+    assert!(!corners.is_empty());
+    let middles = data["figures"]["blends"].as_array().unwrap();
+    for (corner, blend) in corners.iter().zip(middles) {
+        assert_eq!(corner["motion"], blend["after_motion"]);
+        let Some(radius_m) = corner["radius_m"].as_f64() else { continue };
+        let number = |list: &Value, i: usize| list[i].as_f64().unwrap();
+        let off = |i| number(&corner["target_m"], i) - number(&blend["mid_tcp_m"], i);
+        let away_m = (0..3).map(|i| off(i) * off(i)).sum::<f64>().sqrt();
+        assert!(away_m < radius_m, "{away_m} {radius_m}");
+    }
+}
+
+#[test]
+fn two_files_are_held_against_each_other() {
+    let folder = plan("waits-and-stops.json");
+    let program = fixture("waits-and-stops.json");
+    let other = ["-o", "real.mcap", "--timing", "acceleration", "--blend-shape", "alpha"];
+    let rate = ["--rate", "1000"];
+    iiwasim(&folder, &[&["plan", program.to_str().unwrap()], &other[..], &rate].concat()).success();
+    let assert = iiwasim(&folder, &["compare", "plan.mcap", "real.mcap", "--json"]);
+    let compared: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let data = data(&page(&folder, &["plan.mcap", "real.mcap"]));
+    assert_eq!(data["compared"]["report"], compared);
+    assert_eq!(data["arms"].as_array().unwrap().len(), 2);
+    let most = data["compared"]["tcp_mm"].as_array().unwrap().iter().filter_map(Value::as_f64);
+    let most_mm = most.fold(0.0, f64::max);
+    let max_mm = compared["tcp_deviation"]["max_mm"].as_f64().unwrap();
+    assert!((most_mm - max_mm).abs() < 0.05 * max_mm, "{most_mm} {max_mm}");
+    // The second one begins when the arm leaves its start, not when its file begins.
+    let start_s = data["arms"][1]["start_s"].as_f64().unwrap();
+    let departure_s = compared["departure_s"].as_f64().unwrap();
+    let moves = |piece: &&Value| piece["kind"] == "line" || piece["kind"] == "blend";
+    let pieces = data["pieces"].as_array().unwrap();
+    let leaves_s = pieces.iter().find(moves).unwrap()["start_s"].as_f64().unwrap();
+    assert!((start_s - (leaves_s - departure_s)).abs() < 1e-9);
+}
+
+/// `seconds` at `rate_hz` of a joint that goes to and fro once a second; for one sample it is elsewhere.
+fn csv(seconds: u32, rate_hz: u32) -> String {
+    let mut text = String::from("t_s,q1,q2,q3,q4,q5,q6,q7\n");
+    for k in 0..seconds * rate_hz {
+        let t_s = f64::from(k) / f64::from(rate_hz);
+        let off = if k == 12_345 { 0.01 } else { 0.0 };
+        let q = 0.2 * (t_s * std::f64::consts::TAU).sin() + off;
+        writeln!(text, "{t_s},{q:.9},0.1,0.2,-1,0,0.5,0").unwrap();
+    }
+    text
+}
+
+#[test]
+fn long_recordings_are_thinned_out_and_keep_their_peaks() {
+    let folder = tempdir().unwrap();
+    fs::write(folder.path().join("long.csv"), csv(120, 1000)).unwrap();
+    let assert = iiwasim(&folder, &["report", "long.csv", "-o", "page.html"]).success();
+    assert.stderr(contains("names no robot"));
+    let html = fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(html.len() < 6_000_000, "{} bytes", html.len());
+    let data = data(&html);
+    let arm = &data["arms"][0];
+    assert_eq!((&arm["role"], &arm["samples"]), (&"recording".into(), &120_000.into()));
+    assert_eq!(arm["position"]["samples_a_column"], 15);
+    assert_eq!(data["pieces"].as_array().unwrap().len(), 0);
+    let times = doubles(&arm["position"]["t_s"]);
+    let [low, high] = ["low", "high"].map(|name| singles(&arm["position"][name]));
+    let at = times.partition_point(|t_s| *t_s <= 12.345) - 1;
+    let q = 0.2 * (0.345 * std::f64::consts::TAU).sin() + 0.01;
+    assert!((high[7 * at] - q).abs() < 1e-6, "{}", high[7 * at]);
+    // The velocity is that of the sine, whose amplitude is known.
+    let velocity = singles(&arm["velocity"]["low"]);
+    let peak = velocity.chunks(7).skip(2000).map(|row| row[0].abs()).fold(0.0, f64::max);
+    assert!((peak / (0.2 * std::f64::consts::TAU) - 1.0).abs() < 0.01, "{peak}");
+    assert!(low.iter().chain(&high).all(|q| q.is_finite()));
+}
+
+#[test]
+fn a_file_that_is_cut_off_is_shown_up_to_its_break() {
+    let folder = tempdir().unwrap();
+    // Long enough for several chunks.
+    let program = fixture("waits-and-stops.json");
+    let fast = ["plan", program.to_str().unwrap(), "-o", "plan.mcap", "--rate", "4000"];
+    iiwasim(&folder, &fast).success();
+    let whole = fs::read(folder.path().join("plan.mcap")).unwrap();
+    fs::write(folder.path().join("cut.mcap"), &whole[..whole.len() * 2 / 3]).unwrap();
+    let assert = iiwasim(&folder, &["report", "cut.mcap", "-o", "page.html"]).success();
+    assert.stderr(contains("the file is cut off"));
+    let html = fs::read_to_string(folder.path().join("page.html")).unwrap();
+    let data = data(&html);
+    let notes = data["notes"].to_string();
+    assert!(notes.contains("is lost") && notes.contains("cut off"), "{notes}");
+    let log = JointLog::read(&whole[..whole.len() * 2 / 3]).unwrap();
+    assert_eq!(data["arms"][0]["samples"], log.t_s.len());
+    assert_eq!(data["arms"][0]["end_s"], *log.t_s.last().unwrap());
+    assert_eq!(data["arms"][0]["role"], "recording");
+    assert!(!data["pieces"].as_array().unwrap().is_empty());
+
+    // Held against the whole plan, both are shown, and why there are no errors.
+    let assert = iiwasim(&folder, &["report", "plan.mcap", "cut.mcap", "-o", "both.html"]);
+    assert.success().stderr(contains("not compared").and(contains("cut off")));
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused() {
+    let folder = plan("waits-and-stops.json");
+    let write = |name: &str, content: &[u8]| {
+        fs::write(folder.path().join(name), content).unwrap();
+    };
+    write("empty.mcap", b"");
+    write("text.csv", b"not a table\n");
+    let whole = fs::read(folder.path().join("plan.mcap")).unwrap();
+    write("cut.mcap", &whole[..200]);
+    write("far.csv", b"t_s,q1,q2,q3,q4,q5,q6,q7\n0,0,2.5,0,0,0,0,0\n0.1,0,2.5,0,0,0,0,0\n");
+    let before = files(&folder);
+    for (file, words) in [
+        ("empty.mcap", "the file is empty"),
+        ("text.csv", "neither an MCAP file nor a table"),
+        ("cut.mcap", "cut off"),
+        ("far.csv", "joint 2"),
+        ("none.mcap", "cannot read none.mcap"),
+    ] {
+        for arguments in [vec![file], vec!["plan.mcap", file]] {
+            let all = [&["report"], &arguments[..], &["-o", "x.html"]].concat();
+            let assert = iiwasim(&folder, &all).code(2).stdout(is_empty());
+            let message = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+            let message = message.replace("\n  │ ", " ");
+            assert!(message.contains(words), "{file}: {message}");
+        }
+    }
+    let over = ["report", "plan.mcap", "-o", "plan.mcap"];
+    iiwasim(&folder, &over).code(2).stderr(contains("written over"));
+    assert_eq!(fs::read(folder.path().join("plan.mcap")).unwrap(), whole);
+    assert_eq!(files(&folder), before);
+}
+
+#[test]
+fn a_file_without_joint_states_is_named() {
+    let folder = tempdir().unwrap();
+    let stream = std::io::Cursor::new(Vec::new());
+    let mut writer = iiwa_log::Writer::new(stream, iiwa_log::Config::default()).unwrap();
+    writer.robot_description(std::time::Duration::ZERO, &Robot::default().to_urdf()).unwrap();
+    let file = writer.finish().unwrap().into_inner();
+    fs::write(folder.path().join("described.mcap"), file).unwrap();
+    iiwasim(&folder, &["report", "described.mcap"])
+        .code(2)
+        .stderr(contains("described.mcap").and(contains("no joint positions in the file")));
+}
+
+#[test]
+fn what_files_are_called_is_no_markup() {
+    let folder = tempdir().unwrap();
+    let name = "<script>&x.csv";
+    fs::write(folder.path().join(name), csv(1, 100)).unwrap();
+    let html = page(&folder, &[name]);
+    assert!(html.contains("<title>&lt;script&gt;&amp;x.csv - iiwasim</title>"));
+    assert_eq!(html.matches("<script").count(), 2);
+    assert_eq!(data(&html)["arms"][0]["file"], name);
+}

@@ -1,0 +1,437 @@
+#!/usr/bin/env python3
+"""Opens pages of `iiwasim report` in a browser and uses them as people do.
+
+    check.py IIWASIM FOLDER [--hour]
+
+IIWASIM is the program; pages and screenshots go to FOLDER. With --hour, an hour of a recording at
+1 kHz, too, which takes 300 MB there while it runs. Exit code 1 when a check fails. Needs Chromium and
+what requirements.txt names, next to this file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+import math
+import re
+import subprocess
+import time
+from pathlib import Path
+
+import pypdf
+
+from chromium import Browser
+
+FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
+SCENE = "document.getElementById('scene').toDataURL()"
+CLOCK = "parseFloat(document.getElementById('clock').textContent)"
+# A canvas that was read is drawn in another way from then on, so that it is drawn anew and read again.
+READ = "[...document.querySelectorAll('#charts canvas')].map(it => it.toDataURL()).join()"
+CHARTS = f"(() => {{ {READ}; drawCharts(); return {READ} }})()"
+
+
+class Pages:
+    """The program, and where its pages go."""
+
+    def __init__(self, program: Path, folder: Path) -> None:
+        self.program = program.resolve()
+        self.folder = folder.resolve()
+        self.folder.mkdir(parents=True, exist_ok=True)
+
+    def iiwasim(self, *arguments: str) -> str:
+        done = subprocess.run(
+            [self.program, *arguments], cwd=self.folder, check=True, capture_output=True, text=True
+        )
+        return done.stdout
+
+    def make(self) -> None:
+        for name in ("ten-motions", "appendix-b", "waits-and-stops"):
+            self.iiwasim("plan", str(FIXTURES / f"{name}.json"), "-o", f"{name}.mcap")
+            self.iiwasim("report", f"{name}.mcap")
+        # What stands for the robot: the same program without limits of jerk, and with other blends.
+        program = str(FIXTURES / "appendix-b.json")
+        other = ["--timing", "acceleration", "--blend-shape", "alpha", "--rate", "1000"]
+        self.iiwasim("plan", program, "-o", "measured.mcap", *other)
+        self.iiwasim("report", "appendix-b.mcap", "measured.mcap", "-o", "compared.html")
+        self.iiwasim("report", str(FIXTURES / "data-recorder.log"), "-o", "recorder.html")
+        # A long file, so that there are several chunks, cut off.
+        self.iiwasim("plan", program, "-o", "cut.mcap", "--rate", "4000")
+        cut = self.folder / "cut.mcap"
+        cut.write_bytes(cut.read_bytes()[: cut.stat().st_size // 2])
+        self.iiwasim("report", "cut.mcap")
+
+    def page(self, name: str) -> Path:
+        return self.folder / f"{name}.html"
+
+    def keep(self, browser: Browser, name: str, whole: bool = True) -> None:
+        (self.folder / f"{name}.png").write_bytes(browser.picture(whole))
+
+
+def desk(browser: Browser) -> None:
+    browser.size(1280, 900)
+    browser.scheme("light")
+
+
+def seek(browser: Browser, t: float) -> None:
+    """As people do with the keyboard or a finger: the slider has another value."""
+    script = f"""(() => {{
+        const scrub = document.getElementById("scrub");
+        scrub.value = {t};
+        scrub.dispatchEvent(new Event("input", {{ bubbles: true }}));
+    }})()"""
+    browser.run(script)
+    browser.frames()
+
+
+def speed(browser: Browser, factor: float) -> None:
+    script = f"""(() => {{
+        const speed = document.getElementById("speed");
+        speed.value = "{factor:g}";
+        speed.dispatchEvent(new Event("change", {{ bubbles: true }}));
+    }})()"""
+    browser.run(script)
+
+
+def opens_and_is_drawn(browser: Browser, pages: Pages) -> str:
+    desk(browser)
+    sizes = {}
+    for page in sorted(pages.folder.glob("*.html")):
+        browser.open(page)
+        ms = int(browser.run("document.documentElement.dataset.drawnMs"))
+        # Others may use the machine, too: the least of three counts.
+        for _ in range(2):
+            if ms >= 2000:
+                browser.open(page)
+                ms = min(ms, int(browser.run("document.documentElement.dataset.drawnMs")))
+        assert ms < 2000, f"{page.name}: drawn after {ms} ms"
+        assert browser.requests[-1].startswith("file:"), browser.requests
+        others = [url for url in browser.requests if not url.startswith(("file:", "about:", "data:"))]
+        assert not others, others
+        sizes[page.stem] = (page.stat().st_size, ms)
+    size, ms = sizes["ten-motions"]
+    assert size < 6_000_000, size
+    return f"page of ten motions {size / 1e6:.2f} MB, drawn in {ms} ms without a graphics card"
+
+
+def arm_moves(browser: Browser, pages: Pages) -> None:
+    desk(browser)
+    browser.open(pages.page("ten-motions"))
+    pictures = set()
+    for i, t in enumerate((0.0, 1.5, 3.0, 4.5, 6.0)):
+        seek(browser, t)
+        assert abs(browser.run(CLOCK) - t) < 1e-3
+        pictures.add(browser.run(SCENE))
+        pages.keep(browser, f"ten-motions-at-{i}", whole=False)
+    assert len(pictures) == 5, "the arm looks the same at different times"
+    # There is an arm: its orange is in the middle of the view.
+    script = """(() => {
+        const scene = document.getElementById("scene");
+        const flat = document.createElement("canvas");
+        [flat.width, flat.height] = [scene.width, scene.height];
+        const context = flat.getContext("2d");
+        context.drawImage(scene, 0, 0);
+        const { data } = context.getImageData(0, 0, flat.width, flat.height);
+        let orange = 0, blue = 0;
+        for (let i = 0; i < data.length; i += 4) {
+            const [r, g, b] = data.slice(i, i + 3);
+            if (r > 150 && r > 1.6 * g && r > 3 * b) orange++;
+            if (b > 120 && b > 1.3 * g && r < 60) blue++;
+        }
+        return [orange, blue];
+    })()"""
+    orange, blue = browser.run(script)
+    assert orange > 500 and blue > 200, (orange, blue)
+
+
+def flange_is_where_the_robot_model_has_it(browser: Browser, pages: Pages) -> None:
+    browser.open(pages.page("ten-motions"))
+    for t in (0.0, 0.777, 2.5, 5.1, 7.0):
+        joints = browser.run(f"jointsAt(report.arms[0], {t})")
+        text = ",".join(repr(q) for q in joints)
+        told = json.loads(pages.iiwasim("fk", f"--joints-rad={text}", "--json"))
+        found = browser.run(f"flangeAt({json.dumps(joints)})")
+        off = math.dist(told["position_m"], found)
+        assert off < 1e-6, f"{off} m at {t} s"
+        seek(browser, t)
+        shown = browser.run("[...document.querySelectorAll('#flange td')].slice(1).map(it => +it.textContent)")
+        assert math.dist([1e3 * v for v in told["position_m"]], shown) < 0.1, shown
+
+
+def buttons_do_what_they_say(browser: Browser, pages: Pages) -> None:
+    desk(browser)
+    browser.open(pages.page("ten-motions"))
+    assert browser.run(CLOCK) == 0
+    before = browser.run(SCENE)
+    browser.click("#play")
+    assert browser.run("document.getElementById('play').textContent") == "Pause"
+    browser.until(f"{CLOCK} > 0.3")
+    browser.click("#play")
+    paused = browser.run(CLOCK)
+    assert browser.run("document.getElementById('play').textContent") == "Play"
+    time.sleep(0.3)
+    browser.frames()
+    assert browser.run(CLOCK) == paused, "the time goes on after a pause"
+    assert browser.run(SCENE) != before
+
+    def pace(factor: float) -> float:
+        """Seconds of the page for each second."""
+        seek(browser, 0)
+        speed(browser, factor)
+        # Frames may be few and far between; what counts is the time between two of them.
+        script = f"""(async () => {{
+            document.getElementById("play").click();
+            const frame = () => new Promise(done => requestAnimationFrame(done));
+            for (let i = 0; i < 3; i++) await frame();
+            const [from, t] = [await frame(), state.time];
+            let to = from;
+            while (to - from < 1500) to = await frame();
+            const passed = state.time - t;
+            document.getElementById("play").click();
+            return passed / ((to - from) / 1000);
+        }})()"""
+        return float(browser.run(script))
+
+    for factor in (0.25, 1, 2):
+        found = pace(factor)
+        assert 0.6 * factor < found < 1.4 * factor, f"{found} at a speed of {factor}"
+
+    # To its end, and again from its start.
+    speed(browser, 10)
+    seek(browser, 7.0)
+    browser.click("#play")
+    browser.until("!state.playing")
+    assert abs(browser.run(CLOCK) - browser.run("report.arms[0].end_s")) < 2e-3
+    browser.click("#play")
+    browser.until(f"{CLOCK} < 5")
+    browser.until("!state.playing")
+
+    box = browser.box("#scrub")
+    browser.press(box["x"] + 0.75 * box["width"], box["y"] + box["height"] / 2)
+    share = browser.run("state.time / report.arms[0].end_s")
+    assert 0.7 < share < 0.8, share
+
+
+def timeline_and_table_are_linked(browser: Browser, pages: Pages) -> None:
+    desk(browser)
+    browser.open(pages.page("waits-and-stops"))
+    rows = browser.run("document.querySelectorAll('#table tbody tr').length")
+    assert rows == browser.run("report.figures.motions.length") == 8
+    before = browser.run(SCENE)
+    box = browser.box("#timeline")
+    browser.press(box["x"] + 0.6 * box["width"], box["y"] + 15)
+    t = browser.run("state.time")
+    share = t / browser.run("report.arms[0].end_s")
+    assert 0.5 < share < 0.65, share
+    current = browser.run("document.querySelector('#table tr.current td').textContent")
+    assert browser.run(f"String(pieceAt({t}).motion)") == current
+    assert browser.run(SCENE) != before
+    browser.click("#table tbody tr:nth-child(2) td")
+    assert abs(browser.run("state.time - report.figures.motions[1].start_s")) < 1e-9
+    # A curve takes the time along, as the timeline does.
+    box = browser.box("#charts canvas")
+    y = box["y"] + box["height"] / 2
+    browser.drag([(box["x"] + 100, y), (box["x"] + 200, y), (box["x"] + 400, y)])
+    share = browser.run("state.time / report.arms[0].end_s")
+    assert abs(share - (400 - 52) / (box["width"] - 60)) < 0.01, share
+
+
+def curves_can_be_chosen(browser: Browser, pages: Pages) -> None:
+    desk(browser)
+    browser.open(pages.page("ten-motions"))
+    assert browser.run("document.querySelectorAll('#charts canvas').length") == 4
+    seen = {browser.run(CHARTS)}
+    for selector in ("#chips label:nth-child(1)", "#units", "#in"):
+        browser.click(selector)
+        seen.add(browser.run(CHARTS))
+    assert len(seen) == 4, "a button changes nothing"
+    assert browser.run("document.querySelector('#charts h3').textContent") == "Position, deg"
+    span = browser.run("state.window.to - state.window.from")
+    browser.click("#out")
+    assert browser.run("state.window.to - state.window.from") > 1.9 * span
+    browser.click("#in")
+    browser.click("#whole")
+    for selector in ("#units", "#chips label:nth-child(1)"):
+        browser.click(selector)
+    assert browser.run(CHARTS) in seen, "what was changed back looks otherwise"
+
+
+def view_can_be_turned(browser: Browser, pages: Pages) -> None:
+    desk(browser)
+    browser.open(pages.page("appendix-b"))
+    before = browser.run(SCENE)
+    box = browser.box("#scene")
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    browser.drag([(x, y), (x + 60, y + 10), (x + 120, y + 30)])
+    assert browser.run(SCENE) != before
+    browser.click("#look")
+    assert browser.run(SCENE) == before
+    browser.run("document.getElementById('scene').focus()")
+    for kind in ("keyDown", "keyUp"):
+        browser.call("Input.dispatchKeyEvent", type=kind, key="ArrowLeft", code="ArrowLeft")
+    browser.frames()
+    assert browser.run(SCENE) != before
+
+
+def schemes_and_phones(browser: Browser, pages: Pages) -> None:
+    names = ("ten-motions", "appendix-b", "waits-and-stops", "compared", "recorder", "cut")
+    for name in names:
+        looks = []
+        for scheme in ("light", "dark"):
+            browser.size(1280, 900)
+            browser.scheme(scheme)
+            browser.open(pages.page(name), "#t=1.3")
+            pages.keep(browser, f"{name}-{scheme}")
+            ground = browser.run("getComputedStyle(document.documentElement).backgroundColor")
+            looks.append((ground, browser.run(SCENE), browser.run(CHARTS)))
+            browser.size(390, 844, phone=True)
+            browser.frames()
+            width = browser.run("document.documentElement.scrollWidth")
+            assert width <= 390, f"{name}: {width} px wide on a phone"
+            # Fingers need room.
+            script = "[...document.querySelectorAll('button, select, #chips label')].map(it => it.getBoundingClientRect().height)"
+            assert min(h for h in browser.run(script) if h > 0) >= 32, name
+            pages.keep(browser, f"{name}-{scheme}-phone")
+        assert all(a != b for a, b in zip(*looks)), f"{name}: light and dark look the same"
+    # It changes while the page is open, too.
+    desk(browser)
+    browser.open(pages.page("appendix-b"))
+    before = browser.run(CHARTS)
+    browser.scheme("dark")
+    browser.frames()
+    assert browser.run(CHARTS) != before
+    browser.scheme("light")
+
+
+def paper_has_the_tables(browser: Browser, pages: Pages) -> None:
+    for scheme in ("light", "dark"):
+        browser.size(1280, 900)
+        browser.scheme(scheme)
+        browser.open(pages.page("compared"), "#t=1.3")
+        before = browser.run(CHARTS)
+        pdf = browser.pdf()
+        (pages.folder / f"compared-{scheme}.pdf").write_bytes(pdf)
+        reader = pypdf.PdfReader(io.BytesIO(pdf))
+        text = re.sub(r"\s+", " ", " ".join(page.extract_text() for page in reader.pages))
+        figures = browser.run("report.figures")
+        words = ["Motions", "Plan against recording", "limited by", "A1", "A7"]
+        words += [f"{motion['end_s']:.3f}" for motion in figures["motions"]]
+        words += [f"{figures['cycle_time_s']:.3f} s", "8.688"]
+        for word in words:
+            assert word in text, f"{word} is not printed: {text}"
+        assert len(reader.pages) <= 4, len(reader.pages)
+        # The 3D view is a picture; curves may be drawn as lines.
+        images = sum(
+            found.get_object()["/Subtype"] == "/Image"
+            for page in reader.pages
+            for found in page["/Resources"].get("/XObject", {}).values()
+        )
+        assert images >= 1, "no picture on paper"
+        browser.frames()
+        assert browser.run(CHARTS) == before, "the page looks otherwise after it was printed"
+    # What is printed of the 3D view is not empty.
+    browser.run("window.dispatchEvent(new Event('beforeprint'))")
+    assert browser.run(
+        """(() => {
+        const { width, height } = document.getElementById("paper");
+        const { data } = document.getElementById("paper").getContext("2d").getImageData(0, 0, width, height);
+        return new Set(new Uint32Array(data.buffer)).size;
+    })()"""
+    ) > 100
+    browser.run("window.dispatchEvent(new Event('afterprint'))")
+    browser.scheme("light")
+
+
+def two_files_and_damaged_ones(browser: Browser, pages: Pages) -> None:
+    desk(browser)
+    browser.open(pages.page("compared"), "#t=6.1")
+    assert browser.run("document.querySelectorAll('#flange tr').length") == 2
+    assert browser.run("document.querySelectorAll('#deviations canvas').length") == 2
+    assert "off by" in browser.run("document.getElementById('figures').textContent")
+    browser.open(pages.page("cut"))
+    notes = browser.run("document.getElementById('notes').textContent")
+    assert "cut off" in notes and "is lost" in notes, notes
+    browser.open(pages.page("recorder"))
+    assert browser.run("document.getElementById('motions').hidden")
+    assert "Recording" in browser.run("document.getElementById('summary').textContent")
+
+
+def an_hour(browser: Browser, pages: Pages) -> str:
+    file = pages.folder / "hour.csv"
+    with file.open("w") as table:
+        table.write("t_s,q1,q2,q3,q4,q5,q6,q7\n")
+        for k in range(3_600_000):
+            q = math.sin(k / 1000)
+            # A peak of one sample on top of the sine: it must not get lost.
+            off = 0.05 if k == 1_233_075 else 0
+            table.write(f"{k / 1000},{q:.6f},{0.3 * q + off:.6f},0,{0.5 * q - 1.2:.6f},0,{0.5 * q:.6f},0\n")
+    begin = time.monotonic()
+    pages.iiwasim("report", "hour.csv")
+    made_s = time.monotonic() - begin
+    file.unlink()
+    page = pages.page("hour")
+    desk(browser)
+    browser.open(page, "#t=1234")
+    ms = int(browser.run("document.documentElement.dataset.drawnMs"))
+    assert ms < 5000, f"an hour is drawn after {ms} ms"
+    # The peak is where it was.
+    high = browser.run(
+        "(() => { const { t_s, high } = report.arms[0].position;"
+        " return high[7 * (countUpTo(t_s, 1233.075) - 1) + 1] })()"
+    )
+    assert abs(high - (0.3 * math.sin(1233.075) + 0.05)) < 1e-5, high
+    browser.click("#play")
+    browser.until("state.time > 1234.2")
+    browser.click("#play")
+    pages.keep(browser, "hour-light")
+    size = page.stat().st_size
+    return f"page of an hour at 1 kHz {size / 1e6:.1f} MB, made in {made_s:.1f} s, drawn in {ms} ms"
+
+
+CHECKS = [
+    opens_and_is_drawn,
+    arm_moves,
+    flange_is_where_the_robot_model_has_it,
+    buttons_do_what_they_say,
+    timeline_and_table_are_linked,
+    curves_can_be_chosen,
+    view_can_be_turned,
+    schemes_and_phones,
+    paper_has_the_tables,
+    two_files_and_damaged_ones,
+]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("program", type=Path)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--hour", action="store_true")
+    options = parser.parse_args()
+    pages = Pages(options.program, options.folder)
+    pages.make()
+    checks = CHECKS + [an_hour] * options.hour
+    failed = 0
+    figures = []
+    browser = Browser()
+    try:
+        for check in checks:
+            browser.complaints.clear()
+            try:
+                figure = check(browser, pages)
+                assert not browser.complaints, browser.complaints
+                if figure:
+                    figures.append(figure)
+                print(f"ok      {check.__name__}", flush=True)
+            except AssertionError as error:
+                failed += 1
+                print(f"FAILED  {check.__name__}: {error}", flush=True)
+    finally:
+        browser.close()
+    print("\n".join(figures))
+    print(f"browser: {len(checks) - failed} checks passed, {failed} failed")
+    raise SystemExit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,214 @@
+"""A browser without a window, driven over the DevTools protocol."""
+
+from __future__ import annotations
+
+import base64
+import json
+import shutil
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+import websocket
+
+
+class Browser:
+    """Chromium with one page, as the system has it. `complaints` is what it wrote to its console as an
+    error or a warning, and what its scripts threw."""
+
+    def __init__(self) -> None:
+        program = shutil.which("chromium") or shutil.which("chromium-browser")
+        if program is None:
+            raise SystemExit("chromium is not installed: apt-get install chromium")
+        self.folder = tempfile.mkdtemp(prefix="iiwasim-browser-")
+        self.process = subprocess.Popen(
+            [
+                program,
+                "--headless=new",
+                # In a container there is neither a sandbox nor a graphics card.
+                "--no-sandbox",
+                "--use-angle=swiftshader",
+                "--enable-unsafe-swiftshader",
+                "--hide-scrollbars",
+                "--remote-debugging-port=0",
+                "--remote-allow-origins=*",
+                f"--user-data-dir={self.folder}",
+                "about:blank",
+            ],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        self.count = 0
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        self.events: list[dict] = []
+        port, path = self._address()
+        self.socket = websocket.create_connection(f"ws://127.0.0.1:{port}{path}", timeout=180)
+        self.session = None
+        target = self.call("Target.getTargets")["targetInfos"]
+        page = next(info["targetId"] for info in target if info["type"] == "page")
+        attached = self.call("Target.attachToTarget", targetId=page, flatten=True)
+        self.session = attached["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(f"{domain}.enable")
+
+    def _address(self) -> tuple[str, str]:
+        file = Path(self.folder, "DevToolsActivePort")
+        until = time.monotonic() + 60
+        while time.monotonic() < until:
+            if file.exists() and len(lines := file.read_text().split("\n")) >= 2:
+                return lines[0], lines[1]
+            if self.process.poll() is not None:
+                raise SystemExit(f"chromium ended with {self.process.returncode}")
+            time.sleep(0.05)
+        raise SystemExit("chromium did not start within 60 s")
+
+    def close(self) -> None:
+        """Ends the browser."""
+        self.socket.close()
+        self.process.terminate()
+        try:
+            self.process.wait(20)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def call(self, method: str, **parameters: object) -> dict:
+        """Asks for something and waits for the answer."""
+        self.count += 1
+        number = self.count
+        message = {"id": number, "method": method, "params": parameters}
+        if self.session is not None:
+            message["sessionId"] = self.session
+        self.socket.send(json.dumps(message))
+        while True:
+            answer = json.loads(self.socket.recv())
+            if answer.get("id") == number:
+                if "error" in answer:
+                    raise AssertionError(f"{method}: {answer['error']}")
+                return answer["result"]
+            self._event(answer)
+
+    def _event(self, event: dict) -> None:
+        method, parameters = event.get("method"), event.get("params", {})
+        if method == "Runtime.exceptionThrown":
+            details = parameters["exceptionDetails"]
+            thrown = details.get("exception", {}).get("description", details["text"])
+            self.complaints.append(f"exception: {thrown}")
+        elif method == "Runtime.consoleAPICalled" and parameters["type"] in ("error", "warning"):
+            words = [str(it.get("value", it.get("description"))) for it in parameters["args"]]
+            self.complaints.append(f"{parameters['type']}: {' '.join(words)}")
+        elif method == "Log.entryAdded" and parameters["entry"]["level"] in ("error", "warning"):
+            entry = parameters["entry"]
+            # A driver without a graphics card tells that it was asked for pixels.
+            if "GPU stall due to ReadPixels" not in entry["text"]:
+                self.complaints.append(f"{entry['level']}: {entry['text']}")
+        elif method == "Network.requestWillBeSent":
+            self.requests.append(parameters["request"]["url"])
+        self.events.append(event)
+
+    def run(self, script: str) -> object:
+        """The value of a script in the page; a promise is waited for."""
+        answer = self.call(
+            "Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True
+        )
+        if "exceptionDetails" in answer:
+            raise AssertionError(f"{script}: {answer['exceptionDetails']}")
+        return answer["result"].get("value")
+
+    def open(self, file: Path, fragment: str = "") -> None:
+        """Opens a file and waits until it is loaded and drawn."""
+        self.events.clear()
+        self.requests.clear()
+        self.call("Page.navigate", url="about:blank")
+        self.call("Page.navigate", url=file.resolve().as_uri() + fragment)
+        self.until("document.readyState === 'complete' && document.documentElement.dataset.drawnMs > ''")
+        self.frames()
+
+    def frames(self) -> None:
+        """Waits until what was asked for is on the screen."""
+        self.run(
+            "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"
+        )
+
+    def until(self, script: str, seconds: float = 120) -> None:
+        """Waits until a script says yes."""
+        until = time.monotonic() + seconds
+        while not self.run(script):
+            if time.monotonic() > until:
+                raise AssertionError(f"not within {seconds} s: {script}")
+            time.sleep(0.03)
+
+    def size(self, width: int, height: int, ratio: float = 1, phone: bool = False) -> None:
+        """Makes the screen of so many CSS px."""
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=ratio,
+            mobile=phone,
+        )
+
+    def scheme(self, name: str) -> None:
+        """Light or dark."""
+        features = [{"name": "prefers-color-scheme", "value": name}]
+        self.call("Emulation.setEmulatedMedia", features=features)
+        self.frames()
+
+    def picture(self, whole: bool = False) -> bytes:
+        """A PNG of the screen, or of the whole page."""
+        clip = {}
+        if whole:
+            content = self.call("Page.getLayoutMetrics")["cssContentSize"]
+            clip = {"clip": {**content, "scale": 1}}
+        answer = self.call(
+            "Page.captureScreenshot", format="png", captureBeyondViewport=whole, **clip
+        )
+        return base64.b64decode(answer["data"])
+
+    def pdf(self) -> bytes:
+        """The page as it is printed on A4."""
+        answer = self.call(
+            "Page.printToPDF", printBackground=True, preferCSSPageSize=True, paperWidth=8.27, paperHeight=11.69
+        )
+        return base64.b64decode(answer["data"])
+
+    def click(self, selector: str) -> None:
+        """Presses the mouse in the middle of an element."""
+        box = self.box(selector)
+        self.press(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+
+    def box(self, selector: str) -> dict:
+        """Where an element is, after it was brought into view."""
+        find = f"document.querySelector({json.dumps(selector)})"
+        self.run(f"{find}.scrollIntoView({{ block: 'center' }})")
+        # The mouse meets what is on the screen.
+        self.frames()
+        script = f"""(() => {{
+            const found = {find};
+            const {{ x, y, width, height }} = found.getBoundingClientRect();
+            return {{ x, y, width, height }};
+        }})()"""
+        box = self.run(script)
+        assert isinstance(box, dict) and box["width"] > 0 and box["height"] > 0, selector
+        return box
+
+    def press(self, x: float, y: float) -> None:
+        """Presses the mouse at a place."""
+        self.drag([(x, y)])
+
+    def drag(self, places: list[tuple[float, float]]) -> None:
+        """Presses the mouse, moves it and lets go."""
+        for i, (x, y) in enumerate(places):
+            kind = "mousePressed" if i == 0 else "mouseMoved"
+            self._mouse(kind, x, y, 1)
+        self._mouse("mouseReleased", *places[-1], 0)
+        self.frames()
+
+    def _mouse(self, kind: str, x: float, y: float, buttons: int) -> None:
+        self.call(
+            "Input.dispatchMouseEvent",
+            type=kind, x=x, y=y, button="left", buttons=buttons, clickCount=1,
+        )
