@@ -13,6 +13,7 @@ mod figures;
 mod input;
 mod log;
 mod output;
+mod page;
 mod picture;
 mod progress;
 mod report;

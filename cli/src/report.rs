@@ -8,7 +8,6 @@ mod curve;
 mod data;
 mod html;
 mod measured;
-mod packed;
 mod planned;
 mod source;
 

@@ -13,10 +13,11 @@ use crate::{
     commands::compare,
     failure::{Failure, chain},
     input,
+    page::Poses,
 };
 
 use super::{
-    curve::{Curve, Poses},
+    curve::Curve,
     measured::Measured,
     planned::Planned,
     source::{Piece, Source},

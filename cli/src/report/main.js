@@ -1,15 +1,5 @@
 // The page: what is shown when, and what its buttons do.
 
-const $ = (id) => document.getElementById(id);
-
-/** An element with a text, and of a class. */
-function element(tag, text = "", kind = "") {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  if (kind) made.className = kind;
-  return made;
-}
-
 const [first, second] = report.arms;
 const isPlan = first.role === "plan";
 /** At first the page shows the plan, or everything there is. */
@@ -24,12 +14,6 @@ const state = {
 };
 
 // ---- the head of the page
-
-function figure(list, name, text) {
-  const group = element("div");
-  group.append(element("dt", name), element("dd", text));
-  list.append(group);
-}
 
 function writeHead() {
   const { figures } = report;
@@ -64,21 +48,6 @@ function writeHead() {
     + (assumed.length ? ` Assumed, not from a source: ${assumed.join("; ")}.` : "");
 }
 
-// ---- colours
-
-/** The page's colours: as CSS has them for canvases, or as three numbers for the 3D view. */
-function theme() {
-  const style = getComputedStyle(document.documentElement);
-  const css = (name) => style.getPropertyValue(`--${name}`).trim();
-  const names = ["paper", "ground", "ink", "soft", "rule", "accent", "line", "blend", "settle", "wait", "measured", "beyond"];
-  const flat = Object.fromEntries(names.map((name) => [name, css(name)]));
-  flat.joints = Array.from({ length: 7 }, (_, j) => css(`a${j + 1}`));
-  const solid = Object.fromEntries(names.filter((name) => flat[name].startsWith("#"))
-    .map((name) => [name, [1, 3, 5].map((i) => parseInt(flat[name].slice(i, i + 2), 16) / 255)]));
-  solid.shadow = Number(css("shadow"));
-  return { flat, solid };
-}
-
 // ---- the 3D view
 
 /** What is drawn of the ways: the plan's by its pieces, the recording's beside it. */
@@ -98,7 +67,8 @@ function ways() {
 
 let scene = null;
 try {
-  scene = makeScene($("scene"), ways(), report.corners);
+  scene = makeScene($("scene"));
+  scene?.fill({ ways: ways(), corners: report.corners });
 } catch (error) {
   console.warn(error);
 }
@@ -108,18 +78,8 @@ if (!scene) {
 
 function drawScene() {
   if (!scene) return;
-  const arms = report.arms.map((arm, i) => ({ q: jointsAt(arm, state.time), ghost: Boolean(second) && i === 0 }));
+  const arms = report.arms.map((arm, i) => ({ q: jointsAt(arm, state.time), ghost: second && i === 0 ? "accent" : null }));
   scene.show(arms);
-}
-
-function legend(target, entries) {
-  target.replaceChildren(...entries.map(([colour, text]) => {
-    const entry = element("span");
-    const swatch = element("i", "", "swatch");
-    swatch.style.background = `var(--${colour})`;
-    entry.append(swatch, text);
-    return entry;
-  }));
 }
 
 function writeLegends() {
@@ -426,40 +386,7 @@ function listen() {
   }
 
   if (scene) {
-    const canvas = $("scene");
-    const fingers = new Map();
-    const apart = () => {
-      const [a, b] = [...fingers.values()];
-      return Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
-    };
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      fingers.set(event.pointerId, event);
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      const before = fingers.get(event.pointerId);
-      if (!before) return;
-      const spread = fingers.size === 2 ? apart() : 0;
-      fingers.set(event.pointerId, event);
-      if (fingers.size === 2) scene.turn(0, 0, apart() / Math.max(spread, 1));
-      else scene.turn((before.clientX - event.clientX) / 160, (event.clientY - before.clientY) / 160);
-      update();
-    });
-    for (const end of ["pointerup", "pointercancel"]) {
-      canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
-    }
-    canvas.addEventListener("wheel", (event) => {
-      event.preventDefault();
-      scene.turn(0, 0, Math.exp(-event.deltaY / 600));
-      update();
-    }, { passive: false });
-    canvas.addEventListener("keydown", (event) => {
-      const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1], "+": [0, 0, 1.15], "-": [0, 0, 1 / 1.15] };
-      if (!turns[event.key]) return;
-      event.preventDefault();
-      scene.turn(...turns[event.key]);
-      update();
-    });
+    makeTurnable($("scene"), scene, update);
     $("look").addEventListener("click", () => { scene.reset(); update(); });
   } else {
     $("look")?.remove();

@@ -30,7 +30,7 @@ function transformed(m, [x, y, z], w = 1) {
 }
 
 const model = (() => {
-  const xml = new DOMParser().parseFromString(report.robot.urdf, "application/xml");
+  const xml = new DOMParser().parseFromString(robot.urdf, "application/xml");
   const numbers = (element, name) => {
     const text = element && element.getAttribute(name);
     return text ? text.trim().split(/\s+/).map(Number) : [0, 0, 0];
@@ -141,4 +141,41 @@ function cylinder(radius, length) {
   }
   profile.push([0, half, 0, 1]);
   return turned(profile);
+}
+
+/** A box about its middle, with its edges. */
+function cuboid(size) {
+  const half = size.map((v) => v / 2);
+  const made = { positions: [], normals: [], edges: [] };
+  const at = (axis, side, u, v) => {
+    const place = [0, 0, 0];
+    place[axis] = side * half[axis];
+    place[(axis + 1) % 3] = u * half[(axis + 1) % 3];
+    place[(axis + 2) % 3] = v * half[(axis + 2) % 3];
+    return place;
+  };
+  for (let axis = 0; axis < 3; axis++) {
+    for (const side of [-1, 1]) {
+      const normal = [0, 0, 0];
+      normal[axis] = side;
+      for (const [u, v] of [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]]) {
+        made.positions.push(at(axis, side, u, v));
+        made.normals.push(normal);
+      }
+      made.edges.push([at(axis, -1, side, -1), at(axis, 1, side, -1)], [at(axis, -1, side, 1), at(axis, 1, side, 1)]);
+    }
+  }
+  return made;
+}
+
+/** A part of a plane, square to z: it goes on, so that the view need not take it in. */
+function sheet(size) {
+  const h = size / 2;
+  const [a, b, c, d] = [[-h, -h, 0], [h, -h, 0], [h, h, 0], [-h, h, 0]];
+  return {
+    positions: [a, b, c, a, c, d],
+    normals: Array(6).fill([0, 0, 1]),
+    edges: [[a, b], [b, c], [c, d], [d, a]],
+    endless: true,
+  };
 }

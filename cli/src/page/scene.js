@@ -57,8 +57,8 @@ precision mediump float;
 varying vec4 vColour;
 void main() { gl_FragColor = vec4(vColour.rgb * vColour.a, vColour.a); }`;
 
-/** The view in a canvas; none without WebGL. `paths` is what is drawn of the way of the flange. */
-function makeScene(canvas, paths, corners) {
+/** The view in a canvas; none without WebGL. */
+function makeScene(canvas) {
   const gl = canvas.getContext("webgl", { antialias: true, stencil: true, preserveDrawingBuffer: true });
   if (!gl) return null;
 
@@ -89,6 +89,7 @@ function makeScene(canvas, paths, corners) {
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(floats), gl.STATIC_DRAW);
     return mesh;
   };
+  const discard = (mesh) => gl.deleteBuffer(mesh.buffer);
   const SOLID = [["position", 3], ["normal", 3], ["colour", 3]];
   const solid = (parts) => {
     const floats = [];
@@ -129,24 +130,37 @@ function makeScene(canvas, paths, corners) {
   }))));
   const ball = solid([{ shape: sphere(1), origin: still, colour: [1, 1, 1] }]);
 
-  // The view takes in the foot, the arm's height and all of the way.
-  const box = [[-0.2, -0.2, 0], [0.2, 0.2, 0.75]];
-  for (const { places } of paths) {
-    for (const place of places) {
+  /** What stands beside the arm: ways of the flange, blended targets, obstacles. */
+  let contents = { ways: [], corners: [], obstacles: [] };
+  let middle = [0, 0, 0];
+  let reach = 1;
+
+  /** The view takes in the foot, the arm's height, all of the way, and what is near of the obstacles. */
+  function aim() {
+    const NEAR_M = 1;
+    const box = [[-0.2, -0.2, 0], [0.2, 0.2, 0.75]];
+    const take = (place) => {
       for (let i = 0; i < 3; i++) {
         box[0][i] = Math.min(box[0][i], place[i]);
         box[1][i] = Math.max(box[1][i], place[i]);
       }
+    };
+    for (const { places } of contents.ways) places.forEach(take);
+    for (const { shape, origin } of contents.obstacles) {
+      if (shape.endless) continue;
+      for (const corner of shape.positions) take(transformed(origin, corner).map((v) => Math.min(Math.max(v, -NEAR_M), NEAR_M)));
     }
+    middle = [0, 1, 2].map((i) => (box[0][i] + box[1][i]) / 2);
+    reach = Math.hypot(...box[1].map((v, i) => v - box[0][i])) / 2;
   }
-  const middle = [0, 1, 2].map((i) => (box[0][i] + box[1][i]) / 2);
-  const reach = Math.hypot(...box[1].map((v, i) => v - box[0][i])) / 2;
+
   const beginning = { azimuth: -0.9, height: 0.42, distance: 1 };
   const view = { ...beginning };
 
-  let theme = {};
+  let theme = null;
   let ground;
   let ways = [];
+  let obstacles = [];
 
   /** Takes the colours of the page: arrays of three. */
   function paint(colours) {
@@ -157,10 +171,29 @@ function makeScene(canvas, paths, corners) {
       const rule = [...theme.rule, i % 5 === 0 ? 1 : 0.55];
       grid.push([[i / 10, -half, 0], [i / 10, half, 0], rule], [[-half, i / 10, 0], [half, i / 10, 0], rule]);
     }
+    if (ground) discard(ground);
     ground = strip(grid);
-    ways = paths.map(({ places, kinds, width }) => ({
+    build();
+  }
+
+  /** Takes other contents. */
+  function fill(changed) {
+    contents = { ...contents, ...changed };
+    aim();
+    if (theme) build();
+  }
+
+  function build() {
+    for (const { mesh } of ways) discard(mesh);
+    for (const { mesh, edges } of obstacles) [mesh, edges].forEach(discard);
+    ways = contents.ways.map(({ places, kinds, width }) => ({
       width,
       mesh: strip(places.slice(1).map((to, i) => [places[i], to, [...theme[kinds[i + 1]], 1]])),
+    }));
+    obstacles = contents.obstacles.map(({ shape, origin }) => ({
+      mesh: solid([{ shape, origin, colour: theme.soft }]),
+      edges: strip(shape.edges.map((ends) => [...ends.map((end) => transformed(origin, end)), [...theme.soft, 0.9]])),
+      alpha: shape.endless ? 0.16 : 0.3,
     }));
   }
 
@@ -209,8 +242,9 @@ function makeScene(canvas, paths, corners) {
   // Along the key light on to the ground.
   const SHADOW = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, -0.55 / 0.9, 0.45 / 0.9, 0, 0, 0, 0, 0.0005, 1]);
 
-  /** Draws arms, a list of joint positions and whether each is a ghost. */
-  function show(arms) {
+  /** Draws arms: joint positions, and the colour of those that are ghosts. `gap` is a line from the arm to
+      what is nearest. */
+  function show(arms, gap) {
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
     const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
     const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
@@ -254,17 +288,32 @@ function makeScene(canvas, paths, corners) {
     for (const way of ways) drawLines(way.mesh, way.width);
 
     gl.useProgram(solids);
-    for (const corner of corners) {
+    for (const corner of contents.corners) {
       look(theme.blend, 1, 1);
       beadAt(corner.target_m, 0.008);
     }
     look(theme.ink, 1, 1);
     for (const { poses, ghost } of all) if (!ghost) beadAt(poses[poses.length - 1].slice(12, 15), 0.012);
+    if (gap) {
+      const mesh = strip([[...gap, [...theme.blend, 1]]]);
+      drawLines(mesh, 3);
+      discard(mesh);
+      gl.useProgram(solids);
+      look(theme.blend, 1, 1);
+      for (const end of gap) beadAt(end, 0.01);
+    }
 
-    // What is seen through comes last: spheres, and of a ghost only what is nearest.
+    // What is seen through comes last: obstacles, spheres, and of a ghost only what is nearest.
     gl.depthMask(false);
+    place(still);
+    for (const { mesh, alpha } of obstacles) {
+      look(theme.soft, 0, alpha);
+      draw(mesh);
+    }
+    for (const { edges } of obstacles) drawLines(edges, 1.5);
+    gl.useProgram(solids);
     look(theme.blend, 1, 0.2);
-    for (const corner of corners) if (corner.radius_m) beadAt(corner.target_m, corner.radius_m);
+    for (const corner of contents.corners) if (corner.radius_m) beadAt(corner.target_m, corner.radius_m);
     gl.depthMask(true);
     // Where both arms are in one place, the solid one is seen.
     gl.enable(gl.POLYGON_OFFSET_FILL);
@@ -272,10 +321,10 @@ function makeScene(canvas, paths, corners) {
     for (const { poses, ghost } of all) {
       if (!ghost) continue;
       gl.colorMask(false, false, false, false);
-      look(theme.accent, 1, 1);
+      look(theme[ghost], 1, 1);
       drawArm(poses);
       gl.colorMask(true, true, true, true);
-      look(theme.accent, 0.75, 0.38);
+      look(theme[ghost], 0.75, 0.38);
       drawArm(poses);
     }
     gl.disable(gl.POLYGON_OFFSET_FILL);
@@ -288,5 +337,6 @@ function makeScene(canvas, paths, corners) {
     view.distance = Math.min(Math.max(view.distance / nearer, 0.25), 3);
   }
   const reset = () => Object.assign(view, beginning);
-  return { show, paint, turn, reset };
+  aim();
+  return { show, paint, fill, turn, reset };
 }
