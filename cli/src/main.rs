@@ -20,6 +20,7 @@ mod report;
 mod runner;
 mod summary;
 mod table;
+mod twin;
 
 use std::process::ExitCode;
 
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
         Command::Run(options) => commands::run::run(&options),
         Command::Record(options) => commands::record::run(&options),
         Command::Status(options) => commands::status::run(&options),
+        Command::Twin(options) => commands::twin::run(&options),
         Command::Stop(options) => commands::stop::run(&options),
         Command::Io(options) => commands::io::run(&options.action),
         Command::Sensors(options) => commands::sensors::run(&options),

@@ -71,6 +71,24 @@ struct Arm {
     method: String,
 }
 
+/// A page without curves.
+#[derive(Serialize)]
+struct Sketch<'a> {
+    arms: Vec<Outline<'a>>,
+    pieces: &'a [Piece],
+    corners: &'a [Corner],
+    compared: Option<&'a compare::Report>,
+    notes: &'a [String],
+}
+
+/// An arm without curves.
+#[derive(Serialize)]
+struct Outline<'a> {
+    start_s: &'a f64,
+    end_s: &'a f64,
+    poses: &'a Poses,
+}
+
 /// A target that is blended away.
 #[derive(Debug, Serialize)]
 struct Corner {
@@ -152,6 +170,17 @@ impl Page {
     /// What is missing or taken for granted, for people.
     pub(crate) fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// What the 3D view needs of all this.
+    pub(crate) fn sketch(&self) -> impl Serialize + use<'_> {
+        Sketch {
+            arms: self.arms.iter().map(|Arm { start_s, end_s, poses, .. }| Outline { start_s, end_s, poses }).collect(),
+            pieces: &self.pieces,
+            corners: &self.corners,
+            compared: self.compared.as_ref().map(|compared| &compared.report),
+            notes: &self.notes,
+        }
     }
 
     /// The files' names.
