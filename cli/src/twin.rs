@@ -19,7 +19,7 @@ mod setup;
 pub(crate) use desk::Desk;
 pub(crate) use follow::{Live, follow};
 pub(crate) use guard::Token;
-pub(crate) use health::{Health, watch_health};
+pub(crate) use health::watch_health;
 
 pub(crate) use server::{Twin, serve};
 pub(crate) use setup::Setup;

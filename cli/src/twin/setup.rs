@@ -14,7 +14,7 @@ use tempfile::TempDir;
 use crate::{
     args, connection,
     failure::Failure,
-    input::{self, Text},
+    input,
 };
 
 /// The robot, what stands around it, and the way to its drive.
