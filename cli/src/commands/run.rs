@@ -6,10 +6,7 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_link::{
-    ClientError, TimedJoints,
-    message::Run as Measured,
-};
+use iiwa_link::{ClientError, TimedJoints, message::Run as Measured};
 use iiwa_path::{Path, Program};
 use iiwa_traj::{Timing, Trajectory};
 use serde::Serialize;

@@ -26,6 +26,9 @@ function legend(target, entries) {
   }));
 }
 
+/** Degrees of a radian. */
+const DEG = 180 / Math.PI;
+
 /** A number with so many decimals, and no minus in front of nothing. */
 function number(value, decimals) {
   if (!Number.isFinite(value)) return "\u2013";

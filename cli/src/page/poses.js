@@ -8,6 +8,11 @@ function unpack(text) {
   return bytes.buffer;
 }
 
+/** Poses as they came: how many, times in s, joint positions in rad, seven a pose. */
+function unpackPoses({ count, t_s, q_rad }) {
+  return { count, t_s: new Float64Array(unpack(t_s)), q_rad: new Float32Array(unpack(q_rad)) };
+}
+
 /** How many of `times`, which increase, are at most `t`. */
 function countUpTo(times, t) {
   let from = 0;

@@ -2,9 +2,11 @@
 
 const SOLID_VERTEX = `
 attribute vec3 position, normal, colour;
-uniform mat4 camera, model;
+attribute float link;
+uniform mat4 camera, links[LINKS];
 varying vec3 vNormal, vPlace, vColour;
 void main() {
+  mat4 model = links[int(link)];
   vec4 place = model * vec4(position, 1.0);
   vPlace = place.xyz;
   vNormal = mat3(model) * normal;
@@ -16,11 +18,10 @@ void main() {
 const SOLID_FRAGMENT = `
 precision mediump float;
 uniform vec3 eye, tint;
-uniform float tinted, alpha, flat_;
+uniform float tinted, alpha;
 varying vec3 vNormal, vPlace, vColour;
 void main() {
   vec3 colour = mix(vColour, tint, tinted);
-  if (flat_ > 0.5) { gl_FragColor = vec4(colour * alpha, alpha); return; }
   vec3 n = normalize(vNormal);
   vec3 toEye = normalize(eye - vPlace);
   if (dot(n, toEye) < 0.0) n = -n;
@@ -30,6 +31,18 @@ void main() {
   float rim = 0.1 * pow(1.0 - max(dot(n, toEye), 0.0), 3.0);
   gl_FragColor = vec4(min(colour * light + shine + rim, 1.0) * alpha, alpha);
 }`;
+
+// Shadows, obstacles and spheres have one colour: that is far cheaper without a graphics card.
+const FLAT_VERTEX = `
+attribute vec3 position;
+attribute float link;
+uniform mat4 camera, links[LINKS];
+void main() { gl_Position = camera * links[int(link)] * vec4(position, 1.0); }`;
+
+const FLAT_FRAGMENT = `
+precision mediump float;
+uniform vec4 colour;
+void main() { gl_FragColor = vec4(colour.rgb * colour.a, colour.a); }`;
 
 // Lines keep their width on the screen: each segment is a strip that faces the viewer.
 const LINE_VERTEX = `
@@ -59,57 +72,92 @@ void main() { gl_FragColor = vec4(vColour.rgb * vColour.a, vColour.a); }`;
 
 /** The view in a canvas; none without WebGL. */
 function makeScene(canvas) {
-  const gl = canvas.getContext("webgl", { antialias: true, stencil: true, preserveDrawingBuffer: true });
+  const gl = canvas.getContext("webgl", { antialias: true, stencil: true });
   if (!gl) return null;
 
   const compiled = (vertex, fragment) => {
     const program = gl.createProgram();
     for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
       const shader = gl.createShader(kind);
-      gl.shaderSource(shader, text);
+      gl.shaderSource(shader, text.replace("[LINKS]", `[${model.links.length}]`));
       gl.compileShader(shader);
       gl.attachShader(program, shader);
     }
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+    program.uniforms = {};
+    for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i++) {
+      const { name } = gl.getActiveUniform(program, i);
+      program.uniforms[name] = gl.getUniformLocation(program, name);
+    }
+    program.places = {};
+    for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_ATTRIBUTES); i++) {
+      const { name } = gl.getActiveAttrib(program, i);
+      program.places[name] = gl.getAttribLocation(program, name);
+    }
     return program;
   };
   const solids = compiled(SOLID_VERTEX, SOLID_FRAGMENT);
+  const flats = compiled(FLAT_VERTEX, FLAT_FRAGMENT);
   const lines = compiled(LINE_VERTEX, LINE_FRAGMENT);
-  const uniform = (program, name) => gl.getUniformLocation(program, name);
-  const at = Object.fromEntries(["camera", "model", "eye", "tint", "tinted", "alpha", "flat_"]
-    .map((name) => [name, uniform(solids, name)]));
-  const lineAt = Object.fromEntries(["camera", "pixels", "width"].map((name) => [name, uniform(lines, name)]));
 
-  /** Numbers of a vertex, one after the other, and how many each attribute has. */
-  const buffer = (program, layout, floats) => {
+  /** Numbers of a corner, one after the other, and how many each attribute has; triangles by the corners'
+      numbers, if not by their order. */
+  const upload = (layout, floats, triangles) => {
     const stride = layout.reduce((sum, [, size]) => sum + size, 0);
-    const mesh = { program, layout, stride, count: floats.length / stride, buffer: gl.createBuffer() };
-    gl.bindBuffer(gl.ARRAY_BUFFER, mesh.buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(floats), gl.STATIC_DRAW);
+    const mesh = { layout, stride, count: triangles ? triangles.length : floats.length / stride };
+    const put = (kind, values) => {
+      const made = gl.createBuffer();
+      gl.bindBuffer(kind, made);
+      gl.bufferData(kind, values, gl.STATIC_DRAW);
+      return made;
+    };
+    mesh.corners = put(gl.ARRAY_BUFFER, new Float32Array(floats));
+    if (triangles) mesh.triangles = put(gl.ELEMENT_ARRAY_BUFFER, new Uint16Array(triangles));
     return mesh;
   };
-  const discard = (mesh) => gl.deleteBuffer(mesh.buffer);
-  const SOLID = [["position", 3], ["normal", 3], ["colour", 3]];
+  const discard = ({ corners, triangles }) => {
+    gl.deleteBuffer(corners);
+    if (triangles) gl.deleteBuffer(triangles);
+  };
+  const SOLID = [["position", 3], ["normal", 3], ["colour", 3], ["link", 1]];
   const solid = (parts) => {
     const floats = [];
-    for (const { shape, origin, colour } of parts) {
+    const triangles = [];
+    for (const { shape, origin, colour, link = 0 } of parts) {
+      const first = floats.length / 10;
       shape.positions.forEach((position, i) => {
-        floats.push(...transformed(origin, position), ...transformed(origin, shape.normals[i], 0), ...colour);
+        floats.push(...transformed(origin, position), ...transformed(origin, shape.normals[i], 0), ...colour, link);
       });
+      for (const corner of shape.triangles) triangles.push(first + corner);
     }
-    return buffer(solids, SOLID, floats);
+    return upload(SOLID, floats, triangles);
   };
+  let program = null;
+  const use = (other) => {
+    program = other;
+    gl.useProgram(program);
+  };
+  /** Draws a mesh with the program in use, which takes of it what it needs. */
   const draw = (mesh) => {
-    gl.bindBuffer(gl.ARRAY_BUFFER, mesh.buffer);
+    gl.bindBuffer(gl.ARRAY_BUFFER, mesh.corners);
     let offset = 0;
     for (const [name, size] of mesh.layout) {
-      const place = gl.getAttribLocation(mesh.program, name);
-      gl.enableVertexAttribArray(place);
-      gl.vertexAttribPointer(place, size, gl.FLOAT, false, 4 * mesh.stride, 4 * offset);
+      const place = program.places[name];
+      if (place !== undefined) {
+        gl.enableVertexAttribArray(place);
+        gl.vertexAttribPointer(place, size, gl.FLOAT, false, 4 * mesh.stride, 4 * offset);
+      }
       offset += size;
     }
-    gl.drawArrays(gl.TRIANGLES, 0, mesh.count);
+    if (mesh.triangles) {
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, mesh.triangles);
+      gl.drawElements(gl.TRIANGLES, mesh.count, gl.UNSIGNED_SHORT, 0);
+    } else {
+      gl.drawArrays(gl.TRIANGLES, 0, mesh.count);
+    }
+    // Its buffers may be gone when something else is drawn.
+    for (const place of Object.values(program.places)) gl.disableVertexAttribArray(place);
   };
   const LINE = [["from", 3], ["to", 3], ["corner", 2], ["colour", 4]];
   const CORNERS = [[0, -1], [1, -1], [1, 1], [0, -1], [1, 1], [0, 1]];
@@ -119,14 +167,16 @@ function makeScene(canvas) {
     for (const [from, to, colour] of segments) {
       for (const corner of CORNERS) floats.push(...from, ...to, ...corner, ...colour);
     }
-    return buffer(lines, LINE, floats);
+    return upload(LINE, floats);
   };
 
   const still = placed([0, 0, 0], [0, 0, 0]);
-  const links = model.links.map((shapes) => solid(shapes.map((shape) => ({
+  // All links at once: what is asked of a graphics card takes time, too.
+  const arm = solid(model.links.flatMap((shapes, link) => shapes.map((shape) => ({
     shape: shape.round ? sphere(shape.radius) : cylinder(shape.radius, shape.length),
     origin: shape.origin,
     colour: shape.colour,
+    link,
   }))));
   const ball = solid([{ shape: sphere(1), origin: still, colour: [1, 1, 1] }]);
 
@@ -156,6 +206,7 @@ function makeScene(canvas) {
 
   const beginning = { azimuth: -0.9, height: 0.42, distance: 1 };
   const view = { ...beginning };
+  let sharpness = 1;
 
   let theme = null;
   let ground;
@@ -223,18 +274,25 @@ function makeScene(canvas) {
     return { matrix: product(lens, look), eye };
   }
 
-  const WHITE = [1, 1, 1];
-  const look = (tint, tinted, alpha, flat = 0) => {
-    gl.uniform3fv(at.tint, tint || WHITE);
-    gl.uniform1f(at.tinted, tinted);
-    gl.uniform1f(at.alpha, alpha);
-    gl.uniform1f(at.flat_, flat);
+  /** Solids from now on: in their own colours, or partly in another one. */
+  const shade = (tint, tinted, alpha) => {
+    use(solids);
+    gl.uniform3fv(program.uniforms.tint, tint || [1, 1, 1]);
+    gl.uniform1f(program.uniforms.tinted, tinted);
+    gl.uniform1f(program.uniforms.alpha, alpha);
   };
-  const place = (matrix) => gl.uniformMatrix4fv(at.model, false, matrix);
-  const drawArm = (poses, flatten) => links.forEach((link, i) => {
-    place(flatten ? product(flatten, poses[i]) : poses[i]);
-    draw(link);
-  });
+  /** One colour from now on. */
+  const fillWith = (colour, alpha) => {
+    use(flats);
+    gl.uniform4f(program.uniforms.colour, ...colour, alpha);
+  };
+  const place = (matrix) => gl.uniformMatrix4fv(program.uniforms["links[0]"], false, matrix);
+  const drawArm = (poses) => {
+    const all = new Float32Array(16 * model.links.length);
+    model.links.forEach((_, link) => all.set(poses[link], 16 * link));
+    place(all);
+    draw(arm);
+  };
   const beadAt = (p, radius) => {
     place(new Float32Array([radius, 0, 0, 0, 0, radius, 0, 0, 0, 0, radius, 0, ...p, 1]));
     draw(ball);
@@ -245,7 +303,7 @@ function makeScene(canvas) {
   /** Draws arms: joint positions, and the colour of those that are ghosts. `gap` is a line from the arm to
       what is nearest. */
   function show(arms, gap) {
-    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const ratio = Math.min(window.devicePixelRatio || 1, 2) * sharpness;
     const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
     const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
@@ -261,72 +319,75 @@ function makeScene(canvas) {
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
 
+    for (const each of [solids, flats, lines]) {
+      use(each);
+      gl.uniformMatrix4fv(program.uniforms.camera, false, matrix);
+    }
+    gl.uniform2f(program.uniforms.pixels, width / 2, height / 2);
     const drawLines = (mesh, px) => {
-      gl.useProgram(lines);
-      gl.uniformMatrix4fv(lineAt.camera, false, matrix);
-      gl.uniform2f(lineAt.pixels, width / 2, height / 2);
-      gl.uniform1f(lineAt.width, (px * ratio) / 2);
+      use(lines);
+      gl.uniform1f(program.uniforms.width, (px * ratio) / 2);
       draw(mesh);
     };
     gl.depthMask(false);
     drawLines(ground, 1);
 
-    gl.useProgram(solids);
-    gl.uniformMatrix4fv(at.camera, false, matrix);
-    gl.uniform3fv(at.eye, eye);
+    // Of closed solids only what faces the viewer: without a graphics card triangles are what takes time.
+    gl.enable(gl.CULL_FACE);
     // The shadow darkens each place once.
     gl.enable(gl.STENCIL_TEST);
     gl.stencilFunc(gl.EQUAL, 0, 255);
     gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
-    look([0, 0, 0], 1, theme.shadow, 1);
-    for (const { poses, ghost } of all) if (!ghost) drawArm(poses, SHADOW);
+    fillWith([0, 0, 0], theme.shadow);
+    gl.uniformMatrix4fv(program.uniforms.camera, false, product(matrix, SHADOW));
+    for (const { poses, ghost } of all) if (!ghost) drawArm(poses);
+    gl.uniformMatrix4fv(program.uniforms.camera, false, matrix);
     gl.disable(gl.STENCIL_TEST);
     gl.depthMask(true);
 
-    look(null, 0, 1);
+    shade(null, 0, 1);
+    gl.uniform3fv(program.uniforms.eye, eye);
     for (const { poses, ghost } of all) if (!ghost) drawArm(poses);
+    gl.disable(gl.CULL_FACE);
     for (const way of ways) drawLines(way.mesh, way.width);
 
-    gl.useProgram(solids);
-    for (const corner of contents.corners) {
-      look(theme.blend, 1, 1);
-      beadAt(corner.target_m, 0.008);
-    }
-    look(theme.ink, 1, 1);
+    shade(theme.blend, 1, 1);
+    for (const corner of contents.corners) beadAt(corner.target_m, 0.008);
+    shade(theme.ink, 1, 1);
     for (const { poses, ghost } of all) if (!ghost) beadAt(poses[poses.length - 1].slice(12, 15), 0.012);
     if (gap) {
       const mesh = strip([[...gap, [...theme.blend, 1]]]);
       drawLines(mesh, 3);
       discard(mesh);
-      gl.useProgram(solids);
-      look(theme.blend, 1, 1);
+      shade(theme.blend, 1, 1);
       for (const end of gap) beadAt(end, 0.01);
     }
 
     // What is seen through comes last: obstacles, spheres, and of a ghost only what is nearest.
     gl.depthMask(false);
-    place(still);
     for (const { mesh, alpha } of obstacles) {
-      look(theme.soft, 0, alpha);
+      fillWith(theme.soft, alpha);
+      place(still);
       draw(mesh);
     }
     for (const { edges } of obstacles) drawLines(edges, 1.5);
-    gl.useProgram(solids);
-    look(theme.blend, 1, 0.2);
+    shade(theme.blend, 1, 0.2);
     for (const corner of contents.corners) if (corner.radius_m) beadAt(corner.target_m, corner.radius_m);
     gl.depthMask(true);
     // Where both arms are in one place, the solid one is seen.
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 8);
+    gl.enable(gl.CULL_FACE);
     for (const { poses, ghost } of all) {
       if (!ghost) continue;
       gl.colorMask(false, false, false, false);
-      look(theme[ghost], 1, 1);
+      fillWith(theme[ghost], 1);
       drawArm(poses);
       gl.colorMask(true, true, true, true);
-      look(theme[ghost], 0.75, 0.38);
+      shade(theme[ghost], 0.75, 0.38);
       drawArm(poses);
     }
+    gl.disable(gl.CULL_FACE);
     gl.disable(gl.POLYGON_OFFSET_FILL);
   }
 
@@ -337,6 +398,8 @@ function makeScene(canvas) {
     view.distance = Math.min(Math.max(view.distance / nearer, 0.25), 3);
   }
   const reset = () => Object.assign(view, beginning);
+  /** Draws fewer pixels than the screen has, for machines that are slow at it. */
+  const sharpen = (share) => { sharpness = share; };
   aim();
-  return { show, paint, fill, turn, reset };
+  return { show, paint, fill, turn, reset, sharpen };
 }

@@ -6,7 +6,6 @@ const QUANTITIES = [
   { key: "acceleration", title: "Acceleration", unit: "deg/s\u00b2", limit: "acceleration_rad_s2" },
   { key: "jerk", title: "Jerk", unit: "deg/s\u00b3", limit: "jerk_rad_s3" },
 ];
-const DEG = 180 / Math.PI;
 /** Left and right of the curves, in px. */
 const LEFT = 52;
 const RIGHT = 8;

@@ -4,8 +4,7 @@ const report = JSON.parse(document.getElementById("data").textContent);
 const { robot } = report;
 
 for (const arm of report.arms) {
-  arm.poses.t_s = new Float64Array(unpack(arm.poses.t_s));
-  arm.poses.q_rad = new Float32Array(unpack(arm.poses.q_rad));
+  arm.poses = unpackPoses(arm.poses);
   for (const name of ["position", "velocity", "acceleration", "jerk"]) {
     const curve = arm[name];
     curve.t_s = new Float64Array(unpack(curve.t_s));
@@ -28,8 +27,8 @@ function valueAt(curve, t, j) {
   return share === 0 ? middle(i) : middle(i) + share * (middle(next) - middle(i));
 }
 
-/** The piece of the plan at a time, if there is one. */
 const pieceStarts = report.pieces.map((piece) => piece.start_s);
+/** The piece of the plan at a time, if there is one. */
 function pieceAt(t) {
   return report.pieces[Math.max(countUpTo(pieceStarts, t) - 1, 0)];
 }

@@ -175,7 +175,11 @@ impl Page {
     /// What the 3D view needs of all this.
     pub(crate) fn sketch(&self) -> impl Serialize + use<'_> {
         Sketch {
-            arms: self.arms.iter().map(|Arm { start_s, end_s, poses, .. }| Outline { start_s, end_s, poses }).collect(),
+            arms: self
+                .arms
+                .iter()
+                .map(|Arm { start_s, end_s, poses, .. }| Outline { start_s, end_s, poses })
+                .collect(),
             pieces: &self.pieces,
             corners: &self.corners,
             compared: self.compared.as_ref().map(|compared| &compared.report),

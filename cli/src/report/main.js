@@ -52,16 +52,8 @@ function writeHead() {
 
 /** What is drawn of the ways: the plan's by its pieces, the recording's beside it. */
 function ways() {
-  const kinds = (times, usual) => times.map((t) => {
-    const piece = report.pieces.length > 0 && pieceAt(t - 1e-6);
-    return piece && piece.kind === "blend" ? "blend" : usual;
-  });
-  const planned = flangePath(first);
-  const all = [{ places: planned.places, kinds: kinds(planned.times, "line"), width: 3.5 }];
-  if (second) {
-    const measured = flangePath(second, whole.from - 1, whole.to + 1);
-    all.push({ places: measured.places, kinds: measured.times.map(() => "measured"), width: 1.8 });
-  }
+  const all = [wayOf(first, report.pieces, "line", 3.5)];
+  if (second) all.push(wayOf(second, [], "measured", 1.8, whole.from - 1, whole.to + 1));
   return all;
 }
 

@@ -13,7 +13,10 @@ use iiwa_kin::Joints;
 use iiwa_path::{Blend, Motion, Program, Ptp};
 use serde::Serialize;
 
-use crate::{failure::Failure, report::{self, Page}};
+use crate::{
+    failure::Failure,
+    report::{self, Page},
+};
 
 use super::{
     Live, Setup, Words,
@@ -145,7 +148,8 @@ impl Desk {
             return Err("a program needs two positions: where it starts, and where it goes".into());
         };
         let ptp = |to: &Position| Ptp::to(to.joints_rad).velocity(velocity_rel);
-        let blended = |ptp: Ptp| if blend_mm > 0.0 { ptp.blend(Blend::CartMm(blend_mm)) } else { ptp };
+        let blended =
+            |ptp: Ptp| if blend_mm > 0.0 { ptp.blend(Blend::CartMm(blend_mm)) } else { ptp };
         let inner = targets.iter().map(|to| blended(ptp(to)));
         let motions = inner.chain([ptp(last)]).map(Motion::Ptp).collect();
         let robot = Some(self.setup.robot.name().to_owned());

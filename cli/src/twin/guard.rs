@@ -78,7 +78,9 @@ fn check(
     };
     let mut parts = uri.query().unwrap_or_default().split('&');
     if !parts.any(|part| part.strip_prefix("token=").is_some_and(|text| token.is(text))) {
-        return Err("the address lacks the token: take the whole address that `iiwasim twin` prints");
+        return Err(
+            "the address lacks the token: take the whole address that `iiwasim twin` prints",
+        );
     }
     let is_own = |origin: &HeaderValue| {
         let origin = origin.to_str().ok().and_then(|origin| origin.parse::<Uri>().ok());
@@ -126,7 +128,8 @@ mod tests {
             refused("/?token=0123", ME, &[(HOST, name)]);
         }
         refused("/?token=0123", ME, &[]);
-        for origin in ["http://evil.example", "null", "http://127.0.0.1:1", "http://localhost:5562"] {
+        for origin in ["http://evil.example", "null", "http://127.0.0.1:1", "http://localhost:5562"]
+        {
             refused("/live?token=0123", ME, &[host.clone(), (ORIGIN, origin)]);
             refused("/?token=0123", ME, &[host.clone(), (ORIGIN, origin)]);
         }

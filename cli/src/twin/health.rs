@@ -53,7 +53,9 @@ pub(crate) fn watch_health(setup: &Setup, words: &Words) {
         if let Some(client) = &mut client {
             match client.state() {
                 Ok(status) => (health.status, health.error) = (Some(status), None),
-                Err(error) => health = Health { error: Some(error.to_string()), ..Health::default() },
+                Err(error) => {
+                    health = Health { error: Some(error.to_string()), ..Health::default() }
+                }
             }
             if health.error.is_none() && io_at.is_none_or(|at| at.elapsed() >= IO_EVERY) {
                 io_at = Some(since);

@@ -18,11 +18,7 @@ use crate::{
     report::Page,
 };
 
-use super::{
-    Setup, Word,
-    setup::Nearest,
-    word,
-};
+use super::{Setup, Word, setup::Nearest, word};
 
 /// A plan, and the files of it.
 #[derive(Debug)]
@@ -60,7 +56,8 @@ impl Planned {
         let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
         let json = setup.new_file(&stem, "json");
         let stem = json.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        fs::write(&json, &text).map_err(|error| format!("cannot write {}: {error}", json.display()))?;
+        fs::write(&json, &text)
+            .map_err(|error| format!("cannot write {}: {error}", json.display()))?;
         let mcap = json.with_extension("mcap");
         let bytes = as_mcap(&plan, timing, &text, setup).map_err(|error| chain(&error))?;
         Output::new(&mcap)

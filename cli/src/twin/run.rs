@@ -62,7 +62,8 @@ impl Run {
             return Err(format!("the program is not sent: {why}"));
         }
         let mut client = setup.client().map_err(|failure| failure.what())?;
-        let status = client.state().map_err(|error| format!("cannot ask where the robot is: {error}"))?;
+        let status =
+            client.state().map_err(|error| format!("cannot ask where the robot is: {error}"))?;
         let joints_rad = standing(&status)?;
         let start_rad = plan.program.start_rad;
         let off = |j: &usize| (joints_rad[*j] - start_rad[*j]).abs();
@@ -122,10 +123,9 @@ fn standing(status: &Status) -> Result<Joints, String> {
     if status.state != DriveState::Idle {
         return Err(format!("the robot is busy: {}", status.state));
     }
-    status
-        .joints_rad
-        .filter(|_| status.fri.session != FriStatus::SILENT)
-        .ok_or_else(|| "it is not known where the robot is: the drive does not hear the controller".into())
+    status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT).ok_or_else(|| {
+        "it is not known where the robot is: the drive does not hear the controller".into()
+    })
 }
 
 /// The slow motion to a program's start, if nothing stands in the way.

@@ -46,9 +46,10 @@ pub(super) const LIVE: &str = "/live";
 /// A program's text is at most so long, in bytes.
 const LONGEST_ORDER: usize = 16 << 20;
 
-const PARTS: [Part; 4] = [
+const PARTS: [Part; 5] = [
     ("/*twin.css*/", include_str!("twin.css")),
     ("/*link.js*/", include_str!("link.js")),
+    ("/*live.js*/", include_str!("live.js")),
     ("/*programs.js*/", include_str!("programs.js")),
     ("/*main.js*/", include_str!("main.js")),
 ];
@@ -101,7 +102,10 @@ async fn interrupted() {
 fn html(text: String, policy: &str) -> Response {
     let headers = [
         (CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8")),
-        (CONTENT_SECURITY_POLICY, HeaderValue::from_str(policy).unwrap_or(HeaderValue::from_static("default-src 'none'"))),
+        (
+            CONTENT_SECURITY_POLICY,
+            HeaderValue::from_str(policy).unwrap_or(HeaderValue::from_static("default-src 'none'")),
+        ),
     ];
     (headers, text).into_response()
 }
@@ -134,7 +138,10 @@ async fn file(State(twin): State<Twin>, Path(name): Path<String>) -> Response {
         return (StatusCode::NOT_FOUND, "there is no such file\n").into_response();
     };
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let named = HeaderValue::from_str(&format!("attachment; filename=\"{}\"", name.replace(|c: char| !c.is_ascii(), "_")));
+    let named = HeaderValue::from_str(&format!(
+        "attachment; filename=\"{}\"",
+        name.replace(|c: char| !c.is_ascii(), "_")
+    ));
     let headers = [
         (CONTENT_TYPE, HeaderValue::from_static("application/octet-stream")),
         (CONTENT_DISPOSITION, named.unwrap_or(HeaderValue::from_static("attachment"))),

@@ -11,11 +11,7 @@ use iiwa_traj::{Timing, Trajectory};
 use serde::Serialize;
 use tempfile::TempDir;
 
-use crate::{
-    args, connection,
-    failure::Failure,
-    input,
-};
+use crate::{args, connection, failure::Failure, input};
 
 /// The robot, what stands around it, and the way to its drive.
 pub(crate) struct Setup {
@@ -178,7 +174,9 @@ impl Nearest {
         Self {
             distance_mm: 1e3 * clearance.distance_m,
             link: LINK_NAMES.get(clearance.link).copied().unwrap_or_default(),
-            obstacle: obstacles.get(clearance.obstacle).map_or_else(String::new, |it| it.name.clone()),
+            obstacle: obstacles
+                .get(clearance.obstacle)
+                .map_or_else(String::new, |it| it.name.clone()),
             on_arm_m: clearance.on_arm_m,
             on_obstacle_m: clearance.on_obstacle_m,
             at_s,
