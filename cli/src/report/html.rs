@@ -19,7 +19,7 @@ const PARTS: [(&str, &str); 6] = [
 /// The whole page, with its style, its scripts and its data.
 pub(crate) fn html(page: &Page) -> Result<String, Failure> {
     let html = PARTS.iter().fold(PAGE.to_owned(), |html, (place, part)| html.replace(place, part));
-    let html = html.replace("<!--title-->", &escaped(&page.title()));
+    let html = html.replace("<!--title-->", &escaped(page.title()));
     // Last, so that nothing in it is taken for a place.
     let json = output::json_line(page)?.replace('<', "\\u003c");
     let (before, after) = html.split_once("<!--data-->").unwrap_or((&html, ""));
