@@ -131,7 +131,11 @@ function ownLimits(key) {
 }
 for (const quantity of QUANTITIES) quantity.own = ownLimits(quantity.key);
 
-/** One quantity of all joints. `state` is shared: the window of time, which joints, the units. */
+/** What of a quantity is drawn, in per cent of the limits: more would flatten all else. */
+const MOST_PERCENT = 300;
+
+/** One quantity of all joints; tells the largest value there is. `state` is shared: the window of time,
+    which joints, the units. */
 function drawQuantity(canvas, quantity, state, theme, withTimes) {
   const size = cleared(canvas);
   const { context } = size;
@@ -151,7 +155,8 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
       }
     }
   }
-  most = Math.min(most, state.percent ? 300 : Infinity) || 1;
+  const largest = most / 1.06;
+  most = Math.min(most, state.percent ? MOST_PERCENT : Infinity) || 1;
   const axis = axes(context, size, state.window, [-most, most], theme, withTimes);
   const { x, y, left, right, top, bottom } = axis;
 
@@ -218,6 +223,7 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
     context.textAlign = "center";
     context.fillText("the file does not tell", (left + right) / 2, (top + bottom) / 2);
   }
+  return largest;
 }
 
 /** How far the recording is off the plan's path, over the plan's time. */
@@ -277,12 +283,14 @@ function drawTimeline(canvas, state, theme) {
       context.restore();
     }
     const before = report.pieces[i - 1];
-    if ((!before || before.motion !== piece.motion) && a > labelled + 16) {
+    const at = Math.max(a, left);
+    if ((!before || before.motion !== piece.motion) && at > labelled) {
+      const text = `${piece.motion}`;
       context.fillStyle = theme.soft;
       context.textAlign = "left";
       context.textBaseline = "top";
-      context.fillText(`${piece.motion}`, Math.max(a, left), bottom + 4);
-      labelled = a;
+      context.fillText(text, at, bottom + 4);
+      labelled = at + context.measureText(text).width + 4;
     }
   }
   context.restore();

@@ -313,11 +313,17 @@ impl Arm {
             (poses, [position, velocity, acceleration, jerk], method.to_owned())
         } else {
             let Measured { position, velocity, acceleration, jerk, half_s } = Measured::new(log);
-            let method = format!(
-                "velocity, acceleration and jerk are those of the best cubic over {:.0} ms: shorter \
-                 peaks are lower here than they were",
-                2e3 * half_s
-            );
+            let window_ms = 2e3 * half_s;
+            let method = if velocity.rows.is_empty() {
+                format!(
+                    "shorter than {window_ms:.0} ms, too short for velocity, acceleration and jerk"
+                )
+            } else {
+                format!(
+                    "velocity, acceleration and jerk are those of the best cubic over \
+                     {window_ms:.0} ms: shorter peaks are lower here than they were"
+                )
+            };
             let poses = Poses::new(&log.t_s, &log.q_rad, shift_s);
             (poses, [position, velocity, acceleration, jerk], method)
         };

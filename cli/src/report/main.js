@@ -42,7 +42,8 @@ function writeHead() {
     part: `Part of a plan for ${report.robot.name}: ${arm(first)}`,
     recording: `Recording of ${report.robot.name}: ${arm(first)}`,
   };
-  $("summary").textContent = summary[first.role];
+  const beside = second ? `; ${called(second)}: ${arm(second)}` : "";
+  $("summary").textContent = summary[first.role] + beside;
   const list = $("figures");
   if (figures.cycle_time_s !== undefined) figure(list, "Cycle time", seconds(Number(figures.cycle_time_s)));
   else figure(list, "Duration", seconds(first.end_s - first.start_s));
@@ -93,7 +94,7 @@ function ways() {
     return piece && piece.kind === "blend" ? "blend" : usual;
   });
   const planned = flangePath(first);
-  const all = [{ places: planned.places, kinds: kinds(planned.times, "line"), width: 3.5 }];
+  const all = [{ places: planned.places, kinds: kinds(planned.times, "line"), width: second ? 6 : 3.5 }];
   if (second) {
     const measured = flangePath(second, whole.from - 1, whole.to + 1);
     all.push({ places: measured.places, kinds: measured.times.map(() => "measured"), width: 1.8 });
@@ -120,7 +121,7 @@ function drawScene() {
 function legend(target, entries) {
   target.replaceChildren(...entries.map(([colour, text]) => {
     const entry = element("span");
-    const swatch = element("i", "", "swatch");
+    const swatch = element("i", "", `swatch ${colour}`);
     swatch.style.background = `var(--${colour})`;
     entry.append(swatch, text);
     return entry;
@@ -130,7 +131,7 @@ function legend(target, entries) {
 function writeLegends() {
   const parts = report.pieces.length ? [["line", "lines"]] : [["line", "way of the flange"]];
   if (report.pieces.some((piece) => piece.kind === "blend")) {
-    const marks = ["from their begin to their end"];
+    const marks = ["from where they begin to where they end"];
     if (report.corners.length) marks.push("dots: their targets");
     if (report.corners.some((corner) => corner.radius_m)) marks.push("spheres: their radii");
     parts.push(["blend", `blends, ${marks.join("; ")}`]);
@@ -166,8 +167,9 @@ const charts = QUANTITIES.filter(({ key }) => report.arms.some((arm) => arm[key]
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", `${quantity.title} of the joints over time`);
   const draw = (colours) => {
-    title.textContent = `${quantity.title}, ${state.percent ? "% of the limit" : quantity.unit}`;
-    drawQuantity(canvas, quantity, state, colours, last);
+    const largest = drawQuantity(canvas, quantity, state, colours, last);
+    const beyond = state.percent && largest > MOST_PERCENT ? `, up to ${number(largest, 0)}, drawn up to ${MOST_PERCENT}` : "";
+    title.textContent = `${quantity.title}, ${state.percent ? "% of the limit" : quantity.unit}${beyond}`;
   };
   return { canvas, draw };
 });

@@ -251,7 +251,13 @@ function makeScene(canvas, paths, corners) {
 
     look(null, 0, 1);
     for (const { poses, ghost } of all) if (!ghost) drawArm(poses);
-    for (const way of ways) drawLines(way.mesh, way.width);
+    // Where two ways are in one place, the later one is seen, on the broader one before it.
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    ways.forEach((way, i) => {
+      gl.polygonOffset(0, -200 * i);
+      drawLines(way.mesh, way.width);
+    });
+    gl.disable(gl.POLYGON_OFFSET_FILL);
 
     gl.useProgram(solids);
     for (const corner of corners) {
