@@ -19,7 +19,7 @@ function figure(list, name, text) {
 function legend(target, entries) {
   target.replaceChildren(...entries.map(([colour, text]) => {
     const entry = element("span");
-    const swatch = element("i", "", "swatch");
+    const swatch = element("i", "", `swatch ${colour}`);
     swatch.style.background = `var(--${colour})`;
     entry.append(swatch, text);
     return entry;
@@ -40,7 +40,7 @@ function number(value, decimals) {
 function theme() {
   const style = getComputedStyle(document.documentElement);
   const css = (name) => style.getPropertyValue(`--${name}`).trim();
-  const names = ["paper", "ground", "ink", "soft", "rule", "accent", "line", "blend", "settle", "wait", "measured", "beyond"];
+  const names = ["paper", "ground", "ink", "soft", "rule", "accent", "line", "blend", "settle", "wait", "measured", "beyond", "own"];
   const flat = Object.fromEntries(names.map((name) => [name, css(name)]));
   flat.joints = Array.from({ length: 7 }, (_, j) => css(`a${j + 1}`));
   const solid = Object.fromEntries(names.filter((name) => flat[name].startsWith("#"))

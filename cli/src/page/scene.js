@@ -349,7 +349,13 @@ function makeScene(canvas) {
     gl.uniform3fv(program.uniforms.eye, eye);
     for (const { poses, ghost } of all) if (!ghost) drawArm(poses);
     gl.disable(gl.CULL_FACE);
-    for (const way of ways) drawLines(way.mesh, way.width);
+    // Where two ways are in one place, the later one is seen, on the broader one before it.
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    ways.forEach((way, i) => {
+      gl.polygonOffset(0, -200 * i);
+      drawLines(way.mesh, way.width);
+    });
+    gl.disable(gl.POLYGON_OFFSET_FILL);
 
     shade(theme.blend, 1, 1);
     for (const corner of contents.corners) beadAt(corner.target_m, 0.008);

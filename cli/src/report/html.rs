@@ -16,5 +16,5 @@ const PARTS: [Part; 3] = [
 
 /// The whole page, with its style, its scripts and its data.
 pub(crate) fn html(page: &Page) -> Result<String, Failure> {
-    page::assemble(include_str!("page.html"), &PARTS, &page.title(), page)
+    page::assemble(include_str!("page.html"), &PARTS, page.title(), page)
 }
