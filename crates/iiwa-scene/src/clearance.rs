@@ -71,7 +71,7 @@ impl ArmInScene {
             return None;
         }
         let bodies = self.bodies(joints_rad);
-        self.nearest(&bodies).map(|(pair, near)| self.told(pair, &near))
+        self.nearest(&bodies, f64::MAX).map(|(pair, near)| self.told(pair, &near))
     }
 
     pub(crate) fn bodies(&self, joints_rad: &Joints) -> Vec<Body> {
@@ -79,8 +79,8 @@ impl ArmInScene {
         self.parts.iter().map(|part| part.at(&poses[part.link])).collect()
     }
 
-    /// The nearest pair of all.
-    fn nearest(&self, bodies: &[Body]) -> Option<(Pair, Near)> {
+    /// The nearest pair of all, if it is nearer than `most`.
+    pub(crate) fn nearest(&self, bodies: &[Body], most: f64) -> Option<(Pair, Near)> {
         let mut pairs = Vec::with_capacity(bodies.len() * self.obstacles.len());
         for (part, body) in bodies.iter().enumerate() {
             let bound = self.parts[part].bound;
@@ -92,7 +92,7 @@ impl ArmInScene {
         pairs.swap(0, first);
         let mut best: Option<(Pair, Near)> = None;
         for (least, pair) in pairs {
-            let most = best.map_or(f64::MAX, |(_, near)| near.distance);
+            let most = best.map_or(most, |(_, near)| near.distance);
             if least >= most {
                 continue;
             }

@@ -8,6 +8,7 @@ mod fault;
 mod placed;
 mod planned;
 mod scene;
+mod span;
 mod wire;
 
 pub use clearance::{ArmInScene, Clearance};
