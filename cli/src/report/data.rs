@@ -167,10 +167,6 @@ impl Page {
             if second.role() != Role::Recording {
                 notes.push(format!("{}: a plan, too: nothing in it was measured", second.name));
             }
-            let gap = |loss: &Loss| matches!(loss, Loss::Gap { .. });
-            if !second.log.losses.iter().all(gap) {
-                notes.extend(second.losses());
-            }
             let shift_s = match comparison(&first, second, &robot) {
                 Ok((report, shift_s)) => {
                     compared = Some(report);
@@ -181,6 +177,11 @@ impl Page {
                     from_start(second)
                 }
             };
+            // The comparison tells of gaps by itself.
+            let gap = |loss: &Loss| matches!(loss, Loss::Gap { .. });
+            if compared.is_none() || !second.log.losses.iter().all(gap) {
+                notes.extend(second.losses());
+            }
             arms.push(Arm::new(second, shift_s));
         }
         let program = first.program();
