@@ -11,4 +11,6 @@
 mod commands;
 mod faults;
 mod keys;
+mod page;
 mod rig;
+mod twin;

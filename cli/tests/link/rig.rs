@@ -179,7 +179,7 @@ impl Rig {
         let (drive, stream) = (["--drive", &self.instructions], ["--stream", &self.stream]);
         match command {
             "record" => stream.to_vec(),
-            "run" | "experiment" => [drive, stream].concat(),
+            "run" | "experiment" | "twin" => [drive, stream].concat(),
             _ => drive.to_vec(),
         }
     }

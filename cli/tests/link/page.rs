@@ -1,0 +1,166 @@
+//! A client of the twin that does what its page does.
+
+use std::{
+    collections::HashMap,
+    io::{Read as _, Write as _},
+    net::TcpStream,
+    time::{Duration, Instant},
+};
+
+use serde_json::{Value, json};
+use tungstenite::{
+    Message, WebSocket, client,
+    client::IntoClientRequest as _,
+    handshake::HandshakeError,
+    http::{HeaderName, StatusCode},
+};
+
+use crate::rig::{LONG, Process, wait_for};
+
+/// Where a twin is: its host and port, and its token.
+#[derive(Clone)]
+pub(crate) struct Address {
+    pub(crate) host: String,
+    pub(crate) token: String,
+}
+
+impl Address {
+    /// As the twin prints it.
+    pub(crate) fn of(twin: &Process) -> Self {
+        wait_for("address", || twin.stdout().ends_with('\n'));
+        let printed = twin.stdout();
+        let (host, token) = printed.trim().split_once("/?token=").unwrap();
+        Self { host: host.strip_prefix("http://").unwrap().to_owned(), token: token.to_owned() }
+    }
+
+    /// The status and the text of an answer to a request with these headers.
+    pub(crate) fn ask(&self, path: &str, headers: &[(&str, &str)]) -> (u16, String) {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        stream.set_read_timeout(Some(LONG)).unwrap();
+        let lines: String =
+            headers.iter().map(|(name, value)| format!("{name}: {value}\r\n")).collect();
+        write!(stream, "GET {path} HTTP/1.1\r\n{lines}Connection: close\r\n\r\n").unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        let answer = String::from_utf8_lossy(&answer).into_owned();
+        let status = answer.split(' ').nth(1).unwrap().parse().unwrap();
+        (status, answer)
+    }
+
+    /// A file as the page asks for it.
+    pub(crate) fn file(&self, path: &str) -> Vec<u8> {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        let Self { host, token } = self;
+        write!(stream, "GET /{path}?token={token} HTTP/1.0\r\nHost: {host}\r\n\r\n").unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        assert!(answer.starts_with(b"HTTP/1.0 200"), "{path}");
+        let body = answer.windows(4).position(|bytes| bytes == b"\r\n\r\n").unwrap();
+        answer.split_off(body + 4)
+    }
+
+    /// Connects as the page does; or the status of the refusal.
+    pub(crate) fn connect(&self, path: &str, origin: Option<&str>) -> Result<Page, StatusCode> {
+        let stream = TcpStream::connect(&self.host).unwrap();
+        let mut request = format!("ws://{}{path}", self.host).into_client_request().unwrap();
+        if let Some(origin) = origin {
+            let name = HeaderName::from_static("origin");
+            request.headers_mut().insert(name, origin.parse().unwrap());
+        }
+        match client(request, stream) {
+            Ok((socket, _)) => {
+                Ok(Page { socket, newest: HashMap::new(), answers: Vec::new(), orders: 0 })
+            }
+            Err(HandshakeError::Failure(tungstenite::Error::Http(answer))) => Err(answer.status()),
+            Err(other) => panic!("{other}"),
+        }
+    }
+
+    /// Connects as the page does.
+    pub(crate) fn page(&self) -> Page {
+        let path = format!("/live?token={}", self.token);
+        self.connect(&path, Some(&format!("http://{}", self.host))).unwrap()
+    }
+}
+
+/// An open page.
+pub(crate) struct Page {
+    socket: WebSocket<TcpStream>,
+    /// The newest word of each kind.
+    newest: HashMap<String, Value>,
+    answers: Vec<Value>,
+    orders: u64,
+}
+
+impl Page {
+    /// Takes the next word.
+    fn take(&mut self) {
+        self.socket.get_ref().set_read_timeout(Some(LONG)).unwrap();
+        let Message::Text(text) = self.socket.read().unwrap() else { return };
+        let word: HashMap<String, Value> = serde_json::from_str(&text).unwrap();
+        for (kind, value) in word {
+            match kind.as_str() {
+                "answer" => self.answers.push(value),
+                _ => drop(self.newest.insert(kind, value)),
+            }
+        }
+    }
+
+    /// Waits for a word of which something holds.
+    pub(crate) fn wait_for(&mut self, kind: &str, holds: impl Fn(&Value) -> bool) -> Value {
+        let since = Instant::now();
+        loop {
+            let newest = self.newest.get(kind).filter(|newest| holds(newest));
+            if let Some(newest) = newest {
+                return newest.clone();
+            }
+            assert!(since.elapsed() < LONG, "no such {kind}; it is {:?}", self.newest.get(kind));
+            self.take();
+        }
+    }
+
+    /// How many words of a kind come in such a time.
+    pub(crate) fn count(&mut self, kind: &str, during: Duration) -> u32 {
+        let since = Instant::now();
+        let mut count = 0;
+        while since.elapsed() < during {
+            self.newest.remove(kind);
+            self.take();
+            count += u32::from(self.newest.contains_key(kind));
+        }
+        count
+    }
+
+    /// Gives an order; why it was refused, if it was.
+    pub(crate) fn order(&mut self, what: &str, mut parameters: Value) -> Result<(), String> {
+        self.orders += 1;
+        parameters["id"] = json!(self.orders);
+        parameters["do"] = json!(what);
+        self.say(&parameters.to_string());
+        let since = Instant::now();
+        loop {
+            if let Some(answer) = self.answers.iter().find(|answer| answer["id"] == self.orders) {
+                return match answer["error"].as_str() {
+                    None => Ok(()),
+                    Some(error) => Err(error.to_owned()),
+                };
+            }
+            assert!(since.elapsed() < LONG, "no answer to {what}");
+            self.take();
+        }
+    }
+
+    /// Sends any text.
+    pub(crate) fn say(&mut self, text: &str) {
+        self.socket.send(Message::text(text)).unwrap();
+    }
+
+    /// Why something that is no order was refused.
+    pub(crate) fn refusal(&mut self) -> String {
+        while self.answers.iter().all(|answer| answer["id"] != 0) {
+            self.take();
+        }
+        let at = self.answers.iter().position(|answer| answer["id"] == 0).unwrap();
+        self.answers.remove(at)["error"].as_str().unwrap().to_owned()
+    }
+}
