@@ -123,12 +123,16 @@ class Browser:
 
     def open(self, file: Path, fragment: str = "") -> None:
         """Opens a file and waits until it is loaded and drawn."""
+        self.go(file.resolve().as_uri() + fragment)
+        self.until("document.readyState === 'complete' && document.documentElement.dataset.drawnMs > ''")
+        self.frames()
+
+    def go(self, url: str) -> None:
+        """Opens an address."""
         self.events.clear()
         self.requests.clear()
         self.call("Page.navigate", url="about:blank")
-        self.call("Page.navigate", url=file.resolve().as_uri() + fragment)
-        self.until("document.readyState === 'complete' && document.documentElement.dataset.drawnMs > ''")
-        self.frames()
+        self.call("Page.navigate", url=url)
 
     def frames(self) -> None:
         """Waits until what was asked for is on the screen."""

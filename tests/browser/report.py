@@ -4,8 +4,8 @@
     report.py IIWASIM FOLDER [--hour] [--only CHECK]
 
 IIWASIM is the program; pages and screenshots go to FOLDER. With --hour, an hour of a recording at
-1 kHz, too, which takes 300 MB there while it runs. --only runs one check, by its name. Exit code 1 when a check fails. Needs Chromium and
-what requirements.txt names, next to this file.
+1 kHz, too, which takes 300 MB there while it runs. --only runs one check, by its name. Exit code 1
+when a check fails. Needs Chromium and what requirements.txt names, next to this file.
 """
 
 from __future__ import annotations
@@ -15,38 +15,23 @@ import io
 import json
 import math
 import re
-import socket
 import subprocess
 import time
-import traceback
 from pathlib import Path
 
 import pypdf
 
+from checks import run_checks
 from chromium import Browser
+from rig import Rig
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
-SCENE = "document.getElementById('scene').toDataURL()"
+# What was drawn is gone once it is on the screen.
+SCENE = "(drawScene(), document.getElementById('scene').toDataURL())"
 CLOCK = "parseFloat(document.getElementById('clock').textContent)"
 # A canvas that was read is drawn in another way from then on, so that it is drawn anew and read again.
 READ = "[...document.querySelectorAll('#charts canvas')].map(it => it.toDataURL()).join()"
 CHARTS = f"(() => {{ {READ}; drawCharts(); return {READ} }})()"
-
-
-def free_ports(count: int) -> list[int]:
-    """Ports that nobody has, neither of TCP nor of UDP."""
-    found: list[int] = []
-    while len(found) < count:
-        with socket.socket() as tcp, socket.socket(type=socket.SOCK_DGRAM) as udp:
-            tcp.bind(("127.0.0.1", 0))
-            port = tcp.getsockname()[1]
-            try:
-                udp.bind(("127.0.0.1", port))
-            except OSError:
-                continue
-            if port not in found:
-                found.append(port)
-    return found
 
 
 def many_motions(count: int) -> dict:
@@ -79,35 +64,6 @@ class Pages:
         )
         return done.stdout
 
-    def run_robot(self, program: Path, output: str) -> None:
-        """A program on the simulated robot, at ten times the speed: times are the robot's."""
-        fri, instructions, state, requests, stream = free_ports(5)
-        at = "127.0.0.1:{}".format
-        robot = ["--fri", at(fri), "--instructions", at(instructions), "--state", at(state)]
-        drive = ["--fri", at(fri), "--instructions", at(requests), "--stream", at(stream)]
-        drive += ["--cabinet-instructions", str(instructions), "--cabinet-state", str(state)]
-        noise = ["--noise", "2e-5"]
-        started = [
-            subprocess.Popen([self.program, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            for arguments in (["cabinet", "--speed", "10", *noise, *robot], ["drive", *drive])
-        ]
-        run = ["run", str(program), "-o", output, "--move-to-start=100"]
-        run += ["--drive", at(requests), "--stream", at(stream)]
-        try:
-            # Both take a moment to find each other.
-            for left in reversed(range(20)):
-                time.sleep(0.5)
-                try:
-                    self.iiwasim(*run)
-                    break
-                except subprocess.CalledProcessError:
-                    if left == 0:
-                        raise
-        finally:
-            for process in started:
-                process.terminate()
-                process.wait()
-
     def make(self) -> None:
         for name in ("ten-motions", "appendix-b", "waits-and-stops"):
             self.iiwasim("plan", str(FIXTURES / f"{name}.json"), "-o", f"{name}.mcap")
@@ -117,7 +73,9 @@ class Pages:
         other = ["--timing", "acceleration", "--blend-shape", "alpha", "--rate", "1000"]
         self.iiwasim("plan", program, "-o", "measured.mcap", *other)
         self.iiwasim("report", "appendix-b.mcap", "measured.mcap", "-o", "compared.html")
-        self.run_robot(FIXTURES / "ten-motions.json", "real.mcap")
+        # At ten times the speed: times are the robot's.
+        with Rig(self.program, self.folder, "--speed", "10", "--noise", "2e-5") as rig:
+            rig.run(FIXTURES / "ten-motions.json", "-o", "real.mcap", "--move-to-start=100")
         self.iiwasim("report", "ten-motions.mcap", "real.mcap", "-o", "run.html")
         # The recording holds its program, so that its plan can be beside it.
         self.iiwasim("report", "real.mcap", "-o", "run-alone.html")
@@ -557,27 +515,7 @@ def main() -> None:
     pages.make()
     checks = CHECKS + [an_hour] * options.hour
     checks = [check for check in checks if options.only in (None, check.__name__)]
-    failed = 0
-    figures = []
-    browser = Browser()
-    try:
-        for check in checks:
-            browser.complaints.clear()
-            try:
-                figure = check(browser, pages)
-                assert not browser.complaints, browser.complaints
-                if figure:
-                    figures.append(figure)
-                print(f"ok      {check.__name__}", flush=True)
-            except AssertionError as error:
-                failed += 1
-                line = traceback.extract_tb(error.__traceback__)[-1]
-                print(f"FAILED  {check.__name__}, line {line.lineno}: {error or line.line}", flush=True)
-    finally:
-        browser.close()
-    print("\n".join(figures))
-    print(f"browser: {len(checks) - failed} checks passed, {failed} failed")
-    raise SystemExit(1 if failed else 0)
+    raise SystemExit(run_checks("reports", checks, pages))
 
 
 if __name__ == "__main__":
