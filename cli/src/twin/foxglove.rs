@@ -6,7 +6,7 @@
 //! are, and so it is for this machine unless it is told to listen elsewhere. (A web page in a browser
 //! on this machine can read along, too: that is how the viewers that are web pages do it.)
 //!
-//! They have to speak `foxglove.sdk.v1`, as Foxglove does, and Lichtblick since the end of 2025.
+//! They have to speak `foxglove.sdk.v1`, as Foxglove and newer versions of Lichtblick do.
 
 mod latched;
 mod schema;
@@ -33,12 +33,12 @@ use tokio::{
 use self::latched::{Latched, Late};
 use crate::failure::Failure;
 
-/// Joint states a second that viewers get, at most: more than a screen shows, and a whole part of the
-/// rates that robots send at.
+/// Joint states a second that viewers get, at most: more than a screen shows, and what divides the
+/// usual rates of streams.
 const RATE_HZ: u32 = 100;
 
-/// Messages that wait for a viewer who does not keep up, two seconds of them; then the oldest go. They
-/// take less than a megabyte.
+/// Messages that wait for a viewer who does not keep up, not two seconds of them; then the oldest go.
+/// They take less than a megabyte.
 const BACKLOG: usize = 512;
 
 /// How long viewers have to take their leave. One that reads nothing would take for ever.
@@ -106,7 +106,7 @@ impl Viewers {
             SocketAddr::V4(at) => at.ip().to_string(),
             SocketAddr::V6(at) => format!("[{}]", at.ip()),
         };
-        let late = [&description, &drive_state, &sensors, &inputs_outputs].map(Arc::clone);
+        let late = [&description, &drive_state, &sensors, &inputs_outputs].map(Arc::clone).into();
         let server = context
             .websocket_server()
             .name("iiwasim")
@@ -114,7 +114,7 @@ impl Viewers {
             // Viewers only read.
             .capabilities([])
             .message_backlog_size(BACKLOG)
-            .listener(Arc::new(Late::new(late)));
+            .listener(Arc::new(Late(late)));
         let server = runtime.block_on(server.start()).map_err(|error| refused(at, error))?;
 
         Ok(Self {

@@ -188,3 +188,34 @@ impl Serialize for Transforms<'_> {
         }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_does_not_depend_on_the_one_before() {
+        let mut encoder = Encoder::new(Duration::from_secs(7)).unwrap();
+        let t = Duration::from_millis(1500);
+        let first = encoder.joint_state(t, &[0.5; 7], &[0.25; 7]).unwrap().to_vec();
+        let urdf = "<robot/>".repeat(1000);
+        assert!(encoder.robot_description(&urdf).unwrap().len() > urdf.len());
+        assert_eq!(encoder.joint_state(t, &[0.5; 7], &[0.25; 7]).unwrap(), first);
+
+        let decoded: JointState<'_> = cdr::decode(&first).unwrap();
+        assert_eq!(decoded.header.stamp, Time { sec: 8, nanosec: 500_000_000 });
+        assert_eq!(decoded.position, Joints::from([0.5; 7]));
+        assert_eq!(decoded.velocity, Joints::from([0.25; 7]));
+    }
+
+    #[test]
+    fn a_time_past_2038_is_refused() {
+        let (last, second) = (Duration::from_secs(i32::MAX as u64), Duration::from_secs(1));
+        let error = Encoder::new(last + second).unwrap_err();
+        assert!(matches!(error, WriteError::EpochOutOfRange { .. }), "{error}");
+        let mut encoder = Encoder::new(last).unwrap();
+        assert!(encoder.transforms(Duration::ZERO, &[]).is_ok());
+        let error = encoder.transforms(second, &[]).unwrap_err();
+        assert!(matches!(error, WriteError::StampOutOfRange { .. }), "{error}");
+    }
+}

@@ -36,17 +36,10 @@ impl Latched {
     }
 }
 
-/// Looks after viewers who come late.
-pub(super) struct Late<const N: usize>([Arc<Latched>; N]);
+/// Repeats the last messages of these topics to viewers who come late.
+pub(super) struct Late(pub(super) Vec<Arc<Latched>>);
 
-impl<const N: usize> Late<N> {
-    /// These topics are repeated to them.
-    pub(super) fn new(topics: [Arc<Latched>; N]) -> Self {
-        Self(topics)
-    }
-}
-
-impl<const N: usize> ServerListener for Late<N> {
+impl ServerListener for Late {
     fn on_subscribe(&self, client: Client, channel: ChannelView<'_>) {
         let topic = self.0.iter().find(|topic| topic.channel.id() == channel.id());
         if let (Some(topic), Some(viewer)) = (topic, client.sink_id()) {

@@ -27,7 +27,7 @@ fn listen() -> Viewers {
 
 /// So long after a time of these days.
 fn at(since: Duration) -> SystemTime {
-    UNIX_EPOCH + Duration::from_secs(1_800_000_000) + since
+    UNIX_EPOCH + Duration::from_millis(1_800_000_000_500) + since
 }
 
 fn status() -> Status {
