@@ -5,6 +5,7 @@ mod experiment;
 mod identify;
 mod link;
 mod report;
+mod twin;
 
 use std::{path::PathBuf, time::Duration};
 
@@ -19,6 +20,7 @@ pub(crate) use link::{
     ServerKeys, Status, Stop,
 };
 pub(crate) use report::Report;
+pub(crate) use twin::Twin;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -44,6 +46,7 @@ pub(crate) enum Command {
     Report(Report),
     Identify(Identify),
     Experiment(Experiment),
+    Twin(Twin),
     Record(Record),
     Status(Status),
     Stop(Stop),
@@ -296,4 +299,9 @@ fn epoch(text: &str) -> Result<Duration, String> {
     instant
         .filter(|epoch| *epoch <= last)
         .ok_or_else(|| "an instant from 1970 to 2037 is needed, as 2020-01-01T00:00:00Z".to_owned())
+}
+
+fn millimetres(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value >= 0.0 { Ok(value) } else { Err("a distance cannot be negative".into()) }
 }

@@ -17,3 +17,4 @@ pub(crate) mod schema;
 pub(crate) mod sensors;
 pub(crate) mod status;
 pub(crate) mod stop;
+pub(crate) mod twin;

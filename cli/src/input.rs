@@ -12,6 +12,7 @@ use iiwa_kin::{
 };
 use iiwa_log::JointLog;
 use iiwa_path::Program;
+use iiwa_scene::Scene;
 
 use crate::failure::{Failure, chain};
 
@@ -99,4 +100,11 @@ fn unknown_robot(name: &str, path: &Path) -> String {
         Robot::BUILT_IN.join(" and "),
         path.display()
     )
+}
+
+/// Reads what stands around the arm.
+pub(crate) fn scene(path: &Path) -> Result<Scene, Failure> {
+    let Text { name, text } = Text::read(path)?;
+    Scene::from_json(&text)
+        .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))
 }

@@ -13,13 +13,13 @@ mod figures;
 mod input;
 mod log;
 mod output;
+mod page;
 mod picture;
 mod progress;
 mod report;
 mod runner;
 mod summary;
 mod table;
-#[cfg_attr(not(test), expect(dead_code, reason = "the command that publishes is not there yet"))]
 mod twin;
 
 use std::process::ExitCode;
@@ -46,6 +46,7 @@ fn main() -> ExitCode {
         Command::Run(options) => commands::run::run(&options),
         Command::Record(options) => commands::record::run(&options),
         Command::Status(options) => commands::status::run(&options),
+        Command::Twin(options) => commands::twin::run(&options),
         Command::Stop(options) => commands::stop::run(&options),
         Command::Io(options) => commands::io::run(&options.action),
         Command::Sensors(options) => commands::sensors::run(&options),

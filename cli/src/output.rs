@@ -165,6 +165,11 @@ pub(crate) fn interrupted() -> bool {
     INTERRUPTED.get().is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 
+/// Has everything end that an interrupt would end.
+pub(crate) fn interrupt() {
+    INTERRUPTED.get_or_init(|| AtomicBool::new(false)).store(true, Ordering::Relaxed);
+}
+
 /// Fails once an interrupt has come.
 pub(crate) fn check_interrupt() -> Result<(), Failure> {
     if interrupted() {

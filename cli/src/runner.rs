@@ -161,6 +161,16 @@ pub(crate) fn go_to_start(
         .map_err(|error| connection::failed("the robot did not move to the start", &error))
 }
 
+/// The samples from the start of a run on, each with its time since then.
+pub(crate) fn since_start(measured: &Measured) -> Vec<(Duration, &Joints)> {
+    let Samples { t_s, joints_rad } = &measured.samples;
+    let from_s = measured.start_s.or(t_s.first().copied()).unwrap_or_default();
+    // Stamps are sums: the first sample may come out next to nothing before the start.
+    let since = |t_s: f64| (t_s - from_s > -1e-6).then(|| (t_s - from_s).max(0.0));
+    let time = |t_s: &f64| Duration::try_from_secs_f64(since(*t_s)?).ok();
+    t_s.iter().zip(joints_rad).filter_map(|(t_s, q)| Some((time(t_s)?, q))).collect()
+}
+
 /// What the robot did, as MCAP, with the program that it ran.
 pub(crate) fn recording(
     samples: &[(Duration, &Joints)],

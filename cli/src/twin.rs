@@ -1,3 +1,44 @@
-//! A twin of the robot: what it does, while it does it.
+//! The twin: a page that follows the robot, and has it run programs.
+//!
+//! Two threads ask the drive, one for where the arm is ([`follow`]), one for how it is ([`health`]); a
+//! desk keeps what people do: positions, a plan, a run ([`desk`]). Each of them hands out its newest word
+//! as JSON, and forgets the one before: a page that is slow misses words, and nothing piles up. The
+//! server ([`server`]) passes them on to pages that may come in ([`guard`]), and takes their orders to the
+//! desk.
 
+mod desk;
+mod follow;
+#[cfg_attr(not(test), expect(dead_code, reason = "the twin does not publish to viewers yet"))]
 pub(crate) mod foxglove;
+mod guard;
+mod health;
+mod order;
+mod planned;
+mod run;
+mod server;
+mod setup;
+
+pub(crate) use desk::Desk;
+pub(crate) use follow::{Live, follow};
+pub(crate) use guard::Token;
+pub(crate) use health::watch_health;
+
+pub(crate) use server::{Twin, serve};
+pub(crate) use setup::Setup;
+
+use std::sync::Arc;
+
+use tokio::sync::watch;
+
+/// What is passed on to pages: a JSON object.
+pub(crate) type Word = Arc<str>;
+
+/// Where the newest word is put.
+pub(crate) type Words = watch::Sender<Word>;
+
+/// A word of one kind, as `{"live": ...}`.
+fn word(kind: &str, value: &impl serde::Serialize) -> Word {
+    // Numbers, texts and lists have no way to fail.
+    let value = serde_json::to_string(value).unwrap_or_else(|_| "null".to_owned());
+    format!("{{\"{kind}\":{value}}}").into()
+}

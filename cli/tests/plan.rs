@@ -59,6 +59,8 @@ fn figures_are_as_promised() {
     let indices: Vec<_> = motions.iter().map(|m| m["index"].as_u64().unwrap()).collect();
     assert_eq!(indices, [1, 2, 3, 4, 5, 6, 7, 8]);
     assert_eq!((&motions[2]["type"], &motions[2]["limited_by"]), (&"wait".into(), &().into()));
+    // A wait is at no limit.
+    assert_eq!(motions[2]["limits"], serde_json::json!([]));
     assert_eq!(motions[0]["limited_by"]["joint"], 1);
     assert_eq!(motions[0]["limited_by"]["kind"], "acceleration");
     let blends = figures["blends"].as_array().unwrap();

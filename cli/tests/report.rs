@@ -8,10 +8,10 @@ mod helpers;
 #[path = "common/run.rs"]
 mod run;
 
-use std::{fmt::Write as _, fs};
+use std::{collections::BTreeMap, fmt::Write as _, fs, io::Cursor, time::Duration};
 
 use iiwa_kin::Robot;
-use iiwa_log::{JointLog, Recording};
+use iiwa_log::{JointLog, Recorder, RecorderConfig, Recording};
 use predicates::{
     prelude::PredicateBooleanExt,
     str::{contains, is_empty},
@@ -187,6 +187,89 @@ fn two_files_are_held_against_each_other() {
     assert!((start_s - (leaves_s - departure_s)).abs() < 1e-9);
 }
 
+#[test]
+fn limits_of_a_motion_are_told_where_they_are_narrower() {
+    let folder = plan("waits-and-stops.json");
+    let data = data(&page(&folder, &["plan.mcap"]));
+    let shares = data["shares"].as_object().unwrap();
+    assert_eq!(shares.keys().collect::<Vec<_>>(), ["4", "6", "8"]);
+    let each = |share: f64| Value::from(vec![share; 7]);
+    assert_eq!(shares["4"]["velocity"], each(0.4));
+    assert_eq!(shares["4"]["acceleration"], each(1.0));
+    let mixed = Value::from(vec![1.0, 0.5, 1.0, 0.5, 1.0, 0.5, 1.0]);
+    assert_eq!(shares["6"]["acceleration"], mixed);
+    assert_eq!(shares["8"]["jerk"], each(1.0));
+}
+
+/// What a robot would record that moves as a plan says, with the program that it ran.
+fn recorded(plan: &[u8], program: &str) -> Vec<u8> {
+    let log = JointLog::read(plan).unwrap();
+    let storage = Cursor::new(Vec::new());
+    let mut recorder =
+        Recorder::new(storage, &Robot::default(), RecorderConfig::default()).unwrap();
+    for (t_s, q) in log.t_s.iter().zip(&log.q_rad) {
+        recorder.sample(Duration::from_secs_f64(*t_s), q).unwrap();
+    }
+    let program = ("program.json", "application/json", program.as_bytes());
+    recorder.finish(&BTreeMap::new(), &[program]).unwrap().into_inner()
+}
+
+#[test]
+fn a_recording_alone_is_beside_the_plan_of_its_program() {
+    let folder = plan("waits-and-stops.json");
+    let whole = fs::read(folder.path().join("plan.mcap")).unwrap();
+    let program = fs::read_to_string(fixture("waits-and-stops.json")).unwrap();
+    fs::write(folder.path().join("real.mcap"), recorded(&whole, &program)).unwrap();
+    let with_plan = data(&page(&folder, &["plan.mcap", "real.mcap"]));
+    let html = page(&folder, &["real.mcap"]);
+    assert!(html.contains("<title>real.mcap - iiwasim</title>"));
+    let alone = data(&html);
+    for key in ["pieces", "corners", "shares", "figures", "robot"] {
+        assert_eq!(alone[key], with_plan[key], "{key}");
+    }
+    for key in ["cycle_time", "motions", "joint_deviation", "tcp_deviation"] {
+        let [alone, with_plan] = [&alone, &with_plan].map(|data| &data["compared"]["report"][key]);
+        assert_eq!(alone, with_plan, "{key}");
+    }
+    let roles = |data: &Value| [0, 1].map(|i| data["arms"][i]["role"].clone());
+    assert_eq!(roles(&alone), ["plan", "recording"]);
+    assert_eq!(alone["arms"][1], with_plan["arms"][1]);
+    assert!(alone["notes"].to_string().contains("made for this page"), "{}", alone["notes"]);
+
+    // A program that cannot be planned is no reason not to show the recording.
+    let broken = program.replace("[40, 45", "[400, 45");
+    fs::write(folder.path().join("real.mcap"), recorded(&whole, &broken)).unwrap();
+    let alone = data(&page(&folder, &["real.mcap"]));
+    assert_eq!(alone["arms"].as_array().unwrap().len(), 1);
+    assert!(alone["notes"].to_string().contains("no plan of the program"), "{}", alone["notes"]);
+}
+
+#[test]
+fn what_is_no_plan_beside_its_recording_is_told() {
+    let folder = plan("waits-and-stops.json");
+    let whole = fs::read(folder.path().join("plan.mcap")).unwrap();
+    fs::write(folder.path().join("real.mcap"), recorded(&whole, "{}")).unwrap();
+    iiwasim(&folder, &["report", "real.mcap", "plan.mcap"])
+        .code(2)
+        .stderr(contains("real.mcap is a recording").and(contains("name the plan first")));
+    iiwasim(&folder, &["report", "plan.mcap", "plan.mcap", "-o", "x.html"])
+        .success()
+        .stderr(contains("a plan, too: nothing in it was measured"));
+    iiwasim(&folder, &["report", "real.mcap", "real.mcap", "-o", "x.html"])
+        .success()
+        .stderr(contains("not compared").and(contains("no whole plan")));
+    // Of another robot.
+    let program = fs::read_to_string(fixture("appendix-b.json")).unwrap();
+    let program = program.replace("lbr_iiwa_7_r800", "lbr_iiwa_14_r820");
+    fs::write(folder.path().join("other.json"), program).unwrap();
+    iiwasim(&folder, &["plan", "other.json", "-o", "other.mcap"]).success();
+    for arguments in [["other.mcap", "real.mcap"], ["plan.mcap", "other.mcap"]] {
+        iiwasim(&folder, &[&["report"], &arguments[..]].concat())
+            .code(2)
+            .stderr(contains("robot").and(contains("lbr_iiwa_14_r820")));
+    }
+}
+
 /// `seconds` at `rate_hz` of a joint that goes to and fro once a second; for one sample it is elsewhere.
 fn csv(seconds: u32, rate_hz: u32) -> String {
     let mut text = String::from("t_s,q1,q2,q3,q4,q5,q6,q7\n");
@@ -242,7 +325,7 @@ fn a_file_that_is_cut_off_is_shown_up_to_its_break() {
     let log = JointLog::read(&whole[..whole.len() * 2 / 3]).unwrap();
     assert_eq!(data["arms"][0]["samples"], log.t_s.len());
     assert_eq!(data["arms"][0]["end_s"], *log.t_s.last().unwrap());
-    assert_eq!(data["arms"][0]["role"], "recording");
+    assert_eq!(data["arms"][0]["role"], "part");
     assert!(!data["pieces"].as_array().unwrap().is_empty());
 
     // Held against the whole plan, both are shown, and why there are no errors.
@@ -277,6 +360,9 @@ fn what_cannot_be_shown_is_refused() {
             assert!(message.contains(words), "{file}: {message}");
         }
     }
+    // A page that cannot be written is no fault of the input.
+    iiwasim(&folder, &["report", "plan.mcap", "-o", "none/x.html"]).code(1);
+    iiwasim(&folder, &["report", "."]).code(2).stderr(contains("is a directory"));
     let over = ["report", "plan.mcap", "-o", "plan.mcap"];
     iiwasim(&folder, &over).code(2).stderr(contains("written over"));
     assert_eq!(fs::read(folder.path().join("plan.mcap")).unwrap(), whole);

@@ -13,7 +13,8 @@ use super::EXIT_CODES;
 /// jerk of the joints next to their limits; when each motion runs and what limits it. With a second
 /// file, both arms and the errors that `iiwasim compare` finds.
 ///
-/// A recording has no motions: then the page has what there is. Of a file that is cut off, the page
+/// A recording of `iiwasim run` holds its program: alone, it is shown beside the plan of that. Other
+/// recordings have no motions: then the page has what there is. Of a file that is cut off, the page
 /// has all up to the break, and says so. Long files are thinned out for the screen: each column of a
 /// curve spans from its lowest to its highest value.
 #[derive(Args, Debug)]

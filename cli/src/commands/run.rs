@@ -3,14 +3,10 @@
 use std::{
     fmt::Write as _,
     path::{Path as FilePath, PathBuf},
-    time::Duration,
 };
 
-use iiwa_kin::{Joints, Robot};
-use iiwa_link::{
-    ClientError, TimedJoints,
-    message::{Run as Measured, Samples},
-};
+use iiwa_kin::Robot;
+use iiwa_link::{ClientError, TimedJoints, message::Run as Measured};
 use iiwa_path::{Path, Program};
 use iiwa_traj::{Timing, Trajectory};
 use serde::Serialize;
@@ -22,7 +18,7 @@ use crate::{
     figures::Figures,
     input::{self, Text},
     output::{self, Output},
-    runner::{Line, Task, go_to_start, recording, watch},
+    runner::{Line, Task, go_to_start, recording, since_start, watch},
     table,
 };
 
@@ -126,16 +122,6 @@ fn sampled(plan: &Trajectory) -> TimedJoints {
         .collect();
     let joints_rad = t_s.iter().map(|t_s| plan.at(*t_s).q).collect();
     TimedJoints { t_s, joints_rad }
-}
-
-/// The samples from the start of a run on, each with its time since then.
-fn since_start(measured: &Measured) -> Vec<(Duration, &Joints)> {
-    let Samples { t_s, joints_rad } = &measured.samples;
-    let from_s = measured.start_s.or(t_s.first().copied()).unwrap_or_default();
-    // Stamps are sums: the first sample may come out next to nothing before the start.
-    let since = |t_s: f64| (t_s - from_s > -1e-6).then(|| (t_s - from_s).max(0.0));
-    let time = |t_s: &f64| Duration::try_from_secs_f64(since(*t_s)?).ok();
-    t_s.iter().zip(joints_rad).filter_map(|(t_s, q)| Some((time(t_s)?, q))).collect()
 }
 
 /// The `--json` object.

@@ -6,7 +6,6 @@ const QUANTITIES = [
   { key: "acceleration", title: "Acceleration", unit: "deg/s\u00b2", limit: "acceleration_rad_s2" },
   { key: "jerk", title: "Jerk", unit: "deg/s\u00b3", limit: "jerk_rad_s3" },
 ];
-const DEG = 180 / Math.PI;
 /** Left and right of the curves, in px. */
 const LEFT = 52;
 const RIGHT = 8;
@@ -116,7 +115,26 @@ function axes(context, size, window_, range, theme, withTimes) {
   return { x, y, left, right, top, bottom };
 }
 
-/** One quantity of all joints. `state` is shared: the window of time, which joints, the units. */
+/** From when to when motions have limits of their own: shares of the robot's, one a joint. */
+function ownLimits(key) {
+  const runs = [];
+  for (const { motion, start_s, end_s } of report.pieces) {
+    const shares = report.shares[motion]?.[key];
+    if (!shares || shares.every((share) => share === 1)) continue;
+    const last = runs[runs.length - 1];
+    // Neighbours with the same limits have one band.
+    if (last && last.to === start_s && last.shares.every((share, j) => share === shares[j])) last.to = end_s;
+    else runs.push({ from: start_s, to: end_s, shares });
+  }
+  return runs;
+}
+for (const quantity of QUANTITIES) quantity.own = ownLimits(quantity.key);
+
+/** What of a quantity is drawn, in per cent of the limits: more would flatten all else. */
+const MOST_PERCENT = 300;
+
+/** One quantity of all joints; tells the largest value there is. `state` is shared: the window of time,
+    which joints, the units. */
 function drawQuantity(canvas, quantity, state, theme, withTimes) {
   const size = cleared(canvas);
   const { context } = size;
@@ -136,7 +154,8 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
       }
     }
   }
-  most = Math.min(most, state.percent ? 300 : Infinity) || 1;
+  const largest = most / 1.06;
+  most = Math.min(most, state.percent ? MOST_PERCENT : Infinity) || 1;
   const axis = axes(context, size, state.window, [-most, most], theme, withTimes);
   const { x, y, left, right, top, bottom } = axis;
 
@@ -161,6 +180,28 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
       context.stroke();
     }
   }
+  // The motion's own limits: likewise, from its start to its end.
+  context.setLineDash([2, 3]);
+  for (const { from, to, shares } of quantity.own) {
+    const [a, b] = [Math.max(x(from), left), Math.min(x(to), right)];
+    if (a >= b) continue;
+    const own = (j) => shares[j] * (state.percent ? 100 : limits[j] * DEG);
+    const widest = Math.max(...shown.map(own), 0);
+    context.fillStyle = theme.own;
+    context.fillRect(a, y(farthest), b - a, y(widest) - y(farthest));
+    context.fillRect(a, y(-widest), b - a, y(-farthest) - y(-widest));
+    const same = state.percent && shown.every((j) => shares[j] === shares[shown[0]]);
+    for (const j of same ? shown.slice(0, 1) : shown.filter((k) => shares[k] < 1)) {
+      context.strokeStyle = same ? theme.blend : theme.joints[j];
+      for (const sign of [-1, 1]) {
+        const at = Math.round(y(sign * own(j))) + 0.5;
+        context.beginPath();
+        context.moveTo(a, at);
+        context.lineTo(b, at);
+        context.stroke();
+      }
+    }
+  }
   context.setLineDash([]);
   context.lineJoin = "round";
   report.arms.forEach((arm, index) => {
@@ -181,6 +222,7 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
     context.textAlign = "center";
     context.fillText("the file does not tell", (left + right) / 2, (top + bottom) / 2);
   }
+  return largest;
 }
 
 /** How far the recording is off the plan's path, over the plan's time. */
@@ -240,12 +282,14 @@ function drawTimeline(canvas, state, theme) {
       context.restore();
     }
     const before = report.pieces[i - 1];
-    if ((!before || before.motion !== piece.motion) && a > labelled + 16) {
+    const at = Math.max(a, left);
+    if ((!before || before.motion !== piece.motion) && at > labelled) {
+      const text = `${piece.motion}`;
       context.fillStyle = theme.soft;
       context.textAlign = "left";
       context.textBaseline = "top";
-      context.fillText(`${piece.motion}`, Math.max(a, left), bottom + 4);
-      labelled = a;
+      context.fillText(text, at, bottom + 4);
+      labelled = at + context.measureText(text).width + 4;
     }
   }
   context.restore();

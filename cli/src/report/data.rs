@@ -1,25 +1,29 @@
 //! All that the page shows, as it is in the page.
 
-use std::path::Path;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 use iiwa_eval::{Comparison, Plan};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::Loss;
-use iiwa_path::{Blend, Motion, Program};
+use iiwa_path::{Blend, Motion, Ptp};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::{
     commands::compare,
     failure::{Failure, chain},
-    input,
+    page::Poses,
 };
 
 use super::{
-    curve::{Curve, Poses},
+    attached,
+    curve::Curve,
     measured::Measured,
     planned::Planned,
-    source::{Piece, Source},
+    source::{Piece, Role, Source},
 };
 
 /// Everything on the page.
@@ -31,11 +35,16 @@ pub(crate) struct Page {
     /// Lines, blends, settles and waits, in the order of time.
     pieces: Vec<Piece>,
     corners: Vec<Corner>,
+    /// Of the motions that have any below 1; motions count from 1.
+    shares: BTreeMap<usize, Shares>,
     /// As `iiwasim plan --json` has them.
     figures: Map<String, Value>,
     compared: Option<Compared>,
     /// What is missing or taken for granted, for people.
     notes: Vec<String>,
+    /// The files' names.
+    #[serde(skip)]
+    title: String,
 }
 
 /// The robot: what it looks like, how it moves, and how far it may go.
@@ -54,8 +63,7 @@ struct Model {
 /// What one file says of the arm. Times are in s of the page.
 #[derive(Debug, Serialize)]
 struct Arm {
-    /// `plan` or `recording`.
-    role: &'static str,
+    role: Role,
     file: String,
     start_s: f64,
     end_s: f64,
@@ -70,6 +78,24 @@ struct Arm {
     method: String,
 }
 
+/// A page without curves.
+#[derive(Serialize)]
+struct Sketch<'a> {
+    arms: Vec<Outline<'a>>,
+    pieces: &'a [Piece],
+    corners: &'a [Corner],
+    compared: Option<&'a compare::Report>,
+    notes: &'a [String],
+}
+
+/// An arm without curves.
+#[derive(Serialize)]
+struct Outline<'a> {
+    start_s: &'a f64,
+    end_s: &'a f64,
+    poses: &'a Poses,
+}
+
 /// A target that is blended away.
 #[derive(Debug, Serialize)]
 struct Corner {
@@ -78,6 +104,14 @@ struct Corner {
     target_m: [f64; 3],
     /// Of the sphere; none if the blend is a share of its neighbours.
     radius_m: Option<f64>,
+}
+
+/// A motion's shares of the robot's limits.
+#[derive(Debug, Serialize)]
+struct Shares {
+    velocity: Joints,
+    acceleration: Joints,
+    jerk: Joints,
 }
 
 /// A recording held against a plan.
@@ -106,11 +140,20 @@ impl Page {
     ) -> Result<Self, Failure> {
         let first = Source::read(file)?;
         let second = measured.map(Source::read).transpose()?;
+        swapped(&first, second.as_ref())?;
         let (robot, assumed) = first.robot(robot)?;
         first.check(&robot)?;
+        let title = match &second {
+            None => first.file.clone(),
+            Some(second) => format!("{} and {}", first.file, second.file),
+        };
         let mut notes: Vec<String> = assumed.into_iter().collect();
+        let (first, second) = match second {
+            None => beside_its_plan(first, &robot, &mut notes)?,
+            second => (first, second),
+        };
         notes.extend(first.losses());
-        if !first.is_plan() && !first.pieces.is_empty() {
+        if first.role() == Role::Part {
             notes.push(format!(
                 "{}: a plan without the end of its file: its motions and limits up to there",
                 first.name
@@ -121,11 +164,14 @@ impl Page {
         let mut arms = vec![Arm::new(&first, from_start(&first))];
         if let Some(second) = &second {
             second.check(&robot)?;
-            let gap = |loss: &&Loss| matches!(loss, Loss::Gap { .. });
-            if second.log.losses.iter().any(|loss| !gap(&loss)) {
+            if second.role() != Role::Recording {
+                notes.push(format!("{}: a plan, too: nothing in it was measured", second.name));
+            }
+            let gap = |loss: &Loss| matches!(loss, Loss::Gap { .. });
+            if !second.log.losses.iter().all(gap) {
                 notes.extend(second.losses());
             }
-            let shift_s = match comparison(file, &first, second, &robot) {
+            let shift_s = match comparison(&first, second, &robot) {
                 Ok((report, shift_s)) => {
                     compared = Some(report);
                     shift_s
@@ -137,14 +183,18 @@ impl Page {
             };
             arms.push(Arm::new(second, shift_s));
         }
+        let program = first.program();
+        let motions = program.as_ref().map_or(&[][..], |program| &program.motions);
         Ok(Self {
             robot: Model::from(&robot),
             arms,
-            corners: corners(&first, &robot),
+            corners: corners(&first.pieces, motions, &robot),
+            shares: shares(motions),
             pieces: first.pieces,
             figures: first.figures,
             compared,
             notes,
+            title,
         })
     }
 
@@ -153,10 +203,64 @@ impl Page {
         &self.notes
     }
 
+    /// What the 3D view needs of all this.
+    pub(crate) fn sketch(&self) -> impl Serialize + use<'_> {
+        Sketch {
+            arms: self
+                .arms
+                .iter()
+                .map(|Arm { start_s, end_s, poses, .. }| Outline { start_s, end_s, poses })
+                .collect(),
+            pieces: &self.pieces,
+            corners: &self.corners,
+            compared: self.compared.as_ref().map(|compared| &compared.report),
+            notes: &self.notes,
+        }
+    }
+
     /// The files' names.
-    pub(crate) fn title(&self) -> String {
-        let files: Vec<_> = self.arms.iter().map(|arm| arm.file.as_str()).collect();
-        files.join(" and ")
+    pub(crate) fn title(&self) -> &str {
+        &self.title
+    }
+}
+
+/// Refuses a plan behind a recording: the page would tell all of it the wrong way round.
+fn swapped(first: &Source, second: Option<&Source>) -> Result<(), Failure> {
+    match second {
+        Some(second) if first.role() == Role::Recording && second.role() != Role::Recording => {
+            Err(Failure::input(format!(
+                "{} is a recording and {} a plan: name the plan first",
+                first.name, second.name
+            )))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A file that is shown alone; if it is a recording that holds its program, the plan of that, and the
+/// recording beside it.
+fn beside_its_plan(
+    alone: Source,
+    robot: &Robot,
+    notes: &mut Vec<String>,
+) -> Result<(Source, Option<Source>), Failure> {
+    match attached::plan(&alone, robot) {
+        None => Ok((alone, None)),
+        Some(Ok(plan)) => {
+            notes.push(format!(
+                "{}: the plan beside it was made for this page, of the program that the recording \
+                 holds, with limits of jerk",
+                alone.name
+            ));
+            Ok((plan, Some(alone)))
+        }
+        // The recording can be shown all the same.
+        Some(Err(failure @ Failure::Input(_))) => {
+            let why = failure.what();
+            notes.push(format!("{}: no plan of the program that it holds: {why}", alone.name));
+            Ok((alone, None))
+        }
+        Some(Err(failure)) => Err(failure),
     }
 }
 
@@ -166,17 +270,12 @@ fn from_start(source: &Source) -> f64 {
 }
 
 /// The recording held against the plan, and what takes its times to the plan's; or why not.
-fn comparison(
-    file: &Path,
-    first: &Source,
-    second: &Source,
-    robot: &Robot,
-) -> Result<(Compared, f64), String> {
+fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compared, f64), String> {
     let not = |why: String| format!("not compared, both start at 0: {why}");
-    if !first.is_plan() {
+    if first.role() != Role::Plan {
         return Err(not(format!("{} is no whole plan", first.name)));
     }
-    let stream = input::open(file).map_err(|failure| not(failure.what()))?;
+    let stream = first.open().map_err(|failure| not(failure.what()))?;
     let plan = Plan::read_mcap(stream, Some(robot.clone())).map_err(|error| not(chain(&error)))?;
     let comparison: Comparison = iiwa_eval::compare(&plan, &second.log)
         .map_err(|error| not(format!("{}: {}", second.name, chain(&error))))?;
@@ -192,14 +291,26 @@ fn comparison(
     Ok((compared, start_s - comparison.departure_s))
 }
 
-/// The targets that are blended away, of a plan that holds its program.
-fn corners(source: &Source, robot: &Robot) -> Vec<Corner> {
-    let program = source.log.program.as_deref().and_then(|text| Program::from_json(text).ok());
-    let motions = program.map(|program| program.motions).unwrap_or_default();
-    let blended = |motion: usize| {
-        let piece = |piece: &Piece| piece.kind == "blend" && piece.motion as usize == motion + 1;
-        source.pieces.iter().any(piece)
+/// The motions with limits of their own, each with its number.
+fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
+    let own = |(index, motion): (usize, &Motion)| {
+        let Motion::Ptp(Ptp { velocity_rel, acceleration_rel, jerk_rel, .. }) = motion else {
+            return None;
+        };
+        let [velocity, acceleration, jerk] = [*velocity_rel, *acceleration_rel, *jerk_rel];
+        let narrower = [velocity, acceleration, jerk].iter().flatten().any(|share| *share < 1.0);
+        narrower.then_some((index + 1, Shares { velocity, acceleration, jerk }))
     };
+    motions.iter().enumerate().filter_map(own).collect()
+}
+
+/// The targets that are blended away.
+fn corners(pieces: &[Piece], motions: &[Motion], robot: &Robot) -> Vec<Corner> {
+    let blended: BTreeSet<usize> = pieces
+        .iter()
+        .filter(|piece| piece.kind == "blend")
+        .map(|piece| piece.motion as usize)
+        .collect();
     let corner = |(index, motion): (usize, &Motion)| {
         let Motion::Ptp(ptp) = motion else { return None };
         let radius_m = match ptp.blend? {
@@ -207,7 +318,7 @@ fn corners(source: &Source, robot: &Robot) -> Vec<Corner> {
             _ => None,
         };
         // A blend belongs to the motion that it leads into.
-        blended(index + 1).then(|| Corner {
+        blended.contains(&(index + 2)).then(|| Corner {
             motion: index + 1,
             target_m: robot.tcp_position(&ptp.target_rad),
             radius_m,
@@ -221,7 +332,8 @@ impl Arm {
         let log = &source.log;
         let times = |t_s: Option<&f64>| t_s.map_or(0.0, |t_s| t_s + shift_s);
         let (start_s, end_s) = (times(log.t_s.first()), times(log.t_s.last()));
-        let (role, poses, curves, method) = if source.is_plan() {
+        let role = source.role();
+        let (poses, curves, method) = if role == Role::Plan {
             let smooth =
                 source.figures.get("timing").and_then(Value::as_str) != Some("acceleration");
             let Planned { position, velocity, acceleration, jerk } =
@@ -232,16 +344,22 @@ impl Arm {
             } else {
                 "from the nodes of the trajectory; planned without limits of jerk: acceleration jumps"
             };
-            ("plan", poses, [position, velocity, acceleration, jerk], method.to_owned())
+            (poses, [position, velocity, acceleration, jerk], method.to_owned())
         } else {
             let Measured { position, velocity, acceleration, jerk, half_s } = Measured::new(log);
-            let method = format!(
-                "velocity, acceleration and jerk are those of the best cubic over {:.0} ms: shorter \
-                 peaks are lower here than they were",
-                2e3 * half_s
-            );
+            let window_ms = 2e3 * half_s;
+            let method = if velocity.rows.is_empty() {
+                format!(
+                    "shorter than {window_ms:.0} ms, too short for velocity, acceleration and jerk"
+                )
+            } else {
+                format!(
+                    "velocity, acceleration and jerk are those of the best cubic over \
+                     {window_ms:.0} ms: shorter peaks are lower here than they were"
+                )
+            };
             let poses = Poses::new(&log.t_s, &log.q_rad, shift_s);
-            ("recording", poses, [position, velocity, acceleration, jerk], method)
+            (poses, [position, velocity, acceleration, jerk], method)
         };
         let [position, velocity, acceleration, jerk] =
             curves.map(|samples| Curve::new(&samples, shift_s));

@@ -1,17 +1,9 @@
 // The page: what is shown when, and what its buttons do.
 
-const $ = (id) => document.getElementById(id);
-
-/** An element with a text, and of a class. */
-function element(tag, text = "", kind = "") {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  if (kind) made.className = kind;
-  return made;
-}
-
 const [first, second] = report.arms;
 const isPlan = first.role === "plan";
+/** What an arm is called where both are shown. */
+const called = (arm) => (arm.role === "recording" ? "measured" : arm === second ? "other plan" : "plan");
 /** At first the page shows the plan, or everything there is. */
 const whole = isPlan ? { from: first.start_s, to: Math.max(first.end_s, first.start_s + 1e-3) } : { from: startS, to: endS };
 const state = {
@@ -25,19 +17,17 @@ const state = {
 
 // ---- the head of the page
 
-function figure(list, name, text) {
-  const group = element("div");
-  group.append(element("dt", name), element("dd", text));
-  list.append(group);
-}
-
 function writeHead() {
   const { figures } = report;
   const seconds = (value) => `${number(value, 3)} s`;
   const arm = (it) => `${it.samples} samples${it.rate_hz ? `, ${number(it.rate_hz, 0)} Hz` : ""}`;
-  $("summary").textContent = isPlan
-    ? `Plan for ${report.robot.name}${figures.timing === "acceleration" ? ", limits of velocity and acceleration" : ", limits of velocity, acceleration and jerk"}`
-    : `Recording of ${report.robot.name}: ${arm(first)}`;
+  const summary = {
+    plan: `Plan for ${report.robot.name}, limits of velocity${figures.timing === "acceleration" ? " and acceleration" : ", acceleration and jerk"}`,
+    part: `Part of a plan for ${report.robot.name}: ${arm(first)}`,
+    recording: `Recording of ${report.robot.name}: ${arm(first)}`,
+  };
+  const beside = second ? `; ${called(second)}: ${arm(second)}` : "";
+  $("summary").textContent = summary[first.role] + beside;
   const list = $("figures");
   if (figures.cycle_time_s !== undefined) figure(list, "Cycle time", seconds(Number(figures.cycle_time_s)));
   else figure(list, "Duration", seconds(first.end_s - first.start_s));
@@ -57,48 +47,26 @@ function writeHead() {
     const thinned = columns > 1 ? `; thinned out: each column spans from the lowest to the highest of ${columns} samples` : "";
     return `${it.file}: ${it.method}${thinned}.`;
   });
-  if (second) methods.unshift("Broad and pale is the plan, thin what was measured.");
+  if (second) methods.unshift(`Broad and pale: ${first.file}; thin: ${second.file}.`);
   $("method").textContent = methods.join(" ");
   const assumed = report.robot.assumptions.filter((text) => !text.startsWith("masses"));
   $("footer").textContent = `${report.robot.name}. Made by iiwasim report.`
     + (assumed.length ? ` Assumed, not from a source: ${assumed.join("; ")}.` : "");
 }
 
-// ---- colours
-
-/** The page's colours: as CSS has them for canvases, or as three numbers for the 3D view. */
-function theme() {
-  const style = getComputedStyle(document.documentElement);
-  const css = (name) => style.getPropertyValue(`--${name}`).trim();
-  const names = ["paper", "ground", "ink", "soft", "rule", "accent", "line", "blend", "settle", "wait", "measured", "beyond"];
-  const flat = Object.fromEntries(names.map((name) => [name, css(name)]));
-  flat.joints = Array.from({ length: 7 }, (_, j) => css(`a${j + 1}`));
-  const solid = Object.fromEntries(names.filter((name) => flat[name].startsWith("#"))
-    .map((name) => [name, [1, 3, 5].map((i) => parseInt(flat[name].slice(i, i + 2), 16) / 255)]));
-  solid.shadow = Number(css("shadow"));
-  return { flat, solid };
-}
-
 // ---- the 3D view
 
 /** What is drawn of the ways: the plan's by its pieces, the recording's beside it. */
 function ways() {
-  const kinds = (times, usual) => times.map((t) => {
-    const piece = report.pieces.length > 0 && pieceAt(t - 1e-6);
-    return piece && piece.kind === "blend" ? "blend" : usual;
-  });
-  const planned = flangePath(first);
-  const all = [{ places: planned.places, kinds: kinds(planned.times, "line"), width: 3.5 }];
-  if (second) {
-    const measured = flangePath(second, whole.from - 1, whole.to + 1);
-    all.push({ places: measured.places, kinds: measured.times.map(() => "measured"), width: 1.8 });
-  }
+  const all = [wayOf(first, report.pieces, "line", second ? 6 : 3.5)];
+  if (second) all.push(wayOf(second, [], "measured", 1.8, whole.from - 1, whole.to + 1));
   return all;
 }
 
 let scene = null;
 try {
-  scene = makeScene($("scene"), ways(), report.corners);
+  scene = makeScene($("scene"));
+  scene?.fill({ ways: ways(), corners: report.corners });
 } catch (error) {
   console.warn(error);
 }
@@ -108,29 +76,27 @@ if (!scene) {
 
 function drawScene() {
   if (!scene) return;
-  const arms = report.arms.map((arm, i) => ({ q: jointsAt(arm, state.time), ghost: Boolean(second) && i === 0 }));
+  const arms = report.arms.map((arm, i) => ({ q: jointsAt(arm, state.time), ghost: second && i === 0 ? "accent" : null }));
   scene.show(arms);
-}
-
-function legend(target, entries) {
-  target.replaceChildren(...entries.map(([colour, text]) => {
-    const entry = element("span");
-    const swatch = element("i", "", "swatch");
-    swatch.style.background = `var(--${colour})`;
-    entry.append(swatch, text);
-    return entry;
-  }));
 }
 
 function writeLegends() {
   const parts = report.pieces.length ? [["line", "lines"]] : [["line", "way of the flange"]];
-  if (report.pieces.some((piece) => piece.kind === "blend")) parts.push(["blend", report.corners.some((corner) => corner.radius_m) ? "blends, their targets and spheres" : "blends and their targets"]);
-  if (second) parts.push(["accent", `see-through arm: ${first.role}`], ["measured", "solid arm and thin line: measured"]);
+  if (report.pieces.some((piece) => piece.kind === "blend")) {
+    const marks = ["from where they begin to where they end"];
+    if (report.corners.length) marks.push("dots: their targets");
+    if (report.corners.some((corner) => corner.radius_m)) marks.push("spheres: their radii");
+    parts.push(["blend", `blends, ${marks.join("; ")}`]);
+  }
+  if (second) parts.push(["accent", `see-through arm: ${called(first)}`], ["measured", `solid arm and thin line: ${called(second)}`]);
   if (scene) legend($("legend"), parts);
   const kinds = [["line", "line"], ["blend", "blend"], ["settle", "settling"], ["wait", "waiting"]];
   const there = new Set(report.pieces.map((piece) => piece.kind));
   legend($("kinds"), kinds.filter(([kind]) => there.has(kind)));
   document.querySelector(".track").hidden = report.pieces.length === 0;
+  const bands = [["beyond", "beyond the robot's limits"]];
+  if (Object.keys(report.shares).length) bands.push(["own", "beyond the motion's own limits, if narrower"]);
+  legend($("bands"), bands);
 }
 
 // ---- curves
@@ -153,8 +119,9 @@ const charts = QUANTITIES.filter(({ key }) => report.arms.some((arm) => arm[key]
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", `${quantity.title} of the joints over time`);
   const draw = (colours) => {
-    title.textContent = `${quantity.title}, ${state.percent ? "% of the limit" : quantity.unit}`;
-    drawQuantity(canvas, quantity, state, colours, last);
+    const largest = drawQuantity(canvas, quantity, state, colours, last);
+    const beyond = state.percent && largest > MOST_PERCENT ? `, up to ${number(largest, 0)}, drawn up to ${MOST_PERCENT}` : "";
+    title.textContent = `${quantity.title}, ${state.percent ? "% of the limit" : quantity.unit}${beyond}`;
   };
   return { canvas, draw };
 });
@@ -200,7 +167,7 @@ function writeNowTable() {
   for (const arm of report.arms) {
     const row = element("tr");
     const places = [element("td"), element("td"), element("td")];
-    row.append(element("td", arm === second || !isPlan ? "measured" : "plan"), ...places);
+    row.append(element("td", called(arm)), ...places);
     $("flange").append(row);
     cells.flange.push(places);
   }
@@ -254,16 +221,21 @@ function writeMotions() {
   $("motions").hidden = false;
   const measured = report.compared ? new Map(report.compared.report.motions.map((row) => [row.index, row])) : null;
   const head = element("tr");
-  const columns = ["motion", "type", "start s", "end s", "duration s", "top speed %"];
-  if (measured) columns.push("real s", "error s", "error %");
-  for (const name of columns) head.append(element("th", name, name === "type" ? "word" : ""));
-  head.append(element("th", "limited by", "word"));
+  const names = ["motion", "type", "start s", "end s", "duration s", "top speed %"];
+  if (measured) names.push("real s", "error s", "error %");
+  names.push("limited by");
+  for (const name of names) head.append(element("th", name, name === "type" || name === "limited by" ? "word" : ""));
   const headed = element("thead");
   headed.append(head);
   const body = element("tbody");
   for (const motion of rows.slice(0, SHOWN)) {
     const row = element("tr");
-    const add = (text, kind) => row.append(element("td", text, kind));
+    // On a phone, each cell says itself what it is.
+    const add = (text, kind) => {
+      const cell = element("td", text, kind);
+      cell.dataset.name = names[row.children.length];
+      row.append(cell);
+    };
     add(motion.index);
     add(motion.type, "word");
     for (const value of [motion.start_s, motion.end_s, motion.end_s - motion.start_s]) add(number(value, 3));
@@ -426,40 +398,7 @@ function listen() {
   }
 
   if (scene) {
-    const canvas = $("scene");
-    const fingers = new Map();
-    const apart = () => {
-      const [a, b] = [...fingers.values()];
-      return Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
-    };
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      fingers.set(event.pointerId, event);
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      const before = fingers.get(event.pointerId);
-      if (!before) return;
-      const spread = fingers.size === 2 ? apart() : 0;
-      fingers.set(event.pointerId, event);
-      if (fingers.size === 2) scene.turn(0, 0, apart() / Math.max(spread, 1));
-      else scene.turn((before.clientX - event.clientX) / 160, (event.clientY - before.clientY) / 160);
-      update();
-    });
-    for (const end of ["pointerup", "pointercancel"]) {
-      canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
-    }
-    canvas.addEventListener("wheel", (event) => {
-      event.preventDefault();
-      scene.turn(0, 0, Math.exp(-event.deltaY / 600));
-      update();
-    }, { passive: false });
-    canvas.addEventListener("keydown", (event) => {
-      const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1], "+": [0, 0, 1.15], "-": [0, 0, 1 / 1.15] };
-      if (!turns[event.key]) return;
-      event.preventDefault();
-      scene.turn(...turns[event.key]);
-      update();
-    });
+    makeTurnable($("scene"), scene, update);
     $("look").addEventListener("click", () => { scene.reset(); update(); });
   } else {
     $("look")?.remove();

@@ -1,9 +1,14 @@
 //! What a file has for the page.
 
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::BTreeMap,
+    io::{Cursor, Read},
+    path::{Path, PathBuf},
+};
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{Entry, JointLog, Loss, Reader, Source as Format, Topic};
+use iiwa_path::Program;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -27,6 +32,27 @@ pub(crate) struct Source {
     pub(crate) pieces: Vec<Piece>,
     /// The figures of a plan, as `iiwasim plan --json` has them.
     pub(crate) figures: Map<String, Value>,
+    content: Content,
+}
+
+/// Where a file's bytes are.
+#[derive(Debug)]
+enum Content {
+    Stored(PathBuf),
+    /// It was made for the page.
+    Made(Vec<u8>),
+}
+
+/// What a file says of the arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Role {
+    /// What it is to do.
+    Plan,
+    /// The same, without the end of the file: no trajectory, no figures.
+    Part,
+    /// What it did.
+    Recording,
 }
 
 /// A node of a trajectory, in rad and s.
@@ -54,31 +80,65 @@ pub(crate) struct Piece {
 impl Source {
     /// Reads a file, as far as it is whole.
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
-        let mut source = Self {
+        Self {
             name: path.display().to_string(),
             file: path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
             log: input::recording(path)?,
             nodes: Vec::new(),
             pieces: Vec::new(),
             figures: Map::new(),
-        };
-        if source.log.source == Some(Format::Mcap) {
-            source.read_plan(path)?;
+            content: Content::Stored(path.to_owned()),
         }
-        Ok(source)
+        .with_plan()
     }
 
-    /// Whether it is a plan, all of it.
-    pub(crate) fn is_plan(&self) -> bool {
-        self.nodes.len() > 1 && !self.pieces.is_empty()
+    /// Takes an MCAP file that was made for the page, under a name for people.
+    pub(crate) fn made(name: &str, content: Vec<u8>) -> Result<Self, Failure> {
+        let log = JointLog::read(content.as_slice())
+            .map_err(|error| Failure::input(format!("{name}: {}", chain(&error))))?;
+        Self {
+            name: name.to_owned(),
+            file: name.to_owned(),
+            log,
+            nodes: Vec::new(),
+            pieces: Vec::new(),
+            figures: Map::new(),
+            content: Content::Made(content),
+        }
+        .with_plan()
+    }
+
+    /// The file from its start.
+    pub(crate) fn open(&self) -> Result<Box<dyn Read + '_>, Failure> {
+        Ok(match &self.content {
+            Content::Stored(path) => Box::new(input::open(path)?),
+            Content::Made(bytes) => Box::new(Cursor::new(bytes)),
+        })
+    }
+
+    pub(crate) fn role(&self) -> Role {
+        match (self.nodes.len(), self.pieces.is_empty()) {
+            (2.., false) => Role::Plan,
+            (_, false) => Role::Part,
+            (_, true) => Role::Recording,
+        }
+    }
+
+    /// The program that the file holds, if it can be read.
+    pub(crate) fn program(&self) -> Option<Program> {
+        self.log.program.as_deref().and_then(|text| Program::from_json(text).ok())
     }
 
     /// What a plan has beside joint states, up to where the file breaks off: the joint states have
     /// told that it does.
-    fn read_plan(&mut self, path: &Path) -> Result<(), Failure> {
+    fn with_plan(self) -> Result<Self, Failure> {
+        if self.log.source != Some(Format::Mcap) {
+            return Ok(self);
+        }
         let topics = [Topic::JointTrajectory, Topic::Motion];
+        let (mut nodes, mut pieces) = (Vec::<Node>::new(), Vec::<Piece>::new());
         let mut metadata = BTreeMap::new();
-        for entry in Reader::new(input::open(path)?).only(&topics) {
+        for entry in Reader::new(self.open()?).only(&topics) {
             let entry = match entry {
                 Ok(entry) => entry,
                 Err(_) if self.broken_off() => break,
@@ -89,20 +149,20 @@ impl Source {
             match entry {
                 Entry::Trajectory { t_s, points } => {
                     // A part of a long trajectory begins with the last point of the part before.
-                    let last_s = self.nodes.last().map_or(f64::NEG_INFINITY, |last| last.t_s);
-                    let nodes = points.iter().map(|point| Node {
+                    let last_s = nodes.last().map_or(f64::NEG_INFINITY, |last| last.t_s);
+                    let more = points.iter().map(|point| Node {
                         t_s: t_s + point.time_from_start.as_secs_f64(),
                         q: point.positions,
                         dq: point.velocities,
                         ddq: point.accelerations,
                     });
-                    self.nodes.extend(nodes.filter(|node| node.t_s > last_s + 1e-10));
+                    nodes.extend(more.filter(|node| node.t_s > last_s + 1e-10));
                 }
                 Entry::Motion(sample) => {
-                    if let Some(before) = self.pieces.last_mut() {
+                    if let Some(before) = pieces.last_mut() {
                         before.end_s = sample.t_s;
                     }
-                    self.pieces.push(Piece {
+                    pieces.push(Piece {
                         motion: sample.motion.index,
                         kind: sample.motion.kind.into_owned(),
                         start_s: sample.t_s,
@@ -115,13 +175,13 @@ impl Source {
                 _ => {}
             }
         }
-        if let (Some(last), Some(end_s)) = (self.pieces.last_mut(), self.log.t_s.last()) {
+        if let (Some(last), Some(end_s)) = (pieces.last_mut(), self.log.t_s.last()) {
             last.end_s = last.start_s.max(*end_s);
         }
         // A number or a list is JSON in the record, a text is as it is.
         let value = |text: String| serde_json::from_str(&text).unwrap_or(Value::String(text));
-        self.figures = metadata.into_iter().map(|(key, text)| (key, value(text))).collect();
-        Ok(())
+        let figures = metadata.into_iter().map(|(key, text)| (key, value(text))).collect();
+        Ok(Self { nodes, pieces, figures, ..self })
     }
 
     /// Whether the file is cut off or damaged.

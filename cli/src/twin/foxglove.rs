@@ -45,6 +45,8 @@ const BACKLOG: usize = 512;
 const GOODBYE: Duration = Duration::from_millis(200);
 
 /// Publishes to viewers what the robot does. Dropped, it hangs up on them and closes the port.
+///
+/// It brings its own thread, and waits for it at both ends: asynchronous code must not do that.
 pub(crate) struct Viewers {
     encoder: Encoder,
     arm: Arm,

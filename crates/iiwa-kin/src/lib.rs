@@ -23,6 +23,7 @@ mod limits;
 mod pose;
 mod profile;
 mod robot;
+mod shapes;
 mod trig;
 mod urdf;
 
@@ -31,6 +32,7 @@ pub use limits::Limits;
 pub use pose::Pose;
 pub use profile::ProfileError;
 pub use robot::{Assumption, BadLength, Lengths, Robot};
+pub use shapes::{Along, Shape, Solid};
 pub use urdf::{LimitDifference, Listed, UrdfError, UrdfReport};
 
 /// Positions, or any other quantity, of the seven joints; rad unless the name says otherwise.

@@ -5,7 +5,6 @@ mod check;
 mod error;
 mod joint;
 mod read;
-mod shapes;
 mod tag;
 mod write;
 

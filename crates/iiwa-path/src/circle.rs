@@ -41,6 +41,11 @@ impl CircularBlend {
         self.length
     }
 
+    /// For each joint, a bound of `|d2q/ds2|`, in rad.
+    pub(crate) fn bend_bound_rad(&self) -> Joints {
+        std::array::from_fn(|j| self.gamma * self.gamma * self.x[j].hypot(self.y[j]))
+    }
+
     /// Position and derivatives at `s` in [0, 1].
     #[must_use]
     pub fn at(&self, s: f64) -> Derivatives {

@@ -53,6 +53,15 @@ impl Continuity {
             Self::Third => 1.0 / 256.0,
         }
     }
+
+    /// Bounds of the second derivatives of `s + alpha`, `s alpha` and `beta` on [0, 1], rounded up.
+    const fn bend_peaks(self) -> [f64; 3] {
+        match self {
+            Self::First => [6.0, 6.0, 2.0],
+            Self::Second => [5.774, 4.622, 0.375],
+            Self::Third => [7.514, 5.812, 0.125],
+        }
+    }
 }
 
 /// Value and first three derivatives of a polynomial.
@@ -191,6 +200,13 @@ impl PolynomialBlend {
         }
     }
 
+    /// For each joint, a bound of `|d2q/ds2|`, in rad.
+    pub(crate) fn bend_bound_rad(&self) -> Joints {
+        let [along, across, bulge] = self.continuity.bend_peaks();
+        let across = across + self.kappa.abs() * bulge;
+        std::array::from_fn(|j| along * self.d0[j].abs() + across * self.turn[j].abs())
+    }
+
     /// How far the blend may go beyond the box about start, target and end, at most, in rad.
     ///
     /// Its alpha part mixes points of its two neighbours and stays inside the box.
@@ -218,6 +234,22 @@ mod tests {
             let middle = evaluate(&continuity.beta(), 0.5);
             assert_eq!(middle[0].abs(), continuity.beta_peak());
             assert!(middle[1].abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn bends_stay_within_their_bounds_and_come_close() {
+        for continuity in [Continuity::First, Continuity::Second, Continuity::Third] {
+            let mut largest = [0.0_f64; 3];
+            for i in 0..=100_000 {
+                let basis = Basis::at(continuity, f64::from(i) / 100_000.0);
+                let bends = [basis.along[2], basis.across[2], basis.bulge[2]];
+                largest = std::array::from_fn(|k| largest[k].max(bends[k].abs()));
+            }
+            for (found, bound) in largest.into_iter().zip(continuity.bend_peaks()) {
+                let close = 0.999 * bound..=bound * (1.0 + 1e-14);
+                assert!(close.contains(&found), "{continuity:?}: {found}, {bound}");
+            }
         }
     }
 

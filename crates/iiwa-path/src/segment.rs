@@ -53,6 +53,18 @@ impl Segment {
         }
     }
 
+    /// For each joint, a bound of `|d2q/ds2|` on all of [0, 1], in rad.
+    ///
+    /// With it, q at s is at most half of it times `(s - m)^2` away from the tangent at m.
+    #[must_use]
+    pub fn bend_bound_rad(&self) -> Joints {
+        match self {
+            Self::Line(_) => [0.0; 7],
+            Self::Polynomial(blend) => blend.bend_bound_rad(),
+            Self::Circle(blend) => blend.bend_bound_rad(),
+        }
+    }
+
     /// The piece as a line, if it is straight and evenly parametrised: dq/ds does not change.
     #[must_use]
     pub fn as_line(&self) -> Option<&Line> {

@@ -124,12 +124,14 @@ impl Load {
             .kinds()
             .into_iter()
             .flat_map(|(kind, shares)| {
-                shares.time_s[..7].iter().enumerate().map(move |(j, time_s)| LimitShare {
+                // A wait is at none, and may take no time.
+                let kept =
+                    shares.time_s[..7].iter().enumerate().filter(|(_, time_s)| **time_s > 0.0);
+                kept.map(move |(j, time_s)| LimitShare {
                     limit: Limit { joint: j + 1, kind },
                     share: (time_s / total_s).min(1.0),
                 })
             })
-            .filter(|limit| limit.share > 0.0)
             .collect();
         shares.sort_by(|a, b| b.share.total_cmp(&a.share));
         shares

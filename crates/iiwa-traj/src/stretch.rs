@@ -157,6 +157,30 @@ impl Stretch {
         self.state(t_s, piece, segment, &nodes[node], &nodes[node + 1])
     }
 
+    /// When the arm is at `s` of the segment that `piece`, one of this stretch, moves along, in s from the
+    /// start of the program; of a rest, its start.
+    #[must_use]
+    pub fn time_at(&self, piece: &Piece, s: f64) -> f64 {
+        let nodes = self.nodes(piece);
+        if nodes.len() < 2 {
+            return piece.start_s;
+        }
+        let node = nodes.partition_point(|node| node.s <= s).clamp(1, nodes.len() - 1) - 1;
+        let (from, to) = (&nodes[node], &nodes[node + 1]);
+        // s never falls: its time is between two that are halved until numbers end.
+        let (mut least, mut most) = (0.0, to.t_s - from.t_s);
+        let share = ((s - from.s) / (to.s - from.s)).clamp(0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let dt = f64::midpoint(least, most);
+            if self.between(dt, from, to).0 < share {
+                least = dt;
+            } else {
+                most = dt;
+            }
+        }
+        self.start_s + from.t_s + most
+    }
+
     /// What the arm does at each node of the stretch, and at the start and end of each rest.
     pub fn states(&self) -> impl Iterator<Item = State> {
         self.pieces.iter().flat_map(move |piece| {
@@ -178,13 +202,7 @@ impl Stretch {
 
     fn state(&self, t_s: f64, piece: &Piece, segment: &Segment, from: &Node, to: &Node) -> State {
         let dt = (t_s - self.start_s - from.t_s).clamp(0.0, to.t_s - from.t_s);
-        let (share, rate, u) = if self.smooth {
-            interval::smooth(dt, from, to)
-        } else {
-            let (ds, rate) = interval::at(dt, to.s - from.s, from.rate, from.u);
-            let share = (ds / (to.s - from.s)).clamp(0.0, 1.0);
-            (share, rate, from.u[0] + share * (from.u[1] - from.u[0]))
-        };
+        let (share, rate, u) = self.between(dt, from, to);
         let d = segment.at(from.s + share * (to.s - from.s));
         State {
             t_s,
@@ -194,4 +212,17 @@ impl Stretch {
             motion: piece.motion,
         }
     }
+
+    /// Share of the way between two nodes, ds/dt and d2s/dt2, at `dt` after the first.
+    fn between(&self, dt: f64, from: &Node, to: &Node) -> (f64, f64, f64) {
+        if self.smooth {
+            return interval::smooth(dt, from, to);
+        }
+        let (ds, rate) = interval::at(dt, to.s - from.s, from.rate, from.u);
+        let share = (ds / (to.s - from.s)).clamp(0.0, 1.0);
+        (share, rate, from.u[0] + share * (from.u[1] - from.u[0]))
+    }
 }
+
+/// Halvings of an interval that leave nothing of it but rounding.
+const HALVINGS: usize = 60;

@@ -11,11 +11,8 @@ use quick_xml::{
     events::{BytesDecl, BytesText, Event},
 };
 
-use super::{
-    LIMITS,
-    shapes::{self, Along, Shape, Solid},
-};
-use crate::Robot;
+use super::LIMITS;
+use crate::{Along, Robot, Shape, Solid, shapes};
 
 /// Writing to it does not fail.
 type Xml = Writer<Vec<u8>>;
@@ -41,7 +38,7 @@ impl Robot {
         xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
         element(xml, "robot", &[("name", &self.name())], |xml| {
             xml.write_event(Event::Comment(BytesText::from_escaped(NOTE)))?;
-            for (link, shapes) in shapes::of_links(self.offsets()).iter().enumerate() {
+            for (link, shapes) in self.link_shapes().iter().enumerate() {
                 element(xml, "link", &[("name", &format_args!("iiwa_link_{link}"))], |xml| {
                     write_inertial(xml, shapes, self.link_mass_kg()[link])?;
                     shapes.iter().try_for_each(|shape| write_shape(xml, "visual", shape))?;
@@ -85,12 +82,12 @@ fn write_shape(xml: &mut Xml, role: &str, shape: &Shape) -> io::Result<()> {
             Solid::Cylinder { along: Along::Y, .. } => FRAC_PI_2,
             _ => 0.0,
         };
-        write_origin(xml, shape.center, twist_rad)?;
+        write_origin(xml, shape.center_m, twist_rad)?;
         element(xml, "geometry", &[], |xml| match shape.solid {
-            Solid::Cylinder { radius, length, .. } => {
-                empty(xml, "cylinder", &[("radius", &radius), ("length", &length)])
+            Solid::Cylinder { radius_m, length_m, .. } => {
+                empty(xml, "cylinder", &[("radius", &radius_m), ("length", &length_m)])
             }
-            Solid::Sphere { radius } => empty(xml, "sphere", &[("radius", &radius)]),
+            Solid::Sphere { radius_m } => empty(xml, "sphere", &[("radius", &radius_m)]),
         })?;
         if role != "visual" {
             return Ok(());

@@ -4,12 +4,33 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::Robot;
+
+impl Robot {
+    /// What the arm looks like: shapes of link 0 to link 7, each in its link's frame, in m.
+    ///
+    /// They are those of [`Robot::to_urdf`], in the frames of [`Robot::link_poses`]. Neighbouring shapes
+    /// of a limb overlap. There is no tool: link 7 ends at the flange's face.
+    ///
+    /// ```
+    /// use iiwa_kin::{Robot, Solid};
+    ///
+    /// let links = Robot::lbr_iiwa_7_r800().link_shapes();
+    /// let flange = &links[7][1];
+    /// assert!(matches!(flange.solid, Solid::Cylinder { radius_m, .. } if radius_m == 0.045));
+    /// ```
+    #[must_use]
+    pub fn link_shapes(&self) -> [Vec<Shape>; 8] {
+        of_links(self.offsets())
+    }
+}
+
 /// Shapes of link 0 to link 7, each in its link's frame.
 ///
 /// A limb is cut in two where the iiwa's joint 1, 3, 5 or 7 cuts it. The frames lie at both ends of
 /// the limbs, d1, d3, d5 and d7 (links 0 and 1: foot; 2 and 3: shoulder; 4 and 5: elbow; 6 and 7:
 /// wrist); the z axis of an odd link runs up its limb, that of an even link across it.
-pub(super) fn of_links([base, upper_arm, forearm, flange]: [f64; 4]) -> [Vec<Shape>; 8] {
+fn of_links([base, upper_arm, forearm, flange]: [f64; 4]) -> [Vec<Shape>; 8] {
     let (base_cut, upper_cut) = (0.45 * base, 0.5 * upper_arm);
     let (fore_cut, flange_cut) = (0.5 * forearm, 0.55 * flange);
     let limb = |radius, from, to| Shape::cylinder(Along::Z, radius, from, to, SILVER);
@@ -46,29 +67,49 @@ pub(super) fn of_links([base, upper_arm, forearm, flange]: [f64; 4]) -> [Vec<Sha
     ]
 }
 
-/// A primitive shape in its link's frame, in m.
-pub(super) struct Shape {
-    pub(super) solid: Solid,
-    pub(super) center: [f64; 3],
-    pub(super) paint: Paint,
+/// A primitive shape in its link's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    /// What it is.
+    pub solid: Solid,
+    /// Its centre, in m.
+    pub center_m: [f64; 3],
+    pub(crate) paint: Paint,
 }
 
-pub(super) enum Solid {
-    Cylinder { along: Along, radius: f64, length: f64 },
-    Sphere { radius: f64 },
+/// A primitive solid about its centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Solid {
+    /// A cylinder with flat ends.
+    Cylinder {
+        /// Which way its axis runs.
+        along: Along,
+        /// In m.
+        radius_m: f64,
+        /// From end to end, in m.
+        length_m: f64,
+    },
+    /// A sphere.
+    Sphere {
+        /// In m.
+        radius_m: f64,
+    },
 }
 
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Along {
+/// An axis of a link's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// The y axis.
     Y,
+    /// The z axis, about which the link turns.
     Z,
 }
 
 /// A colour and its name.
-#[derive(Clone, Copy)]
-pub(super) struct Paint {
-    pub(super) name: &'static str,
-    pub(super) rgba: &'static str,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Paint {
+    pub(crate) name: &'static str,
+    pub(crate) rgba: &'static str,
 }
 
 const SILVER: Paint = Paint { name: "iiwa_silver", rgba: "0.78 0.79 0.8 1" };
@@ -76,54 +117,55 @@ const ORANGE: Paint = Paint { name: "iiwa_orange", rgba: "0.95 0.42 0.08 1" };
 const GRAPHITE: Paint = Paint { name: "iiwa_graphite", rgba: "0.3 0.31 0.33 1" };
 
 impl Shape {
-    fn cylinder(along: Along, radius: f64, from: f64, to: f64, paint: Paint) -> Self {
+    fn cylinder(along: Along, radius_m: f64, from: f64, to: f64, paint: Paint) -> Self {
         let middle = f64::midpoint(from, to);
-        let center = match along {
+        let center_m = match along {
             Along::Y => [0.0, middle, 0.0],
             Along::Z => [0.0, 0.0, middle],
         };
-        Self { solid: Solid::Cylinder { along, radius, length: (to - from).abs() }, center, paint }
+        let solid = Solid::Cylinder { along, radius_m, length_m: (to - from).abs() };
+        Self { solid, center_m, paint }
     }
 
-    fn sphere(radius: f64, height: f64, paint: Paint) -> Self {
-        Self { solid: Solid::Sphere { radius }, center: [0.0, 0.0, height], paint }
+    fn sphere(radius_m: f64, height_m: f64, paint: Paint) -> Self {
+        Self { solid: Solid::Sphere { radius_m }, center_m: [0.0, 0.0, height_m], paint }
     }
 
     /// Volume in m^3.
     fn volume(&self) -> f64 {
         match self.solid {
-            Solid::Cylinder { radius, length, .. } => PI * radius * radius * length,
-            Solid::Sphere { radius } => 4.0 / 3.0 * PI * radius.powi(3),
+            Solid::Cylinder { radius_m, length_m, .. } => PI * radius_m * radius_m * length_m,
+            Solid::Sphere { radius_m } => 4.0 / 3.0 * PI * radius_m.powi(3),
         }
     }
 
     /// Moments of inertia about its own centre, divided by the mass, in m^2.
     fn inertia_per_kg(&self) -> [f64; 3] {
         match self.solid {
-            Solid::Cylinder { along, radius, length } => {
-                let spin = radius * radius / 2.0;
-                let tilt = (3.0 * radius * radius + length * length) / 12.0;
+            Solid::Cylinder { along, radius_m, length_m } => {
+                let spin = radius_m * radius_m / 2.0;
+                let tilt = (3.0 * radius_m * radius_m + length_m * length_m) / 12.0;
                 match along {
                     Along::Y => [tilt, spin, tilt],
                     Along::Z => [tilt, tilt, spin],
                 }
             }
-            Solid::Sphere { radius } => [0.4 * radius * radius; 3],
+            Solid::Sphere { radius_m } => [0.4 * radius_m * radius_m; 3],
         }
     }
 }
 
 /// Centre of `shapes`, in m, and their inertia tensor about it, in kg m^2, at uniform density; where
 /// two of them overlap, both count.
-pub(super) fn inertia(shapes: &[Shape], mass_kg: f64) -> (Vector3<f64>, Matrix3<f64>) {
+pub(crate) fn inertia(shapes: &[Shape], mass_kg: f64) -> (Vector3<f64>, Matrix3<f64>) {
     let volume: f64 = shapes.iter().map(Shape::volume).sum();
     let share = |shape: &Shape| shape.volume() / volume;
     let center = shapes
         .iter()
-        .fold(Vector3::zeros(), |sum, shape| sum + Vector3::from(shape.center) * share(shape));
+        .fold(Vector3::zeros(), |sum, shape| sum + Vector3::from(shape.center_m) * share(shape));
     let mut inertia = Matrix3::zeros();
     for shape in shapes {
-        let arm = Vector3::from(shape.center) - center;
+        let arm = Vector3::from(shape.center_m) - center;
         let steiner = Matrix3::from_diagonal_element(arm.norm_squared()) - arm * arm.transpose();
         let own = Matrix3::from_diagonal(&Vector3::from(shape.inertia_per_kg()));
         inertia += (own + steiner) * (share(shape) * mass_kg);

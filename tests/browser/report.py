@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Opens pages of `iiwasim report` in a browser and uses them as people do.
 
-    check.py IIWASIM FOLDER [--hour]
+    report.py IIWASIM FOLDER [--hour] [--only CHECK]
 
 IIWASIM is the program; pages and screenshots go to FOLDER. With --hour, an hour of a recording at
-1 kHz, too, which takes 300 MB there while it runs. Exit code 1 when a check fails. Needs Chromium and
+1 kHz, too, which takes 300 MB there while it runs. --only runs one check, by its name. Exit code 1 when a check fails. Needs Chromium and
 what requirements.txt names, next to this file.
 """
 
@@ -15,8 +15,10 @@ import io
 import json
 import math
 import re
+import socket
 import subprocess
 import time
+import traceback
 from pathlib import Path
 
 import pypdf
@@ -29,6 +31,38 @@ CLOCK = "parseFloat(document.getElementById('clock').textContent)"
 # A canvas that was read is drawn in another way from then on, so that it is drawn anew and read again.
 READ = "[...document.querySelectorAll('#charts canvas')].map(it => it.toDataURL()).join()"
 CHARTS = f"(() => {{ {READ}; drawCharts(); return {READ} }})()"
+
+
+def free_ports(count: int) -> list[int]:
+    """Ports that nobody has, neither of TCP nor of UDP."""
+    found: list[int] = []
+    while len(found) < count:
+        with socket.socket() as tcp, socket.socket(type=socket.SOCK_DGRAM) as udp:
+            tcp.bind(("127.0.0.1", 0))
+            port = tcp.getsockname()[1]
+            try:
+                udp.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+            if port not in found:
+                found.append(port)
+    return found
+
+
+def many_motions(count: int) -> dict:
+    """To and fro, with blends and limits of their own now and then."""
+    motions = []
+    for i in range(count):
+        joints = [60 * math.sin(0.7 * i + j) for j in range(7)]
+        motion = {"type": "ptp", "joints_deg": [round(q, 3) for q in joints]}
+        if i % 3 == 1:
+            motion["velocity_rel"] = 0.5
+        if i % 5 == 2:
+            motion["acceleration_rel"] = [1, 0.5, 1, 0.25, 1, 0.5, 1]
+        if i % 2 and i + 1 < count:
+            motion["blend"] = {"fraction": 0.3}
+        motions.append(motion)
+    return {"version": 1, "start": {"joints_deg": [0, 20, 0, -70, 0, 90, 0]}, "motions": motions}
 
 
 class Pages:
@@ -45,6 +79,35 @@ class Pages:
         )
         return done.stdout
 
+    def run_robot(self, program: Path, output: str) -> None:
+        """A program on the simulated robot, at ten times the speed: times are the robot's."""
+        fri, instructions, state, requests, stream = free_ports(5)
+        at = "127.0.0.1:{}".format
+        robot = ["--fri", at(fri), "--instructions", at(instructions), "--state", at(state)]
+        drive = ["--fri", at(fri), "--instructions", at(requests), "--stream", at(stream)]
+        drive += ["--cabinet-instructions", str(instructions), "--cabinet-state", str(state)]
+        noise = ["--noise", "2e-5"]
+        started = [
+            subprocess.Popen([self.program, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            for arguments in (["cabinet", "--speed", "10", *noise, *robot], ["drive", *drive])
+        ]
+        run = ["run", str(program), "-o", output, "--move-to-start=100"]
+        run += ["--drive", at(requests), "--stream", at(stream)]
+        try:
+            # Both take a moment to find each other.
+            for left in reversed(range(20)):
+                time.sleep(0.5)
+                try:
+                    self.iiwasim(*run)
+                    break
+                except subprocess.CalledProcessError:
+                    if left == 0:
+                        raise
+        finally:
+            for process in started:
+                process.terminate()
+                process.wait()
+
     def make(self) -> None:
         for name in ("ten-motions", "appendix-b", "waits-and-stops"):
             self.iiwasim("plan", str(FIXTURES / f"{name}.json"), "-o", f"{name}.mcap")
@@ -54,7 +117,17 @@ class Pages:
         other = ["--timing", "acceleration", "--blend-shape", "alpha", "--rate", "1000"]
         self.iiwasim("plan", program, "-o", "measured.mcap", *other)
         self.iiwasim("report", "appendix-b.mcap", "measured.mcap", "-o", "compared.html")
+        self.run_robot(FIXTURES / "ten-motions.json", "real.mcap")
+        self.iiwasim("report", "ten-motions.mcap", "real.mcap", "-o", "run.html")
+        # The recording holds its program, so that its plan can be beside it.
+        self.iiwasim("report", "real.mcap", "-o", "run-alone.html")
         self.iiwasim("report", str(FIXTURES / "data-recorder.log"), "-o", "recorder.html")
+        # Many motions at limits of their own, some of them alike; one motion.
+        (self.folder / "many.json").write_text(json.dumps(many_motions(300)))
+        (self.folder / "one.json").write_text(json.dumps(many_motions(1)))
+        for name in ("many", "one"):
+            self.iiwasim("plan", f"{name}.json")
+            self.iiwasim("report", f"{name}.mcap")
         # A long file, so that there are several chunks, cut off.
         self.iiwasim("plan", program, "-o", "cut.mcap", "--rate", "4000")
         cut = self.folder / "cut.mcap"
@@ -342,6 +415,72 @@ def paper_has_the_tables(browser: Browser, pages: Pages) -> None:
     browser.scheme("light")
 
 
+def own_limits_are_bands(browser: Browser, pages: Pages) -> None:
+    """Motions with shares of the limits below 1."""
+    desk(browser)
+    browser.open(pages.page("waits-and-stops"))
+    runs = browser.run("Object.fromEntries(QUANTITIES.map(({ key, own }) => [key, own]))")
+    program = json.loads((FIXTURES / "waits-and-stops.json").read_text())
+    rows = browser.run("report.figures.motions")
+    expected = [
+        (row["start_s"], row["end_s"], motion["velocity_rel"])
+        for row, motion in zip(rows, program["motions"])
+        if "velocity_rel" in motion
+    ]
+    assert len(runs["velocity"]) == len(expected) == 2
+    for run, (start, end, share) in zip(runs["velocity"], expected):
+        assert abs(run["from"] - start) < 1e-6 and run["shares"] == [share] * 7, run
+        # The band goes on while the arm settles.
+        assert end - 1e-6 < run["to"] < end + 0.06, run
+    assert [run["shares"] for run in runs["acceleration"]] == [[1, 0.5, 1, 0.5, 1, 0.5, 1]]
+    assert not runs["jerk"] and not runs["position"]
+    # They can be seen.
+    seen = browser.run(CHARTS)
+    assert browser.run(f"(() => {{ for (const it of QUANTITIES) it.own = []; return {CHARTS} }})()") != seen
+    assert "own limits" in browser.run("document.getElementById('bands').textContent")
+    browser.open(pages.page("ten-motions"))
+    assert "own limits" not in browser.run("document.getElementById('bands').textContent")
+
+
+def a_run_is_beside_its_plan(browser: Browser, pages: Pages) -> None:
+    desk(browser)
+    compared = []
+    for name in ("run", "run-alone"):
+        browser.open(pages.page(name), "#t=3")
+        assert browser.run("[...document.querySelectorAll('#flange td:first-child')].map(it => it.textContent)") == [
+            "plan",
+            "measured",
+        ]
+        told = browser.run("report.compared.report")
+        assert told["tcp_deviation"]["max_mm"] < 0.2, told["tcp_deviation"]
+        assert abs(told["cycle_time"]["error_s"]) < 0.01, told["cycle_time"]
+        # The curves are over each other: at the same time, both arms are in one place.
+        off = browser.run(
+            "Math.max(...[1, 2, 3, 4, 5, 6, 7].map(t => Math.max(...jointsAt(first, t).map("
+            "(q, j) => Math.abs(q - jointsAt(second, t)[j])))))"
+        )
+        assert off < 0.01, f"{off} rad"
+        compared.append(told["motions"])
+        pages.keep(browser, f"{name}-light")
+    assert len(compared[0]) == len(compared[1]) == 10
+    notes = browser.run("document.getElementById('notes').textContent")
+    assert "made for this page" in notes, notes
+
+
+def many_motions_and_one(browser: Browser, pages: Pages) -> None:
+    for name, motions in (("many", 300), ("one", 1)):
+        desk(browser)
+        browser.open(pages.page(name), "#t=0.4")
+        assert browser.run("document.querySelectorAll('#table tbody tr').length") == motions
+        pages.keep(browser, f"{name}-light", whole=motions == 1)
+        browser.size(390, 844, phone=True)
+        browser.frames()
+        assert browser.run("document.documentElement.scrollWidth") <= 390
+        # The table is all within the screen.
+        wide = browser.run("Math.max(...[...document.querySelectorAll('#table td')].map(it => it.getBoundingClientRect().right))")
+        assert wide <= 390, wide
+
+
 def two_files_and_damaged_ones(browser: Browser, pages: Pages) -> None:
     desk(browser)
     browser.open(pages.page("compared"), "#t=6.1")
@@ -351,6 +490,7 @@ def two_files_and_damaged_ones(browser: Browser, pages: Pages) -> None:
     browser.open(pages.page("cut"))
     notes = browser.run("document.getElementById('notes').textContent")
     assert "cut off" in notes and "is lost" in notes, notes
+    assert browser.run("document.querySelector('#flange td').textContent") == "plan"
     browser.open(pages.page("recorder"))
     assert browser.run("document.getElementById('motions').hidden")
     assert "Recording" in browser.run("document.getElementById('summary').textContent")
@@ -398,6 +538,9 @@ CHECKS = [
     view_can_be_turned,
     schemes_and_phones,
     paper_has_the_tables,
+    own_limits_are_bands,
+    a_run_is_beside_its_plan,
+    many_motions_and_one,
     two_files_and_damaged_ones,
 ]
 
@@ -407,10 +550,13 @@ def main() -> None:
     parser.add_argument("program", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--hour", action="store_true")
+    names = [check.__name__ for check in [*CHECKS, an_hour]]
+    parser.add_argument("--only", choices=names, metavar="CHECK")
     options = parser.parse_args()
     pages = Pages(options.program, options.folder)
     pages.make()
     checks = CHECKS + [an_hour] * options.hour
+    checks = [check for check in checks if options.only in (None, check.__name__)]
     failed = 0
     figures = []
     browser = Browser()
@@ -425,7 +571,8 @@ def main() -> None:
                 print(f"ok      {check.__name__}", flush=True)
             except AssertionError as error:
                 failed += 1
-                print(f"FAILED  {check.__name__}: {error}", flush=True)
+                line = traceback.extract_tb(error.__traceback__)[-1]
+                print(f"FAILED  {check.__name__}, line {line.lineno}: {error or line.line}", flush=True)
     finally:
         browser.close()
     print("\n".join(figures))

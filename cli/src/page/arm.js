@@ -30,7 +30,7 @@ function transformed(m, [x, y, z], w = 1) {
 }
 
 const model = (() => {
-  const xml = new DOMParser().parseFromString(report.robot.urdf, "application/xml");
+  const xml = new DOMParser().parseFromString(robot.urdf, "application/xml");
   const numbers = (element, name) => {
     const text = element && element.getAttribute(name);
     return text ? text.trim().split(/\s+/).map(Number) : [0, 0, 0];
@@ -99,27 +99,36 @@ function flangePath(arm, from = -Infinity, to = Infinity) {
   return { places, times };
 }
 
-/** A body of revolution about z as triangles: positions, normals. `profile` has radius, height, and
-    the normal's parts along both. */
-function turned(profile, sides = 40) {
-  const positions = [];
-  const normals = [];
-  const corner = (k, p) => {
-    const [s, c] = [Math.sin((2 * Math.PI * k) / sides), Math.cos((2 * Math.PI * k) / sides)];
-    positions.push([p[0] * c, p[0] * s, p[1]]);
-    normals.push([p[2] * c, p[2] * s, p[3]]);
-  };
-  for (let i = 0; i + 1 < profile.length; i++) {
-    const [a, b] = [profile[i], profile[i + 1]];
-    for (let k = 0; k < sides; k++) {
-      corner(k, a); corner(k + 1, a); corner(k + 1, b);
-      corner(k, a); corner(k + 1, b); corner(k, b);
-    }
-  }
-  return { positions, normals };
+/** The way of the flange as the 3D view takes it, in the colour `usual` but for a plan's blends. */
+function wayOf(arm, pieces, usual, width, from, to) {
+  const { places, times } = flangePath(arm, from, to);
+  const starts = pieces.map((piece) => piece.start_s);
+  const kinds = times.map((t) => {
+    const piece = pieces[Math.max(countUpTo(starts, t - 1e-6) - 1, 0)];
+    return piece && piece.kind === "blend" ? "blend" : usual;
+  });
+  return { places, kinds, width };
 }
 
-function sphere(radius, steps = 20) {
+/** A body of revolution about z: corners with their normals, and triangles by their numbers. `profile` has
+    radius, height, and the normal's parts along both. */
+function turned(profile, sides = 24) {
+  const shape = { positions: [], normals: [], triangles: [] };
+  profile.forEach(([radius, height, out, up], i) => {
+    for (let k = 0; k <= sides; k++) {
+      const [s, c] = [Math.sin((2 * Math.PI * k) / sides), Math.cos((2 * Math.PI * k) / sides)];
+      shape.positions.push([radius * c, radius * s, height]);
+      shape.normals.push([out * c, out * s, up]);
+      if (i === 0 || k === 0) continue;
+      const b = i * (sides + 1) + k;
+      const a = b - sides - 1;
+      shape.triangles.push(a - 1, a, b, a - 1, b, b - 1);
+    }
+  });
+  return shape;
+}
+
+function sphere(radius, steps = 12) {
   return turned(Array.from({ length: steps + 1 }, (_, i) => {
     const angle = Math.PI * (i / steps - 0.5);
     const [s, c] = [Math.sin(angle), Math.cos(angle)];
@@ -133,12 +142,52 @@ function cylinder(radius, length) {
   const half = length / 2;
   const profile = [[0, -half, 0, -1]];
   for (const end of [-1, 1]) {
-    for (let i = 0; i <= 4; i++) {
-      const angle = (Math.PI / 2) * (end < 0 ? i / 4 - 1 : i / 4);
+    for (let i = 0; i <= 2; i++) {
+      const angle = (Math.PI / 4) * (end < 0 ? i - 2 : i);
       const [s, c] = [Math.sin(angle), Math.cos(angle)];
       profile.push([radius - edge + edge * c, end * (half - edge) + edge * s, c, s]);
     }
   }
   profile.push([0, half, 0, 1]);
   return turned(profile);
+}
+
+/** A box about its middle, with its edges. */
+function cuboid(size) {
+  const half = size.map((v) => v / 2);
+  const shape = { positions: [], normals: [], triangles: [], edges: [] };
+  const at = (axis, side, u, v) => {
+    const place = [0, 0, 0];
+    place[axis] = side * half[axis];
+    place[(axis + 1) % 3] = u * half[(axis + 1) % 3];
+    place[(axis + 2) % 3] = v * half[(axis + 2) % 3];
+    return place;
+  };
+  for (let axis = 0; axis < 3; axis++) {
+    for (const side of [-1, 1]) {
+      const normal = [0, 0, 0];
+      normal[axis] = side;
+      const first = shape.positions.length;
+      for (const [u, v] of [[-1, -1], [1, -1], [1, 1], [-1, 1]]) {
+        shape.positions.push(at(axis, side, u, v));
+        shape.normals.push(normal);
+      }
+      shape.triangles.push(...[0, 1, 2, 0, 2, 3].map((k) => first + k));
+      shape.edges.push([at(axis, -1, side, -1), at(axis, 1, side, -1)], [at(axis, -1, side, 1), at(axis, 1, side, 1)]);
+    }
+  }
+  return shape;
+}
+
+/** A part of a plane, square to z: it goes on, so that the view need not take it in. */
+function sheet(size) {
+  const h = size / 2;
+  const positions = [[-h, -h, 0], [h, -h, 0], [h, h, 0], [-h, h, 0]];
+  return {
+    positions,
+    normals: Array(4).fill([0, 0, 1]),
+    triangles: [0, 1, 2, 0, 2, 3],
+    edges: positions.map((place, i) => [place, positions[(i + 1) % 4]]),
+    endless: true,
+  };
 }

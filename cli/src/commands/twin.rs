@@ -1,0 +1,46 @@
+//! `iiwasim twin`.
+
+use std::{
+    net::{Ipv4Addr, TcpListener},
+    sync::Arc,
+    thread,
+};
+
+use crate::{
+    args,
+    failure::{Failure, tell},
+    output,
+    twin::{Desk, Live, Setup, Token, Twin, Words, follow, serve, watch_health},
+};
+
+/// Follows the robot, and serves its page, until it is interrupted.
+pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
+    let setup = Arc::new(Setup::new(options)?);
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, options.port)).map_err(|error| {
+        let what = format!("cannot listen at port {}; --port 0 takes a free one", options.port);
+        Failure::run(what, &error)
+    })?;
+    let address =
+        listener.local_addr().map_err(|error| Failure::run("cannot serve the page", &error))?;
+    let token = Token::new()?;
+    output::catch_interrupts();
+    let live = Arc::new(Live::default());
+    let desk = Arc::new(Desk::new(setup.clone(), live.clone()));
+    let (live_words, health_words) = (Words::new("{}".into()), Words::new("{}".into()));
+    let twin = Twin {
+        setup: setup.clone(),
+        live: live_words.subscribe(),
+        health: health_words.subscribe(),
+        desk: desk.clone(),
+    };
+    output::print(&format!("http://{address}/?token={}\n", token.text()))?;
+    tell("The twin is at this address, for this machine only. Ctrl-C ends it.\n");
+    thread::scope(|scope| {
+        scope.spawn(|| follow(&setup, &live, &live_words));
+        scope.spawn(|| watch_health(&setup, &health_words));
+        let served = serve(listener, &token, twin);
+        output::interrupt();
+        desk.end();
+        served
+    })
+}

@@ -1,0 +1,40 @@
+// Poses over time, as they come packed.
+
+/** Bytes of a text in base64. */
+function unpack(text) {
+  const raw = atob(text);
+  const bytes = new Uint8Array(raw.length);
+  for (let i = 0; i < raw.length; i++) bytes[i] = raw.charCodeAt(i);
+  return bytes.buffer;
+}
+
+/** Poses as they came: how many, times in s, joint positions in rad, seven a pose. */
+function unpackPoses({ count, t_s, q_rad }) {
+  return { count, t_s: new Float64Array(unpack(t_s)), q_rad: new Float32Array(unpack(q_rad)) };
+}
+
+/** How many of `times`, which increase, are at most `t`. */
+function countUpTo(times, t) {
+  let from = 0;
+  let to = times.length;
+  while (from < to) {
+    const middle = (from + to) >> 1;
+    if (times[middle] <= t) from = middle + 1;
+    else to = middle;
+  }
+  return from;
+}
+
+/** Joint positions at a time, in rad: evenly from pose to pose. */
+function jointsAt(arm, t) {
+  const { t_s, q_rad } = arm.poses;
+  const last = t_s.length - 1;
+  const i = Math.min(Math.max(countUpTo(t_s, t) - 1, 0), last);
+  const next = Math.min(i + 1, last);
+  const span = t_s[next] - t_s[i];
+  const share = span > 0 ? Math.min(Math.max((t - t_s[i]) / span, 0), 1) : 0;
+  return Array.from({ length: 7 }, (_, j) => {
+    const q = q_rad[7 * i + j];
+    return q + share * (q_rad[7 * next + j] - q);
+  });
+}

@@ -1,0 +1,147 @@
+//! Who may come in: only this machine, only with the token, and no page of anybody else.
+//!
+//! Any program on this machine can connect to a port of it, and any page in a browser can make the
+//! browser do so. The token keeps both out. The name in `Host` keeps out pages whose domain name was
+//! pointed at this machine after they were loaded; `Origin` keeps out pages that got hold of the token.
+
+use std::{net::SocketAddr, sync::Arc};
+
+use axum::{
+    extract::{ConnectInfo, Request, State},
+    http::{
+        HeaderMap, HeaderValue, StatusCode, Uri,
+        header::{CACHE_CONTROL, HOST, ORIGIN, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS},
+        uri::Authority,
+    },
+    middleware::Next,
+    response::{IntoResponse, Response},
+};
+
+use crate::failure::Failure;
+
+/// What the address of the page has to contain.
+#[derive(Clone, Debug)]
+pub(crate) struct Token(Arc<str>);
+
+impl Token {
+    /// Another one each time: 128 bits of the system's randomness.
+    pub(crate) fn new() -> Result<Self, Failure> {
+        let mut bytes = [0; 16];
+        getrandom::fill(&mut bytes)
+            .map_err(|error| Failure::run("the system gives no random numbers", &error))?;
+        Ok(Self(format!("{:032x}", u128::from_be_bytes(bytes)).into()))
+    }
+
+    pub(crate) fn text(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether this is it. How long that takes does not depend on how much of it is right.
+    fn is(&self, text: &str) -> bool {
+        let differ = |sum: u8, (a, b): (u8, u8)| sum | (a ^ b);
+        self.0.len() == text.len() && self.0.bytes().zip(text.bytes()).fold(0, differ) == 0
+    }
+}
+
+/// Lets a request through, or not.
+pub(super) async fn guard(
+    State(token): State<Token>,
+    ConnectInfo(peer): ConnectInfo<SocketAddr>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let mut response = match check(&token, peer, request.uri(), request.headers()) {
+        Ok(()) => next.run(request).await,
+        Err(why) => (StatusCode::FORBIDDEN, format!("{why}\n")).into_response(),
+    };
+    // What is shown here is nobody else's business, and the address holds the token.
+    let headers = response.headers_mut();
+    headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
+    headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    response
+}
+
+fn check(
+    token: &Token,
+    peer: SocketAddr,
+    uri: &Uri,
+    headers: &HeaderMap,
+) -> Result<(), &'static str> {
+    if !peer.ip().is_loopback() {
+        return Err("only this machine is let in");
+    }
+    let host = headers.get(HOST).and_then(|host| host.to_str().ok());
+    let host: Option<Authority> = host.and_then(|host| host.parse().ok());
+    let Some(host) = host.filter(|host| is_this_machine(host.host())) else {
+        return Err("ask for 127.0.0.1 or localhost: other names are not let in");
+    };
+    let mut parts = uri.query().unwrap_or_default().split('&');
+    if !parts.any(|part| part.strip_prefix("token=").is_some_and(|text| token.is(text))) {
+        return Err(
+            "the address lacks the token: take the whole address that `iiwasim twin` prints",
+        );
+    }
+    let is_own = |origin: &HeaderValue| {
+        let origin = origin.to_str().ok().and_then(|origin| origin.parse::<Uri>().ok());
+        origin.is_some_and(|origin| origin.authority() == Some(&host))
+    };
+    match headers.get(ORIGIN) {
+        Some(origin) if !is_own(origin) => Err("a page of another origin is not let in"),
+        None if uri.path() == super::server::LIVE => Err("only the page itself is let in"),
+        _ => Ok(()),
+    }
+}
+
+fn is_this_machine(name: &str) -> bool {
+    matches!(name, "127.0.0.1" | "localhost" | "[::1]")
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::http::HeaderName;
+
+    use super::*;
+
+    fn checked(uri: &str, peer: &str, headers: &[(HeaderName, &str)]) -> Result<(), &'static str> {
+        let token = Token("0123".into());
+        let headers = headers.iter().map(|(name, value)| (name.clone(), value.parse().unwrap()));
+        check(&token, peer.parse().unwrap(), &uri.parse().unwrap(), &headers.collect())
+    }
+
+    #[test]
+    fn only_the_page_itself_gets_in() {
+        const ME: &str = "127.0.0.1:40000";
+        let host = (HOST, "127.0.0.1:5562");
+        let own = (ORIGIN, "http://127.0.0.1:5562");
+        assert_eq!(checked("/?token=0123", ME, std::slice::from_ref(&host)), Ok(()));
+        assert_eq!(checked("/live?a=b&token=0123", ME, &[host.clone(), own.clone()]), Ok(()));
+        assert_eq!(checked("/?token=0123", "[::1]:9", &[(HOST, "localhost:1")]), Ok(()));
+        let refused = |uri: &str, peer: &str, headers: &[(HeaderName, &str)]| {
+            checked(uri, peer, headers).unwrap_err();
+        };
+        for uri in ["/", "/?token=", "/?token=0124", "/?token=01234", "/?Token=0123", "/live"] {
+            refused(uri, ME, &[host.clone(), own.clone()]);
+        }
+        refused("/?token=0123", "192.168.1.7:40000", std::slice::from_ref(&host));
+        for name in ["evil.example", "127.0.0.1.evil.example", "192.168.1.7:5562", "", "a b"] {
+            refused("/?token=0123", ME, &[(HOST, name)]);
+        }
+        refused("/?token=0123", ME, &[]);
+        for origin in ["http://evil.example", "null", "http://127.0.0.1:1", "http://localhost:5562"]
+        {
+            refused("/live?token=0123", ME, &[host.clone(), (ORIGIN, origin)]);
+            refused("/?token=0123", ME, &[host.clone(), (ORIGIN, origin)]);
+        }
+        // A WebSocket without an origin is not a page's.
+        refused("/live?token=0123", ME, &[host]);
+    }
+
+    #[test]
+    fn tokens_differ() {
+        let [a, b] = [Token::new().unwrap(), Token::new().unwrap()];
+        assert_ne!(a.text(), b.text());
+        assert_eq!(a.text().len(), 32);
+        assert!(a.is(a.text()) && !a.is(b.text()));
+    }
+}

@@ -1,0 +1,82 @@
+//! How the drive and the robot are.
+
+use std::{
+    thread,
+    time::{Duration, Instant},
+};
+
+use iiwa_link::{
+    Client, ClientError,
+    message::{IoValue, Sensors, Status},
+};
+use serde::Serialize;
+
+use crate::output;
+
+use super::{Setup, Words, word};
+
+/// How often the state is asked for.
+const STATE_EVERY: Duration = Duration::from_millis(250);
+
+/// How often sensors, inputs and outputs are: the robot program has to be asked for each.
+const IO_EVERY: Duration = Duration::from_secs(1);
+
+/// The word for pages.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Health {
+    status: Option<Status>,
+    /// Why there is no status.
+    error: Option<String>,
+    sensors: Option<Sensors>,
+    io: Vec<Io>,
+}
+
+/// An input or output.
+#[derive(Debug, Serialize)]
+struct Io {
+    name: String,
+    value: Option<IoValue>,
+    /// Why there is no value.
+    error: Option<String>,
+}
+
+/// Asks the drive again and again until the twin ends.
+pub(crate) fn watch_health(setup: &Setup, words: &Words) {
+    let mut client = None;
+    let mut health = Health::default();
+    let mut io_at = None::<Instant>;
+    while !output::interrupted() {
+        let since = Instant::now();
+        if client.is_none() {
+            client = setup.client().inspect_err(|failure| health.error = Some(failure.what())).ok();
+        }
+        if let Some(client) = &mut client {
+            match client.state() {
+                Ok(status) => (health.status, health.error) = (Some(status), None),
+                Err(error) => {
+                    health = Health { error: Some(error.to_string()), ..Health::default() }
+                }
+            }
+            if health.error.is_none() && io_at.is_none_or(|at| at.elapsed() >= IO_EVERY) {
+                io_at = Some(since);
+                health.sensors = client.read_sensors().ok();
+                health.io = setup.io.iter().map(|name| Io::read(client, name)).collect();
+            }
+        }
+        words.send_replace(word("health", &health));
+        while since.elapsed() < STATE_EVERY && !output::interrupted() {
+            thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+impl Io {
+    fn read(client: &mut Client, name: &str) -> Self {
+        let (value, error) = match client.get_io(name) {
+            Ok(value) => (Some(value), None),
+            Err(ClientError::Refused { refusal, .. }) => (None, Some(refusal.to_string())),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        Self { name: name.to_owned(), value, error }
+    }
+}

@@ -1,0 +1,59 @@
+// The connection to the twin: its newest words come in, orders go out.
+
+const link = {
+  open: false,
+  /** What is done with a word of each kind. */
+  takes: {},
+  orders: new Map(),
+  count: 0,
+};
+
+function connect() {
+  const at = new URL("live", location.href);
+  at.protocol = "ws:";
+  at.search = location.search;
+  const socket = new WebSocket(at);
+  link.socket = socket;
+  socket.addEventListener("open", () => { link.open = true; });
+  socket.addEventListener("message", ({ data }) => {
+    for (const [kind, value] of Object.entries(JSON.parse(data))) {
+      if (kind === "answer") answered(value);
+      else link.takes[kind]?.(value);
+    }
+  });
+  socket.addEventListener("close", () => {
+    link.open = false;
+    for (const { refuse } of link.orders.values()) refuse(new Error("the twin went away before its answer"));
+    link.orders.clear();
+    setTimeout(connect, 500);
+  });
+}
+
+/** Gives an order; fails with the reason if it is not carried out. */
+function order(what, parameters = {}) {
+  if (!link.open) return Promise.reject(new Error("the twin cannot be reached"));
+  link.count += 1;
+  const id = link.count;
+  link.socket.send(JSON.stringify({ id, do: what, ...parameters }));
+  return new Promise((done, refuse) => { link.orders.set(id, { done, refuse }); });
+}
+
+function answered({ id, error }) {
+  const waiting = link.orders.get(id);
+  link.orders.delete(id);
+  if (!waiting) return;
+  if (error === null) waiting.done();
+  else waiting.refuse(new Error(error));
+}
+
+/** Gives an order, and tells in a place of the page if it was refused. */
+async function ask(place, what, parameters) {
+  $(place).textContent = "";
+  try {
+    await order(what, parameters);
+    return true;
+  } catch (error) {
+    $(place).textContent = error.message;
+    return false;
+  }
+}

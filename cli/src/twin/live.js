@@ -1,0 +1,140 @@
+// Where the arm is, and how the robot is.
+
+const live = { newest: null, fresh: false, health: {}, drawn: [] };
+
+/** Older than this, in ms, it is not where the arm is. */
+const STALE_MS = 1000;
+
+/** Milliseconds since 1970, with their fractions. */
+const clockMs = () => performance.timeOrigin + performance.now();
+
+link.takes.live = (where) => {
+  if (!where || !where.joints_rad) return;
+  live.newest = where;
+  live.fresh = true;
+};
+link.takes.health = (health) => {
+  live.health = health || {};
+  writeHealth();
+};
+
+const isStale = () => !live.newest || clockMs() - live.newest.at_ms > STALE_MS;
+
+/** Notes that the newest word is on the screen, and how old it is by then. */
+function drawnNow() {
+  if (!live.fresh) return;
+  live.fresh = false;
+  const now = clockMs();
+  live.drawn.push({ now, late: now - live.newest.at_ms + live.newest.behind_ms });
+}
+
+/** Frames of the last second, and the age of the oldest of them when it was drawn. */
+function pace() {
+  const now = clockMs();
+  live.drawn = live.drawn.filter((it) => now - it.now < 1000);
+  return { frames: live.drawn.length, late: Math.max(0, ...live.drawn.map((it) => it.late)) };
+}
+
+// ---- what is written
+
+const jointCells = Array.from({ length: 7 }, (_, j) => {
+  const row = element("tr");
+  const [position, temperature, torque] = [element("td"), element("td"), element("td")];
+  const range = element("div", "", "range");
+  const mark = element("i");
+  range.append(mark);
+  const wide = element("td", "", "wide");
+  wide.append(range);
+  row.append(element("td", `A${j + 1}`), position, temperature, torque, wide);
+  $("joints").append(row);
+  return { position, temperature, torque, mark };
+});
+
+function writeJoints(q) {
+  jointCells.forEach(({ position, mark }, j) => {
+    position.textContent = number(q[j] * DEG, 2);
+    mark.style.left = `${50 + (50 * q[j]) / robot.position_rad[j]}%`;
+  });
+  flangeAt(q).forEach((v, k) => { $("flange").children[k + 1].textContent = number(1000 * v, 1); });
+}
+
+/** What is nearest to the arm, in words. */
+function nearestText({ distance_mm: mm, link: name, obstacle, at_s }) {
+  const when = at_s === null ? "" : ` at ${number(at_s, 2)} s`;
+  const apart = mm > 0 ? `${number(mm, 1)} mm` : "touching";
+  return `${apart}: ${name.replace("iiwa_", "").replaceAll("_", " ")} and ${obstacle}${when}`;
+}
+
+function writeNearest() {
+  const nearest = live.newest && live.newest.nearest;
+  $("nearest").hidden = !nearest;
+  if (!nearest) return;
+  $("nearest").textContent = `Nearest: ${nearestText(nearest)}`;
+  $("nearest").classList.toggle("near", nearest.distance_mm < setup.min_clearance_mm);
+}
+
+function writeHealth() {
+  const { status, sensors, io } = live.health;
+  $("state").replaceChildren();
+  const known = (value) => (value === undefined || value === null ? "\u2013" : String(value).replaceAll("_", " "));
+  const fri = status ? status.fri : {};
+  figure($("state"), "robot", known(status && status.state));
+  figure($("state"), "FRI session", known(fri.session));
+  figure($("state"), "FRI quality", known(fri.quality));
+  figure($("state"), "messages lost, late", status ? `${fri.lost}, ${fri.late}` : "\u2013");
+  figure($("state"), "robot program", known(status && status.robot_program));
+  jointCells.forEach(({ temperature, torque }, j) => {
+    temperature.textContent = sensors ? number(sensors.joint_temperature_c[j], 1) : "";
+    torque.textContent = sensors ? number(sensors.external_torque_nm[j], 1) : "";
+  });
+  writeIo(io || []);
+}
+
+/** Rows stay as they are as long as the names do: a button must not go away under a finger. */
+function writeIo(io) {
+  const body = $("io");
+  const names = io.map(({ name }) => name).join("\n");
+  if (body.dataset.names !== names) {
+    body.dataset.names = names;
+    body.replaceChildren(...io.map(({ name }) => {
+      const row = element("tr");
+      row.append(element("td", name, "word"), element("td"), element("td"));
+      const button = element("button", "Switch");
+      button.type = "button";
+      button.addEventListener("click", () => switchIo(name));
+      row.lastChild.append(button);
+      return row;
+    }));
+  }
+  io.forEach(({ value, error }, i) => {
+    const row = body.children[i];
+    row.children[1].textContent = error || (value === true ? "on" : value === false ? "off" : String(value));
+    row.querySelector("button").hidden = typeof value !== "boolean";
+  });
+}
+
+async function switchIo(name) {
+  const io = live.health.io.find((it) => it.name === name);
+  if (!io || typeof io.value !== "boolean") return;
+  const sure = await confirmed(`Switch ${name} ${io.value ? "off" : "on"}?`, ["The robot takes it for outputs only."], "Switch it");
+  if (sure) await ask("io-said", "set_io", { name, value: !io.value });
+}
+
+/** What is wrong with the connection, if something is. */
+function trouble() {
+  if (!link.open) return "The twin cannot be reached; this page tries again by itself.";
+  if (live.health.error) return `${live.health.error}. It is tried again all the time.`;
+  if (live.health.status && live.health.status.fri.session === "silent") return "The drive does not hear the controller; it is tried again all the time.";
+  if (isStale() && live.health.status) return "Nothing comes from the drive's stream; it is tried again all the time.";
+  return "";
+}
+
+function writeLink() {
+  const wrong = trouble();
+  const { frames, late } = pace();
+  $("banner").hidden = !wrong;
+  if ($("banner").textContent !== wrong) $("banner").textContent = wrong;
+  $("link").textContent = wrong ? "not live" : isStale() ? "connecting" : "live";
+  $("link").classList.toggle("bad", Boolean(wrong));
+  $("pace").textContent = wrong || !frames ? "" : `${frames} frames/s, ${number(late, 0)} ms late at most`;
+}

@@ -1,0 +1,161 @@
+// What is shown: the arm as it is, a plan's simulation, or what the robot did beside the plan.
+
+const shown = { mode: "live", time: 0, playing: false, frame: null };
+
+$("title").textContent = `Twin of ${robot.name}`;
+$("footer").textContent = `Follows ${setup.drive}. ${setup.folder ? `Programs, plans and recordings are kept in ${setup.folder}.` : "Programs, plans and recordings are kept until the twin ends (--output keeps them)."} The button that stops the robot is no emergency stop: it needs this page, the network, the drive and the robot program.`;
+
+let scene = null;
+try {
+  scene = makeScene($("scene"));
+} catch (error) {
+  console.warn(error);
+}
+if (scene) {
+  makeTurnable($("scene"), scene, () => {});
+  $("look").addEventListener("click", () => scene.reset());
+  const paint = () => scene.paint(theme().solid);
+  paint();
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
+} else {
+  document.querySelector(".view").replaceChildren(element("p", "The 3D view needs WebGL, which this browser does not have. All else is here.", "notes"));
+}
+
+/** What stands around the arm, as the 3D view takes it. */
+const obstacles = (setup.scene ? setup.scene.obstacles : []).map((obstacle) => {
+  if (obstacle.type === "box") {
+    const [x, y, z] = obstacle.rotation;
+    const origin = new Float32Array([x[0], y[0], z[0], 0, x[1], y[1], z[1], 0, x[2], y[2], z[2], 0, ...obstacle.center_m, 1]);
+    return { shape: cuboid(obstacle.size_m), origin };
+  }
+  // The part of a plane that is nearest to the base.
+  const n = obstacle.normal;
+  const away = n.reduce((sum, v, i) => sum + v * obstacle.point_m[i], 0);
+  const turn = placed([0, 0, 0], [0, Math.acos(Math.min(Math.max(n[2], -1), 1)), Math.atan2(n[1], n[0])]);
+  const origin = product(placed(n.map((v) => v * away), [0, 0, 0]), turn);
+  return { shape: sheet(2.4), origin };
+});
+
+function fillScene() {
+  if (!scene) return;
+  const { plan } = desk;
+  const ways = plan ? [wayOf(plan.arms[0], plan.sketch.pieces, "line", 3.5)] : [];
+  if (canReplay()) ways.push(wayOf(desk.run.arms[1], [], "measured", 1.8));
+  scene.fill({ ways, corners: plan ? plan.sketch.corners : [], obstacles });
+}
+
+// ---- what is played
+
+/** The arms that are played in a mode. */
+function played(mode) {
+  if (mode === "simulation" && desk.plan) return desk.plan.arms;
+  if (mode === "replay" && canReplay()) return desk.run.arms;
+  return [];
+}
+
+function show(mode) {
+  if (mode !== "live" && !played(mode).length) mode = "live";
+  if (mode !== shown.mode) {
+    play(false);
+    shown.time = 0;
+  }
+  shown.mode = mode;
+  for (const name of ["live", "simulation", "replay"]) $(name).setAttribute("aria-pressed", String(name === mode));
+  $("simulation").disabled = !desk.plan;
+  $("replay").disabled = !canReplay();
+  const arms = played(mode);
+  for (const id of ["play", "scrub"]) $(id).disabled = !arms.length;
+  if (arms.length) $("scrub").max = lastS(arms);
+  $("mode").textContent = { live: "Live", simulation: "Live, with the plan's simulation", replay: "Replay: not live" }[mode];
+  $("mode").classList.toggle("bad", mode === "replay");
+  const parts = [];
+  if (mode === "simulation") parts.push(["accent", "see-through arm: the plan"]);
+  if (mode === "replay") parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: what the robot did"]);
+  if (desk.plan) parts.push(["line", "planned way of the flange"], ["blend", "its blends"]);
+  if (canReplay()) parts.push(["measured", "measured way"]);
+  if (setup.scene) parts.push(["soft", "what stands around"]);
+  legend($("legend"), parts);
+}
+
+const lastS = (arms) => Math.max(...arms.map((arm) => arm.end_s));
+
+function play(on) {
+  shown.playing = on && played(shown.mode).length > 0;
+  if (shown.playing && shown.time >= lastS(played(shown.mode)) - 1e-9) shown.time = 0;
+  shown.frame = null;
+  $("play").textContent = shown.playing ? "Pause" : "Play";
+}
+
+function advance(now) {
+  if (!shown.playing) return;
+  const passed = shown.frame === null ? 0 : (now - shown.frame) / 1000;
+  shown.frame = now;
+  const end = lastS(played(shown.mode));
+  // A page that was out of sight goes on from where it was.
+  shown.time = Math.min(shown.time + Math.min(passed, 1), end);
+  if (shown.time >= end) play(false);
+}
+
+for (const mode of ["live", "simulation", "replay"]) {
+  $(mode).addEventListener("click", () => { show(mode); if (mode !== "live") play(true); });
+}
+$("play").addEventListener("click", () => play(!shown.playing));
+$("scrub").addEventListener("input", () => { play(false); shown.time = Number($("scrub").value); });
+
+// ---- every frame
+
+function drawArms() {
+  const arms = played(shown.mode);
+  const poses = arms.map((arm) => jointsAt(arm, shown.time));
+  const isReplay = shown.mode === "replay";
+  const drawn = poses.map((q, i) => ({ q, ghost: isReplay && i === 1 ? null : "accent" }));
+  const where = live.newest;
+  if (where && !isReplay) drawn.push({ q: where.joints_rad, ghost: isStale() ? "settle" : null });
+  const nearest = shown.mode === "live" ? where && where.nearest : shown.mode === "simulation" ? desk.plan.nearest : null;
+  if (scene) scene.show(drawn, nearest ? [nearest.on_arm_m, nearest.on_obstacle_m] : null);
+  $("clock").textContent = arms.length ? `${number(shown.time, 2)} s` : "\u2013";
+  if (arms.length) $("scrub").value = shown.time;
+}
+
+/** Frames come late on a machine without a graphics card, or a busy one: then they have fewer pixels. Now
+    and then it is tried with more. */
+const rate = { sharpness: 1, since: 0, frames: 0, coarse: 0 };
+function keepPace(now) {
+  const LEAST = 0.35;
+  rate.frames += 1;
+  const passed = now - rate.since;
+  if (passed < 500) return;
+  const apart = passed / rate.frames;
+  [rate.since, rate.frames] = [now, 0];
+  if (apart > 1000 || !scene) return;
+  if (apart > 24 && rate.sharpness > LEAST) {
+    rate.sharpness = Math.max(rate.sharpness * Math.max(Math.sqrt(20 / apart), 0.6), LEAST);
+    rate.coarse = now;
+  } else if (rate.sharpness < 1 && now - rate.coarse > 30_000) {
+    rate.sharpness = Math.min(rate.sharpness * 1.25, 1);
+    rate.coarse = now;
+  }
+  scene.sharpen(rate.sharpness);
+}
+
+let written = 0;
+function frame(now) {
+  keepPace(now);
+  advance(now);
+  drawArms();
+  drawnNow();
+  if (now - written > 100) {
+    written = now;
+    if (live.newest) {
+      writeJoints(live.newest.joints_rad);
+      writeNearest();
+    }
+    writeLink();
+  }
+  requestAnimationFrame(frame);
+}
+
+show("live");
+fillScene();
+connect();
+requestAnimationFrame(frame);

@@ -1,0 +1,152 @@
+// Positions, the plan, and what the robot did with it.
+
+const desk = { positions: [], plan: null, run: null };
+
+/** A plan's or a run's arms, as they are drawn. */
+const unpackArms = (sketch) => sketch.arms.map((arm) => ({ ...arm, poses: unpackPoses(arm.poses) }));
+
+link.takes.positions = (positions) => {
+  desk.positions = positions;
+  $("positions").replaceChildren(...positions.map(({ name, joints_rad: q }, index) => {
+    const row = element("tr");
+    const remove = element("button", "Remove");
+    remove.type = "button";
+    remove.addEventListener("click", () => ask("positions-said", "remove_position", { index }));
+    row.append(element("td", name, "word"), element("td", q.map((v) => number(v * DEG, 1)).join(", "), "word small"), element("td"));
+    row.lastChild.append(remove);
+    return row;
+  }));
+  $("make").hidden = positions.length < 2;
+};
+
+link.takes.plan = (plan) => {
+  const isNew = plan && (!desk.plan || desk.plan.id !== plan.id);
+  desk.plan = plan && { ...plan, arms: unpackArms(plan.sketch) };
+  writePlan();
+  fillScene();
+  if (!plan) show("live");
+  else if (isNew) { show("simulation"); play(true); }
+};
+
+link.takes.run = (run) => {
+  const began = run && run.phase === "running";
+  desk.run = run && { ...run, arms: run.sketch ? unpackArms(run.sketch) : null };
+  writeRun();
+  fillScene();
+  if (began || (!canReplay() && shown.mode === "replay")) show("live");
+  else show(shown.mode);
+};
+
+const isRunning = () => Boolean(desk.run) && (desk.run.phase === "running" || desk.run.phase === "to_start");
+const canReplay = () => Boolean(desk.run && desk.run.arms && desk.run.arms.length > 1);
+
+function writePlan() {
+  const { plan } = desk;
+  $("plan").hidden = !plan;
+  if (!plan) return;
+  $("plan-figures").replaceChildren();
+  figure($("plan-figures"), "program", plan.name);
+  figure($("plan-figures"), "cycle time", `${number(plan.cycle_time_s, 3)} s`);
+  figure($("plan-figures"), "motions", String(plan.motions));
+  $("plan-nearest").textContent = plan.nearest ? `Nearest on its way: ${nearestText(plan.nearest)}.` : setup.scene ? "" : "Without a scene (--scene) nothing is known of what stands around the arm.";
+  $("plan-refused").hidden = plan.refused === null;
+  $("plan-refused").textContent = plan.refused === null ? "" : `It cannot be sent: ${plan.refused}.`;
+  writeRun();
+}
+
+function writeRun() {
+  const { plan, run } = desk;
+  $("send").disabled = !plan || plan.refused !== null || isRunning();
+  $("clear").disabled = isRunning();
+  const words = { to_start: "The robot moves to the start", running: "The robot runs the program", done: "The robot has run the program", failed: "The robot has not finished the program" };
+  $("run").textContent = run ? words[run.phase] + (run.error ? `: ${run.error}` : ".") : "";
+  const notes = [];
+  if (run && run.phase === "done" && run.cycle_time_s !== null && plan) {
+    const off = plan.cycle_time_s - run.cycle_time_s;
+    notes.push(`It took ${number(run.cycle_time_s, 3)} s, planned were ${number(plan.cycle_time_s, 3)} s: off by ${number(off, 3)} s, ${number((100 * off) / run.cycle_time_s, 2)} %.`);
+  }
+  if (run && run.sketch) {
+    const { compared } = run.sketch;
+    if (compared) notes.push(`The flange was off its path by ${number(compared.tcp_deviation.max_mm, 2)} mm at most.`);
+    notes.push(...run.sketch.notes);
+  }
+  $("run-notes").textContent = notes.join(" ");
+  const files = [["report.html", "Report"], ["files/program.json", "Program"], ["files/plan.mcap", "Plan"]];
+  if (run && run.sketch) files.push(["files/measured.mcap", "What the robot did"]);
+  $("files").replaceChildren(...(plan ? files : []).map(([path, name]) => {
+    const to = element("a", name);
+    to.href = path + location.search;
+    if (path === "report.html") [to.target, to.rel] = ["_blank", "noopener"];
+    else to.download = "";
+    return to;
+  }));
+}
+
+// ---- what is asked first
+
+/** Asks in a dialog, whose text are lines; whether the answer was yes. */
+function confirmed(title, lines, yes, start = null) {
+  const dialog = $("confirm");
+  $("confirm-title").textContent = title;
+  $("confirm-text").replaceChildren(...lines.map((line) => element("p", line)));
+  $("confirm-yes").textContent = yes;
+  $("confirm-start").hidden = start === null;
+  $("confirm-start").querySelector("span").textContent = start || "";
+  $("move-to-start").checked = false;
+  const allow = () => { $("confirm-yes").disabled = start !== null && !$("move-to-start").checked; };
+  $("move-to-start").onchange = allow;
+  allow();
+  dialog.returnValue = "";
+  dialog.showModal();
+  return new Promise((done) => {
+    dialog.addEventListener("close", () => done(dialog.returnValue === "yes"), { once: true });
+  });
+}
+
+async function send() {
+  const { plan } = desk;
+  const lines = [
+    `${plan.name}: ${plan.motions} motion${plan.motions === 1 ? "" : "s"}, ${number(plan.cycle_time_s, 3)} s.`,
+    plan.nearest ? `Nearest on its way: ${nearestText(plan.nearest)}.` : "What stands around the arm is not known: nothing has been checked against it.",
+    "The robot will move. See that nobody is in its reach, and have the emergency stop at hand.",
+  ];
+  const q = live.newest ? live.newest.joints_rad : plan.start_rad;
+  const off = q.map((v, j) => Math.abs(v - plan.start_rad[j]));
+  const far = off.indexOf(Math.max(...off));
+  const away = off[far] > 1e-3;
+  const start = away ? `First move to the program's start, at 10 % of the speed: joint ${far + 1} has ${number(off[far] * DEG, 1)} degrees to go, the others less` : null;
+  if (await confirmed("Send the program to the robot?", lines, "Send it", start)) {
+    await ask("program-said", "send", { plan: plan.id, move_to_start: away });
+  }
+}
+
+async function loadFile(file) {
+  if (!file) return;
+  if (file.size > 15e6) {
+    $("program-said").textContent = `${file.name} is longer than any program that is planned here: iiwasim plan takes it.`;
+    return;
+  }
+  await ask("program-said", "load_program", { name: file.name, text: await file.text() });
+}
+
+$("file").addEventListener("change", async () => {
+  await loadFile($("file").files[0]);
+  // The same file again is news, too.
+  $("file").value = "";
+});
+document.addEventListener("dragover", (event) => event.preventDefault());
+document.addEventListener("drop", (event) => {
+  event.preventDefault();
+  loadFile(event.dataTransfer.files[0]);
+});
+$("send").addEventListener("click", send);
+$("clear").addEventListener("click", () => ask("program-said", "clear_program"));
+$("stop").addEventListener("click", () => ask("program-said", "stop"));
+$("save").addEventListener("submit", async (event) => {
+  event.preventDefault();
+  if (await ask("positions-said", "save_position", { name: $("position-name").value })) $("position-name").value = "";
+});
+$("make").addEventListener("submit", (event) => {
+  event.preventDefault();
+  ask("positions-said", "make_program", { velocity_percent: Number($("velocity").value), blend_mm: Number($("blend").value) });
+});

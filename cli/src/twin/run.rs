@@ -1,0 +1,193 @@
+//! A run of a plan on the robot.
+
+use std::{
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
+
+use iiwa_kin::Joints;
+use iiwa_link::{
+    Client, ClientError, START_TOLERANCE_RAD,
+    message::{DriveState, FriStatus, Run as Measured, Status},
+};
+use iiwa_path::{Motion, Program, Ptp};
+use serde::Serialize;
+
+use crate::{output::Output, report::Page, runner};
+
+use super::{Setup, Word, planned::Planned, word};
+
+/// Share of the limits of velocity at which the arm moves to a program's start.
+const TO_START: f64 = 0.1;
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Phase {
+    /// On the way to the program's start.
+    ToStart,
+    Running,
+    Done,
+    /// It broke off, or never began.
+    Failed,
+}
+
+/// A run that may begin.
+pub(super) struct Run {
+    plan: Arc<Planned>,
+    to_start: Option<Motion>,
+    client: Client,
+    /// Whether it was told to stop.
+    stopped: Arc<AtomicBool>,
+}
+
+/// What a run brought.
+pub(super) struct Outcome {
+    pub(super) word: Word,
+    /// What the robot did.
+    pub(super) mcap: Option<PathBuf>,
+}
+
+impl Run {
+    /// Holds a plan against where the robot is and what stands around it. Errors are for people.
+    pub(super) fn new(
+        plan: Arc<Planned>,
+        move_to_start: bool,
+        setup: &Setup,
+    ) -> Result<Self, String> {
+        if let Some(why) = &plan.refused {
+            return Err(format!("the program is not sent: {why}"));
+        }
+        let mut client = setup.client().map_err(|failure| failure.what())?;
+        let status =
+            client.state().map_err(|error| format!("cannot ask where the robot is: {error}"))?;
+        let joints_rad = standing(&status)?;
+        let start_rad = plan.program.start_rad;
+        let off = |j: &usize| (joints_rad[*j] - start_rad[*j]).abs();
+        let worst = (0..7).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+        let to_start = if off(&worst) <= START_TOLERANCE_RAD {
+            None
+        } else if move_to_start {
+            Some(way_to(start_rad, joints_rad, setup)?)
+        } else {
+            return Err(format!(
+                "the robot is not at the program's start: joint {} is at {:.3} deg, the program \
+                 starts at {:.3} deg; have it move there first",
+                worst + 1,
+                joints_rad[worst].to_degrees(),
+                start_rad[worst].to_degrees()
+            ));
+        };
+        Ok(Self { plan, to_start, client, stopped: Arc::default() })
+    }
+
+    /// Set it, and what has not begun does not begin.
+    pub(super) fn stopped(&self) -> Arc<AtomicBool> {
+        self.stopped.clone()
+    }
+
+    /// Has the robot run it, and returns when that is over.
+    pub(super) fn carry_out(mut self, setup: &Setup, mut tell: impl FnMut(Word)) -> Outcome {
+        let plan = self.plan.clone();
+        let begun = |phase| plain(&plan, phase, None);
+        if let Some(motion) = self.to_start.take() {
+            tell(begun(Phase::ToStart));
+            if let Err(error) = self.client.run_motions(vec![motion], None) {
+                let why = format!("the robot did not move to the start: {error}");
+                return Outcome { word: plain(&plan, Phase::Failed, Some(&why)), mcap: None };
+            }
+        }
+        if self.stopped.load(Ordering::Relaxed) {
+            return Outcome { word: plain(&plan, Phase::Failed, Some("stopped")), mcap: None };
+        }
+        tell(begun(Phase::Running));
+        let (measured, error) = match self.client.run_motions(plan.program.motions.clone(), None) {
+            Ok(measured) => (measured, None),
+            Err(ClientError::Refused { refusal, run }) => {
+                (run.map(|run| *run).unwrap_or_default(), Some(refusal.to_string()))
+            }
+            Err(error) => {
+                let why = format!("{error}; the robot may still be moving");
+                (Measured::default(), Some(why))
+            }
+        };
+        finished(&plan, &measured, error, setup)
+    }
+}
+
+/// Where the robot stands, ready for a run.
+fn standing(status: &Status) -> Result<Joints, String> {
+    if status.state != DriveState::Idle {
+        return Err(format!("the robot is busy: {}", status.state));
+    }
+    status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT).ok_or_else(|| {
+        "it is not known where the robot is: the drive does not hear the controller".into()
+    })
+}
+
+/// The slow motion to a program's start, if nothing stands in the way.
+fn way_to(start_rad: Joints, joints_rad: Joints, setup: &Setup) -> Result<Motion, String> {
+    let motion = Motion::Ptp(Ptp::to(start_rad).velocity(TO_START));
+    let program = Program { robot: None, start_rad: joints_rad, motions: vec![motion.clone()] };
+    let plan = setup.plan(&program)?;
+    match setup.too_near(setup.nearest_of(&plan).as_ref()) {
+        None => Ok(motion),
+        Some(why) => Err(format!("the robot does not move to the program's start: {why}")),
+    }
+}
+
+/// A run of which there is nothing to see.
+fn plain(plan: &Planned, phase: Phase, error: Option<&str>) -> Word {
+    word("run", &ForPage { plan: plan.id, phase, error, cycle_time_s: None, sketch: None::<()> })
+}
+
+/// The word for pages.
+#[derive(Serialize)]
+struct ForPage<'a, S> {
+    /// Which plan it runs.
+    plan: u64,
+    phase: Phase,
+    error: Option<&'a str>,
+    cycle_time_s: Option<f64>,
+    /// What the robot did beside the plan.
+    sketch: Option<S>,
+}
+
+/// Writes down what the robot did, and shows it beside the plan.
+fn finished(plan: &Planned, measured: &Measured, error: Option<String>, setup: &Setup) -> Outcome {
+    let phase = if error.is_some() { Phase::Failed } else { Phase::Done };
+    let samples = runner::since_start(measured);
+    if samples.is_empty() {
+        return Outcome { word: plain(plan, phase, error.as_deref()), mcap: None };
+    }
+    let shown = || {
+        let bytes = runner::recording(&samples, measured.cycle_time_s, &setup.robot, &plan.text)?;
+        let mcap = setup.new_file(&format!("{}.measured", plan.stem), "mcap");
+        let file = Output::new(&mcap)?;
+        file.write(&bytes)?;
+        file.complete_always()?;
+        Page::of(&plan.mcap, Some(&mcap), Some(&setup.robot_name)).map(|page| (mcap, page))
+    };
+    match shown() {
+        Ok((mcap, page)) => {
+            let word = word(
+                "run",
+                &ForPage {
+                    plan: plan.id,
+                    phase,
+                    error: error.as_deref(),
+                    cycle_time_s: measured.cycle_time_s,
+                    sketch: Some(page.sketch()),
+                },
+            );
+            Outcome { word, mcap: Some(mcap) }
+        }
+        Err(failure) => {
+            let why = error.into_iter().chain([failure.what()]).collect::<Vec<_>>().join("; ");
+            Outcome { word: plain(plan, phase, Some(&why)), mcap: None }
+        }
+    }
+}

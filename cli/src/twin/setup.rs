@@ -1,0 +1,185 @@
+//! What a twin is made up with.
+
+use std::path::{Path, PathBuf};
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_link::{Client, Remote, Stream};
+use iiwa_log::LINK_NAMES;
+use iiwa_path::{Path as RobotPath, Program};
+use iiwa_scene::{ArmInScene, Clearance};
+use iiwa_traj::{Timing, Trajectory};
+use serde::Serialize;
+use tempfile::TempDir;
+
+use crate::{args, connection, failure::Failure, input};
+
+/// The robot, what stands around it, and the way to its drive.
+pub(crate) struct Setup {
+    pub(super) robot: Robot,
+    /// The robot's name, or its profile's.
+    pub(super) robot_name: String,
+    arm: Option<ArmInScene>,
+    pub(super) min_clearance_m: f64,
+    pub(super) io: Vec<String>,
+    remote: Remote,
+    drive: String,
+    stream: String,
+    folder: PathBuf,
+    /// Goes with what is in it, unless a folder was asked for.
+    temporary: Option<TempDir>,
+}
+
+/// Inputs and outputs of the media flange, as the simulated cabinet has them.
+const MEDIA_FLANGE: [&str; 7] = [
+    "MediaFlange.UserButton",
+    "MediaFlange.LEDBlue",
+    "MediaFlange.InputX3Pin3",
+    "MediaFlange.InputX3Pin4",
+    "MediaFlange.OutputX3Pin1",
+    "MediaFlange.OutputX3Pin2",
+    "MediaFlange.SwitchOffX3Voltage",
+];
+
+impl Setup {
+    /// Reads what the options name.
+    pub(crate) fn new(options: &args::Twin) -> Result<Self, Failure> {
+        let robot = input::find_robot(&options.robot, Path::new("."))?;
+        let scene = options.scene.as_deref().map(input::scene).transpose()?;
+        let arm = scene.map(|scene| ArmInScene::new(&robot, &scene));
+        let (folder, temporary) = if let Some(folder) = &options.output {
+            std::fs::create_dir_all(folder).map_err(|error| {
+                Failure::run(format!("cannot make the folder {}", folder.display()), &error)
+            })?;
+            (folder.clone(), None)
+        } else {
+            let made = tempfile::Builder::new().prefix("iiwasim-twin-").tempdir();
+            let made = made.map_err(|error| Failure::run("cannot make a folder", &error))?;
+            (made.path().to_owned(), Some(made))
+        };
+        let io = match options.io.as_slice() {
+            [] => MEDIA_FLANGE.map(str::to_owned).into(),
+            named => named.to_vec(),
+        };
+        Ok(Self {
+            robot,
+            robot_name: options.robot.clone(),
+            arm,
+            min_clearance_m: 1e-3 * options.min_clearance,
+            io,
+            remote: connection::remote(&options.drive.keys)?,
+            drive: options.drive.drive.to_string(),
+            stream: options.stream.to_string(),
+            folder,
+            temporary,
+        })
+    }
+
+    /// A client of the drive.
+    pub(super) fn client(&self) -> Result<Client, Failure> {
+        Client::new(&self.remote, &self.drive).map_err(|error| connection::refused(&error))
+    }
+
+    /// What the drive publishes.
+    pub(crate) fn stream(&self) -> Result<Stream, Failure> {
+        Stream::new(&self.remote, &self.stream).map_err(|error| connection::refused(&error))
+    }
+
+    /// How near the arm is to what stands around it; none without a scene.
+    pub(super) fn nearest(&self, joints_rad: &Joints) -> Option<Nearest> {
+        let arm = self.arm.as_ref()?;
+        Some(Nearest::new(arm, &arm.clearance(joints_rad)?, None))
+    }
+
+    /// How near it comes on a planned motion.
+    pub(super) fn nearest_of(&self, plan: &Trajectory) -> Option<Nearest> {
+        let arm = self.arm.as_ref()?;
+        let planned = arm.clearance_of(plan)?;
+        Some(Nearest::new(arm, &planned.clearance, Some(planned.at_s)))
+    }
+
+    /// Plans a program for this robot. Errors are for people.
+    pub(super) fn plan(&self, program: &Program) -> Result<Trajectory, String> {
+        let path = RobotPath::new(program, &self.robot).map_err(|fault| fault.to_string())?;
+        Trajectory::plan(&path, Timing::default()).map_err(|error| error.to_string())
+    }
+
+    /// Why a motion that comes so near is not sent, if it is not.
+    pub(super) fn too_near(&self, nearest: Option<&Nearest>) -> Option<String> {
+        let Nearest { distance_mm, link, obstacle, at_s, .. } = nearest?;
+        let least_mm = 1e3 * self.min_clearance_m;
+        let when = at_s.map(|at_s| format!(" at {at_s:.2} s")).unwrap_or_default();
+        (*distance_mm < least_mm).then(|| {
+            format!("{link} comes within {distance_mm:.1} mm of {obstacle}{when}; {least_mm} mm is the least")
+        })
+    }
+
+    /// A path in the folder for a new file of this stem: no other file has it.
+    pub(super) fn new_file(&self, stem: &str, extension: &str) -> PathBuf {
+        let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+        let stem: String = stem.trim_start_matches('.').chars().take(80).map(plain).collect();
+        let stem = if stem.is_empty() { "program" } else { &stem };
+        let path = |name: String| self.folder.join(name);
+        let numbered = (2..).map(|number| path(format!("{stem}-{number}.{extension}")));
+        std::iter::once(path(format!("{stem}.{extension}")))
+            .chain(numbered)
+            .find(|path| !path.exists())
+            .unwrap_or_default()
+    }
+
+    /// What the page has to know of all this.
+    pub(super) fn for_page(&self) -> impl Serialize + use<'_> {
+        #[derive(Serialize)]
+        struct Robot<'a> {
+            name: &'a str,
+            urdf: String,
+            position_rad: Joints,
+        }
+        #[derive(Serialize)]
+        struct ForPage<'a> {
+            robot: Robot<'a>,
+            scene: Option<&'a iiwa_scene::Scene>,
+            min_clearance_mm: f64,
+            drive: &'a str,
+            folder: Option<String>,
+        }
+        ForPage {
+            robot: Robot {
+                name: self.robot.name(),
+                urdf: self.robot.to_urdf(),
+                position_rad: self.robot.limits().position_rad,
+            },
+            scene: self.arm.as_ref().map(ArmInScene::scene),
+            min_clearance_mm: 1e3 * self.min_clearance_m,
+            drive: &self.drive,
+            folder: self.temporary.is_none().then(|| self.folder.display().to_string()),
+        }
+    }
+}
+
+/// Where the arm is nearest to what stands around it.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Nearest {
+    pub(super) distance_mm: f64,
+    link: &'static str,
+    obstacle: String,
+    on_arm_m: [f64; 3],
+    on_obstacle_m: [f64; 3],
+    /// When, in a plan.
+    at_s: Option<f64>,
+}
+
+impl Nearest {
+    fn new(arm: &ArmInScene, clearance: &Clearance, at_s: Option<f64>) -> Self {
+        let obstacles = arm.scene().obstacles();
+        Self {
+            distance_mm: 1e3 * clearance.distance_m,
+            link: LINK_NAMES.get(clearance.link).copied().unwrap_or_default(),
+            obstacle: obstacles
+                .get(clearance.obstacle)
+                .map_or_else(String::new, |it| it.name.clone()),
+            on_arm_m: clearance.on_arm_m,
+            on_obstacle_m: clearance.on_obstacle_m,
+            at_s,
+        }
+    }
+}

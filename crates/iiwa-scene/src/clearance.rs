@@ -1,0 +1,118 @@
+//! The clearance of a pose.
+
+use std::sync::Arc;
+
+use iiwa_kin::{Joints, Robot};
+use serde::Serialize;
+
+use crate::{
+    arm::{self, Body, Part},
+    distance::{Near, near},
+    placed::Placed,
+    scene::Scene,
+};
+
+/// The smallest distance between the arm and the obstacles of a scene, and where it is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Clearance {
+    /// In m; 0 if they touch or overlap.
+    pub distance_m: f64,
+    /// The link that is nearest to an obstacle, 2 to 7.
+    pub link: usize,
+    /// The obstacle that it is nearest to: its place in [`Scene::obstacles`].
+    pub obstacle: usize,
+    /// The nearest point of the arm, in the base frame, in m.
+    pub on_arm_m: [f64; 3],
+    /// The nearest point of the obstacle, in the base frame, in m. Where they touch or overlap it is the
+    /// same one: a point of both.
+    pub on_obstacle_m: [f64; 3],
+}
+
+/// An arm in a scene, prepared for clearances.
+///
+/// The arm is made of the cylinders and spheres of [`Robot::link_shapes`]. Links 0 and 1 do not count: they
+/// turn about their own axis only, so that their distances never change, and the foot may stand on an
+/// obstacle. The arm's distances from itself do not count either.
+///
+/// A clone shares what was prepared: it costs next to nothing.
+#[derive(Clone, Debug)]
+pub struct ArmInScene {
+    pub(crate) robot: Robot,
+    scene: Arc<Scene>,
+    pub(crate) parts: Arc<[Part]>,
+    pub(crate) obstacles: Arc<[Placed]>,
+}
+
+/// A part of the arm and an obstacle, by their indices.
+pub(crate) type Pair = (usize, usize);
+
+impl ArmInScene {
+    /// Prepares `robot` and `scene`.
+    #[must_use]
+    pub fn new(robot: &Robot, scene: &Scene) -> Self {
+        Self {
+            robot: robot.clone(),
+            scene: Arc::new(scene.clone()),
+            parts: arm::parts(robot).into(),
+            obstacles: scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect(),
+        }
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The clearance at `joints_rad`; none if the scene has no obstacles, or a joint is not finite.
+    #[must_use]
+    pub fn clearance(&self, joints_rad: &Joints) -> Option<Clearance> {
+        if !joints_rad.iter().all(|q| q.is_finite()) {
+            return None;
+        }
+        let bodies = self.bodies(joints_rad);
+        self.nearest(&bodies, f64::MAX).map(|(pair, near)| self.told(pair, &near))
+    }
+
+    pub(crate) fn bodies(&self, joints_rad: &Joints) -> Vec<Body> {
+        let poses = self.robot.link_poses(joints_rad);
+        self.parts.iter().map(|part| part.at(&poses[part.link])).collect()
+    }
+
+    /// The nearest pair of all, if it is nearer than `most`.
+    pub(crate) fn nearest(&self, bodies: &[Body], most: f64) -> Option<(Pair, Near)> {
+        let mut pairs = Vec::with_capacity(bodies.len() * self.obstacles.len());
+        for (part, body) in bodies.iter().enumerate() {
+            let bound = self.parts[part].bound;
+            let least = |obstacle: &Placed| obstacle.distance(body.center) - bound;
+            pairs.extend(self.obstacles.iter().enumerate().map(|(o, obs)| (least(obs), (part, o))));
+        }
+        // The one that is likely to be nearest first: it rules out most of the others.
+        let first = (0..pairs.len()).min_by(|a, b| pairs[*a].0.total_cmp(&pairs[*b].0))?;
+        pairs.swap(0, first);
+        let mut best: Option<(Pair, Near)> = None;
+        for (least, pair) in pairs {
+            let most = best.map_or(most, |(_, near)| near.distance);
+            if least >= most {
+                continue;
+            }
+            let found = near(&bodies[pair.0], &self.obstacles[pair.1], most);
+            if let Some(found) = found
+                && found.distance < most
+            {
+                best = Some((pair, found));
+            }
+        }
+        best
+    }
+
+    pub(crate) fn told(&self, (part, obstacle): Pair, near: &Near) -> Clearance {
+        Clearance {
+            distance_m: near.distance,
+            link: self.parts[part].link,
+            obstacle,
+            on_arm_m: near.on_arm.into(),
+            on_obstacle_m: near.on_obstacle.into(),
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! The clearance of a planned motion, by branch and bound.
+
+use std::ops::Range;
+
+use iiwa_path::Segment;
+use iiwa_traj::{Piece, Stretch, Trajectory};
+use serde::Serialize;
+
+use crate::{
+    clearance::{ArmInScene, Clearance, Pair},
+    distance::{Near, near},
+    span::Span,
+};
+
+/// The smallest clearance of a planned motion, and when it is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PlannedClearance {
+    /// How near the arm comes, and to what. It is that of a pose of the motion, and no pose of it is nearer
+    /// by more than 0.1 mm.
+    pub clearance: Clearance,
+    /// When, in s from the start of the program. If the arm touches an obstacle, the first time that it
+    /// does: before, it touches none, or by less than 0.1 mm.
+    pub at_s: f64,
+    /// In which entry of the program's list of motions, from 0.
+    pub motion: usize,
+}
+
+/// How much nearer than what is found the arm may come, in m.
+const TOLERANCE_M: f64 = 1e-4;
+
+/// Poses of each piece that are looked at first: the nearer they come, the sooner the rest is ruled out.
+const SAMPLES: u32 = 8;
+
+impl ArmInScene {
+    /// The smallest clearance of `trajectory`; none if the scene has no obstacles.
+    ///
+    /// It is sought along the path, piece by piece, by halving spans until what is known about the joints'
+    /// motion in a span rules out that any of the arm comes nearer there.
+    #[must_use]
+    pub fn clearance_of(&self, trajectory: &Trajectory) -> Option<PlannedClearance> {
+        let mut search = Search { arm: self, best: None, open: Vec::new() };
+        for stretch in trajectory.stretches() {
+            search.go(stretch, stretch.pieces());
+        }
+        search.best
+    }
+
+    /// The smallest clearance of each motion of `stretch`, the wait or the settling after it included, in
+    /// order; none of them if the scene has no obstacles.
+    #[must_use]
+    pub fn clearances(&self, stretch: &Stretch) -> Vec<PlannedClearance> {
+        let motions = stretch.pieces().chunk_by(|a, b| a.motion == b.motion);
+        let nearest = |pieces: &[Piece]| {
+            let mut search = Search { arm: self, best: None, open: Vec::new() };
+            search.go(stretch, pieces);
+            search.best
+        };
+        motions.filter_map(nearest).collect()
+    }
+}
+
+/// A search for the smallest clearance.
+struct Search<'a> {
+    arm: &'a ArmInScene,
+    best: Option<PlannedClearance>,
+    /// Pairs that may come nearer in a span, with the least distance that they keep in it: those of the
+    /// span that is looked at, on top of those of the spans that it is a part of.
+    open: Vec<(Pair, f64)>,
+}
+
+/// What is searched: a piece that moves.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    stretch: &'a Stretch,
+    piece: &'a Piece,
+    segment: &'a Segment,
+}
+
+impl Search<'_> {
+    /// Looks for what is nearer than the best so far in `pieces` of `stretch`.
+    fn go(&mut self, stretch: &Stretch, pieces: &[Piece]) {
+        let moving = |piece| {
+            let place = |segment| Place { stretch, piece, segment };
+            stretch.segment(piece).map(place)
+        };
+        for piece in pieces {
+            match moving(piece) {
+                Some(place) => {
+                    for i in 0..=SAMPLES {
+                        let s = f64::from(i) / f64::from(SAMPLES);
+                        self.sample(piece, &place.segment.at(s).q, || stretch.time_at(piece, s));
+                    }
+                }
+                None => self.sample(piece, &stretch.at(piece.start_s).q, || piece.start_s),
+            }
+        }
+        for place in pieces.iter().filter_map(moving) {
+            debug_assert!(self.open.is_empty());
+            let pairs = (0..self.arm.parts.len())
+                .flat_map(|part| (0..self.arm.obstacles.len()).map(move |o| (part, o)));
+            self.open.extend(pairs.map(|pair| (pair, f64::MIN)));
+            self.span(place, 0.5, 0.5, 0..self.open.len());
+            self.open.clear();
+        }
+    }
+
+    /// Distance of the nearest so far, in m.
+    fn best_m(&self) -> f64 {
+        self.best.map_or(f64::MAX, |best| best.clearance.distance_m)
+    }
+
+    /// Looks at one pose of a piece.
+    fn sample(&mut self, piece: &Piece, joints_rad: &[f64; 7], at_s: impl FnOnce() -> f64) {
+        let bodies = self.arm.bodies(joints_rad);
+        if let Some((pair, near)) = self.arm.nearest(&bodies, self.best_m()) {
+            self.found(piece, pair, &near, at_s);
+        }
+    }
+
+    /// Takes what was found if it is nearer than the best so far; of what touches, the first one.
+    fn found(&mut self, piece: &Piece, pair: Pair, near: &Near, at_s: impl FnOnce() -> f64) {
+        let touches = near.distance == 0.0;
+        if near.distance >= self.best_m() && !touches {
+            return;
+        }
+        let at_s = at_s();
+        let earlier = self.best.is_none_or(|best| at_s < best.at_s);
+        if near.distance < self.best_m() || earlier {
+            let clearance = self.arm.told(pair, near);
+            self.best = Some(PlannedClearance { clearance, at_s, motion: piece.motion });
+        }
+    }
+
+    /// Looks at the span from `middle - half` to `middle + half` of s, of which `pairs` of [`Self::open`] are
+    /// left, and at its halves if any still are.
+    fn span(&mut self, place: Place<'_>, middle: f64, half: f64, pairs: Range<usize>) {
+        let Place { stretch, piece, segment } = place;
+        if let Some(best) = &self.best
+            && best.clearance.distance_m == 0.0
+            && stretch.time_at(piece, middle - half) >= best.at_s
+        {
+            return;
+        }
+        let arm = self.arm;
+        let span = Span::new(&arm.robot, segment, middle, half);
+        let first = self.open.len();
+        let mut last = None;
+        for index in pairs {
+            let (pair, least) = self.open[index];
+            if least >= self.best_m() - TOLERANCE_M {
+                continue;
+            }
+            let part = &arm.parts[pair.0];
+            let obstacle = &arm.obstacles[pair.1];
+            // Pairs of the same part come one after the other.
+            let (body, moves) = match last {
+                Some((part, body, moves)) if part == pair.0 => (body, moves),
+                _ => (part.at(&span.poses[part.link]), span.moves(part)),
+            };
+            last = Some((pair.0, body, moves));
+            let in_sphere = obstacle.distance(body.center) - part.bound - moves.most;
+            if in_sphere >= self.best_m() - TOLERANCE_M {
+                continue;
+            }
+            let Some(found) = near(&body, obstacle, self.best_m() + moves.most) else { continue };
+            self.found(piece, pair, &found, || stretch.time_at(piece, middle));
+            let least = span.least((part, &body), obstacle, moves, &found);
+            if least < self.best_m() - TOLERANCE_M {
+                self.open.push((pair, least));
+            }
+        }
+        let left = first..self.open.len();
+        if !left.is_empty() && half > SHORTEST {
+            let half = 0.5 * half;
+            self.span(place, middle - half, half, left.clone());
+            self.span(place, middle + half, half, left);
+        }
+        self.open.truncate(first);
+    }
+}
+
+/// Half of the shortest span that is halved: all of a piece moves by less than the tolerance in it.
+const SHORTEST: f64 = 1e-9;

@@ -1,0 +1,121 @@
+//! What stands around the arm.
+
+use std::collections::HashMap;
+
+use crate::fault::Fault;
+
+/// The obstacles around an arm, in the frame of its base: z up, origin in the middle of its foot.
+///
+/// [`Scene::from_json`] reads one. It serializes as a drawing needs it: in m, with directions as unit
+/// vectors and turns as matrices.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    obstacles: Vec<Obstacle>,
+}
+
+/// Something that the arm must not touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// What it is called: 1 to 100 characters, and no other obstacle of the scene by the same name.
+    pub name: String,
+    /// What it looks like, and where it is.
+    pub form: Form,
+}
+
+/// What an obstacle looks like, and where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Form {
+    /// A solid box.
+    Box {
+        /// Its centre, in m.
+        center_m: [f64; 3],
+        /// Its whole lengths along its own axes, in m.
+        size_m: [f64; 3],
+        /// How it is turned, as in a URDF: about x, then y, then z, the axes of the base, in rad.
+        rpy_rad: [f64; 3],
+    },
+    /// A half-space: all that is behind a plane is solid.
+    Plane {
+        /// A point of the plane, in m.
+        point_m: [f64; 3],
+        /// Which way is out; of any length but zero.
+        normal: [f64; 3],
+    },
+}
+
+/// Most obstacles of a scene.
+const MAX_OBSTACLES: usize = 10_000;
+
+/// Longest name of an obstacle, in characters.
+const MAX_NAME: usize = 100;
+
+/// Farthest that anything may be, in m: a cell has no length of a kilometre.
+pub(crate) const MAX_M: f64 = 1000.0;
+
+/// Shortest edge of a box, in m. What is shorter is a slip of the pen.
+pub(crate) const MIN_SIZE_M: f64 = 1e-6;
+
+/// Most that an angle may be, in rad: a whole turn, and what rounding adds to it.
+const MAX_ANGLE_RAD: f64 = std::f64::consts::TAU + 1e-12;
+
+impl Scene {
+    /// The scene with these obstacles.
+    ///
+    /// # Errors
+    ///
+    /// A [`Fault`] that says which of them cannot be, and why.
+    pub fn new(obstacles: Vec<Obstacle>) -> Result<Self, Fault> {
+        if obstacles.len() > MAX_OBSTACLES {
+            return Err(Fault::TooMany { found: obstacles.len(), max: MAX_OBSTACLES });
+        }
+        let mut names = HashMap::with_capacity(obstacles.len());
+        for (index, obstacle) in obstacles.iter().enumerate() {
+            obstacle.check(index)?;
+            if let Some(other) = names.insert(obstacle.name.as_str(), index) {
+                let name = obstacle.name.clone();
+                return Err(Fault::SameName { obstacle: index, other, name });
+            }
+        }
+        Ok(Self { obstacles })
+    }
+
+    /// The obstacles, in the order in which they were given.
+    #[must_use]
+    pub fn obstacles(&self) -> &[Obstacle] {
+        &self.obstacles
+    }
+}
+
+impl Obstacle {
+    /// Finds the first thing about the obstacle at `obstacle` that cannot be.
+    fn check(&self, obstacle: usize) -> Result<(), Fault> {
+        let length = self.name.chars().count();
+        if length == 0 || length > MAX_NAME || self.name.contains(char::is_control) {
+            let found = self.name.chars().take(MAX_NAME).collect();
+            return Err(Fault::Name { obstacle, found, max: MAX_NAME });
+        }
+        let within = |key, values: &[f64; 3], min: f64, max: f64| match values
+            .iter()
+            .position(|value| !(min..=max).contains(value))
+        {
+            None => Ok(()),
+            Some(axis) => Err(Fault::Range { obstacle, key, axis, found: values[axis], min, max }),
+        };
+        match &self.form {
+            Form::Box { center_m, size_m, rpy_rad } => {
+                within("center", center_m, -MAX_M, MAX_M)?;
+                within("size", size_m, MIN_SIZE_M, MAX_M)?;
+                within("rpy", rpy_rad, -MAX_ANGLE_RAD, MAX_ANGLE_RAD)
+            }
+            Form::Plane { point_m, normal } => {
+                within("point", point_m, -MAX_M, MAX_M)?;
+                within("normal", normal, f64::MIN, f64::MAX)?;
+                if normal.iter().all(|value| *value == 0.0) {
+                    return Err(Fault::NoDirection { obstacle });
+                }
+                Ok(())
+            }
+        }
+    }
+}

@@ -1,0 +1,355 @@
+//! The scene's JSON forms: the one that is read, which the JSON Schema describes, and the one that is
+//! drawn.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use iiwa_kin::json::{Object, Place, Step, element_at, locate, problem};
+use schemars::JsonSchema;
+use serde::{
+    Deserialize, Deserializer, Serialize, Serializer,
+    de::{Error as _, IgnoredAny, SeqAccess, Visitor},
+};
+use serde_json::value::RawValue;
+
+use crate::{
+    fault::Fault,
+    placed::{rotation, unit},
+    scene::{Form, MAX_M, Obstacle, Scene},
+};
+
+/// The version of the scene format that this library reads.
+const VERSION: u64 = 1;
+
+/// Why a text is no scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The text is not JSON, or not the JSON that is asked for.
+    #[error("{}{what}, at {place}", prefix(*.obstacle))]
+    Json {
+        /// What was found, and what was expected.
+        what: String,
+        /// The obstacle, from 0, if it is in one.
+        obstacle: Option<usize>,
+        /// Where.
+        place: Place,
+    },
+    /// The scene is of another version.
+    #[error("this is a scene of version {found}; version {VERSION} is understood, at {place}")]
+    Version {
+        /// The version found.
+        found: u64,
+        /// Where.
+        place: Place,
+    },
+    /// The scene is well-formed and cannot be.
+    #[error("{fault}, at {place}")]
+    Fault {
+        /// What is wrong.
+        fault: Fault,
+        /// Where.
+        place: Place,
+    },
+}
+
+impl SceneError {
+    /// Where in the text.
+    #[must_use]
+    pub fn place(&self) -> &Place {
+        match self {
+            Self::Json { place, .. } | Self::Version { place, .. } | Self::Fault { place, .. } => {
+                place
+            }
+        }
+    }
+
+    /// What is wrong, without the place.
+    #[must_use]
+    pub fn what(&self) -> String {
+        match self {
+            Self::Json { what, obstacle, .. } => format!("{}{what}", prefix(*obstacle)),
+            Self::Version { found, .. } => {
+                format!("this is a scene of version {found}; version {VERSION} is understood")
+            }
+            Self::Fault { fault, .. } => fault.to_string(),
+        }
+    }
+}
+
+fn prefix(obstacle: Option<usize>) -> String {
+    obstacle.map_or_else(String::new, |index| format!("obstacle {}: ", index + 1))
+}
+
+impl Scene {
+    /// Reads a scene (version 1).
+    ///
+    /// # Errors
+    ///
+    /// If the text is not a scene, or has obstacles that cannot be; the error says where in the text.
+    pub fn from_json(text: &str) -> Result<Self, SceneError> {
+        let wire = serde_json::from_str::<Object<SceneWire<'_>>>(text);
+        let Object(wire) = wire.map_err(|error| {
+            // Another version may have other keys: that is then the thing to say.
+            match serde_json::from_str::<Object<VersionOnly>>(text) {
+                Ok(Object(VersionOnly { version: Some(found) })) if found != VERSION => {
+                    version_error(text, found)
+                }
+                _ => json_error(text, text, None, &error),
+            }
+        })?;
+        if wire.version != VERSION {
+            return Err(version_error(text, wire.version));
+        }
+        let obstacles = wire.obstacles.iter().enumerate();
+        let obstacles = obstacles.map(|(index, raw)| obstacle(text, index, raw.get()));
+        let obstacles = obstacles.collect::<Result<_, _>>()?;
+        Self::new(obstacles)
+            .map_err(|fault| SceneError::Fault { place: fault.place_in(text), fault })
+    }
+
+    /// The JSON Schema of a scene (draft 2020-12).
+    #[must_use]
+    pub fn schema() -> serde_json::Value {
+        schemars::schema_for!(SceneWire<'_>).to_value()
+    }
+}
+
+fn obstacle(text: &str, index: usize, raw: &str) -> Result<Obstacle, SceneError> {
+    let fail = |error: serde_json::Error| json_error(text, raw, Some(index), &error);
+    let wrong = |what: String, key: Option<&str>| {
+        let path = [Step::Key("obstacles"), Step::Index(index)];
+        let path = path.into_iter().chain(key.map(Step::Key)).collect::<Vec<_>>();
+        SceneError::Json { what, obstacle: Some(index), place: locate(text, &path) }
+    };
+    let Object(tag) = serde_json::from_str::<Object<Tag<'_>>>(raw).map_err(fail)?;
+    match tag.r#type.as_deref() {
+        Some("box") => {
+            serde_json::from_str::<Object<BoxWire>>(raw).map_err(fail).map(|wire| wire.0.into())
+        }
+        Some("plane") => {
+            serde_json::from_str::<Object<PlaneWire>>(raw).map_err(fail).map(|wire| wire.0.into())
+        }
+        Some(other) => {
+            let shown = other.chars().take(MAX_SHOWN);
+            // Without what would do something to a terminal.
+            let other: String =
+                shown.map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
+            let what = format!("unknown type `{other}`; `box` and `plane` are known");
+            Err(wrong(what, Some("type")))
+        }
+        None => Err(wrong("it has no `type`; `box` and `plane` are known".to_owned(), None)),
+    }
+}
+
+/// Longest unknown type that a message repeats, in characters.
+const MAX_SHOWN: usize = 60;
+
+fn json_error(
+    text: &str,
+    part: &str,
+    obstacle: Option<usize>,
+    error: &serde_json::Error,
+) -> SceneError {
+    let place = Place::of_error(text, part, error);
+    // What is no JSON at all is found before the text is taken apart.
+    let obstacle = obstacle.or_else(|| element_at(text, "obstacles", place.span.start));
+    SceneError::Json { what: problem(error), obstacle, place }
+}
+
+fn version_error(text: &str, found: u64) -> SceneError {
+    SceneError::Version { found, place: locate(text, &[Step::Key("version")]) }
+}
+
+#[derive(Deserialize)]
+struct VersionOnly {
+    version: Option<u64>,
+}
+
+#[derive(Deserialize)]
+struct Tag<'a> {
+    #[serde(borrow)]
+    r#type: Option<Cow<'a, str>>,
+}
+
+/// What stands around a KUKA LBR iiwa, in the frame of its base: z up, origin in the middle of its foot.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "iiwasim scene", rename = "Scene")]
+struct SceneWire<'a> {
+    /// Version of this format.
+    #[schemars(extend("const" = 1))]
+    version: u64,
+    /// What the arm must not touch.
+    #[serde(borrow)]
+    #[schemars(with = "Vec<ObstacleWire>", length(max = 10_000))]
+    obstacles: Vec<&'a RawValue>,
+}
+
+/// An obstacle.
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[schemars(rename = "Obstacle")]
+#[expect(dead_code, reason = "the schema is made of it; each kind is read by itself")]
+enum ObstacleWire {
+    Box(BoxWire),
+    Plane(PlaneWire),
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+enum BoxTag {
+    #[serde(rename = "box")]
+    Box,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+enum PlaneTag {
+    #[serde(rename = "plane")]
+    Plane,
+}
+
+/// A solid box.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Box")]
+struct BoxWire {
+    /// What the obstacle is called. No two have the same name.
+    #[schemars(length(min = 1, max = 100))]
+    name: String,
+    #[expect(dead_code, reason = "it has been looked at")]
+    r#type: BoxTag,
+    /// The centre: x, y and z in mm.
+    #[serde(deserialize_with = "three")]
+    #[schemars(extend("items" = position()))]
+    center_mm: [f64; 3],
+    /// The whole lengths along the box's own axes, in mm.
+    #[serde(deserialize_with = "three")]
+    #[schemars(extend("items" = size()))]
+    size_mm: [f64; 3],
+    /// How it is turned, as in a URDF: about x, then y, then z, the axes of the base, in degrees.
+    #[serde(default, deserialize_with = "three")]
+    #[schemars(extend("items" = angle()))]
+    rpy_deg: [f64; 3],
+}
+
+/// A half-space: all that is behind the plane is solid.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Plane")]
+struct PlaneWire {
+    /// What the obstacle is called. No two have the same name.
+    #[schemars(length(min = 1, max = 100))]
+    name: String,
+    #[expect(dead_code, reason = "it has been looked at")]
+    r#type: PlaneTag,
+    /// A point of the plane: x, y and z in mm.
+    #[serde(deserialize_with = "three")]
+    #[schemars(extend("items" = position()))]
+    point_mm: [f64; 3],
+    /// Which way is out; of any length but zero.
+    #[serde(deserialize_with = "three")]
+    #[schemars(extend("contains" = { "not": { "const": 0 } }))]
+    normal: [f64; 3],
+}
+
+fn position() -> serde_json::Value {
+    let max_mm = 1e3 * MAX_M;
+    serde_json::json!({ "type": "number", "minimum": -max_mm, "maximum": max_mm })
+}
+
+fn size() -> serde_json::Value {
+    serde_json::json!({ "type": "number", "minimum": 1e-3, "maximum": 1e3 * MAX_M })
+}
+
+fn angle() -> serde_json::Value {
+    serde_json::json!({ "type": "number", "minimum": -360, "maximum": 360 })
+}
+
+impl From<BoxWire> for Obstacle {
+    fn from(wire: BoxWire) -> Self {
+        let form = Form::Box {
+            center_m: wire.center_mm.map(from_mm),
+            size_m: wire.size_mm.map(from_mm),
+            rpy_rad: wire.rpy_deg.map(f64::to_radians),
+        };
+        Self { name: wire.name, form }
+    }
+}
+
+impl From<PlaneWire> for Obstacle {
+    fn from(wire: PlaneWire) -> Self {
+        let form = Form::Plane { point_m: wire.point_mm.map(from_mm), normal: wire.normal };
+        Self { name: wire.name, form }
+    }
+}
+
+/// Divided rather than multiplied: 100 mm are 0.1 m and not 0.1 and a bit.
+fn from_mm(mm: f64) -> f64 {
+    mm / 1e3
+}
+
+/// Reads exactly three numbers.
+fn three<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 3], D::Error> {
+    struct Three;
+    impl<'de> Visitor<'de> for Three {
+        type Value = [f64; 3];
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("three numbers, for x, y and z")
+        }
+        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[f64; 3], A::Error> {
+            let mut numbers = [0.0; 3];
+            let mut count = 0;
+            while count < 3 {
+                let Some(value) = seq.next_element()? else { break };
+                numbers[count] = value;
+                count += 1;
+            }
+            while count >= 3 && seq.next_element::<IgnoredAny>()?.is_some() {
+                count += 1;
+            }
+            if count == 3 { Ok(numbers) } else { Err(A::Error::invalid_length(count, &self)) }
+        }
+    }
+    deserializer.deserialize_seq(Three)
+}
+
+/// As a drawing needs it: m, unit vectors, matrices.
+#[derive(Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Drawn<'a> {
+    Box {
+        name: &'a str,
+        center_m: [f64; 3],
+        size_m: [f64; 3],
+        /// Three rows; the columns are the box's axes.
+        rotation: [[f64; 3]; 3],
+    },
+    Plane {
+        name: &'a str,
+        point_m: [f64; 3],
+        /// Of length 1.
+        normal: [f64; 3],
+    },
+}
+
+/// The obstacles with positions in m: a box as `center_m`, `size_m` and `rotation` (three rows; the columns
+/// are its axes), a plane as `point_m` and `normal` (of length 1).
+impl Serialize for Scene {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct View<'a> {
+            obstacles: Vec<Drawn<'a>>,
+        }
+        let obstacles = self.obstacles().iter().map(|Obstacle { name, form }| match *form {
+            Form::Box { center_m, size_m, rpy_rad } => {
+                Drawn::Box { name, center_m, size_m, rotation: rotation(rpy_rad) }
+            }
+            Form::Plane { point_m, normal } => {
+                Drawn::Plane { name, point_m, normal: unit(normal).into() }
+            }
+        });
+        View { obstacles: obstacles.collect() }.serialize(serializer)
+    }
+}

@@ -1,0 +1,170 @@
+//! Clearances of planned motions against poses that are looked at one by one.
+
+// Helpers of tests may fail.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use iiwa_kin::Robot;
+use iiwa_path::{BlendShape, Continuity, Motion, Path, PathOptions, Program, Ptp};
+use iiwa_scene::{ArmInScene, Form, Obstacle, Scene};
+use iiwa_traj::{SweepOptions, Timing, Trajectory};
+use iiwasim_tests::{fixture, random::programs};
+use proptest::prelude::*;
+
+const TOLERANCE_M: f64 = 1e-4;
+
+fn plan(program: &Program, options: PathOptions, timing: Timing) -> Trajectory {
+    let path = Path::with_options(program, &Robot::default(), options).unwrap();
+    Trajectory::plan(&path, timing).unwrap()
+}
+
+fn acceleration() -> Timing {
+    Timing::Acceleration(SweepOptions::default())
+}
+
+/// Whether what is found is that of a pose, and no sample is nearer by more than the tolerance.
+fn check(arm: &ArmInScene, trajectory: &Trajectory, samples: u32) {
+    let found = arm.clearance_of(trajectory).unwrap();
+    let distance_m = found.clearance.distance_m;
+    let there = arm.clearance(&trajectory.at(found.at_s).q).unwrap();
+    // Near a rest, a time's last digit is many of s: the pose is not exactly the one that was found.
+    assert!((there.distance_m - distance_m).abs() < 1e-6, "{there:?}, {found:?}");
+    let end_s = trajectory.cycle_time_s();
+    let at = |i: u32| end_s * f64::from(i) / f64::from(samples);
+    for t_s in (0..=samples).map(at) {
+        let sample = arm.clearance(&trajectory.at(t_s).q).unwrap();
+        assert!(sample.distance_m > distance_m - TOLERANCE_M, "{t_s} s: {sample:?}, {found:?}");
+        if distance_m == 0.0 && t_s < found.at_s - 1e-3 {
+            assert!(
+                sample.distance_m > 0.0 || touches_by_less(arm, trajectory, t_s),
+                "{t_s} s, {found:?}"
+            );
+        }
+    }
+    // The motions' own.
+    let each: Vec<_> = trajectory.stretches().iter().flat_map(|s| arm.clearances(s)).collect();
+    assert_eq!(each.len(), trajectory.motions().len());
+    let least = each.iter().map(|c| c.clearance.distance_m).fold(f64::MAX, f64::min);
+    assert!((least - distance_m).abs() < TOLERANCE_M);
+    for (motion, figures) in each.iter().zip(trajectory.motions()) {
+        assert_eq!(motion.motion, figures.motion);
+        let standing_s = 1e-9 + if figures.end_s < end_s { end_s } else { 1.0 };
+        assert!((figures.start_s - 1e-9..figures.end_s + standing_s).contains(&motion.at_s));
+    }
+}
+
+/// Whether the arm would be free if all obstacles were smaller by twice the tolerance.
+fn touches_by_less(arm: &ArmInScene, trajectory: &Trajectory, t_s: f64) -> bool {
+    let smaller = arm.scene().obstacles().iter().map(|obstacle| {
+        let form = match obstacle.form {
+            Form::Box { center_m, size_m, rpy_rad } => {
+                Form::Box { center_m, size_m: size_m.map(|m| m - 4.0 * TOLERANCE_M), rpy_rad }
+            }
+            Form::Plane { point_m, normal } => {
+                let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+                let back = 2.0 * TOLERANCE_M / length;
+                let point_m = std::array::from_fn(|i| point_m[i] - back * normal[i]);
+                Form::Plane { point_m, normal }
+            }
+            _ => unreachable!("there are no others"),
+        };
+        Obstacle { name: obstacle.name.clone(), form }
+    });
+    let smaller = Scene::new(smaller.collect()).unwrap();
+    let arm = ArmInScene::new(&Robot::default(), &smaller);
+    arm.clearance(&trajectory.at(t_s).q).unwrap().distance_m > 0.0
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(150))]
+
+    #[test]
+    fn no_sample_is_nearer(program in programs(4), seed in any::<u64>(), jerk in 0..4) {
+        let scene = common::scene(&mut fastrand::Rng::with_seed(seed), 4);
+        let arm = ArmInScene::new(&Robot::default(), &scene);
+        let timing = if jerk == 0 { Timing::default() } else { acceleration() };
+        check(&arm, &plan(&program, PathOptions::default(), timing), 3000);
+    }
+
+    #[test]
+    fn nor_on_other_blends(program in programs(3), seed in any::<u64>(), shape in 0..3) {
+        let blend_shape = match shape {
+            0 => BlendShape::Circle,
+            1 => BlendShape::Alpha(Continuity::Third),
+            _ => BlendShape::MinAcceleration,
+        };
+        let options = PathOptions { blend_shape, ..PathOptions::default() };
+        prop_assume!(Path::with_options(&program, &Robot::default(), options).is_ok());
+        let scene = common::scene(&mut fastrand::Rng::with_seed(seed), 3);
+        let arm = ArmInScene::new(&Robot::default(), &scene);
+        check(&arm, &plan(&program, options, acceleration()), 2000);
+    }
+}
+
+#[test]
+fn ten_motions_in_the_cage() {
+    let read = |name| std::fs::read_to_string(fixture(name)).unwrap();
+    let scene = Scene::from_json(&read("cage.json")).unwrap();
+    let program = Program::from_json(&read("ten-motions.json")).unwrap();
+    let arm = ArmInScene::new(&Robot::default(), &scene);
+    let trajectory = plan(&program, PathOptions::default(), Timing::default());
+    check(&arm, &trajectory, 100_000);
+    let found = arm.clearance_of(&trajectory).unwrap();
+    println!("{found:?}");
+    assert!(found.clearance.distance_m > 0.01);
+}
+
+/// The arm keeps its distance: no span is nearer than any other.
+#[test]
+fn an_arm_that_turns_over_a_table_keeps_its_distance() {
+    let q = |q1| [q1, 1.2, 0.0, -1.2, 0.0, 0.6, 0.0];
+    let program =
+        Program { robot: None, start_rad: q(-2.0), motions: vec![Motion::Ptp(Ptp::to(q(2.0)))] };
+    let table = Form::Plane { point_m: [0.0, 0.0, -0.01], normal: [0.0, 0.0, 1.0] };
+    let scene = Scene::new(vec![Obstacle { name: "table".to_owned(), form: table }]).unwrap();
+    let arm = ArmInScene::new(&Robot::default(), &scene);
+    let trajectory = plan(&program, PathOptions::default(), Timing::default());
+    let found = arm.clearance_of(&trajectory).unwrap();
+    let at_start = arm.clearance(&program.start_rad).unwrap();
+    assert!((found.clearance.distance_m - at_start.distance_m).abs() < 1e-12);
+}
+
+#[test]
+fn the_first_touch_is_told() {
+    let program = Program {
+        robot: None,
+        start_rad: [0.0, 0.5, 0.0, -1.0, 0.0, 0.5, 0.0],
+        motions: vec![
+            Motion::Ptp(Ptp::to([0.0, 1.5, 0.0, -1.0, 0.0, 0.5, 0.0])),
+            Motion::Wait { seconds: 2.0 },
+            Motion::Ptp(Ptp::to([0.0, 1.7, 0.0, -1.0, 0.0, 0.5, 0.0])),
+        ],
+    };
+    let table = Form::Plane { point_m: [0.0, 0.0, 0.2], normal: [0.0, 0.0, 1.0] };
+    let scene = Scene::new(vec![Obstacle { name: "table".to_owned(), form: table }]).unwrap();
+    let arm = ArmInScene::new(&Robot::default(), &scene);
+    let trajectory = plan(&program, PathOptions::default(), Timing::default());
+    let found = arm.clearance_of(&trajectory).unwrap();
+    assert_eq!((found.clearance.distance_m, found.motion), (0.0, 0));
+    let just_before = arm.clearance(&trajectory.at(found.at_s - 1e-3).q).unwrap();
+    assert!(just_before.distance_m > 0.0 && just_before.distance_m < 5e-3);
+}
+
+#[test]
+fn nothing_to_touch_is_no_clearance() {
+    let scene = Scene::new(Vec::new()).unwrap();
+    let arm = ArmInScene::new(&Robot::default(), &scene);
+    assert_eq!(arm.clearance(&[0.0; 7]), None);
+    let program =
+        Program { robot: None, start_rad: [0.0; 7], motions: vec![Motion::Wait { seconds: 1.0 }] };
+    let waiting = plan(&program, PathOptions::default(), Timing::default());
+    assert_eq!(arm.clearance_of(&waiting), None);
+    // An arm that only waits has a clearance, too.
+    let floor = Form::Plane { point_m: [0.0; 3], normal: [0.0, 0.0, 1.0] };
+    let scene = Scene::new(vec![Obstacle { name: "floor".to_owned(), form: floor }]).unwrap();
+    let arm = ArmInScene::new(&Robot::default(), &scene);
+    let found = arm.clearance_of(&waiting).unwrap();
+    assert_eq!(Some(found.clearance), arm.clearance(&[0.0; 7]));
+    assert_eq!(arm.clearance(&[f64::NAN; 7]), None);
+}
