@@ -3,7 +3,7 @@
 //! Data flows one way: files are read ([`source`]), the program of a recording is planned
 //! ([`attached`]), both are made into curves for the screen ([`planned`],
 //! [`measured`], [`curve`]), gathered ([`data`]) and put into the page as JSON beside its style and its
-//! scripts ([`html`]). The scripts draw; what they show is decided here.
+//! scripts ([`mod@html`]). The scripts draw; what they show is decided here.
 
 mod attached;
 mod curve;

@@ -1,13 +1,14 @@
 //! The twin: a page that follows the robot, and has it run programs.
 //!
-//! Two threads ask the drive, one for where the arm is ([`follow`]), one for how it is ([`health`]); a
+//! Two threads ask the drive, one for where the arm is ([`mod@follow`]), one for how it is ([`health`]); a
 //! desk keeps what people do: positions, a plan, a run ([`desk`]). Each of them hands out its newest word
 //! as JSON, and forgets the one before: a page that is slow misses words, and nothing piles up. The
-//! server ([`server`]) passes them on to pages that may come in ([`guard`]), and takes their orders to the
-//! desk.
+//! server ([`mod@server`]) passes them on to pages that may come in ([`mod@guard`]), and takes their orders
+//! to the desk. Viewers hear of the robot, too, if they are asked for ([`foxglove`]).
 
 mod desk;
 mod follow;
+mod foxglove;
 mod guard;
 mod health;
 mod order;
@@ -18,9 +19,9 @@ mod setup;
 
 pub(crate) use desk::Desk;
 pub(crate) use follow::{Live, follow};
+pub(crate) use foxglove::Viewers;
 pub(crate) use guard::Token;
 pub(crate) use health::watch_health;
-
 pub(crate) use server::{Twin, serve};
 pub(crate) use setup::Setup;
 

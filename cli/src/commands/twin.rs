@@ -2,7 +2,7 @@
 
 use std::{
     net::{Ipv4Addr, TcpListener},
-    sync::Arc,
+    sync::{Arc, Mutex},
     thread,
 };
 
@@ -10,7 +10,7 @@ use crate::{
     args,
     failure::{Failure, tell},
     output,
-    twin::{Desk, Live, Setup, Token, Twin, Words, follow, serve, watch_health},
+    twin::{Desk, Live, Setup, Token, Twin, Viewers, Words, follow, serve, watch_health},
 };
 
 /// Follows the robot, and serves its page, until it is interrupted.
@@ -23,6 +23,7 @@ pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     let address =
         listener.local_addr().map_err(|error| Failure::run("cannot serve the page", &error))?;
     let token = Token::new()?;
+    let viewers = options.foxglove.map(|at| Viewers::listen(&setup.robot, at)).transpose()?;
     output::catch_interrupts();
     let live = Arc::new(Live::default());
     let desk = Arc::new(Desk::new(setup.clone(), live.clone()));
@@ -35,12 +36,20 @@ pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     };
     output::print(&format!("http://{address}/?token={}\n", token.text()))?;
     tell("The twin is at this address, for this machine only. Ctrl-C ends it.\n");
+    if let Some(viewers) = &viewers {
+        tell(&format!("Foxglove and Lichtblick open ws://{}\n", viewers.address()));
+    }
+    let viewers = viewers.map(Mutex::new);
     thread::scope(|scope| {
-        scope.spawn(|| follow(&setup, &live, &live_words));
-        scope.spawn(|| watch_health(&setup, &health_words));
+        scope.spawn(|| watch_health(&setup, &health_words, viewers.as_ref()));
+        let following = scope.spawn(|| {
+            // Without it there is nothing to serve.
+            follow(&setup, &live, &live_words, viewers.as_ref())
+                .inspect_err(|_| output::interrupt())
+        });
         let served = serve(listener, &token, twin);
         output::interrupt();
         desk.end();
-        served
+        following.join().unwrap_or(Ok(())).and(served)
     })
 }

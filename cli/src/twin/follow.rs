@@ -10,9 +10,9 @@ use iiwa_kin::Joints;
 use iiwa_link::Published;
 use serde::Serialize;
 
-use crate::output;
+use crate::{failure::Failure, output};
 
-use super::{Setup, Words, setup::Nearest, word};
+use super::{Setup, Viewers, Words, setup::Nearest, word};
 
 /// Pages are told so often at most: more often than any screen shows it.
 const EVERY: Duration = Duration::from_millis(10);
@@ -53,7 +53,12 @@ struct Where {
 }
 
 /// Follows the drive's stream until the twin ends. It connects again by itself.
-pub(crate) fn follow(setup: &Setup, live: &Live, words: &Words) {
+pub(crate) fn follow(
+    setup: &Setup,
+    live: &Live,
+    words: &Words,
+    viewers: Option<&Mutex<Viewers>>,
+) -> Result<(), Failure> {
     let mut lag = Lag::default();
     let mut told = None::<Instant>;
     let mut stream = None;
@@ -87,11 +92,16 @@ pub(crate) fn follow(setup: &Setup, live: &Live, words: &Words) {
             continue;
         }
         told = Some(now);
-        let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let clock = SystemTime::now();
+        if let Some(Ok(mut viewers)) = viewers.map(Mutex::lock) {
+            viewers.joints(clock, &joints_rad)?;
+        }
+        let since_1970 = clock.duration_since(UNIX_EPOCH).unwrap_or_default();
         let at_ms = 1e3 * since_1970.as_secs_f64();
         let nearest = setup.nearest(&joints_rad);
         words.send_replace(word("live", &Where { t_s, joints_rad, at_ms, behind_ms, nearest }));
     }
+    Ok(())
 }
 
 /// How late messages come in: next to the fastest one, since no clock is shared with the controller.

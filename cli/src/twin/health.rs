@@ -1,8 +1,9 @@
 //! How the drive and the robot are.
 
 use std::{
+    sync::Mutex,
     thread,
-    time::{Duration, Instant},
+    time::{Duration, Instant, SystemTime},
 };
 
 use iiwa_link::{
@@ -13,7 +14,7 @@ use serde::Serialize;
 
 use crate::output;
 
-use super::{Setup, Words, word};
+use super::{Setup, Viewers, Words, word};
 
 /// How often the state is asked for.
 const STATE_EVERY: Duration = Duration::from_millis(250);
@@ -41,7 +42,7 @@ struct Io {
 }
 
 /// Asks the drive again and again until the twin ends.
-pub(crate) fn watch_health(setup: &Setup, words: &Words) {
+pub(crate) fn watch_health(setup: &Setup, words: &Words, viewers: Option<&Mutex<Viewers>>) {
     let mut client = None;
     let mut health = Health::default();
     let mut io_at = None::<Instant>;
@@ -64,8 +65,27 @@ pub(crate) fn watch_health(setup: &Setup, words: &Words) {
             }
         }
         words.send_replace(word("health", &health));
+        if let Some(Ok(viewers)) = viewers.map(Mutex::lock) {
+            health.tell(&viewers);
+        }
         while since.elapsed() < STATE_EVERY && !output::interrupted() {
             thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+impl Health {
+    fn tell(&self, viewers: &Viewers) {
+        let at = SystemTime::now();
+        if let Some(status) = &self.status {
+            viewers.drive_state(at, status);
+        }
+        if let Some(sensors) = &self.sensors {
+            viewers.sensors(at, sensors);
+        }
+        let known: Vec<_> = self.io.iter().filter_map(|io| Some((&*io.name, io.value?))).collect();
+        if !known.is_empty() {
+            viewers.inputs_outputs(at, &known);
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::{args, connection, failure::Failure, input};
 
 /// The robot, what stands around it, and the way to its drive.
 pub(crate) struct Setup {
-    pub(super) robot: Robot,
+    pub(crate) robot: Robot,
     /// The robot's name, or its profile's.
     pub(super) robot_name: String,
     arm: Option<ArmInScene>,

@@ -21,17 +21,58 @@ pub const LINK_NAMES: [&str; 9] = [
     "iiwa_link_ee",
 ];
 
-/// A robot with what every message about it needs.
-#[derive(Debug)]
-pub(crate) struct Arm {
+/// A robot with what every message about it needs: its description, and where its links and its flange
+/// are, from the positions of its joints.
+#[derive(Clone, Debug)]
+pub struct Arm {
     robot: Robot,
     dh: [DhRow; 7],
     urdf: String,
 }
 
 impl Arm {
-    pub(crate) fn new(robot: &Robot) -> Self {
+    /// What messages about `robot` need.
+    #[must_use]
+    pub fn new(robot: &Robot) -> Self {
         Self { robot: robot.clone(), dh: robot.dh(), urdf: robot.to_urdf() }
+    }
+
+    /// The robot's description, for `/robot_description`.
+    #[must_use]
+    pub fn urdf(&self) -> &str {
+        &self.urdf
+    }
+
+    /// Each link's frame in the one before it, as in the URDF, for `/tf`: past the shift and the twist
+    /// of the joint before, turned by the joint.
+    #[must_use]
+    pub fn links(&self, joints_rad: &Joints) -> [Frame<'static>; 8] {
+        std::array::from_fn(|link| {
+            let (d_m, alpha) = match link.checked_sub(1) {
+                Some(before) => (self.dh[before].d_m, self.dh[before].alpha_rad),
+                None => (0.0, 0.0),
+            };
+            let theta = joints_rad.get(link).copied().unwrap_or(0.0);
+            let ((sa, ca), (st, ct)) = ((0.5 * alpha).sin_cos(), (0.5 * theta).sin_cos());
+            Frame {
+                parent: LINK_NAMES[link],
+                child: LINK_NAMES[link + 1],
+                translation_m: [0.0, 0.0, d_m],
+                rotation_xyzw: [sa * ct, -sa * st, ca * st, ca * ct],
+            }
+        })
+    }
+
+    /// The flange's frame in that of the base, for `/tcp_pose`.
+    #[must_use]
+    pub fn flange(&self, joints_rad: &Joints) -> Frame<'static> {
+        let tcp = self.robot.tcp(joints_rad);
+        Frame {
+            parent: LINK_NAMES[0],
+            child: LINK_NAMES[8],
+            translation_m: tcp.position_m,
+            rotation_xyzw: tcp.quaternion_xyzw(),
+        }
     }
 
     /// Writes `/robot_description`, at the epoch.
@@ -49,9 +90,9 @@ impl Arm {
         t: Duration,
         joints_rad: &Joints,
     ) -> Result<(), WriteError> {
-        writer.transforms(t, &link_frames(&self.dh, joints_rad))?;
-        let tcp = self.robot.tcp(joints_rad);
-        writer.tcp_pose(t, LINK_NAMES[0], tcp.position_m, tcp.quaternion_xyzw())
+        writer.transforms(t, &self.links(joints_rad))?;
+        let Frame { parent, translation_m, rotation_xyzw, .. } = self.flange(joints_rad);
+        writer.tcp_pose(t, parent, translation_m, rotation_xyzw)
     }
 
     /// Writes the `attachments` (name, media type, content), the URDF and the `metadata` record
@@ -69,23 +110,4 @@ impl Arm {
         writer.metadata("iiwasim", metadata)?;
         writer.finish()
     }
-}
-
-/// Each link's frame in the one before it, as in the URDF: past the shift and the twist of the
-/// joint before, turned by the joint.
-fn link_frames(dh: &[DhRow; 7], joints_rad: &Joints) -> [Frame<'static>; 8] {
-    std::array::from_fn(|link| {
-        let (d_m, alpha) = match link.checked_sub(1) {
-            Some(before) => (dh[before].d_m, dh[before].alpha_rad),
-            None => (0.0, 0.0),
-        };
-        let theta = joints_rad.get(link).copied().unwrap_or(0.0);
-        let ((sa, ca), (st, ct)) = ((0.5 * alpha).sin_cos(), (0.5 * theta).sin_cos());
-        Frame {
-            parent: LINK_NAMES[link],
-            child: LINK_NAMES[link + 1],
-            translation_m: [0.0, 0.0, d_m],
-            rotation_xyzw: [sa * ct, -sa * st, ca * st, ca * ct],
-        }
-    })
 }

@@ -4,7 +4,8 @@
 //! the start of the motion and writes them, compressed, into anything that is [`Write`] and
 //! [`Seek`]; a [`PlanWriter`] does it for a plan. A [`Recorder`] writes what the robot did, as it
 //! happens, into a file that is whole at every moment. [`Recording`] reads such a file back, and
-//! [`Reader`] does it entry by entry. The topics and their types are those of [`Topic`].
+//! [`Reader`] does it entry by entry. The topics and their types are those of [`Topic`]. For messages
+//! that go elsewhere than into a file, an [`Encoder`] gives their bytes, and an [`Arm`] what they say.
 //!
 //! [`JointLog`] is what the joints did and nothing else, from such a file, from CSV or from a log of
 //! KUKA's `DataRecorder`. It refuses what cannot be right, and states what a file has lost.
@@ -40,6 +41,7 @@
 mod arm;
 mod buffer;
 mod cdr;
+mod encoder;
 mod error;
 mod joint_log;
 mod plan;
@@ -54,7 +56,8 @@ mod trajectory;
 mod whole_file;
 mod writer;
 
-pub use arm::LINK_NAMES;
+pub use arm::{Arm, LINK_NAMES};
+pub use encoder::{Encoder, Frame};
 pub use error::{ReadError, WriteError};
 pub use joint_log::{JointLog, JointLogError, Loss, Place, Source};
 pub use plan::{PlanConfig, PlanWriter};
@@ -64,7 +67,7 @@ pub use recording::{Attachment, JointSample, Motion, MotionSample, PoseSample, R
 pub use storage::Storage;
 pub use topic::Topic;
 pub use trajectory::{TrajectoryMessage, TrajectoryPoint};
-pub use writer::{Config, DEFAULT_EPOCH, Frame, Writer};
+pub use writer::{Config, DEFAULT_EPOCH, Writer};
 
 /// The joints' names in messages, from the base to the flange, as in the robot's URDF.
 pub const JOINT_NAMES: [&str; 7] = [

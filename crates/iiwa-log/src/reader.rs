@@ -327,7 +327,7 @@ impl Content<'_> {
     }
 
     fn check_type(&self, topic: Topic, channel: &mcap::records::Channel) -> Result<(), ReadError> {
-        let expected = (topic.type_name(), "ros2msg", "cdr");
+        let expected = (topic.type_name(), Topic::SCHEMA_ENCODING, Topic::MESSAGE_ENCODING);
         let (name, schema_encoding) = self
             .schemas
             .get(&channel.schema_id)

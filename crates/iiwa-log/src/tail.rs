@@ -14,7 +14,7 @@ use mcap::records::{
 use mcap::{MAGIC, McapError};
 
 use crate::Topic;
-use crate::writer::{MESSAGE_ENCODING, SCHEMA_ENCODING, channel_metadata};
+use crate::writer::channel_metadata;
 
 /// Type and length of a record, before its content.
 pub(crate) const RECORD_HEADER_BYTES: usize = 9;
@@ -121,7 +121,7 @@ impl Index {
                 id: topic.id(),
                 schema_id: topic.id(),
                 topic: topic.name().to_owned(),
-                message_encoding: MESSAGE_ENCODING.to_owned(),
+                message_encoding: Topic::MESSAGE_ENCODING.to_owned(),
                 metadata: channel_metadata(topic),
             };
             record(&mut tail, op::CHANNEL, &channel)?;
@@ -179,7 +179,7 @@ fn schema(out: &mut Vec<u8>, topic: Topic) -> Result<(), McapError> {
     let header = SchemaHeader {
         id: topic.id(),
         name: topic.type_name().to_owned(),
-        encoding: SCHEMA_ENCODING.to_owned(),
+        encoding: Topic::SCHEMA_ENCODING.to_owned(),
     };
     let text = topic.schema();
     let length = u32::try_from(text.len()).unwrap_or(u32::MAX);

@@ -33,6 +33,12 @@ impl Topic {
         Self::Motion,
     ];
 
+    /// How messages are encoded, as MCAP calls it.
+    pub const MESSAGE_ENCODING: &str = "cdr";
+
+    /// How schemas are written down, as MCAP calls it.
+    pub const SCHEMA_ENCODING: &str = "ros2msg";
+
     /// The number of the topic's channel and schema in a file, from 1: fixed, so that it does not
     /// follow the order of the calls.
     pub(crate) fn id(self) -> u16 {

@@ -6,14 +6,10 @@ use std::io::{Seek, Write};
 use std::time::Duration;
 
 use mcap::records::MessageHeader;
-use serde::{Serialize, Serializer};
 
 use crate::error::WriteError;
-use crate::ros::{
-    Header, JointState, Joints, Motion as MotionMessage, Names, PoseStamped, Text, Time,
-    TransformStamped,
-};
-use crate::{Motion, Topic, TrajectoryMessage, cdr};
+use crate::ros::Time;
+use crate::{Encoder, Frame, Motion, Topic, TrajectoryMessage};
 
 /// 2020-01-01T00:00:00Z as the time since 1970-01-01T00:00:00Z (Unix time 1 577 836 800 s).
 ///
@@ -27,10 +23,6 @@ const CHUNK_BYTES: u64 = 1024 * 1024;
 
 /// The fastest of the levels that zstd counts upwards; joint values hardly compress further.
 const ZSTD_LEVEL: u32 = 1;
-
-/// How schemas and messages are written down.
-pub(crate) const SCHEMA_ENCODING: &str = "ros2msg";
-pub(crate) const MESSAGE_ENCODING: &str = "cdr";
 
 /// The first of the record types that MCAP leaves to its users, and readers pass over.
 pub(crate) const PADDING: u8 = 0x80;
@@ -59,19 +51,6 @@ impl Default for Config {
     }
 }
 
-/// The pose of one coordinate frame in another.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame<'a> {
-    /// The frame that the pose is given in.
-    pub parent: &'a str,
-    /// The frame whose pose it is.
-    pub child: &'a str,
-    /// The origin of `child` in `parent`, m.
-    pub translation_m: [f64; 3],
-    /// The rotation from `child` to `parent`, unit quaternion x, y, z, w.
-    pub rotation_xyzw: [f64; 4],
-}
-
 /// Writes a recording into a stream, in one pass.
 ///
 /// Every method takes the time `t` since the start of the motion and stamps its message with
@@ -85,11 +64,16 @@ pub struct Frame<'a> {
 /// The bytes depend on the calls and on [`Config`] alone. Call [`finish`](Self::finish): a writer
 /// that is dropped ends the file as well, but nobody hears of errors.
 pub struct Writer<W: Write + Seek> {
+    encoder: Encoder,
+    file: File<W>,
+}
+
+/// The container, apart from the encoder that lends it the bytes of a message.
+struct File<W: Write + Seek> {
     mcap: mcap::Writer<W>,
     epoch: Duration,
     epoch_ns: u64,
     channels: [Channel; Topic::ALL.len()],
-    buffer: Vec<u8>,
 }
 
 /// What a topic has seen so far.
@@ -103,8 +87,8 @@ struct Channel {
 impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Writer")
-            .field("epoch", &self.epoch)
-            .field("channels", &self.channels)
+            .field("epoch", &self.file.epoch)
+            .field("channels", &self.file.channels)
             .finish_non_exhaustive()
     }
 }
@@ -119,9 +103,9 @@ impl<W: Write + Seek> Writer<W> {
     /// stream refuses.
     pub fn new(stream: W, config: Config) -> Result<Self, WriteError> {
         let Config { epoch, library } = config;
-        let epoch_ns = Time::from_duration(epoch)
-            .and_then(|_| u64::try_from(epoch.as_nanos()).ok())
-            .ok_or(WriteError::EpochOutOfRange { epoch })?;
+        let encoder = Encoder::new(epoch)?;
+        let epoch_ns =
+            u64::try_from(epoch.as_nanos()).map_err(|_| WriteError::EpochOutOfRange { epoch })?;
         // The number of threads would otherwise follow the machine, and the bytes with it.
         let mcap = mcap::WriteOptions::new()
             .profile("ros2")
@@ -132,7 +116,7 @@ impl<W: Write + Seek> Writer<W> {
             .chunk_size(Some(CHUNK_BYTES))
             .create(stream)?;
         let channels = [Channel::default(); Topic::ALL.len()];
-        Ok(Self { mcap, epoch, epoch_ns, channels, buffer: Vec::new() })
+        Ok(Self { encoder, file: File { mcap, epoch, epoch_ns, channels } })
     }
 
     /// Writes positions (rad) and velocities (rad/s) of the seven joints to `/joint_states`.
@@ -146,16 +130,7 @@ impl<W: Write + Seek> Writer<W> {
         positions: &[f64; 7],
         velocities: &[f64; 7],
     ) -> Result<(), WriteError> {
-        let topic = Topic::JointStates;
-        let header = Header { stamp: self.stamp(topic, t)?, frame_id: "".into() };
-        let message = JointState {
-            header,
-            name: Names::Iiwa,
-            position: Joints::from(*positions),
-            velocity: Joints::from(*velocities),
-            effort: Joints::EMPTY,
-        };
-        self.encode_and_write(topic, t, &message)
+        self.file.write(Topic::JointStates, t, self.encoder.joint_state(t, positions, velocities)?)
     }
 
     /// Writes the poses of all `frames` as one message to `/tf`.
@@ -164,9 +139,7 @@ impl<W: Write + Seek> Writer<W> {
     ///
     /// As [`joint_state`](Self::joint_state).
     pub fn transforms(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<(), WriteError> {
-        let topic = Topic::Tf;
-        let message = Transforms { stamp: self.stamp(topic, t)?, frames };
-        self.encode_and_write(topic, t, &message)
+        self.file.write(Topic::Tf, t, self.encoder.transforms(t, frames)?)
     }
 
     /// Writes the pose of the flange in `frame_id` to `/tcp_pose`: position in m, rotation as a
@@ -182,10 +155,8 @@ impl<W: Write + Seek> Writer<W> {
         position_m: [f64; 3],
         rotation_xyzw: [f64; 4],
     ) -> Result<(), WriteError> {
-        let topic = Topic::TcpPose;
-        let header = Header { stamp: self.stamp(topic, t)?, frame_id: frame_id.into() };
-        let message = PoseStamped { header, position: position_m, orientation: rotation_xyzw };
-        self.encode_and_write(topic, t, &message)
+        let message = self.encoder.tcp_pose(t, frame_id, position_m, rotation_xyzw)?;
+        self.file.write(Topic::TcpPose, t, message)
     }
 
     /// Writes the robot's URDF to `/robot_description`.
@@ -194,8 +165,7 @@ impl<W: Write + Seek> Writer<W> {
     ///
     /// As [`joint_state`](Self::joint_state).
     pub fn robot_description(&mut self, t: Duration, urdf: &str) -> Result<(), WriteError> {
-        let message = Text { data: urdf.into() };
-        self.encode_and_write(Topic::RobotDescription, t, &message)
+        self.file.write(Topic::RobotDescription, t, self.encoder.robot_description(urdf)?)
     }
 
     /// Writes a whole trajectory that starts at `t` to `/joint_trajectory`.
@@ -214,11 +184,11 @@ impl<W: Write + Seek> Writer<W> {
         // A reader unpacks a chunk as a whole: nothing else belongs into one with a giant.
         let alone = bytes.len() as u64 > CHUNK_BYTES;
         if alone {
-            self.mcap.flush()?;
+            self.end_chunk()?;
         }
-        self.write(topic, t, &bytes)?;
+        self.file.write(topic, t, &bytes)?;
         if alone {
-            self.mcap.flush()?;
+            self.end_chunk()?;
         }
         Ok(())
     }
@@ -230,18 +200,7 @@ impl<W: Write + Seek> Writer<W> {
     /// [`WriteError::NoSuchJoint`] for a limiting joint other than 1 to 7, and as
     /// [`joint_state`](Self::joint_state).
     pub fn motion(&mut self, t: Duration, motion: &Motion<'_>) -> Result<(), WriteError> {
-        let topic = Topic::Motion;
-        if let Some(joint) = motion.limiting_joint.filter(|joint| !(1..=7).contains(joint)) {
-            return Err(WriteError::NoSuchJoint { joint, t });
-        }
-        let message = MotionMessage {
-            header: Header { stamp: self.stamp(topic, t)?, frame_id: "".into() },
-            index: motion.index,
-            kind: Cow::Borrowed(&motion.kind),
-            limiting_joint: motion.limiting_joint.map_or(0, u32::from),
-            limiting_kind: Cow::Borrowed(&motion.limiting_kind),
-        };
-        self.encode_and_write(topic, t, &message)
+        self.file.write(Topic::Motion, t, self.encoder.motion(t, motion)?)
     }
 
     /// Attaches a file, dated at the epoch. Ends the current chunk, so attach before or after the
@@ -251,9 +210,9 @@ impl<W: Write + Seek> Writer<W> {
     ///
     /// [`WriteError::Mcap`].
     pub fn attach(&mut self, name: &str, media_type: &str, bytes: &[u8]) -> Result<(), WriteError> {
-        self.mcap.attach(&mcap::Attachment {
-            log_time: self.epoch_ns,
-            create_time: self.epoch_ns,
+        self.file.mcap.attach(&mcap::Attachment {
+            log_time: self.file.epoch_ns,
+            create_time: self.file.epoch_ns,
             name: name.to_owned(),
             media_type: media_type.to_owned(),
             data: Cow::Borrowed(bytes),
@@ -271,7 +230,7 @@ impl<W: Write + Seek> Writer<W> {
         name: &str,
         entries: &BTreeMap<String, String>,
     ) -> Result<(), WriteError> {
-        self.mcap.write_metadata(&mcap::records::Metadata {
+        self.file.mcap.write_metadata(&mcap::records::Metadata {
             name: name.to_owned(),
             metadata: entries.clone(),
         })?;
@@ -284,48 +243,35 @@ impl<W: Write + Seek> Writer<W> {
     ///
     /// [`WriteError::Mcap`].
     pub fn finish(mut self) -> Result<W, WriteError> {
-        self.mcap.finish()?;
-        Ok(self.mcap.into_inner())
+        self.file.mcap.finish()?;
+        Ok(self.file.mcap.into_inner())
     }
 
     /// Ends the current chunk: all messages so far are in the stream then.
     pub(crate) fn end_chunk(&mut self) -> Result<(), WriteError> {
-        Ok(self.mcap.flush()?)
+        Ok(self.file.mcap.flush()?)
     }
 
     /// Ends the current chunk and fills up with a record that readers pass over.
     #[expect(clippy::default_trait_access, reason = "the type is of a crate that mcap keeps")]
     pub(crate) fn pad(&mut self, bytes: &[u8]) -> Result<(), WriteError> {
-        Ok(self.mcap.write_private_record(PADDING, bytes, Default::default())?)
+        Ok(self.file.mcap.write_private_record(PADDING, bytes, Default::default())?)
     }
 
     /// The instant of `t` as a message carries it.
     pub(crate) fn stamp(&self, topic: Topic, t: Duration) -> Result<Time, WriteError> {
-        self.epoch.checked_add(t).and_then(Time::from_duration).ok_or(WriteError::StampOutOfRange {
-            topic,
-            t,
-            epoch: self.epoch,
-        })
+        self.encoder.stamp(topic, t)
     }
+}
 
-    fn encode_and_write<T: Serialize>(
-        &mut self,
-        topic: Topic,
-        t: Duration,
-        message: &T,
-    ) -> Result<(), WriteError> {
-        let mut buffer = std::mem::take(&mut self.buffer);
-        let result = cdr::encode(&mut buffer, message)
-            .map_err(|source| WriteError::Encode { topic, source })
-            .and_then(|()| self.write(topic, t, &buffer));
-        self.buffer = buffer;
-        result
-    }
-
+impl<W: Write + Seek> File<W> {
     fn write(&mut self, topic: Topic, t: Duration, bytes: &[u8]) -> Result<(), WriteError> {
-        let out_of_range = || WriteError::StampOutOfRange { topic, t, epoch: self.epoch };
-        let stamp = self.stamp(topic, t)?.to_duration().ok_or_else(out_of_range)?;
-        let time = u64::try_from(stamp.as_nanos()).map_err(|_| out_of_range())?;
+        let epoch = self.epoch;
+        let time = epoch
+            .checked_add(t)
+            .filter(|instant| Time::from_duration(*instant).is_some())
+            .and_then(|instant| u64::try_from(instant.as_nanos()).ok())
+            .ok_or(WriteError::StampOutOfRange { topic, t, epoch })?;
 
         let place = topic as usize;
         let channel = self.channels[place];
@@ -338,11 +284,17 @@ impl<W: Write + Seek> Writer<W> {
             self.mcap.add_schema_with_id(
                 id,
                 topic.type_name(),
-                SCHEMA_ENCODING,
+                Topic::SCHEMA_ENCODING,
                 schema.as_bytes(),
             )?;
             let metadata = channel_metadata(topic);
-            self.mcap.add_channel_with_id(id, id, topic.name(), MESSAGE_ENCODING, &metadata)?;
+            self.mcap.add_channel_with_id(
+                id,
+                id,
+                topic.name(),
+                Topic::MESSAGE_ENCODING,
+                &metadata,
+            )?;
         }
         let sequence = channel.sequence;
         let header = MessageHeader { channel_id: id, sequence, log_time: time, publish_time: time };
@@ -350,22 +302,5 @@ impl<W: Write + Seek> Writer<W> {
         self.channels[place] =
             Channel { open: true, sequence: sequence.wrapping_add(1), last: Some(t) };
         Ok(())
-    }
-}
-
-/// `tf2_msgs/msg/TFMessage`, made of borrowed frames.
-struct Transforms<'a> {
-    stamp: Time,
-    frames: &'a [Frame<'a>],
-}
-
-impl Serialize for Transforms<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(self.frames.iter().map(|frame| TransformStamped {
-            header: Header { stamp: self.stamp, frame_id: frame.parent.into() },
-            child_frame_id: frame.child.into(),
-            translation: frame.translation_m,
-            rotation: frame.rotation_xyzw,
-        }))
     }
 }

@@ -1,0 +1,270 @@
+//! Foxglove and Lichtblick as viewers of what the robot does, while it does it.
+//!
+//! Viewers connect to a WebSocket and see the topics of a recording, with the same types, so that a
+//! layout made for one serves for the other; and what the drive says of itself, as JSON. They only
+//! read: the server lets nobody publish, set parameters or call services. It asks nobody who they
+//! are, and so it is for this machine unless it is told to listen elsewhere. (A web page in a browser
+//! on this machine can read along, too: that is how the viewers that are web pages do it.)
+//!
+//! They have to speak `foxglove.sdk.v1`, as Foxglove and newer versions of Lichtblick do.
+
+mod latched;
+mod schema;
+
+use std::{
+    net::SocketAddr,
+    sync::Arc,
+    time::{Duration, SystemTime, UNIX_EPOCH},
+};
+
+use foxglove::{
+    Context, FoxgloveError, PartialMetadata, RawChannel, Schema, WebSocketServerHandle,
+};
+use iiwa_kin::{Joints, Robot};
+use iiwa_link::message::{IoValue, Sensors, Status};
+use iiwa_log::{Arm, Encoder, Frame, Topic, WriteError};
+use serde::Serialize;
+use serde_json::{Value, json};
+use tokio::{
+    runtime::{self, Runtime},
+    time::timeout,
+};
+
+use self::latched::{Latched, Late};
+use crate::failure::Failure;
+
+/// Joint states a second that viewers get, at most: more than a screen shows, and what divides the
+/// usual rates of streams.
+const RATE_HZ: u32 = 100;
+
+/// Messages that wait for a viewer who does not keep up, not two seconds of them; then the oldest go.
+/// They take less than a megabyte.
+const BACKLOG: usize = 512;
+
+/// How long viewers have to take their leave. One that reads nothing would take for ever.
+const GOODBYE: Duration = Duration::from_millis(200);
+
+/// Publishes to viewers what the robot does. Dropped, it hangs up on them and closes the port.
+///
+/// It brings its own thread, and waits for it at both ends: asynchronous code must not do that.
+pub(crate) struct Viewers {
+    encoder: Encoder,
+    arm: Arm,
+    joint_states: Arc<RawChannel>,
+    tf: Arc<RawChannel>,
+    tcp_pose: Arc<RawChannel>,
+    drive_state: Arc<Latched>,
+    sensors: Arc<Latched>,
+    inputs_outputs: Arc<Latched>,
+    last: Option<Sample>,
+    address: SocketAddr,
+    /// There until it is stopped.
+    server: Option<WebSocketServerHandle>,
+    /// Channels end with it.
+    _context: Arc<Context>,
+    /// Its thread serves the viewers, and ends with it.
+    runtime: Runtime,
+}
+
+/// What viewers got last.
+#[derive(Clone, Copy)]
+struct Sample {
+    /// Since 1970.
+    t: Duration,
+    joints_rad: Joints,
+}
+
+impl Viewers {
+    /// Listens at `at` for viewers of `robot`; port 0 takes a free one.
+    pub(crate) fn listen(robot: &Robot, at: SocketAddr) -> Result<Self, Failure> {
+        let mut encoder = Encoder::new(Duration::ZERO).map_err(|error| unencoded(&error))?;
+        let arm = Arm::new(robot);
+        let context = Context::new();
+        let ros = |topic: Topic| ros_channel(&context, topic).map_err(|error| refused(at, error));
+        let said = |topic: &str, type_name: &str, schema: &Value| {
+            let schema = Schema::new(type_name, "jsonschema", schema.to_string().into_bytes());
+            let channel = context.channel_builder(topic).message_encoding("json").schema(schema);
+            let channel = channel.build_raw().map_err(|error| refused(at, error))?;
+            Ok::<_, Failure>(Arc::new(Latched::new(channel)))
+        };
+        let [joint_states, tf, tcp_pose] =
+            [ros(Topic::JointStates)?, ros(Topic::Tf)?, ros(Topic::TcpPose)?];
+        let description = Arc::new(Latched::new(ros(Topic::RobotDescription)?));
+        let message =
+            encoder.robot_description(arm.urdf()).map_err(|error| unencoded(&error))?.to_vec();
+        description.publish(nanoseconds(since_1970(SystemTime::now())), message);
+        let drive_state = said("/drive_state", "iiwasim.DriveState", &schema::drive_state())?;
+        let sensors = said("/sensors", "iiwasim.Sensors", &schema::sensors())?;
+        let inputs_outputs =
+            said("/inputs_outputs", "iiwasim.InputsOutputs", &schema::inputs_outputs())?;
+
+        let runtime = runtime::Builder::new_multi_thread()
+            .worker_threads(1)
+            .thread_name("viewers")
+            .enable_all()
+            .build()
+            .map_err(|error| Failure::run("cannot begin to serve viewers", &error))?;
+        let host = match at {
+            SocketAddr::V4(at) => at.ip().to_string(),
+            SocketAddr::V6(at) => format!("[{}]", at.ip()),
+        };
+        let late = [&description, &drive_state, &sensors, &inputs_outputs].map(Arc::clone).into();
+        let server = context
+            .websocket_server()
+            .name("iiwasim")
+            .bind(host, at.port())
+            // Viewers only read.
+            .capabilities([])
+            .message_backlog_size(BACKLOG)
+            .listener(Arc::new(Late(late)));
+        let server = runtime.block_on(server.start()).map_err(|error| refused(at, error))?;
+
+        Ok(Self {
+            encoder,
+            arm,
+            joint_states,
+            tf,
+            tcp_pose,
+            drive_state,
+            sensors,
+            inputs_outputs,
+            last: None,
+            address: SocketAddr::new(at.ip(), server.port()),
+            server: Some(server),
+            _context: context,
+            runtime,
+        })
+    }
+
+    /// Where it listens.
+    pub(crate) fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Publishes that the joints were there `at` that time: the joint states, the frames of the links
+    /// and the pose of the flange. It may be called as often as samples come in. Of those, viewers get
+    /// the first of every hundredth of a second.
+    ///
+    /// The velocities are the mean ones since what was published before.
+    pub(crate) fn joints(&mut self, at: SystemTime, joints_rad: &Joints) -> Result<(), Failure> {
+        let t = since_1970(at);
+        let turn = |t: Duration| t.as_nanos() * u128::from(RATE_HZ) / 1_000_000_000;
+        if self.last.is_some_and(|last| turn(last.t) == turn(t)) {
+            return Ok(());
+        }
+        let before = self.last.replace(Sample { t, joints_rad: *joints_rad });
+        self.publish(t, joints_rad, &mean_velocities(before.as_ref(), t, joints_rad))
+            .map_err(|error| unencoded(&error))
+    }
+
+    fn publish(
+        &mut self,
+        t: Duration,
+        joints_rad: &Joints,
+        velocities: &Joints,
+    ) -> Result<(), WriteError> {
+        let Self { encoder, arm, joint_states, tf, tcp_pose, .. } = self;
+        let at = PartialMetadata::with_log_time(nanoseconds(t));
+        // Where nobody looks, nothing needs to be encoded.
+        if joint_states.has_sinks() {
+            joint_states.log_with_meta(encoder.joint_state(t, joints_rad, velocities)?, at);
+        }
+        if tf.has_sinks() {
+            tf.log_with_meta(encoder.transforms(t, &arm.links(joints_rad))?, at);
+        }
+        if tcp_pose.has_sinks() {
+            let Frame { parent, translation_m, rotation_xyzw, .. } = arm.flange(joints_rad);
+            let pose = encoder.tcp_pose(t, parent, translation_m, rotation_xyzw)?;
+            tcp_pose.log_with_meta(pose, at);
+        }
+        Ok(())
+    }
+
+    /// Publishes what the drive said of itself and of the robot `at` that time, on `/drive_state`.
+    pub(crate) fn drive_state(&self, at: SystemTime, status: &Status) {
+        say(&self.drive_state, at, status);
+    }
+
+    /// Publishes what the robot's sensors said, on `/sensors`.
+    pub(crate) fn sensors(&self, at: SystemTime, sensors: &Sensors) {
+        say(&self.sensors, at, sensors);
+    }
+
+    /// Publishes the values of inputs and outputs, by name, on `/inputs_outputs`. What is off or on
+    /// becomes 0 or 1, which viewers can plot.
+    pub(crate) fn inputs_outputs(&self, at: SystemTime, values: &[(&str, IoValue)]) {
+        let number = |value: IoValue| match value {
+            IoValue::Boolean(value) => u8::from(value).into(),
+            IoValue::Digital(value) => value.into(),
+            IoValue::Analog(value) => Value::from(value),
+        };
+        let entries =
+            values.iter().map(|(name, value)| json!({ "name": name, "value": number(*value) }));
+        say(&self.inputs_outputs, at, &json!({ "values": entries.collect::<Value>() }));
+    }
+}
+
+impl Drop for Viewers {
+    fn drop(&mut self) {
+        if let Some(server) = self.server.take() {
+            let stopped = server.stop();
+            // Who has not left by then is cut off.
+            let _ = self.runtime.block_on(async { timeout(GOODBYE, stopped.wait()).await });
+        }
+    }
+}
+
+/// A topic of a recording.
+fn ros_channel(context: &Arc<Context>, topic: Topic) -> Result<Arc<RawChannel>, FoxgloveError> {
+    let schema =
+        Schema::new(topic.type_name(), Topic::SCHEMA_ENCODING, topic.schema().into_bytes());
+    context
+        .channel_builder(topic.name())
+        .message_encoding(Topic::MESSAGE_ENCODING)
+        .schema(schema)
+        .build_raw()
+}
+
+/// Publishes a message as JSON. What is not known is left out: to viewers, a field has one type, and
+/// null is another.
+fn say(channel: &Latched, at: SystemTime, message: &impl Serialize) {
+    let Ok(mut message) = serde_json::to_value(message) else { return };
+    if let Value::Object(fields) = &mut message {
+        fields.retain(|_, value| !value.is_null());
+    }
+    channel.publish(nanoseconds(since_1970(at)), message.to_string().into_bytes());
+}
+
+/// The velocities that lead from the sample before to these positions, in rad/s; zero without one.
+fn mean_velocities(before: Option<&Sample>, t: Duration, joints_rad: &Joints) -> Joints {
+    let Some(before) = before else { return [0.0; 7] };
+    // The clock may have been set back.
+    let Some(span) = t.checked_sub(before.t).filter(|span| !span.is_zero()) else {
+        return [0.0; 7];
+    };
+    let span_s = span.as_secs_f64();
+    std::array::from_fn(|joint| (joints_rad[joint] - before.joints_rad[joint]) / span_s)
+}
+
+fn since_1970(at: SystemTime) -> Duration {
+    at.duration_since(UNIX_EPOCH).unwrap_or_default()
+}
+
+fn nanoseconds(t: Duration) -> u64 {
+    u64::try_from(t.as_nanos()).unwrap_or(u64::MAX)
+}
+
+fn refused(at: SocketAddr, error: FoxgloveError) -> Failure {
+    let what = format!("cannot listen for viewers at {at}");
+    match error {
+        FoxgloveError::Bind(error) => Failure::run(what, &error),
+        error => Failure::run(what, &error),
+    }
+}
+
+fn unencoded(error: &WriteError) -> Failure {
+    Failure::run("cannot publish to viewers", error)
+}
+
+#[cfg(test)]
+mod tests;

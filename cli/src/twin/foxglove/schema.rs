@@ -1,0 +1,50 @@
+//! The schemas of what the drive says.
+//!
+//! Viewers take a part of JSON Schema only: every field has one type, and an array holds no arrays.
+
+use serde_json::{Value, json};
+
+/// Of `/drive_state`: what iiwaDrive answers to `state`.
+pub(super) fn drive_state() -> Value {
+    object(&json!({
+        "state": { "type": "string", "description": "idle, running_motion or running_trajectory" },
+        "joints_rad": joints("Measured joint positions, rad"),
+        "t_s": { "type": "number", "description": "When they were measured, s" },
+        "fri": object(&json!({
+            "session": { "type": "string", "description": "State of the session, or silent" },
+            "quality": { "type": "string", "description": "poor, fair, good or excellent" },
+            "lost": { "type": "integer", "description": "Messages that did not arrive" },
+            "late": { "type": "integer", "description": "Messages that came after a younger one" },
+        })),
+        "robot_program": { "type": "string", "description": "silent or connected" },
+    }))
+}
+
+/// Of `/sensors`.
+pub(super) fn sensors() -> Value {
+    object(&json!({
+        "joint_temperature_c": joints("Temperatures of the joints, degrees Celsius"),
+        "external_torque_nm": joints("Torques from outside, Nm"),
+    }))
+}
+
+/// Of `/inputs_outputs`.
+pub(super) fn inputs_outputs() -> Value {
+    object(&json!({
+        "values": {
+            "type": "array",
+            "items": object(&json!({
+                "name": { "type": "string" },
+                "value": { "type": "number", "description": "0 or 1 for what is off or on" },
+            })),
+        },
+    }))
+}
+
+fn object(properties: &Value) -> Value {
+    json!({ "type": "object", "properties": properties })
+}
+
+fn joints(description: &str) -> Value {
+    json!({ "type": "array", "items": { "type": "number" }, "description": description })
+}

@@ -1,0 +1,293 @@
+//! Viewers are served what was published.
+
+mod peer;
+mod viewer;
+
+use std::{
+    net::{SocketAddr, TcpListener},
+    time::Instant,
+};
+
+use iiwa_link::message::{DriveState, FriStatus, Presence};
+use iiwasim_tests::ports::free_address;
+
+use self::viewer::Viewer;
+use super::*;
+
+const JOINTS: Joints = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6, 0.7];
+const ARM_TOPICS: [&str; 3] = ["/joint_states", "/tf", "/tcp_pose"];
+/// Topics that are there.
+const ALL: usize = 7;
+
+fn listen() -> Viewers {
+    Viewers::listen(&Robot::default(), free_address()).unwrap_or_else(|error| {
+        panic!("{}", error.what());
+    })
+}
+
+/// So long after a time of these days.
+fn at(since: Duration) -> SystemTime {
+    UNIX_EPOCH + Duration::from_millis(1_800_000_000_500) + since
+}
+
+fn status() -> Status {
+    Status {
+        state: DriveState::RunningTrajectory,
+        joints_rad: Some(JOINTS),
+        t_s: Some(1.5),
+        fri: FriStatus {
+            session: "commanding_active".to_owned(),
+            quality: "excellent".to_owned(),
+            lost: 1,
+            late: 2,
+        },
+        robot_program: Presence::Connected,
+    }
+}
+
+/// A viewer who is subscribed to these topics, and has seen the description.
+fn subscriber(viewers: &Viewers, topics: &[&str]) -> Viewer {
+    let mut viewer = Viewer::connect(viewers.address(), ALL);
+    viewer.subscribe(topics);
+    viewer.next_on("/robot_description");
+    viewer
+}
+
+#[test]
+fn viewers_find_the_topics_of_a_recording() {
+    let viewers = listen();
+    let viewer = Viewer::connect(viewers.address(), ALL);
+    assert_eq!(viewer.info.name, "iiwasim");
+    assert!(viewer.info.capabilities.is_empty(), "{:?}", viewer.info);
+
+    for topic in [Topic::JointStates, Topic::Tf, Topic::TcpPose, Topic::RobotDescription] {
+        let channel = &viewer.channels[topic.name()];
+        assert_eq!(channel.encoding, "cdr");
+        assert_eq!(channel.schema_encoding.as_deref(), Some("ros2msg"));
+        assert_eq!(channel.schema_name, topic.type_name());
+        assert_eq!(channel.schema, topic.schema());
+    }
+    for topic in ["/drive_state", "/sensors", "/inputs_outputs"] {
+        let channel = &viewer.channels[topic];
+        assert_eq!(channel.encoding, "json");
+        assert_eq!(channel.schema_encoding.as_deref(), Some("jsonschema"));
+    }
+}
+
+#[test]
+fn what_was_measured_arrives_as_it_stands_in_a_recording() {
+    let mut viewers = listen();
+    let mut viewer = subscriber(&viewers, &ARM_TOPICS);
+    let arm = Arm::new(&Robot::default());
+    let mut encoder = Encoder::new(Duration::ZERO).unwrap();
+
+    let (start, span) = (Duration::from_millis(30), Duration::from_millis(250));
+    let moved = JOINTS.map(|joint| joint + 0.5);
+    for (t, joints, velocities) in [(start, JOINTS, [0.0; 7]), (start + span, moved, [2.0; 7])] {
+        viewers.joints(at(t), &joints).unwrap();
+
+        let t = since_1970(at(t));
+        let arrived = viewer.next_on("/joint_states");
+        assert_eq!(arrived.time_ns, nanoseconds(t));
+        assert_eq!(arrived.data, encoder.joint_state(t, &joints, &velocities).unwrap());
+        let arrived = viewer.next_on("/tf");
+        assert_eq!(arrived.data, encoder.transforms(t, &arm.links(&joints)).unwrap());
+        let Frame { parent, translation_m, rotation_xyzw, .. } = arm.flange(&joints);
+        let arrived = viewer.next_on("/tcp_pose");
+        let pose = encoder.tcp_pose(t, parent, translation_m, rotation_xyzw).unwrap();
+        assert_eq!(arrived.data, pose);
+    }
+}
+
+#[test]
+fn a_clock_that_is_set_back_does_no_harm() {
+    let mut viewers = listen();
+    let mut viewer = subscriber(&viewers, &["/joint_states"]);
+    let mut encoder = Encoder::new(Duration::ZERO).unwrap();
+    for t in [at(Duration::from_secs(9)), at(Duration::from_secs(2))] {
+        viewers.joints(t, &JOINTS).unwrap();
+        let expected = encoder.joint_state(since_1970(t), &JOINTS, &[0.0; 7]).unwrap();
+        assert_eq!(viewer.next_on("/joint_states").data, expected);
+    }
+}
+
+#[test]
+fn of_a_fast_stream_viewers_get_a_hundred_samples_a_second() {
+    let mut viewers = listen();
+    let mut viewer = subscriber(&viewers, &["/joint_states"]);
+    for ms in 0..1000 {
+        viewers.joints(at(Duration::from_millis(ms)), &JOINTS).unwrap();
+    }
+    for k in 0..100 {
+        let t = since_1970(at(Duration::from_millis(10 * k)));
+        assert_eq!(viewer.next_on("/joint_states").time_ns, nanoseconds(t));
+    }
+    viewers.drive_state(at(Duration::ZERO), &status());
+    drop(viewers);
+    assert!(viewer.next().is_none());
+}
+
+#[test]
+fn who_comes_late_gets_the_description_and_what_the_drive_said_last() {
+    let viewers = listen();
+    let mut early = subscriber(&viewers, &["/drive_state"]);
+    viewers.drive_state(at(Duration::ZERO), &Status { joints_rad: None, t_s: None, ..status() });
+    let said = early.next_on("/drive_state");
+    assert_eq!(said.time_ns, nanoseconds(since_1970(at(Duration::ZERO))));
+    viewers.drive_state(at(Duration::ZERO), &status());
+    let said_last = early.next_on("/drive_state");
+
+    let mut late = Viewer::connect(viewers.address(), ALL);
+    late.subscribe(&["/drive_state", "/sensors"]);
+    assert_eq!(late.next_on("/drive_state").data, said_last.data);
+    // Of sensors, nothing was said so far.
+    let description = late.next_on("/robot_description").data;
+    let mut encoder = Encoder::new(Duration::ZERO).unwrap();
+    let urdf = Robot::default().to_urdf();
+    assert_eq!(description, encoder.robot_description(&urdf).unwrap());
+
+    // Who was there does not get it again.
+    viewers.drive_state(at(Duration::from_secs(1)), &status());
+    let said = early.next_on("/drive_state");
+    assert_eq!(said.time_ns, nanoseconds(since_1970(at(Duration::from_secs(1)))));
+}
+
+/// Whether a value is what a schema says, of the part of JSON Schema that viewers know.
+fn assert_fits(value: &Value, schema: &Value) {
+    match schema["type"].as_str().unwrap() {
+        "object" => {
+            let properties = schema["properties"].as_object().unwrap();
+            for (name, value) in value.as_object().unwrap() {
+                assert_fits(value, &properties[name]);
+            }
+        }
+        "array" => {
+            assert_ne!(schema["items"]["type"], "array");
+            value.as_array().unwrap().iter().for_each(|item| assert_fits(item, &schema["items"]));
+        }
+        "string" => assert!(value.is_string(), "{value}"),
+        "number" => assert!(value.is_number(), "{value}"),
+        "integer" => assert!(value.is_u64(), "{value}"),
+        other => panic!("viewers do not know the type {other}"),
+    }
+}
+
+#[test]
+fn what_the_drive_says_fits_its_schemas() {
+    let viewers = listen();
+    let mut viewer = subscriber(&viewers, &["/drive_state", "/sensors", "/inputs_outputs"]);
+    let start = at(Duration::ZERO);
+    let sensors = Sensors { joint_temperature_c: [31.5; 7], external_torque_nm: JOINTS };
+    let values = [
+        ("gripper_closed", IoValue::Boolean(true)),
+        ("count", IoValue::Digital(7)),
+        ("pressure", IoValue::Analog(-0.25)),
+    ];
+    viewers.drive_state(start, &status());
+    viewers.drive_state(start, &Status { joints_rad: None, t_s: None, ..status() });
+    viewers.sensors(start, &sensors);
+    viewers.inputs_outputs(start, &values);
+
+    let schemas: Vec<Value> = ["/drive_state", "/drive_state", "/sensors", "/inputs_outputs"]
+        .map(|topic| serde_json::from_str(&viewer.channels[topic].schema).unwrap())
+        .to_vec();
+    let messages: Vec<Value> =
+        (0..4).map(|_| serde_json::from_slice(&viewer.next().unwrap().data).unwrap()).collect();
+    for (message, schema) in messages.iter().zip(&schemas) {
+        assert_fits(message, schema);
+    }
+    for place in [0, 2] {
+        let properties = schemas[place]["properties"].as_object().unwrap();
+        assert!(properties.keys().eq(messages[place].as_object().unwrap().keys()));
+    }
+    assert_eq!(messages[0], serde_json::to_value(status()).unwrap());
+    assert_eq!(
+        messages[3],
+        json!({ "values": [
+            { "name": "gripper_closed", "value": 1 },
+            { "name": "count", "value": 7 },
+            { "name": "pressure", "value": -0.25 },
+        ] })
+    );
+}
+
+#[test]
+fn a_viewer_who_does_not_read_holds_nobody_up_and_then_gets_the_newest() {
+    const SENT: u64 = 60_000;
+    let mut viewers = listen();
+    let mut viewer = subscriber(&viewers, &["/tf"]);
+    let started = Instant::now();
+    for k in 0..SENT {
+        viewers.joints(at(Duration::from_millis(10 * k)), &JOINTS).unwrap();
+    }
+    assert!(started.elapsed() < Duration::from_secs(10), "{:?}", started.elapsed());
+
+    let newest = nanoseconds(since_1970(at(Duration::from_millis(10 * (SENT - 1)))));
+    let mut arrived = 1;
+    while viewer.next_on("/tf").time_ns < newest {
+        arrived += 1;
+    }
+    assert!(arrived < SENT, "all {SENT} messages were kept for it");
+}
+
+#[test]
+fn the_end_does_not_wait_for_one_who_does_not_read() {
+    let mut viewers = listen();
+    let _viewer = subscriber(&viewers, &["/tf"]);
+    for k in 0..60_000 {
+        viewers.joints(at(Duration::from_millis(10 * k)), &JOINTS).unwrap();
+    }
+    let address = viewers.address();
+    let started = Instant::now();
+    drop(viewers);
+    assert!(started.elapsed() < Duration::from_secs(5), "{:?}", started.elapsed());
+    drop(Viewers::listen(&Robot::default(), address).map_err(|failure| failure.what()).unwrap());
+}
+
+#[test]
+fn the_end_hangs_up_and_frees_the_port() {
+    let viewers = listen();
+    let address = viewers.address();
+    let mut viewer = subscriber(&viewers, &ARM_TOPICS);
+    drop(viewers);
+    assert!(viewer.next().is_none());
+    drop(TcpListener::bind(address).unwrap());
+}
+
+#[test]
+fn viewers_only_read() {
+    let viewers = listen();
+    let mut viewer = subscriber(&viewers, &[]);
+    let channel = r#"{ "id": 1, "topic": "/joint_states", "encoding": "json", "schemaName": "" }"#;
+    for message in [
+        format!(r#"{{ "op": "advertise", "channels": [{channel}] }}"#),
+        r#"{ "op": "setParameters", "parameters": [{ "name": "a", "value": 1 }] }"#.to_owned(),
+    ] {
+        viewer.send(message);
+        let told = viewer.told();
+        assert!(told.message.contains("does not support"), "{told:?}");
+    }
+}
+
+#[test]
+fn an_address_that_is_taken_is_told() {
+    let taken = TcpListener::bind((std::net::Ipv4Addr::LOCALHOST, 0)).unwrap();
+    let address = taken.local_addr().unwrap();
+    let failure = Viewers::listen(&Robot::default(), address).err().unwrap();
+    let what = failure.what();
+    assert!(what.starts_with(&format!("cannot listen for viewers at {address}: ")), "{what}");
+}
+
+#[test]
+fn a_free_port_is_taken_and_told() {
+    for host in ["127.0.0.1:0", "[::1]:0"] {
+        let host: SocketAddr = host.parse().unwrap();
+        if TcpListener::bind(host).is_err() {
+            eprintln!("left out: there is no {host} here");
+            continue;
+        }
+        let viewers = Viewers::listen(&Robot::default(), host).map_err(|e| e.what()).unwrap();
+        assert_eq!(viewers.address().ip(), host.ip());
+        assert_eq!(Viewer::connect(viewers.address(), ALL).info.name, "iiwasim");
+    }
+}
