@@ -273,9 +273,9 @@ def outputs_are_switched(browser: Browser, twin: Twin) -> None:
 
 def too_near_is_not_sent(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
-    down = {"version": 1, "start": {"joints_deg": [0] * 7}, "motions": [{"type": "ptp", "joints_deg": [0, 119, 0, 0, 0, 0, 0]}]}
-    program = twin.rig.folder / "down.json"
-    program.write_text(json.dumps(down))
+    back = {"version": 1, "start": {"joints_deg": [0] * 7}, "motions": [{"type": "ptp", "joints_deg": [0, -90, 0, 0, 0, 0, 0]}]}
+    program = twin.rig.folder / "back.json"
+    program.write_text(json.dumps(back))
     load(browser, program)
     assert "It cannot be sent: " in text(browser, "plan-refused")
     assert browser.run("document.getElementById('send').disabled")

@@ -82,7 +82,7 @@ impl Desk {
     /// Carries out an order. Errors are for people.
     pub(super) fn carry_out(self: &Arc<Self>, order: Order) -> Result<(), String> {
         match order {
-            Order::SavePosition { name } => self.save_position(name),
+            Order::SavePosition { name } => self.save_position(&name),
             Order::RemovePosition { index } => {
                 let mut state = self.state();
                 if index < state.positions.len() {
@@ -113,7 +113,7 @@ impl Desk {
         }
     }
 
-    fn save_position(&self, name: String) -> Result<(), String> {
+    fn save_position(&self, name: &str) -> Result<(), String> {
         let Some(joints_rad) = self.live.now() else {
             return Err("it is not known where the robot is: nothing comes from the drive".into());
         };

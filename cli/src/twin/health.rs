@@ -8,7 +8,7 @@ use std::{
 
 use iiwa_link::{
     Client, ClientError,
-    message::{IoValue, Sensors, Status},
+    message::{DriveState, IoValue, Sensors, Status},
 };
 use serde::Serialize;
 
@@ -30,6 +30,9 @@ pub(crate) struct Health {
     error: Option<String>,
     sensors: Option<Sensors>,
     io: Vec<Io>,
+    /// Whether sensors, inputs and outputs are of before a motion: while there is one, the robot program
+    /// answers nobody.
+    is_old: bool,
 }
 
 /// An input or output.
@@ -58,7 +61,10 @@ pub(crate) fn watch_health(setup: &Setup, words: &Words, viewers: Option<&Mutex<
                     health = Health { error: Some(error.to_string()), ..Health::default() }
                 }
             }
-            if health.error.is_none() && io_at.is_none_or(|at| at.elapsed() >= IO_EVERY) {
+            let idle =
+                health.status.as_ref().is_some_and(|status| status.state == DriveState::Idle);
+            health.is_old = !idle && health.sensors.is_some();
+            if idle && io_at.is_none_or(|at| at.elapsed() >= IO_EVERY) {
                 io_at = Some(since);
                 health.sensors = client.read_sensors().ok();
                 health.io = setup.io.iter().map(|name| Io::read(client, name)).collect();

@@ -88,6 +88,8 @@ function writeHealth() {
     torque.textContent = sensors ? number(sensors.external_torque_nm[j], 1) : "";
   });
   writeIo(io || []);
+  for (const part of ["io", "joints"]) $(part).classList.toggle("old", Boolean(live.health.is_old));
+  $("io-old").hidden = !live.health.is_old;
 }
 
 /** Rows stay as they are as long as the names do: a button must not go away under a finger. */

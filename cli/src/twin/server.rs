@@ -33,12 +33,7 @@ use crate::{
     page::{self, Part},
 };
 
-use super::{
-    Desk, Setup, Token, Word,
-    guard::guard,
-    order::{Numbered, Order},
-    word,
-};
+use super::{Desk, Setup, Token, Word, guard::guard, order::Numbered, word};
 
 /// Where pages connect to.
 pub(super) const LIVE: &str = "/live";
@@ -114,12 +109,14 @@ fn failed(failure: &Failure) -> Response {
     (StatusCode::INTERNAL_SERVER_ERROR, format!("{}\n", failure.what())).into_response()
 }
 
+/// The page runs its own scripts, connects to its own server, and is in no other page's frame.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
+                      img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; \
+                      frame-ancestors 'none'";
+
 async fn page(State(twin): State<Twin>) -> Response {
     let title = format!("{} - iiwasim twin", twin.setup.robot.name());
     let page = page::assemble(include_str!("page.html"), &PARTS, &title, &twin.setup.for_page());
-    const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
-                          img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; \
-                          frame-ancestors 'none'";
     page.map_or_else(|failure| failed(&failure), |text| html(text, POLICY))
 }
 
@@ -207,14 +204,10 @@ fn take(text: &str, desk: &Arc<Desk>, answered: &mpsc::Sender<Word>) {
     let order = serde_json::from_str::<Numbered>(text);
     task::spawn_blocking(move || {
         let answer = match order {
-            Ok(Numbered { id, order }) => Answer { id, error: carry_out(&desk, order).err() },
+            Ok(Numbered { id, order }) => Answer { id, error: desk.carry_out(order).err() },
             Err(error) => Answer { id: 0, error: Some(format!("not understood: {error}")) },
         };
         // The page may have been closed.
         let _ = answered.blocking_send(word("answer", &answer));
     });
-}
-
-fn carry_out(desk: &Arc<Desk>, order: Order) -> Result<(), String> {
-    desk.carry_out(order)
 }

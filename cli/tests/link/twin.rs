@@ -364,3 +364,18 @@ fn what_cannot_be_followed_is_told() {
     twin.signal("INT");
     twin.end().code(0);
 }
+
+#[test]
+fn viewers_see_the_robot() {
+    let rig = Rig::new();
+    let (twin, _) = start(&rig, &["--foxglove=127.0.0.1:0"]);
+    wait_for("address", || twin.stderr().contains("open ws://") && twin.stderr().ends_with('\n'));
+    let told = twin.stderr();
+    let at = told.split_whitespace().find(|word| word.starts_with("ws://")).unwrap();
+    let Some(viewer) = rig.script("tests/foxglove/check.py", &[at, "--messages", "50"]) else { return };
+    let program = rig.slow_program();
+    rig.iiwasim("run", &[program, "--no-output"]).success();
+    viewer.end().code(0);
+    twin.signal("INT");
+    twin.end().code(0);
+}
