@@ -12,6 +12,7 @@ use iiwa_kin::{
 };
 use iiwa_log::JointLog;
 use iiwa_path::Program;
+use iiwa_scene::Scene;
 
 use crate::failure::{Failure, chain};
 
@@ -60,6 +61,13 @@ pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<(Text, Program
         }
     };
     Ok((text, program, robot))
+}
+
+/// Reads a scene.
+pub(crate) fn scene(path: &Path) -> Result<Scene, Failure> {
+    let Text { name, text } = Text::read(path)?;
+    Scene::from_json(&text)
+        .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))
 }
 
 /// Opens a file.
