@@ -29,7 +29,7 @@ fn run(criterion: &mut Criterion) -> Result<()> {
     let mut group = criterion.benchmark_group("clearance");
     let joints = poses(&robot, POSES);
     group.throughput(Throughput::Elements(POSES as u64));
-    group.bench_function("iiwa-scene clearance, poses all over the ranges", |bencher| {
+    group.bench_function("poses all over the ranges", |bencher| {
         bencher.iter(|| {
             for q in &joints {
                 black_box(arm.clearance(black_box(q)));
@@ -39,7 +39,7 @@ fn run(criterion: &mut Criterion) -> Result<()> {
     let steps = POSES as f64;
     let along: Vec<_> =
         (0..POSES).map(|i| trajectory.at(trajectory.cycle_time_s() * i as f64 / steps).q).collect();
-    group.bench_function("iiwa-scene clearance, poses of the ten motions", |bencher| {
+    group.bench_function("poses of the ten motions", |bencher| {
         bencher.iter(|| {
             for q in &along {
                 black_box(arm.clearance(black_box(q)));
@@ -49,10 +49,10 @@ fn run(criterion: &mut Criterion) -> Result<()> {
     group.finish();
 
     let mut group = criterion.benchmark_group("planned clearance");
-    group.bench_function("of ten motions", |bencher| {
+    group.bench_function("ten motions", |bencher| {
         bencher.iter(|| black_box(arm.clearance_of(black_box(&trajectory))));
     });
-    group.bench_function("of each of ten motions", |bencher| {
+    group.bench_function("each of the ten motions", |bencher| {
         bencher.iter(|| {
             for stretch in trajectory.stretches() {
                 black_box(arm.clearances(black_box(stretch)));

@@ -71,7 +71,7 @@ pub(crate) enum Command {
 /// the flange's pose, the whole trajectory, the robot's URDF and the program.
 ///
 /// Many programs are planned on all cores: `iiwasim plan A.json B.json`, or `iiwasim plan FOLDER`
-/// for all files *.json directly in it, by name, but for hidden ones and robot profiles. The table
+/// for all files *.json directly in it, by name, but for hidden ones, robot profiles and scenes. The table
 /// then has a row for each program: how long it takes, moving and standing (to settle and to wait),
 /// and what limits most of its time in motion. A program that fails is named on standard error and
 /// does not stop the others; the exit code is 3 then.
@@ -127,6 +127,14 @@ pub(crate) struct Plan {
     /// Exit with code 3 if a program takes longer, in s: a gate for CI
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub(crate) max_cycle_time: Option<f64>,
+
+    /// Scene in JSON (`iiwasim schema scene` describes it): tells how near the arm comes to its obstacles
+    #[arg(long, value_name = "SCENE.json")]
+    pub(crate) scene: Option<PathBuf>,
+
+    /// Exit with code 3 if the arm comes nearer to an obstacle of the scene, in mm: a gate for CI
+    #[arg(long, value_name = "MM", value_parser = millimetres, requires = "scene")]
+    pub(crate) min_clearance: Option<f64>,
 
     /// Instant at which the file's stamps start, from 1970 to 2037, as 2020-01-01T00:00:00Z
     #[arg(long, value_name = "TIME", value_parser = epoch)]
@@ -251,7 +259,7 @@ pub(crate) struct Robot {
     pub(crate) tip: Option<String>,
 }
 
-/// Print the JSON Schema of motion programs or robot profiles, for editors and checkers.
+/// Print the JSON Schema of motion programs, robot profiles or scenes, for editors and checkers.
 #[derive(Args, Debug)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct Schema {
@@ -266,6 +274,8 @@ pub(crate) enum Format {
     Program,
     /// Robot profile
     Profile,
+    /// Scene: the obstacles around the arm
+    Scene,
 }
 
 fn number(text: &str) -> Result<f64, String> {
@@ -288,6 +298,11 @@ fn rate(text: &str) -> Result<f64, String> {
 fn seconds(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     if value >= 0.0 { Ok(value) } else { Err("a time cannot be negative".into()) }
+}
+
+fn millimetres(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value >= 0.0 { Ok(value) } else { Err("a distance cannot be negative".into()) }
 }
 
 fn epoch(text: &str) -> Result<Duration, String> {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use iiwa_kin::Robot;
+use iiwa_scene::{ArmInScene, PlannedClearance};
 use iiwa_traj::{BlendFigures, Limit, MotionFigures, Stretch, Timing, Totals};
 use serde::Serialize;
 
@@ -18,8 +19,21 @@ pub(crate) struct Figures {
     pub(crate) samples: u32,
     /// Limits of the robot that no source states and that the figures rest on.
     pub(crate) assumptions: Vec<String>,
+    /// How near the arm comes to the scene, if there is one with obstacles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) clearance: Option<ClearanceRow>,
     pub(crate) motions: Vec<MotionRow>,
     pub(crate) blends: Vec<BlendRow>,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct ClearanceRow {
+    /// 0 if the arm touches the obstacle.
+    pub(crate) distance_mm: f64,
+    pub(crate) link: usize,
+    /// Its name.
+    pub(crate) obstacle: String,
+    pub(crate) at_s: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -81,6 +95,7 @@ impl Figures {
                 .filter(|assumption| used(&assumption.what))
                 .map(|assumption| format!("{}: {}", assumption.what, assumption.basis))
                 .collect(),
+            clearance: None,
             motions: Vec::new(),
             blends: Vec::new(),
         }
@@ -100,6 +115,20 @@ impl Figures {
         self.wait_time_s = totals.wait_time_s;
         self.motions.extend(stretch.motions().iter().map(MotionRow::from));
         self.blends.extend(stretch.blends().iter().map(BlendRow::from));
+    }
+
+    /// Adds how near `arm` comes to its scene in a stretch.
+    pub(crate) fn add_clearance(&mut self, arm: &ArmInScene, stretch: &Stretch) {
+        let Some(PlannedClearance { clearance, at_s, .. }) = arm.clearance_of_stretch(stretch)
+        else {
+            return;
+        };
+        let distance_mm = 1e3 * clearance.distance_m;
+        if self.clearance.as_ref().is_none_or(|nearest| distance_mm < nearest.distance_mm) {
+            let obstacle = arm.scene().obstacles()[clearance.obstacle].name.clone();
+            self.clearance =
+                Some(ClearanceRow { distance_mm, link: clearance.link, obstacle, at_s });
+        }
     }
 
     /// One entry for each key: texts as they are, everything else as JSON.

@@ -63,6 +63,13 @@ pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<(Text, Program
     Ok((text, program, robot))
 }
 
+/// Reads a scene.
+pub(crate) fn scene(path: &Path) -> Result<Scene, Failure> {
+    let Text { name, text } = Text::read(path)?;
+    Scene::from_json(&text)
+        .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))
+}
+
 /// Opens a file.
 pub(crate) fn open(path: &Path) -> Result<File, Failure> {
     let refuse = |error| Failure::input(format!("cannot read {}: {error}", path.display()));

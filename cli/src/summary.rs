@@ -15,6 +15,20 @@ pub(crate) struct Row {
     pub(crate) times: Option<Times>,
     /// It takes longer than it may.
     pub(crate) too_long: bool,
+    /// It comes nearer to an obstacle than it may.
+    pub(crate) too_near: bool,
+}
+
+impl Row {
+    fn result(&self) -> &'static str {
+        match (&self.times, self.too_long, self.too_near) {
+            (None, ..) => "failed",
+            (Some(_), true, true) => "too long, too near",
+            (Some(_), true, false) => "too long",
+            (Some(_), false, true) => "too near",
+            (Some(_), false, false) => "planned",
+        }
+    }
 }
 
 /// What is told of a program that was planned.
@@ -24,6 +38,7 @@ pub(crate) struct Times {
     motion_s: f64,
     standing_s: f64,
     limited_by: Option<String>,
+    clearance_mm: Option<f64>,
     assumptions: Vec<String>,
 }
 
@@ -35,6 +50,7 @@ impl From<&Figures> for Times {
             motion_s: figures.motion_time_s,
             standing_s: figures.settle_time_s + figures.wait_time_s,
             limited_by: longest_limit(figures),
+            clearance_mm: figures.clearance.as_ref().map(|nearest| nearest.distance_mm),
             assumptions: figures
                 .assumptions
                 .iter()
@@ -85,18 +101,26 @@ impl Summary {
         self.rows.iter().filter(|row| row.too_long).count()
     }
 
+    pub(crate) fn too_near(&self) -> usize {
+        self.rows.iter().filter(|row| row.too_near).count()
+    }
+
+    fn times(&self) -> impl Iterator<Item = &Times> {
+        self.rows.iter().filter_map(|row| row.times.as_ref())
+    }
+
     /// A row for each program, and the totals.
     pub(crate) fn text(&self) -> String {
-        let mut table = table(&[
-            "program",
-            "motions",
-            "cycle time s",
-            "motion s",
-            "standing s",
-            "limited by",
-            "result",
-        ]);
+        let mut head =
+            vec!["program", "motions", "cycle time s", "motion s", "standing s", "limited by"];
+        let clearances = self.times().any(|times| times.clearance_mm.is_some());
+        if clearances {
+            head.push("clearance mm");
+        }
+        head.push("result");
+        let mut table = table(&head);
         for row in &self.rows {
+            let mut cells = vec![printable(&row.program)];
             let figures = row.times.as_ref().map(|times| {
                 [
                     times.motions.to_string(),
@@ -106,26 +130,22 @@ impl Summary {
                     times.limited_by.clone().unwrap_or_default(),
                 ]
             });
-            let result = match &row.times {
-                None => "failed",
-                Some(_) if row.too_long => "too long",
-                Some(_) => "planned",
-            };
-            let cells = [printable(&row.program)]
-                .into_iter()
-                .chain(figures.unwrap_or_default())
-                .chain([result.to_owned()]);
-            table.add_row(cells.map(Cell::new));
+            cells.extend(figures.unwrap_or_default());
+            if clearances {
+                let clearance_mm = row.times.as_ref().and_then(|times| times.clearance_mm);
+                cells.push(clearance_mm.map(|mm| format!("{mm:.1}")).unwrap_or_default());
+            }
+            cells.push(row.result().to_owned());
+            table.add_row(cells.into_iter().map(Cell::new));
         }
-        let times = || self.rows.iter().filter_map(|row| row.times.as_ref());
         let mut text = format!("{table}\n\n");
         let _ = writeln!(
             text,
             "{} planned, {} failed; cycle times together {:.3} s",
-            times().count(),
+            self.times().count(),
             self.failed(),
             // From 0.0: a sum of nothing is -0.0.
-            times().fold(0.0, |sum, times| sum + times.cycle_s)
+            self.times().fold(0.0, |sum, times| sum + times.cycle_s)
         );
         for assumption in &self.assumptions {
             let _ = writeln!(text, "Assumed, not from a source, of {assumption}");

@@ -4,7 +4,10 @@ use std::fmt::Write as _;
 
 use comfy_table::{Cell, CellAlignment, LineStyle, Table, presets};
 
-use crate::figures::{Figures, LimitRow, LimitShareRow, MotionRow};
+use crate::{
+    failure::printable,
+    figures::{ClearanceRow, Figures, LimitRow, LimitShareRow, MotionRow},
+};
 
 /// Motions that are shown at the start and at the end of a long program.
 const SHOWN: usize = 100;
@@ -59,10 +62,24 @@ pub(crate) fn figures(figures: &Figures) -> String {
             other => other,
         }
     );
+    if let Some(nearest) = &figures.clearance {
+        let _ = writeln!(text, "{}", clearance(nearest));
+    }
     for assumption in &figures.assumptions {
         let _ = writeln!(text, "Assumed, not from a source: {assumption}");
     }
     text
+}
+
+/// How near the arm comes to what.
+fn clearance(nearest: &ClearanceRow) -> String {
+    let ClearanceRow { distance_mm, link, obstacle, at_s } = nearest;
+    let obstacle = printable(obstacle);
+    if *distance_mm == 0.0 {
+        format!("Clearance none: link {link} touches {obstacle} at {at_s:.3} s")
+    } else {
+        format!("Clearance {distance_mm:.1} mm: link {link} to {obstacle} at {at_s:.3} s")
+    }
 }
 
 /// What a motion is limited by and for how long, as far as it matters.

@@ -150,14 +150,19 @@ fn main() -> Result<()> {
     let ten = read("ten motions", "", &["Program::from_json", "Path::new", "Trajectory::plan"])?;
     let command = read("command", "", &["iiwasim plan", "iiwasim --version"])?;
 
+    let clearance =
+        read("clearance", "pose", &["poses all over the ranges", "poses of the ten motions"])?;
+    let planned = read("planned clearance", "", &["ten motions", "each of the ten motions"])?;
+
     println!(
         "On {}, {}, by {}.",
         machine::processor(),
         machine::instruction_level(),
         machine::version("rustc")
     );
-    print_required(&search, &stamps, &jerk, &durations, &command);
-    for group in [&forward, &search, &stamps, &jerk, &growth, &ten, &command] {
+    print_required(&search, &stamps, &jerk, &durations, &command, &planned);
+    for group in [&forward, &search, &stamps, &jerk, &growth, &ten, &command, &clearance, &planned]
+    {
         group.print();
     }
     print_found_crossings()?;
@@ -224,6 +229,7 @@ fn print_required(
     jerk: &Group,
     durations: &Durations,
     command: &Group,
+    planned: &Group,
 ) {
     let each = |group: &Group, name: &str| group.get(name).map(Figure::each_ns);
     let ratio = |a: Option<f64>, b: Option<f64>| Some(a? / b?);
@@ -234,7 +240,7 @@ fn print_required(
     let plain = |value: f64| format!("{value:.4}");
     let run = |name: &str| jerk.get(name).map(|figure| figure.fastest_ns);
     let ours = run("iiwa-traj plan");
-    let rows: [(&str, Option<f64>, f64, Format<'_>); 7] = [
+    let rows: [(&str, Option<f64>, f64, Format<'_>); 8] = [
         (
             "blend search: first crossing over algorithm 2",
             ratio(each(search, "first crossing"), each(search, "algorithm 2")),
@@ -265,6 +271,12 @@ fn print_required(
             "`iiwasim plan`, ten motions, process and MCAP",
             each(command, "iiwasim plan"),
             30e6,
+            &times,
+        ),
+        (
+            "clearance of ten motions from ten obstacles, to 0.1 mm",
+            each(planned, "ten motions"),
+            50e6,
             &times,
         ),
     ];

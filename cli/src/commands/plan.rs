@@ -11,13 +11,14 @@ use std::{
 use iiwa_kin::Robot;
 use iiwa_log::{PlanConfig, PlanWriter};
 use iiwa_path::{Path, PathOptions, Program};
+use iiwa_scene::{ArmInScene, Scene};
 use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing, TimingError};
 use serde::Serialize;
 
 use crate::{
     args::{self, Plan},
-    failure::Failure,
-    figures::Figures,
+    failure::{Failure, printable},
+    figures::{ClearanceRow, Figures},
     input::{self, Text},
     output::{self, Output},
     picture::Picture,
@@ -41,23 +42,31 @@ fn is_stdin(program: &FilePath) -> bool {
 fn one(options: &Plan, program: &FilePath) -> Result<(), Failure> {
     let target = output_path(options, program);
     distinct(options, program, target.as_deref())?;
+    let scene = scene(options)?;
     let input = input::program(program, options.robot.as_deref())?;
     output::catch_interrupts();
     let mut progress = Progress::of_program();
-    let figures = write(options, input, target.as_deref(), |share| progress.show_share(share));
+    let show = |share| progress.show_share(share);
+    let figures = write(options, scene.as_ref(), input, target.as_deref(), show);
     progress.clear();
     let figures = figures?;
     report(options, &figures, target.as_deref())?;
-    match too_long(options, &figures) {
+    match Gates::new(options, &figures).complaint() {
         Some(how) => Err(Failure::Gate(format!("the program {how}"))),
         None => Ok(()),
     }
+}
+
+/// The scene that the arm is to be held against, if any.
+fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
+    options.scene.as_deref().map(input::scene).transpose()
 }
 
 /// Plans a program and writes its trajectory to `target`. What is written appears when all of it is
 /// done; `progress` hears of the share that is.
 fn write(
     options: &Plan,
+    scene: Option<&Scene>,
     (text, program, robot): (Text, Program, Robot),
     target: Option<&FilePath>,
     mut progress: impl FnMut(f64),
@@ -79,6 +88,7 @@ fn write(
         args::Timing::Jerk => Timing::Jerk(JerkOptions::default()),
     };
     let mut figures = Figures::new(timing, &robot, options.samples);
+    let arm = scene.map(|scene| ArmInScene::new(&robot, scene));
 
     let output = target.map(Output::new).transpose()?;
     let drawing = options.picture.as_deref().map(Output::new).transpose()?;
@@ -105,6 +115,9 @@ fn write(
             _ => Failure::run("cannot plan the program", &error),
         })?;
         figures.add(&stretch);
+        if let Some(arm) = &arm {
+            figures.add_clearance(arm, &stretch);
+        }
         if let (Some(writer), Some(output)) = (&mut writer, &output) {
             writer.stretch(&stretch).map_err(|error| output.failure(&error))?;
         }
@@ -131,10 +144,39 @@ fn write(
     Ok(figures)
 }
 
-/// How the program exceeds the time that it may take, if it does.
-fn too_long(options: &Plan, figures: &Figures) -> Option<String> {
-    let limit = options.max_cycle_time.filter(|limit| figures.cycle_time_s > *limit)?;
-    Some(format!("takes {:.3} s, more than {limit} s", figures.cycle_time_s))
+/// Which gates a program does not meet, and how.
+struct Gates {
+    too_long: Option<String>,
+    too_near: Option<String>,
+}
+
+impl Gates {
+    fn new(options: &Plan, figures: &Figures) -> Self {
+        let cycle_time_s = figures.cycle_time_s;
+        let too_long = options
+            .max_cycle_time
+            .filter(|limit| cycle_time_s > *limit)
+            .map(|limit| format!("takes {cycle_time_s:.3} s, more than {limit} s"));
+        let near = options.min_clearance.zip(figures.clearance.as_ref());
+        let too_near = near.filter(|(limit, nearest)| nearest.distance_mm < *limit).map(
+            |(limit, nearest)| {
+                let ClearanceRow { distance_mm, link, obstacle, at_s } = nearest;
+                format!(
+                    "comes within {distance_mm:.1} mm of {}, less than {limit} mm: link {link} at {at_s:.3} s",
+                    printable(obstacle)
+                )
+            },
+        );
+        Self { too_long, too_near }
+    }
+
+    /// All that is not met, if anything.
+    fn complaint(&self) -> Option<String> {
+        match (&self.too_long, &self.too_near) {
+            (Some(long), Some(near)) => Some(format!("{long}, and {near}")),
+            (long, near) => long.as_ref().or(near.as_ref()).cloned(),
+        }
+    }
 }
 
 /// Where the MCAP file goes, if anywhere.
@@ -159,7 +201,8 @@ fn file_name(program: &FilePath) -> PathBuf {
 /// Refuses to write over what is read, or one file twice.
 fn distinct(options: &Plan, program: &FilePath, target: Option<&FilePath>) -> Result<(), Failure> {
     let robot = options.robot.as_deref().map(FilePath::new);
-    let read = [("program", Some(program)), ("robot", robot)];
+    let scene = options.scene.as_deref();
+    let read = [("program", Some(program)), ("robot", robot), ("scene", scene)];
     let written = [("trajectory", target), ("picture", options.picture.as_deref())];
     for (what, path) in written {
         let others = read.iter().chain(written.iter().filter(|(other, _)| *other < what));

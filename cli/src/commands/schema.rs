@@ -2,6 +2,7 @@
 
 use iiwa_kin::Robot;
 use iiwa_path::Program;
+use iiwa_scene::Scene;
 
 use crate::{
     args::{Format, Schema},
@@ -14,6 +15,7 @@ pub(crate) fn run(options: &Schema) -> Result<(), Failure> {
     let schema = match options.format {
         Format::Program => Program::schema(),
         Format::Profile => Robot::profile_schema(),
+        Format::Scene => Scene::schema(),
     };
     output::print(&format!("{schema:#}\n"))
 }

@@ -1,5 +1,42 @@
 //! The smallest distance between a KUKA LBR iiwa and the obstacles of a scene, at a pose and over a
 //! whole planned motion.
+//!
+//! ```
+//! use iiwa_kin::Robot;
+//! use iiwa_path::{Path, Program};
+//! use iiwa_scene::{ArmInScene, Scene};
+//! use iiwa_traj::{Timing, Trajectory};
+//!
+//! let scene = Scene::from_json(r#"{
+//!     "version": 1,
+//!     "obstacles": [
+//!         { "name": "table", "type": "box", "center_mm": [0, 0, -25], "size_mm": [1200, 800, 50] },
+//!         { "name": "wall", "type": "plane", "point_mm": [-600, 0, 0], "normal": [1, 0, 0] }
+//!     ]
+//! }"#)?;
+//! let robot = Robot::lbr_iiwa_7_r800();
+//! let arm = ArmInScene::new(&robot, &scene);
+//!
+//! // Stretched out upwards, the shoulder is nearest to anything: its axis is 340 mm above the table, and
+//! // its radius is 74 mm.
+//! let clearance = arm.clearance(&[0.0; 7]).expect("there are obstacles");
+//! assert!((clearance.distance_m - 0.266).abs() < 1e-9);
+//! assert_eq!(scene.obstacles()[clearance.obstacle].name, "table");
+//!
+//! # let text = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+//! #     "motions": [{ "type": "ptp", "joints_deg": [0, 60, 0, -80, 0, 40, 0] }] }"#;
+//! let path = Path::new(&Program::from_json(text)?, &robot)?;
+//! let trajectory = Trajectory::plan(&path, Timing::default())?;
+//! let smallest = arm.clearance_of(&trajectory).expect("there are obstacles");
+//! println!("{:.1} mm at {:.3} s", 1e3 * smallest.clearance.distance_m, smallest.at_s);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The arm is made of the cylinders and spheres of its URDF, [`iiwa_kin::Robot::link_shapes`], and
+//! obstacles are boxes and half-spaces. What touches or overlaps has a distance of 0. Distances of poses are
+//! exact to 0.1 um; of motions, no pose is left out, and the smallest one is found to 0.1 mm.
+//!
+//! Units are SI and radians; positions are in the base frame, `iiwa_link_0`.
 
 mod arm;
 mod clearance;

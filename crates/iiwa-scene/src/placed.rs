@@ -55,7 +55,7 @@ impl Placed {
         }
     }
 
-    /// The largest `direction . x` of its points; none if there is none.
+    /// The largest `direction . x` of its points, for a `direction` from it to a part that is outside.
     pub(crate) fn farthest_along(&self, direction: Vector) -> f64 {
         match self {
             Self::Box(cuboid) => cuboid.farthest_along(direction),

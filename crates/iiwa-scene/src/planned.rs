@@ -38,10 +38,18 @@ impl ArmInScene {
     /// motion in a span rules out that any of the arm comes nearer there.
     #[must_use]
     pub fn clearance_of(&self, trajectory: &Trajectory) -> Option<PlannedClearance> {
-        let mut search = Search { arm: self, best: None, open: Vec::new() };
+        let mut search = Search::new(self);
         for stretch in trajectory.stretches() {
             search.go(stretch, stretch.pieces());
         }
+        search.best
+    }
+
+    /// The smallest clearance of `stretch`, a part of a trajectory; none if the scene has no obstacles.
+    #[must_use]
+    pub fn clearance_of_stretch(&self, stretch: &Stretch) -> Option<PlannedClearance> {
+        let mut search = Search::new(self);
+        search.go(stretch, stretch.pieces());
         search.best
     }
 
@@ -51,7 +59,7 @@ impl ArmInScene {
     pub fn clearances(&self, stretch: &Stretch) -> Vec<PlannedClearance> {
         let motions = stretch.pieces().chunk_by(|a, b| a.motion == b.motion);
         let nearest = |pieces: &[Piece]| {
-            let mut search = Search { arm: self, best: None, open: Vec::new() };
+            let mut search = Search::new(self);
             search.go(stretch, pieces);
             search.best
         };
@@ -76,7 +84,11 @@ struct Place<'a> {
     segment: &'a Segment,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(arm: &'a ArmInScene) -> Self {
+        Self { arm, best: None, open: Vec::new() }
+    }
+
     /// Looks for what is nearer than the best so far in `pieces` of `stretch`.
     fn go(&mut self, stretch: &Stretch, pieces: &[Piece]) {
         let moving = |piece| {
@@ -95,7 +107,6 @@ impl Search<'_> {
             }
         }
         for place in pieces.iter().filter_map(moving) {
-            debug_assert!(self.open.is_empty());
             let pairs = (0..self.arm.parts.len())
                 .flat_map(|part| (0..self.arm.obstacles.len()).map(move |o| (part, o)));
             self.open.extend(pairs.map(|pair| (pair, f64::MIN)));

@@ -1,8 +1,7 @@
 //! The scene's JSON forms: the one that is read, which the JSON Schema describes, and the one that is
 //! drawn.
 
-use std::borrow::Cow;
-use std::fmt;
+use std::{borrow::Cow, fmt};
 
 use iiwa_kin::json::{Object, Place, Step, element_at, locate, problem};
 use schemars::JsonSchema;
@@ -344,7 +343,9 @@ impl Serialize for Scene {
         }
         let obstacles = self.obstacles().iter().map(|Obstacle { name, form }| match *form {
             Form::Box { center_m, size_m, rpy_rad } => {
-                Drawn::Box { name, center_m, size_m, rotation: rotation(rpy_rad) }
+                // Without a minus in front of a zero.
+                let rotation = rotation(rpy_rad).map(|row| row.map(|v| v + 0.0));
+                Drawn::Box { name, center_m, size_m, rotation }
             }
             Form::Plane { point_m, normal } => {
                 Drawn::Plane { name, point_m, normal: unit(normal).into() }

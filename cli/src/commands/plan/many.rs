@@ -8,6 +8,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
+use iiwa_scene::Scene;
 use rayon::{
     ThreadPoolBuilder,
     iter::{ParallelBridge, ParallelIterator},
@@ -15,9 +16,9 @@ use rayon::{
 use serde::Serialize;
 
 use super::{
-    Report,
+    Gates, Report,
     programs::{self, Job},
-    too_long, write,
+    scene, write,
 };
 use crate::{
     args::Plan,
@@ -38,6 +39,7 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
         // A robot that none of them could use is one failure, not one for each.
         input::find_robot(robot, Path::new("."))?;
     }
+    let scene = scene(options)?;
     if let Some(folder) = &options.output {
         make_folder(folder)?;
     }
@@ -55,7 +57,7 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
     let result = pool.install(|| {
         work.try_for_each(|(index, job)| {
             output::check_interrupt()?;
-            let outcome = plan(options, job, &told);
+            let outcome = plan(options, scene.as_ref(), job, &told);
             // A program that was cut off has not failed.
             output::check_interrupt()?;
             told.lock().unwrap_or_else(PoisonError::into_inner).tell(index, outcome)
@@ -81,7 +83,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 }
 
 /// Plans one of the programs.
-fn plan(options: &Plan, job: &Job, told: &Mutex<Told>) -> Outcome {
+fn plan(options: &Plan, scene: Option<&Scene>, job: &Job, told: &Mutex<Told>) -> Outcome {
     let name = job.program.display().to_string();
     let alive = |_| {
         // Whoever holds it is about to show the progress.
@@ -90,7 +92,7 @@ fn plan(options: &Plan, job: &Job, told: &Mutex<Told>) -> Outcome {
         }
     };
     let planned = input::program(&job.program, options.robot.as_deref())
-        .and_then(|input| write(options, input, job.target.as_deref(), alive))
+        .and_then(|input| write(options, scene, input, job.target.as_deref(), alive))
         .and_then(|figures| Outcome::planned(options, job, &name, &figures));
     planned.unwrap_or_else(|failure| Outcome::failed(options, name, failure))
 }
@@ -117,15 +119,16 @@ impl Outcome {
             let output = job.target.as_deref().map(|file| file.display().to_string());
             output::json_line(&Report { program: Some(name), figures, output })
         };
-        let too_long = too_long(options, figures);
-        let complain = |how: &String| Failure::Gate(format!("{} {how}", printable(name))).text();
+        let gates = Gates::new(options, figures);
+        let complain = |how| Failure::Gate(format!("{} {how}", printable(name))).text();
         Ok(Self {
             line: options.json.then(line).transpose()?,
-            complaint: too_long.as_ref().map(complain),
+            complaint: gates.complaint().map(complain),
             row: Row {
                 program: name.to_owned(),
                 times: Some(Times::from(figures)),
-                too_long: too_long.is_some(),
+                too_long: gates.too_long.is_some(),
+                too_near: gates.too_near.is_some(),
             },
         })
     }
@@ -137,7 +140,7 @@ impl Outcome {
             // Two texts always become JSON.
             line: options.json.then(line).and_then(Result::ok),
             complaint: Some(failure.text()),
-            row: Row { program: name, times: None, too_long: false },
+            row: Row { program: name, times: None, too_long: false, too_near: false },
         }
     }
 }
@@ -196,6 +199,12 @@ fn report(options: &Plan, summary: &Summary) -> Result<(), Failure> {
         && summary.too_long() > 0
     {
         unmet.push(format!("{} of {count} programs over {limit} s", summary.too_long()));
+    }
+    if let Some(limit) = options.min_clearance
+        && summary.too_near() > 0
+    {
+        let count_near = summary.too_near();
+        unmet.push(format!("{count_near} of {count} programs with a clearance below {limit} mm"));
     }
     if unmet.is_empty() { Ok(()) } else { Err(Failure::Gate(unmet.join(", "))) }
 }

@@ -8,6 +8,7 @@ use std::{
 };
 
 use iiwa_kin::Robot;
+use iiwa_scene::Scene;
 
 use crate::{args::Plan, failure::Failure};
 
@@ -38,12 +39,13 @@ pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<Job>, Failur
     };
     let jobs: Vec<_> =
         programs.into_iter().map(|program| Job { target: target(&program), program }).collect();
-    distinct(&jobs, options.robot.as_deref().map(Path::new))?;
+    let robot = options.robot.as_deref().map(Path::new);
+    distinct(&jobs, robot.into_iter().chain(options.scene.as_deref()))?;
     Ok(jobs)
 }
 
 /// The programs directly in a folder, sorted by name: its files `*.json`, as a shell lists them, but
-/// for robot profiles, which belong beside the programs that name them.
+/// for robot profiles, which belong beside the programs that name them, and for scenes.
 fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let refuse = |error: io::Error| {
         Failure::input(format!("cannot read the folder {}: {error}", folder.display()))
@@ -55,14 +57,13 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         let path = folder.join(&name);
         // A link that leads nowhere is kept: that it cannot be read is told when it is its turn.
         let is_file = path.metadata().map_or(true, |kind| kind.is_file());
-        if !hidden && path.extension() == Some(OsStr::new("json")) && is_file && !is_profile(&path)
-        {
+        if !hidden && path.extension() == Some(OsStr::new("json")) && is_file && !is_other(&path) {
             names.push(name);
         }
     }
     if names.is_empty() {
         return Err(Failure::input(format!(
-            "the folder {} has no programs: files *.json that are not robot profiles",
+            "the folder {} has no programs: files *.json that are no robot profiles and no scenes",
             folder.display()
         )));
     }
@@ -70,8 +71,10 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(names.into_iter().map(|name| folder.join(name)).collect())
 }
 
-fn is_profile(path: &Path) -> bool {
-    fs::read_to_string(path).is_ok_and(|text| Robot::from_profile(&text).is_ok())
+/// Whether it is a robot profile or a scene.
+fn is_other(path: &Path) -> bool {
+    fs::read_to_string(path)
+        .is_ok_and(|text| Robot::from_profile(&text).is_ok() || Scene::from_json(&text).is_ok())
 }
 
 /// Refuses a program that is there twice.
@@ -98,10 +101,10 @@ fn place(path: &Path) -> PathBuf {
 }
 
 /// Refuses to write over what is read, or one file twice.
-fn distinct(jobs: &[Job], robot: Option<&Path>) -> Result<(), Failure> {
+fn distinct<'a>(jobs: &'a [Job], others: impl Iterator<Item = &'a Path>) -> Result<(), Failure> {
     let programs = jobs.iter().map(|job| job.program.as_path());
     let read: HashMap<_, _> =
-        programs.chain(robot).filter_map(|path| Some((path.canonicalize().ok()?, path))).collect();
+        programs.chain(others).filter_map(|path| Some((path.canonicalize().ok()?, path))).collect();
     let mut written = HashMap::new();
     for Job { program, target } in jobs {
         let Some(target) = target else { continue };

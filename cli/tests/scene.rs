@@ -1,0 +1,154 @@
+//! `iiwasim plan --scene` from outside: figures, gates, what is refused.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+#[expect(dead_code, reason = "other tests use the rest")]
+#[path = "common/helpers.rs"]
+mod helpers;
+#[path = "common/run.rs"]
+mod run;
+
+use std::fs;
+
+use assert_cmd::assert::Assert;
+use predicates::{
+    prelude::PredicateBooleanExt,
+    str::{contains, is_empty},
+};
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+
+use helpers::{fixture, program};
+use run::{files, iiwasim};
+
+/// A folder with the ten motions and the cage.
+fn cell() -> TempDir {
+    let folder = tempdir().unwrap();
+    for name in ["ten-motions.json", "cage.json"] {
+        fs::copy(fixture(name), folder.path().join(name)).unwrap();
+    }
+    folder
+}
+
+fn plan(folder: &TempDir, arguments: &[&str]) -> Assert {
+    iiwasim(folder, &[&["plan", "--no-output"], arguments].concat())
+}
+
+fn json(assert: Assert) -> Value {
+    serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
+}
+
+/// Messages without their line breaks.
+fn stderr(assert: &Assert) -> String {
+    String::from_utf8_lossy(&assert.get_output().stderr).replace("\n  │ ", " ")
+}
+
+#[test]
+fn tells_how_near_the_arm_comes() {
+    let cell = cell();
+    let arguments = ["ten-motions.json", "--scene", "cage.json"];
+    plan(&cell, &arguments)
+        .success()
+        .stdout(contains("\nClearance 79.1 mm: link 6 to column at 0.96"))
+        .stderr(is_empty());
+    let figures = json(plan(&cell, &[&arguments[..], &["--json"]].concat()));
+    let clearance = &figures["clearance"];
+    assert!((clearance["distance_mm"].as_f64().unwrap() - 79.1).abs() < 0.1, "{clearance}");
+    assert_eq!((&clearance["link"], &clearance["obstacle"]), (&6.into(), &"column".into()));
+    assert!((clearance["at_s"].as_f64().unwrap() - 0.96).abs() < 0.01, "{clearance}");
+    assert_eq!(clearance.as_object().unwrap().len(), 4);
+
+    let figures = json(plan(&cell, &["ten-motions.json", "--json"]));
+    assert_eq!(figures.get("clearance"), None);
+    plan(&cell, &["ten-motions.json"]).success().stdout(contains("Clearance").not());
+}
+
+#[test]
+fn a_clearance_that_is_too_small_exits_with_3() {
+    let cell = cell();
+    let gate =
+        |mm| plan(&cell, &["ten-motions.json", "--scene", "cage.json", "--min-clearance", mm]);
+    gate("79").success();
+    let message = stderr(&gate("80").code(3).stdout(contains("Clearance 79.1 mm")));
+    assert!(message.contains("comes within 79.1 mm of column, less than 80 mm"), "{message}");
+    // Both gates at once.
+    let both = ["--scene", "cage.json", "--min-clearance", "80", "--max-cycle-time", "7"];
+    let message = stderr(&plan(&cell, &[&["ten-motions.json"], &both[..]].concat()).code(3));
+    assert!(message.contains("more than 7 s, and comes within 79.1 mm"), "{message}");
+}
+
+#[test]
+fn an_arm_that_touches_has_no_clearance() {
+    let folder = tempdir().unwrap();
+    let table = r#"{ "version": 1, "obstacles": [
+        { "name": "table", "type": "plane", "point_mm": [0, 0, 200], "normal": [0, 0, 1] }
+    ] }"#;
+    fs::write(folder.path().join("table.json"), table).unwrap();
+    let down = r#"{ "type": "ptp", "joints_deg": [0, 90, 0, -30, 0, 60, 0] }"#;
+    fs::write(folder.path().join("down.json"), program(down)).unwrap();
+    let arguments = ["down.json", "--scene", "table.json"];
+    plan(&folder, &arguments).success().stdout(contains("Clearance none: link 7 touches table at"));
+    // Not even nothing is kept.
+    plan(&folder, &[&arguments[..], &["--min-clearance", "0.001"]].concat()).code(3);
+}
+
+#[test]
+fn many_programs_are_held_against_the_scene() {
+    let cell = cell();
+    fs::copy(fixture("appendix-b.json"), cell.path().join("appendix-b.json")).unwrap();
+    // The scene is no program of the folder.
+    let assert = plan(&cell, &[".", "--scene", "cage.json", "--min-clearance", "75"]).success();
+    let table = String::from_utf8(assert.get_output().stdout.clone()).unwrap();
+    assert!(table.contains("clearance mm") && table.contains("79.1"), "{table}");
+    assert!(table.contains("2 planned, 0 failed"), "{table}");
+    let near = plan(&cell, &[".", "--scene", "cage.json", "--min-clearance", "80"]);
+    let near = near.code(3).stdout(contains("too near"));
+    let message = stderr(&near);
+    assert!(message.contains("1 of 2 programs with a clearance below 80 mm"), "{message}");
+    let lines = plan(&cell, &[".", "--scene", "cage.json", "--json"]).success();
+    for line in String::from_utf8(lines.get_output().stdout.clone()).unwrap().lines() {
+        let figures: Value = serde_json::from_str(line).unwrap();
+        assert!(figures["clearance"]["distance_mm"].as_f64().unwrap() > 75.0, "{line}");
+    }
+}
+
+#[test]
+fn a_scene_without_obstacles_has_no_clearance() {
+    let cell = cell();
+    fs::write(cell.path().join("empty.json"), r#"{ "version": 1, "obstacles": [] }"#).unwrap();
+    let arguments = ["ten-motions.json", "--scene", "empty.json", "--min-clearance", "1000"];
+    plan(&cell, &arguments).success().stdout(contains("Clearance").not());
+}
+
+#[test]
+fn refuses_what_is_no_scene() {
+    let cell = cell();
+    let before = files(&cell);
+    let refused = |arguments: &[&str], words: &[&str]| {
+        let message = stderr(&plan(&cell, arguments).code(2).stdout(is_empty()));
+        for word in words {
+            assert!(message.contains(word), "`{word}` is missing in:\n{message}");
+        }
+    };
+    refused(&["ten-motions.json", "--min-clearance", "5"], &["--scene"]);
+    refused(&["ten-motions.json", "--scene", "cage.json", "--min-clearance=-1"], &["negative"]);
+    refused(&["ten-motions.json", "--scene", "none.json"], &["cannot read none.json"]);
+    refused(&["ten-motions.json", "--scene", "ten-motions.json"], &["line 3", "unknown key"]);
+    let wrong = "{ \"version\": 1, \"obstacles\": [\n  { \"name\": \"a\", \"type\": \"box\", \
+                 \"center_mm\": [0, 0, 0], \"size_mm\": [1, 0, 1] } ] }";
+    fs::write(cell.path().join("wrong.json"), wrong).unwrap();
+    let words = ["wrong.json, line 2, column", "obstacle 1", "size_mm is 0; a size is above 0"];
+    refused(&["ten-motions.json", "--scene", "wrong.json"], &words);
+    fs::remove_file(cell.path().join("wrong.json")).unwrap();
+    // Nothing is written over the scene.
+    let over = ["plan", "ten-motions.json", "--scene", "cage.json", "-o", "cage.json"];
+    let message = stderr(&iiwasim(&cell, &over).code(2));
+    assert!(message.contains("over the scene"), "{message}");
+    assert_eq!(files(&cell), before);
+}
+
+#[test]
+fn prints_the_schema() {
+    let schema = json(iiwasim(&tempdir().unwrap(), &["schema", "scene"]));
+    assert_eq!(schema["title"], "iiwasim scene");
+}

@@ -1,0 +1,194 @@
+//! Clearances of poses against points all over the arm's surfaces.
+
+// Helpers of tests may fail.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use std::f64::consts::{PI, TAU};
+
+use iiwa_kin::{Along, Joints, Pose, Robot, Shape, Solid};
+use iiwa_scene::{ArmInScene, Form, Obstacle, Scene};
+
+type Point = [f64; 3];
+
+fn dot(a: &Point, b: &Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn length(a: &Point) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Where `p` of a frame is in the base frame.
+fn to_base(pose: &Pose, p: &Point) -> Point {
+    std::array::from_fn(|i| pose.position_m[i] + dot(&pose.rotation[i], p))
+}
+
+/// About x, then y, then z: one turn after the other.
+fn turned([roll, pitch, yaw]: Point, [x, y, z]: Point) -> Point {
+    let about = |angle: f64, a: f64, b: f64| {
+        (a * angle.cos() - b * angle.sin(), a * angle.sin() + b * angle.cos())
+    };
+    let (y, z) = about(roll, y, z);
+    let (z, x) = about(pitch, z, x);
+    let (x, y) = about(yaw, x, y);
+    [x, y, z]
+}
+
+/// A function of the exact distance of a point from an obstacle, 0 within.
+fn distance(form: Form) -> Box<dyn Fn(&Point) -> f64> {
+    match form {
+        Form::Plane { point_m, normal } => {
+            let normal = normal.map(|n| n / length(&normal));
+            Box::new(move |p| (dot(p, &normal) - dot(&point_m, &normal)).max(0.0))
+        }
+        Form::Box { center_m, size_m, rpy_rad } => {
+            let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            let axes = axes.map(|axis| turned(rpy_rad, axis));
+            Box::new(move |p| {
+                let way = std::array::from_fn(|i| p[i] - center_m[i]);
+                let out = |i: usize| (dot(&way, &axes[i]).abs() - 0.5 * size_m[i]).max(0.0);
+                length(&std::array::from_fn(out))
+            })
+        }
+        _ => unreachable!("there are no others"),
+    }
+}
+
+/// A surface's points by two parameters from 0 to 1, in its link's frame.
+fn surfaces(shape: &Shape) -> Vec<Box<dyn Fn(f64, f64) -> Point>> {
+    let center = shape.center_m;
+    let moved = move |p: Point| std::array::from_fn(|i| center[i] + p[i]);
+    match shape.solid {
+        Solid::Sphere { radius_m } => vec![Box::new(move |u, v| {
+            let ((su, cu), (sv, cv)) = ((TAU * u).sin_cos(), (PI * v).sin_cos());
+            moved([radius_m * sv * cu, radius_m * sv * su, radius_m * cv])
+        })],
+        Solid::Cylinder { along, radius_m, length_m } => {
+            let place = move |u: f64, radius: f64, height: f64| {
+                let (sin, cos) = (TAU * u).sin_cos();
+                moved(match along {
+                    Along::Z => [radius * cos, radius * sin, height],
+                    Along::Y => [radius * cos, height, radius * sin],
+                })
+            };
+            vec![
+                Box::new(move |u, v| place(u, radius_m, length_m * (v - 0.5))),
+                Box::new(move |u, v| place(u, radius_m * v, 0.5 * length_m)),
+                Box::new(move |u, v| place(u, radius_m * v, -0.5 * length_m)),
+            ]
+        }
+    }
+}
+
+/// The smallest distance of many points of a surface, ever denser about the nearest ones.
+fn nearest(surface: &dyn Fn(f64, f64) -> Point, distance: &dyn Fn(&Point) -> f64) -> f64 {
+    let (mut u, mut v, mut half) = (0.5, 0.5, 0.5);
+    let mut best = f64::MAX;
+    for _ in 0..5 {
+        let around = (u, v);
+        for i in 0..=24 {
+            for j in 0..=12 {
+                let at = |center: f64, k: i32, n: i32| {
+                    center + half * (2.0 * f64::from(k) / f64::from(n) - 1.0)
+                };
+                let (a, b) = (at(around.0, i, 24), at(around.1, j, 12).clamp(0.0, 1.0));
+                let found = distance(&surface(a, b));
+                if found < best {
+                    (best, u, v) = (found, a, b);
+                }
+            }
+        }
+        half *= 0.2;
+    }
+    best
+}
+
+/// The smallest distance between links 2 to 7 and a scene.
+fn by_points(robot: &Robot, scene: &Scene, q: &Joints) -> f64 {
+    let poses = robot.link_poses(q);
+    let mut best = f64::MAX;
+    for obstacle in scene.obstacles() {
+        let distance = distance(obstacle.form);
+        for (link, shapes) in robot.link_shapes().iter().enumerate().skip(2) {
+            let distance = |p: &Point| distance(&to_base(&poses[link], p));
+            for surface in shapes.iter().flat_map(surfaces) {
+                best = best.min(nearest(&surface, &distance));
+            }
+        }
+    }
+    best
+}
+
+#[test]
+fn a_thousand_poses_are_as_near_as_their_points() {
+    let mut random = fastrand::Rng::with_seed(3);
+    let (mut worst_m, mut touching) = (0.0_f64, 0);
+    for round in 0..1000 {
+        let robot =
+            if round % 2 == 0 { Robot::lbr_iiwa_7_r800() } else { Robot::lbr_iiwa_14_r820() };
+        let scene = common::scene(&mut random, 3);
+        let limits = robot.limits().position_rad;
+        let mut q = limits.map(|limit| limit * (2.0 * random.f64() - 1.0));
+        if round % 5 == 0 {
+            // As in life: by quarters of a turn.
+            q = q.map(|q| (q / (0.5 * PI)).trunc() * 0.5 * PI);
+        }
+        let found = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
+        if found.distance_m == 0.0 {
+            touching += 1;
+            assert_eq!(found.on_arm_m, found.on_obstacle_m);
+            let obstacle = distance(scene.obstacles()[found.obstacle].form);
+            assert!(obstacle(&found.on_obstacle_m) < 1e-8);
+            // A box may be all within a link, where no point of the surface is.
+            continue;
+        }
+        let points_m = by_points(&robot, &scene, &q);
+        assert!((found.distance_m - points_m).abs() < 1e-3, "{q:?}: {points_m} m, {found:?}");
+        worst_m = worst_m.max((found.distance_m - points_m).abs());
+        let way = std::array::from_fn(|i| found.on_arm_m[i] - found.on_obstacle_m[i]);
+        assert!((length(&way) - found.distance_m).abs() < 1e-9);
+        assert!((2..=7).contains(&found.link));
+    }
+    println!("worst difference {worst_m} m, {touching} of 1000 touch");
+    assert!((50..500).contains(&touching));
+}
+
+#[test]
+fn known_distances() {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let clearance = |form| {
+        let scene = Scene::new(vec![Obstacle { name: "it".to_owned(), form }]).unwrap();
+        ArmInScene::new(&robot, &scene).clearance(&[0.0; 7]).unwrap()
+    };
+    // Stretched out, the flange's face is at 1292 mm; a ceiling at 1500 mm.
+    let down = [0.0, 0.0, -7.0];
+    let ceiling = clearance(Form::Plane { point_m: [3.0, 4.0, 1.5], normal: down });
+    assert!((ceiling.distance_m - 0.208).abs() < 1e-12, "{ceiling:?}");
+    assert_eq!((ceiling.link, ceiling.obstacle), (7, 0));
+    assert!((ceiling.on_arm_m[2] - 1.292).abs() < 1e-12 && ceiling.on_obstacle_m[2] == 1.5);
+    // The long edge of a box that is turned by 45 degrees, at the height of the wrist: link 5 ends there in
+    // a ball of 64 mm.
+    let size_m = [0.2, 2.0, 0.2];
+    let rpy_rad = [0.0, 0.25 * PI, 0.0];
+    let edge = clearance(Form::Box { center_m: [0.5, 0.0, 1.14], size_m, rpy_rad });
+    let expected_m = 0.5 - 0.1 * 2.0_f64.sqrt() - 0.064;
+    assert!((edge.distance_m - expected_m).abs() < 1e-9, "{edge:?}");
+    assert_eq!(edge.link, 5);
+    // A foot on a table: links 0 and 1 do not count.
+    let up = [0.0, 0.0, 1.0];
+    let table = clearance(Form::Plane { point_m: [0.0; 3], normal: up });
+    assert!(table.link >= 2 && table.distance_m > 0.2, "{table:?}");
+}
+
+#[test]
+fn what_overlaps_touches() {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let tcp = robot.tcp_position(&[0.0; 7]);
+    let around = Form::Box { center_m: tcp, size_m: [0.3; 3], rpy_rad: [0.1, 0.2, 0.3] };
+    let scene = Scene::new(vec![Obstacle { name: "it".to_owned(), form: around }]).unwrap();
+    let touching = ArmInScene::new(&robot, &scene).clearance(&[0.0; 7]).unwrap();
+    assert_eq!(touching.distance_m, 0.0);
+    assert_eq!(touching.on_arm_m, touching.on_obstacle_m);
+}

@@ -1,0 +1,200 @@
+//! What a scene is, what is refused and where, and that the JSON Schema agrees.
+
+// Helpers of tests may fail.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use iiwa_scene::{Fault, Form, Obstacle, Scene, SceneError};
+use iiwasim_tests::fixture;
+use serde_json::{Value, json};
+
+const GOOD: &str = r#"{ "version": 1, "obstacles": [
+  { "name": "table", "type": "box", "center_mm": [600, 0, -50], "size_mm": [800, 1200, 100], "rpy_deg": [0, 0, 90] },
+  { "name": "floor", "type": "plane", "point_mm": [0, 0, -700], "normal": [0, 3, 4] }
+] }"#;
+
+#[test]
+fn reads_boxes_and_planes() {
+    let scene = Scene::from_json(GOOD).unwrap();
+    let [table, floor] = scene.obstacles() else { panic!("{scene:?}") };
+    assert_eq!((table.name.as_str(), floor.name.as_str()), ("table", "floor"));
+    let rpy_rad = [0.0, 0.0, std::f64::consts::FRAC_PI_2];
+    let cuboid = Form::Box { center_m: [0.6, 0.0, -0.05], size_m: [0.8, 1.2, 0.1], rpy_rad };
+    assert_eq!(table.form, cuboid);
+    assert_eq!(floor.form, Form::Plane { point_m: [0.0, 0.0, -0.7], normal: [0.0, 3.0, 4.0] });
+    assert!(
+        Scene::from_json(r#"{ "version": 1, "obstacles": [] }"#).unwrap().obstacles().is_empty()
+    );
+}
+
+#[test]
+fn is_drawn_in_m() {
+    let drawn = serde_json::to_value(Scene::from_json(GOOD).unwrap()).unwrap();
+    let [table, floor] = drawn["obstacles"].as_array().unwrap().as_slice() else {
+        panic!("{drawn}")
+    };
+    assert_eq!((&table["type"], &table["name"]), (&json!("box"), &json!("table")));
+    assert_eq!(
+        (&table["center_m"], &table["size_m"]),
+        (&json!([0.6, 0.0, -0.05]), &json!([0.8, 1.2, 0.1]))
+    );
+    let rows: [[f64; 3]; 3] = serde_json::from_value(table["rotation"].clone()).unwrap();
+    for (row, expected) in rows.iter().zip([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]) {
+        assert!(row.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{rows:?}");
+    }
+    assert_eq!((&floor["type"], &floor["point_m"]), (&json!("plane"), &json!([0.0, 0.0, -0.7])));
+    let normal: [f64; 3] = serde_json::from_value(floor["normal"].clone()).unwrap();
+    assert!(normal.iter().zip([0.0, 0.6, 0.8]).all(|(a, b)| (a - b).abs() < 1e-15), "{normal:?}");
+}
+
+/// GOOD with a change, and what is said of it.
+fn refused(from: &str, to: &str) -> (String, usize, String) {
+    let text = GOOD.replacen(from, to, 1);
+    assert_ne!(text, GOOD, "nothing is changed");
+    let error = Scene::from_json(&text).unwrap_err();
+    let place = error.place().clone();
+    assert_eq!(error.to_string(), format!("{}, at {place}", error.what()));
+    (error.what(), place.line, text[place.span].to_owned())
+}
+
+#[test]
+fn says_what_is_wrong_and_where() {
+    let long = format!("\"{}\"", "x".repeat(101));
+    let huge = format!("[{}, 0, 0]", "1e400");
+    for (from, to, what, line, span) in [
+        ("\"version\": 1", "\"version\": 2", "version 2; version 1 is understood", 1, "2"),
+        ("\"version\": 1", "\"version\": 1, \"a\": 1", "unknown key `a`", 1, "\"a\""),
+        (
+            "\"type\": \"box\"",
+            "\"type\": \"ball\"",
+            "obstacle 1: unknown type `ball`; `box` and `plane` are known",
+            2,
+            "\"ball\"",
+        ),
+        ("\"type\": \"plane\", ", "", "obstacle 2: it has no `type`", 3, "{"),
+        ("\"normal\"", "\"normals\"", "obstacle 2: unknown key `normals`", 3, "\"normals\""),
+        ("\"name\": \"table\", ", "", "obstacle 1: the key `name` is missing", 2, "{"),
+        (
+            "\"floor\"",
+            "\"table\"",
+            "obstacle 2: it is called \"table\", and so is obstacle 1",
+            3,
+            "\"table\"",
+        ),
+        ("\"floor\"", "\"\"", "obstacle 2: the name \"\" cannot be used", 3, "\"\""),
+        ("\"floor\"", "\"a\\u001b\"", "cannot be used", 3, "\"a\\u001b\""),
+        ("\"floor\"", long.as_str(), "1 to 100 characters", 3, long.as_str()),
+        ("\"floor\"", "7", "obstacle 2: expected a string, found `7`", 3, "7"),
+        (
+            "[0, 3, 4]",
+            "[0, 0, 0]",
+            "obstacle 2: a normal of length zero points nowhere",
+            3,
+            "[0, 0, 0]",
+        ),
+        ("[0, 3, 4]", "[0, 3]", "expected three numbers, for x, y and z, found 2", 3, "["),
+        ("[0, 3, 4]", "[0, 3, 4, 5]", "expected three numbers, for x, y and z, found 4", 3, "["),
+        ("[0, 3, 4]", "null", "expected three numbers, for x, y and z, found null", 3, "null"),
+        ("[0, 3, 4]", huge.as_str(), "the number is too large", 3, "1e400"),
+        (
+            "[800, 1200, 100]",
+            "[800, 0, 100]",
+            "obstacle 1: number 2 of size_mm is 0; a size is above 0",
+            2,
+            "0",
+        ),
+        (
+            "[800, 1200, 100]",
+            "[800, 1200, -1]",
+            "number 3 of size_mm is -1; a size is above 0",
+            2,
+            "-1",
+        ),
+        (
+            "[800, 1200, 100]",
+            "[1e-4, 1200, 1]",
+            "number 1 of size_mm is 0.0001; it must be from 0.001 to 1000000",
+            2,
+            "1e-4",
+        ),
+        (
+            "[600, 0, -50]",
+            "[600, 1e7, -50]",
+            "number 2 of center_mm is 10000000; it must be from -1000000 to 1000000",
+            2,
+            "1e7",
+        ),
+        (
+            "[0, 0, 90]",
+            "[0, 400, 90]",
+            "number 2 of rpy_deg is 400; it must be from -360 to 360",
+            2,
+            "400",
+        ),
+        ("[0, 0, -700]", "[0, -1e9, 0]", "number 2 of point_mm is -1000000000", 3, "-1e9"),
+    ] {
+        let (found, at, text) = refused(from, to);
+        assert!(found.contains(what), "{to}: {found}");
+        assert_eq!(at, line, "{to}: {found}");
+        let shown =
+            if span.len() == 1 && !span.contains(char::is_numeric) { &text[..1] } else { &text };
+        assert_eq!(shown, span, "{to}: {found}");
+    }
+}
+
+#[test]
+fn scenes_made_in_code_are_checked() {
+    let cuboid = |size_m| Form::Box { center_m: [0.0; 3], size_m, rpy_rad: [0.0; 3] };
+    let scene = |form| Scene::new(vec![Obstacle { name: "it".to_owned(), form }]);
+    assert!(matches!(
+        scene(cuboid([1.0, f64::NAN, 1.0])),
+        Err(Fault::Range { obstacle: 0, key: "size", axis: 1, .. })
+    ));
+    let plane = |normal| Form::Plane { point_m: [0.0; 3], normal };
+    assert!(scene(plane([0.0, f64::INFINITY, 0.0])).is_err());
+    // However long it is.
+    for length in [1e-300, 1e300] {
+        let scene = scene(plane([0.0, length, 0.0])).unwrap();
+        let drawn = serde_json::to_value(&scene).unwrap();
+        assert_eq!(drawn["obstacles"][0]["normal"], json!([0.0, 1.0, 0.0]));
+    }
+    let same = Obstacle { name: "it".to_owned(), form: cuboid([1.0; 3]) };
+    let many = (0..10_001).map(|i| Obstacle { name: i.to_string(), ..same.clone() });
+    assert_eq!(Scene::new(many.collect()), Err(Fault::TooMany { found: 10_001, max: 10_000 }));
+}
+
+#[test]
+fn the_schema_agrees() {
+    let schema = jsonschema::validator_for(&Scene::schema()).unwrap();
+    let good: Value = serde_json::from_str(GOOD).unwrap();
+    let cage = std::fs::read_to_string(fixture("cage.json")).unwrap();
+    for scene in [&good, &serde_json::from_str(&cage).unwrap()] {
+        if let Err(error) = schema.validate(scene) {
+            panic!("{error}");
+        }
+        Scene::from_json(&scene.to_string()).unwrap();
+    }
+    let at = |pointer: &str, value: Value| {
+        let mut scene = good.clone();
+        *scene.pointer_mut(pointer).unwrap() = value;
+        scene
+    };
+    for wrong in [
+        at("/version", json!(2)),
+        at("/obstacles", json!({})),
+        at("/obstacles/0/type", json!("plane")),
+        at("/obstacles/0/name", json!("")),
+        at("/obstacles/0/size_mm", json!([1, 1, 0])),
+        at("/obstacles/0/size_mm", json!([1, 1])),
+        at("/obstacles/0/center_mm", json!([1, 1, 2e6])),
+        at("/obstacles/0/rpy_deg", json!([0, 0, 361])),
+        at("/obstacles/0/rpy_deg", Value::Null),
+        at("/obstacles/1/normal", json!([0, 0, 0])),
+        at("/obstacles/1/point_mm", json!("here")),
+        at("/obstacles/1", json!({ "name": "a", "type": "plane", "point_mm": [0, 0, 0] })),
+    ] {
+        assert!(!schema.is_valid(&wrong), "{wrong}");
+        let error = Scene::from_json(&wrong.to_string()).unwrap_err();
+        let is_version = matches!(error, SceneError::Version { .. });
+        assert_eq!(is_version, wrong["version"] == 2, "{error}");
+    }
+}
