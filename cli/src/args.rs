@@ -315,8 +315,3 @@ fn epoch(text: &str) -> Result<Duration, String> {
         .filter(|epoch| *epoch <= last)
         .ok_or_else(|| "an instant from 1970 to 2037 is needed, as 2020-01-01T00:00:00Z".to_owned())
 }
-
-fn millimetres(text: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    if value >= 0.0 { Ok(value) } else { Err("a distance cannot be negative".into()) }
-}

@@ -108,10 +108,3 @@ fn unknown_robot(name: &str, path: &Path) -> String {
         path.display()
     )
 }
-
-/// Reads what stands around the arm.
-pub(crate) fn scene(path: &Path) -> Result<Scene, Failure> {
-    let Text { name, text } = Text::read(path)?;
-    Scene::from_json(&text)
-        .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))
-}

@@ -372,7 +372,9 @@ fn viewers_see_the_robot() {
     wait_for("address", || twin.stderr().contains("open ws://") && twin.stderr().ends_with('\n'));
     let told = twin.stderr();
     let at = told.split_whitespace().find(|word| word.starts_with("ws://")).unwrap();
-    let Some(viewer) = rig.script("tests/foxglove/check.py", &[at, "--messages", "50"]) else { return };
+    let Some(viewer) = rig.script("tests/foxglove/check.py", &[at, "--messages", "50"]) else {
+        return;
+    };
     let program = rig.slow_program();
     rig.iiwasim("run", &[program, "--no-output"]).success();
     viewer.end().code(0);
