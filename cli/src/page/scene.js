@@ -244,7 +244,7 @@ function makeScene(canvas) {
     obstacles = contents.obstacles.map(({ shape, origin }) => ({
       mesh: solid([{ shape, origin, colour: theme.soft }]),
       edges: strip(shape.edges.map((ends) => [...ends.map((end) => transformed(origin, end)), [...theme.soft, 0.9]])),
-      alpha: shape.endless ? 0.16 : 0.3,
+      alpha: shape.endless ? 0.07 : 0.24,
     }));
   }
 

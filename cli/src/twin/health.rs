@@ -8,7 +8,7 @@ use std::{
 
 use iiwa_link::{
     Client, ClientError,
-    message::{DriveState, IoValue, Sensors, Status},
+    message::{Code, DriveState, IoValue, Sensors, Status},
 };
 use serde::Serialize;
 
@@ -63,12 +63,11 @@ pub(crate) fn watch_health(setup: &Setup, words: &Words, viewers: Option<&Mutex<
             }
             let idle =
                 health.status.as_ref().is_some_and(|status| status.state == DriveState::Idle);
-            health.is_old = !idle && health.sensors.is_some();
             if idle && io_at.is_none_or(|at| at.elapsed() >= IO_EVERY) {
                 io_at = Some(since);
-                health.sensors = client.read_sensors().ok();
-                health.io = setup.io.iter().map(|name| Io::read(client, name)).collect();
+                health.ask_robot_program(client, &setup.io);
             }
+            health.is_old = !idle && health.sensors.is_some();
         }
         words.send_replace(word("health", &health));
         if let Some(Ok(viewers)) = viewers.map(Mutex::lock) {
@@ -81,6 +80,27 @@ pub(crate) fn watch_health(setup: &Setup, words: &Words, viewers: Option<&Mutex<
 }
 
 impl Health {
+    /// Asks for sensors, inputs and outputs. If a motion begins meanwhile, what was known stays.
+    fn ask_robot_program(&mut self, client: &mut Client, names: &[String]) {
+        let busy = |error: &ClientError| error.code() == Code::NotIdle;
+        match client.read_sensors() {
+            Ok(sensors) => self.sensors = Some(sensors),
+            Err(error) if busy(&error) => return,
+            Err(_) => self.sensors = None,
+        }
+        let mut all = Vec::with_capacity(names.len());
+        for name in names {
+            let (value, error) = match client.get_io(name) {
+                Ok(value) => (Some(value), None),
+                Err(error) if busy(&error) => return,
+                Err(ClientError::Refused { refusal, .. }) => (None, Some(refusal.to_string())),
+                Err(error) => (None, Some(error.to_string())),
+            };
+            all.push(Io { name: name.clone(), value, error });
+        }
+        self.io = all;
+    }
+
     fn tell(&self, viewers: &Viewers) {
         let at = SystemTime::now();
         if let Some(status) = &self.status {
@@ -93,16 +113,5 @@ impl Health {
         if !known.is_empty() {
             viewers.inputs_outputs(at, &known);
         }
-    }
-}
-
-impl Io {
-    fn read(client: &mut Client, name: &str) -> Self {
-        let (value, error) = match client.get_io(name) {
-            Ok(value) => (Some(value), None),
-            Err(ClientError::Refused { refusal, .. }) => (None, Some(refusal.to_string())),
-            Err(error) => (None, Some(error.to_string())),
-        };
-        Self { name: name.to_owned(), value, error }
     }
 }
