@@ -62,7 +62,7 @@ fn to_plane(body: &Body, plane: &PlacedPlane) -> Near {
 }
 
 fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
-    let on_obstacle = cuboid.to_base(cuboid.nearest(cuboid.to_local(center)));
+    let on_obstacle = cuboid.in_base_frame(cuboid.nearest(cuboid.in_own_frame(center)));
     let way = center - on_obstacle;
     if way.length() <= radius {
         return Near::touching(on_obstacle);
@@ -75,7 +75,7 @@ fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
 /// Where its simplex degenerates, as between parallel faces and axes, parry 0.31 finds overlaps of shapes
 /// that are centimetres apart, and points that are not on them: one of some 500 random pairs.
 fn cylinder_to_box(body: &Body, cuboid: &PlacedBox, most: f64) -> Option<Near> {
-    let local = body.map(|point| cuboid.to_local(point), |axis| cuboid.turn_back(axis));
+    let local = body.map(|point| cuboid.in_own_frame(point), |axis| cuboid.turn_back(axis));
     let nearest = cuboid.nearest(local.center);
     let shape = Cuboid::new(cuboid.half);
     let start = (local.center - nearest).try_normalize().unwrap_or(Vector::X);
@@ -88,7 +88,7 @@ fn cylinder_to_box(body: &Body, cuboid: &PlacedBox, most: f64) -> Option<Near> {
         _ => nearest,
     };
     let (on_arm, on_box) = refined(&local, cuboid, on_box);
-    Some(Near::between(cuboid.to_base(on_arm), cuboid.to_base(on_box)))
+    Some(Near::between(cuboid.in_base_frame(on_arm), cuboid.in_base_frame(on_box)))
 }
 
 /// How far the two are apart along `way`, of length 1, from the box to the arm: a plane across it is between

@@ -48,7 +48,7 @@ impl Placed {
     pub(crate) fn distance(&self, point: Vector) -> f64 {
         match self {
             Self::Box(cuboid) => {
-                let local = cuboid.to_local(point);
+                let local = cuboid.in_own_frame(point);
                 (local - cuboid.nearest(local)).length()
             }
             Self::Plane(plane) => (plane.normal.dot(point) - plane.offset).max(0.0),
@@ -67,7 +67,7 @@ impl Placed {
 
 impl PlacedBox {
     /// A point of the base frame in the box's own.
-    pub(crate) fn to_local(&self, point: Vector) -> Vector {
+    pub(crate) fn in_own_frame(&self, point: Vector) -> Vector {
         self.turn_back(point - self.center)
     }
 
@@ -78,7 +78,7 @@ impl PlacedBox {
     }
 
     /// A point of the box's own frame in that of the base.
-    pub(crate) fn to_base(&self, local: Vector) -> Vector {
+    pub(crate) fn in_base_frame(&self, local: Vector) -> Vector {
         self.center + self.turn(local)
     }
 
