@@ -82,9 +82,13 @@ pub(crate) fn open(path: &Path) -> Result<File, Failure> {
 
 /// Reads what a robot did from any file that holds joint positions.
 pub(crate) fn recording(path: &Path) -> Result<JointLog, Failure> {
-    JointLog::read(open(path)?)
-        .and_then(|log| log.check_rate().map(|()| log))
-        .map_err(|error| Failure::input(format!("{}: {}", path.display(), chain(&error))))
+    JointLog::read(open(path)?).and_then(|log| log.check_rate().map(|()| log)).map_err(|error| {
+        let hint = match path.extension() {
+            Some(extension) if extension == "json" => "; a program has to be planned first",
+            _ => "",
+        };
+        Failure::input(format!("{}: {}{hint}", path.display(), chain(&error)))
+    })
 }
 
 /// The built-in model or the profile file called `name`, looked for in `folder`.

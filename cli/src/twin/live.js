@@ -59,10 +59,10 @@ function writeJoints(q) {
 }
 
 /** What is nearest to the arm, in words. */
-function nearestText({ distance_mm: mm, link: name, obstacle, at_s }) {
+function nearestText({ distance_mm: mm, link: linkNumber, obstacle, at_s }) {
   const when = at_s === null ? "" : ` at ${number(at_s, 2)} s`;
   const apart = mm > 0 ? `${number(mm, 1)} mm` : "touching";
-  return `${apart}: ${name.replace("iiwa_", "").replaceAll("_", " ")} and ${obstacle}${when}`;
+  return `${apart}: link ${linkNumber} and ${obstacle}${when}`;
 }
 
 function writeNearest() {

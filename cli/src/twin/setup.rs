@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{Client, Remote, Stream};
-use iiwa_log::LINK_NAMES;
 use iiwa_path::{Path as RobotPath, Program};
 use iiwa_scene::{ArmInScene, Clearance};
 use iiwa_traj::{Timing, Trajectory};
@@ -109,7 +108,7 @@ impl Setup {
         let least_mm = 1e3 * self.min_clearance_m;
         let when = at_s.map(|at_s| format!(" at {at_s:.2} s")).unwrap_or_default();
         (*distance_mm < least_mm).then(|| {
-            format!("{link} comes within {distance_mm:.1} mm of {obstacle}{when}; {least_mm} mm is the least")
+            format!("link {link} comes within {distance_mm:.1} mm of {obstacle}{when}; {least_mm} mm is the least")
         })
     }
 
@@ -160,7 +159,7 @@ impl Setup {
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Nearest {
     pub(super) distance_mm: f64,
-    link: &'static str,
+    link: usize,
     obstacle: String,
     on_arm_m: [f64; 3],
     on_obstacle_m: [f64; 3],
@@ -173,7 +172,7 @@ impl Nearest {
         let obstacles = arm.scene().obstacles();
         Self {
             distance_mm: 1e3 * clearance.distance_m,
-            link: LINK_NAMES.get(clearance.link).copied().unwrap_or_default(),
+            link: clearance.link,
             obstacle: obstacles
                 .get(clearance.obstacle)
                 .map_or_else(String::new, |it| it.name.clone()),
