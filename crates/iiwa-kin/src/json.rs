@@ -134,13 +134,19 @@ fn shown(found: &str) -> String {
     };
     let plain = plain.strip_prefix("floating point ").unwrap_or(plain);
     let plain = plain.strip_prefix("boolean ").unwrap_or(plain);
-    let mut shown = String::with_capacity(plain.len());
-    for (count, letter) in plain.chars().enumerate() {
+    excerpt(plain)
+}
+
+/// The beginning of somebody's text as a message repeats it: not too long, and without what would do
+/// something to a terminal.
+#[must_use]
+pub fn excerpt(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len().min(4 * MAX_SHOWN));
+    for (count, letter) in text.chars().enumerate() {
         if count == MAX_SHOWN {
             shown.push_str("...");
             break;
         }
-        // What would do something to a terminal.
         if letter.is_control() {
             shown.extend(letter.escape_default());
         } else {
@@ -173,6 +179,48 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
             }
         }
         reader.deserialize_map(OfMap(PhantomData)).map(Self)
+    }
+}
+
+/// Why a text of a format with versions was not read.
+#[derive(Debug)]
+pub enum Unread {
+    /// It is of another version.
+    Version {
+        /// The version found.
+        found: u64,
+        /// Where.
+        place: Place,
+    },
+    /// It is not JSON, or not the JSON that is asked for.
+    Json(serde_json::Error),
+}
+
+/// Reads an object that has to be of a `version`, which is the value of its key `version`; `of` gets it from
+/// what was read. Another version may have other keys: that is then the thing to say.
+///
+/// # Errors
+///
+/// [`Unread`].
+pub fn read_version<'a, T: Deserialize<'a>>(
+    text: &'a str,
+    version: u64,
+    of: impl FnOnce(&T) -> u64,
+) -> Result<T, Unread> {
+    #[derive(Deserialize)]
+    struct VersionOnly {
+        version: Option<u64>,
+    }
+    let other = |found: Option<u64>| {
+        let found = found.filter(|found| *found != version)?;
+        Some(Unread::Version { found, place: locate(text, &[Step::Key("version")]) })
+    };
+    match serde_json::from_str::<Object<T>>(text) {
+        Ok(Object(read)) => other(Some(of(&read))).map_or(Ok(read), Err),
+        Err(error) => {
+            let only = serde_json::from_str::<Object<VersionOnly>>(text).ok();
+            Err(only.and_then(|only| other(only.0.version)).unwrap_or(Unread::Json(error)))
+        }
     }
 }
 

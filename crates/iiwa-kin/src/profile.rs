@@ -8,7 +8,7 @@ use crate::{
     json::{
         Object, Place,
         Step::{self, Index, Key},
-        locate, problem,
+        Unread, locate, problem, read_version,
     },
     robot::MAX_LENGTH_M,
 };
@@ -218,11 +218,6 @@ struct LengthsWire {
     flange: Option<f64>,
 }
 
-#[derive(Deserialize)]
-struct VersionOnly {
-    version: u64,
-}
-
 /// A key that is there has a value: null is not one.
 fn given<'de, T: Deserialize<'de>, D: Deserializer<'de>>(reader: D) -> Result<Option<T>, D::Error> {
     T::deserialize(reader).map(Some)
@@ -290,23 +285,16 @@ impl Robot {
             let at = Place::of_span(text, 0..0);
             return Err(ProfileError::TooLong { at, found: text.len() });
         }
-        let version = |found| {
-            let at = locate(text, &[Key("version")]);
-            ProfileError::Version { at, found }
-        };
-        let Object(wire) = serde_json::from_str::<Object<Wire>>(text).map_err(|error| {
-            // Another version may have other keys: that is then the thing to say.
-            match serde_json::from_str::<Object<VersionOnly>>(text) {
-                Ok(Object(other)) if other.version != VERSION => version(other.version),
-                _ => {
-                    let at = Place::of_error(text, text, &error);
-                    ProfileError::Json { at, problem: problem(&error) }
-                }
-            }
-        })?;
-        if wire.version != VERSION {
-            return Err(version(wire.version));
-        }
+        let wire =
+            read_version(text, VERSION, |wire: &Wire| wire.version).map_err(
+                |error| match error {
+                    Unread::Version { found, place: at } => ProfileError::Version { at, found },
+                    Unread::Json(error) => {
+                        let at = Place::of_error(text, text, &error);
+                        ProfileError::Json { at, problem: problem(&error) }
+                    }
+                },
+            )?;
         wire.robot(text)
     }
 

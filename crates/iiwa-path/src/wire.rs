@@ -5,7 +5,7 @@ use std::{borrow::Cow, fmt};
 
 use iiwa_kin::{
     Joints,
-    json::{Object, Place, Step, element_at, locate, problem},
+    json::{Object, Place, Step, Unread, element_at, excerpt, locate, problem, read_version},
 };
 use schemars::JsonSchema;
 use serde::{
@@ -90,19 +90,12 @@ impl Program {
     /// If the text is not a program, or asks for something that no robot can do; the error says
     /// where in the text.
     pub fn from_json(text: &str) -> Result<Self, ProgramError> {
-        let wire = serde_json::from_str::<Object<ProgramWire<'_>>>(text);
-        let Object(wire) = wire.map_err(|error| {
-            // Another version may have other keys: that is then the thing to say.
-            match serde_json::from_str::<Object<VersionOnly>>(text) {
-                Ok(Object(VersionOnly { version: Some(found) })) if found != VERSION => {
-                    version_error(text, found)
-                }
-                _ => json_error(text, text, None, &error),
-            }
-        })?;
-        if wire.version != VERSION {
-            return Err(version_error(text, wire.version));
-        }
+        let wire = read_version(text, VERSION, |wire: &ProgramWire<'_>| wire.version).map_err(
+            |error| match error {
+                Unread::Version { found, place } => ProgramError::Version { found, place },
+                Unread::Json(error) => json_error(text, text, None, &error),
+            },
+        )?;
         let start_rad = wire.start.joints().map_err(|what| ProgramError::Json {
             what: format!("the start pose: {what}"),
             motion: None,
@@ -185,19 +178,12 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
             Ok(Motion::Wait { seconds: wire.seconds })
         }
         Some(other) => {
-            let shown = other.chars().take(MAX_SHOWN);
-            // Without what would do something to a terminal.
-            let other: String =
-                shown.map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
-            let what = format!("unknown type `{other}`; `ptp` and `wait` are known");
+            let what = format!("unknown type `{}`; `ptp` and `wait` are known", excerpt(other));
             Err(wrong(what, Some("type")))
         }
         None => Err(wrong("it has no `type`; `ptp` and `wait` are known".to_owned(), None)),
     }
 }
-
-/// Longest unknown type that a message repeats, in characters.
-const MAX_SHOWN: usize = 60;
 
 fn json_error(
     text: &str,
@@ -209,15 +195,6 @@ fn json_error(
     // What is no JSON at all is found before the text is taken apart.
     let motion = motion.or_else(|| element_at(text, "motions", place.span.start));
     ProgramError::Json { what: problem(error), motion, place }
-}
-
-fn version_error(text: &str, found: u64) -> ProgramError {
-    ProgramError::Version { found, place: locate(text, &[Step::Key("version")]) }
-}
-
-#[derive(Deserialize)]
-struct VersionOnly {
-    version: Option<u64>,
 }
 
 #[derive(Deserialize)]

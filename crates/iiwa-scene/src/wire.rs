@@ -3,7 +3,9 @@
 
 use std::{borrow::Cow, fmt};
 
-use iiwa_kin::json::{Object, Place, Step, element_at, locate, problem};
+use iiwa_kin::json::{
+    Object, Place, Step, Unread, element_at, excerpt, locate, problem, read_version,
+};
 use schemars::JsonSchema;
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
@@ -87,19 +89,13 @@ impl Scene {
     ///
     /// If the text is not a scene, or has obstacles that cannot be; the error says where in the text.
     pub fn from_json(text: &str) -> Result<Self, SceneError> {
-        let wire = serde_json::from_str::<Object<SceneWire<'_>>>(text);
-        let Object(wire) = wire.map_err(|error| {
-            // Another version may have other keys: that is then the thing to say.
-            match serde_json::from_str::<Object<VersionOnly>>(text) {
-                Ok(Object(VersionOnly { version: Some(found) })) if found != VERSION => {
-                    version_error(text, found)
+        let wire =
+            read_version(text, VERSION, |wire: &SceneWire<'_>| wire.version).map_err(|error| {
+                match error {
+                    Unread::Version { found, place } => SceneError::Version { found, place },
+                    Unread::Json(error) => json_error(text, text, None, &error),
                 }
-                _ => json_error(text, text, None, &error),
-            }
-        })?;
-        if wire.version != VERSION {
-            return Err(version_error(text, wire.version));
-        }
+            })?;
         let obstacles = wire.obstacles.iter().enumerate();
         let obstacles = obstacles.map(|(index, raw)| obstacle(text, index, raw.get()));
         let obstacles = obstacles.collect::<Result<_, _>>()?;
@@ -130,19 +126,12 @@ fn obstacle(text: &str, index: usize, raw: &str) -> Result<Obstacle, SceneError>
             serde_json::from_str::<Object<PlaneWire>>(raw).map_err(fail).map(|wire| wire.0.into())
         }
         Some(other) => {
-            let shown = other.chars().take(MAX_SHOWN);
-            // Without what would do something to a terminal.
-            let other: String =
-                shown.map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
-            let what = format!("unknown type `{other}`; `box` and `plane` are known");
+            let what = format!("unknown type `{}`; `box` and `plane` are known", excerpt(other));
             Err(wrong(what, Some("type")))
         }
         None => Err(wrong("it has no `type`; `box` and `plane` are known".to_owned(), None)),
     }
 }
-
-/// Longest unknown type that a message repeats, in characters.
-const MAX_SHOWN: usize = 60;
 
 fn json_error(
     text: &str,
@@ -154,15 +143,6 @@ fn json_error(
     // What is no JSON at all is found before the text is taken apart.
     let obstacle = obstacle.or_else(|| element_at(text, "obstacles", place.span.start));
     SceneError::Json { what: problem(error), obstacle, place }
-}
-
-fn version_error(text: &str, found: u64) -> SceneError {
-    SceneError::Version { found, place: locate(text, &[Step::Key("version")]) }
-}
-
-#[derive(Deserialize)]
-struct VersionOnly {
-    version: Option<u64>,
 }
 
 #[derive(Deserialize)]
