@@ -132,7 +132,8 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "SCENE.json")]
     pub(crate) scene: Option<PathBuf>,
 
-    /// Exit with code 3 if the arm comes nearer to an obstacle of the scene, in mm: a gate for CI
+    /// Exit with code 3 if the arm comes nearer to an obstacle of the scene, in mm, or touches one: a gate
+    /// for CI
     #[arg(long, value_name = "MM", value_parser = millimetres, requires = "scene")]
     pub(crate) min_clearance: Option<f64>,
 

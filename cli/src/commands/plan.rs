@@ -157,16 +157,10 @@ impl Gates {
             .max_cycle_time
             .filter(|limit| cycle_time_s > *limit)
             .map(|limit| format!("takes {cycle_time_s:.3} s, more than {limit} s"));
-        let near = options.min_clearance.zip(figures.clearance.as_ref());
-        let too_near = near.filter(|(limit, nearest)| nearest.distance_mm < *limit).map(
-            |(limit, nearest)| {
-                let ClearanceRow { distance_mm, link, obstacle, at_s } = nearest;
-                format!(
-                    "comes within {distance_mm:.1} mm of {}, less than {limit} mm: link {link} at {at_s:.3} s",
-                    printable(obstacle)
-                )
-            },
-        );
+        let too_near = options
+            .min_clearance
+            .zip(figures.clearance.as_ref())
+            .and_then(|(limit_mm, nearest)| too_near(limit_mm, nearest));
         Self { too_long, too_near }
     }
 
@@ -176,6 +170,22 @@ impl Gates {
             (Some(long), Some(near)) => Some(format!("{long}, and {near}")),
             (long, near) => long.as_ref().or(near.as_ref()).cloned(),
         }
+    }
+}
+
+/// How the arm comes too near to an obstacle, if it does. What touches is too near for any gate.
+fn too_near(limit_mm: f64, nearest: &ClearanceRow) -> Option<String> {
+    let ClearanceRow { distance_mm, link, obstacle, at_s } = nearest;
+    let obstacle = printable(obstacle);
+    let place = format!("link {link} at {at_s:.3} s");
+    if *distance_mm == 0.0 {
+        Some(format!("touches {obstacle}: {place}"))
+    } else if *distance_mm < limit_mm {
+        Some(format!(
+            "comes within {distance_mm:.1} mm of {obstacle}, less than {limit_mm} mm: {place}"
+        ))
+    } else {
+        None
     }
 }
 

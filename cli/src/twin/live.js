@@ -70,7 +70,7 @@ function writeNearest() {
   $("nearest").hidden = !nearest;
   if (!nearest) return;
   $("nearest").textContent = `Nearest: ${nearestText(nearest)}`;
-  $("nearest").classList.toggle("near", nearest.distance_mm < setup.min_clearance_mm);
+  $("nearest").classList.toggle("near", nearest.distance_mm === 0 || nearest.distance_mm < setup.min_clearance_mm);
 }
 
 function writeHealth() {

@@ -18,7 +18,7 @@ pub(crate) struct Setup {
     /// The robot's name, or its profile's.
     pub(super) robot_name: String,
     arm: Option<ArmInScene>,
-    pub(super) min_clearance_m: f64,
+    pub(super) min_clearance_mm: f64,
     pub(super) io: Vec<String>,
     remote: Remote,
     drive: String,
@@ -63,7 +63,7 @@ impl Setup {
             robot,
             robot_name: options.robot.clone(),
             arm,
-            min_clearance_m: 1e-3 * options.min_clearance,
+            min_clearance_mm: options.min_clearance,
             io,
             remote: connection::remote(&options.drive.keys)?,
             drive: options.drive.drive.to_string(),
@@ -102,14 +102,21 @@ impl Setup {
         Trajectory::plan(&path, Timing::default()).map_err(|error| error.to_string())
     }
 
-    /// Why a motion that comes so near is not sent, if it is not.
+    /// Why a motion that comes so near is not sent, if it is not. What touches is too near at any rate.
     pub(super) fn too_near(&self, nearest: Option<&Nearest>) -> Option<String> {
         let Nearest { distance_mm, link, obstacle, at_s, .. } = nearest?;
-        let least_mm = 1e3 * self.min_clearance_m;
+        let least_mm = self.min_clearance_mm;
         let when = at_s.map(|at_s| format!(" at {at_s:.2} s")).unwrap_or_default();
-        (*distance_mm < least_mm).then(|| {
-            format!("link {link} comes within {distance_mm:.1} mm of {obstacle}{when}; {least_mm} mm is the least")
-        })
+        if *distance_mm == 0.0 {
+            Some(format!("link {link} touches {obstacle}{when}"))
+        } else if *distance_mm < least_mm {
+            Some(format!(
+                "link {link} comes within {distance_mm:.1} mm of {obstacle}{when}; {least_mm} mm is the \
+                 least"
+            ))
+        } else {
+            None
+        }
     }
 
     /// A path in the folder for a new file of this stem: no other file has it.
@@ -148,7 +155,7 @@ impl Setup {
                 position_rad: self.robot.limits().position_rad,
             },
             scene: self.arm.as_ref().map(ArmInScene::scene),
-            min_clearance_mm: 1e3 * self.min_clearance_m,
+            min_clearance_mm: self.min_clearance_mm,
             drive: &self.drive,
             folder: self.temporary.is_none().then(|| self.folder.display().to_string()),
         }
