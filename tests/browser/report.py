@@ -161,6 +161,7 @@ def arm_moves(browser: Browser, pages: Pages) -> None:
         const flat = document.createElement("canvas");
         [flat.width, flat.height] = [scene.width, scene.height];
         const context = flat.getContext("2d");
+        drawScene();
         context.drawImage(scene, 0, 0);
         const { data } = context.getImageData(0, 0, flat.width, flat.height);
         let orange = 0, blue = 0;
