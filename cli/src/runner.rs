@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, io::Cursor, thread, time::Duration};
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
-    Client, ClientError, Published, START_TOLERANCE_RAD, Stream, TimedJoints,
+    Client, ClientError, LinkError, Published, START_TOLERANCE_RAD, Stream, TimedJoints,
     message::{DriveState, FriStatus, Run as Measured, Samples},
     security::Endpoint,
 };
@@ -31,6 +31,16 @@ pub(crate) struct Line {
 }
 
 impl Line {
+    /// Two clients of a drive, and what it publishes.
+    pub(crate) fn of([client, helper]: [Client; 2], stream: Stream) -> Self {
+        Self { client, helper, stream }
+    }
+
+    /// The client that runs are given to. Between them it may be asked for other things.
+    pub(crate) fn client(&mut self) -> &mut Client {
+        &mut self.client
+    }
+
     /// Connects with a drive, and with where it publishes.
     pub(crate) fn new(drive: &DriveAddress, stream: &Endpoint) -> Result<Self, Failure> {
         let remote = connection::remote(&drive.keys)?;
@@ -56,15 +66,59 @@ pub(crate) struct Watched {
     pub(crate) seen: Samples,
 }
 
+/// What is heard of a run while it is under way.
+pub(crate) enum Heard<'a> {
+    /// It is so far, in s since the first that was heard of it.
+    At(f64),
+    /// It was told to stop, and that was taken, or not.
+    Stopped(&'a Result<(), ClientError>),
+    /// Nothing came over the stream.
+    Silence(&'a LinkError),
+}
+
 /// Lets the drive run a task, shows how far it is, and stops it when it is interrupted.
 pub(crate) fn watch(line: &mut Line, task: Task, planned_s: Option<f64>) -> Watched {
+    let mut progress = Progress::of_run();
+    let mut stops = 0;
+    let watched = attend(line, task, output::interrupted, |heard| match heard {
+        Heard::At(t_s) => {
+            if let Some(planned_s) = planned_s {
+                progress.show_share((t_s / planned_s).min(1.0));
+            }
+        }
+        Heard::Stopped(stopped) => {
+            progress.aside(|| match stopped {
+                _ if stops > 0 => {}
+                Ok(()) => tell("Interrupted: the robot is stopped on its path\n"),
+                Err(error) => tell(&format!(
+                    "The robot could not be told to stop: {}\n",
+                    printable(&error.to_string())
+                )),
+            });
+            stops += 1;
+        }
+        Heard::Silence(error) => {
+            progress.aside(|| tell(&format!("The stream broke off: {error}\n")));
+        }
+    });
+    progress.clear();
+    watched
+}
+
+/// Lets the drive run a task, and stops it once `to_stop` says so.
+pub(crate) fn attend(
+    line: &mut Line,
+    task: Task,
+    to_stop: impl Fn() -> bool,
+    hear: impl FnMut(Heard<'_>),
+) -> Watched {
     let Line { client, helper, stream } = line;
     thread::scope(|scope| {
         let running = scope.spawn(move || match task {
             Task::Motions(motions) => client.run_motions(motions, None),
             Task::Trajectory(trajectory) => client.run_trajectory(trajectory, None),
         });
-        let seen = follow(helper, stream, planned_s, || running.is_finished());
+        let seen = follow(helper, stream, || running.is_finished(), to_stop, hear);
         let result = running.join().unwrap_or_else(|_| {
             let what = "this program has failed; please report it".to_owned();
             Err(ClientError::Answer { what })
@@ -77,44 +131,31 @@ pub(crate) fn watch(line: &mut Line, task: Task, planned_s: Option<f64>) -> Watc
 fn follow(
     helper: &mut Client,
     stream: &mut Stream,
-    planned_s: Option<f64>,
     has_ended: impl Fn() -> bool,
+    to_stop: impl Fn() -> bool,
+    mut hear: impl FnMut(Heard<'_>),
 ) -> Samples {
-    let mut progress = Progress::of_run();
     let mut seen = Samples::default();
     let mut runs = false;
-    let mut stops = 0;
     while !has_ended() {
-        if output::interrupted() {
+        if to_stop() {
             // Again until it has ended: the first one may have come before it began.
-            let stopped = helper.stop();
-            progress.aside(|| match stopped {
-                _ if stops > 0 => {}
-                Ok(()) => tell("Interrupted: the robot is stopped on its path\n"),
-                Err(error) => tell(&format!(
-                    "The robot could not be told to stop: {}\n",
-                    printable(&error.to_string())
-                )),
-            });
-            stops += 1;
+            hear(Heard::Stopped(&helper.stop()));
         }
         match stream.next(LOOK) {
             Ok(Some(Published::Joints { t_s, joints_rad })) if runs => {
                 seen.t_s.push(t_s);
                 seen.joints_rad.push(joints_rad);
-                if let Some(planned_s) = planned_s {
-                    progress.show_share(((t_s - seen.t_s[0]) / planned_s).min(1.0));
-                }
+                hear(Heard::At(t_s - seen.t_s[0]));
             }
             Ok(Some(Published::State { state, .. })) => runs = state != DriveState::Idle,
             Ok(_) => {}
             Err(error) => {
-                progress.aside(|| tell(&format!("The stream broke off: {error}\n")));
+                hear(Heard::Silence(&error));
                 thread::sleep(LOOK);
             }
         }
     }
-    progress.clear();
     seen
 }
 

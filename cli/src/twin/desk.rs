@@ -39,9 +39,15 @@ pub(crate) struct Desk {
 #[derive(Default)]
 struct State {
     positions: Vec<Position>,
+    /// How many were saved so far.
+    saved: u64,
     plans: u64,
     plan: Option<Arc<Planned>>,
     running: Option<Running>,
+    /// How often somebody wanted the robot to stop: what was sent before that does not begin.
+    stops: u64,
+    /// Whether the twin ends: nothing begins any more.
+    ends: bool,
     /// What the robot did with the plan.
     measured: Option<PathBuf>,
 }
@@ -49,6 +55,8 @@ struct State {
 /// A place of the arm that somebody wanted to keep.
 #[derive(Clone, Serialize)]
 struct Position {
+    /// Another one for each: places in the list change while others look at it.
+    id: u64,
     name: String,
     joints_rad: Joints,
 }
@@ -83,11 +91,9 @@ impl Desk {
     pub(super) fn carry_out(self: &Arc<Self>, order: Order) -> Result<(), String> {
         match order {
             Order::SavePosition { name } => self.save_position(&name),
-            Order::RemovePosition { index } => {
+            Order::RemovePosition { position } => {
                 let mut state = self.state();
-                if index < state.positions.len() {
-                    state.positions.remove(index);
-                }
+                state.positions.retain(|kept| kept.id != position);
                 self.tell_positions(&state);
                 Ok(())
             }
@@ -126,7 +132,9 @@ impl Desk {
             "" => format!("P{}", count + 1),
             name => name.chars().take(100).collect(),
         };
-        state.positions.push(Position { name, joints_rad });
+        state.saved += 1;
+        let id = state.saved;
+        state.positions.push(Position { id, name, joints_rad });
         self.tell_positions(&state);
         Ok(())
     }
@@ -187,11 +195,17 @@ impl Desk {
             let plan = state.plan.clone().filter(|plan| plan.id == id);
             plan.ok_or("this is not the plan that is shown now: look at it again".to_owned())
         };
+        let (plan, stops) = {
+            let state = self.state();
+            (shown(&state)?, state.stops)
+        };
         // The drive is asked meanwhile: a stop must not wait for that.
-        let plan = shown(&self.state())?;
         let run = Run::new(plan, move_to_start, &self.setup)?;
         let mut state = self.state();
         shown(&state)?;
+        if state.stops != stops || state.ends {
+            return Err("the program is not sent: the robot was to be stopped meanwhile".into());
+        }
         self.forget_run(&mut state);
         let stopped = run.stopped();
         let desk = self.clone();
@@ -208,8 +222,12 @@ impl Desk {
     }
 
     fn stop(&self) -> Result<(), String> {
-        if let Some(running) = &self.state().running {
-            running.stopped.store(true, Ordering::Relaxed);
+        {
+            let mut state = self.state();
+            state.stops += 1;
+            if let Some(running) = &state.running {
+                running.stopped.store(true, Ordering::Relaxed);
+            }
         }
         let mut client = self.setup.client().map_err(|failure| failure.what())?;
         client.stop().map_err(|error| error.to_string())
@@ -217,7 +235,12 @@ impl Desk {
 
     /// Stops a run that was begun here, and waits until it has ended.
     pub(crate) fn end(&self) {
-        let Some(Running { thread, stopped }) = self.state().running.take() else { return };
+        let running = {
+            let mut state = self.state();
+            state.ends = true;
+            state.running.take()
+        };
+        let Some(Running { thread, stopped }) = running else { return };
         stopped.store(true, Ordering::Relaxed);
         // Whoever asked for the run hears of it.
         if let Ok(mut client) = self.setup.client()

@@ -65,6 +65,9 @@ pub(crate) fn follow(
     while !output::interrupted() {
         let Some(open) = &mut stream else {
             stream = setup.stream().ok();
+            if stream.is_none() {
+                thread::sleep(LOOK);
+            }
             continue;
         };
         let mut newest = None;

@@ -57,9 +57,7 @@ pub(crate) fn watch_health(setup: &Setup, words: &Words, viewers: Option<&Mutex<
         if let Some(client) = &mut client {
             match client.state() {
                 Ok(status) => (health.status, health.error) = (Some(status), None),
-                Err(error) => {
-                    health = Health { error: Some(error.to_string()), ..Health::default() }
-                }
+                Err(error) => health.forget(&error),
             }
             let idle =
                 health.status.as_ref().is_some_and(|status| status.state == DriveState::Idle);
@@ -86,7 +84,8 @@ impl Health {
         match client.read_sensors() {
             Ok(sensors) => self.sensors = Some(sensors),
             Err(error) if busy(&error) => return,
-            Err(_) => self.sensors = None,
+            Err(ClientError::Refused { .. }) => self.sensors = None,
+            Err(error) => return self.forget(&error),
         }
         let mut all = Vec::with_capacity(names.len());
         for name in names {
@@ -94,11 +93,17 @@ impl Health {
                 Ok(value) => (Some(value), None),
                 Err(error) if busy(&error) => return,
                 Err(ClientError::Refused { refusal, .. }) => (None, Some(refusal.to_string())),
-                Err(error) => (None, Some(error.to_string())),
+                // The next one would wait in vain, too.
+                Err(error) => return self.forget(&error),
             };
             all.push(Io { name: name.clone(), value, error });
         }
         self.io = all;
+    }
+
+    /// The drive does not answer.
+    fn forget(&mut self, error: &ClientError) {
+        *self = Self { error: Some(error.to_string()), ..Self::default() };
     }
 
     fn tell(&self, viewers: &Viewers) {

@@ -8,6 +8,9 @@ const link = {
   count: 0,
 };
 
+/** What the twin takes, in bytes. */
+const LONGEST_ORDER = 16 * 2 ** 20;
+
 function connect() {
   const at = new URL("live", location.href);
   at.protocol = "ws:";
@@ -34,7 +37,9 @@ function order(what, parameters = {}) {
   if (!link.open) return Promise.reject(new Error("the twin cannot be reached"));
   link.count += 1;
   const id = link.count;
-  link.socket.send(JSON.stringify({ id, do: what, ...parameters }));
+  const text = JSON.stringify({ id, do: what, ...parameters });
+  if (new Blob([text]).size > LONGEST_ORDER) return Promise.reject(new Error("that is longer than what is taken here; iiwasim plan takes it"));
+  link.socket.send(text);
   return new Promise((done, refuse) => { link.orders.set(id, { done, refuse }); });
 }
 

@@ -1,15 +1,24 @@
 // Where the arm is, and how the robot is.
 
-const live = { newest: null, fresh: false, health: {}, drawn: [] };
+const live = { newest: null, fresh: false, health: {}, drawn: [], apart_ms: 0 };
 
 /** Older than this, in ms, it is not where the arm is. */
 const STALE_MS = 1000;
 
-/** Milliseconds since 1970, with their fractions. */
-const clockMs = () => performance.timeOrigin + performance.now();
+/** Milliseconds since 1970, with their fractions, by the twin's clock. */
+const clockMs = () => performance.timeOrigin + performance.now() - live.apart_ms;
+
+/** Through a tunnel, the twin's clock is another machine's, and this one stands still in a laptop that sleeps.
+    No word comes sooner than at once: what came soonest tells how far apart they are. */
+function compareClocks(at_ms) {
+  const SAME_MS = 200;
+  const apart = clockMs() + live.apart_ms - at_ms;
+  if (live.newest === null || apart < live.apart_ms) live.apart_ms = apart < 0 || apart > SAME_MS ? apart : 0;
+}
 
 link.takes.live = (where) => {
   if (!where || !where.joints_rad) return;
+  compareClocks(where.at_ms);
   live.newest = where;
   live.fresh = true;
 };
@@ -124,7 +133,7 @@ async function switchIo(name) {
 
 /** What is wrong with the connection, if something is. */
 function trouble() {
-  if (!link.open) return "The twin cannot be reached; this page tries again by itself.";
+  if (!link.open) return "The twin cannot be reached; this page tries again by itself. If it was started again, open the address that it printed then.";
   if (live.health.error) return `${live.health.error}. It is tried again all the time.`;
   if (live.health.status && live.health.status.fri.session === "silent") return "The drive does not hear the controller; it is tried again all the time.";
   if (isStale() && live.health.status) return "Nothing comes from the drive's stream; it is tried again all the time.";

@@ -16,8 +16,8 @@ pub(super) struct Numbered {
 pub(super) enum Order {
     /// Where the arm is now becomes a position.
     SavePosition { name: String },
-    /// Forgets a position, from 0.
-    RemovePosition { index: usize },
+    /// Forgets a position.
+    RemovePosition { position: u64 },
     /// Makes a program of the positions, from the first to the last, and plans it.
     MakeProgram {
         velocity_percent: f64,

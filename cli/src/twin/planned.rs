@@ -1,10 +1,6 @@
 //! A program that was planned, and may be sent.
 
-use std::{
-    fs,
-    io::Cursor,
-    path::{Path, PathBuf},
-};
+use std::{fs, io::Cursor, path::PathBuf};
 
 use iiwa_log::{PlanConfig, PlanWriter, WriteError};
 use iiwa_path::{Path as RobotPath, Program};
@@ -18,7 +14,11 @@ use crate::{
     report::Page,
 };
 
-use super::{Setup, Word, setup::Nearest, word};
+use super::{
+    Setup, Word,
+    setup::{Nearest, stem_of},
+    word,
+};
 
 /// A plan, and the files of it.
 #[derive(Debug)]
@@ -53,15 +53,18 @@ impl Planned {
         let nearest = setup.nearest_of(&plan);
         let refused = setup.too_near(nearest.as_ref());
 
-        let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
-        let json = setup.new_file(&stem, "json");
-        let stem = json.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        fs::write(&json, &text)
-            .map_err(|error| format!("cannot write {}: {error}", json.display()))?;
-        let mcap = json.with_extension("mcap");
         let bytes = as_mcap(&plan, timing, &text, setup).map_err(|error| chain(&error))?;
-        Output::new(&mcap)
-            .and_then(|file| file.write(&bytes).and_then(|()| file.complete_always()))
+        let [json, mcap] = setup.new_files(&stem_of(name), [".json", ".mcap"]).map_err(what)?;
+        let stem = json.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let write = |path: &PathBuf, bytes: &[u8]| {
+            let file = Output::new(path)?;
+            file.write(bytes)?;
+            file.complete_always()
+        };
+        write(&json, text.as_bytes())
+            .and_then(|()| write(&mcap, &bytes))
+            // Half of it is of no use.
+            .inspect_err(|_| drop(fs::remove_file(&json)))
             .map_err(what)?;
         let page = Page::of(&mcap, None, Some(&setup.robot_name)).map_err(what)?;
         let word = word(

@@ -7,11 +7,11 @@ const unpackArms = (sketch) => sketch.arms.map((arm) => ({ ...arm, poses: unpack
 
 link.takes.positions = (positions) => {
   desk.positions = positions;
-  $("positions").replaceChildren(...positions.map(({ name, joints_rad: q }, index) => {
+  $("positions").replaceChildren(...positions.map(({ id, name, joints_rad: q }) => {
     const row = element("tr");
     const remove = element("button", "Remove");
     remove.type = "button";
-    remove.addEventListener("click", () => ask("positions-said", "remove_position", { index }));
+    remove.addEventListener("click", () => ask("positions-said", "remove_position", { position: id }));
     row.append(element("td", name, "word"), element("td", q.map((v) => number(v * DEG, 1)).join(", "), "word small"), element("td"));
     row.lastChild.append(remove);
     return row;

@@ -1,6 +1,8 @@
 //! A run of a plan on the robot.
 
 use std::{
+    fs,
+    io::Write as _,
     path::PathBuf,
     sync::{
         Arc,
@@ -10,13 +12,18 @@ use std::{
 
 use iiwa_kin::Joints;
 use iiwa_link::{
-    Client, ClientError, START_TOLERANCE_RAD,
+    ClientError, START_TOLERANCE_RAD,
     message::{DriveState, FriStatus, Run as Measured, Status},
 };
 use iiwa_path::{Motion, Program, Ptp};
 use serde::Serialize;
 
-use crate::{output::Output, report::Page, runner};
+use crate::{
+    failure::Failure,
+    output::Output,
+    report::Page,
+    runner::{self, Line, Task, Watched},
+};
 
 use super::{Setup, Word, planned::Planned, word};
 
@@ -39,7 +46,7 @@ pub(super) enum Phase {
 pub(super) struct Run {
     plan: Arc<Planned>,
     to_start: Option<Motion>,
-    client: Client,
+    line: Line,
     /// Whether it was told to stop.
     stopped: Arc<AtomicBool>,
 }
@@ -61,9 +68,11 @@ impl Run {
         if let Some(why) = &plan.refused {
             return Err(format!("the program is not sent: {why}"));
         }
-        let mut client = setup.client().map_err(|failure| failure.what())?;
-        let status =
-            client.state().map_err(|error| format!("cannot ask where the robot is: {error}"))?;
+        let mut line = setup.line().map_err(|failure| failure.what())?;
+        let status = line
+            .client()
+            .state()
+            .map_err(|error| format!("cannot ask where the robot is: {error}"))?;
         let joints_rad = standing(&status)?;
         let start_rad = plan.program.start_rad;
         let off = |j: &usize| (joints_rad[*j] - start_rad[*j]).abs();
@@ -81,10 +90,10 @@ impl Run {
                 start_rad[worst].to_degrees()
             ));
         };
-        Ok(Self { plan, to_start, client, stopped: Arc::default() })
+        Ok(Self { plan, to_start, line, stopped: Arc::default() })
     }
 
-    /// Set it, and what has not begun does not begin.
+    /// Set it, and what has not begun does not begin, and what has begun is stopped.
     pub(super) fn stopped(&self) -> Arc<AtomicBool> {
         self.stopped.clone()
     }
@@ -93,28 +102,37 @@ impl Run {
     pub(super) fn carry_out(mut self, setup: &Setup, mut tell: impl FnMut(Word)) -> Outcome {
         let plan = self.plan.clone();
         let begun = |phase| plain(&plan, phase, None);
+        let stopped = || Outcome { word: plain(&plan, Phase::Failed, Some("stopped")), mcap: None };
         if let Some(motion) = self.to_start.take() {
             tell(begun(Phase::ToStart));
-            if let Err(error) = self.client.run_motions(vec![motion], None) {
+            let Some(Watched { result, .. }) = self.attend(vec![motion]) else { return stopped() };
+            if let Err(error) = result {
                 let why = format!("the robot did not move to the start: {error}");
                 return Outcome { word: plain(&plan, Phase::Failed, Some(&why)), mcap: None };
             }
         }
-        if self.stopped.load(Ordering::Relaxed) {
-            return Outcome { word: plain(&plan, Phase::Failed, Some("stopped")), mcap: None };
-        }
         tell(begun(Phase::Running));
-        let (measured, error) = match self.client.run_motions(plan.program.motions.clone(), None) {
+        let motions = plan.program.motions.clone();
+        let Some(Watched { result, seen }) = self.attend(motions) else { return stopped() };
+        let (measured, error) = match result {
             Ok(measured) => (measured, None),
             Err(ClientError::Refused { refusal, run }) => {
                 (run.map(|run| *run).unwrap_or_default(), Some(refusal.to_string()))
             }
+            // What the stream has brought is all there is.
             Err(error) => {
                 let why = format!("{error}; the robot may still be moving");
-                (Measured::default(), Some(why))
+                (Measured { samples: seen, ..Measured::default() }, Some(why))
             }
         };
         finished(&plan, &measured, error, setup)
+    }
+
+    /// Has the robot run motions; none if it was told to stop before.
+    fn attend(&mut self, motions: Vec<Motion>) -> Option<Watched> {
+        let to_stop = || self.stopped.load(Ordering::Relaxed);
+        (!to_stop())
+            .then(|| runner::attend(&mut self.line, Task::Motions(motions), to_stop, |_| ()))
     }
 }
 
@@ -163,31 +181,54 @@ fn finished(plan: &Planned, measured: &Measured, error: Option<String>, setup: &
     if samples.is_empty() {
         return Outcome { word: plain(plan, phase, error.as_deref()), mcap: None };
     }
-    let shown = || {
-        let bytes = runner::recording(&samples, measured.cycle_time_s, &setup.robot, &plan.text)?;
-        let mcap = setup.new_file(&format!("{}.measured", plan.stem), "mcap");
-        let file = Output::new(&mcap)?;
-        file.write(&bytes)?;
-        file.complete_always()?;
-        Page::of(&plan.mcap, Some(&mcap), Some(&setup.robot_name)).map(|page| (mcap, page))
+    let kept = runner::recording(&samples, measured.cycle_time_s, &setup.robot, &plan.text)
+        .and_then(|bytes| kept(&bytes, plan, setup));
+    let (mcap, elsewhere) = match kept {
+        Ok((mcap, elsewhere)) => (Some(mcap), elsewhere),
+        Err(failure) => (None, Some(failure.what())),
     };
-    match shown() {
-        Ok((mcap, page)) => {
-            let word = word(
-                "run",
-                &ForPage {
-                    plan: plan.id,
-                    phase,
-                    error: error.as_deref(),
-                    cycle_time_s: measured.cycle_time_s,
-                    sketch: Some(page.sketch()),
-                },
-            );
-            Outcome { word, mcap: Some(mcap) }
-        }
-        Err(failure) => {
-            let why = error.into_iter().chain([failure.what()]).collect::<Vec<_>>().join("; ");
-            Outcome { word: plain(plan, phase, Some(&why)), mcap: None }
-        }
-    }
+    let page =
+        mcap.as_deref().map(|mcap| Page::of(&plan.mcap, Some(mcap), Some(&setup.robot_name)));
+    let (page, unseen) = match page.transpose() {
+        Ok(page) => (page, None),
+        Err(failure) => (None, Some(failure.what())),
+    };
+    let errors: Vec<String> = [error, elsewhere, unseen].into_iter().flatten().collect();
+    let word = word(
+        "run",
+        &ForPage {
+            plan: plan.id,
+            phase,
+            error: (!errors.is_empty()).then(|| errors.join("; ")).as_deref(),
+            cycle_time_s: measured.cycle_time_s,
+            sketch: page.as_ref().map(Page::sketch),
+        },
+    );
+    Outcome { word, mcap }
+}
+
+/// Where a recording was written, and why not in the folder, if it was not: there is no other.
+fn kept(bytes: &[u8], plan: &Planned, setup: &Setup) -> Result<(PathBuf, Option<String>), Failure> {
+    let in_folder = || {
+        let [mcap] = setup.new_files(&plan.stem, [".measured.mcap"])?;
+        let write = || {
+            let file = Output::new(&mcap)?;
+            file.write(bytes)?;
+            file.complete_always()
+        };
+        // The name was taken by an empty file.
+        write().inspect_err(|_| drop(fs::remove_file(&mcap)))?;
+        Ok(mcap)
+    };
+    let elsewhere = || {
+        let mut file =
+            tempfile::Builder::new().prefix("iiwasim-").suffix(".measured.mcap").tempfile().ok()?;
+        file.write_all(bytes).ok()?;
+        file.keep().ok().map(|(_, path)| path)
+    };
+    in_folder().map(|mcap| (mcap, None)).or_else(|failure: Failure| {
+        let Some(mcap) = elsewhere() else { return Err(failure) };
+        let why = format!("{}; what the robot did is in {}", failure.what(), mcap.display());
+        Ok((mcap, Some(why)))
+    })
 }

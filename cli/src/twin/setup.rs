@@ -1,6 +1,10 @@
 //! What a twin is made up with.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fs::File,
+    io::ErrorKind,
+    path::{Path, PathBuf},
+};
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{Client, Remote, Stream};
@@ -10,7 +14,7 @@ use iiwa_traj::{Timing, Trajectory};
 use serde::Serialize;
 use tempfile::TempDir;
 
-use crate::{args, connection, failure::Failure, input};
+use crate::{args, connection, failure::Failure, input, runner::Line};
 
 /// The robot, what stands around it, and the way to its drive.
 pub(crate) struct Setup {
@@ -83,6 +87,11 @@ impl Setup {
         Stream::new(&self.remote, &self.stream).map_err(|error| connection::refused(&error))
     }
 
+    /// What a run needs.
+    pub(super) fn line(&self) -> Result<Line, Failure> {
+        Ok(Line::of([self.client()?, self.client()?], self.stream()?))
+    }
+
     /// How near the arm is to what stands around it; none without a scene.
     pub(super) fn nearest(&self, joints_rad: &Joints) -> Option<Nearest> {
         let arm = self.arm.as_ref()?;
@@ -119,17 +128,34 @@ impl Setup {
         }
     }
 
-    /// A path in the folder for a new file of this stem: no other file has it.
-    pub(super) fn new_file(&self, stem: &str, extension: &str) -> PathBuf {
-        let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
-        let stem: String = stem.trim_start_matches('.').chars().take(80).map(plain).collect();
-        let stem = if stem.is_empty() { "program" } else { &stem };
-        let path = |name: String| self.folder.join(name);
-        let numbered = (2..).map(|number| path(format!("{stem}-{number}.{extension}")));
-        std::iter::once(path(format!("{stem}.{extension}")))
-            .chain(numbered)
-            .find(|path| !path.exists())
-            .unwrap_or_default()
+    /// Paths in the folder of new files that are called the same but for their endings. The first one is
+    /// there, and empty, so that nobody else takes the name; none of the others is.
+    pub(super) fn new_files<const N: usize>(
+        &self,
+        stem: &str,
+        endings: [&str; N],
+    ) -> Result<[PathBuf; N], Failure> {
+        for number in 1.. {
+            let paths = endings.map(|ending| {
+                // `a.measured-2.mcap`: what is numbered is what comes before the extension.
+                let (kind, extension) = ending.rsplit_once('.').unwrap_or((ending, ""));
+                let number = if number == 1 { String::new() } else { format!("-{number}") };
+                self.folder.join(format!("{stem}{kind}{number}.{extension}"))
+            });
+            if paths.iter().any(|path| path.symlink_metadata().is_ok()) {
+                continue;
+            }
+            let Some(first) = paths.first() else { return Ok(paths) };
+            match File::create_new(first) {
+                Ok(_) => return Ok(paths),
+                // Somebody was faster.
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                Err(error) => {
+                    return Err(Failure::run(format!("cannot write {}", first.display()), &error));
+                }
+            }
+        }
+        Err(Failure::Run { what: "there is no name left".to_owned(), cause: None })
     }
 
     /// What the page has to know of all this.
@@ -160,6 +186,17 @@ impl Setup {
             folder: self.temporary.is_none().then(|| self.folder.display().to_string()),
         }
     }
+}
+
+/// What files of a program are called: its name without folders, and without what file systems do not take.
+pub(super) fn stem_of(name: &str) -> String {
+    /// In bytes: with a number and an ending it is short enough for any file system.
+    const LONGEST: usize = 100;
+    let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
+    let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+    let mut stem: String = stem.trim_start_matches('.').chars().map(plain).collect();
+    stem.truncate(stem.floor_char_boundary(LONGEST));
+    if stem.is_empty() { "program".to_owned() } else { stem }
 }
 
 /// Where the arm is nearest to what stands around it.

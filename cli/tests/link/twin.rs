@@ -196,8 +196,10 @@ fn positions_become_a_program() {
     page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(1.04));
     page.order("save_position", json!({ "name": "<b>there</b>" })).unwrap();
     page.order("save_position", json!({ "name": "too much" })).unwrap();
-    page.order("remove_position", json!({ "index": 2 })).unwrap();
-    page.order("remove_position", json!({ "index": 2 })).unwrap();
+    let all = page.wait_for("positions", |all| all.as_array().unwrap().len() == 3);
+    for _ in 0..2 {
+        page.order("remove_position", json!({ "position": all[2]["id"] })).unwrap();
+    }
     let positions = page.wait_for("positions", |all| all.as_array().unwrap().len() == 2);
     assert_eq!(
         (&positions[0]["name"], &positions[1]["name"]),
