@@ -343,6 +343,21 @@ fn an_interrupt_stops_a_run_that_was_begun_here() {
 }
 
 #[test]
+fn no_file_is_replaced() {
+    let rig = Rig::parts();
+    fs::create_dir(rig.path("kept")).unwrap();
+    fs::write(rig.path("kept/a_program.mcap"), "precious").unwrap();
+    let (_twin, address) = start(&rig, &["-o", "kept"]);
+    let mut page = address.page();
+    assert_eq!(load(&mut page, program(TO_60))["name"], "a_program-2");
+    assert_eq!(fs::read(rig.path("kept/a_program.mcap")).unwrap(), b"precious");
+    // Of names that are long in bytes, too.
+    let mut long = program(TO_60);
+    long["name"] = json!(format!("{}.json", "\u{20000}".repeat(80)));
+    load(&mut page, long);
+}
+
+#[test]
 fn what_cannot_be_followed_is_told() {
     let rig = Rig::parts();
     let told = |options: &[&str], code, why: &str| {
