@@ -124,7 +124,7 @@ class Browser:
     def open(self, file: Path, fragment: str = "") -> None:
         """Opens a file and waits until it is loaded and drawn."""
         self.go(file.resolve().as_uri() + fragment)
-        self.until("document.readyState === 'complete' && document.documentElement.dataset.drawnMs > ''")
+        self.until("document.readyState === 'complete' && document.documentElement?.dataset.drawnMs > ''")
         self.frames()
 
     def go(self, url: str) -> None:

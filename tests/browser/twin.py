@@ -142,9 +142,9 @@ class Mover(threading.Thread):
 
 def page_follows_the_robot(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
-    assert text(browser, "link") == "live"
-    assert "excellent" in text(browser, "state") or "good" in text(browser, "state"), text(browser, "state")
-    assert "Nearest: " in text(browser, "nearest")
+    browser.until("document.getElementById('link').textContent === 'live'")
+    browser.until("/excellent|good/.test(document.getElementById('state').textContent)")
+    browser.until("document.getElementById('nearest').textContent.startsWith('Nearest: ')")
     pictures = set()
     mover = Mover(twin.rig)
     try:
@@ -176,7 +176,7 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     assert text(browser, "program-said") == ""
     assert "7.4" in text(browser, "plan-figures") and "10" in text(browser, "plan-figures")
     # The simulation plays by itself, next to the arm as it is.
-    assert text(browser, "mode") == "Live, with the plan's simulation"
+    browser.until("document.getElementById('mode').textContent === \"Live, with the plan's simulation\"")
     browser.until("shown.time > 1")
     pictures = {browser.run(SCENE)}
     twin.keep(browser, "twin-simulation")
@@ -191,7 +191,8 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     pictures.add(browser.run(SCENE))
     assert len(pictures) == 2
     browser.click("#live")
-    assert text(browser, "mode") == "Live" and browser.run("document.getElementById('play').disabled")
+    browser.until("document.getElementById('mode').textContent === 'Live'")
+    assert browser.run("document.getElementById('play').disabled")
 
     # A second thought.
     browser.click("#send")
@@ -202,7 +203,7 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     assert browser.run("desk.run") is None
     send(browser)
     browser.until("desk.run && desk.run.phase === 'running'")
-    assert text(browser, "mode") == "Live"
+    browser.until("document.getElementById('mode').textContent === 'Live'")
     twin.keep(browser, "twin-running")
     assert browser.run("document.getElementById('send').disabled")
     browser.until("desk.run.phase === 'done'")
@@ -219,7 +220,7 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     link = browser.run("[...document.querySelectorAll('#files a')].map(it => [it.textContent, it.href])")
     assert [name for name, _ in link] == ["Report", "Program", "Plan", "What the robot did"]
     browser.go(dict(link)["Report"])
-    browser.until("document.documentElement.dataset.drawnMs > ''")
+    browser.until("document.documentElement?.dataset.drawnMs > ''")
     assert browser.run("report.arms.length") == 2
     twin.keep(browser, "twin-report")
 
@@ -308,6 +309,7 @@ def drive_goes_and_comes_back(browser: Browser, twin: Twin) -> None:
     twin.rig.drive.wait()
     browser.until("document.getElementById('banner').textContent.includes('no drive answers')")
     assert text(browser, "link") == "not live" and not browser.run("document.getElementById('banner').hidden")
+    assert text(browser, "mode") == "Not live: where the arm was"
     twin.keep(browser, "twin-no-drive")
     twin.rig.start_drive()
     browser.until("document.getElementById('link').textContent === 'live'")

@@ -134,7 +134,7 @@ async function switchIo(name) {
 /** What is wrong with the connection, if something is. */
 function trouble() {
   if (!link.open) return "The twin cannot be reached; this page tries again by itself. If it was started again, open the address that it printed then.";
-  if (live.health.error) return `${live.health.error}. It is tried again all the time.`;
+  if (live.health.error) return `It is tried again all the time: ${live.health.error}`;
   if (live.health.status && live.health.status.fri.session === "silent") return "The drive does not hear the controller; it is tried again all the time.";
   if (isStale() && live.health.status) return "Nothing comes from the drive's stream; it is tried again all the time.";
   return "";

@@ -66,8 +66,7 @@ function show(mode) {
   const arms = played(mode);
   for (const id of ["play", "scrub"]) $(id).disabled = !arms.length;
   if (arms.length) $("scrub").max = lastS(arms);
-  $("mode").textContent = { live: "Live", simulation: "Live, with the plan's simulation", replay: "Replay: not live" }[mode];
-  $("mode").classList.toggle("bad", mode === "replay");
+  writeMode();
   const parts = [];
   if (mode === "simulation") parts.push(["accent", "see-through arm: the plan"]);
   if (mode === "replay") parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: what the robot did"]);
@@ -75,6 +74,14 @@ function show(mode) {
   if (canReplay()) parts.push(["measured", "measured way"]);
   if (setup.scene) parts.push(["soft", "what stands around"]);
   legend($("legend"), parts);
+}
+
+/** Whether what is shown is where the arm is. */
+function writeMode() {
+  const texts = { live: "Live", simulation: "Live, with the plan's simulation", replay: "Replay: not live" };
+  const isLost = shown.mode !== "replay" && Boolean(trouble());
+  $("mode").textContent = isLost ? "Not live: where the arm was" : texts[shown.mode];
+  $("mode").classList.toggle("bad", isLost || shown.mode === "replay");
 }
 
 const lastS = (arms) => Math.max(...arms.map((arm) => arm.end_s));
@@ -151,6 +158,7 @@ function frame(now) {
       writeNearest();
     }
     writeLink();
+    writeMode();
   }
   requestAnimationFrame(frame);
 }
