@@ -9,6 +9,7 @@ mod twin;
 
 use std::{path::PathBuf, time::Duration};
 
+use bytesize::ByteSize;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
@@ -89,7 +90,7 @@ pub(crate) struct Plan {
     pub(crate) output: Option<PathBuf>,
 
     /// Print the figures, write no trajectory
-    #[arg(long, conflicts_with_all = ["output", "rate", "epoch"])]
+    #[arg(long, conflicts_with_all = ["output", "rate", "epoch", "max_file_size"])]
     pub(crate) no_output: bool,
 
     /// Print the figures as one JSON object; of many programs, one a line
@@ -119,6 +120,11 @@ pub(crate) struct Plan {
     /// Joint states a second in the MCAP file, 0.1 to 100000
     #[arg(long, value_name = "HZ", default_value_t = 250.0, value_parser = rate)]
     pub(crate) rate: f64,
+
+    /// Write no MCAP file that would be larger, as 500MB or 5GB: a program at a millionth of its speed takes
+    /// months, and its samples any disk. How large it would be is estimated before anything is sampled
+    #[arg(long, value_name = "SIZE", default_value = "1GB")]
+    pub(crate) max_file_size: ByteSize,
 
     /// Built-in model or robot profile, instead of the program's
     #[arg(long, value_name = "NAME|FILE")]

@@ -29,7 +29,7 @@ pub(crate) fn remote(keys: &ClientKeys) -> Result<Remote, Failure> {
 /// What it takes to be connected to.
 pub(crate) fn server(keys: &ServerKeys) -> Result<Server, Failure> {
     let server = match (&keys.key, &keys.allow) {
-        (Some(key), Some(allow)) => ServerSecurity::read(key, allow).and_then(Server::with_keys),
+        (Some(key), Some(allow)) => ServerSecurity::read(key, allow).map(Server::with_keys),
         _ => Ok(Server::open()),
     };
     server.map_err(|error| refused(&error.into()))
@@ -37,15 +37,12 @@ pub(crate) fn server(keys: &ServerKeys) -> Result<Server, Failure> {
 
 /// A connection that cannot be set up. Whether it is the options' fault decides on the exit code.
 pub(crate) fn refused(error: &LinkError) -> Failure {
-    use SecurityError::{NoCurve, Thread, Zmq};
     match error {
         LinkError::Config { .. } => Failure::input(error.to_string()),
-        LinkError::Security(cause)
-            if !matches!(cause, Zmq { .. } | NoCurve { .. } | Thread { .. }) =>
-        {
-            Failure::input(chain(cause))
+        LinkError::Security(cause @ SecurityError::Random { .. }) => {
+            Failure::run("cannot connect", cause)
         }
-        LinkError::Security(cause) => Failure::run("cannot connect", cause),
+        LinkError::Security(cause) => Failure::input(chain(cause)),
         error => Failure::run("cannot connect", error),
     }
 }

@@ -1,6 +1,6 @@
 //! The figures of a plan, as they are printed and as they stand in the MCAP file.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, time::Duration};
 
 use iiwa_kin::Robot;
 use iiwa_scene::{ArmInScene, PlannedClearance};
@@ -181,4 +181,10 @@ impl From<&BlendFigures> for BlendRow {
             end_s: figures.end_s,
         }
     }
+}
+
+/// A long time for people, as `115days 17h 46m 40s`.
+pub(crate) fn lasting(time_s: f64) -> String {
+    let time = Duration::try_from_secs_f64(time_s.round()).unwrap_or(Duration::MAX);
+    humantime::format_duration(time).to_string()
 }

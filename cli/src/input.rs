@@ -1,9 +1,10 @@
 //! Reading programs, profiles and robots.
 
 use std::{
+    ffi::OsStr,
     fs::{self, File},
     io::{self, Read},
-    path::{Path, PathBuf},
+    path::{Component, Path, PathBuf},
 };
 
 use iiwa_kin::{
@@ -49,18 +50,56 @@ pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<(Text, Program
     let robot = match (robot, &program.robot) {
         (Some(name), _) => find_robot(name, Path::new("."))?,
         (None, None) => Robot::default(),
-        (None, Some(name)) => {
-            // A profile's name is meant from where the program is.
-            let folder = path.parent().unwrap_or(Path::new("."));
-            if Robot::built_in(name).is_none() && !folder.join(name).is_file() {
-                let place = locate(&text.text, &[Step::Key("robot")]);
-                let what = unknown_robot(name, &folder.join(name));
-                return Err(Failure::in_text(&what, &place, &text.name, &text.text));
-            }
-            find_robot(name, folder)?
-        }
+        (None, Some(name)) => Robot::built_in(name).map_or_else(|| named(path, &text, name), Ok)?,
     };
     Ok((text, program, robot))
+}
+
+/// The robot of the profile that a program, read from `path`, names.
+fn named(path: &Path, program: &Text, name: &str) -> Result<Robot, Failure> {
+    let profile = beside(path, name).map_err(|what| {
+        let place = locate(&program.text, &[Step::Key("robot")]);
+        Failure::in_text(&what, &place, &program.name, &program.text)
+    })?;
+    let profile = Text::read(&profile)?;
+    // Errors show lines of the file: not of one that was never meant as a profile.
+    if profile.text.trim_start().starts_with('{') {
+        robot_of(&profile)
+    } else {
+        Err(Failure::input(format!("{} is no robot profile: no JSON object", profile.name)))
+    }
+}
+
+/// Where the profile is that a program names: beside the program or in a folder below it. Programs come
+/// from anywhere, and their errors are read by anyone; other files are none of their business. Errors are
+/// for people.
+fn beside(program: &Path, name: &str) -> Result<PathBuf, String> {
+    let folder = program.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    let path = folder.join(name);
+    let below = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
+    let name_path = Path::new(name);
+    if !name_path.components().all(below) || name_path.extension() != Some(OsStr::new("json")) {
+        return Err(format!(
+            "no robot is called `{name}`: {} are built in, and a profile is a file *.json beside the program \
+             or in a folder below it; --robot takes any other",
+            Robot::BUILT_IN.join(" and ")
+        ));
+    }
+    if !path.is_file() {
+        return Err(unknown_robot(name, &path));
+    }
+    let leads_out = match (path.canonicalize(), folder.canonicalize()) {
+        (Ok(file), Ok(folder)) => !file.starts_with(folder),
+        _ => true,
+    };
+    if leads_out {
+        return Err(format!(
+            "{} leads out of the program's folder; --robot takes it",
+            path.display()
+        ));
+    }
+    Ok(path)
 }
 
 /// Reads a scene.
@@ -100,9 +139,13 @@ pub(crate) fn find_robot(name: &str, folder: &Path) -> Result<Robot, Failure> {
     if !path.is_file() {
         return Err(Failure::input(unknown_robot(name, &path)));
     }
-    let Text { name, text } = Text::read(&path)?;
-    Robot::from_profile(&text)
-        .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))
+    robot_of(&Text::read(&path)?)
+}
+
+/// The robot of a profile.
+fn robot_of(Text { name, text }: &Text) -> Result<Robot, Failure> {
+    Robot::from_profile(text)
+        .map_err(|error| Failure::in_text(&error.what(), error.place(), name, text))
 }
 
 fn unknown_robot(name: &str, path: &Path) -> String {

@@ -11,6 +11,7 @@ mod experiment;
 mod failure;
 mod figures;
 mod input;
+mod leftovers;
 mod log;
 mod output;
 mod page;

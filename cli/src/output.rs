@@ -12,13 +12,18 @@ use std::{
 
 use tempfile::NamedTempFile;
 
-use crate::failure::Failure;
+use crate::{failure::Failure, leftovers::Name};
 
 /// A file under construction, beside the one that it will replace.
 pub(crate) struct Output {
     path: PathBuf,
     file: NamedTempFile,
+    /// As long as it is open, no other process takes the file for a leftover.
+    _lock: Option<File>,
 }
+
+/// Files under construction.
+const PART: Name = Name { prefix: ".iiwasim-", suffix: ".part", is_folder: false };
 
 impl Output {
     /// Begins a file that will be at `path`.
@@ -37,19 +42,21 @@ impl Output {
             _ => {}
         }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".iiwasim-").suffix(".part");
-        #[cfg(unix)]
-        {
-            // Temporary files are private; this one will be an ordinary file.
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
-        let file = builder
-            .tempfile_in(folder.unwrap_or(Path::new(".")))
+        let folder = folder.unwrap_or(Path::new("."));
+        let make = |name: &mut tempfile::Builder<'_, '_>| {
+            #[cfg(unix)]
+            {
+                // Temporary files are private; this one will be an ordinary file.
+                use std::os::unix::fs::PermissionsExt;
+                name.permissions(std::fs::Permissions::from_mode(0o666));
+            }
+            name.tempfile_in(folder)
+        };
+        let (file, lock) = PART
+            .make(folder, make, NamedTempFile::path)
             // Without the name of the temporary file.
             .map_err(|error| refuse(&io::Error::from(error.kind())))?;
-        Ok(Self { path, file })
+        Ok(Self { path, file, _lock: lock })
     }
 
     /// Where the content goes.

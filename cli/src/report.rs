@@ -13,5 +13,5 @@ mod measured;
 mod planned;
 mod source;
 
-pub(crate) use data::Page;
+pub(crate) use data::{Extent, Page};
 pub(crate) use html::html;

@@ -89,7 +89,7 @@ pub(crate) fn watch(line: &mut Line, task: Task, planned_s: Option<f64>) -> Watc
         Heard::Stopped(stopped) => {
             progress.aside(|| match stopped {
                 _ if stops > 0 => {}
-                Ok(()) => tell("Interrupted: the robot is stopped on its path\n"),
+                Ok(()) => tell("Interrupted: the robot stands\n"),
                 Err(error) => tell(&format!(
                     "The robot could not be told to stop: {}\n",
                     printable(&error.to_string())

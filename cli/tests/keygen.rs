@@ -7,7 +7,7 @@ mod run;
 
 use std::fs;
 
-use iiwa_link::security::{KeyPair, PublicKey, SecurityError, has_curve};
+use iiwa_link::security::{KeyPair, PublicKey, SecurityError};
 use predicates::{
     prelude::PredicateBooleanExt,
     str::{contains, is_empty},
@@ -20,11 +20,6 @@ use run::{files, iiwasim};
 fn writes_two_files_that_belong_together() {
     let folder = tempdir().unwrap();
     let run = iiwasim(&folder, &["keygen", "alice"]);
-    if !has_curve() {
-        run.code(1).stdout(is_empty()).stderr(contains("--config .cargo/curve.toml"));
-        assert!(files(&folder).is_empty());
-        return;
-    }
     run.success()
         .stdout(contains("alice.key: secret").and(contains("--allow clients/")))
         .stdout(contains("--key alice.key --server-key drive.pub"))
@@ -42,10 +37,6 @@ fn writes_two_files_that_belong_together() {
 
 #[test]
 fn never_overwrites() {
-    if !has_curve() {
-        println!("left out: this build has no CURVE");
-        return;
-    }
     for (there, name) in [("drive.key", "drive"), ("drive.pub", "drive")] {
         let folder = tempdir().unwrap();
         fs::write(folder.path().join(there), "mine").unwrap();
@@ -60,10 +51,6 @@ fn never_overwrites() {
 
 #[test]
 fn makes_its_folder_and_refuses_odd_names() {
-    if !has_curve() {
-        println!("left out: this build has no CURVE");
-        return;
-    }
     let folder = tempdir().unwrap();
     iiwasim(&folder, &["keygen", "bob", "-o", "keys/clients"])
         .success()

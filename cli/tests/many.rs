@@ -158,8 +158,8 @@ fn a_bad_program_does_not_stop_the_others() {
         ("cell/good.json", &turn(20.0)),
         ("cell/r2d2.json", &turn_of("r2d2")),
         ("cell/text.json", "no program"),
-        ("cell/profiled.json", &turn_of("../broken")),
-        ("broken", "{"),
+        ("cell/profiled.json", &turn_of("profiles/broken.json")),
+        ("cell/profiles/broken.json", "{"),
     ]);
     fs::write(folder.path().join("cell/latin.json"), b"{ \"robot\": \"\xe9\" }").unwrap();
     let arguments = ["plan", "cell", "missing.json", "-o", "out"];
@@ -169,7 +169,7 @@ fn a_bad_program_does_not_stop_the_others() {
         "cell/bad.json, line 5, column 37: motion 1: joint 1 is at 171 deg, its limit is +-170 deg",
         "cell/empty.json, line 1, column 1",
         "cell/latin.json is not text in UTF-8",
-        "cell/profiled.json: cell/../broken, line 1",
+        "cell/profiled.json: cell/profiles/broken.json, line 1",
         "cell/r2d2.json, line 2",
         "cell/text.json, line 1",
         "cannot read missing.json",

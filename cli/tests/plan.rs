@@ -379,3 +379,110 @@ fn assumed_limits_are_named() {
         plan(&folder, &fixture("appendix-b.json"), &["--no-output", "--robot", "lbr_iiwa_14_r820"]);
     assert.success().stdout(contains("Assumed").and(contains("acceleration")));
 }
+
+/// Half a turn at a millionth of the speed takes weeks: 154 bytes, and 50 GB of samples.
+const WEEKS: &str =
+    r#"{ "type": "ptp", "joints_deg": [160, 0, 0, 0, 0, 0, 0], "velocity_rel": 1e-6 }"#;
+
+#[test]
+fn a_file_that_fills_the_disk_is_not_begun() {
+    let folder = tempdir().unwrap();
+    let inputs = tempdir().unwrap();
+    let input = inputs.path().join("weeks.json");
+    fs::write(&input, program(WEEKS)).unwrap();
+    let too_large = contains("18days").and(contains("51.8 GB")).and(contains("1.0 GB of"));
+    plan(&folder, &input, &[]).code(2).stderr(too_large);
+    plan(&folder, &input, &["--max-file-size", "10GB"]).code(2).stderr(contains("10.0 GB of"));
+    plan(&folder, &input, &["--max-file-size", "much"]).code(2);
+    assert_eq!(files(&folder), [""; 0]);
+    // Without samples, or with few, it is planned like any other; and it can be drawn.
+    let all = figures(plan(&folder, &input, &["--no-output", "--json", "--picture", "weeks.svg"]));
+    assert!(all["cycle_time_s"].as_f64().unwrap() > 1.6e6);
+    plan(&folder, &input, &["--rate", "0.1"]).success();
+    assert_eq!(files(&folder), ["weeks.mcap", "weeks.svg"]);
+    // Its curves have no more samples than those of a short one.
+    fs::write(&input, program(&WEEKS.replace("1e-6", "1e-3"))).unwrap();
+    plan(&folder, &input, &["--rate", "5", "-o", "hours.mcap"]).success();
+    iiwasim(&folder, &["report", "hours.mcap"]).success();
+    assert!(fs::metadata(folder.path().join("hours.html")).unwrap().len() < 10_000_000);
+    fs::write(&input, program(WEEKS)).unwrap();
+    // The limit is of any file.
+    let small = ["--max-file-size", "100 kB", "-o", "small.mcap"];
+    plan(&folder, &fixture("appendix-b.json"), &small).code(2).stderr(contains("takes 9s"));
+    // The same of many.
+    let good = fixture("appendix-b.json");
+    let both = ["plan", input.to_str().unwrap(), good.to_str().unwrap(), "-o", "many"];
+    iiwasim(&folder, &both).code(3).stderr(contains("18days").and(contains("1 of 2 programs")));
+    assert_eq!(fs::read_dir(folder.path().join("many")).unwrap().count(), 1);
+}
+
+#[test]
+fn stamps_increase_past_a_wait_of_no_time() {
+    let folder = tempdir().unwrap();
+    let inputs = tempdir().unwrap();
+    let input = inputs.path().join("none.json");
+    let none = r#"{ "type": "wait", "seconds": 0 }"#;
+    let turn = r#"{ "type": "ptp", "joints_deg": [10, 0, 0, 0, 0, 0, 0] }"#;
+    let half = r#"{ "type": "wait", "seconds": 0.5 }"#;
+    fs::write(&input, program(&[none, turn, none, half, none].join(", "))).unwrap();
+    let figures = figures(plan(&folder, &input, &["--json"]));
+    let motions = figures["motions"].as_array().unwrap();
+    let indices: Vec<_> = motions.iter().map(|motion| motion["index"].as_u64().unwrap()).collect();
+    assert_eq!(indices, [2, 4]);
+    for motion in motions {
+        assert!(motion["start_s"].as_f64() < motion["end_s"].as_f64(), "{motion}");
+    }
+    let bytes = fs::read(folder.path().join("none.mcap")).unwrap();
+    let recording = iiwa_log::Recording::from_bytes(&bytes).unwrap();
+    let starts: Vec<_> = recording.motions.iter().map(|motion| motion.t_s).collect();
+    assert_eq!(starts.len(), 3, "the turn, its settling, and one wait");
+    assert!(starts.windows(2).all(|pair| pair[0] < pair[1]), "{starts:?}");
+    let states: Vec<_> = recording.joint_states.iter().map(|state| state.t_s).collect();
+    assert!(states.windows(2).all(|pair| pair[0] < pair[1]));
+}
+
+#[test]
+fn a_program_does_not_show_other_files() {
+    let folder = tempdir().unwrap();
+    let inside = folder.path().join("programs");
+    fs::create_dir_all(inside.join("profiles")).unwrap();
+    let secret = "root:secret:0:0\n";
+    for path in ["secret", "secret.json", "programs/secret.txt", "programs/secret.json"] {
+        fs::write(folder.path().join(path), secret).unwrap();
+    }
+    let outside = folder.path().join("secret.json");
+    let outside = outside.to_str().unwrap();
+    let mut names = vec!["/etc/passwd", outside, "../secret.json", "secret.txt", "secret.json"];
+    names.extend(["profiles/../../secret.json", "none.json", "profiles"]);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(outside, inside.join("link.json")).unwrap();
+        names.push("link.json");
+    }
+    for name in names {
+        let robot = format!("\"version\": 1, \"robot\": \"{name}\",");
+        let text =
+            program(r#"{ "type": "wait", "seconds": 1 }"#).replace("\"version\": 1,", &robot);
+        fs::write(inside.join("p.json"), text).unwrap();
+        let assert = iiwasim(&folder, &["plan", "programs/p.json", "--no-output"]).code(2);
+        assert.stderr(contains("secret:").not().and(contains("root:").not()));
+    }
+    // Asked for by name, it is another matter.
+    iiwasim(&folder, &["robot", "secret.json"]).code(2).stderr(contains("root:secret"));
+}
+
+#[test]
+fn leftovers_of_a_kill_go_and_files_in_use_stay() {
+    let folder = tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in [".iiwasim-left.part", ".iiwasim-used.part", ".other.part"] {
+        fs::write(at(name), "half").unwrap();
+    }
+    let used = fs::File::open(at(".iiwasim-used.part")).unwrap();
+    used.lock().unwrap();
+    plan(&folder, &fixture("appendix-b.json"), &[]).success();
+    assert_eq!(files(&folder), [".iiwasim-used.part", ".other.part", "appendix-b.mcap"]);
+    drop(used);
+    plan(&folder, &fixture("appendix-b.json"), &[]).success();
+    assert_eq!(files(&folder), [".other.part", "appendix-b.mcap"]);
+}

@@ -1,6 +1,8 @@
-//! What the end-to-end tests share: the reference programs, random programs, an eye for limits, and
-//! free ports.
+//! What the end-to-end tests share: the reference programs, random programs, an eye for limits, free
+//! ports, and the attacks from outside.
 
+#[cfg(unix)]
+pub mod attack;
 pub mod differences;
 pub mod ports;
 pub mod random;

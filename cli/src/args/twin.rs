@@ -42,7 +42,8 @@ pub(crate) struct Twin {
     pub(crate) io: Vec<String>,
 
     /// Publish the robot to Foxglove and Lichtblick, too, as a WebSocket server at this address:
-    /// 127.0.0.1:8765 where none is given
+    /// 127.0.0.1:8765 where none is given. It has no token, and no bound on how many connect: leave it out
+    /// where programs run that are not trusted
     #[arg(long, value_name = "IP:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
     pub(crate) foxglove: Option<SocketAddr>,
 

@@ -8,8 +8,9 @@ use std::{
     path::{Path as FilePath, PathBuf},
 };
 
+use bytesize::ByteSize;
 use iiwa_kin::Robot;
-use iiwa_log::{PlanConfig, PlanWriter};
+use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
 use iiwa_path::{Path, PathOptions, Program};
 use iiwa_scene::{ArmInScene, Scene};
 use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing, TimingError};
@@ -18,7 +19,7 @@ use serde::Serialize;
 use crate::{
     args::{self, Plan},
     failure::{Failure, printable},
-    figures::{ClearanceRow, Figures},
+    figures::{ClearanceRow, Figures, lasting},
     input::{self, Text},
     output::{self, Output},
     picture::Picture,
@@ -105,6 +106,7 @@ fn write(
     };
     let mut picture = drawing.as_ref().map(|_| Picture::new(&robot));
 
+    let mut size = PlanSize::new(options.rate);
     let mut planner = Planner::new(&path, timing);
     while let Some(stretch) = planner.next() {
         output::check_interrupt()?;
@@ -119,6 +121,10 @@ fn write(
             figures.add_clearance(arm, &stretch);
         }
         if let (Some(writer), Some(output)) = (&mut writer, &output) {
+            size.add(&stretch);
+            if size.bytes() > options.max_file_size.as_u64() {
+                return Err(too_large(options, size, planner));
+            }
             writer.stretch(&stretch).map_err(|error| output.failure(&error))?;
         }
         if let Some(picture) = &mut picture {
@@ -142,6 +148,20 @@ fn write(
         whole.complete()?;
     }
     Ok(figures)
+}
+
+/// A program whose file would be too large, with all that it would need; `planner` has the rest of it.
+fn too_large(options: &Plan, mut size: PlanSize, planner: Planner) -> Failure {
+    let rest = planner.take_while(|_| !output::interrupted());
+    rest.flatten().for_each(|stretch| size.add(&stretch));
+    Failure::input(format!(
+        "the program takes {}: at {} Hz its file would have about {}, more than the {} of --max-file-size; \
+         lower --rate, raise --max-file-size, or have the figures alone with --no-output",
+        lasting(size.duration_s()),
+        options.rate,
+        ByteSize::b(size.bytes()).display().si(),
+        options.max_file_size.display().si()
+    ))
 }
 
 /// Which gates a program does not meet, and how.

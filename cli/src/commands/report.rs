@@ -6,7 +6,7 @@ use crate::{
     args::Report,
     failure::{Failure, printable, tell},
     output::{self, Output},
-    report::{self, Page},
+    report::{self, Extent, Page},
 };
 
 /// Makes the page, and says where it is.
@@ -21,7 +21,8 @@ pub(crate) fn run(options: &Report) -> Result<(), Failure> {
         }
     }
     output::catch_interrupts();
-    let page = Page::of(&options.file, options.measured.as_deref(), options.robot.as_deref())?;
+    let (measured, robot) = (options.measured.as_deref(), options.robot.as_deref());
+    let page = Page::of(&options.file, measured, robot, Extent::Whole)?;
     for note in page.notes() {
         tell(&format!("Note: {}\n", printable(note)));
     }

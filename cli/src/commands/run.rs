@@ -6,7 +6,7 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_link::{ClientError, TimedJoints, message::Run as Measured};
+use iiwa_link::{ClientError, MAX_POINTS, TimedJoints, message::Run as Measured};
 use iiwa_path::{Path, Program};
 use iiwa_traj::{Timing, Trajectory};
 use serde::Serialize;
@@ -37,14 +37,14 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
         output::print(&table::figures(&figures))?;
     }
     let output = target.as_deref().map(Output::new).transpose()?;
-    go_to_start(&mut line, options.move_to_start, &program.start_rad)?;
-    output::check_interrupt()?;
-
     let task = if options.as_trajectory {
-        Task::Trajectory(sampled(&plan))
+        Task::Trajectory(sampled(&plan)?)
     } else {
         Task::Motions(program.motions)
     };
+    go_to_start(&mut line, options.move_to_start, &program.start_rad)?;
+    output::check_interrupt()?;
+
     let watched = watch(&mut line, task, Some(plan.cycle_time_s()));
     let (measured, failure) = match watched.result {
         Ok(measured) => (measured, None),
@@ -110,10 +110,17 @@ fn plan(text: &Text, program: &Program, robot: &Robot) -> Result<(Trajectory, Fi
 }
 
 /// The trajectory as it is sent: at even steps, and at its end.
-fn sampled(plan: &Trajectory) -> TimedJoints {
+fn sampled(plan: &Trajectory) -> Result<TimedJoints, Failure> {
     let end_s = plan.cycle_time_s();
+    let steps = (end_s / STEP_S).ceil();
+    if steps >= MAX_POINTS as f64 {
+        return Err(Failure::input(format!(
+            "the program takes {end_s:.0} s, which is {steps:.0} points; a drive takes trajectories of \
+             {MAX_POINTS}. Without --as-trajectory, the controller plans the motions by itself"
+        )));
+    }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
-    let steps = (end_s / STEP_S).ceil() as u32;
+    let steps = steps as u32;
     let t_s: Vec<f64> = (0..steps)
         .map(|i| f64::from(i) * STEP_S)
         // No step next to nothing before the end.
@@ -121,7 +128,7 @@ fn sampled(plan: &Trajectory) -> TimedJoints {
         .chain([end_s])
         .collect();
     let joints_rad = t_s.iter().map(|t_s| plan.at(*t_s).q).collect();
-    TimedJoints { t_s, joints_rad }
+    Ok(TimedJoints { t_s, joints_rad })
 }
 
 /// The `--json` object.

@@ -28,12 +28,8 @@ pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     let live = Arc::new(Live::default());
     let desk = Arc::new(Desk::new(setup.clone(), live.clone()));
     let (live_words, health_words) = (Words::new("{}".into()), Words::new("{}".into()));
-    let twin = Twin {
-        setup: setup.clone(),
-        live: live_words.subscribe(),
-        health: health_words.subscribe(),
-        desk: desk.clone(),
-    };
+    let words = [live_words.subscribe(), health_words.subscribe()];
+    let twin = Twin::new(setup.clone(), words, desk.clone());
     output::print(&format!("http://{address}/?token={}\n", token.text()))?;
     tell("The twin is at this address, for this machine only. Ctrl-C ends it.\n");
     if let Some(viewers) = &viewers {

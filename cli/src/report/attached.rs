@@ -3,17 +3,20 @@
 use std::io::Cursor;
 
 use iiwa_kin::Robot;
-use iiwa_log::{PlanConfig, PlanWriter, WriteError};
+use iiwa_log::{PlanConfig, PlanSize, PlanWriter, WriteError};
 use iiwa_path::{Path, Program};
 use iiwa_traj::{Planner, Timing};
 
 use crate::{
     failure::{Failure, chain},
-    figures::Figures,
+    figures::{Figures, lasting},
     output,
 };
 
 use super::source::{Role, Source};
+
+/// Bytes of that plan, which is in memory, at most: some two hours.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// The plan of the program that a recording holds; none of a plan, nor of a recording without one.
 pub(crate) fn plan(recording: &Source, robot: &Robot) -> Option<Result<Source, Failure>> {
@@ -28,10 +31,17 @@ fn made(text: &str, robot: &Robot) -> Result<Source, Failure> {
     let timing = Timing::default();
     let mut figures = Figures::new(timing, robot, 0);
     let storage = Cursor::new(Vec::new());
-    let mut writer = PlanWriter::new(storage, robot, PlanConfig::default()).map_err(refuse)?;
+    let config = PlanConfig::default();
+    let mut size = PlanSize::new(config.rate_hz);
+    let mut writer = PlanWriter::new(storage, robot, config).map_err(refuse)?;
     for stretch in Planner::new(&path, timing) {
         output::check_interrupt()?;
         let stretch = stretch.map_err(|error| Failure::input(chain(&error)))?;
+        size.add(&stretch);
+        if size.bytes() > MOST_BYTES {
+            let long = lasting(size.duration_s());
+            return Err(Failure::input(format!("it takes {long} or more, too long to be drawn")));
+        }
         figures.add(&stretch);
         writer.stretch(&stretch).map_err(refuse)?;
     }

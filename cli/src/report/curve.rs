@@ -16,6 +16,10 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
+    pub(crate) fn with_capacity(count: usize) -> Self {
+        Self { t_s: Vec::with_capacity(count), rows: Vec::with_capacity(count) }
+    }
+
     pub(crate) fn push(&mut self, t_s: f64, row: Joints) {
         self.t_s.push(t_s);
         self.rows.push(row);

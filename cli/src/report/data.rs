@@ -20,7 +20,7 @@ use crate::{
 
 use super::{
     attached,
-    curve::Curve,
+    curve::{Curve, Samples},
     measured::Measured,
     planned::Planned,
     source::{Piece, Role, Source},
@@ -70,12 +70,28 @@ struct Arm {
     samples: usize,
     rate_hz: Option<f64>,
     poses: Poses,
+    #[serde(flatten)]
+    curves: Option<Curves>,
+}
+
+/// The curves of an arm's joints.
+#[derive(Debug, Serialize)]
+struct Curves {
     position: Curve,
     velocity: Curve,
     acceleration: Curve,
     jerk: Curve,
     /// Where velocity, acceleration and jerk come from, for people.
     method: String,
+}
+
+/// How much there is to be of a page. Curves take more memory than all the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// What [`Page::sketch`] shows.
+    Sketch,
+    /// Curves, too.
+    Whole,
 }
 
 /// A page without curves.
@@ -137,6 +153,7 @@ impl Page {
         file: &Path,
         measured: Option<&Path>,
         robot: Option<&str>,
+        extent: Extent,
     ) -> Result<Self, Failure> {
         let first = Source::read(file)?;
         let second = measured.map(Source::read).transpose()?;
@@ -161,7 +178,7 @@ impl Page {
         }
 
         let mut compared = None;
-        let mut arms = vec![Arm::new(&first, from_start(&first))];
+        let mut arms = vec![Arm::new(&first, from_start(&first), extent)];
         if let Some(second) = &second {
             second.check(&robot)?;
             if second.role() != Role::Recording {
@@ -182,7 +199,7 @@ impl Page {
             if compared.is_none() || !second.log.losses.iter().all(gap) {
                 notes.extend(second.losses());
             }
-            arms.push(Arm::new(second, shift_s));
+            arms.push(Arm::new(second, shift_s, extent));
         }
         let program = first.program();
         let motions = program.as_ref().map_or(&[][..], |program| &program.motions);
@@ -329,41 +346,25 @@ fn corners(pieces: &[Piece], motions: &[Motion], robot: &Robot) -> Vec<Corner> {
 }
 
 impl Arm {
-    fn new(source: &Source, shift_s: f64) -> Self {
+    fn new(source: &Source, shift_s: f64, extent: Extent) -> Self {
         let log = &source.log;
         let times = |t_s: Option<&f64>| t_s.map_or(0.0, |t_s| t_s + shift_s);
         let (start_s, end_s) = (times(log.t_s.first()), times(log.t_s.last()));
         let role = source.role();
-        let (poses, curves, method) = if role == Role::Plan {
-            let smooth =
-                source.figures.get("timing").and_then(Value::as_str) != Some("acceleration");
-            let Planned { position, velocity, acceleration, jerk } =
-                Planned::new(&source.nodes, smooth);
-            let poses = Poses::new(&position.t_s, &position.rows, shift_s);
-            let method = if smooth {
-                "from the nodes of the trajectory; jerk is the mean from node to node"
-            } else {
-                "from the nodes of the trajectory; planned without limits of jerk: acceleration jumps"
-            };
-            (poses, [position, velocity, acceleration, jerk], method.to_owned())
-        } else {
-            let Measured { position, velocity, acceleration, jerk, half_s } = Measured::new(log);
-            let window_ms = 2e3 * half_s;
-            let method = if velocity.rows.is_empty() {
-                format!(
-                    "shorter than {window_ms:.0} ms, too short for velocity, acceleration and jerk"
-                )
-            } else {
-                format!(
-                    "velocity, acceleration and jerk are those of the best cubic over \
-                     {window_ms:.0} ms: shorter peaks are lower here than they were"
-                )
-            };
-            let poses = Poses::new(&log.t_s, &log.q_rad, shift_s);
-            (poses, [position, velocity, acceleration, jerk], method)
+        let (poses, curves) = match (extent, role) {
+            (Extent::Sketch, _) => (Poses::new(&log.t_s, &log.q_rad, shift_s), None),
+            (Extent::Whole, Role::Plan) => {
+                let smooth =
+                    source.figures.get("timing").and_then(Value::as_str) != Some("acceleration");
+                let planned = Planned::new(&source.nodes, smooth);
+                let poses = Poses::new(&planned.position.t_s, &planned.position.rows, shift_s);
+                (poses, Some(Curves::of_plan(planned, smooth, shift_s)))
+            }
+            (Extent::Whole, _) => {
+                let poses = Poses::new(&log.t_s, &log.q_rad, shift_s);
+                (poses, Some(Curves::of_recording(Measured::new(log), shift_s)))
+            }
         };
-        let [position, velocity, acceleration, jerk] =
-            curves.map(|samples| Curve::new(&samples, shift_s));
         Self {
             role,
             file: source.file.clone(),
@@ -372,12 +373,40 @@ impl Arm {
             samples: log.t_s.len(),
             rate_hz: log.period_s().map(f64::recip),
             poses,
-            position,
-            velocity,
-            acceleration,
-            jerk,
-            method,
+            curves,
         }
+    }
+}
+
+impl Curves {
+    fn of_plan(planned: Planned, smooth: bool, shift_s: f64) -> Self {
+        let Planned { position, velocity, acceleration, jerk } = planned;
+        let method = if smooth {
+            "from the nodes of the trajectory; jerk is the mean from node to node"
+        } else {
+            "from the nodes of the trajectory; planned without limits of jerk: acceleration jumps"
+        };
+        Self::of([position, velocity, acceleration, jerk], method.to_owned(), shift_s)
+    }
+
+    fn of_recording(measured: Measured, shift_s: f64) -> Self {
+        let Measured { position, velocity, acceleration, jerk, half_s } = measured;
+        let window_ms = 2e3 * half_s;
+        let method = if velocity.rows.is_empty() {
+            format!("shorter than {window_ms:.0} ms, too short for velocity, acceleration and jerk")
+        } else {
+            format!(
+                "velocity, acceleration and jerk are those of the best cubic over \
+                 {window_ms:.0} ms: shorter peaks are lower here than they were"
+            )
+        };
+        Self::of([position, velocity, acceleration, jerk], method, shift_s)
+    }
+
+    fn of(samples: [Samples; 4], method: String, shift_s: f64) -> Self {
+        let [position, velocity, acceleration, jerk] =
+            samples.map(|samples| Curve::new(&samples, shift_s));
+        Self { position, velocity, acceleration, jerk, method }
     }
 }
 

@@ -14,6 +14,9 @@ const HALF_S: f64 = 0.02;
 /// The cubic has at least so many samples before and after.
 const HALF_SAMPLES: f64 = 4.0;
 
+/// Cubics at most: of an hour. No screen shows more of them.
+const CUBICS: f64 = 900_000.0;
+
 /// Position, velocity, acceleration and jerk of a recording.
 #[derive(Debug)]
 pub(crate) struct Measured {
@@ -45,6 +48,8 @@ impl Measured {
             (0..7).map(|j| log.q_rad.iter().map(|q| q[j]).collect()).collect();
         // A cubic changes little in a fifth of its window: no peak is between two of them.
         let step_s = (0.2 * half_s).max(log.period_s().unwrap_or(half_s));
+        // Where samples are days apart, there is nothing in between.
+        let step_s = step_s.max((last - first) / CUBICS);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
         let steps = ((last - first - 2.0 * half_s) / step_s) as usize;
         let rows: Vec<(f64, [Joints; 3])> = (0..=steps)

@@ -4,8 +4,11 @@ use iiwa_kin::Joints;
 
 use super::{curve::Samples, source::Node};
 
-/// The longest step between two samples, in s.
+/// The longest step between two samples, in s, unless there would be too many.
 const STEP_S: f64 = 0.004;
+
+/// Samples of a plan beside its nodes, at most: of half an hour. No screen shows more of them.
+const SAMPLES: f64 = 450_000.0;
 
 /// Position, velocity, acceleration and jerk of a plan.
 #[derive(Debug, Default)]
@@ -24,12 +27,26 @@ impl Planned {
     /// there: exact on lines, whose jerk is constant from node to node. Without them, acceleration is
     /// constant from a node on, and jumps.
     pub(crate) fn new(nodes: &[Node], smooth: bool) -> Self {
-        let mut planned = Self::default();
+        let ends = nodes.first().zip(nodes.last());
+        let whole_s = ends.map_or(0.0, |(first, last)| last.t_s - first.t_s);
+        let step_s = STEP_S.max(whole_s / SAMPLES);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+        let steps = |span_s: f64| (span_s / step_s).ceil().max(1.0) as u32;
+        let spans = nodes.windows(2).map(|pair| pair[1].t_s - pair[0].t_s);
+        // Lists of this length would take twice as much while they grow.
+        let count = spans.map(|span_s| steps(span_s) as usize).sum::<usize>() + 1;
+        let samples = |count| Samples::with_capacity(count);
+        let both_ends = 2 * nodes.len();
+        let mut planned = Self {
+            position: samples(count),
+            velocity: samples(count),
+            acceleration: samples(if smooth { count } else { count + nodes.len() }),
+            jerk: samples(if smooth { both_ends } else { 0 }),
+        };
         for pair in nodes.windows(2) {
             let (from, to) = (&pair[0], &pair[1]);
             let span_s = to.t_s - from.t_s;
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
-            let steps = (span_s / STEP_S).ceil().max(1.0) as u32;
+            let steps = steps(span_s);
             for i in 0..steps {
                 let share = f64::from(i) / f64::from(steps);
                 let t_s = from.t_s + share * span_s;
@@ -83,6 +100,16 @@ fn hermite(x: f64, span: f64, [a, da]: [f64; 2], [b, db]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A motion at a millionth of its speed takes months from one node to the next.
+    #[test]
+    fn long_plans_have_no_more_samples() {
+        let node = |t_s: f64| Node { t_s, q: [t_s * 1e-7; 7], dq: [1e-7; 7], ddq: [0.0; 7] };
+        let planned = Planned::new(&[node(0.0), node(0.1), node(1e7)], true);
+        let count = planned.position.t_s.len();
+        assert!((100_000..=450_100).contains(&count), "{count}");
+        assert_eq!(planned.position.t_s.last(), Some(&1e7));
+    }
 
     #[test]
     fn cubics_are_met() {

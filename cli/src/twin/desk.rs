@@ -12,10 +12,11 @@ use std::{
 use iiwa_kin::Joints;
 use iiwa_path::{Blend, Motion, Program, Ptp};
 use serde::Serialize;
+use tokio::runtime::Handle;
 
 use crate::{
     failure::Failure,
-    report::{self, Page},
+    report::{self, Extent, Page},
 };
 
 use super::{
@@ -23,6 +24,7 @@ use super::{
     order::Order,
     planned::Planned,
     run::{Outcome, Run},
+    stop::Stopper,
     word,
 };
 
@@ -31,6 +33,7 @@ pub(crate) struct Desk {
     setup: Arc<Setup>,
     live: Arc<Live>,
     state: Mutex<State>,
+    stopper: Stopper,
     pub(super) positions: Words,
     pub(super) plan: Words,
     pub(super) run: Words,
@@ -73,6 +76,7 @@ impl Desk {
     pub(crate) fn new(setup: Arc<Setup>, live: Arc<Live>) -> Self {
         let nothing = |kind| Words::new(word(kind, &None::<()>));
         Self {
+            stopper: Stopper::new(&setup),
             setup,
             live,
             state: Mutex::default(),
@@ -101,7 +105,6 @@ impl Desk {
                 let text = self.program_of_positions(velocity_percent, blend_mm)?;
                 self.load("positions.json", text)
             }
-            Order::LoadProgram { name, text } => self.load(&name, text),
             Order::ClearProgram => {
                 let mut state = self.state();
                 not_running(&state)?;
@@ -111,7 +114,7 @@ impl Desk {
                 Ok(())
             }
             Order::Send { plan, move_to_start } => self.send(plan, move_to_start),
-            Order::Stop => self.stop(),
+            Order::Stop => Handle::current().block_on(self.stop()),
             Order::SetIo { name, value } => {
                 let mut client = self.setup.client().map_err(|failure| failure.what())?;
                 client.set_io(&name, value).map(drop).map_err(|error| error.to_string())
@@ -164,7 +167,8 @@ impl Desk {
         Ok(Program { robot, start_rad: start.joints_rad, motions }.to_json())
     }
 
-    fn load(&self, name: &str, text: String) -> Result<(), String> {
+    /// Plans a program and shows it. Errors are for people.
+    pub(super) fn load(&self, name: &str, text: String) -> Result<(), String> {
         let id = {
             let mut state = self.state();
             not_running(&state)?;
@@ -221,7 +225,9 @@ impl Desk {
         Ok(())
     }
 
-    fn stop(&self) -> Result<(), String> {
+    /// Has the robot stop, whoever made it move, and nothing begin that was sent before. The answer comes
+    /// when the drive has given it.
+    pub(super) fn stop(&self) -> impl Future<Output = Result<(), String>> + use<> {
         {
             let mut state = self.state();
             state.stops += 1;
@@ -229,8 +235,7 @@ impl Desk {
                 running.stopped.store(true, Ordering::Relaxed);
             }
         }
-        let mut client = self.setup.client().map_err(|failure| failure.what())?;
-        client.stop().map_err(|error| error.to_string())
+        self.stopper.stop()
     }
 
     /// Stops a run that was begun here, and waits until it has ended.
@@ -266,7 +271,8 @@ impl Desk {
     pub(super) fn report(&self) -> Option<Result<String, Failure>> {
         let plan = self.file("plan.mcap")?;
         let measured = self.file("measured.mcap");
-        let page = Page::of(&plan, measured.as_deref(), Some(&self.setup.robot_name));
+        let page =
+            Page::of(&plan, measured.as_deref(), Some(&self.setup.robot_name), Extent::Whole);
         Some(page.and_then(|page| report::html(&page)))
     }
 }

@@ -7,10 +7,14 @@
 use std::{net::SocketAddr, sync::Arc};
 
 use axum::{
-    extract::{ConnectInfo, Request, State},
+    Extension,
+    extract::{Request, State},
     http::{
-        HeaderMap, HeaderValue, StatusCode, Uri,
-        header::{CACHE_CONTROL, HOST, ORIGIN, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS},
+        HeaderMap, HeaderValue, Method, StatusCode, Uri,
+        header::{
+            CACHE_CONTROL, CONNECTION, HOST, ORIGIN, REFERRER_POLICY, UPGRADE,
+            X_CONTENT_TYPE_OPTIONS,
+        },
         uri::Authority,
     },
     middleware::Next,
@@ -18,6 +22,11 @@ use axum::{
 };
 
 use crate::failure::Failure;
+
+use super::connections::{Connection, Full};
+
+/// Where pages connect to.
+pub(super) const LIVE: &str = "/live";
 
 /// What the address of the page has to contain.
 #[derive(Clone, Debug)]
@@ -46,12 +55,20 @@ impl Token {
 /// Lets a request through, or not.
 pub(super) async fn guard(
     State(token): State<Token>,
-    ConnectInfo(peer): ConnectInfo<SocketAddr>,
+    Extension(connection): Extension<Connection>,
     request: Request,
     next: Next,
 ) -> Response {
-    let mut response = match check(&token, peer, request.uri(), request.headers()) {
-        Ok(()) => next.run(request).await,
+    let shown =
+        check(&token, connection.peer(), (request.method(), request.uri()), request.headers());
+    let mut response = match shown {
+        Ok(()) => match connection.admit(request.uri().path() == LIVE) {
+            Ok(()) => next.run(request).await,
+            Err(Full { places }) => {
+                let why = format!("all {places} places are taken: close other pages of the twin\n");
+                (StatusCode::SERVICE_UNAVAILABLE, why).into_response()
+            }
+        },
         Err(why) => (StatusCode::FORBIDDEN, format!("{why}\n")).into_response(),
     };
     // What is shown here is nobody else's business, and the address holds the token.
@@ -59,13 +76,17 @@ pub(super) async fn guard(
     headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
     headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    if !headers.contains_key(UPGRADE) {
+        // On one machine a new connection costs nothing, and one that is done takes no place.
+        headers.insert(CONNECTION, HeaderValue::from_static("close"));
+    }
     response
 }
 
 fn check(
     token: &Token,
     peer: SocketAddr,
-    uri: &Uri,
+    (method, uri): (&Method, &Uri),
     headers: &HeaderMap,
 ) -> Result<(), &'static str> {
     if !peer.ip().is_loopback() {
@@ -88,7 +109,9 @@ fn check(
     };
     match headers.get(ORIGIN) {
         Some(origin) if !is_own(origin) => Err("a page of another origin is not let in"),
-        None if uri.path() == super::server::LIVE => Err("only the page itself is let in"),
+        None if uri.path() == LIVE || method != Method::GET => {
+            Err("only the page itself is let in")
+        }
         _ => Ok(()),
     }
 }
@@ -103,10 +126,20 @@ mod tests {
 
     use super::*;
 
-    fn checked(uri: &str, peer: &str, headers: &[(HeaderName, &str)]) -> Result<(), &'static str> {
+    fn asked(
+        method: &Method,
+        uri: &str,
+        peer: &str,
+        headers: &[(HeaderName, &str)],
+    ) -> Result<(), &'static str> {
         let token = Token("0123".into());
         let headers = headers.iter().map(|(name, value)| (name.clone(), value.parse().unwrap()));
-        check(&token, peer.parse().unwrap(), &uri.parse().unwrap(), &headers.collect())
+        let (peer, uri) = (peer.parse().unwrap(), uri.parse().unwrap());
+        check(&token, peer, (method, &uri), &headers.collect())
+    }
+
+    fn checked(uri: &str, peer: &str, headers: &[(HeaderName, &str)]) -> Result<(), &'static str> {
+        asked(&Method::GET, uri, peer, headers)
     }
 
     #[test]
@@ -133,8 +166,13 @@ mod tests {
             refused("/live?token=0123", ME, &[host.clone(), (ORIGIN, origin)]);
             refused("/?token=0123", ME, &[host.clone(), (ORIGIN, origin)]);
         }
-        // A WebSocket without an origin is not a page's.
-        refused("/live?token=0123", ME, &[host]);
+        // A WebSocket without an origin is not a page's, nor is a program.
+        refused("/live?token=0123", ME, std::slice::from_ref(&host));
+        let post =
+            |headers: &[(HeaderName, &str)]| asked(&Method::POST, "/p?token=0123", ME, headers);
+        assert_eq!(post(&[host.clone(), own]), Ok(()));
+        post(&[host.clone(), (ORIGIN, "http://evil.example")]).unwrap_err();
+        post(&[host]).unwrap_err();
     }
 
     #[test]

@@ -8,9 +8,6 @@ const link = {
   count: 0,
 };
 
-/** What the twin takes, in bytes. */
-const LONGEST_ORDER = 16 * 2 ** 20;
-
 function connect() {
   const at = new URL("live", location.href);
   at.protocol = "ws:";
@@ -38,7 +35,6 @@ function order(what, parameters = {}) {
   link.count += 1;
   const id = link.count;
   const text = JSON.stringify({ id, do: what, ...parameters });
-  if (new Blob([text]).size > LONGEST_ORDER) return Promise.reject(new Error("that is longer than what is taken here; iiwasim plan takes it"));
   link.socket.send(text);
   return new Promise((done, refuse) => { link.orders.set(id, { done, refuse }); });
 }
@@ -51,11 +47,27 @@ function answered({ id, error }) {
   else waiting.refuse(new Error(error));
 }
 
+/** Hands over a program's text; fails with the reason if it cannot be planned. */
+async function handOver(name, text) {
+  const at = new URL("program", location.href);
+  at.search = location.search;
+  at.searchParams.set("name", name);
+  const answer = await fetch(at, { method: "POST", body: text }).catch(() => { throw new Error("the twin cannot be reached"); });
+  if (!answer.ok) throw new Error((await answer.text()).trim() || answer.statusText);
+  const { error } = await answer.json();
+  if (error !== null) throw new Error(error);
+}
+
 /** Gives an order, and tells in a place of the page if it was refused. */
-async function ask(place, what, parameters) {
+function ask(place, what, parameters) {
+  return attempt(place, () => order(what, parameters));
+}
+
+/** Does something, and tells in a place of the page if it fails. */
+async function attempt(place, what) {
   $(place).textContent = "";
   try {
-    await order(what, parameters);
+    await what();
     return true;
   } catch (error) {
     $(place).textContent = error.message;

@@ -1,4 +1,4 @@
-//! What people tell the twin to do, on the page.
+//! What people tell the twin to do, on the page. Programs come another way: they may be long.
 
 use iiwa_link::message::IoValue;
 use serde::Deserialize;
@@ -24,8 +24,6 @@ pub(super) enum Order {
         /// Of the targets in between; 0 stops at each.
         blend_mm: f64,
     },
-    /// Plans a program.
-    LoadProgram { name: String, text: String },
     /// Forgets the plan.
     ClearProgram,
     /// Has the robot run the plan, the one that was looked at.
@@ -34,6 +32,13 @@ pub(super) enum Order {
     Stop,
     /// Sets an output.
     SetIo { name: String, value: IoValue },
+}
+
+impl Order {
+    /// Whether it plans.
+    pub(super) fn is_heavy(&self) -> bool {
+        matches!(self, Self::MakeProgram { .. })
+    }
 }
 
 #[cfg(test)]

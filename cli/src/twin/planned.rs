@@ -1,17 +1,17 @@
 //! A program that was planned, and may be sent.
 
-use std::{fs, io::Cursor, path::PathBuf};
+use std::{fs, path::PathBuf};
 
-use iiwa_log::{PlanConfig, PlanWriter, WriteError};
+use iiwa_log::{PlanConfig, PlanSize, PlanWriter, WriteError};
 use iiwa_path::{Path as RobotPath, Program};
 use iiwa_traj::{Timing, Trajectory};
 use serde::Serialize;
 
 use crate::{
     failure::{Failure, chain},
-    figures::Figures,
+    figures::{Figures, lasting},
     output::Output,
-    report::Page,
+    report::{Extent, Page},
 };
 
 use super::{
@@ -41,6 +41,13 @@ impl Planned {
         let what = |failure: Failure| failure.what();
         let program = Program::from_json(&text)
             .map_err(|error| what(Failure::in_text(&error.what(), error.place(), name, &text)))?;
+        let motions = program.motions.len();
+        if motions > MOTIONS {
+            return Err(format!(
+                "{name} has {motions} motions, and this page plans up to {MOTIONS}; iiwasim plan and iiwasim \
+                 run take it"
+            ));
+        }
         let own = [setup.robot.name(), &setup.robot_name];
         if let Some(other) = program.robot.as_deref().filter(|other| !own.contains(other)) {
             return Err(format!("{name} is for the robot `{other}`, this one is `{}`", own[0]));
@@ -50,30 +57,39 @@ impl Planned {
         })?;
         let timing = Timing::default();
         let plan = Trajectory::plan(&path, timing).map_err(|error| chain(&error))?;
+        check_size(&plan)?;
         let nearest = setup.nearest_of(&plan);
         let refused = setup.too_near(nearest.as_ref());
 
-        let bytes = as_mcap(&plan, timing, &text, setup).map_err(|error| chain(&error))?;
         let [json, mcap] = setup.new_files(&stem_of(name), [".json", ".mcap"]).map_err(what)?;
         let stem = json.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let write = |path: &PathBuf, bytes: &[u8]| {
-            let file = Output::new(path)?;
-            file.write(bytes)?;
+        let write_program = || {
+            let file = Output::new(&json)?;
+            file.write(text.as_bytes())?;
             file.complete_always()
         };
-        write(&json, text.as_bytes())
-            .and_then(|()| write(&mcap, &bytes))
+        let write_plan = || {
+            let file = Output::new(&mcap)?;
+            write_mcap(&file, &plan, timing, &text, setup)?;
+            file.complete_always()
+        };
+        write_program()
+            .and_then(|()| write_plan())
             // Half of it is of no use.
             .inspect_err(|_| drop(fs::remove_file(&json)))
             .map_err(what)?;
-        let page = Page::of(&mcap, None, Some(&setup.robot_name)).map_err(what)?;
+        let cycle_time_s = plan.cycle_time_s();
+        // All that is needed of it now is in the file.
+        drop((plan, path));
+        let robot = Some(setup.robot_name.as_str());
+        let page = Page::of(&mcap, None, robot, Extent::Sketch).map_err(what)?;
         let word = word(
             "plan",
             &ForPage {
                 id,
                 name: &stem,
-                cycle_time_s: plan.cycle_time_s(),
-                motions: program.motions.len(),
+                cycle_time_s,
+                motions,
                 start_rad: &program.start_rad,
                 nearest,
                 refused: refused.as_deref(),
@@ -97,20 +113,45 @@ struct ForPage<'a, S> {
     sketch: S,
 }
 
-/// The plan as `iiwasim plan` writes it.
-fn as_mcap(
+/// Motions of a program at most: what they are planned with is in memory as a whole.
+const MOTIONS: usize = 1000;
+
+/// Joint states of a plan at most: what is drawn of it is in memory as a whole, on the page as well.
+const SAMPLES: u64 = 100_000;
+
+/// Refuses a plan that is too long to be shown.
+fn check_size(plan: &Trajectory) -> Result<(), String> {
+    let rate_hz = PlanConfig::default().rate_hz;
+    let mut size = PlanSize::new(rate_hz);
+    plan.stretches().iter().for_each(|stretch| size.add(stretch));
+    if size.samples() <= SAMPLES {
+        return Ok(());
+    }
+    Err(format!(
+        "the program takes {}, which is too long for this page: it shows up to {}; iiwasim plan and \
+         iiwasim run take it",
+        lasting(size.duration_s()),
+        lasting(SAMPLES as f64 / rate_hz)
+    ))
+}
+
+/// Writes the plan as `iiwasim plan` does.
+fn write_mcap(
+    file: &Output,
     plan: &Trajectory,
     timing: Timing,
     program: &str,
     setup: &Setup,
-) -> Result<Vec<u8>, WriteError> {
+) -> Result<(), Failure> {
+    let refuse = |error: WriteError| file.failure(&error);
     let mut figures = Figures::new(timing, &setup.robot, 0);
-    let storage = Cursor::new(Vec::new());
-    let mut writer = PlanWriter::new(storage, &setup.robot, PlanConfig::default())?;
+    let mut writer =
+        PlanWriter::new(file.stream()?, &setup.robot, PlanConfig::default()).map_err(refuse)?;
     for stretch in plan.stretches() {
         figures.add(stretch);
-        writer.stretch(stretch)?;
+        writer.stretch(stretch).map_err(refuse)?;
     }
     let program = ("program.json", "application/json", program.as_bytes());
-    Ok(writer.finish(&figures.metadata(), &[program])?.into_inner())
+    let stream = writer.finish(&figures.metadata(), &[program]).map_err(refuse)?;
+    stream.into_inner().map(drop).map_err(|error| file.failure(error.error()))
 }

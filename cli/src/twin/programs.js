@@ -122,11 +122,11 @@ async function send() {
 
 async function loadFile(file) {
   if (!file) return;
-  if (file.size > 15e6) {
+  if (file.size > 4 * 2 ** 20) {
     $("program-said").textContent = `${file.name} is longer than any program that is planned here: iiwasim plan takes it.`;
     return;
   }
-  await ask("program-said", "load_program", { name: file.name, text: await file.text() });
+  await attempt("program-said", async () => handOver(file.name, await file.text()));
 }
 
 $("file").addEventListener("change", async () => {

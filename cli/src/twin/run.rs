@@ -21,7 +21,7 @@ use serde::Serialize;
 use crate::{
     failure::Failure,
     output::Output,
-    report::Page,
+    report::{Extent, Page},
     runner::{self, Line, Task, Watched},
 };
 
@@ -187,8 +187,11 @@ fn finished(plan: &Planned, measured: &Measured, error: Option<String>, setup: &
         Ok((mcap, elsewhere)) => (Some(mcap), elsewhere),
         Err(failure) => (None, Some(failure.what())),
     };
-    let page =
-        mcap.as_deref().map(|mcap| Page::of(&plan.mcap, Some(mcap), Some(&setup.robot_name)));
+    let page = |mcap| {
+        let robot = Some(setup.robot_name.as_str());
+        Page::of(&plan.mcap, Some(mcap), robot, Extent::Sketch)
+    };
+    let page = mcap.as_deref().map(page);
     let (page, unseen) = match page.transpose() {
         Ok(page) => (page, None),
         Err(failure) => (None, Some(failure.what())),

@@ -1,45 +1,44 @@
 //! The page, and the connection over which it hears of the robot and gives orders.
 
-use std::{
-    fs,
-    net::{SocketAddr, TcpListener},
-    sync::Arc,
-    time::Duration,
-};
+use std::{net::TcpListener, time::Duration};
 
 use axum::{
-    Router,
+    Extension, Router,
+    body::Body,
     extract::{
-        Path, State,
-        ws::{Message, Utf8Bytes, WebSocket, WebSocketUpgrade},
+        DefaultBodyLimit, FromRequest as _, Path, Query, Request, State, ws::WebSocketUpgrade,
     },
     http::{
         HeaderValue, StatusCode,
-        header::{CONTENT_DISPOSITION, CONTENT_SECURITY_POLICY, CONTENT_TYPE},
+        header::{CONTENT_DISPOSITION, CONTENT_LENGTH, CONTENT_SECURITY_POLICY, CONTENT_TYPE},
     },
     middleware,
     response::{IntoResponse, Response},
-    routing::get,
+    routing::{get, post},
 };
-use serde::Serialize;
-use tokio::{
-    sync::{mpsc, watch},
-    task, time,
-};
+use serde::Deserialize;
+use tokio::{fs, task, time};
+use tokio_util::io::ReaderStream;
 
 use crate::{
     failure::Failure,
-    output,
     page::{self, Part},
 };
 
-use super::{Desk, Setup, Token, Word, guard::guard, order::Numbered, word};
-
-/// Where pages connect to.
-pub(super) const LIVE: &str = "/live";
+use super::{
+    Token,
+    connections::{self, Connection},
+    guard::{LIVE, guard},
+    shared::{Twin, interrupted},
+    talk::{LONGEST_ORDER, talk},
+    word,
+};
 
 /// A program's text is at most so long, in bytes.
-const LONGEST_ORDER: usize = 16 << 20;
+const LONGEST_PROGRAM: usize = 4 << 20;
+
+/// How long a page may take to hand over a program's text.
+const UPLOAD: Duration = Duration::from_secs(20);
 
 const PARTS: [Part; 5] = [
     ("/*twin.css*/", include_str!("twin.css")),
@@ -49,15 +48,6 @@ const PARTS: [Part; 5] = [
     ("/*main.js*/", include_str!("main.js")),
 ];
 
-/// What the server passes on.
-#[derive(Clone)]
-pub(crate) struct Twin {
-    pub(crate) setup: Arc<Setup>,
-    pub(crate) live: watch::Receiver<Word>,
-    pub(crate) health: watch::Receiver<Word>,
-    pub(crate) desk: Arc<Desk>,
-}
-
 /// Serves the page until an interrupt comes.
 pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Twin) -> Result<(), Failure> {
     let refuse = |error: std::io::Error| Failure::run("cannot serve the page", &error);
@@ -65,6 +55,7 @@ pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Twin) -> Result<
     let router = Router::new()
         .route("/", get(page))
         .route(LIVE, get(connect))
+        .route("/program", post(program).layer(DefaultBodyLimit::max(LONGEST_PROGRAM)))
         .route("/report.html", get(report))
         .route("/files/{name}", get(file))
         .with_state(twin)
@@ -76,21 +67,15 @@ pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Twin) -> Result<
         .map_err(refuse)?;
     let served = runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
-        let service = router.into_make_service_with_connect_info::<SocketAddr>();
         tokio::select! {
-            served = axum::serve(listener, service) => served,
-            () = interrupted() => Ok(()),
+            () = connections::receive(listener, router) => {}
+            () = interrupted() => {}
         }
+        Ok(())
     });
     // Orders that are under way have a moment.
     runtime.shutdown_timeout(Duration::from_secs(1));
     served.map_err(refuse)
-}
-
-async fn interrupted() {
-    while !output::interrupted() {
-        time::sleep(Duration::from_millis(50)).await;
-    }
 }
 
 /// A page with scripts of its own only, in no other page's frame.
@@ -120,8 +105,53 @@ async fn page(State(twin): State<Twin>) -> Response {
     page.map_or_else(|failure| failed(&failure), |text| html(text, POLICY))
 }
 
+/// The query of a program.
+#[derive(Deserialize)]
+struct Named {
+    name: String,
+}
+
+/// Plans a program. Its text is taken when it is its turn: texts are long, and plans longer.
+async fn program(
+    State(twin): State<Twin>,
+    Query(Named { name }): Query<Named>,
+    request: Request,
+) -> Response {
+    let Ok(turn) = twin.heavy.acquire_owned().await else { return ending() };
+    let text = match time::timeout(UPLOAD, String::from_request(request, &())).await {
+        Ok(Ok(text)) => text,
+        Ok(Err(refused)) if refused.status() == StatusCode::PAYLOAD_TOO_LARGE => {
+            let why = format!(
+                "it is longer than the {} MiB that are taken here; iiwasim plan takes it",
+                LONGEST_PROGRAM >> 20
+            );
+            return (StatusCode::PAYLOAD_TOO_LARGE, why).into_response();
+        }
+        Ok(Err(refused)) => return refused.into_response(),
+        Err(_) => return StatusCode::REQUEST_TIMEOUT.into_response(),
+    };
+    let planned = task::spawn_blocking(move || {
+        // It is over when the work is, and not when the page is gone.
+        let _turn = turn;
+        twin.desk.load(&name, text)
+    });
+    match planned.await {
+        // A program with a fault is no failure of the request: browsers report those as errors of the page.
+        Ok(planned) => {
+            let answer = word("error", &planned.err());
+            ([(CONTENT_TYPE, "application/json")], answer.to_string()).into_response()
+        }
+        Err(error) => failed(&Failure::run("planning failed", &error)),
+    }
+}
+
 async fn report(State(twin): State<Twin>) -> Response {
-    match task::spawn_blocking(move || twin.desk.report()).await {
+    let Ok(turn) = twin.heavy.acquire_owned().await else { return ending() };
+    let made = task::spawn_blocking(move || {
+        let _turn = turn;
+        twin.desk.report()
+    });
+    match made.await {
         Ok(Some(Ok(text))) => html(text, "frame-ancestors 'none'"),
         Ok(Some(Err(failure))) => failed(&failure),
         Ok(None) => (StatusCode::NOT_FOUND, "there is no plan\n").into_response(),
@@ -129,11 +159,16 @@ async fn report(State(twin): State<Twin>) -> Response {
     }
 }
 
+fn ending() -> Response {
+    (StatusCode::SERVICE_UNAVAILABLE, "the twin ends\n").into_response()
+}
+
+/// A file, as it is read: never all of it at once.
 async fn file(State(twin): State<Twin>, Path(name): Path<String>) -> Response {
-    let file = twin.desk.file(&name).and_then(|path| Some((fs::read(&path).ok()?, path)));
-    let Some((bytes, path)) = file else {
-        return (StatusCode::NOT_FOUND, "there is no such file\n").into_response();
-    };
+    let missing = || (StatusCode::NOT_FOUND, "there is no such file\n").into_response();
+    let Some(path) = twin.desk.file(&name) else { return missing() };
+    let Ok(file) = fs::File::open(&path).await else { return missing() };
+    let Ok(kind) = file.metadata().await else { return missing() };
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let named = HeaderValue::from_str(&format!(
         "attachment; filename=\"{}\"",
@@ -142,72 +177,21 @@ async fn file(State(twin): State<Twin>, Path(name): Path<String>) -> Response {
     let headers = [
         (CONTENT_TYPE, HeaderValue::from_static("application/octet-stream")),
         (CONTENT_DISPOSITION, named.unwrap_or(HeaderValue::from_static("attachment"))),
+        (CONTENT_LENGTH, HeaderValue::from(kind.len())),
     ];
-    (headers, bytes).into_response()
+    (headers, Body::from_stream(ReaderStream::new(file))).into_response()
 }
 
-async fn connect(State(twin): State<Twin>, upgrade: WebSocketUpgrade) -> Response {
-    upgrade.max_message_size(LONGEST_ORDER).on_upgrade(move |socket| talk(socket, twin))
-}
-
-/// Passes on each newest word, and takes orders, until the page is closed.
-async fn talk(mut socket: WebSocket, twin: Twin) {
-    let desk = &twin.desk;
-    let mut live = twin.live.clone();
-    let mut health = twin.health.clone();
-    let mut positions = desk.positions.subscribe();
-    let mut plan = desk.plan.subscribe();
-    let mut run = desk.run.subscribe();
-    // All that there is already is news to this page.
-    for words in [&mut live, &mut health, &mut positions, &mut plan, &mut run] {
-        words.mark_changed();
-    }
-    let (answered, mut answers) = mpsc::channel::<Word>(16);
-    loop {
-        let word = tokio::select! {
-            Ok(()) = live.changed() => live.borrow_and_update().clone(),
-            Ok(()) = health.changed() => health.borrow_and_update().clone(),
-            Ok(()) = positions.changed() => positions.borrow_and_update().clone(),
-            Ok(()) = plan.changed() => plan.borrow_and_update().clone(),
-            Ok(()) = run.changed() => run.borrow_and_update().clone(),
-            Some(answer) = answers.recv() => answer,
-            message = socket.recv() => match message {
-                Some(Ok(Message::Text(text))) => {
-                    take(&text, &twin.desk, &answered);
-                    continue;
-                }
-                Some(Ok(Message::Close(_)) | Err(_)) | None => return,
-                Some(Ok(_)) => continue,
-            },
-            () = interrupted() => {
-                // The page may be gone as well.
-                let _ = socket.send(Message::Close(None)).await;
-                return;
-            }
-        };
-        if socket.send(Message::Text(Utf8Bytes::from(&*word))).await.is_err() {
-            return;
-        }
-    }
-}
-
-/// The answer to an order.
-#[derive(Serialize)]
-struct Answer {
-    id: u64,
-    error: Option<String>,
-}
-
-/// Has an order carried out, beside everything else.
-fn take(text: &str, desk: &Arc<Desk>, answered: &mpsc::Sender<Word>) {
-    let (desk, answered) = (desk.clone(), answered.clone());
-    let order = serde_json::from_str::<Numbered>(text);
-    task::spawn_blocking(move || {
-        let answer = match order {
-            Ok(Numbered { id, order }) => Answer { id, error: desk.carry_out(order).err() },
-            Err(error) => Answer { id: 0, error: Some(format!("not understood: {error}")) },
-        };
-        // The page may have been closed.
-        let _ = answered.blocking_send(word("answer", &answer));
-    });
+async fn connect(
+    State(twin): State<Twin>,
+    Extension(connection): Extension<Connection>,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    upgrade.max_message_size(LONGEST_ORDER).max_frame_size(LONGEST_ORDER).on_upgrade(
+        async move |socket| {
+            talk(socket, twin).await;
+            // Its place is taken until here.
+            drop(connection);
+        },
+    )
 }

@@ -1,8 +1,9 @@
 //! What a twin is made up with.
 
 use std::{
+    env,
     fs::File,
-    io::ErrorKind,
+    io::{self, ErrorKind},
     path::{Path, PathBuf},
 };
 
@@ -14,7 +15,7 @@ use iiwa_traj::{Timing, Trajectory};
 use serde::Serialize;
 use tempfile::TempDir;
 
-use crate::{args, connection, failure::Failure, input, runner::Line};
+use crate::{args, connection, failure::Failure, input, leftovers::Name, runner::Line};
 
 /// The robot, what stands around it, and the way to its drive.
 pub(crate) struct Setup {
@@ -29,7 +30,23 @@ pub(crate) struct Setup {
     stream: String,
     folder: PathBuf,
     /// Goes with what is in it, unless a folder was asked for.
-    temporary: Option<TempDir>,
+    temporary: Option<Temporary>,
+}
+
+/// A folder of files that are not kept.
+struct Temporary {
+    folder: TempDir,
+    /// As long as it is open, no other twin takes the folder for a leftover.
+    _lock: Option<File>,
+}
+
+impl Temporary {
+    fn new() -> io::Result<Self> {
+        let name = Name { prefix: "iiwasim-twin-", suffix: "", is_folder: true };
+        let make = |name: &mut tempfile::Builder<'_, '_>| name.tempdir();
+        let (folder, lock) = name.make(&env::temp_dir(), make, TempDir::path)?;
+        Ok(Self { folder, _lock: lock })
+    }
 }
 
 /// Inputs and outputs of the media flange, as the simulated cabinet has them.
@@ -55,9 +72,9 @@ impl Setup {
             })?;
             (folder.clone(), None)
         } else {
-            let made = tempfile::Builder::new().prefix("iiwasim-twin-").tempdir();
-            let made = made.map_err(|error| Failure::run("cannot make a folder", &error))?;
-            (made.path().to_owned(), Some(made))
+            let made =
+                Temporary::new().map_err(|error| Failure::run("cannot make a folder", &error))?;
+            (made.folder.path().to_owned(), Some(made))
         };
         let io = match options.io.as_slice() {
             [] => MEDIA_FLANGE.map(str::to_owned).into(),

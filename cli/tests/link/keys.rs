@@ -2,16 +2,12 @@
 
 use std::fs;
 
-use iiwa_link::security::has_curve;
 use predicates::str::contains;
 
-use crate::rig::{Rig, wait_for, with_curve};
+use crate::rig::{Rig, wait_for};
 
 /// Makes keys for everybody; `alice` may speak to the drive, and the drive to the cabinet.
-fn rig_with_keys() -> Option<Rig> {
-    if !with_curve() {
-        return None;
-    }
+fn rig_with_keys() -> Rig {
     let rig = Rig::parts();
     for name in ["cabinet", "drive", "alice", "mallory"] {
         rig.start(&["keygen", name, "-o", "keys"]).end().code(0);
@@ -20,7 +16,7 @@ fn rig_with_keys() -> Option<Rig> {
         fs::create_dir(rig.path(folder)).unwrap();
         fs::copy(rig.path("keys").join(name), rig.path(folder).join(name)).unwrap();
     }
-    Some(rig)
+    rig
 }
 
 const DRIVE: [&str; 4] = ["--key", "keys/drive.key", "--allow", "clients"];
@@ -43,7 +39,7 @@ const STRANGERS: [(&str, &[&str], &str); 3] = [
 
 #[test]
 fn strangers_get_nothing_and_move_nothing() {
-    let Some(mut rig) = rig_with_keys() else { return };
+    let mut rig = rig_with_keys();
     rig.start_cabinet(&[]);
     rig.start_drive(&DRIVE);
     rig.wait_until_ready(&ALICE);
@@ -74,7 +70,7 @@ fn strangers_get_nothing_and_move_nothing() {
 
 #[test]
 fn the_right_key_gets_everything() {
-    let Some(mut rig) = rig_with_keys() else { return };
+    let mut rig = rig_with_keys();
     rig.start_cabinet(&["--key", "keys/cabinet.key", "--allow", "drives"]);
     rig.start_drive(&[&DRIVE[..], &["--cabinet-key", "keys/cabinet.pub"]].concat());
     rig.wait_until_ready(&ALICE);
@@ -107,7 +103,7 @@ fn the_example_works_without_keys() {
 
 #[test]
 fn a_cabinet_with_keys_takes_no_other_drive() {
-    let Some(mut rig) = rig_with_keys() else { return };
+    let mut rig = rig_with_keys();
     rig.start_cabinet(&["--key", "keys/cabinet.key", "--allow", "drives"]);
     for keys in [
         &[][..],
@@ -131,27 +127,5 @@ fn a_cabinet_with_keys_takes_no_other_drive() {
             .code(1)
             .stderr(contains("the robot program does not answer"));
         rig.iiwasim("status", client).success().stdout(contains("robot program  silent"));
-    }
-}
-
-#[test]
-fn a_build_without_curve_says_so() {
-    if has_curve() {
-        println!("left out: this build has CURVE");
-        return;
-    }
-    let rig = Rig::parts();
-    let program = rig.slow_program();
-    let keys = ["--key", "a.key", "--server-key", "b.pub"];
-    for arguments in [
-        &["drive", "--key", "a.key", "--allow", "clients"][..],
-        &["cabinet", "--key", "a.key", "--allow", "clients"],
-        &[&["status"], &keys[..]].concat(),
-        &[&["run", program], &keys[..]].concat(),
-        &[&["record", "-o", "r.mcap"], &keys[..]].concat(),
-    ] {
-        let ended = rig.start(arguments).end().code(1);
-        assert!(ended.stderr.contains("has no CURVE"), "{}", ended.stderr);
-        assert!(ended.stderr.contains("--config .cargo/curve.toml"), "{}", ended.stderr);
     }
 }

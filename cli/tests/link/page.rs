@@ -62,6 +62,32 @@ impl Address {
         answer.split_off(body + 4)
     }
 
+    /// Hands over a program as the page does; why it was refused, if it was.
+    pub(crate) fn load(&self, program: &Value) -> Result<(), String> {
+        let Self { host, token } = self;
+        let (name, text) = (program["name"].as_str().unwrap(), program["text"].as_str().unwrap());
+        let name = name.bytes().fold(String::new(), |mut name, byte| {
+            let _ = write!(name, "%{byte:02x}");
+            name
+        });
+        let mut stream = TcpStream::connect(host).unwrap();
+        let head = format!(
+            "POST /program?token={token}&name={name} HTTP/1.0\r\nHost: {host}\r\n\
+             Origin: http://{host}\r\nContent-Length: {}\r\n\r\n",
+            text.len()
+        );
+        // It may be refused before all of it is there.
+        let _ = stream.write_all(&[head.as_bytes(), text.as_bytes()].concat());
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+        if !head.starts_with("HTTP/1.0 200") {
+            return Err(body.to_owned());
+        }
+        let answer: Value = serde_json::from_str(body).unwrap();
+        answer["error"].as_str().map_or(Ok(()), |error| Err(error.to_owned()))
+    }
+
     /// Connects as the page does; or the status of the refusal.
     pub(crate) fn connect(&self, path: &str, origin: Option<&str>) -> Result<Page, StatusCode> {
         let stream = TcpStream::connect(&self.host).unwrap();
@@ -135,27 +161,50 @@ impl Page {
     }
 
     /// Gives an order; why it was refused, if it was.
-    pub(crate) fn order(&mut self, what: &str, mut parameters: Value) -> Result<(), String> {
+    pub(crate) fn order(&mut self, what: &str, parameters: Value) -> Result<(), String> {
+        let id = self.begin(what, parameters);
+        self.answer(id)
+    }
+
+    /// Gives an order and waits for nothing; its number.
+    pub(crate) fn begin(&mut self, what: &str, mut parameters: Value) -> u64 {
         self.orders += 1;
         parameters["id"] = json!(self.orders);
         parameters["do"] = json!(what);
         self.say(&parameters.to_string());
+        self.orders
+    }
+
+    /// Waits for the answer to an order; why it was refused, if it was.
+    pub(crate) fn answer(&mut self, id: u64) -> Result<(), String> {
         let since = Instant::now();
         loop {
-            if let Some(answer) = self.answers.iter().find(|answer| answer["id"] == self.orders) {
+            if let Some(answer) = self.answers.iter().find(|answer| answer["id"] == id) {
                 return match answer["error"].as_str() {
                     None => Ok(()),
                     Some(error) => Err(error.to_owned()),
                 };
             }
-            assert!(since.elapsed() < LONG, "no answer to {what}");
+            assert!(since.elapsed() < LONG, "no answer to order {id}");
             self.take();
         }
+    }
+
+    /// How many orders were answered so far.
+    pub(crate) fn answered(&self) -> usize {
+        self.answers.len()
     }
 
     /// Sends any text.
     pub(crate) fn say(&mut self, text: &str) {
         self.socket.send(Message::text(text)).unwrap();
+    }
+
+    /// Sends a text that is too long, until the page is hung up on.
+    pub(crate) fn cut_off(&mut self, text: &str) {
+        // It may be before all of it is sent.
+        let _ = self.socket.send(Message::text(text));
+        while self.socket.read().is_ok() {}
     }
 
     /// Why something that is no order was refused.

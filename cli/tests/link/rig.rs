@@ -12,7 +12,6 @@ use std::{
 };
 
 use assert_cmd::{assert::Assert, cargo::cargo_bin};
-use iiwa_link::security::has_curve;
 use iiwa_log::{JointSample, Recording};
 use iiwasim_tests::ports::free_address;
 use serde_json::Value;
@@ -56,6 +55,13 @@ impl Process {
     pub(crate) fn signal(&self, signal: &str) {
         let id = self.child.id().to_string();
         assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+    }
+
+    /// The most memory that it has had, in MB; none where the system does not tell.
+    pub(crate) fn memory_mb(&self) -> Option<u64> {
+        let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+        Some(line.trim().strip_suffix(" kB")?.parse::<u64>().ok()? / 1000)
     }
 
     pub(crate) fn has_ended(&mut self) -> bool {
@@ -214,6 +220,15 @@ impl Rig {
         self.start(&[&[command], arguments, &addresses].concat())
     }
 
+    /// The same, in a shell that was made ready for it.
+    pub(crate) fn begin_in(&self, shell: &str, command: &str, arguments: &[&str]) -> Process {
+        let script = format!("{shell} && exec \"$0\" \"$@\"");
+        let iiwasim = cargo_bin!("iiwasim").to_str().unwrap();
+        let addresses = self.addresses(command);
+        let all = [&["-c", &script, iiwasim, command], arguments, &addresses].concat();
+        Process::start(self.folder.path(), OsStr::new("sh"), &all)
+    }
+
     /// Begins the example in Python; `None` where there is no Python for it.
     pub(crate) fn example(&self, keys: &[&str]) -> Option<Process> {
         let [drive, stream] = [&self.instructions, &self.stream].map(|at| format!("tcp://{at}"));
@@ -281,14 +296,4 @@ pub(crate) fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
         assert!(since.elapsed() < LONG, "no {what} within {LONG:?}");
         thread::sleep(Duration::from_millis(10));
     }
-}
-
-/// Whether this build has CURVE; where it is expected, it must.
-pub(crate) fn with_curve() -> bool {
-    if has_curve() {
-        return true;
-    }
-    assert!(env::var_os("IIWASIM_EXPECT_CURVE").is_none(), "this build has no CURVE");
-    println!("left out: this build has no CURVE");
-    false
 }

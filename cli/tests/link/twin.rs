@@ -40,9 +40,9 @@ const TO_60: &str =
     r#"{ "type": "ptp", "joints_deg": [60, 0, 0, 0, 0, 0, 0], "velocity_rel": 0.2 }"#;
 
 /// Loads a program, and returns its plan.
-fn load(page: &mut Page, program: Value) -> Value {
+fn load(address: &Address, page: &mut Page, program: &Value) -> Value {
     let before = page.wait_for("plan", |_| true)["id"].clone();
-    page.order("load_program", program).unwrap();
+    address.load(program).unwrap();
     page.wait_for("plan", |plan| !plan.is_null() && plan["id"] != before)
 }
 
@@ -128,7 +128,7 @@ fn a_program_is_seen_sent_and_replayed() {
     assert!(page.count("live", Duration::from_secs(2)) > 60);
 
     // A plan.
-    let plan = load(&mut page, program(TO_60));
+    let plan = load(&address, &mut page, &program(TO_60));
     assert_eq!((plan["name"].as_str(), plan["motions"].as_u64()), (Some("a_program"), Some(1)));
     assert_eq!(plan["refused"], Value::Null);
     assert!(plan["nearest"]["distance_mm"].as_f64().unwrap() > 10.0);
@@ -140,11 +140,11 @@ fn a_program_is_seen_sent_and_replayed() {
     let under_way = [
         ("send", json!({ "plan": plan["id"], "move_to_start": false })),
         ("clear_program", json!({})),
-        ("load_program", program(TO_60)),
     ];
     for (order, parameters) in under_way {
         assert!(page.order(order, parameters).unwrap_err().contains("a run is under way"));
     }
+    assert!(address.load(&program(TO_60)).unwrap_err().contains("a run is under way"));
     page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(0.5));
     let run = page.wait_for("run", |run| run["phase"] == "done");
     assert!((run["cycle_time_s"].as_f64().unwrap() - cycle_time_s).abs() < 0.02, "{run}");
@@ -234,34 +234,48 @@ fn what_cannot_be_sent_is_not() {
         assert!(found.contains(why), "{found}");
     };
     refused("send", json!({ "plan": 1, "move_to_start": false }), "not the plan that is shown");
-    refused(
-        "load_program",
+    let not_planned = |program: Value, why: &str| {
+        let found = address.load(&program).unwrap_err();
+        assert!(found.contains(why), "{found}");
+    };
+    not_planned(
         json!({ "name": "bad.json", "text": "{\n  \"version\": 1,\n  oops" }),
         "bad.json, line 3, column 3",
     );
-    refused("load_program", json!({ "name": "", "text": "" }), "line 1");
+    not_planned(json!({ "name": "", "text": "" }), "line 1");
     let outside = r#"{ "type": "ptp", "joints_deg": [600, 0, 0, 0, 0, 0, 0] }"#;
-    refused("load_program", program(outside), "joint 1");
-    let mut other = program(TO_60);
-    other["text"] = json!(other["text"].as_str().unwrap().replacen(
-        "1,",
-        "1, \"robot\": \"lbr_iiwa_14_r820\",",
-        1
-    ));
-    refused(
-        "load_program",
-        other,
+    not_planned(program(outside), "joint 1");
+    let robot = |name: &str| {
+        let mut other = program(TO_60);
+        let text = other["text"].as_str().unwrap();
+        let text = text.replacen("1,", &format!("1, \"robot\": \"{name}\","), 1);
+        other["text"] = json!(text);
+        other
+    };
+    not_planned(
+        robot("lbr_iiwa_14_r820"),
         "for the robot `lbr_iiwa_14_r820`, this one is `lbr_iiwa_7_r800`",
     );
+    // Of a file, nothing is told.
+    let secret = address.load(&robot("/etc/passwd")).unwrap_err();
+    assert!(
+        secret.contains("for the robot `/etc/passwd`") && !secret.contains("root:"),
+        "{secret}"
+    );
+    let long = json!({ "name": "long.json", "text": " ".repeat(5 << 20) });
+    not_planned(long, "longer than the 4 MiB");
+    // Half of a turn at a millionth of the speed.
+    let slow = r#"{ "type": "ptp", "joints_deg": [160, 0, 0, 0, 0, 0, 0], "velocity_rel": 1e-6 }"#;
+    not_planned(program(slow), "the program takes 18days");
     // Down on the table.
     let down = r#"{ "type": "ptp", "joints_deg": [0, 115, 0, 0, 0, 0, 0] }"#;
-    let plan = load(&mut page, program(down));
+    let plan = load(&address, &mut page, &program(down));
     let why = plan["refused"].as_str().unwrap();
     assert!(why.contains("touches table at"), "{why}");
     let why = page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap_err();
     assert!(why.starts_with("the program is not sent: "), "{why}");
     // Not what was looked at.
-    let newer = load(&mut page, program(TO_60));
+    let newer = load(&address, &mut page, &program(TO_60));
     page.order("send", json!({ "plan": plan["id"], "move_to_start": false })).unwrap_err();
     // Nonsense does not disturb.
     for text in ["", "[]", "{\"id\": 1}", "\u{0}"] {
@@ -296,7 +310,7 @@ fn a_way_to_the_start_that_is_too_near_is_not_taken() {
     // From one side of the post to the other.
     let text = r#"{ "version": 1, "start": { "joints_deg": [60, 88, 0, 0, 0, 0, 0] }, "motions": [
         { "type": "ptp", "joints_deg": [70, 88, 0, 0, 0, 0, 0] }] }"#;
-    let plan = load(&mut page, json!({ "name": "p.json", "text": text }));
+    let plan = load(&address, &mut page, &json!({ "name": "p.json", "text": text }));
     assert_eq!(plan["refused"], Value::Null);
     let why = page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap_err();
     assert!(why.starts_with("the robot does not move to the program's start: link "), "{why}");
@@ -333,7 +347,7 @@ fn an_interrupt_stops_a_run_that_was_begun_here() {
     let (twin, address) = start(&rig, &[]);
     let mut page = address.page();
     page.wait_for("live", |live| live["joints_rad"][0].is_number());
-    let plan = load(&mut page, program(TO_60));
+    let plan = load(&address, &mut page, &program(TO_60));
     page.order("send", json!({ "plan": plan["id"], "move_to_start": false })).unwrap();
     page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(0.1));
     twin.signal("INT");
@@ -349,12 +363,49 @@ fn no_file_is_replaced() {
     fs::write(rig.path("kept/a_program.mcap"), "precious").unwrap();
     let (_twin, address) = start(&rig, &["-o", "kept"]);
     let mut page = address.page();
-    assert_eq!(load(&mut page, program(TO_60))["name"], "a_program-2");
+    assert_eq!(load(&address, &mut page, &program(TO_60))["name"], "a_program-2");
     assert_eq!(fs::read(rig.path("kept/a_program.mcap")).unwrap(), b"precious");
     // Of names that are long in bytes, too.
     let mut long = program(TO_60);
     long["name"] = json!(format!("{}.json", "\u{20000}".repeat(80)));
-    load(&mut page, long);
+    load(&address, &mut page, &long);
+}
+
+#[test]
+fn folders_that_are_not_kept_go() {
+    let rig = Rig::parts();
+    let folders = || {
+        let entries = fs::read_dir(rig.path("tmp")).unwrap();
+        entries.map(|entry| entry.unwrap().file_name()).collect::<Vec<_>>()
+    };
+    let start = || {
+        let shell = "mkdir -p tmp && export TMPDIR=\"$PWD/tmp\"";
+        let twin = rig.begin_in(shell, "twin", &["--port", "0"]);
+        let address = Address::of(&twin);
+        (twin, address)
+    };
+    let (killed, _) = start();
+    let left = folders();
+    assert_eq!(left.len(), 1);
+    killed.signal("KILL");
+    killed.end();
+    assert_eq!(folders(), left);
+    // The next one removes it, and not that of one that lives.
+    let (twin, address) = start();
+    let used = folders();
+    assert!(used.len() == 1 && used != left);
+    address.load(&program(TO_60)).unwrap();
+    let (other, _) = start();
+    assert_eq!(folders().len(), 2);
+    assert_eq!(
+        address.file("files/program.json"),
+        program(TO_60)["text"].as_str().unwrap().as_bytes()
+    );
+    for twin in [twin, other] {
+        twin.signal("INT");
+        twin.end().code(0);
+    }
+    assert_eq!(folders().len(), 0);
 }
 
 #[test]

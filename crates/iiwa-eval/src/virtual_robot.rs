@@ -20,6 +20,9 @@ pub struct VirtualRobot {
     random: fastrand::Rng,
 }
 
+/// Samples of one program at most, some 640 MB.
+const MAX_SAMPLES: f64 = 1e7;
+
 /// Why a program could not be run.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -27,6 +30,17 @@ pub enum VirtualRobotError {
     /// The program asks for something that the robot cannot do.
     #[error(transparent)]
     Program(#[from] Fault),
+    /// It takes too long to be sampled.
+    #[error(
+        "it takes {seconds:.0} s, which is {samples:.0} samples, and {MAX_SAMPLES:.0} are kept: sample more \
+         slowly, or raise the robot's limits"
+    )]
+    TooLong {
+        /// How long it takes.
+        seconds: f64,
+        /// How many samples that would be.
+        samples: f64,
+    },
     /// No stamps were found for it.
     #[error(transparent)]
     Timing(#[from] TimingError),
@@ -51,8 +65,12 @@ impl VirtualRobot {
         // It does not begin just at a sample.
         let begin_s = self.standing_s + self.random.f64() * self.period_s;
         let whole_s = begin_s + trajectory.cycle_time_s() + self.standing_s;
+        let samples = whole_s / self.period_s;
+        if samples > MAX_SAMPLES {
+            return Err(VirtualRobotError::TooLong { seconds: whole_s, samples });
+        }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
-        let count = (whole_s / self.period_s) as usize;
+        let count = samples as usize;
         let t_s: Vec<f64> = (0..=count).map(|i| i as f64 * self.period_s).collect();
         let sample = |t_s: &f64| {
             let q = trajectory.at(t_s - begin_s).q;

@@ -5,7 +5,8 @@
 //! |---|---|
 //! | clock | moves the robot and sends a message of FRI every cycle |
 //! | FRI | takes the client's answers |
-//! | instructions | a REP socket; plans motions with this project's planner |
+//! | instructions | takes instructions on a REP socket, and acknowledges them |
+//! | planner | plans motions with this project's planner |
 //! | state | tells iiwaDrive the state, again until it is acknowledged |
 
 mod fri;
@@ -22,6 +23,7 @@ use std::{
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicBool, Ordering},
+        mpsc,
     },
     thread::{self, JoinHandle},
     time::Duration,
@@ -32,12 +34,14 @@ use iiwa_kin::{Joints, Robot};
 use crate::{
     cabinet::{
         line::Line,
+        program::Input,
         simulation::{EMERGENCY_STOP_HELD_S, Simulation},
     },
     error::LinkError,
     fri::{ControllerConfig, Format, Quality, SessionState},
-    message::MAX_MESSAGE_BYTES,
-    socket::{SHORT_MESSAGE_BYTES, Server, limit_messages, random},
+    message::MAX_MOTIONS_BYTES,
+    socket::{SHORT_MESSAGE_BYTES, Server, random},
+    transport::{Event, Kind, ListenerConfig},
 };
 
 pub use latency::{Late, Latency};
@@ -147,7 +151,6 @@ impl Shared {
 
 /// How often a waiting thread looks whether the cabinet is over.
 const AWAKE: Duration = Duration::from_millis(50);
-const AWAKE_MS: i64 = 50;
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // A thread that panicked has left numbers, nothing half-done.
@@ -170,15 +173,36 @@ impl Cabinet {
                 ),
             });
         }
-        let (instructions, instructions_at) =
-            security.bind(zmq::REP, &config.instructions, |socket| {
-                limit_messages(socket, MAX_MESSAGE_BYTES)
-            })?;
-        let (state, state_at) = security.bind(zmq::DEALER, &config.state, |socket| {
-            limit_messages(socket, SHORT_MESSAGE_BYTES)?;
-            // The newest state counts: old ones need not wait.
-            socket.set_sndhwm(1)
-        })?;
+        let (asked, instructions_in) = mpsc::channel();
+        let instructions = {
+            let socket = ListenerConfig {
+                name: "cabinet requests",
+                kind: Kind::Rep,
+                most_bytes: MAX_MOTIONS_BYTES + SHORT_MESSAGE_BYTES,
+                backlog: 0,
+            };
+            let asked = asked.clone();
+            security.listen(&config.instructions, socket, move |event| {
+                // The other end goes away last.
+                let _ = asked.send(Input::Socket(event));
+            })?
+        };
+        let acknowledged = Arc::new(AtomicBool::new(false));
+        let state = {
+            let socket = ListenerConfig {
+                name: "cabinet state",
+                kind: Kind::Dealer,
+                most_bytes: SHORT_MESSAGE_BYTES,
+                // The newest state counts.
+                backlog: 0,
+            };
+            let acknowledged = acknowledged.clone();
+            security.listen(&config.state, socket, move |event| {
+                if matches!(event, Event::Message(..)) {
+                    acknowledged.store(true, Ordering::Relaxed);
+                }
+            })?
+        };
         let [udp, answers] = fri::sockets(config.fri_client, security)?;
         let fri = ControllerConfig {
             period_ms: config.period_ms,
@@ -197,15 +221,27 @@ impl Cabinet {
             over: AtomicBool::new(false),
         });
         let client = config.fri_client;
-        let mut cabinet =
-            Self { instructions: instructions_at, state: state_at, shared, threads: Vec::new() };
+        let mut cabinet = Self {
+            instructions: instructions.at().to_owned(),
+            state: state.at().to_owned(),
+            shared,
+            threads: Vec::new(),
+        };
         cabinet
             .spawn("cabinet clock", move |shared| fri::run_clock(shared, &udp, client, period))?;
         cabinet.spawn("cabinet FRI", move |shared| fri::take_answers(shared, &answers, client))?;
-        cabinet.spawn("cabinet instructions", move |shared| {
-            program::take_instructions(shared, &instructions, &robot);
+        let (jobs, jobs_in) = mpsc::channel();
+        cabinet.spawn("cabinet planner", move |_| {
+            program::plan_motions(&robot, &jobs_in, |planned| {
+                let _ = asked.send(Input::Planned(planned));
+            });
         })?;
-        cabinet.spawn("cabinet state", move |shared| program::tell_state(shared, &state))?;
+        cabinet.spawn("cabinet instructions", move |shared| {
+            program::Program::new(shared, instructions, jobs).run(&instructions_in);
+        })?;
+        cabinet.spawn("cabinet state", move |shared| {
+            program::tell_state(shared, &state, &acknowledged);
+        })?;
         Ok(cabinet)
     }
 

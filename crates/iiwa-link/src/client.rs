@@ -2,24 +2,34 @@
 
 use std::time::{Duration, Instant};
 
+use bytes::Bytes;
 use iiwa_path::Motion;
+use omq_proto::SocketType;
 use serde::{Deserialize, de::DeserializeOwned};
+use tokio::{
+    runtime::Runtime,
+    task::yield_now,
+    time::{sleep, timeout},
+};
 
 use crate::{
     error::LinkError,
-    message::{Code, IoValue, MAX_MESSAGE_BYTES, Refusal, Request, Run, Sensors, Status},
-    security::{Handshake, WatchedSocket},
+    message::{
+        Code, IoValue, MAX_MESSAGE_BYTES, MAX_REPLY_BYTES, Refusal, Request, Run, Sensors, Status,
+    },
+    security::{Endpoint, Refused},
     socket::{HUNG_UP, Remote},
     timed_joints::TimedJoints,
+    transport::{self, Incoming, Wire, WireConfig, WireError},
 };
 
 /// Asks a drive, one request after the other.
 pub struct Client {
-    remote: Remote,
-    at: String,
-    /// None after a request that broke off: a REQ socket cannot go on then.
-    socket: Option<WatchedSocket>,
-    connected: bool,
+    at: Endpoint,
+    config: WireConfig,
+    /// None before the first request, and after one that broke off.
+    wire: Option<Wire>,
+    runtime: Runtime,
 }
 
 impl std::fmt::Debug for Client {
@@ -102,8 +112,8 @@ impl ClientError {
 const CONNECTED_WITHIN: Duration = Duration::from_secs(3);
 /// How long an answer may take that needs no motion: the robot program is asked for some.
 const ANSWERED_WITHIN: Duration = Duration::from_secs(5);
-/// How often the connection is looked at while an answer is waited for, in ms.
-const LOOK_MS: i64 = 50;
+/// How long after a connection did not come about another one is tried.
+const AGAIN: Duration = Duration::from_millis(50);
 
 impl Client {
     /// A client of the drive at `at`, as `tcp://127.0.0.1:5560`. It connects by itself, and again after
@@ -113,14 +123,9 @@ impl Client {
     ///
     /// If the address is none, or needs keys.
     pub fn new(remote: &Remote, at: &str) -> Result<Self, LinkError> {
-        let mut client =
-            Self { remote: remote.clone(), at: at.to_owned(), socket: None, connected: false };
-        client.socket = Some(client.connect()?);
-        Ok(client)
-    }
-
-    fn connect(&self) -> Result<WatchedSocket, LinkError> {
-        self.remote.connect_watched(zmq::REQ, &self.at, |_| Ok(()))
+        let (at, config) = remote.wire(SocketType::Req, at, MAX_REPLY_BYTES)?;
+        let runtime = transport::runtime().map_err(|source| LinkError::Thread { source })?;
+        Ok(Self { at, config, wire: None, runtime })
     }
 
     /// What the robot does now.
@@ -255,58 +260,83 @@ impl Client {
         &mut self,
         request: &str,
         patience: Option<Duration>,
-    ) -> Result<Vec<u8>, ClientError> {
+    ) -> Result<Bytes, ClientError> {
         if request.len() > MAX_MESSAGE_BYTES {
             return Err(ClientError::TooLong { found: request.len() });
         }
-        let socket = if let Some(socket) = self.socket.take() {
-            socket
-        } else {
-            self.connected = false;
-            self.connect()?
-        };
-        let at = || self.at.clone();
-        let failed = |source| ClientError::Link(LinkError::socket(source));
-        match socket.handshake().map_err(LinkError::from)? {
-            Some(Handshake::Done) => self.connected = true,
-            // Since the last request: another connection is on its way.
-            Some(Handshake::Lost) => self.connected = false,
-            // It was not let in, and does not try again.
-            Some(refused) if refused != Handshake::HungUp => {
-                return Err(ClientError::Unauthorized { at: at(), what: refused.what() });
+        let wire = self.wire.take();
+        let Self { at, config, .. } = self;
+        let asked = ask(wire, config, at, request);
+        let answered = self.runtime.block_on(async {
+            match patience {
+                None => asked.await,
+                Some(after) => timeout(after, asked)
+                    .await
+                    .unwrap_or_else(|_| Err(ClientError::Timeout { at: at.to_string(), after })),
             }
-            _ => {}
+        });
+        let (wire, answer) = answered?;
+        self.wire = Some(wire);
+        Ok(answer)
+    }
+}
+
+/// Sends a request and waits for its answer, over the connection that there is, or a new one.
+async fn ask(
+    wire: Option<Wire>,
+    config: &WireConfig,
+    at: &Endpoint,
+    request: &str,
+) -> Result<(Wire, Bytes), ClientError> {
+    let lost = |error: WireError| {
+        tracing::debug!("{at}: {error}");
+        ClientError::Lost { at: at.to_string() }
+    };
+    let mut wire = match still_up(wire).await {
+        Some(wire) => wire,
+        None => connect(config, at).await?,
+    };
+    let frames = [Bytes::new(), Bytes::copy_from_slice(request.as_bytes())];
+    wire.queue(&frames).map_err(lost)?;
+    wire.flush().await.map_err(lost)?;
+    loop {
+        // It may be back within a moment, but it does not know of the request then.
+        if let Incoming::Message(mut answer) = wire.receive().await.map_err(lost)? {
+            return Ok((wire, answer.frames.pop().unwrap_or_default()));
         }
-        socket.send(request, zmq::DONTWAIT).map_err(failed)?;
-        let since = Instant::now();
-        let mut hung_up = 0;
-        loop {
-            if socket.poll(zmq::POLLIN, LOOK_MS).map_err(failed)? > 0 {
-                let answer = socket.recv_bytes(zmq::DONTWAIT).map_err(failed)?;
-                self.connected = true;
-                self.socket = Some(socket);
-                return Ok(answer);
+    }
+}
+
+/// The connection that there was, if it has lasted.
+async fn still_up(wire: Option<Wire>) -> Option<Wire> {
+    let mut wire = wire?;
+    // Without it, what has come in meanwhile is not seen.
+    yield_now().await;
+    // What comes now answers nothing.
+    timeout(Duration::ZERO, wire.receive()).await.is_err().then_some(wire)
+}
+
+/// Connects with a drive. It may just be starting.
+async fn connect(config: &WireConfig, at: &Endpoint) -> Result<Wire, ClientError> {
+    let since = Instant::now();
+    let mut hung_up = 0;
+    loop {
+        let left = CONNECTED_WITHIN.saturating_sub(since.elapsed());
+        match timeout(left, Wire::connect(at, config)).await {
+            Ok(Ok(wire)) => return Ok(wire),
+            // A drive that is just ending hangs up, too: it counts if it does so again.
+            Ok(Err(WireError::Refused(Refused::HungUp))) if hung_up < HUNG_UP => hung_up += 1,
+            Ok(Err(WireError::Refused(why))) => {
+                return Err(ClientError::Unauthorized { at: at.to_string(), what: why.what() });
             }
-            match socket.handshake().map_err(LinkError::from)? {
-                // It may be back within a moment, but it does not know of the request then.
-                Some(Handshake::Done | Handshake::Lost) if self.connected => {
-                    return Err(ClientError::Lost { at: at() });
-                }
-                Some(Handshake::Done) => self.connected = true,
-                None | Some(Handshake::Lost) => {}
-                // A drive that is just ending does so, too: it counts if it does so again.
-                Some(Handshake::HungUp) if hung_up < HUNG_UP => hung_up += 1,
-                Some(refused) => {
-                    return Err(ClientError::Unauthorized { at: at(), what: refused.what() });
-                }
+            Ok(Err(WireError::Protocol(error))) => {
+                return Err(ClientError::Answer { what: error.to_string() });
             }
-            let waited = since.elapsed();
-            if !self.connected && waited > CONNECTED_WITHIN {
-                return Err(ClientError::Nobody { at: at() });
-            }
-            if let Some(after) = patience.filter(|patience| waited > *patience) {
-                return Err(ClientError::Timeout { at: at(), after });
-            }
+            Ok(Err(_)) | Err(_) => {}
         }
+        if since.elapsed() + AGAIN > CONNECTED_WITHIN {
+            return Err(ClientError::Nobody { at: at.to_string() });
+        }
+        sleep(AGAIN).await;
     }
 }

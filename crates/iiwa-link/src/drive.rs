@@ -2,44 +2,62 @@
 //!
 //! | thread | what it does |
 //! |---|---|
-//! | instructions | takes requests of clients, and tells the robot program what to do |
+//! | requests | takes requests of clients and sends replies |
+//! | instructions | serves requests, and tells the robot program what to do |
+//! | checks | reads and checks what is to be run |
+//! | answers | writes what runs have measured |
 //! | state | hears the robot program's state changes, and acknowledges them |
-//! | FRI | answers the controller every cycle, publishes what it measures, feeds trajectories |
+//! | FRI | answers the controller every cycle, feeds trajectories |
+//! | stream | publishes what FRI measures, and the state |
 //!
-//! Clients speak to it through a ROUTER socket, so that one can ask for the state, or stop a motion,
-//! while another waits for its end.
+//! One client can ask for the state, or stop a motion, while another waits for its end; and whatever
+//! clients send, they hold up neither a stop nor FRI.
 
+mod answerer;
+mod answers;
+mod checks;
 mod clock;
 mod desk;
 mod fri;
+mod governor;
+mod instructions;
+mod plausibility;
+mod publish;
 mod punctuality;
 mod run;
 mod setpoints;
+#[cfg(test)]
+mod wire_tests;
 
 use std::{
     net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket},
     sync::{
         Arc, Barrier,
         atomic::{AtomicBool, Ordering},
-        mpsc::{self, Receiver, Sender},
+        mpsc::{self, Receiver, RecvTimeoutError, Sender},
     },
     thread::{self, JoinHandle},
     time::{Duration, Instant},
 };
 
+use bytes::Bytes;
 use iiwa_kin::Robot;
+use omq_proto::SocketType;
 
 use crate::{
     drive::{
-        desk::{Desk, Output},
+        answers::Answer,
+        checks::{Done, Job},
+        desk::{Asking, Desk, Output},
         fri::{Event, FriThread, Order},
+        publish::BACKLOG,
         punctuality::Account,
     },
     error::LinkError,
     message::{MAX_MESSAGE_BYTES, from_json},
-    robot_program::{RECEIVED, StateChange},
-    security::GuardedSocket,
-    socket::{Remote, SHORT_MESSAGE_BYTES, Server, limit_messages, random},
+    robot_program::{Acknowledgement, RECEIVED, StateChange},
+    socket::{Remote, SHORT_MESSAGE_BYTES, Server, random},
+    transport::{self, Dialer, Frames, Kind, Listener, ListenerConfig, PeerId, Received},
 };
 
 pub use punctuality::Punctuality;
@@ -77,7 +95,8 @@ impl Default for DriveConfig {
     }
 }
 
-/// A running drive. It ends when it is dropped; a running motion goes on then, a trajectory breaks off.
+/// A running drive. It ends when it is dropped; a running motion goes on then, a trajectory is stopped on
+/// its path. What has not begun never begins.
 #[derive(Debug)]
 pub struct Drive {
     over: Arc<AtomicBool>,
@@ -89,9 +108,8 @@ pub struct Drive {
 }
 
 /// Most messages that wait for a subscriber: at 1 ms, two seconds, which take about 1 MB. Beyond that the
-/// subscriber loses what is published, and nobody else does. One that takes nothing for longer than a
-/// heartbeat's timeout is disconnected, and what waits for it goes.
-const STREAM_BACKLOG: i32 = 2000;
+/// subscriber loses what is published, and nobody else does.
+const STREAM_BACKLOG: usize = 2000;
 
 impl Drive {
     /// Starts a drive: `clients` are let in, and `cabinet` is connected to.
@@ -112,29 +130,29 @@ impl Drive {
                 ),
             });
         }
-        let (requests, instructions) =
-            clients.bind(zmq::ROUTER, &config.instructions, |socket| {
-                // Requests of a client wait for each other, and long ones take memory meanwhile.
-                socket.set_rcvhwm(10)?;
-                limit_messages(socket, MAX_MESSAGE_BYTES)
-            })?;
-        let (stream, stream_at) = clients.bind(zmq::PUB, &config.stream, |socket| {
+        let (inputs, inputs_in) = mpsc::channel();
+        let requests = listen(clients, &config.instructions, inputs.clone())?;
+        let socket = ListenerConfig {
+            name: "drive stream",
+            kind: Kind::Pub,
             // Subscribers send a topic.
-            limit_messages(socket, SHORT_MESSAGE_BYTES)?;
-            socket.set_sndhwm(STREAM_BACKLOG)
-        })?;
-        let state = cabinet.connect(zmq::REP, &config.cabinet_state, |_| Ok(()))?;
+            most_bytes: SHORT_MESSAGE_BYTES,
+            backlog: STREAM_BACKLOG,
+        };
+        let stream = clients.listen(&config.stream, socket, drop)?;
+        let state = hear_state(cabinet, &config.cabinet_state, inputs.clone())?;
+        let program = instruct(cabinet, &config.cabinet_instructions, inputs.clone())?;
         let udp_error = |source| LinkError::Udp { address: config.fri.to_string(), source };
         let udp = UdpSocket::bind(config.fri).map_err(udp_error)?;
         udp.set_read_timeout(Some(fri::AWAKE)).map_err(udp_error)?;
 
         let (orders, orders_in) = mpsc::channel();
         let (events_out, events) = mpsc::channel();
-        let (changes_out, changes) = mpsc::channel();
+        let (published, to_publish) = mpsc::sync_channel(BACKLOG);
         let mut drive = Self {
             over: Arc::new(AtomicBool::new(false)),
-            instructions,
-            stream: stream_at,
+            instructions: requests.at().to_owned(),
+            stream: stream.at().to_owned(),
             fri: udp.local_addr().map_err(udp_error)?,
             account: Arc::default(),
             threads: Vec::new(),
@@ -143,7 +161,8 @@ impl Drive {
         let fri = FriThread {
             udp,
             cabinet: config.fri_controller,
-            stream,
+            limits: *config.robot.limits(),
+            stream: published,
             orders: orders_in,
             events: events_out,
             account: Arc::clone(&drive.account),
@@ -151,19 +170,33 @@ impl Drive {
         };
         drive.spawn("drive FRI", move |over| fri.run(over))?;
         ready.wait();
-        drive.spawn("drive state", move |over| hear_state(over, &state, &changes_out))?;
+        // It ends with the FRI thread.
+        drive.spawn("drive publish", move |_| publish::publish(&to_publish, &stream))?;
+        let (jobs, jobs_in) = mpsc::channel();
+        let robot = config.robot;
+        drive.spawn("drive checks", move |_| {
+            checks::check(&robot, &jobs_in, |done| drop(inputs.send(Input::Checked(done))));
+        })?;
+        let requests = Arc::new(requests);
+        let (answers, answers_in) = mpsc::channel();
+        let replies = Arc::clone(&requests);
+        drive.spawn("drive answers", move |_| {
+            answers::answer(&answers_in, |route: Route, body, permit| {
+                replies.send(route.peer, route.with(body), Some(Box::new(permit)));
+            });
+        })?;
         let handler = InstructionThread {
-            desk: Desk::new(config.robot, random()),
+            desk: Desk::new(random()),
             requests,
-            program: cabinet.clone(),
-            program_at: config.cabinet_instructions,
-            changes,
+            program,
+            _state: state,
+            inputs: inputs_in,
             events,
             orders,
+            jobs,
+            answers,
         };
-        // The first connection is made here, where its failure is told.
-        let program = handler.connect()?;
-        drive.spawn("drive instructions", move |over| handler.run(over, program))?;
+        drive.spawn("drive instructions", move |over| handler.run(over))?;
         Ok(drive)
     }
 
@@ -212,120 +245,154 @@ impl Drop for Drive {
     }
 }
 
-/// How often waiting threads look whether the drive is over, in ms.
-const AWAKE_MS: i64 = 50;
+/// Where clients send requests to.
+fn listen(clients: &Server, at: &str, inputs: Sender<Input>) -> Result<Listener, LinkError> {
+    let socket = ListenerConfig {
+        name: "drive requests",
+        kind: Kind::Router,
+        most_bytes: MAX_MESSAGE_BYTES,
+        backlog: 0,
+    };
+    clients.listen(at, socket, move |event| {
+        // The other end goes away last.
+        let _ = inputs.send(Input::of(event));
+    })
+}
+
+/// The connection over which the robot program says its state.
+fn hear_state(cabinet: &Remote, at: &str, inputs: Sender<Input>) -> Result<Dialer, LinkError> {
+    let (to, wire) = cabinet.wire(SocketType::Rep, at, transport::SHORT_BYTES)?;
+    Dialer::start("drive state", wire, to, move |frames| Some(acknowledge(frames, &inputs)))
+}
+
+/// The connection over which the robot program is instructed. It speaks as REQ does, but it does not get
+/// stuck, and what is not delivered goes away with it: a motion must not begin when nobody counts on it.
+fn instruct(cabinet: &Remote, at: &str, inputs: Sender<Input>) -> Result<Dialer, LinkError> {
+    let (to, wire) = cabinet.wire(SocketType::Dealer, at, transport::SHORT_BYTES)?;
+    Dialer::start("drive program", wire, to, move |frames| {
+        if let Some(answer) = frames.last().and_then(|body| from_json(body)) {
+            let _ = inputs.send(Input::Acknowledged(answer));
+        }
+        None
+    })
+}
 
 /// The robot program's state changes come as requests, and are acknowledged.
-fn hear_state(over: &AtomicBool, socket: &zmq::Socket, changes: &Sender<StateChange>) {
-    while !over.load(Ordering::Relaxed) {
-        if !matches!(socket.poll(zmq::POLLIN, AWAKE_MS), Ok(1..)) {
-            continue;
-        }
-        let Ok(frames) = socket.recv_multipart(0) else { continue };
-        if let [body] = frames.as_slice()
-            && let Some(change) = from_json(body)
-        {
-            let _ = changes.send(change);
-        } else {
-            tracing::warn!("a state change could not be read");
-        }
-        if let Err(error) = socket.send(RECEIVED, 0) {
-            tracing::warn!("cannot acknowledge a state change: {error}");
-        }
+fn acknowledge(mut frames: Frames, inputs: &Sender<Input>) -> Frames {
+    let body = frames.pop().unwrap_or_default();
+    if let Some(change) = from_json(&body) {
+        // The other end goes away last.
+        let _ = inputs.send(Input::Change(change));
+    } else {
+        tracing::warn!("a state change could not be read");
+    }
+    frames.push(Bytes::from_static(RECEIVED.as_bytes()));
+    frames
+}
+
+/// The way back to a client.
+struct Route {
+    peer: PeerId,
+    /// The frames before a request's body.
+    envelope: Frames,
+}
+
+impl Route {
+    /// A message that goes this way.
+    fn with(self, body: impl Into<Bytes>) -> Frames {
+        let mut frames = self.envelope;
+        frames.push(body.into());
+        frames
     }
 }
 
-/// The frames before a request's body, which lead back to its client.
-type Route = Vec<Vec<u8>>;
+/// What the instruction handler hears of, but for FRI.
+enum Input {
+    Asked(Route, Asking),
+    Gone(PeerId),
+    Change(StateChange),
+    Acknowledged(Acknowledgement),
+    Checked(Done<Route>),
+}
+
+impl Input {
+    fn of(event: transport::Event) -> Self {
+        let (peer, Received { mut frames, permit, began }) = match event {
+            transport::Event::Gone(peer) => return Self::Gone(peer),
+            transport::Event::Message(peer, received) => (peer, received),
+        };
+        // Envelope, empty frame, body: as REQ sends it. DEALER may leave out the empty frame.
+        let envelope = frames.iter().position(Bytes::is_empty).map_or(0, |empty| empty + 1);
+        let bodies = frames.split_off(envelope.min(frames.len()));
+        let body = match <[Bytes; 1]>::try_from(bodies) {
+            Ok([body]) => body,
+            // No request, but an answer is due all the same.
+            Err(_) => Bytes::new(),
+        };
+        Self::Asked(Route { peer, envelope: frames }, Asking { body, permit, began })
+    }
+}
 
 struct InstructionThread {
     desk: Desk<Route>,
-    requests: GuardedSocket,
-    program: Remote,
-    program_at: String,
-    changes: Receiver<StateChange>,
+    requests: Arc<Listener>,
+    program: Dialer,
+    /// Its word comes in by the inputs.
+    _state: Dialer,
+    inputs: Receiver<Input>,
     events: Receiver<Event>,
     orders: Sender<Order>,
+    jobs: Sender<Job<Route>>,
+    answers: Sender<Answer<Route>>,
 }
 
-/// How long the thread sleeps at most, in ms: samples and state changes wait for so long.
-const NAP_MS: i64 = 5;
+/// How long the thread sleeps at most: samples wait for so long.
+const NAP: Duration = Duration::from_millis(5);
 
 impl InstructionThread {
-    /// A new connection to the robot program. The socket speaks as REQ does, but it does not get stuck,
-    /// and what is not delivered goes away with it: a motion must not begin when nobody counts on it.
-    fn connect(&self) -> Result<zmq::Socket, LinkError> {
-        self.program.connect(zmq::DEALER, &self.program_at, |_| Ok(()))
-    }
-
-    fn run(mut self, over: &AtomicBool, mut program: zmq::Socket) {
+    fn run(mut self, over: &AtomicBool) {
         while !over.load(Ordering::Relaxed) {
-            let mut items =
-                [self.requests.as_poll_item(zmq::POLLIN), program.as_poll_item(zmq::POLLIN)];
-            if let Err(error) = zmq::poll(&mut items, NAP_MS) {
-                tracing::warn!("cannot wait for requests: {error}");
-                thread::sleep(Duration::from_millis(NAP_MS.unsigned_abs()));
-            }
+            let first = match self.inputs.recv_timeout(NAP) {
+                Ok(input) => Some(input),
+                Err(RecvTimeoutError::Timeout) => None,
+                Err(RecvTimeoutError::Disconnected) => return,
+            };
             let now = Instant::now();
             // First what has happened, then what is asked.
             for event in self.events.try_iter() {
                 self.desk.heard(event, now);
             }
-            for change in self.changes.try_iter() {
-                self.desk.changed(change, now);
-            }
-            while let Ok(frames) = program.recv_multipart(zmq::DONTWAIT) {
-                if let [.., body] = frames.as_slice()
-                    && let Some(answer) = from_json(body)
-                {
-                    self.desk.acknowledged(answer, now);
+            for input in first.into_iter().chain(self.inputs.try_iter()) {
+                match input {
+                    Input::Asked(route, asking) => self.desk.request(route, asking, now),
+                    Input::Gone(peer) => self.desk.gone(|route| route.peer == peer, now),
+                    Input::Change(change) => self.desk.changed(change, now),
+                    Input::Acknowledged(answer) => self.desk.acknowledged(answer, now),
+                    Input::Checked(Done::Checked(checked)) => self.desk.checked(checked, now),
+                    Input::Checked(Done::Refused(route, reply)) => self.reply(route, reply),
                 }
-            }
-            if let Ok(frames) = self.requests.recv_multipart(zmq::DONTWAIT) {
-                self.take_request(frames, now);
             }
             self.desk.tick(now);
-            self.carry_out(&mut program);
+            self.carry_out();
         }
     }
 
-    /// Envelope, empty frame, body: as REQ sends it. DEALER may leave out the empty frame.
-    fn take_request(&mut self, mut frames: Vec<Vec<u8>>, now: Instant) {
-        let route = match frames.iter().skip(1).position(Vec::is_empty) {
-            Some(empty) => empty + 2,
-            None => 1,
-        };
-        let body = frames.split_off(route.min(frames.len()));
-        match body.as_slice() {
-            [body] => self.desk.request(frames, body, now),
-            // No request, but an answer is due all the same.
-            _ => self.desk.request(frames, b"", now),
-        }
+    fn reply(&self, route: Route, reply: String) {
+        self.requests.send(route.peer, route.with(reply), None);
     }
 
-    fn carry_out(&mut self, program: &mut zmq::Socket) {
+    fn carry_out(&mut self) {
         for output in self.desk.take_outputs() {
             match output {
-                Output::Reply(route, reply) => {
-                    let frames = route.iter().map(Vec::as_slice).chain([reply.as_bytes()]);
-                    // A client that has gone away gets nothing.
-                    if let Err(error) = self.requests.send_multipart(frames, zmq::DONTWAIT) {
-                        tracing::debug!("a reply finds no client: {error}");
-                    }
-                }
+                Output::Reply(route, reply) => self.reply(route, reply),
                 Output::Instruct(instruction) => {
-                    let frames = [b"".as_slice(), instruction.as_bytes()];
-                    if let Err(error) = program.send_multipart(frames, zmq::DONTWAIT) {
-                        tracing::debug!("the robot program is not connected: {error}");
-                    }
+                    self.program.send(vec![Bytes::new(), instruction.into()]);
                 }
-                Output::Reconnect => match self.connect() {
-                    Ok(new) => *program = new,
-                    Err(error) => tracing::warn!("{error}"),
-                },
-                Output::Order(order) => {
-                    let _ = self.orders.send(order);
-                }
+                Output::Reconnect => self.program.reconnect(),
+                // These threads end later.
+                Output::Answer(answer) => drop(self.answers.send(answer)),
+                Output::Check(job) => drop(self.jobs.send(job)),
+                Output::Order(order) => drop(self.orders.send(order)),
             }
         }
     }

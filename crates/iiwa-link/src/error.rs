@@ -16,11 +16,13 @@ pub enum LinkError {
         /// What the system says.
         source: io::Error,
     },
-    /// A socket cannot be made or set.
-    #[error("cannot set up a socket: {}", .source.message())]
-    Socket {
-        /// What the library says.
-        source: zmq::Error,
+    /// An address cannot be bound.
+    #[error("cannot listen at {at}")]
+    Bind {
+        /// The address.
+        at: String,
+        /// What the system says.
+        source: io::Error,
     },
     /// A thread cannot be started.
     #[error("cannot start a thread")]
@@ -45,10 +47,4 @@ pub enum LinkError {
         /// What is wrong.
         what: String,
     },
-}
-
-impl LinkError {
-    pub(crate) fn socket(source: zmq::Error) -> Self {
-        Self::Socket { source }
-    }
 }

@@ -22,6 +22,7 @@
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapter 3, cited as "Larsen 2019".
 
+mod braking;
 mod cabinet;
 mod client;
 mod drive;
@@ -35,6 +36,7 @@ pub mod security;
 mod socket;
 mod stream;
 mod timed_joints;
+mod transport;
 
 pub use cabinet::{Cabinet, CabinetConfig, Faults, Late, Latency, Report};
 pub use client::{Client, ClientError};
@@ -42,7 +44,7 @@ pub use drive::{Drive, DriveConfig, Punctuality};
 pub use error::LinkError;
 pub use socket::{Remote, Server};
 pub use stream::{Published, Stream};
-pub use timed_joints::{MARGINS, MAX_STEP_S, START_TOLERANCE_RAD, TimedJoints};
+pub use timed_joints::{MARGINS, MAX_POINTS, MAX_STEP_S, START_TOLERANCE_RAD, TimedJoints};
 
 /// Where a drive takes requests.
 pub const INSTRUCTIONS_PORT: u16 = 5560;

@@ -5,6 +5,8 @@
 //! acknowledged. A run is known by a number that iiwaDrive gives it, so that neither side takes the end
 //! of one run for the end of another, whatever got lost or was started again.
 
+use std::time::Duration;
+
 use iiwa_kin::json::Object;
 use iiwa_path::Motion;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -18,13 +20,15 @@ pub(crate) type RunId = u64;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub(crate) enum Instruction {
-    /// Run motions.
+    /// Plan motions from where the arm is. They wait for [`Begin`](Self::Begin).
     RunMotions { run: RunId, motions: Vec<Motion> },
+    /// Begin the motions that were planned last.
+    Begin { run: RunId },
     /// Let a trajectory be commanded over FRI.
     RunTrajectory { run: RunId },
     /// The trajectory is over.
     EndTrajectory { run: RunId },
-    /// Stop what is running.
+    /// Stop what is running, and forget what was planned.
     Stop,
     /// Read the sensors.
     ReadSensors,
@@ -86,6 +90,7 @@ impl Instruction {
                     .map_err(|error| Refusal::bad(error.to_string()))?;
                 Self::RunMotions { run, motions }
             }
+            "begin" => Self::Begin { run: read::<Of>(text)?.run },
             "run_trajectory" => Self::RunTrajectory { run: read::<Of>(text)?.run },
             "end_trajectory" => Self::EndTrajectory { run: read::<Of>(text)?.run },
             "stop" => Self::Stop,
@@ -152,6 +157,10 @@ pub(crate) struct Outcome {
 
 /// What is sent back for a state change.
 pub(crate) const RECEIVED: &str = r#"{"ok":true}"#;
+
+/// How long motions that were planned may wait until they are begun. A robot program forgets them then:
+/// whoever wanted them has gone, or does not want them any more.
+pub(crate) const BEGIN_WITHIN: Duration = Duration::from_secs(2);
 
 /// How often the robot program says its state, also when nothing changes, in ms.
 pub(crate) const STATE_EVERY_MS: u64 = 500;

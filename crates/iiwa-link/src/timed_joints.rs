@@ -2,7 +2,7 @@
 
 mod differences;
 
-use std::fmt;
+use std::{fmt, marker::PhantomData};
 
 use iiwa_kin::{Joints, Limits};
 use serde::{
@@ -17,6 +17,7 @@ use crate::message::{Code, Figures, Refusal};
 #[serde(deny_unknown_fields)]
 pub struct TimedJoints {
     /// Stamps, in s; they increase strictly. The first one is the start, whatever it is.
+    #[serde(deserialize_with = "bounded")]
     pub t_s: Vec<f64>,
     /// Positions at these times, in rad.
     #[serde(deserialize_with = "points")]
@@ -24,8 +25,32 @@ pub struct TimedJoints {
 }
 
 fn points<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Joints>, D::Error> {
-    let points = Vec::<Point>::deserialize(deserializer)?;
+    let points: Vec<Point> = bounded(deserializer)?;
     Ok(points.into_iter().map(|Point(joints_rad)| joints_rad).collect())
+}
+
+/// A list that is read no further than to its [`MAX_POINTS`]-th value.
+fn bounded<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<T>, D::Error> {
+    struct OfList<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for OfList<T> {
+        type Value = Vec<T>;
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "a sequence of at most {MAX_POINTS} values")
+        }
+        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<T>, A::Error> {
+            let mut values = Vec::new();
+            while let Some(value) = seq.next_element()? {
+                if values.len() == MAX_POINTS {
+                    return Err(A::Error::invalid_length(MAX_POINTS + 1, &self));
+                }
+                values.push(value);
+            }
+            Ok(values)
+        }
+    }
+    deserializer.deserialize_seq(OfList(PhantomData))
 }
 
 /// Exactly seven numbers. Left to itself, serde finds an eighth one to be text after the end.
@@ -61,6 +86,9 @@ impl<'de> Deserialize<'de> for Point {
         deserializer.deserialize_seq(OfSeven)
     }
 }
+
+/// Most points of a trajectory: 13 minutes, if there is one every 4 ms.
+pub const MAX_POINTS: usize = 200_000;
 
 /// How far from the robot a trajectory may start, in rad: half a degree.
 pub const START_TOLERANCE_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
@@ -194,8 +222,9 @@ impl TimedJoints {
 
     /// Where the joints are `t_s` after the start, in rad; before it at the start, after the end there.
     ///
-    /// Between points, a cubic with the slopes of parabolas through three points, and of zero where the
-    /// arm rests: at both ends, and beside steps without motion.
+    /// Between points, a cubic with the slopes of parabolas through three points, and of zero where a
+    /// joint rests: at both ends, and beside steps without motion. Beside rest the slopes are limited, so
+    /// that a joint never swings beyond the place where it stops, which may be the end of its range.
     #[must_use]
     pub fn at(&self, t_s: f64) -> Joints {
         let count = self.t_s.len().min(self.joints_rad.len());
@@ -223,16 +252,51 @@ impl TimedJoints {
         })
     }
 
-    /// The slope at a point, of the parabola through it and its neighbours, in rad/s.
+    /// The slopes at a point, in rad/s.
+    ///
+    /// A cubic between two points stays between them if its slopes there have the sign of its secant and
+    /// are at most three times as steep (Fritsch and Carlson 1980). That is asked for beside rest only, for
+    /// two points, as the joint may be next to rest at the first one: elsewhere, a place nearby where a joint
+    /// turns would spoil the slope.
     fn slope(&self, i: usize) -> Joints {
         let last = self.t_s.len().min(self.joints_rad.len()) - 1;
-        if i == 0 || i >= last || self.rests_after(i - 1) || self.rests_after(i) {
+        if i == 0 || i >= last {
             return [0.0; 7];
         }
         let (before, after) = (self.t_s[i] - self.t_s[i - 1], self.t_s[i + 1] - self.t_s[i]);
         std::array::from_fn(|j| {
             let [a, b, c] = [i - 1, i, i + 1].map(|k| self.joints_rad[k][j]);
-            ((b - a) / before * after + (c - b) / after * before) / (before + after)
+            let (from, to) = ((b - a) / before, (c - b) / after);
+            if from == 0.0 || to == 0.0 {
+                return 0.0;
+            }
+            let mut slope = (from * after + to * before) / (before + after);
+            if self.rests_before(i, j) {
+                slope = within_secant(slope, from);
+            }
+            if self.rests_from(i, j, last) {
+                slope = within_secant(slope, to);
+            }
+            slope
         })
     }
+
+    /// Whether joint `j` has rested one or two points before point `i`.
+    fn rests_before(&self, i: usize, j: usize) -> bool {
+        let q = |k: usize| self.joints_rad[k][j];
+        i <= 2 || q(i - 2) == q(i - 1) || q(i - 3) == q(i - 2)
+    }
+
+    /// Whether joint `j` rests from one or two points after point `i` on; `last` is the last point.
+    fn rests_from(&self, i: usize, j: usize, last: usize) -> bool {
+        let q = |k: usize| self.joints_rad[k][j];
+        i + 2 >= last || q(i + 1) == q(i + 2) || q(i + 2) == q(i + 3)
+    }
+}
+
+/// The slope, limited so that a cubic that ends with it, and begins with zero, stays between its ends.
+fn within_secant(slope: f64, secant: f64) -> f64 {
+    let [low, high] = if secant > 0.0 { [0.0, 3.0 * secant] } else { [3.0 * secant, 0.0] };
+    // Not `clamp`, which panics where a bound is not a number.
+    slope.max(low).min(high)
 }

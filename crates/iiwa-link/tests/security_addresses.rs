@@ -2,7 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-use iiwa_link::security::{Endpoint, GuardedSocket, SecurityError, connect};
+use iiwa_link::{
+    Client, Drive, DriveConfig, LinkError, Remote, Server,
+    security::{Endpoint, SecurityError},
+};
 
 fn endpoint(text: &str) -> Endpoint {
     text.parse().unwrap()
@@ -58,7 +61,7 @@ fn loopback_is_what_no_other_machine_reaches() {
 }
 
 #[test]
-fn what_libzmq_gets_is_what_was_checked() {
+fn what_is_bound_is_what_was_checked() {
     assert_eq!(endpoint("localhost:5560").to_string(), "tcp://127.0.0.1:5560");
     assert_eq!(endpoint("[0:0::1]:5560").to_string(), "tcp://[::1]:5560");
     assert_eq!(endpoint("robot.example:05560").to_string(), "tcp://robot.example:5560");
@@ -95,19 +98,25 @@ fn refuses_what_is_no_address() {
 
 #[test]
 fn sockets_keep_the_rule() {
-    let context = zmq::Context::new();
-    let socket = GuardedSocket::open(&context, zmq::ROUTER).unwrap();
-    let error = socket.bind(&endpoint("0.0.0.0:*")).unwrap_err();
-    assert!(matches!(error, SecurityError::BindNeedsKeys { .. }), "{error}");
-    let bound = socket.bind(&endpoint("localhost:*")).unwrap();
-    assert!(bound.starts_with("tcp://127.0.0.1:"), "{bound}");
+    let config = |instructions: &str| DriveConfig {
+        instructions: instructions.to_owned(),
+        stream: "tcp://127.0.0.1:*".to_owned(),
+        fri: "127.0.0.1:0".parse().unwrap(),
+        ..DriveConfig::default()
+    };
+    let start = |at: &str| Drive::start(config(at), &Server::open(), &Remote::open());
+    let error = start("0.0.0.0:*").unwrap_err();
+    assert!(matches!(error, LinkError::Security(SecurityError::BindNeedsKeys { .. })), "{error}");
+    let drive = start("localhost:*").unwrap();
+    assert!(drive.instructions().starts_with("tcp://127.0.0.1:"), "{}", drive.instructions());
 
-    let other = GuardedSocket::open(&context, zmq::ROUTER).unwrap();
-    let error = other.bind(&endpoint(&bound)).unwrap_err();
-    assert!(matches!(error, SecurityError::Zmq { source: zmq::Error::EADDRINUSE, .. }), "{error}");
-    assert!(error.to_string().contains(&bound));
+    let error = start(drive.instructions()).unwrap_err();
+    assert!(matches!(error, LinkError::Bind { .. }), "{error}");
+    assert!(error.to_string().contains(drive.instructions()));
 
-    let client = context.socket(zmq::REQ).unwrap();
-    let error = connect(&client, &endpoint("10.0.0.1:5560"), None).unwrap_err();
-    assert!(matches!(error, SecurityError::ConnectNeedsKeys { .. }), "{error}");
+    let error = Client::new(&Remote::open(), "10.0.0.1:5560").unwrap_err();
+    assert!(
+        matches!(error, LinkError::Security(SecurityError::ConnectNeedsKeys { .. })),
+        "{error}"
+    );
 }

@@ -4,7 +4,7 @@
 
 use std::{fs, path::Path};
 
-use iiwa_link::security::{AllowList, KeyPair, KeyTextError, PublicKey, SecurityError, has_curve};
+use iiwa_link::security::{AllowList, KeyPair, KeyTextError, PublicKey, SecurityError};
 use proptest::prelude::*;
 use tempfile::tempdir;
 
@@ -56,17 +56,6 @@ fn refuses_what_is_no_key() {
     assert_eq!(parse(&umlaut), KeyTextError::Character { position: 5, character: 'ä' });
     let large = format!("{}#####{}", &PUBLIC[..5], &PUBLIC[10..]);
     assert_eq!(parse(&large), KeyTextError::TooLarge { position: 6 });
-}
-
-#[test]
-fn without_curve_there_are_no_keys() {
-    if has_curve() {
-        println!("left out: this build has CURVE");
-        return;
-    }
-    let error = KeyPair::generate().unwrap_err();
-    assert!(matches!(error, SecurityError::NoCurve { .. }));
-    assert!(error.to_string().contains("--config .cargo/curve.toml"), "{error}");
 }
 
 fn write(path: &Path, text: &str, mode: u32) {

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
-    START_TOLERANCE_RAD, TimedJoints,
+    MAX_POINTS, START_TOLERANCE_RAD, TimedJoints,
     message::{Code, Refusal, Request},
 };
 use iiwa_path::{Blend, Motion, Path, Program, Ptp};
@@ -211,6 +211,78 @@ proptest! {
         }
         prop_assert_eq!(trajectory.at(-1.0), trajectory.joints_rad[0]);
         prop_assert_eq!(trajectory.at(end_s + 1.0), *trajectory.joints_rad.last().unwrap());
+    }
+}
+
+/// Programs without blends whose stops are at the ends of the joints' ranges, or anywhere.
+fn programs_to_the_limits() -> impl Strategy<Value = Program> {
+    let range = Robot::default().limits().position_rad;
+    let place = move |share: [f64; 7]| -> Joints {
+        std::array::from_fn(|j| (1.5 * share[j]).clamp(-1.0, 1.0) * range[j])
+    };
+    let target = (prop::array::uniform7(-1.0..1.0_f64), 0.1..1.0_f64);
+    (prop::array::uniform7(-1.0..1.0_f64), prop::collection::vec(target, 1..5)).prop_map(
+        move |(start, targets)| Program {
+            robot: None,
+            start_rad: place(start),
+            motions: targets
+                .into_iter()
+                .map(|(share, speed)| Motion::Ptp(Ptp::to(place(share)).velocity(speed)))
+                .collect(),
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Where a joint stops, it never swings beyond: neither over the end of its range, nor elsewhere.
+    #[test]
+    fn no_joint_swings_beyond_its_stops(
+        program in programs_to_the_limits(),
+        step_s in 0.001..0.01_f64,
+    ) {
+        let trajectory = even(&planned(&program), step_s);
+        let targets = program.motions.iter().filter_map(|motion| match motion {
+            Motion::Ptp(ptp) => Some(ptp.target_rad),
+            _ => None,
+        });
+        let stops: Vec<Joints> = targets.chain([program.start_rad]).collect();
+        let bound = |j: usize, of: fn(f64, f64) -> f64| {
+            stops.iter().map(|stop| stop[j]).reduce(of).unwrap()
+        };
+        let steps = (trajectory.duration_s() / 0.0003) as u32;
+        for q in (0..=steps).map(|i| trajectory.at(f64::from(i) * 0.0003)) {
+            for (j, q) in q.iter().enumerate() {
+                let beyond = (q - bound(j, f64::max)).max(bound(j, f64::min) - q);
+                prop_assert!(beyond < 1e-12, "joint {} by {} rad", j + 1, beyond);
+            }
+        }
+    }
+
+    /// Whatever the points are, next to rest the arm stays between them.
+    #[test]
+    fn beside_rest_the_arm_stays_between_its_points(
+        steps in prop::collection::vec((1e-3..0.02_f64, prop_oneof![2 => Just(0.0), 3 => -0.01..0.01_f64]), 2..20),
+        share in 0.0..1.0_f64,
+    ) {
+        let (mut t_s, mut q) = (vec![0.0], vec![0.0]);
+        for (step_s, by) in steps {
+            t_s.push(t_s.last().unwrap() + step_s);
+            q.push(q.last().unwrap() + by);
+        }
+        let joints_rad = q.iter().map(|q| [*q; 7]).collect();
+        let trajectory = TimedJoints { t_s: t_s.clone(), joints_rad };
+        let rests = |i: usize| {
+            i == 0 || i + 1 == q.len() || q[i] == q[i - 1] || q[i] == q[i + 1]
+        };
+        for i in 0..q.len() - 1 {
+            if rests(i) || rests(i + 1) {
+                let found = trajectory.at(t_s[i] + share * (t_s[i + 1] - t_s[i]))[0];
+                let (low, high) = (q[i].min(q[i + 1]), q[i].max(q[i + 1]));
+                prop_assert!((low - 1e-12..=high + 1e-12).contains(&found), "{low} {found} {high}");
+            }
+        }
     }
 }
 
@@ -531,4 +603,16 @@ fn the_longest_trajectory_is_checked_in_no_time() {
         println!("{count} points every {step_s} s: {took:?}");
         assert!(took.as_secs_f64() < 5.0, "{took:?}");
     }
+}
+
+#[test]
+fn a_list_without_end_is_not_read_to_its_end() {
+    let stamps = |count: usize| vec!["0"; count].join(",");
+    let parse = |count: usize| {
+        let text = format!("{{\"t_s\": [{}], \"joints_rad\": []}}", stamps(count));
+        serde_json::from_str::<TimedJoints>(&text)
+    };
+    assert_eq!(parse(MAX_POINTS).unwrap().t_s.len(), MAX_POINTS);
+    let error = parse(MAX_POINTS + 1).unwrap_err().to_string();
+    assert!(error.contains("at most 200000"), "{error}");
 }

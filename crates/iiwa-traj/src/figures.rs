@@ -94,7 +94,7 @@ impl Totals {
 ///
 /// A motion lasts from where its limits begin to hold, which is the start of the blend that leads
 /// into it, to the start of the blend that leads out of it, or to its stop. The settle time after
-/// the stop is not part of it.
+/// the stop is not part of it. A motion that takes no time at all, as a wait of 0 s, has no figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionFigures {
     /// Its place in the program, from 0.

@@ -155,6 +155,10 @@ impl Iterator for Planner {
                 Step::Wait { motion, seconds } => (PieceKind::Wait, motion, seconds),
                 _ => continue,
             };
+            // What takes no time has no place in it: stamps increase.
+            if time_s + seconds <= time_s {
+                continue;
+            }
             stretch.pieces.push(Piece {
                 kind,
                 motion,

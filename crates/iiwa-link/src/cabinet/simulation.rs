@@ -1,6 +1,9 @@
 //! The simulated robot and the program that runs on its cabinet, without sockets and without a clock:
 //! it goes on by one cycle when it is told to.
 
+#[cfg(test)]
+mod tests;
+
 use std::time::Duration;
 
 use iiwa_kin::{Joints, Robot};
@@ -8,6 +11,7 @@ use iiwa_path::{Motion, Path, Program};
 use iiwa_traj::{Timing, Trajectory};
 
 use crate::{
+    braking::fastest,
     cabinet::{
         io::Ports,
         noise::Noise,
@@ -28,6 +32,9 @@ const COMMANDED_EVERY_S: f64 = 0.010;
 /// How much faster than its limit a joint may be told to go by set-points: clocks are not exact, and
 /// positions are rounded.
 const SETPOINT_MARGIN: f64 = 1.1;
+
+/// How much harder than its limit of acceleration a joint may brake at the end of its range.
+const BRAKING_MARGIN: f64 = 1.25;
 
 /// A robot, its controller and the robot program.
 pub(super) struct Simulation {
@@ -88,8 +95,27 @@ struct Braking {
     run: RunId,
     state: DriveState,
     from: Option<u64>,
+    /// Where each joint began to brake, in rad, how fast it was, in rad/s, and how long it takes, in s.
+    began_rad: Joints,
+    speed_rad_s: Joints,
+    takes_s: Joints,
     for_s: f64,
     error: Refusal,
+}
+
+impl Braking {
+    /// Where the arm is after so long, in rad: each joint gets slower by the same amount each cycle.
+    fn position(&self) -> Joints {
+        std::array::from_fn(|j| {
+            let t_s = self.for_s.min(self.takes_s[j]);
+            let mean = if t_s > 0.0 { 1.0 - 0.5 * t_s / self.takes_s[j] } else { 0.0 };
+            self.began_rad[j] + self.speed_rad_s[j] * mean * t_s
+        })
+    }
+
+    fn is_over(&self) -> bool {
+        self.takes_s.iter().all(|takes_s| self.for_s >= *takes_s)
+    }
 }
 
 impl Simulation {
@@ -238,17 +264,13 @@ impl Simulation {
             }
             Activity::Commanded(commanded) => self.follow(commanded),
             Activity::Braking(mut braking) => {
-                // Less by the same amount each cycle.
-                let left_s = EMERGENCY_STOP_S - braking.for_s;
                 braking.for_s += self.period_s;
-                if left_s <= self.period_s {
-                    return self.end(braking.run, braking.from, Some(braking.error));
-                }
-                let share = 1.0 - self.period_s / left_s;
                 let range = self.robot.limits().position_rad;
-                for ((q, dq), range) in self.q.iter_mut().zip(&self.dq).zip(range) {
-                    // Outside its range no motion could begin any more.
-                    *q = (*q + dq * share * self.period_s).clamp(-range, range);
+                // Outside its range no motion could begin any more.
+                let q = braking.position();
+                self.q = std::array::from_fn(|j| q[j].clamp(-range[j], range[j]));
+                if braking.is_over() {
+                    return self.end(braking.run, braking.from, Some(braking.error));
                 }
                 self.activity = Activity::Braking(braking);
             }
@@ -280,6 +302,8 @@ impl Simulation {
         self.activity = Activity::Commanded(commanded);
         if let Some(error) = error {
             self.brake(error);
+            // In this cycle: an arm that waited for the next one would have stopped dead.
+            self.advance();
         }
     }
 
@@ -315,24 +339,46 @@ impl Simulation {
         self.q = std::array::from_fn(|j| {
             let q = self.q[j];
             // Without a new set-point the arm goes on as it went.
+            let range = limits.position_rad[j];
             let step = match commanded.left {
-                0 => self.dq[j] * self.period_s,
+                0 => {
+                    // As long as it can still stop within its range.
+                    let stops = |room_rad: f64| {
+                        let braking = limits.acceleration_rad_s2[j] * BRAKING_MARGIN;
+                        fastest(room_rad, braking, self.period_s)
+                    };
+                    self.dq[j].clamp(-stops(range + q), stops(range - q)) * self.period_s
+                }
                 left => (target[j] - q) / f64::from(left),
             };
             let most = limits.velocity_rad_s[j] * SETPOINT_MARGIN * self.period_s;
-            let range = limits.position_rad[j];
             (q + step.clamp(-most, most)).clamp(-range, range)
         });
         commanded.left = commanded.left.saturating_sub(1);
         Ok(())
     }
 
-    /// Brings the arm to rest from where the client has left it.
+    /// Brings the arm to rest from where the client has left it: in a straight line, but for joints that
+    /// would leave their range.
     fn brake(&mut self, error: Refusal) {
         if let Activity::Commanded(Commanded { run, from, .. }) = self.activity {
             self.fri.release();
-            let state = DriveState::RunningTrajectory;
-            self.activity = Activity::Braking(Braking { run, state, from, for_s: 0.0, error });
+            let range = self.robot.limits().position_rad;
+            let takes_s = std::array::from_fn(|j| {
+                let speed = self.dq[j];
+                let room_rad = (range[j] - self.q[j] * speed.signum()).max(0.0);
+                if speed == 0.0 { 0.0 } else { EMERGENCY_STOP_S.min(2.0 * room_rad / speed.abs()) }
+            });
+            self.activity = Activity::Braking(Braking {
+                run,
+                state: DriveState::RunningTrajectory,
+                from,
+                began_rad: self.q,
+                speed_rad_s: self.dq,
+                takes_s,
+                for_s: 0.0,
+                error,
+            });
         }
     }
 
@@ -359,21 +405,27 @@ impl Simulation {
         }
     }
 
-    /// Carries out an instruction; motions have been planned before, from where the arm is.
+    /// Begins motions that were planned from where the arm is.
+    pub(super) fn begin(&mut self, run: RunId, trajectory: Trajectory) -> Result<(), Refusal> {
+        self.check_ready()?;
+        let start = trajectory.at(0.0).q;
+        if (0..7).any(|j| (start[j] - self.q[j]).abs() > 1e-9) {
+            return Err(Refusal::robot("the arm has moved since the motions were planned"));
+        }
+        let playback = Box::new(Playback::new(trajectory));
+        self.activity = Activity::Motions { run, playback, from: self.cycle, error: None };
+        self.changed = true;
+        Ok(())
+    }
+
+    /// Carries out an instruction, but for those about motions.
     pub(super) fn carry_out(
         &mut self,
         instruction: Instruction,
-        planned: Option<Trajectory>,
     ) -> Result<Acknowledgement, Refusal> {
         let mut answer = Acknowledgement::default();
         match instruction {
-            Instruction::RunMotions { run, .. } => {
-                self.check_ready()?;
-                let Some(trajectory) = planned else { return Ok(answer) };
-                let playback = Box::new(Playback::new(trajectory));
-                self.activity = Activity::Motions { run, playback, from: self.cycle, error: None };
-                self.changed = true;
-            }
+            Instruction::RunMotions { .. } | Instruction::Begin { .. } => {}
             Instruction::RunTrajectory { run } => {
                 self.check_ready()?;
                 if self.period_s > COMMANDED_EVERY_S {

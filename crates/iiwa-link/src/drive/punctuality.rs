@@ -17,6 +17,8 @@ pub struct Punctuality {
     /// Answers that left when the next message had come in already: these cycles were lost by the drive,
     /// or by the machine that did not let it run.
     pub behind: u64,
+    /// Messages that did not go on with the ones before, or came from elsewhere: nothing was made of them.
+    pub ignored: u64,
     /// Longest time from reading a message to sending its answer.
     pub slowest: Duration,
     /// Whether the system lets the thread that answers run ahead of ordinary ones.
@@ -29,6 +31,7 @@ pub(super) struct Account {
     received: AtomicU64,
     answered: AtomicU64,
     behind: AtomicU64,
+    ignored: AtomicU64,
     slowest_ns: AtomicU64,
     real_time: AtomicBool,
 }
@@ -40,6 +43,11 @@ impl Account {
 
     pub(super) fn received(&self) {
         self.received.fetch_add(1, Relaxed);
+    }
+
+    /// So many messages have been ignored up to now.
+    pub(super) fn ignored(&self, count: u64) {
+        self.ignored.store(count, Relaxed);
     }
 
     /// An answer has left, so long after its message was read.
@@ -55,6 +63,7 @@ impl Account {
             received: self.received.load(Relaxed),
             answered: self.answered.load(Relaxed),
             behind: self.behind.load(Relaxed),
+            ignored: self.ignored.load(Relaxed),
             slowest: Duration::from_nanos(self.slowest_ns.load(Relaxed)),
             real_time: self.real_time.load(Relaxed),
         }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::{fri::Heard, setpoints::Over};
 use crate::{
-    message::{DriveState, Refusal, Run, Samples},
+    message::{DriveState, MAX_SAMPLES, Refusal, Run, Samples},
     robot_program::{Instruction, Outcome, RunId},
 };
 
@@ -13,6 +13,7 @@ pub(super) struct Running<A> {
     pub(super) kind: DriveState,
     pub(super) run: RunId,
     pub(super) asked: A,
+    pub(super) phase: Phase,
     /// How the robot program is told to end it, once it is: again, as long as it goes on.
     pub(super) ended_by: Option<Instruction>,
     samples: Samples,
@@ -23,6 +24,17 @@ pub(super) struct Running<A> {
     pub(super) commanded: Option<Over>,
     /// How it ended, and until when samples up to there are waited for.
     ended: Option<(Ended, Instant)>,
+}
+
+/// How far a run has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// The robot program plans its motions: they can be withdrawn.
+    Planning,
+    /// The robot program is told to begin.
+    Beginning,
+    /// It has.
+    Begun,
 }
 
 #[derive(Default)]
@@ -41,9 +53,6 @@ pub(super) struct Left<A> {
     pub(super) asked: A,
 }
 
-/// Most samples that are kept of a run: half an hour at 1 ms.
-const MOST_SAMPLES: usize = 1_800_000;
-
 /// How long the robot program may not yet know of a run that it has taken on.
 const KNOWN_WITHIN: Duration = Duration::from_secs(2);
 
@@ -51,11 +60,18 @@ const KNOWN_WITHIN: Duration = Duration::from_secs(2);
 const LAST_SAMPLES: Duration = Duration::from_millis(100);
 
 impl<A> Running<A> {
-    pub(super) fn new(kind: DriveState, run: RunId, asked: A, heard: Option<&Heard>) -> Self {
+    pub(super) fn new(
+        kind: DriveState,
+        phase: Phase,
+        run: RunId,
+        asked: A,
+        heard: Option<&Heard>,
+    ) -> Self {
         let mut running = Self {
             kind,
             run,
             asked,
+            phase,
             ended_by: None,
             samples: Samples::default(),
             samples_left_out: 0,
@@ -72,7 +88,7 @@ impl<A> Running<A> {
 
     /// Keeps a sample.
     pub(super) fn keep(&mut self, heard: &Heard) {
-        if self.samples.t_s.len() < MOST_SAMPLES {
+        if self.samples.t_s.len() < MAX_SAMPLES {
             self.samples.t_s.push(heard.t_s);
             self.samples.joints_rad.push(heard.joints_rad);
         } else {
@@ -82,6 +98,7 @@ impl<A> Running<A> {
 
     /// The robot program has taken it on.
     pub(super) fn take(&mut self, now: Instant) {
+        self.phase = Phase::Begun;
         self.taken.get_or_insert(now);
     }
 

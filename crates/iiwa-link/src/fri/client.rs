@@ -59,6 +59,14 @@ pub enum Received {
     Restarted,
 }
 
+impl Received {
+    /// Whether it is the youngest message, which may be due an answer.
+    #[must_use]
+    pub const fn is_fresh(self) -> bool {
+        matches!(self, Self::New | Self::Restarted)
+    }
+}
+
 /// What has happened to the messages, since the client began.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
@@ -89,28 +97,66 @@ impl Client {
     ///
     /// When it is no message. It is counted, and the session goes on.
     pub fn receive(&mut self, datagram: &[u8]) -> Result<Received, WireError> {
-        let message = self.format.decode_monitoring(datagram).inspect_err(|_| {
-            self.counters.invalid += 1;
-        })?;
-        self.counters.received += 1;
-        let received = self.judge(&message);
-        match received {
-            Received::New | Received::Restarted => {
-                if received == Received::Restarted {
-                    self.answered = None;
-                }
-                self.late_row = None;
-                self.pending = true;
-                self.latest = Some(message);
-            }
-            Received::Late => self.counters.late += 1,
-            Received::Repeated => self.counters.repeated += 1,
-        }
-        Ok(received)
+        self.read(datagram).map(|message| self.take(message))
     }
 
-    /// What `message` is; counts the gap before a new one.
-    fn judge(&mut self, message: &Monitoring) -> Received {
+    /// Reads a datagram; [`take`](Self::take) makes its message part of the session.
+    ///
+    /// # Errors
+    ///
+    /// When it is no message. It is counted, and the session goes on.
+    pub fn read(&mut self, datagram: &[u8]) -> Result<Monitoring, WireError> {
+        let message = self.format.decode_monitoring(datagram);
+        message.inspect_err(|_| self.counters.invalid += 1)
+    }
+
+    /// Takes a message of the controller.
+    pub fn take(&mut self, message: Monitoring) -> Received {
+        let received = self.judge(&message);
+        match received {
+            Received::New => {
+                let by = self.latest.as_ref().map_or(1, |it| ahead(message.sequence, it.sequence));
+                self.counters.lost += u64::from(by.unsigned_abs()) - 1;
+                self.keep(message);
+            }
+            Received::Restarted => self.restart(message),
+            Received::Late => {
+                self.late_row = Some((message.sequence, self.row(&message)));
+                self.counters.late += 1;
+                self.counters.received += 1;
+            }
+            Received::Repeated => {
+                self.counters.repeated += 1;
+                self.counters.received += 1;
+            }
+        }
+        received
+    }
+
+    /// Takes the first message of a controller that has started again, whatever its counter says.
+    pub fn restart(&mut self, message: Monitoring) {
+        self.answered = None;
+        self.keep(message);
+    }
+
+    fn keep(&mut self, message: Monitoring) {
+        self.counters.received += 1;
+        self.late_row = None;
+        self.pending = true;
+        self.latest = Some(message);
+    }
+
+    /// How many late messages there are in a row, in their order, with this one.
+    fn row(&self, message: &Monitoring) -> u32 {
+        match self.late_row {
+            Some((last, row)) if ahead(message.sequence, last) > 0 => row + 1,
+            _ => 1,
+        }
+    }
+
+    /// What `message` would be, if it were taken.
+    #[must_use]
+    pub fn judge(&self, message: &Monitoring) -> Received {
         let Some(latest) = &self.latest else { return Received::New };
         let by = ahead(message.sequence, latest.sequence);
         let opening =
@@ -119,22 +165,27 @@ impl Client {
             if opening && by > LATE_WINDOW && message.sequence < latest.sequence {
                 return Received::Restarted;
             }
-            self.counters.lost += u64::from(by.unsigned_abs()) - 1;
             return Received::New;
         }
         if message == latest {
             return Received::Repeated;
         }
         let younger = message.time.zip(latest.time).is_some_and(|(time, latest)| time > latest);
-        let row = match self.late_row {
-            Some((last, row)) if ahead(message.sequence, last) > 0 => row + 1,
-            _ => 1,
-        };
-        self.late_row = Some((message.sequence, row));
-        if younger || by < -LATE_WINDOW || (opening && by < -REORDER_WINDOW) || row >= RESTART_ROW {
+        let is_row = self.row(message) >= RESTART_ROW;
+        if younger || by < -LATE_WINDOW || (opening && by < -REORDER_WINDOW) || is_row {
             return Received::Restarted;
         }
         Received::Late
+    }
+
+    /// Whether an answer to the latest message is due: it is new, the session is not idle, and the last
+    /// answer is at least `receive_multiplier` messages ago.
+    #[must_use]
+    pub fn is_due(&self) -> bool {
+        let Some(latest) = self.latest.as_ref().filter(|_| self.pending) else { return false };
+        let since = self.answered.map(|answered| latest.sequence.wrapping_sub(answered));
+        latest.session != SessionState::Idle
+            && since.is_none_or(|messages| messages >= latest.receive_multiplier)
     }
 
     /// Writes the answer to the latest message in place of what `out` holds. In monitoring it
@@ -143,18 +194,10 @@ impl Client {
     /// since commanding has become active, or else what the controller says is commanded. Before
     /// commanding is active, it sends the controller's own interpolation, as it has to.
     ///
-    /// `false`, and nothing in `out`, when no answer is due: there is no new message, the session
-    /// is idle, or the last answer is less than `receive_multiplier` messages ago.
+    /// `false`, and nothing in `out`, when no answer [is due](Self::is_due).
     pub fn answer(&mut self, setpoint_rad: Option<&Joints>, out: &mut Vec<u8>) -> bool {
         out.clear();
-        let Some(latest) = self.latest.as_ref().filter(|_| self.pending) else { return false };
-        if latest.session == SessionState::Idle {
-            return false;
-        }
-        let since = self.answered.map(|answered| latest.sequence.wrapping_sub(answered));
-        if since.is_some_and(|messages| messages < latest.receive_multiplier) {
-            return false;
-        }
+        let Some(latest) = self.latest.as_ref().filter(|_| self.is_due()) else { return false };
         let commands = latest.session.commands();
         let setpoint_rad =
             setpoint_rad.filter(|joints| commands && joints.iter().all(|q| q.is_finite())).copied();

@@ -145,17 +145,17 @@ pub enum Body {
 }
 
 /// The answer to a request.
-#[derive(Clone, Debug, Default)]
-pub struct Reply {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reply<'a> {
     /// The request's id.
-    pub id: Option<Id>,
+    pub id: Option<&'a Id>,
     /// Why it was not, or not wholly, carried out.
-    pub error: Option<Refusal>,
+    pub error: Option<&'a Refusal>,
     /// What was asked for.
-    pub body: Option<Body>,
+    pub body: Option<&'a Body>,
 }
 
-impl Reply {
+impl Reply<'_> {
     /// The reply as JSON.
     #[must_use]
     pub fn to_json(&self) -> String {
@@ -169,12 +169,7 @@ impl Reply {
             #[serde(flatten)]
             body: Option<&'a Body>,
         }
-        let Self { id, error, body } = self;
-        to_json(&Out {
-            ok: error.is_none(),
-            id: id.as_ref(),
-            error: error.as_ref(),
-            body: body.as_ref(),
-        })
+        let Self { id, error, body } = *self;
+        to_json(&Out { ok: error.is_none(), id, error, body })
     }
 }

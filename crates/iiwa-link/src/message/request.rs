@@ -78,6 +78,14 @@ impl Request {
         (head.id, Self::of_type(head.r#type.as_deref(), text))
     }
 
+    /// What a request is called, and its id, without reading the rest.
+    pub(crate) fn head(bytes: &[u8]) -> (Option<Id>, Option<String>) {
+        match str::from_utf8(bytes).map(serde_json::from_str::<Object<Head>>) {
+            Ok(Ok(Object(head))) => (head.id, head.r#type),
+            _ => (None, None),
+        }
+    }
+
     fn of_type(name: Option<&str>, text: &str) -> Result<Self, Refusal> {
         match name {
             Some("run_motions") => {

@@ -1,8 +1,8 @@
 //! Addresses, and which of them other machines reach.
 
 use std::{
-    fmt,
-    net::{Ipv4Addr, Ipv6Addr},
+    fmt, io,
+    net::{Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs},
     str::FromStr,
 };
 
@@ -39,10 +39,21 @@ impl Endpoint {
         }
     }
 
-    /// Whether libzmq has to be told that it is IPv6.
-    #[must_use]
-    pub fn is_ipv6(&self) -> bool {
-        matches!(self.host, Host::V6(_))
+    /// The address for the system; a name is looked up. A port that may be any is 0.
+    ///
+    /// # Errors
+    /// The name is not known.
+    pub fn resolve(&self) -> io::Result<SocketAddr> {
+        let port = self.port.unwrap_or(0);
+        match &self.host {
+            Host::V4(address) => Ok((*address, port).into()),
+            Host::V6(address) => Ok((*address, port).into()),
+            Host::Any => Ok((Ipv4Addr::UNSPECIFIED, port).into()),
+            Host::Name(name) => {
+                let unknown = || io::Error::new(io::ErrorKind::NotFound, "the name is not known");
+                (name.as_str(), port).to_socket_addrs()?.next().ok_or_else(unknown)
+            }
+        }
     }
 
     /// Fails if a socket must not bind there: without keys it may on loopback only.

@@ -1,4 +1,4 @@
-//! What can go wrong with keys, addresses and guarded sockets.
+//! What can go wrong with keys and addresses.
 
 use std::{io, path::PathBuf};
 
@@ -32,16 +32,6 @@ pub enum KeyTextError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SecurityError {
-    /// The libzmq of this build cannot encrypt.
-    #[error(
-        "the libzmq of this build, {version}, has no CURVE and cannot use keys: build with `cargo \
-         build --release --config .cargo/curve.toml`, which links the system's libzmq (on Debian, \
-         package libzmq3-dev)"
-    )]
-    NoCurve {
-        /// Version of libzmq.
-        version: String,
-    },
     /// A text that is not a public key.
     #[error("not a public key")]
     KeyText(#[from] KeyTextError),
@@ -144,30 +134,11 @@ pub enum SecurityError {
         /// The address.
         endpoint: String,
     },
-    /// A second authenticator in the same context.
-    #[error("there is an authenticator in this context already")]
-    SecondAuthenticator,
-    /// The authenticator's thread could not be started.
-    #[error("cannot start the authenticator")]
-    Thread {
+    /// The system has no random numbers.
+    #[error("cannot make keys")]
+    Random {
         /// What the system says.
         #[source]
-        source: io::Error,
+        source: getrandom::Error,
     },
-    /// libzmq refused.
-    #[error("cannot {what}")]
-    Zmq {
-        /// What was to be done.
-        what: String,
-        /// What libzmq says.
-        #[source]
-        source: zmq::Error,
-    },
-}
-
-impl SecurityError {
-    /// For `map_err`: libzmq refused to do `what`.
-    pub(super) fn zmq(what: impl Into<String>) -> impl FnOnce(zmq::Error) -> Self {
-        move |source| Self::Zmq { what: what.into(), source }
-    }
 }

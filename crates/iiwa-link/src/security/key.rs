@@ -1,26 +1,10 @@
-//! Keys, and whether this build can use them.
+//! Keys.
 
 use std::{fmt, str::FromStr};
 
+use omq_proto::{CurveKeypair, CurvePublicKey, CurveSecretKey};
+
 use super::{KeyTextError, SecurityError, z85};
-
-/// Whether the libzmq of this build has CURVE.
-#[must_use]
-pub fn has_curve() -> bool {
-    zmq::has("curve") == Some(true)
-}
-
-/// Fails if the libzmq of this build has no CURVE.
-///
-/// # Errors
-/// [`SecurityError::NoCurve`].
-pub fn require_curve() -> Result<(), SecurityError> {
-    if has_curve() {
-        return Ok(());
-    }
-    let (major, minor, patch) = zmq::version();
-    Err(SecurityError::NoCurve { version: format!("{major}.{minor}.{patch}") })
-}
 
 /// A public key; as text, 40 characters of Z85.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -71,11 +55,12 @@ impl KeyPair {
     /// A new pair.
     ///
     /// # Errors
-    /// [`SecurityError::NoCurve`] if the libzmq of this build has none; libzmq finds no randomness.
+    /// The system has no random numbers.
     pub fn generate() -> Result<Self, SecurityError> {
-        require_curve()?;
-        let pair = zmq::CurveKeyPair::new().map_err(SecurityError::zmq("make keys"))?;
-        Ok(Self { public: PublicKey(pair.public_key), secret: pair.secret_key })
+        let mut secret = [0; 32];
+        getrandom::fill(&mut secret).map_err(|source| SecurityError::Random { source })?;
+        let public = CurveSecretKey::from_bytes(secret).derive_public();
+        Ok(Self { public: PublicKey(*public.as_bytes()), secret })
     }
 
     /// A pair of a key file. Whether the two belong together shows when they are used.
@@ -91,6 +76,14 @@ impl KeyPair {
 
     pub(super) fn secret(&self) -> &[u8; 32] {
         &self.secret
+    }
+
+    /// As the protocol takes it.
+    pub(super) fn for_curve(&self) -> CurveKeypair {
+        CurveKeypair {
+            public: CurvePublicKey::from_bytes(self.public.0),
+            secret: CurveSecretKey::from_bytes(self.secret),
+        }
     }
 }
 

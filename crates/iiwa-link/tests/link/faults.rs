@@ -10,7 +10,7 @@ use std::{
 
 use iiwa_link::{
     ClientError, Faults, Remote, Server, TimedJoints,
-    message::{Code, DriveState, Presence, Refusal, Run},
+    message::{Code, DriveState, MAX_SHORT_REQUEST_BYTES, Presence, Refusal, Run},
 };
 use iiwa_path::{Motion, Ptp};
 
@@ -20,7 +20,7 @@ use crate::{
 };
 
 /// Joint 1 from where it is to `deg`, so slowly that there is time for faults: 40 deg take 2 s.
-fn slowly_to(deg: f64) -> Vec<Motion> {
+pub(crate) fn slowly_to(deg: f64) -> Vec<Motion> {
     let mut target = [0.0; 7];
     target[0] = deg.to_radians();
     vec![Motion::Ptp(Ptp::to(target).velocity(0.2))]
@@ -66,11 +66,19 @@ fn refused(result: Result<Run, ClientError>) -> (Refusal, Run) {
 
 /// Both kinds of runs work as if nothing had been, from where the arm is.
 fn assert_works(rig: &Rig) {
-    rig.wait_until_ready();
-    let back = rig.client().run_motions(slowly_to(0.0), Some(LONG)).unwrap();
-    assert!(back.cycle_time_s.is_some());
-    let run = rig.client().run_trajectory(trajectory_to(5.0), Some(LONG)).unwrap();
-    assert!(run.samples.t_s.len() > 10);
+    let run = (0..20).find_map(|_| {
+        rig.wait_until_ready();
+        let back = rig.client().run_motions(slowly_to(0.0), Some(LONG)).unwrap();
+        assert!(back.cycle_time_s.is_some());
+        rig.wait_until_ready();
+        match rig.client().run_trajectory(trajectory_to(5.0), Some(LONG)) {
+            Ok(run) => Some(run),
+            // The machine stood still for some cycles.
+            Err(error) if error.to_string().contains("quality") => None,
+            Err(error) => panic!("{error}"),
+        }
+    });
+    assert!(run.unwrap().samples.t_s.len() > 10);
     rig.client().run_motions(slowly_to(0.0), Some(LONG)).unwrap();
     assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
 }
@@ -392,7 +400,9 @@ fn garbage_and_a_hundred_megabytes_harm_nobody() {
     let bodies: [&[u8]; 5] = [b"", b"\xff\xfe", b"[]", b"{\"type\": 3}", &deep];
     for body in bodies {
         let answer = ask(zmq::REQ, &[body]).expect("an answer");
-        assert!(answer.contains("\"bad_request\""), "{answer}");
+        // What is long is not even read while something runs.
+        let code = if body.len() > MAX_SHORT_REQUEST_BYTES { "not_idle" } else { "bad_request" };
+        assert!(answer.contains(&format!("\"{code}\"")), "{answer}");
     }
     // More than one frame, and a dealer with and without the empty one.
     assert!(ask(zmq::REQ, &[b"{}", b"{}"]).expect("an answer").contains("bad_request"));

@@ -11,8 +11,10 @@
 )]
 
 mod bad_input;
+mod bounds;
 mod faults;
 mod peer;
 mod rig;
 mod runs;
 mod streaming;
+mod wire;

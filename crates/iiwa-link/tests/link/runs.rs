@@ -91,6 +91,21 @@ fn trajectories_take_their_time_and_path() {
     }
 }
 
+/// To the ends of the ranges and back, at full speed: set-points between points do not swing beyond.
+#[test]
+fn trajectories_reach_the_ends_of_the_range() {
+    let range = Robot::default().limits().position_rad;
+    let mut far = [0.0; 7];
+    (far[0], far[3], far[6]) = (range[0], -range[3], range[6]);
+    let plan = planned(vec![Motion::Ptp(Ptp::to(far)), Motion::Ptp(Ptp::to([0.0; 7]))]);
+    for step_s in [0.004, 0.0071] {
+        let (_, run) = commanded(5, &sampled(&plan, step_s));
+        assert_as_planned(&run, &plan, 0.005);
+        let furthest = run.samples.joints_rad.iter().map(|q| q[0]).fold(0.0, f64::max);
+        assert!((furthest - range[0]).abs() < 1e-6, "{furthest} rad");
+    }
+}
+
 #[test]
 fn a_trajectory_from_elsewhere_is_refused() {
     let rig = Rig::new(5);

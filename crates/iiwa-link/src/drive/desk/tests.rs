@@ -1,20 +1,28 @@
-//! What the desk does when something gets lost between it and the robot program.
+//! What the desk does when something gets lost between it and the robot program, and that a stop
+//! withdraws what has not begun.
 
-use iiwa_path::Ptp;
+use iiwa_kin::Robot;
+use iiwa_path::{Motion, Ptp};
 use serde_json::{Value, json};
 
 use super::*;
-use crate::robot_program::Outcome;
+use crate::{
+    drive::checks::{Done, carry_out},
+    robot_program::{Acknowledgement, Outcome},
+    timed_joints::TimedJoints,
+};
 
 const FIRST_RUN: RunId = 100;
 
 /// A desk with a clock that is told how late it is.
 struct Scene {
     desk: Desk<&'static str>,
+    /// Runs that are to be checked.
+    jobs: Vec<Job<&'static str>>,
     now: Instant,
 }
 
-/// What came out, but for orders.
+/// What came out, but for orders and checks.
 #[derive(Debug, PartialEq)]
 enum Out {
     Reply(&'static str, Value),
@@ -25,7 +33,7 @@ enum Out {
 impl Scene {
     /// The robot program is idle, and the robot can be seen.
     fn new() -> Self {
-        let mut scene = Self { desk: Desk::new(Robot::default(), FIRST_RUN), now: Instant::now() };
+        let mut scene = Self { desk: Desk::new(FIRST_RUN), jobs: Vec::new(), now: Instant::now() };
         scene.say(DriveState::Idle, None, None);
         scene
     }
@@ -52,19 +60,40 @@ impl Scene {
     }
 
     fn ask(&mut self, client: &'static str, request: &Value) {
-        self.desk.request(client, request.to_string().as_bytes(), self.now);
+        self.request(client, request.to_string());
+    }
+
+    fn request(&mut self, client: &'static str, body: String) {
+        let asking = Asking { body: body.into(), permit: None, began: self.now };
+        self.desk.request(client, asking, self.now);
+    }
+
+    fn ask_for_motion(&mut self) {
+        let motions = vec![Motion::Ptp(Ptp::to([0.1; 7]))];
+        self.request("runner", Request::RunMotions { motions }.to_json());
+    }
+
+    /// What is to be checked is.
+    fn check(&mut self) -> Vec<Out> {
+        let out = self.out();
+        for job in std::mem::take(&mut self.jobs) {
+            match carry_out(&Robot::default(), job) {
+                Done::Checked(checked) => self.desk.checked(checked, self.now),
+                Done::Refused(..) => panic!("none of them is long"),
+            }
+        }
+        out
     }
 
     fn begin_motion(&mut self) {
-        let motions = vec![Motion::Ptp(Ptp::to([0.1; 7]))];
-        let request = Request::RunMotions { motions }.to_json();
-        self.desk.request("runner", request.as_bytes(), self.now);
+        self.ask_for_motion();
+        assert_eq!(self.check(), []);
     }
 
     fn begin_trajectory(&mut self) {
         let trajectory = TimedJoints { t_s: vec![0.0, 1.0], joints_rad: vec![[0.0; 7]; 2] };
-        let request = Request::RunTrajectory { trajectory }.to_json();
-        self.desk.request("runner", request.as_bytes(), self.now);
+        self.request("runner", Request::RunTrajectory { trajectory }.to_json());
+        assert_eq!(self.check(), []);
     }
 
     fn acknowledge(&mut self, seq: u64) {
@@ -86,13 +115,20 @@ impl Scene {
 
     fn out(&mut self) -> Vec<Out> {
         let json = |text: &str| serde_json::from_str(text).unwrap();
-        let known = |output| match output {
-            Output::Reply(client, text) => Some(Out::Reply(client, json(&text))),
-            Output::Instruct(text) => Some(Out::Instruct(json(&text))),
-            Output::Reconnect => Some(Out::Reconnect),
-            Output::Order(_) => None,
-        };
-        self.desk.take_outputs().into_iter().filter_map(known).collect()
+        let mut out = Vec::new();
+        for output in self.desk.take_outputs() {
+            match output {
+                Output::Reply(client, text) => out.push(Out::Reply(client, json(&text))),
+                Output::Answer(answer) => {
+                    out.push(Out::Reply(answer.client, json(&answer.write())));
+                }
+                Output::Instruct(text) => out.push(Out::Instruct(json(&text))),
+                Output::Reconnect => out.push(Out::Reconnect),
+                Output::Check(job) => self.jobs.push(job),
+                Output::Order(_) => {}
+            }
+        }
+        out
     }
 
     /// The names of the instructions that came out.
@@ -123,16 +159,17 @@ fn a_stop_that_gets_lost_is_told_again() {
     let mut scene = Scene::new();
     scene.begin_motion();
     scene.acknowledge(1);
+    scene.acknowledge(2);
     scene.say(DriveState::RunningMotion, Some(FIRST_RUN), None);
     scene.ask("stopper", &stop());
-    assert_eq!(scene.instructions(), ["run_motions", "stop"]);
+    assert_eq!(scene.instructions(), ["run_motions", "begin", "stop"]);
     scene.say(DriveState::RunningMotion, Some(FIRST_RUN), None);
     assert_eq!(scene.out(), []);
     scene.wait(2.1);
     assert_eq!(scene.out(), [Out::Reconnect]);
     scene.say(DriveState::RunningMotion, Some(FIRST_RUN), None);
     assert_eq!(scene.instructions(), ["stop"]);
-    scene.acknowledge(3);
+    scene.acknowledge(4);
     scene.say(DriveState::Idle, None, Some(FIRST_RUN));
     assert_eq!(scene.replies(), [("runner", true), ("stopper", true)]);
 }
@@ -158,9 +195,10 @@ fn the_end_of_a_trajectory_that_gets_lost_is_told_again() {
 fn a_lost_acknowledgement_does_not_hold_up_a_stop() {
     let mut scene = Scene::new();
     scene.begin_motion();
+    scene.acknowledge(1);
     scene.say(DriveState::RunningMotion, Some(FIRST_RUN), None);
     scene.ask("stopper", &stop());
-    assert_eq!(scene.instructions(), ["run_motions", "stop"]);
+    assert_eq!(scene.instructions(), ["run_motions", "begin", "stop"]);
 }
 
 #[test]
@@ -216,4 +254,122 @@ fn nobody_is_told_of_standing_while_nobody_knows() {
         out.iter().any(|out| matches!(out, Out::Reply("stopper", it) if it["ok"] == false)),
         "{out:?}"
     );
+}
+
+/// The error of the runner, and whether the stopper was answered.
+fn withdrawn(scene: &mut Scene) -> (String, bool) {
+    let mut error = String::new();
+    let mut stopped = false;
+    for out in scene.out() {
+        match out {
+            Out::Reply("runner", reply) => error = reply["error"]["message"].to_string(),
+            Out::Reply("stopper", reply) => stopped = reply["ok"] == true,
+            Out::Instruct(instruction) => assert_ne!(instruction["type"], "begin"),
+            other => panic!("{other:?}"),
+        }
+    }
+    (error, stopped)
+}
+
+#[test]
+fn a_stop_withdraws_a_run_that_is_checked() {
+    let mut scene = Scene::new();
+    scene.ask_for_motion();
+    scene.ask("stopper", &stop());
+    // At once: nothing can move any more.
+    let answered = scene.check();
+    assert_eq!(answered, [Out::Reply("stopper", json!({"ok": true}))]);
+    let (error, _) = withdrawn(&mut scene);
+    assert!(error.contains("before the run was begun"), "{error}");
+    // The next one is not affected.
+    scene.begin_motion();
+    assert_eq!(scene.instructions(), ["run_motions"]);
+}
+
+#[test]
+fn a_stop_withdraws_a_run_that_is_planned() {
+    let mut scene = Scene::new();
+    scene.begin_motion();
+    assert_eq!(scene.instructions(), ["run_motions"]);
+    scene.ask("stopper", &stop());
+    let (error, stopped) = withdrawn(&mut scene);
+    assert!(stopped && error.contains("before the run was begun"), "{error}");
+    // Its planning ends: it does not begin.
+    scene.acknowledge(1);
+    scene.say(DriveState::Idle, None, None);
+    assert_eq!(scene.out(), []);
+}
+
+#[test]
+fn a_stop_withdraws_a_run_that_is_still_read() {
+    let mut scene = Scene::new();
+    let began = scene.now;
+    scene.wait(0.01);
+    scene.ask("stopper", &stop());
+    assert_eq!(scene.replies(), [("stopper", true)]);
+    let motions = vec![Motion::Ptp(Ptp::to([0.1; 7]))];
+    let body = Request::RunMotions { motions }.to_json().into();
+    scene.desk.request("runner", Asking { body, permit: None, began }, scene.now);
+    assert_eq!(scene.check().len(), 1);
+    scene.begin_motion();
+    assert_eq!(scene.instructions(), ["run_motions"]);
+}
+
+#[test]
+fn a_client_that_goes_takes_its_run_with_it_before_it_begins() {
+    for stage in ["checked", "planned"] {
+        let mut scene = Scene::new();
+        scene.ask_for_motion();
+        if stage == "planned" {
+            assert_eq!(scene.check(), []);
+            assert_eq!(scene.instructions(), ["run_motions"]);
+        }
+        scene.desk.gone(|client| *client == "other", scene.now);
+        scene.desk.gone(|client| *client == "runner", scene.now);
+        scene.check();
+        let (error, _) = withdrawn(&mut scene);
+        assert!(error.contains("client has gone") || stage == "planned", "{error}");
+        scene.acknowledge(1);
+        assert_eq!(scene.instructions(), [""; 0]);
+    }
+    // From then on it goes on without its client.
+    let mut scene = Scene::new();
+    scene.begin_motion();
+    scene.acknowledge(1);
+    scene.acknowledge(2);
+    scene.out();
+    scene.desk.gone(|client| *client == "runner", scene.now);
+    assert_eq!(scene.out(), []);
+}
+
+#[test]
+fn a_run_that_was_given_up_leaves_a_stop_in_doubt() {
+    let mut scene = Scene::new();
+    scene.begin_motion();
+    scene.acknowledge(1);
+    // That it is to begin is not acknowledged.
+    scene.wait(2.1);
+    scene.out();
+    scene.ask("stopper", &stop());
+    assert_eq!(scene.replies(), []);
+    scene.now += Duration::from_millis(10);
+    scene.say(DriveState::Idle, None, None);
+    assert_eq!(scene.replies(), [("stopper", true)]);
+}
+
+#[test]
+fn a_stop_has_an_end_and_a_reason() {
+    let mut scene = Scene::new();
+    scene.say(DriveState::RunningMotion, Some(7), None);
+    scene.ask("stopper", &stop());
+    for _ in 0..9 {
+        scene.wait(0.5);
+        scene.say(DriveState::RunningMotion, Some(7), None);
+    }
+    let replies = scene.out();
+    let reply = replies.iter().find_map(|out| match out {
+        Out::Reply("stopper", reply) => Some(reply),
+        _ => None,
+    });
+    assert_eq!(reply.unwrap()["error"]["code"], "timeout");
 }

@@ -1,0 +1,112 @@
+//! What a process that was killed has left behind, and how it is told from what is in use.
+//!
+//! Temporary files and folders are locked for as long as their process lives: the system gives the lock
+//! back however it ends. What bears the name of one and is not locked belongs to nobody.
+
+use std::{
+    collections::HashSet,
+    fs::{self, File},
+    io,
+    path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
+};
+
+/// How temporary files or folders are called.
+#[derive(Clone, Copy)]
+pub(crate) struct Name {
+    pub(crate) prefix: &'static str,
+    pub(crate) suffix: &'static str,
+    pub(crate) is_folder: bool,
+}
+
+impl Name {
+    /// One of its kind, made by `make`, that nothing removes as long as the lock is open. Leftovers of the
+    /// same name beside it are removed.
+    ///
+    /// Between making and locking it, another process may have taken it for a leftover: then it is made
+    /// again.
+    pub(crate) fn make<T>(
+        self,
+        folder: &Path,
+        mut make: impl FnMut(&mut tempfile::Builder<'_, '_>) -> io::Result<T>,
+        path: impl Fn(&T) -> &Path,
+    ) -> io::Result<(T, Option<File>)> {
+        self.clear(folder);
+        loop {
+            let made = make(tempfile::Builder::new().prefix(self.prefix).suffix(self.suffix))?;
+            // Where files cannot be locked, leftovers cannot be either, and so they stay.
+            let lock = File::open(path(&made)).and_then(|file| file.lock().map(|()| file)).ok();
+            if path(&made).symlink_metadata().is_ok() {
+                return Ok((made, lock));
+            }
+        }
+    }
+
+    /// Removes the leftovers in a folder, once for each folder.
+    fn clear(self, folder: &Path) {
+        static CLEARED: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
+        {
+            let mut cleared = CLEARED.lock().unwrap_or_else(PoisonError::into_inner);
+            if !cleared.get_or_insert_default().insert(folder.join(self.prefix)) {
+                return;
+            }
+        }
+        // What cannot be read or removed stays: it is in nobody's way.
+        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            if name.starts_with(self.prefix) && name.ends_with(self.suffix) {
+                self.remove_unless_used(&entry.path());
+            }
+        }
+    }
+
+    fn remove_unless_used(self, path: &Path) {
+        let is_mine = path
+            .symlink_metadata()
+            .is_ok_and(|kind| if self.is_folder { kind.is_dir() } else { kind.is_file() });
+        if !is_mine {
+            return;
+        }
+        let Ok(file) = File::open(path) else { return };
+        if file.try_lock().is_ok() {
+            let _ = if self.is_folder { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NAME: Name = Name { prefix: ".part-of-a-test-", suffix: ".part", is_folder: false };
+
+    #[test]
+    fn what_is_in_use_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let (used, left, other) =
+            (at(".part-of-a-test-1.part"), at(".part-of-a-test-2.part"), at("part.part"));
+        for path in [&used, &left, &other] {
+            fs::write(path, "text").unwrap();
+        }
+        fs::create_dir(at(".part-of-a-test-3.part")).unwrap();
+        let lock = File::open(&used).unwrap();
+        lock.lock().unwrap();
+        let make = || {
+            let make = |name: &mut tempfile::Builder<'_, '_>| name.tempfile_in(folder.path());
+            NAME.make(folder.path(), make, tempfile::NamedTempFile::path).unwrap()
+        };
+        let (made, held) = make();
+        assert!(!left.exists() && used.exists() && other.exists());
+        assert!(at(".part-of-a-test-3.part").exists());
+        // The next process, as it were.
+        drop(lock);
+        NAME.remove_unless_used(made.path());
+        NAME.remove_unless_used(&used);
+        assert!(made.path().exists() && !used.exists());
+        drop(held);
+        NAME.remove_unless_used(made.path());
+        assert!(!made.path().exists());
+    }
+}

@@ -1,0 +1,108 @@
+//! How long the message is that is coming in, before it has come in.
+//!
+//! Frames of ZMTP (RFC 23) begin with flags and a length, in clear even with CURVE.
+
+/// Bits of a frame's flags.
+const MORE: u8 = 0x01;
+const LONG: u8 = 0x02;
+const COMMAND: u8 = 0x04;
+
+/// What a frame takes beside its bytes, however short it is.
+const FRAME_BYTES: u64 = 64;
+
+/// Reads along.
+#[derive(Debug, Default)]
+pub(super) struct Meter {
+    header: Vec<u8>,
+    /// Bytes of this frame that are still to come.
+    left: u64,
+    /// Bytes of the message, as far as its frames have been announced.
+    announced: u64,
+}
+
+impl Meter {
+    /// The next bytes of the stream.
+    pub(super) fn read(&mut self, mut bytes: &[u8]) {
+        while !bytes.is_empty() {
+            if self.left > 0 {
+                let count = usize::try_from(self.left).map_or(bytes.len(), |l| l.min(bytes.len()));
+                self.left -= count as u64;
+                bytes = &bytes[count..];
+            } else if let [byte, rest @ ..] = bytes {
+                self.header.push(*byte);
+                bytes = rest;
+                self.begin_frame();
+            }
+            if self.left == 0 && self.frame_has_begun() {
+                self.end_frame();
+            }
+        }
+    }
+
+    /// How long the message that is coming in will be at least, in bytes; 0 between messages.
+    pub(super) fn announced(&self) -> u64 {
+        self.announced
+    }
+
+    fn frame_has_begun(&self) -> bool {
+        self.header
+            .first()
+            .is_some_and(|flags| self.header.len() == if flags & LONG == 0 { 2 } else { 9 })
+    }
+
+    fn begin_frame(&mut self) {
+        if self.frame_has_begun() {
+            let length = self.header[1..].iter().fold(0, |sum, byte| sum << 8 | u64::from(*byte));
+            self.left = length;
+            self.announced = self.announced.saturating_add(length).saturating_add(FRAME_BYTES);
+        }
+    }
+
+    fn end_frame(&mut self) {
+        if self.header[0] & (MORE | COMMAND) != MORE {
+            self.announced = 0;
+        }
+        self.header.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_announced_by_its_frames() {
+        let mut meter = Meter::default();
+        let mut after = |bytes: &[u8]| {
+            meter.read(bytes);
+            meter.announced()
+        };
+        // An empty frame and one of 3 bytes.
+        assert_eq!(after(&[MORE]), 0);
+        assert_eq!(after(&[0]), 64);
+        assert_eq!(after(&[0, 3, b'a']), 64 + 67);
+        assert_eq!(after(b"b"), 64 + 67);
+        assert_eq!(after(b"c"), 0);
+        // A long one is known by its header, and so is a command.
+        assert_eq!(after(&[LONG, 0, 0, 0, 0, 4, 0, 0, 0]), (4 << 24) + 64);
+        assert_eq!(after(&vec![0; (4 << 24) - 1]), (4 << 24) + 64);
+        assert_eq!(after(&[0, COMMAND, 200]), 264);
+        assert_eq!(after(&[0; 200]), 0);
+        assert_eq!(after(&[0, 0, MORE, 0, MORE, 0]), 128);
+        assert_eq!(after(&[LONG | COMMAND, 255, 255, 255, 255, 255, 255, 255, 255]), u64::MAX);
+    }
+
+    #[test]
+    fn cuts_between_reads_do_not_matter() {
+        let mut stream = Vec::new();
+        for length in [0_u8, 1, 7, 255] {
+            stream.extend([MORE, length]);
+            stream.extend(vec![LONG; length.into()]);
+        }
+        for size in 1..20 {
+            let mut meter = Meter::default();
+            stream.chunks(size).for_each(|chunk| meter.read(chunk));
+            assert_eq!(meter.announced(), 4 * 64 + 263, "{size}");
+        }
+    }
+}

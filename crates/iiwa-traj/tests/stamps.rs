@@ -1,0 +1,45 @@
+//! Stamps increase, whatever takes no time.
+
+use iiwa_kin::Robot;
+use iiwa_path::{Motion, Path, Program, Ptp};
+use iiwa_traj::{Timing, Trajectory};
+
+fn wait(seconds: f64) -> Motion {
+    Motion::Wait { seconds }
+}
+
+#[test]
+fn a_wait_of_no_time_has_no_stamp() {
+    let there = Ptp::to([0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let motions = vec![
+        wait(0.0),
+        Motion::Ptp(there.clone()),
+        wait(0.0),
+        wait(0.5),
+        // Less than what is told apart at half a second.
+        wait(1e-18),
+        Motion::Ptp(there),
+        wait(0.0),
+    ];
+    let program = Program { robot: None, start_rad: [0.0; 7], motions };
+    let path = Path::new(&program, &Robot::default()).unwrap();
+    let plan = Trajectory::plan(&path, Timing::default()).unwrap();
+    for pair in plan.states().collect::<Vec<_>>().windows(2) {
+        assert!(pair[0].t_s < pair[1].t_s, "{pair:?}");
+    }
+    let pieces = plan.stretches().iter().flat_map(iiwa_traj::Stretch::pieces);
+    assert!(pieces.clone().all(|piece| piece.start_s < piece.end_s));
+    assert_eq!(pieces.count(), 4);
+    let motions: Vec<_> = plan.motions().iter().map(|figures| figures.motion).collect();
+    assert_eq!(motions, [1, 3, 5]);
+    assert_eq!(plan.totals().wait_time_s, 0.5);
+}
+
+#[test]
+fn a_program_may_take_no_time_at_all() {
+    let program = Program { robot: None, start_rad: [0.1; 7], motions: vec![wait(0.0)] };
+    let path = Path::new(&program, &Robot::default()).unwrap();
+    let plan = Trajectory::plan(&path, Timing::default()).unwrap();
+    assert_eq!((plan.cycle_time_s(), plan.states().count()), (0.0, 1));
+    assert_eq!(plan.at(0.0).q, [0.1; 7]);
+}

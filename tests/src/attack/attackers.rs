@@ -1,0 +1,323 @@
+//! Those who take away what others need, each kind in threads of its own until it is dropped.
+
+use std::{
+    io::{self, Write},
+    net::{SocketAddr, TcpStream},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread::{self, JoinHandle},
+    time::{Duration, Instant},
+};
+
+use super::{
+    rig::Addresses,
+    zmtp::{Peer, frame_head, message, subscription},
+};
+
+/// How many there are, and how much they send.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Size {
+    /// Connections to each port.
+    pub(super) connections: usize,
+    /// Connections to each port that complete the handshake.
+    pub(super) handshakes: usize,
+    /// Topics of a subscriber, in bytes.
+    pub(super) topics: usize,
+}
+
+/// A kind of attackers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    SilentConnections,
+    HalfRequests,
+    SilentHandshakes,
+    LongRequests,
+    DeafSubscribers,
+    Topics,
+    UnreadReplies,
+}
+
+impl Kind {
+    /// All of them.
+    pub(super) const ALL: [Self; 7] = [
+        Self::SilentConnections,
+        Self::HalfRequests,
+        Self::SilentHandshakes,
+        Self::LongRequests,
+        Self::DeafSubscribers,
+        Self::Topics,
+        Self::UnreadReplies,
+    ];
+
+    /// What it is called in the table.
+    pub(super) fn name(self, size: &Size) -> String {
+        let Size { connections, handshakes, topics } = size;
+        match self {
+            Self::SilentConnections => {
+                format!("{} silent connections", 5 * connections)
+            }
+            Self::HalfRequests => format!("{HALF_REQUESTS} half requests to the twin"),
+            Self::SilentHandshakes => format!("{} handshakes, then silence", 4 * handshakes),
+            Self::LongRequests => format!("{LONG_REQUESTS} clients with requests of 31 and 60 MB"),
+            Self::DeafSubscribers => format!("{DEAF_SUBSCRIBERS} subscribers that do not read"),
+            Self::Topics => format!("a subscriber with {} MB of topics", topics / 1_000_000),
+            Self::UnreadReplies => format!("{UNREAD} clients that leave `last_run` unread"),
+        }
+    }
+
+    /// Whether it goes against the stream, to which trajectories are close.
+    pub(super) fn is_subscriber(self) -> bool {
+        matches!(self, Self::DeafSubscribers | Self::Topics)
+    }
+
+    /// Begins it.
+    pub(super) fn start(self, at: &Addresses, size: &Size) -> Attack {
+        let mut attack = Attack::default();
+        match self {
+            Self::SilentConnections => {
+                for to in at.ports() {
+                    attack.hold(size.connections, move || open(to));
+                }
+            }
+            Self::HalfRequests => {
+                let to = at.twin;
+                attack.hold(HALF_REQUESTS, move || {
+                    let mut stream = open(to)?;
+                    stream.write_all(b"GET /live HTTP/1.1\r\nHost: 127.0.0.1\r\nX-Half: ")?;
+                    Ok(stream)
+                });
+            }
+            Self::SilentHandshakes => {
+                for (to, kind) in [
+                    (at.requests, "DEALER"),
+                    (at.stream, "SUB"),
+                    (at.cabinet_instructions, "DEALER"),
+                    (at.cabinet_state, "REP"),
+                ] {
+                    attack.hold(size.handshakes, move || Ok(Peer::connect(to, kind)?.stream));
+                }
+            }
+            Self::LongRequests => {
+                let bodies = LONG_REQUEST_BYTES
+                    .map(|bytes| [Arc::new(garbage(bytes)), Arc::new(trajectory(bytes))]);
+                for i in 0..LONG_REQUESTS {
+                    let (to, body) = (at.requests, Arc::clone(&bodies[i % 2][i / 2 % 2]));
+                    attack.spawn(move |over| long_requests(to, &body, over));
+                }
+            }
+            Self::DeafSubscribers => {
+                let to = at.stream;
+                attack.hold(DEAF_SUBSCRIBERS, move || {
+                    let mut peer = Peer::connect(to, "SUB")?;
+                    peer.stream.write_all(&subscription(b""))?;
+                    Ok(peer.stream)
+                });
+            }
+            Self::Topics => {
+                let (to, bytes) = (at.stream, size.topics);
+                attack.spawn(move |over| topics(to, bytes, over));
+            }
+            Self::UnreadReplies => {
+                for _ in 0..UNREAD {
+                    let to = at.requests;
+                    attack.spawn(move |over| unread_replies(to, over));
+                }
+            }
+        }
+        attack
+    }
+}
+
+const HALF_REQUESTS: usize = 1100;
+const LONG_REQUESTS: usize = 12;
+const DEAF_SUBSCRIBERS: usize = 3;
+const UNREAD: usize = 3;
+
+/// Just below what a drive takes, 32 MiB, and above.
+const LONG_REQUEST_BYTES: [usize; 2] = [31_000_000, 60_000_000];
+
+/// An attack that is under way.
+#[derive(Default)]
+pub(super) struct Attack {
+    over: Arc<AtomicBool>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl Attack {
+    fn spawn(&mut self, work: impl FnOnce(&AtomicBool) + Send + 'static) {
+        let over = Arc::clone(&self.over);
+        self.threads.push(thread::spawn(move || work(&over)));
+    }
+
+    /// Keeps so many connections open, and opens those again that are closed.
+    fn hold(
+        &mut self,
+        count: usize,
+        open: impl Fn() -> io::Result<TcpStream> + Send + Copy + 'static,
+    ) {
+        // Several open them at a time: where nobody accepts any more, each waits for long.
+        const THREADS: usize = 4;
+        for i in 0..THREADS {
+            let count = count / THREADS + usize::from(i < count % THREADS);
+            self.spawn(move |over| hold(count, open, over));
+        }
+    }
+}
+
+impl Drop for Attack {
+    fn drop(&mut self) {
+        self.over.store(true, Ordering::Relaxed);
+        for thread in self.threads.drain(..) {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn hold(count: usize, open: impl Fn() -> io::Result<TcpStream>, over: &AtomicBool) {
+    /// Most attempts in a row before those that are open are looked at.
+    const AT_A_TIME: usize = 50;
+    let mut streams: Vec<TcpStream> = Vec::with_capacity(count);
+    while !over.load(Ordering::Relaxed) {
+        streams.retain(|stream| !is_closed(stream));
+        for _ in 0..AT_A_TIME.min(count - streams.len()) {
+            if over.load(Ordering::Relaxed) {
+                return;
+            }
+            let Ok(stream) = open() else { break };
+            if stream.set_nonblocking(true).is_ok() {
+                streams.push(stream);
+            }
+        }
+        thread::sleep(Duration::from_millis(50));
+    }
+}
+
+fn is_closed(stream: &TcpStream) -> bool {
+    match stream.peek(&mut [0]) {
+        Ok(count) => count == 0,
+        Err(error) => error.kind() != io::ErrorKind::WouldBlock,
+    }
+}
+
+fn open(to: SocketAddr) -> io::Result<TcpStream> {
+    TcpStream::connect_timeout(&to, Duration::from_millis(100))
+}
+
+/// Sends a long request again and again, and waits for each answer for a while.
+fn long_requests(to: SocketAddr, body: &[u8], over: &AtomicBool) {
+    while !over.load(Ordering::Relaxed) {
+        let Ok(mut peer) = Peer::connect(to, "REQ") else {
+            thread::sleep(Duration::from_millis(100));
+            continue;
+        };
+        // Until it is refused, or takes too long.
+        loop {
+            let head = [message(&[b"", b""])[..2].to_vec(), frame_head(0, body.len())].concat();
+            if push(&mut peer.stream, &head, over).is_err()
+                || push(&mut peer.stream, body, over).is_err()
+            {
+                break;
+            }
+            let since = Instant::now();
+            while !over.load(Ordering::Relaxed)
+                && since.elapsed() < Duration::from_secs(10)
+                && peer.stream.set_nonblocking(true).is_ok()
+                && matches!(peer.stream.peek(&mut [0]), Err(error) if error.kind() == io::ErrorKind::WouldBlock)
+            {
+                thread::sleep(Duration::from_millis(10));
+            }
+            if peer.stream.set_nonblocking(false).is_err()
+                || peer.receive(Duration::from_secs(1)).is_err()
+            {
+                break;
+            }
+        }
+    }
+}
+
+/// A string that never comes to its end.
+fn garbage(bytes: usize) -> Vec<u8> {
+    let mut text = br#"{"type": "run_motions", "motions": ""#.to_vec();
+    text.resize(bytes, b'x');
+    text
+}
+
+/// A trajectory that is well-formed, and rests far from where the arm is: it is refused once it was
+/// read.
+fn trajectory(bytes: usize) -> Vec<u8> {
+    // With all their digits, as programs write them.
+    let point = b"[2.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234],";
+    let stamp = |i: usize| format!("{:.3},", 0.004 * i as f64);
+    let count = (bytes - 1000) / (point.len() + 9);
+    let mut text = br#"{"type": "run_trajectory", "trajectory": {"t_s": ["#.to_vec();
+    (0..count).for_each(|i| text.extend(stamp(i).as_bytes()));
+    text.pop();
+    text.extend(br#"], "joints_rad": ["#);
+    (0..count).for_each(|_| text.extend(point));
+    text.pop();
+    text.extend(b"]}}");
+    text
+}
+
+/// Subscribes to a great many topics, again after each time.
+fn topics(to: SocketAddr, bytes: usize, over: &AtomicBool) {
+    let mut random = fastrand::Rng::with_seed(1);
+    while !over.load(Ordering::Relaxed) {
+        if let Ok(mut peer) = Peer::connect(to, "SUB") {
+            let mut sent = 0;
+            while sent < bytes {
+                let mut topic = [0; 900];
+                random.fill(&mut topic);
+                let command = subscription(&topic);
+                if push(&mut peer.stream, &command, over).is_err() {
+                    break;
+                }
+                sent += command.len();
+            }
+            nap(Duration::from_millis(500), over);
+        } else {
+            nap(Duration::from_millis(100), over);
+        }
+    }
+}
+
+/// Asks for the last run without end, and reads no answer.
+fn unread_replies(to: SocketAddr, over: &AtomicBool) {
+    let requests = message(&[b"", br#"{"type": "last_run"}"#]).repeat(100);
+    while !over.load(Ordering::Relaxed) {
+        if let Ok(mut peer) = Peer::connect(to, "DEALER") {
+            while push(&mut peer.stream, &requests, over).is_ok() {
+                thread::sleep(Duration::from_millis(1));
+            }
+        } else {
+            nap(Duration::from_millis(100), over);
+        }
+    }
+}
+
+/// Sends bytes for as long as the attack goes on.
+fn push(stream: &mut TcpStream, mut bytes: &[u8], over: &AtomicBool) -> io::Result<()> {
+    stream.set_write_timeout(Some(Duration::from_millis(100)))?;
+    while !bytes.is_empty() {
+        if over.load(Ordering::Relaxed) {
+            return Err(io::ErrorKind::Interrupted.into());
+        }
+        match stream.write(&bytes[..bytes.len().min(1 << 20)]) {
+            Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
+            Ok(count) => bytes = &bytes[count..],
+            Err(error)
+                if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
+}
+
+fn nap(duration: Duration, over: &AtomicBool) {
+    let since = Instant::now();
+    while since.elapsed() < duration && !over.load(Ordering::Relaxed) {
+        thread::sleep(Duration::from_millis(20));
+    }
+}

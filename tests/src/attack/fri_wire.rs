@@ -1,0 +1,137 @@
+//! Just enough of FRI's messages to see where the arm is commanded to. Written apart from the project's
+//! own decoder, so that a fault of that one cannot hide here.
+
+/// What is read of a message of the controller.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Monitoring {
+    /// Where the joints are commanded to, in rad.
+    pub(super) commanded_rad: Option<[f64; 7]>,
+    /// State of the session: 4 is commanding.
+    pub(super) session: u64,
+}
+
+/// What a field holds.
+enum Value<'a> {
+    Number(u64),
+    Double(f64),
+    Bytes(&'a [u8]),
+}
+
+/// Reads a message of the controller; none if it does not decode.
+pub(super) fn monitoring(datagram: &[u8]) -> Option<Monitoring> {
+    let mut read = Monitoring::default();
+    for_each(datagram, |number, value| {
+        match (number, value) {
+            (3, Value::Bytes(data)) => for_each(data, |number, value| {
+                if let (3, Value::Bytes(joints)) = (number, value) {
+                    read.commanded_rad = Some(joint_values(joints)?);
+                }
+                Some(())
+            })?,
+            (4, Value::Bytes(connection)) => for_each(connection, |number, value| {
+                if let (1, Value::Number(session)) = (number, value) {
+                    read.session = session;
+                }
+                Some(())
+            })?,
+            _ => {}
+        }
+        Some(())
+    })?;
+    Some(read)
+}
+
+/// Seven doubles, packed or one tag a value.
+fn joint_values(bytes: &[u8]) -> Option<[f64; 7]> {
+    let mut values = Vec::with_capacity(7);
+    for_each(bytes, |number, value| {
+        match (number, value) {
+            (1, Value::Double(value)) => values.push(value),
+            (1, Value::Bytes(packed)) => {
+                values.extend(
+                    packed
+                        .chunks_exact(8)
+                        .filter_map(|eight| eight.try_into().ok().map(f64::from_le_bytes)),
+                );
+            }
+            _ => {}
+        }
+        Some(())
+    })?;
+    values.try_into().ok()
+}
+
+/// Calls `take` with each field; none once something does not decode.
+fn for_each<'a>(
+    mut bytes: &'a [u8],
+    mut take: impl FnMut(u64, Value<'a>) -> Option<()>,
+) -> Option<()> {
+    while !bytes.is_empty() {
+        let tag = varint(&mut bytes)?;
+        let value = match tag & 7 {
+            0 => Value::Number(varint(&mut bytes)?),
+            1 => Value::Double(f64::from_le_bytes(cut(&mut bytes, 8)?.try_into().ok()?)),
+            2 => {
+                let length = usize::try_from(varint(&mut bytes)?).ok()?;
+                Value::Bytes(cut(&mut bytes, length)?)
+            }
+            5 => {
+                cut(&mut bytes, 4)?;
+                continue;
+            }
+            _ => return None,
+        };
+        take(tag >> 3, value)?;
+    }
+    Some(())
+}
+
+fn cut<'a>(bytes: &mut &'a [u8], length: usize) -> Option<&'a [u8]> {
+    let (head, tail) = bytes.split_at_checked(length)?;
+    *bytes = tail;
+    Some(head)
+}
+
+fn varint(bytes: &mut &[u8]) -> Option<u64> {
+    let mut value = 0;
+    for place in 0..10 {
+        let byte = *cut(bytes, 1)?.first()?;
+        value |= u64::from(byte & 0x7f) << (7 * place);
+        if byte & 0x80 == 0 {
+            return Some(value);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A field with a length before it.
+    fn field(number: u8, content: &[u8]) -> Vec<u8> {
+        [&[number << 3 | 2, u8::try_from(content.len()).unwrap()], content].concat()
+    }
+
+    #[test]
+    fn a_message_is_read_packed_or_not() {
+        let joints: [f64; 7] = std::array::from_fn(|j| j as f64 - 2.5);
+        let each = joints.map(|q| [&[0x09], q.to_le_bytes().as_slice()].concat()).concat();
+        let packed = field(1, &joints.map(f64::to_le_bytes).concat());
+        let header = field(1, &[0x0d, 0x42, 0x51, 0x24, 0x00]);
+        for values in [each, packed] {
+            let data = field(3, &field(3, &values));
+            let message = [header.clone(), data, field(4, &[0x08, 4, 0x10, 3])].concat();
+            let read = monitoring(&message).unwrap();
+            assert_eq!(read, Monitoring { commanded_rad: Some(joints), session: 4 });
+            // Cut off anywhere it is never misread.
+            for end in 0..message.len() {
+                let cut = monitoring(&message[..end]).and_then(|read| read.commanded_rad);
+                assert!(cut.is_none_or(|read| read == joints));
+            }
+        }
+        // Six values are not a position.
+        let short = field(3, &field(3, &[0x09; 54]));
+        assert_eq!(monitoring(&short), None);
+    }
+}

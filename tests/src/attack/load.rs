@@ -1,0 +1,224 @@
+//! Stops beside attackers: how long the answer takes once the arm stands, and what the programs take
+//! meanwhile.
+
+use std::{
+    fs,
+    path::Path,
+    thread,
+    time::{Duration, Instant},
+};
+
+use fastrand::Rng;
+
+use super::{
+    attackers::{Attack, Kind, Size},
+    process::Process,
+    report::Row,
+    rig::{Fault, Parts, Rig},
+    tell,
+    usage::Usage,
+    websocket::WebSocket,
+    within,
+    work::there_and_back,
+};
+
+/// A stop is answered so soon after the arm stands.
+const ANSWERED_WITHIN: Duration = Duration::from_millis(300);
+
+/// How long a stop may take before it counts as not answered.
+const GIVEN_UP_AFTER: Duration = Duration::from_secs(10);
+
+/// How much is attacked.
+pub(super) struct Extent {
+    pub(super) size: Size,
+    /// How long each kind of attack lasts.
+    pub(super) time: Duration,
+    /// How long all of them together last.
+    pub(super) together: Duration,
+}
+
+/// Attacks of each kind, and all of them together.
+pub(super) fn run(
+    binary: &Path,
+    seed: u64,
+    keys: bool,
+    extent: &Extent,
+) -> Result<Vec<Row>, Fault> {
+    let mut random = Rng::with_seed(seed);
+    let mut rows = Vec::new();
+    let each = Kind::ALL.map(|kind| (kind.name(&extent.size), vec![kind], extent.time));
+    let phases = [("nothing".to_owned(), vec![], extent.time)].into_iter().chain(each).chain([(
+        "all of them".to_owned(),
+        Kind::ALL.to_vec(),
+        extent.together,
+    )]);
+    for (mut name, kinds, time) in phases {
+        if keys {
+            name += ", with keys";
+        }
+        // Fresh programs: what one attack has left behind is not the next one's.
+        let mut rig = Rig::start(binary, Parts { twin: true, keys })?;
+        let mut phase = Phase { rig: &mut rig, random: random.fork(), name: &name };
+        rows.extend(phase.run(&kinds, &extent.size, time)?);
+    }
+    Ok(rows)
+}
+
+/// Stops beside attackers of some kinds.
+struct Phase<'a> {
+    rig: &'a mut Rig,
+    random: Rng,
+    name: &'a str,
+}
+
+/// Stops of one kind.
+#[derive(Default)]
+struct Stops {
+    count: usize,
+    failed: usize,
+    worst: Duration,
+}
+
+impl Phase<'_> {
+    fn run(&mut self, kinds: &[Kind], size: &Size, time: Duration) -> Result<Vec<Row>, Fault> {
+        let name = self.name;
+        let mut rows = Vec::new();
+        let page = self.rig.open_page();
+        let usage = Usage::begin(self.rig);
+        // Those that fill all places come last.
+        let attacks: Vec<Attack> =
+            kinds.iter().rev().map(|kind| kind.start(&self.rig.at, size)).collect();
+        // Until it is in full swing.
+        thread::sleep(Duration::from_secs(1));
+        if kinds.iter().all(|kind| kind.is_subscriber()) {
+            let attempts = self.attempt_trajectory()?;
+            rows.push(Row {
+                what: format!("a trajectory beside {name}"),
+                required: "unbroken".to_owned(),
+                measured: match attempts {
+                    Some(1) => "unbroken".to_owned(),
+                    Some(attempts) => format!("unbroken at attempt {attempts}"),
+                    None => "broken off".to_owned(),
+                },
+                met: attempts.is_some(),
+            });
+        }
+        let mut stops = [Stops::default(), Stops::default()];
+        let mut page = page.inspect_err(|error| tell(&format!("beside {name}: {error}"))).ok();
+        let mut begun = 0;
+        while usage.elapsed() < time || stops[1].count == 0 {
+            let mut run = self.start_run()?;
+            let since = Instant::now();
+            if self.rig.witness.await_move(since, Duration::from_secs(2)).is_some() {
+                begun += 1;
+                thread::sleep(Duration::from_secs_f64(0.1 + 0.3 * self.random.f64()));
+            }
+            let by_page = stops[0].count > stops[1].count;
+            let begin = Instant::now();
+            let answered = if by_page { press(page.as_mut()) } else { self.command_stop()? };
+            let at = Instant::now();
+            let (at, well) = match answered {
+                Ok(at) => (at, true),
+                Err(why) => {
+                    let by = if by_page { "the twin's button" } else { "`iiwasim stop`" };
+                    let after = (at - begin).as_secs_f64();
+                    tell(&format!("beside {name}: {by} failed after {after:.2} s: {why}"));
+                    (at, false)
+                }
+            };
+            let rest = self.rig.witness.last_move_before(at).map_or(begin, |rest| rest.max(begin));
+            let stop = &mut stops[usize::from(by_page)];
+            stop.count += 1;
+            stop.failed += usize::from(!well);
+            stop.worst = stop.worst.max(at - rest);
+            if run.wait(Duration::from_secs(2)).is_none() {
+                run.kill();
+            }
+            self.rig.witness.await_rest(Duration::from_secs(10));
+        }
+        rows.push(stops_row(name, &stops, begun));
+        rows.push(usage.row(name, self.rig));
+        drop(attacks);
+        Ok(rows)
+    }
+
+    /// When `iiwasim stop` has ended well, or why it has not.
+    fn command_stop(&self) -> Result<Result<Instant, String>, Fault> {
+        let mut stop = self.rig.client(&["stop"], false)?;
+        Ok(match stop.wait(GIVEN_UP_AFTER) {
+            Some(ended) if ended.well => Ok(ended.at),
+            Some(_) => Err(stop.said().trim().to_owned()),
+            None => Err("it goes on waiting".to_owned()),
+        })
+    }
+
+    fn start_run(&self) -> Result<Process, Fault> {
+        let file = self.write_program()?;
+        self.rig.client(&["run", file.as_str(), "--no-output"], true)
+    }
+
+    /// After how many attempts a commanded trajectory comes to its end. The machine may hold up the
+    /// controller's clock or the drive: an attack that breaks one off breaks off the next one, too.
+    fn attempt_trajectory(&mut self) -> Result<Option<u32>, Fault> {
+        for attempt in 1..=3 {
+            if self.run_trajectory()? {
+                return Ok(Some(attempt));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether a commanded trajectory comes to its end.
+    fn run_trajectory(&mut self) -> Result<bool, Fault> {
+        // FRI may just have had a bad moment: that counts if it stays.
+        if let Err(fault) = self.rig.await_ready() {
+            tell(&format!("beside {}: {fault}", self.name));
+            return Ok(false);
+        }
+        let file = self.write_program()?;
+        let mut run =
+            self.rig.client(&["run", file.as_str(), "--no-output", "--as-trajectory"], true)?;
+        let well = run.wait(Duration::from_secs(15)).is_some_and(|ended| ended.well);
+        if !well {
+            tell(run.said().trim());
+        }
+        Ok(well)
+    }
+
+    fn write_program(&self) -> Result<String, Fault> {
+        let from = self.rig.witness.position().ok_or("the witness has not seen the arm")?;
+        let file = self.rig.folder.path().join("program.json");
+        fs::write(&file, there_and_back(&from, Duration::from_secs(3)))?;
+        Ok(file.display().to_string())
+    }
+}
+
+/// When the twin has answered that the arm is stopped, or why it is not.
+fn press(page: Option<&mut WebSocket>) -> Result<Instant, String> {
+    let page = page.ok_or("the page is not open")?;
+    match page.stop(GIVEN_UP_AFTER) {
+        Ok((at, None)) => Ok(at),
+        Ok((_, Some(why))) => Err(why),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+fn stops_row(name: &str, stops: &[Stops; 2], begun: usize) -> Row {
+    let text = |Stops { count, failed, worst }: &Stops| {
+        format!("{:.2} s at worst of {count}, {failed} failed", worst.as_secs_f64())
+    };
+    let [command, button] = stops;
+    Row {
+        what: format!("stop beside {name}"),
+        required: format!(
+            "answered within {:.1} s of standing",
+            within(ANSWERED_WITHIN).as_secs_f64()
+        ),
+        measured: format!(
+            "command: {}; twin's button: {}; {begun} motions begun",
+            text(command),
+            text(button)
+        ),
+        met: stops.iter().all(|stops| stops.failed == 0 && stops.worst <= within(ANSWERED_WITHIN)),
+    }
+}

@@ -1,0 +1,18 @@
+//! What was measured, beside what is required.
+
+/// A line of the table.
+pub(super) struct Row {
+    pub(super) what: String,
+    pub(super) required: String,
+    pub(super) measured: String,
+    pub(super) met: bool,
+}
+
+/// The table in Markdown.
+pub(super) fn table(rows: &[Row]) -> String {
+    let head = "| what | required | measured | |\n|---|---|---|---|\n".to_owned();
+    rows.iter().fold(head, |table, Row { what, required, measured, met }| {
+        let verdict = if *met { "met" } else { "**not met**" };
+        table + &format!("| {what} | {required} | {measured} | {verdict} |\n")
+    })
+}

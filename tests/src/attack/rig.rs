@@ -1,0 +1,310 @@
+//! What is attacked: a cabinet, a drive and, where it is asked for, a twin, with the witness between.
+
+use std::{
+    error::Error,
+    fs,
+    net::SocketAddr,
+    path::{Path, PathBuf},
+    thread,
+    time::{Duration, Instant},
+};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use super::{ask::ask, process::Process, websocket::WebSocket, witness::Witness};
+use crate::ports::free_address;
+
+/// Why the harness itself cannot go on.
+pub(super) type Fault = Box<dyn Error + Send + Sync>;
+
+/// How long programs may take to start, and to find each other.
+const READY_WITHIN: Duration = Duration::from_secs(10);
+
+/// Open files that each program may have: the usual limit of a login.
+const FILES: u32 = 1024;
+
+/// What the rig is made of.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Parts {
+    pub(super) twin: bool,
+    pub(super) keys: bool,
+}
+
+/// The programs, and where they listen.
+pub(super) struct Rig {
+    pub(super) witness: Witness,
+    pub(super) cabinet: Option<Process>,
+    pub(super) drive: Option<Process>,
+    pub(super) twin: Option<Process>,
+    pub(super) at: Addresses,
+    /// With the token.
+    pub(super) page: String,
+    pub(super) folder: TempDir,
+    binary: PathBuf,
+    keys: bool,
+}
+
+/// Where the programs listen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Addresses {
+    pub(super) requests: SocketAddr,
+    pub(super) stream: SocketAddr,
+    pub(super) cabinet_instructions: SocketAddr,
+    pub(super) cabinet_state: SocketAddr,
+    pub(super) fri: SocketAddr,
+    pub(super) twin: SocketAddr,
+}
+
+impl Addresses {
+    /// All that take connections.
+    pub(super) fn ports(&self) -> [SocketAddr; 5] {
+        let Self { requests, stream, cabinet_instructions, cabinet_state, twin, .. } = *self;
+        [requests, stream, cabinet_instructions, cabinet_state, twin]
+    }
+}
+
+impl Rig {
+    /// Starts all of it, and waits until it is ready.
+    pub(super) fn start(binary: &Path, parts: Parts) -> Result<Self, Fault> {
+        let mut rig = Self::new(binary, parts)?;
+        if parts.keys {
+            rig.make_keys()?;
+        }
+        rig.start_cabinet()?;
+        rig.start_drive()?;
+        rig.await_ready()?;
+        if parts.twin {
+            rig.start_twin()?;
+        }
+        Ok(rig)
+    }
+
+    /// All but the programs.
+    pub(super) fn new(binary: &Path, parts: Parts) -> Result<Self, Fault> {
+        let at = Addresses {
+            requests: free_address(),
+            stream: free_address(),
+            cabinet_instructions: free_address(),
+            cabinet_state: free_address(),
+            fri: free_address(),
+            twin: free_address(),
+        };
+        Ok(Self {
+            witness: Witness::start(at.fri)?,
+            cabinet: None,
+            drive: None,
+            twin: None,
+            at,
+            page: String::new(),
+            folder: TempDir::new()?,
+            binary: binary.to_owned(),
+            keys: parts.keys,
+        })
+    }
+
+    /// Starts a cabinet, whose arm stands at the usual place.
+    pub(super) fn start_cabinet(&mut self) -> Result<(), Fault> {
+        self.cabinet = None;
+        // What the one before has sent is through.
+        thread::sleep(Duration::from_millis(20));
+        self.witness.forget();
+        let mut arguments = named(&[
+            ("--fri", self.witness.address),
+            ("--instructions", self.at.cabinet_instructions),
+            ("--state", self.at.cabinet_state),
+        ]);
+        if self.keys {
+            arguments.extend(self.key_options(&[("--key", "cabinet.key"), ("--allow", "drives")]));
+        }
+        self.cabinet = Some(self.serve("cabinet", &arguments)?);
+        Ok(())
+    }
+
+    /// Starts a drive.
+    pub(super) fn start_drive(&mut self) -> Result<(), Fault> {
+        self.drive = None;
+        let mut arguments = named(&[
+            ("--instructions", self.at.requests),
+            ("--stream", self.at.stream),
+            ("--fri", self.at.fri),
+        ]);
+        for (name, at) in [
+            ("--cabinet-instructions", self.at.cabinet_instructions),
+            ("--cabinet-state", self.at.cabinet_state),
+        ] {
+            arguments.extend([name.to_owned(), at.port().to_string()]);
+        }
+        if self.keys {
+            arguments.extend(self.key_options(&[
+                ("--key", "drive.key"),
+                ("--allow", "clients"),
+                ("--cabinet-key", "cabinet.pub"),
+            ]));
+        }
+        self.drive = Some(self.serve("drive", &arguments)?);
+        Ok(())
+    }
+
+    fn start_twin(&mut self) -> Result<(), Fault> {
+        let mut arguments = vec!["--port".to_owned(), self.at.twin.port().to_string()];
+        arguments.extend(self.client_options(true));
+        let twin = self.serve("twin", &arguments)?;
+        self.page = twin
+            .lines
+            .recv_timeout(READY_WITHIN)
+            .map_err(|_| format!("the twin gives no address: {}", twin.said()))?;
+        self.twin = Some(twin);
+        Ok(())
+    }
+
+    fn serve(&self, command: &str, arguments: &[String]) -> Result<Process, Fault> {
+        let arguments: Vec<_> =
+            [command].into_iter().chain(arguments.iter().map(String::as_str)).collect();
+        Ok(Process::start(&self.binary, &arguments, Some(FILES))?)
+    }
+
+    /// Starts a client: a command of the program, with the options that connect it.
+    pub(super) fn client(&self, command: &[&str], needs_stream: bool) -> Result<Process, Fault> {
+        let options = self.client_options(needs_stream);
+        let arguments: Vec<_> =
+            command.iter().copied().chain(options.iter().map(String::as_str)).collect();
+        Ok(Process::start(&self.binary, &arguments, None)?)
+    }
+
+    fn client_options(&self, needs_stream: bool) -> Vec<String> {
+        let mut options = named(&[("--drive", self.at.requests)]);
+        if needs_stream {
+            options.extend(named(&[("--stream", self.at.stream)]));
+        }
+        if self.keys {
+            options
+                .extend(self.key_options(&[("--key", "alice.key"), ("--server-key", "drive.pub")]));
+        }
+        options
+    }
+
+    fn key_options(&self, options: &[(&str, &str)]) -> Vec<String> {
+        let path = |file: &str| self.folder.path().join(file).display().to_string();
+        options.iter().flat_map(|(name, file)| [(*name).to_owned(), path(file)]).collect()
+    }
+
+    fn make_keys(&self) -> Result<(), Fault> {
+        let folder = self.folder.path();
+        for name in ["cabinet", "drive", "alice"] {
+            let into = folder.display().to_string();
+            let mut keygen =
+                Process::start(&self.binary, &["keygen", name, "--output", into.as_str()], None)?;
+            if !keygen.wait(READY_WITHIN).is_some_and(|ended| ended.well) {
+                return Err(format!("there are no keys: {}", keygen.said()).into());
+            }
+        }
+        for (who, list) in [("alice", "clients"), ("drive", "drives")] {
+            fs::create_dir_all(folder.join(list))?;
+            let public = format!("{who}.pub");
+            fs::copy(folder.join(&public), folder.join(list).join(&public))?;
+        }
+        Ok(())
+    }
+
+    /// What the drive says of itself; none if it does not answer.
+    pub(super) fn status(&self) -> Option<Value> {
+        const PATIENCE: Duration = Duration::from_secs(3);
+        if !self.keys {
+            return ask(self.at.requests, r#"{"type": "state"}"#, PATIENCE).ok();
+        }
+        let mut status = self.client(&["status", "--json"], false).ok()?;
+        status.wait(PATIENCE).filter(|ended| ended.well)?;
+        let lines: String = status.lines.iter().collect();
+        serde_json::from_str(&lines).ok()
+    }
+
+    /// Waits until the drive hears both of the cabinet's ends, and is heard.
+    pub(super) fn await_ready(&mut self) -> Result<(), Fault> {
+        let since = Instant::now();
+        loop {
+            if self.status().as_ref().is_some_and(is_ready) {
+                return Ok(());
+            }
+            let ended = [("cabinet", &mut self.cabinet), ("drive", &mut self.drive)]
+                .into_iter()
+                .find_map(|(name, process)| {
+                    let process = process.as_mut()?;
+                    (!process.runs()).then(|| format!("the {name} has ended: {}", process.said()))
+                });
+            if let Some(ended) = ended {
+                return Err(ended.into());
+            }
+            if since.elapsed() > READY_WITHIN {
+                return Err("the drive does not get ready".into());
+            }
+            thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Waits until nothing runs and the arm stands, and asks for a stop until then; starts what does
+    /// not run.
+    pub(super) fn await_idle(&mut self) -> Result<(), Fault> {
+        const PATIENCE: Duration = Duration::from_secs(15);
+        let since = Instant::now();
+        let mut stops = 0;
+        loop {
+            if !self.cabinet.as_mut().is_some_and(Process::runs) {
+                self.start_cabinet()?;
+            }
+            if !self.drive.as_mut().is_some_and(Process::runs) {
+                self.start_drive()?;
+            }
+            let status = self.status();
+            let idle = status
+                .as_ref()
+                .is_some_and(|status| is_ready(status) && status["state"].as_str() == Some("idle"));
+            if idle && self.witness.stands() {
+                return Ok(());
+            }
+            if since.elapsed() > PATIENCE {
+                return Err(self.describe(status).into());
+            }
+            if since.elapsed() > Duration::from_secs(stops) {
+                stops += 1;
+                let mut stop = self.client(&["stop"], false)?;
+                stop.wait(Duration::from_secs(8));
+            }
+            thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// Ends cabinet and drive and starts them again.
+    pub(super) fn restart(&mut self) -> Result<(), Fault> {
+        self.drive = None;
+        self.start_cabinet()?;
+        self.start_drive()?;
+        self.await_ready()
+    }
+
+    fn describe(&self, status: Option<Value>) -> String {
+        let said = |process: &Option<Process>| process.as_ref().map(Process::said);
+        format!(
+            "the robot does not become idle: the drive says {}, the arm {}; cabinet: {:?}, drive: {:?}",
+            status.unwrap_or_default(),
+            if self.witness.stands() { "stands" } else { "moves" },
+            said(&self.cabinet),
+            said(&self.drive),
+        )
+    }
+
+    /// Connects as the twin's page.
+    pub(super) fn open_page(&self) -> Result<WebSocket, Fault> {
+        let token = self.page.split_once("token=").ok_or("the twin's address has no token")?.1;
+        Ok(WebSocket::connect(self.at.twin, &format!("/live?token={}", token.trim()))?)
+    }
+}
+
+fn is_ready(status: &Value) -> bool {
+    status["robot_program"].as_str() == Some("connected")
+        && matches!(status["fri"]["quality"].as_str(), Some("good" | "excellent"))
+}
+
+fn named(options: &[(&str, SocketAddr)]) -> Vec<String> {
+    options.iter().flat_map(|(name, at)| [(*name).to_owned(), at.to_string()]).collect()
+}

@@ -1,0 +1,53 @@
+//! Attacks the programs of the command line from outside:
+//! `attack BINARY [stop|load|memory|all] [--long] [--keys] [--shared] [--seed N]`.
+
+use std::{path::PathBuf, process::ExitCode};
+
+use iiwasim_tests::attack::{Options, Part, run};
+
+fn main() -> ExitCode {
+    match options() {
+        Ok(options) => run(&options),
+        Err(what) => {
+            usage(&what);
+            ExitCode::from(2)
+        }
+    }
+}
+
+#[expect(clippy::print_stderr, reason = "a program says how it is used")]
+fn usage(what: &str) {
+    eprintln!(
+        "{what}\nusage: attack BINARY [stop|load|memory|all] [--long] [--keys] [--shared] [--seed N]"
+    );
+}
+
+fn options() -> Result<Options, String> {
+    let mut arguments = std::env::args().skip(1);
+    let binary = arguments.next().ok_or("which program is to be attacked?")?;
+    let mut options = Options {
+        binary: PathBuf::from(binary),
+        part: Part::All,
+        long: false,
+        keys: false,
+        shared: false,
+        seed: fastrand::u64(..1_000_000),
+    };
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "stop" => options.part = Part::Stop,
+            "load" => options.part = Part::Load,
+            "memory" => options.part = Part::Memory,
+            "all" => options.part = Part::All,
+            "--long" => options.long = true,
+            "--keys" => options.keys = true,
+            "--shared" => options.shared = true,
+            "--seed" => {
+                let seed = arguments.next().and_then(|seed| seed.parse().ok());
+                options.seed = seed.ok_or("--seed needs a number")?;
+            }
+            other => return Err(format!("`{other}` is not known")),
+        }
+    }
+    Ok(options)
+}
