@@ -3,6 +3,7 @@
 
 #[cfg(unix)]
 pub mod attack;
+pub mod calm;
 pub mod differences;
 pub mod ports;
 pub mod random;

@@ -6,6 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use iiwasim_tests::calm::in_real_time;
 use predicates::{
     prelude::PredicateBooleanExt,
     str::{contains, is_empty, is_match, starts_with},
@@ -15,224 +16,252 @@ use crate::rig::{Rig, wait_for};
 
 #[test]
 fn the_robot_tells_of_itself() {
-    let rig = Rig::new();
-    rig.iiwasim("status", &[])
-        .success()
-        .stdout(starts_with("state          idle\njoints           0.000    0.000 "))
-        .stdout(contains("monitoring_ready, quality").and(contains("robot program  connected")))
-        .stderr(is_empty());
-    let status = rig.json("status", &[]);
-    assert_eq!(status["state"], "idle");
-    assert_eq!(status["joints_rad"].as_array().unwrap().len(), 7);
-    assert!(status["t_s"].as_f64().unwrap() > 0.0);
-    assert_eq!((&status["fri"]["lost"], &status["fri"]["late"]), (&0.into(), &0.into()));
+    in_real_time(|| {
+        let rig = Rig::new();
+        rig.iiwasim("status", &[])
+            .success()
+            .stdout(starts_with("state          idle\njoints           0.000    0.000 "))
+            .stdout(contains("monitoring_ready, quality").and(contains("robot program  connected")))
+            .stderr(is_empty());
+        let status = rig.json("status", &[]);
+        assert_eq!(status["state"], "idle");
+        assert_eq!(status["joints_rad"].as_array().unwrap().len(), 7);
+        assert!(status["t_s"].as_f64().unwrap() > 0.0);
+        assert_eq!((&status["fri"]["lost"], &status["fri"]["late"]), (&0.into(), &0.into()));
 
-    rig.iiwasim("sensors", &[]).success().stdout(contains("external torque Nm"));
-    let sensors = rig.json("sensors", &[]);
-    for key in ["joint_temperature_c", "external_torque_nm"] {
-        assert_eq!(sensors[key].as_array().unwrap().len(), 7);
-    }
+        rig.iiwasim("sensors", &[]).success().stdout(contains("external torque Nm"));
+        let sensors = rig.json("sensors", &[]);
+        for key in ["joint_temperature_c", "external_torque_nm"] {
+            assert_eq!(sensors[key].as_array().unwrap().len(), 7);
+        }
 
-    let io = |arguments: &[&str]| rig.iiwasim("io", arguments);
-    io(&["get", "MediaFlange.LEDBlue"]).success().stdout("false\n");
-    io(&["set", "MediaFlange.LEDBlue", "true"]).success().stdout("true\n");
-    io(&["get", "MediaFlange.LEDBlue"]).success().stdout("true\n");
-    io(&["set", "Simulation.AnalogOutput", "-1.5"]).success().stdout("-1.5\n");
-    io(&["set", "MediaFlange.LEDBlue", "7"]).code(2).stderr(contains("true or false, not 7"));
-    io(&["set", "MediaFlange.LEDBlue", "on"]).code(2).stderr(contains("`on` is not true, false"));
-    io(&["set", "MediaFlange.UserButton", "true"]).code(2).stderr(contains("is an input"));
-    io(&["get", "Lamp"]).code(2).stdout(is_empty()).stderr(contains("MediaFlange.LEDBlue"));
+        let io = |arguments: &[&str]| rig.iiwasim("io", arguments);
+        io(&["get", "MediaFlange.LEDBlue"]).success().stdout("false\n");
+        io(&["set", "MediaFlange.LEDBlue", "true"]).success().stdout("true\n");
+        io(&["get", "MediaFlange.LEDBlue"]).success().stdout("true\n");
+        io(&["set", "Simulation.AnalogOutput", "-1.5"]).success().stdout("-1.5\n");
+        io(&["set", "MediaFlange.LEDBlue", "7"]).code(2).stderr(contains("true or false, not 7"));
+        io(&["set", "MediaFlange.LEDBlue", "on"])
+            .code(2)
+            .stderr(contains("`on` is not true, false"));
+        io(&["set", "MediaFlange.UserButton", "true"]).code(2).stderr(contains("is an input"));
+        io(&["get", "Lamp"]).code(2).stdout(is_empty()).stderr(contains("MediaFlange.LEDBlue"));
+    });
 }
 
 #[test]
 fn anybody_can_stop_the_robot() {
-    let rig = Rig::new();
-    let running = rig.begin("run", &[rig.slow_program()]);
-    wait_for("motion", || rig.joint_1() > 0.2);
-    rig.iiwasim("stop", &[]).success().stdout("The robot stands\n").stderr(is_empty());
-    let here = rig.joint_1();
-    assert!(here < 1.0);
-    let ended = running.end().code(1);
-    assert!(ended.stderr.contains("stopped on request at"), "{}", ended.stderr);
-    rig.iiwasim("stop", &[]).success().stdout("The robot stands\n");
-    assert_eq!(rig.joint_1(), here);
+    in_real_time(|| {
+        let rig = Rig::new();
+        let running = rig.begin("run", &[rig.slow_program()]);
+        wait_for("motion", || rig.joint_1() > 0.2);
+        rig.iiwasim("stop", &[]).success().stdout("The robot stands\n").stderr(is_empty());
+        let here = rig.joint_1();
+        assert!(here < 1.0);
+        let ended = running.end().code(1);
+        assert!(ended.stderr.contains("stopped on request at"), "{}", ended.stderr);
+        rig.iiwasim("stop", &[]).success().stdout("The robot stands\n");
+        assert_eq!(rig.joint_1(), here);
+    });
 }
 
 #[test]
 fn a_program_runs() {
-    let rig = Rig::new();
-    let program = rig.slow_program();
-    rig.iiwasim("run", &[program])
-        .success()
-        .stdout(contains("Cycle time 3.198 s").and(contains("A1 velocity")))
-        .stdout(
-            is_match("Measured   3.20[0-9] s, planned 3.198 s: the plan is off by -0.00").unwrap(),
-        )
-        .stdout(
-            is_match("\n64[0-9] samples of what the robot did in slow.measured.mcap\n").unwrap(),
-        )
-        .stderr(is_empty());
-    let recording = rig.recording("slow.measured.mcap");
-    let [first, .., last] = recording.joint_states.as_slice() else { panic!("no states") };
-    assert!(first.q[0].abs() < 1e-3 && (last.q[0].to_degrees() - 60.0).abs() < 1e-3);
-    assert!(first.t_s < 0.01 && (last.t_s - 3.2).abs() < 0.01);
-    assert_eq!(recording.attachments.len(), 2);
-    let metadata = &recording.metadata["iiwasim"];
-    assert_eq!(metadata["samples"], recording.joint_states.len().to_string());
-    assert!((metadata["cycle_time_s"].parse::<f64>().unwrap() - 3.2).abs() < 0.01);
+    in_real_time(|| {
+        let rig = Rig::new();
+        let program = rig.slow_program();
+        rig.iiwasim("run", &[program])
+            .success()
+            .stdout(contains("Cycle time 3.198 s").and(contains("A1 velocity")))
+            .stdout(
+                is_match("Measured   3.20[0-9] s, planned 3.198 s: the plan is off by -0.00")
+                    .unwrap(),
+            )
+            .stdout(
+                is_match("\n64[0-9] samples of what the robot did in slow.measured.mcap\n")
+                    .unwrap(),
+            )
+            .stderr(is_empty());
+        let recording = rig.recording("slow.measured.mcap");
+        let [first, .., last] = recording.joint_states.as_slice() else { panic!("no states") };
+        assert!(first.q[0].abs() < 1e-3 && (last.q[0].to_degrees() - 60.0).abs() < 1e-3);
+        assert!(first.t_s < 0.01 && (last.t_s - 3.2).abs() < 0.01);
+        assert_eq!(recording.attachments.len(), 2);
+        let metadata = &recording.metadata["iiwasim"];
+        assert_eq!(metadata["samples"], recording.joint_states.len().to_string());
+        assert!((metadata["cycle_time_s"].parse::<f64>().unwrap() - 3.2).abs() < 0.01);
 
-    // The arm is at the other end now.
-    rig.iiwasim("run", &[program])
-        .code(1)
-        .stderr(contains("joint 1 is at 60.000 deg, the program starts at 0.000 deg"))
-        .stderr(contains("--move-to-start"));
-    let arguments = ["--move-to-start=100", "--as-trajectory", "--json", "-o", "again.mcap"];
-    let run = rig.iiwasim("run", &[&arguments[..], &[program]].concat()).success();
-    let figures: serde_json::Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
-    let number = |key: &str| figures[key].as_f64().unwrap();
-    let [planned_s, measured_s] = ["planned_cycle_time_s", "measured_cycle_time_s"].map(number);
-    assert!((number("error_s") - (planned_s - measured_s)).abs() < 1e-12);
-    assert!((number("error_percent") - 100.0 * number("error_s") / measured_s).abs() < 1e-12);
-    assert!(number("error_s").abs() < 0.02, "{figures}");
-    assert!(figures["ended_after_s"].is_null());
-    assert_eq!(figures["output"], "again.mcap");
-    let states = rig.recording("again.mcap").joint_states;
-    assert_eq!(number("samples"), states.len() as f64);
-    assert!((rig.joint_1().to_degrees() - 60.0).abs() < 1e-3);
+        // The arm is at the other end now.
+        rig.iiwasim("run", &[program])
+            .code(1)
+            .stderr(contains("joint 1 is at 60.000 deg, the program starts at 0.000 deg"))
+            .stderr(contains("--move-to-start"));
+        let arguments = ["--move-to-start=100", "--as-trajectory", "--json", "-o", "again.mcap"];
+        let run = rig.iiwasim("run", &[&arguments[..], &[program]].concat()).success();
+        let figures: serde_json::Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+        let number = |key: &str| figures[key].as_f64().unwrap();
+        let [planned_s, measured_s] = ["planned_cycle_time_s", "measured_cycle_time_s"].map(number);
+        assert!((number("error_s") - (planned_s - measured_s)).abs() < 1e-12);
+        assert!((number("error_percent") - 100.0 * number("error_s") / measured_s).abs() < 1e-12);
+        assert!(number("error_s").abs() < 0.02, "{figures}");
+        assert!(figures["ended_after_s"].is_null());
+        assert_eq!(figures["output"], "again.mcap");
+        let states = rig.recording("again.mcap").joint_states;
+        assert_eq!(number("samples"), states.len() as f64);
+        assert!((rig.joint_1().to_degrees() - 60.0).abs() < 1e-3);
+    });
 }
 
 #[test]
 fn no_file_is_written_unless_it_is_asked_for() {
-    let rig = Rig::new();
-    rig.iiwasim("run", &[rig.slow_program(), "--no-output"]).success();
-    assert!(!rig.path("slow.measured.mcap").exists());
+    in_real_time(|| {
+        let rig = Rig::new();
+        rig.iiwasim("run", &[rig.slow_program(), "--no-output"]).success();
+        assert!(!rig.path("slow.measured.mcap").exists());
+    });
 }
 
 #[test]
 fn a_recording_lasts_as_long_as_asked() {
-    let rig = Rig::new();
-    rig.iiwasim("record", &["-o", "r.mcap", "--seconds", "1"])
-        .success()
-        .stdout(is_match("^[0-9]+ samples over [01].[0-9]+ s in r.mcap\n$").unwrap());
-    let states = rig.recording("r.mcap").joint_states;
-    // 200 a second, but for the time that it takes to connect.
-    assert!((100..=210).contains(&states.len()), "{} samples", states.len());
-    rig.iiwasim("record", &["-o", "r.mcap"]).code(2).stderr(contains("r.mcap exists"));
+    in_real_time(|| {
+        let rig = Rig::new();
+        rig.iiwasim("record", &["-o", "r.mcap", "--seconds", "1"])
+            .success()
+            .stdout(is_match("^[0-9]+ samples over [01].[0-9]+ s in r.mcap\n$").unwrap());
+        let states = rig.recording("r.mcap").joint_states;
+        // 200 a second, but for the time that it takes to connect.
+        assert!((100..=210).contains(&states.len()), "{} samples", states.len());
+        rig.iiwasim("record", &["-o", "r.mcap"]).code(2).stderr(contains("r.mcap exists"));
 
-    let recorder = rig.begin("record", &["-o", "s.mcap"]);
-    // It has its first second in the file before the arm moves.
-    wait_for("samples", || !rig.recording_so_far("s.mcap").is_empty());
-    rig.iiwasim("run", &[rig.slow_program(), "--no-output"]).success();
-    thread::sleep(Duration::from_millis(300));
-    recorder.signal("INT");
-    let ended = recorder.end().code(0);
-    assert!(ended.stdout.contains(" samples over "), "{}", ended.stdout);
-    let recording = rig.recording("s.mcap");
-    let [first, .., last] = recording.joint_states.as_slice() else { panic!("no states") };
-    assert!(first.q[0].abs() < 1e-3, "{first:?}");
-    assert!((last.q[0].to_degrees() - 60.0).abs() < 1e-3, "{last:?}");
-    assert!(ended.stdout.starts_with(&recording.joint_states.len().to_string()));
+        let recorder = rig.begin("record", &["-o", "s.mcap"]);
+        // It has its first second in the file before the arm moves.
+        wait_for("samples", || !rig.recording_so_far("s.mcap").is_empty());
+        rig.iiwasim("run", &[rig.slow_program(), "--no-output"]).success();
+        thread::sleep(Duration::from_millis(300));
+        recorder.signal("INT");
+        let ended = recorder.end().code(0);
+        assert!(ended.stdout.contains(" samples over "), "{}", ended.stdout);
+        let recording = rig.recording("s.mcap");
+        let [first, .., last] = recording.joint_states.as_slice() else { panic!("no states") };
+        assert!(first.q[0].abs() < 1e-3, "{first:?}");
+        assert!((last.q[0].to_degrees() - 60.0).abs() < 1e-3, "{last:?}");
+        assert!(ended.stdout.starts_with(&recording.joint_states.len().to_string()));
+    });
 }
 
 #[test]
 fn without_a_drive_it_is_said_soon() {
-    let rig = Rig::parts();
-    let begin = Instant::now();
-    let nobody =
-        || contains("no drive answers at").and(contains("is `iiwasim drive` running there?"));
-    rig.iiwasim("status", &[]).code(1).stdout(is_empty()).stderr(nobody());
-    rig.iiwasim("run", &[rig.slow_program()]).code(1).stderr(nobody());
-    assert!(!rig.path("slow.measured.mcap").exists());
-    rig.iiwasim("record", &["-o", "r.mcap", "--seconds", "0.5"])
-        .code(1)
-        .stderr(contains("nothing was recorded: nothing came from tcp://127.0.0.1:"));
-    assert!(!rig.path("r.mcap").exists());
-    assert!(begin.elapsed() < Duration::from_secs(15), "{:?}", begin.elapsed());
+    in_real_time(|| {
+        let rig = Rig::parts();
+        let begin = Instant::now();
+        let nobody =
+            || contains("no drive answers at").and(contains("is `iiwasim drive` running there?"));
+        rig.iiwasim("status", &[]).code(1).stdout(is_empty()).stderr(nobody());
+        rig.iiwasim("run", &[rig.slow_program()]).code(1).stderr(nobody());
+        assert!(!rig.path("slow.measured.mcap").exists());
+        rig.iiwasim("record", &["-o", "r.mcap", "--seconds", "0.5"])
+            .code(1)
+            .stderr(contains("nothing was recorded: nothing came from tcp://127.0.0.1:"));
+        assert!(!rig.path("r.mcap").exists());
+        assert!(begin.elapsed() < Duration::from_secs(15), "{:?}", begin.elapsed());
+    });
 }
 
 #[test]
 fn without_a_cabinet_it_is_said_soon() {
-    let mut rig = Rig::parts();
-    rig.start_drive(&[]);
-    wait_for("drive", || rig.drive.as_ref().unwrap().stderr().contains("iiwaDrive: requests at"));
-    rig.iiwasim("status", &[])
-        .success()
-        .stdout(contains("joints         unknown").and(contains("robot program  silent")));
-    rig.iiwasim("run", &[rig.slow_program()])
-        .code(1)
-        .stderr(contains("the drive does not hear the controller"));
-    rig.iiwasim("sensors", &[]).code(1).stderr(contains("did not answer in time"));
+    in_real_time(|| {
+        let mut rig = Rig::parts();
+        rig.start_drive(&[]);
+        wait_for("drive", || {
+            rig.drive.as_ref().unwrap().stderr().contains("iiwaDrive: requests at")
+        });
+        rig.iiwasim("status", &[])
+            .success()
+            .stdout(contains("joints         unknown").and(contains("robot program  silent")));
+        rig.iiwasim("run", &[rig.slow_program()])
+            .code(1)
+            .stderr(contains("the drive does not hear the controller"));
+        rig.iiwasim("sensors", &[]).code(1).stderr(contains("did not answer in time"));
+    });
 }
 
 #[test]
 fn wrong_usage_is_refused() {
-    let rig = Rig::parts();
-    let program = rig.slow_program();
-    for (command, arguments) in [
-        ("run", &[][..]),
-        ("run", &[program, "--move-to-start=0"]),
-        ("run", &[program, "--no-output", "-o", "x.mcap"]),
-        ("run", &[program, "--key", "a.key"]),
-        ("run", &["absent.json"]),
-        ("record", &[]),
-        ("record", &["-o", "x.mcap", "--seconds", "soon"]),
-        ("io", &["get"]),
-    ] {
-        rig.iiwasim(command, arguments).code(2).stdout(is_empty());
-    }
-    // Options of the sides themselves.
-    for arguments in [
-        &["drive", "--cabinet-key", "c.pub"][..],
-        &["drive", "--key", "d.key"],
-        &["drive", "--instructions", "127.0.0.1"],
-        &["cabinet", "--period", "0"],
-        &["cabinet", "--start-deg", "180,0,0,0,0,0,0"],
-    ] {
-        rig.start(arguments).end().code(2);
-    }
+    in_real_time(|| {
+        let rig = Rig::parts();
+        let program = rig.slow_program();
+        for (command, arguments) in [
+            ("run", &[][..]),
+            ("run", &[program, "--move-to-start=0"]),
+            ("run", &[program, "--no-output", "-o", "x.mcap"]),
+            ("run", &[program, "--key", "a.key"]),
+            ("run", &["absent.json"]),
+            ("record", &[]),
+            ("record", &["-o", "x.mcap", "--seconds", "soon"]),
+            ("io", &["get"]),
+        ] {
+            rig.iiwasim(command, arguments).code(2).stdout(is_empty());
+        }
+        // Options of the sides themselves.
+        for arguments in [
+            &["drive", "--cabinet-key", "c.pub"][..],
+            &["drive", "--key", "d.key"],
+            &["drive", "--instructions", "127.0.0.1"],
+            &["cabinet", "--period", "0"],
+            &["cabinet", "--start-deg", "180,0,0,0,0,0,0"],
+        ] {
+            rig.start(arguments).end().code(2);
+        }
+    });
 }
 
 #[test]
 fn other_machines_need_keys() {
-    let rig = Rig::parts();
-    for arguments in [
-        ["drive", "--instructions", "0.0.0.0:45560"],
-        ["drive", "--stream", "*:45560"],
-        ["cabinet", "--instructions", "0.0.0.0:45560"],
-        ["cabinet", "--fri", "192.0.2.1:30200"],
-    ] {
-        let ended = rig.start(&arguments).end().code(2);
-        assert!(ended.stderr.contains("key"), "{}", ended.stderr);
-    }
-    let ended = rig.start(&["drive", "--instructions", "0.0.0.0:45560"]).end().code(2);
-    assert!(ended.stderr.contains("iiwasim keygen drive"), "{}", ended.stderr);
-    let ended = rig.start(&["status", "--drive", "192.0.2.1:5560"]).end().code(2);
-    assert!(ended.stderr.contains("--server-key"), "{}", ended.stderr);
+    in_real_time(|| {
+        let rig = Rig::parts();
+        for arguments in [
+            ["drive", "--instructions", "0.0.0.0:45560"],
+            ["drive", "--stream", "*:45560"],
+            ["cabinet", "--instructions", "0.0.0.0:45560"],
+            ["cabinet", "--fri", "192.0.2.1:30200"],
+        ] {
+            let ended = rig.start(&arguments).end().code(2);
+            assert!(ended.stderr.contains("key"), "{}", ended.stderr);
+        }
+        let ended = rig.start(&["drive", "--instructions", "0.0.0.0:45560"]).end().code(2);
+        assert!(ended.stderr.contains("iiwasim keygen drive"), "{}", ended.stderr);
+        let ended = rig.start(&["status", "--drive", "192.0.2.1:5560"]).end().code(2);
+        assert!(ended.stderr.contains("--server-key"), "{}", ended.stderr);
+    });
 }
 
 #[test]
 fn a_taken_address_is_named() {
-    let rig = Rig::parts();
-    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
-    let at = taken.local_addr().unwrap().to_string();
-    let ended = rig.start(&["drive", "--instructions", &at]).end().code(1);
-    assert!(ended.stderr.contains(&at), "{}", ended.stderr);
+    in_real_time(|| {
+        let rig = Rig::parts();
+        let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+        let at = taken.local_addr().unwrap().to_string();
+        let ended = rig.start(&["drive", "--instructions", &at]).end().code(1);
+        assert!(ended.stderr.contains(&at), "{}", ended.stderr);
+    });
 }
 
 #[test]
 fn an_experiment_runs() {
-    let rig = Rig::new();
-    rig.iiwasim("experiment", &["zone-velocity", "--move-to-start=50"])
-        .success()
-        .stdout(contains("report in experiment-zone-velocity/report.md"))
-        .stderr(contains("The arm will run programs: 1").and(contains("has to be free")));
-    let folder = rig.path("experiment-zone-velocity");
-    let report = std::fs::read_to_string(folder.join("report.md")).unwrap();
-    assert!(
-        report.contains("on the robot at tcp://127.0.0.1:") && !report.contains("virtual"),
-        "{report}"
-    );
-    assert!(report.contains("in 3 of 3 blends"), "{report}");
-    let recording = rig.recording("experiment-zone-velocity/recordings/appendix-b.mcap");
-    assert!(recording.joint_states.len() > 1700);
+    in_real_time(|| {
+        let rig = Rig::new();
+        rig.iiwasim("experiment", &["zone-velocity", "--move-to-start=50"])
+            .success()
+            .stdout(contains("report in experiment-zone-velocity/report.md"))
+            .stderr(contains("The arm will run programs: 1").and(contains("has to be free")));
+        let folder = rig.path("experiment-zone-velocity");
+        let report = std::fs::read_to_string(folder.join("report.md")).unwrap();
+        assert!(
+            report.contains("on the robot at tcp://127.0.0.1:") && !report.contains("virtual"),
+            "{report}"
+        );
+        assert!(report.contains("in 3 of 3 blends"), "{report}");
+        let recording = rig.recording("experiment-zone-velocity/recordings/appendix-b.mcap");
+        assert!(recording.joint_states.len() > 1700);
+    });
 }

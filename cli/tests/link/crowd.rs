@@ -6,6 +6,7 @@ use std::{
     net::TcpStream,
 };
 
+use iiwasim_tests::calm::in_real_time;
 use serde_json::json;
 
 use crate::{
@@ -59,132 +60,154 @@ fn is_closed(stream: &mut TcpStream) -> bool {
 
 #[test]
 fn half_requests_neither_keep_pages_out_nor_stops() {
-    let rig = Rig::new();
-    let (twin, address) = start(&rig);
-    let mut open = address.page();
-    open.wait_for("live", |live| live["joints_rad"][0].is_number());
+    in_real_time(|| {
+        let rig = Rig::new();
+        let (twin, address) = start(&rig);
+        let mut open = address.page();
+        open.wait_for("live", |live| live["joints_rad"][0].is_number());
 
-    let mut crowd = half_requests(&address, wave());
-    open.order("stop", json!({})).unwrap();
-    let mut newcomer = address.page();
-    newcomer.order("stop", json!({})).unwrap();
-    crowd.extend(half_requests(&address, wave()));
-    assert!(crowd.len() > FILES as usize);
-    open.order("stop", json!({})).unwrap();
-    newcomer.order("stop", json!({})).unwrap();
-    let host = ("Host", address.host.as_str());
-    let page = format!("/?token={}", address.token);
-    assert_eq!(address.ask(&page, &[host]).0, 200);
+        let mut crowd = half_requests(&address, wave());
+        open.order("stop", json!({})).unwrap();
+        let mut newcomer = address.page();
+        newcomer.order("stop", json!({})).unwrap();
+        crowd.extend(half_requests(&address, wave()));
+        assert!(crowd.len() > FILES as usize);
+        open.order("stop", json!({})).unwrap();
+        newcomer.order("stop", json!({})).unwrap();
+        let host = ("Host", address.host.as_str());
+        let page = format!("/?token={}", address.token);
+        assert_eq!(address.ask(&page, &[host]).0, 200);
 
-    // They are closed though they keep silent, and the pages are not.
-    for stream in &mut crowd {
-        wait_for("end of a half request", || is_closed(stream));
-    }
-    open.order("stop", json!({})).unwrap();
-    newcomer.order("stop", json!({})).unwrap();
-    assert!(twin.memory_mb().is_none_or(|found| found < MEMORY_MB), "{:?} MB", twin.memory_mb());
-    twin.signal("INT");
-    twin.end().code(0);
+        // They are closed though they keep silent, and the pages are not.
+        for stream in &mut crowd {
+            wait_for("end of a half request", || is_closed(stream));
+        }
+        open.order("stop", json!({})).unwrap();
+        newcomer.order("stop", json!({})).unwrap();
+        assert!(
+            twin.memory_mb().is_none_or(|found| found < MEMORY_MB),
+            "{:?} MB",
+            twin.memory_mb()
+        );
+        twin.signal("INT");
+        twin.end().code(0);
+    });
 }
 
 #[test]
 fn strangers_take_no_place_of_pages() {
-    let rig = Rig::parts();
-    let (twin, address) = start(&rig);
-    let host = ("Host", address.host.as_str());
-    let page = format!("/?token={}", address.token);
-    // More than there are places of any kind, one after the other and at once.
-    for _ in 0..200 {
-        assert_eq!(address.ask("/", &[host]).0, 403);
-    }
-    let mut pages = vec![address.page()];
-    let live = format!("/live?token={}", address.token);
-    let origin = format!("http://{}", address.host);
-    while let Ok(more) = address.connect(&live, Some(&origin)) {
-        pages.push(more);
-        assert!(pages.len() < 100, "there is no end of pages");
-    }
-    assert_eq!(address.connect(&live, Some(&origin)).err().unwrap(), 503);
-    assert_eq!(address.ask(&page, &[host]).0, 200, "requests have places of their own");
-    // Each of them is served.
-    for page in &mut pages {
-        page.wait_for("health", |health| health["error"].is_string());
-    }
-    // A page that is closed makes room.
-    pages.pop();
-    wait_for("room", || address.connect(&live, Some(&origin)).is_ok());
-    drop(pages);
-    twin.signal("INT");
-    twin.end().code(0);
+    in_real_time(|| {
+        let rig = Rig::parts();
+        let (twin, address) = start(&rig);
+        let host = ("Host", address.host.as_str());
+        let page = format!("/?token={}", address.token);
+        // More than there are places of any kind, one after the other and at once.
+        for _ in 0..200 {
+            assert_eq!(address.ask("/", &[host]).0, 403);
+        }
+        let mut pages = vec![address.page()];
+        let live = format!("/live?token={}", address.token);
+        let origin = format!("http://{}", address.host);
+        while let Ok(more) = address.connect(&live, Some(&origin)) {
+            pages.push(more);
+            assert!(pages.len() < 100, "there is no end of pages");
+        }
+        assert_eq!(address.connect(&live, Some(&origin)).err().unwrap(), 503);
+        assert_eq!(address.ask(&page, &[host]).0, 200, "requests have places of their own");
+        // Each of them is served.
+        for page in &mut pages {
+            page.wait_for("health", |health| health["error"].is_string());
+        }
+        // A page that is closed makes room.
+        pages.pop();
+        wait_for("room", || address.connect(&live, Some(&origin)).is_ok());
+        drop(pages);
+        twin.signal("INT");
+        twin.end().code(0);
+    });
 }
 
 #[test]
 fn a_stop_waits_for_no_other_order() {
-    // Without a drive each order takes as long as its patience.
-    let rig = Rig::parts();
-    let (twin, address) = start(&rig);
-    let mut pages: Vec<_> = (0..6).map(|_| address.page()).collect();
-    let asked = 6 * 8;
-    for page in &mut pages {
-        for _ in 0..8 {
-            page.begin("set_io", json!({ "name": "MediaFlange.LEDBlue", "value": true }));
+    in_real_time(|| {
+        // Without a drive each order takes as long as its patience.
+        let rig = Rig::parts();
+        let (twin, address) = start(&rig);
+        let mut pages: Vec<_> = (0..6).map(|_| address.page()).collect();
+        let asked = 6 * 8;
+        for page in &mut pages {
+            for _ in 0..8 {
+                page.begin("set_io", json!({ "name": "MediaFlange.LEDBlue", "value": true }));
+            }
         }
-    }
-    // A page has no more orders than that under way.
-    let more = pages[1].order("set_io", json!({ "name": "MediaFlange.LEDBlue", "value": true }));
-    assert!(more.unwrap_err().contains("under way"));
-    let stop = pages[0].begin("stop", json!({}));
-    assert!(pages[0].answer(stop).unwrap_err().contains("no drive answers"));
-    let answered: usize = pages.iter().map(crate::page::Page::answered).sum();
-    assert!(answered < asked, "it came last");
-    assert!(twin.memory_mb().is_none_or(|found| found < MEMORY_MB), "{:?} MB", twin.memory_mb());
-    twin.signal("INT");
-    twin.end().code(0);
+        // A page has no more orders than that under way.
+        let more =
+            pages[1].order("set_io", json!({ "name": "MediaFlange.LEDBlue", "value": true }));
+        assert!(more.unwrap_err().contains("under way"));
+        let stop = pages[0].begin("stop", json!({}));
+        assert!(pages[0].answer(stop).unwrap_err().contains("no drive answers"));
+        let answered: usize = pages.iter().map(crate::page::Page::answered).sum();
+        assert!(answered < asked, "it came last");
+        assert!(
+            twin.memory_mb().is_none_or(|found| found < MEMORY_MB),
+            "{:?} MB",
+            twin.memory_mb()
+        );
+        twin.signal("INT");
+        twin.end().code(0);
+    });
 }
 
 #[test]
 fn long_texts_come_one_at_a_time() {
-    let rig = Rig::parts();
-    let (twin, address) = start(&rig);
-    let text = " ".repeat(4 << 20);
-    let program = json!({ "name": "long.json", "text": text });
-    std::thread::scope(|scope| {
-        let uploads: Vec<_> = (0..6).map(|_| scope.spawn(|| address.load(&program))).collect();
-        for upload in uploads {
-            assert!(upload.join().unwrap().unwrap_err().contains("long.json, line 1"));
+    in_real_time(|| {
+        let rig = Rig::parts();
+        let (twin, address) = start(&rig);
+        let text = " ".repeat(4 << 20);
+        let program = json!({ "name": "long.json", "text": text });
+        std::thread::scope(|scope| {
+            let uploads: Vec<_> = (0..6).map(|_| scope.spawn(|| address.load(&program))).collect();
+            for upload in uploads {
+                assert!(upload.join().unwrap().unwrap_err().contains("long.json, line 1"));
+            }
+        });
+        // What is not a short order is not taken on the page's own line: it is hung up on.
+        address.page().cut_off(&format!(
+            r#"{{"id":1,"do":"save_position","name":"{}"}}"#,
+            "a".repeat(1 << 20)
+        ));
+        address.page().order("stop", json!({})).unwrap_err();
+        // A program that is as long as programs may be, with motions that are as many: blended all the way.
+        let mut slow = String::new();
+        for i in 0..1000 {
+            let (to, blend) =
+                (4 * (i % 7), if i < 999 { r#", "blend": {"fraction": 0.3}"# } else { "" });
+            let comma = if i > 0 { "," } else { "" };
+            let _ = write!(
+                slow,
+                r#"{comma}{{"type": "ptp", "joints_deg": [{to}, {}, 0, {}, 0, 9, {to}]{blend}}}"#,
+                4 * (i % 5),
+                4 * (i % 3)
+            );
         }
-    });
-    // What is not a short order is not taken on the page's own line: it is hung up on.
-    address
-        .page()
-        .cut_off(&format!(r#"{{"id":1,"do":"save_position","name":"{}"}}"#, "a".repeat(1 << 20)));
-    address.page().order("stop", json!({})).unwrap_err();
-    // A program that is as long as programs may be, with motions that are as many: blended all the way.
-    let mut slow = String::new();
-    for i in 0..1000 {
-        let (to, blend) =
-            (4 * (i % 7), if i < 999 { r#", "blend": {"fraction": 0.3}"# } else { "" });
-        let comma = if i > 0 { "," } else { "" };
-        let _ = write!(
-            slow,
-            r#"{comma}{{"type": "ptp", "joints_deg": [{to}, {}, 0, {}, 0, 9, {to}]{blend}}}"#,
-            4 * (i % 5),
-            4 * (i % 3)
+        let text = format!(
+            r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [{slow}] }}"#
         );
-    }
-    let text = format!(
-        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [{slow}] }}"#
-    );
-    let planned = address.load(&json!({ "name": "many.json", "text": text }));
-    planned.unwrap();
-    address.file("report.html");
-    let waits = vec![r#"{"type":"wait","seconds":1}"#; (4 << 20) / 28 - 10].join(",");
-    let text = format!(
-        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [{waits}] }}"#
-    );
-    let refused = address.load(&json!({ "name": "waits.json", "text": text }));
-    assert!(refused.unwrap_err().contains("has 149786 motions"));
-    assert!(twin.memory_mb().is_none_or(|found| found < MEMORY_MB), "{:?} MB", twin.memory_mb());
-    twin.signal("INT");
-    twin.end().code(0);
+        let planned = address.load(&json!({ "name": "many.json", "text": text }));
+        planned.unwrap();
+        address.file("report.html");
+        let waits = vec![r#"{"type":"wait","seconds":1}"#; (4 << 20) / 28 - 10].join(",");
+        let text = format!(
+            r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [{waits}] }}"#
+        );
+        let refused = address.load(&json!({ "name": "waits.json", "text": text }));
+        assert!(refused.unwrap_err().contains("has 149786 motions"));
+        assert!(
+            twin.memory_mb().is_none_or(|found| found < MEMORY_MB),
+            "{:?} MB",
+            twin.memory_mb()
+        );
+        twin.signal("INT");
+        twin.end().code(0);
+    });
 }

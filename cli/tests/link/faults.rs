@@ -5,6 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use iiwasim_tests::calm::in_real_time;
 use predicates::str::contains;
 
 use crate::rig::{Process, Rig, wait_for};
@@ -26,94 +27,104 @@ fn assert_cut(rig: &Rig, name: &str) {
 
 #[test]
 fn an_interrupt_stops_the_robot_on_its_path() {
-    let rig = Rig::new();
-    for options in [&[][..], &["--as-trajectory", "--move-to-start=100"]] {
-        let running = rig.slow_program();
-        let running = rig.begin("run", &[options, &[running, "-o", "cut.mcap"]].concat());
-        wait_for("a run", || running.stdout().contains("Cycle time"));
-        // After the move to the start, if there is one.
-        wait_for("start", || rig.joint_1() < 0.1);
-        wait_for("motion", || rig.joint_1() > 0.2);
-        running.signal("INT");
-        let ended = running.end().code(1);
-        assert!(ended.stderr.contains("the robot stands"), "{}", ended.stderr);
-        assert!(ended.stderr.contains("did not finish the program: stopped on request at"));
-        assert!(ended.stdout.contains("\nEnded after "), "{}", ended.stdout);
-        assert!(!ended.stdout.contains("Measured"), "{}", ended.stdout);
-        assert_cut(&rig, "cut.mcap");
-        let here = rig.joint_1();
-        thread::sleep(Duration::from_millis(100));
-        assert_eq!((rig.joint_1(), here < 1.0), (here, true));
-        assert_eq!(rig.json("status", &[])["state"], "idle");
-    }
-    assert_works(&rig);
+    in_real_time(|| {
+        let rig = Rig::new();
+        for options in [&[][..], &["--as-trajectory", "--move-to-start=100"]] {
+            let running = rig.slow_program();
+            let running = rig.begin("run", &[options, &[running, "-o", "cut.mcap"]].concat());
+            wait_for("a run", || running.stdout().contains("Cycle time"));
+            // After the move to the start, if there is one.
+            wait_for("start", || rig.joint_1() < 0.1);
+            wait_for("motion", || rig.joint_1() > 0.2);
+            running.signal("INT");
+            let ended = running.end().code(1);
+            assert!(ended.stderr.contains("the robot stands"), "{}", ended.stderr);
+            assert!(ended.stderr.contains("did not finish the program: stopped on request at"));
+            assert!(ended.stdout.contains("\nEnded after "), "{}", ended.stdout);
+            assert!(!ended.stdout.contains("Measured"), "{}", ended.stdout);
+            assert_cut(&rig, "cut.mcap");
+            let here = rig.joint_1();
+            thread::sleep(Duration::from_millis(100));
+            assert_eq!((rig.joint_1(), here < 1.0), (here, true));
+            assert_eq!(rig.json("status", &[])["state"], "idle");
+        }
+        assert_works(&rig);
+    });
 }
 
 #[test]
 fn an_interrupt_stops_the_move_to_the_start() {
-    let mut rig = Rig::parts();
-    rig.start_cabinet(&["--start-deg", "90,0,0,0,0,0,0"]);
-    rig.start_drive(&[]);
-    rig.wait_until_ready(&[]);
-    let running = rig.begin("run", &[rig.slow_program(), "--move-to-start"]);
-    wait_for("motion", || rig.joint_1() < 1.5);
-    running.signal("INT");
-    let ended = running.end().code(1);
-    assert!(ended.stderr.contains("did not move to the start: stopped"), "{}", ended.stderr);
-    assert!(rig.joint_1() > 0.5);
-    assert!(!rig.path("slow.measured.mcap").exists());
+    in_real_time(|| {
+        let mut rig = Rig::parts();
+        rig.start_cabinet(&["--start-deg", "90,0,0,0,0,0,0"]);
+        rig.start_drive(&[]);
+        rig.wait_until_ready(&[]);
+        let running = rig.begin("run", &[rig.slow_program(), "--move-to-start"]);
+        wait_for("motion", || rig.joint_1() < 1.5);
+        running.signal("INT");
+        let ended = running.end().code(1);
+        assert!(ended.stderr.contains("did not move to the start: stopped"), "{}", ended.stderr);
+        assert!(rig.joint_1() > 0.5);
+        assert!(!rig.path("slow.measured.mcap").exists());
+    });
 }
 
 #[test]
 fn a_killed_recorder_leaves_a_file() {
-    let rig = Rig::new();
-    let mut recorder = rig.begin("record", &["-o", "r.mcap"]);
-    let last_s = || rig.recording_so_far("r.mcap").last().map(|sample| sample.t_s);
-    wait_for("samples", || last_s().is_some());
-    let (begin, from_s) = (Instant::now(), last_s().unwrap());
-    thread::sleep(Duration::from_millis(2300));
-    assert!(!recorder.has_ended());
-    let recorded_s = begin.elapsed().as_secs_f64();
-    recorder.signal("KILL");
-    assert_eq!(recorder.end().status.code(), None);
-    let kept_s = rig.recording("r.mcap").joint_states.last().unwrap().t_s - from_s;
-    // A second, and what a busy machine adds.
-    assert!(kept_s > recorded_s - 1.3, "{kept_s} s of {recorded_s} s");
+    in_real_time(|| {
+        let rig = Rig::new();
+        let mut recorder = rig.begin("record", &["-o", "r.mcap"]);
+        let last_s = || rig.recording_so_far("r.mcap").last().map(|sample| sample.t_s);
+        wait_for("samples", || last_s().is_some());
+        let (begin, from_s) = (Instant::now(), last_s().unwrap());
+        thread::sleep(Duration::from_millis(2300));
+        assert!(!recorder.has_ended());
+        let recorded_s = begin.elapsed().as_secs_f64();
+        recorder.signal("KILL");
+        assert_eq!(recorder.end().status.code(), None);
+        let kept_s = rig.recording("r.mcap").joint_states.last().unwrap().t_s - from_s;
+        // A second, and what a busy machine adds.
+        assert!(kept_s > recorded_s - 1.3, "{kept_s} s of {recorded_s} s");
+    });
 }
 
 #[test]
 fn a_killed_cabinet_ends_the_run() {
-    let mut rig = Rig::new();
-    for options in [&[][..], &["--as-trajectory"]] {
-        let running = rig.begin_run(&[&["-o", "cut.mcap"], options].concat());
-        let cabinet = rig.cabinet.take().unwrap();
-        cabinet.signal("KILL");
-        drop(cabinet);
-        let ended = running.end().code(1);
-        assert!(ended.stderr.contains("did not finish the program"), "{}", ended.stderr);
-        assert_cut(&rig, "cut.mcap");
-        // What is known of the robot is old.
-        rig.iiwasim("run", &[rig.slow_program()])
-            .code(1)
-            .stderr(contains("the drive does not hear the controller"));
-        rig.start_cabinet(&[]);
-        rig.wait_until_ready(&[]);
-    }
-    assert_works(&rig);
+    in_real_time(|| {
+        let mut rig = Rig::new();
+        for options in [&[][..], &["--as-trajectory"]] {
+            let running = rig.begin_run(&[&["-o", "cut.mcap"], options].concat());
+            let cabinet = rig.cabinet.take().unwrap();
+            cabinet.signal("KILL");
+            drop(cabinet);
+            let ended = running.end().code(1);
+            assert!(ended.stderr.contains("did not finish the program"), "{}", ended.stderr);
+            assert_cut(&rig, "cut.mcap");
+            // What is known of the robot is old.
+            rig.iiwasim("run", &[rig.slow_program()])
+                .code(1)
+                .stderr(contains("the drive does not hear the controller"));
+            rig.start_cabinet(&[]);
+            rig.wait_until_ready(&[]);
+        }
+        assert_works(&rig);
+    });
 }
 
 #[test]
 fn a_cabinet_that_is_started_again_at_once_ends_the_run() {
-    let mut rig = Rig::new();
-    let running = rig.begin_run(&["-o", "cut.mcap"]);
-    rig.cabinet = None;
-    rig.start_cabinet(&[]);
-    let ended = running.end().code(1);
-    assert!(ended.stderr.contains("started again in the middle"), "{}", ended.stderr);
-    // The new one stands at its start.
-    let states = rig.recording("cut.mcap").joint_states;
-    assert!(states.iter().any(|state| state.q[0] > 0.1));
-    assert_works(&rig);
+    in_real_time(|| {
+        let mut rig = Rig::new();
+        let running = rig.begin_run(&["-o", "cut.mcap"]);
+        rig.cabinet = None;
+        rig.start_cabinet(&[]);
+        let ended = running.end().code(1);
+        assert!(ended.stderr.contains("started again in the middle"), "{}", ended.stderr);
+        // The new one stands at its start.
+        let states = rig.recording("cut.mcap").joint_states;
+        assert!(states.iter().any(|state| state.q[0] > 0.1));
+        assert_works(&rig);
+    });
 }
 
 fn kill_drive(rig: &mut Rig, running: Process) {
@@ -132,22 +143,26 @@ fn kill_drive(rig: &mut Rig, running: Process) {
 
 #[test]
 fn a_killed_drive_ends_the_run() {
-    let mut rig = Rig::new();
-    let running = rig.begin_run(&["-o", "cut.mcap"]);
-    kill_drive(&mut rig, running);
-    rig.start_drive(&[]);
-    // The controller goes on with its motion.
-    wait_for("the end", || (rig.joint_1().to_degrees() - 60.0).abs() < 1e-3);
-    assert_works(&rig);
+    in_real_time(|| {
+        let mut rig = Rig::new();
+        let running = rig.begin_run(&["-o", "cut.mcap"]);
+        kill_drive(&mut rig, running);
+        rig.start_drive(&[]);
+        // The controller goes on with its motion.
+        wait_for("the end", || (rig.joint_1().to_degrees() - 60.0).abs() < 1e-3);
+        assert_works(&rig);
+    });
 }
 
 #[test]
 fn a_killed_drive_ends_the_trajectory() {
-    let mut rig = Rig::new();
-    let running = rig.begin_run(&["-o", "cut.mcap", "--as-trajectory"]);
-    kill_drive(&mut rig, running);
-    rig.start_drive(&[]);
-    rig.wait_until_ready(&[]);
-    assert!(rig.joint_1() < 1.0);
-    assert_works(&rig);
+    in_real_time(|| {
+        let mut rig = Rig::new();
+        let running = rig.begin_run(&["-o", "cut.mcap", "--as-trajectory"]);
+        kill_drive(&mut rig, running);
+        rig.start_drive(&[]);
+        rig.wait_until_ready(&[]);
+        assert!(rig.joint_1() < 1.0);
+        assert_works(&rig);
+    });
 }

@@ -8,6 +8,7 @@ use std::{
 };
 
 use iiwa_log::Recording;
+use iiwasim_tests::calm::in_real_time;
 use serde_json::{Value, json};
 
 use crate::{
@@ -48,404 +49,443 @@ fn load(address: &Address, page: &mut Page, program: &Value) -> Value {
 
 #[test]
 fn only_the_page_itself_gets_in() {
-    let rig = Rig::parts();
-    let (twin, address) = start(&rig, &[]);
-    let Address { host, token } = &address;
-    let good = format!("/?token={token}");
-    let own = format!("http://{host}");
+    in_real_time(|| {
+        let rig = Rig::parts();
+        let (twin, address) = start(&rig, &[]);
+        let Address { host, token } = &address;
+        let good = format!("/?token={token}");
+        let own = format!("http://{host}");
 
-    let (status, page) = address.ask(&good, &[("Host", host)]);
-    assert_eq!(status, 200, "{page}");
-    let head = page.split("\r\n\r\n").next().unwrap().to_lowercase();
-    for header in
-        ["cache-control: no-store", "referrer-policy: no-referrer", "frame-ancestors 'none'"]
-    {
-        assert!(head.contains(header), "{head}");
-    }
-    assert!(page.contains("</html>") && !page.contains(token.as_str()));
-
-    let wrong = format!("/?token={}", "0".repeat(token.len()));
-    for path in ["/", &wrong, "/files/plan.mcap", "/report.html", "/nothing", "/live"] {
-        assert_eq!(address.ask(path, &[("Host", host)]).0, 403, "{path}");
-    }
-    for name in ["evil.example", "evil.example:5562", "192.168.1.7"] {
-        assert_eq!(address.ask(&good, &[("Host", name)]).0, 403, "{name}");
-    }
-    for origin in ["http://evil.example", "null", "http://127.0.0.1:1"] {
-        assert_eq!(address.ask(&good, &[("Host", host), ("Origin", origin)]).0, 403, "{origin}");
-    }
-    assert_eq!(address.ask(&format!("/files/plan.mcap?token={token}"), &[("Host", host)]).0, 404);
-
-    let live = format!("/live?token={token}");
-    for (path, origin) in [
-        (live.as_str(), None),
-        (&live, Some("http://evil.example")),
-        (&live, Some("null")),
-        ("/live", Some(own.as_str())),
-        ("/live?token=", Some(&own)),
-    ] {
-        assert_eq!(address.connect(path, origin).err().unwrap(), 403, "{path} from {origin:?}");
-    }
-    address.connect(&live, Some(&own)).unwrap();
-
-    // At any other address of this machine nobody listens.
-    let socket = UdpSocket::bind("0.0.0.0:0").unwrap();
-    if socket.connect("192.0.2.1:9").is_ok() {
-        let port: u16 = host.rsplit(':').next().unwrap().parse().unwrap();
-        let elsewhere = socket.local_addr().unwrap().ip();
-        if !elsewhere.is_loopback() {
-            TcpStream::connect((elsewhere, port)).unwrap_err();
+        let (status, page) = address.ask(&good, &[("Host", host)]);
+        assert_eq!(status, 200, "{page}");
+        let head = page.split("\r\n\r\n").next().unwrap().to_lowercase();
+        for header in
+            ["cache-control: no-store", "referrer-policy: no-referrer", "frame-ancestors 'none'"]
+        {
+            assert!(head.contains(header), "{head}");
         }
-    }
-    twin.signal("INT");
-    twin.end().code(0);
+        assert!(page.contains("</html>") && !page.contains(token.as_str()));
+
+        let wrong = format!("/?token={}", "0".repeat(token.len()));
+        for path in ["/", &wrong, "/files/plan.mcap", "/report.html", "/nothing", "/live"] {
+            assert_eq!(address.ask(path, &[("Host", host)]).0, 403, "{path}");
+        }
+        for name in ["evil.example", "evil.example:5562", "192.168.1.7"] {
+            assert_eq!(address.ask(&good, &[("Host", name)]).0, 403, "{name}");
+        }
+        for origin in ["http://evil.example", "null", "http://127.0.0.1:1"] {
+            assert_eq!(
+                address.ask(&good, &[("Host", host), ("Origin", origin)]).0,
+                403,
+                "{origin}"
+            );
+        }
+        assert_eq!(
+            address.ask(&format!("/files/plan.mcap?token={token}"), &[("Host", host)]).0,
+            404
+        );
+
+        let live = format!("/live?token={token}");
+        for (path, origin) in [
+            (live.as_str(), None),
+            (&live, Some("http://evil.example")),
+            (&live, Some("null")),
+            ("/live", Some(own.as_str())),
+            ("/live?token=", Some(&own)),
+        ] {
+            assert_eq!(address.connect(path, origin).err().unwrap(), 403, "{path} from {origin:?}");
+        }
+        address.connect(&live, Some(&own)).unwrap();
+
+        // At any other address of this machine nobody listens.
+        let socket = UdpSocket::bind("0.0.0.0:0").unwrap();
+        if socket.connect("192.0.2.1:9").is_ok() {
+            let port: u16 = host.rsplit(':').next().unwrap().parse().unwrap();
+            let elsewhere = socket.local_addr().unwrap().ip();
+            if !elsewhere.is_loopback() {
+                TcpStream::connect((elsewhere, port)).unwrap_err();
+            }
+        }
+        twin.signal("INT");
+        twin.end().code(0);
+    });
 }
 
 #[test]
 fn a_program_is_seen_sent_and_replayed() {
-    let rig = Rig::new();
-    let (twin, address) =
-        start(&rig, &["--scene", "scene.json", "-o", "kept", "--io", "MediaFlange.LEDBlue"]);
-    let mut page = address.page();
+    in_real_time(|| {
+        let rig = Rig::new();
+        let (twin, address) =
+            start(&rig, &["--scene", "scene.json", "-o", "kept", "--io", "MediaFlange.LEDBlue"]);
+        let mut page = address.page();
 
-    // How the robot is.
-    let health = page.wait_for("health", |health| !health["io"][0].is_null());
-    assert_eq!(health["status"]["fri"]["session"], "monitoring_ready");
-    assert_eq!(health["sensors"]["joint_temperature_c"].as_array().unwrap().len(), 7);
-    assert_eq!(
-        health["io"],
-        json!([{ "name": "MediaFlange.LEDBlue", "value": false, "error": null }])
-    );
-    page.order("set_io", json!({ "name": "MediaFlange.LEDBlue", "value": true })).unwrap();
-    page.wait_for("health", |health| health["io"][0]["value"] == true);
-    let refused = page.order("set_io", json!({ "name": "MediaFlange.UserButton", "value": true }));
-    assert!(refused.unwrap_err().contains("MediaFlange.UserButton"));
+        // How the robot is.
+        let health = page.wait_for("health", |health| !health["io"][0].is_null());
+        assert_eq!(health["status"]["fri"]["session"], "monitoring_ready");
+        assert_eq!(health["sensors"]["joint_temperature_c"].as_array().unwrap().len(), 7);
+        assert_eq!(
+            health["io"],
+            json!([{ "name": "MediaFlange.LEDBlue", "value": false, "error": null }])
+        );
+        page.order("set_io", json!({ "name": "MediaFlange.LEDBlue", "value": true })).unwrap();
+        page.wait_for("health", |health| health["io"][0]["value"] == true);
+        let refused =
+            page.order("set_io", json!({ "name": "MediaFlange.UserButton", "value": true }));
+        assert!(refused.unwrap_err().contains("MediaFlange.UserButton"));
 
-    // Where it is, and how near.
-    let live = page.wait_for("live", |live| live["joints_rad"][0].is_number());
-    assert_eq!(live["nearest"]["obstacle"], "table");
-    assert!(live["behind_ms"].as_f64().unwrap() >= 0.0);
-    assert!(page.count("live", Duration::from_secs(2)) > 60);
+        // Where it is, and how near.
+        let live = page.wait_for("live", |live| live["joints_rad"][0].is_number());
+        assert_eq!(live["nearest"]["obstacle"], "table");
+        assert!(live["behind_ms"].as_f64().unwrap() >= 0.0);
+        assert!(page.count("live", Duration::from_secs(2)) > 60);
 
-    // A plan.
-    let plan = load(&address, &mut page, &program(TO_60));
-    assert_eq!((plan["name"].as_str(), plan["motions"].as_u64()), (Some("a_program"), Some(1)));
-    assert_eq!(plan["refused"], Value::Null);
-    assert!(plan["nearest"]["distance_mm"].as_f64().unwrap() > 10.0);
-    let cycle_time_s = plan["cycle_time_s"].as_f64().unwrap();
+        // A plan.
+        let plan = load(&address, &mut page, &program(TO_60));
+        assert_eq!((plan["name"].as_str(), plan["motions"].as_u64()), (Some("a_program"), Some(1)));
+        assert_eq!(plan["refused"], Value::Null);
+        assert!(plan["nearest"]["distance_mm"].as_f64().unwrap() > 10.0);
+        let cycle_time_s = plan["cycle_time_s"].as_f64().unwrap();
 
-    // A run.
-    page.order("send", json!({ "plan": plan["id"], "move_to_start": false })).unwrap();
-    page.wait_for("run", |run| run["phase"] == "running");
-    let under_way = [
-        ("send", json!({ "plan": plan["id"], "move_to_start": false })),
-        ("clear_program", json!({})),
-    ];
-    for (order, parameters) in under_way {
-        assert!(page.order(order, parameters).unwrap_err().contains("a run is under way"));
-    }
-    assert!(address.load(&program(TO_60)).unwrap_err().contains("a run is under way"));
-    page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(0.5));
-    let run = page.wait_for("run", |run| run["phase"] == "done");
-    assert!((run["cycle_time_s"].as_f64().unwrap() - cycle_time_s).abs() < 0.02, "{run}");
-    assert_eq!(run["sketch"]["arms"].as_array().unwrap().len(), 2);
-    let off_mm = run["sketch"]["compared"]["tcp_deviation"]["max_mm"].as_f64().unwrap();
-    assert!(off_mm < 0.1, "{off_mm}");
+        // A run.
+        page.order("send", json!({ "plan": plan["id"], "move_to_start": false })).unwrap();
+        page.wait_for("run", |run| run["phase"] == "running");
+        let under_way = [
+            ("send", json!({ "plan": plan["id"], "move_to_start": false })),
+            ("clear_program", json!({})),
+        ];
+        for (order, parameters) in under_way {
+            assert!(page.order(order, parameters).unwrap_err().contains("a run is under way"));
+        }
+        assert!(address.load(&program(TO_60)).unwrap_err().contains("a run is under way"));
+        page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(0.5));
+        let run = page.wait_for("run", |run| run["phase"] == "done");
+        assert!((run["cycle_time_s"].as_f64().unwrap() - cycle_time_s).abs() < 0.02, "{run}");
+        assert_eq!(run["sketch"]["arms"].as_array().unwrap().len(), 2);
+        let off_mm = run["sketch"]["compared"]["tcp_deviation"]["max_mm"].as_f64().unwrap();
+        assert!(off_mm < 0.1, "{off_mm}");
 
-    // A page that is opened later sees the same.
-    let mut other = address.page();
-    assert_eq!(other.wait_for("run", |run| run["phase"] == "done"), run);
-    other.wait_for("plan", |other| other["id"] == plan["id"]);
+        // A page that is opened later sees the same.
+        let mut other = address.page();
+        assert_eq!(other.wait_for("run", |run| run["phase"] == "done"), run);
+        other.wait_for("plan", |other| other["id"] == plan["id"]);
 
-    // What is kept.
-    let measured = Recording::from_bytes(&address.file("files/measured.mcap")).unwrap();
-    assert!((measured.joint_states.last().unwrap().q[0].to_degrees() - 60.0).abs() < 1e-3);
-    Recording::from_bytes(&address.file("files/plan.mcap")).unwrap();
-    assert_eq!(
-        address.file("files/program.json"),
-        program(TO_60)["text"].as_str().unwrap().as_bytes()
-    );
-    let report = String::from_utf8(address.file("report.html")).unwrap();
-    assert!(report.contains("a_program.mcap and a_program.measured.mcap"));
-    for file in ["a_program.json", "a_program.mcap", "a_program.measured.mcap"] {
-        assert!(rig.path("kept").join(file).is_file(), "{file}");
-    }
+        // What is kept.
+        let measured = Recording::from_bytes(&address.file("files/measured.mcap")).unwrap();
+        assert!((measured.joint_states.last().unwrap().q[0].to_degrees() - 60.0).abs() < 1e-3);
+        Recording::from_bytes(&address.file("files/plan.mcap")).unwrap();
+        assert_eq!(
+            address.file("files/program.json"),
+            program(TO_60)["text"].as_str().unwrap().as_bytes()
+        );
+        let report = String::from_utf8(address.file("report.html")).unwrap();
+        assert!(report.contains("a_program.mcap and a_program.measured.mcap"));
+        for file in ["a_program.json", "a_program.mcap", "a_program.measured.mcap"] {
+            assert!(rig.path("kept").join(file).is_file(), "{file}");
+        }
 
-    // The arm is elsewhere now.
-    let again = page.order("send", json!({ "plan": plan["id"], "move_to_start": false }));
-    assert!(again.unwrap_err().contains("not at the program's start: joint 1 is at 60.000 deg"));
-    page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap();
-    page.wait_for("run", |run| run["phase"] == "to_start");
-    page.wait_for("run", |run| run["phase"] == "done");
-    assert!(rig.path("kept/a_program.measured-2.mcap").is_file());
-    twin.signal("INT");
-    twin.end().code(0);
+        // The arm is elsewhere now.
+        let again = page.order("send", json!({ "plan": plan["id"], "move_to_start": false }));
+        assert!(
+            again.unwrap_err().contains("not at the program's start: joint 1 is at 60.000 deg")
+        );
+        page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap();
+        page.wait_for("run", |run| run["phase"] == "to_start");
+        page.wait_for("run", |run| run["phase"] == "done");
+        assert!(rig.path("kept/a_program.measured-2.mcap").is_file());
+        twin.signal("INT");
+        twin.end().code(0);
+    });
 }
 
 #[test]
 fn positions_become_a_program() {
-    let rig = Rig::new();
-    let (_twin, address) = start(&rig, &[]);
-    let mut page = address.page();
-    page.wait_for("live", |live| live["joints_rad"][0].is_number());
-    let making = json!({ "velocity_percent": 50, "blend_mm": 20 });
-    let refused = page.order("make_program", making.clone()).unwrap_err();
-    assert!(refused.contains("needs two positions"), "{refused}");
-    page.order("save_position", json!({ "name": "" })).unwrap();
-    rig.iiwasim("run", &[rig.slow_program(), "--no-output"]).success();
-    page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(1.04));
-    page.order("save_position", json!({ "name": "<b>there</b>" })).unwrap();
-    page.order("save_position", json!({ "name": "too much" })).unwrap();
-    let all = page.wait_for("positions", |all| all.as_array().unwrap().len() == 3);
-    for _ in 0..2 {
-        page.order("remove_position", json!({ "position": all[2]["id"] })).unwrap();
-    }
-    let positions = page.wait_for("positions", |all| all.as_array().unwrap().len() == 2);
-    assert_eq!(
-        (&positions[0]["name"], &positions[1]["name"]),
-        (&json!("P1"), &json!("<b>there</b>"))
-    );
-    for wrong in [
-        json!({ "velocity_percent": 0, "blend_mm": 0 }),
-        json!({ "velocity_percent": 50, "blend_mm": -1 }),
-    ] {
-        page.order("make_program", wrong).unwrap_err();
-    }
-    page.order("make_program", making).unwrap();
-    let plan = page.wait_for("plan", |plan| plan["name"] == "positions");
-    assert_eq!(plan["motions"], 1);
-    let text = String::from_utf8(address.file("files/program.json")).unwrap();
-    let made: Value = serde_json::from_str(&text).unwrap();
-    let target = made["motions"][0]["joints_rad"][0].as_f64().unwrap();
-    assert!((target.to_degrees() - 60.0).abs() < 1e-3, "{text}");
-    // `iiwasim plan` takes it.
-    fs::write(rig.path("made.json"), text).unwrap();
-    assert_eq!(rig.start(&["plan", "made.json", "--no-output"]).end().status.code(), Some(0));
+    in_real_time(|| {
+        let rig = Rig::new();
+        let (_twin, address) = start(&rig, &[]);
+        let mut page = address.page();
+        page.wait_for("live", |live| live["joints_rad"][0].is_number());
+        let making = json!({ "velocity_percent": 50, "blend_mm": 20 });
+        let refused = page.order("make_program", making.clone()).unwrap_err();
+        assert!(refused.contains("needs two positions"), "{refused}");
+        page.order("save_position", json!({ "name": "" })).unwrap();
+        rig.iiwasim("run", &[rig.slow_program(), "--no-output"]).success();
+        page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(1.04));
+        page.order("save_position", json!({ "name": "<b>there</b>" })).unwrap();
+        page.order("save_position", json!({ "name": "too much" })).unwrap();
+        let all = page.wait_for("positions", |all| all.as_array().unwrap().len() == 3);
+        for _ in 0..2 {
+            page.order("remove_position", json!({ "position": all[2]["id"] })).unwrap();
+        }
+        let positions = page.wait_for("positions", |all| all.as_array().unwrap().len() == 2);
+        assert_eq!(
+            (&positions[0]["name"], &positions[1]["name"]),
+            (&json!("P1"), &json!("<b>there</b>"))
+        );
+        for wrong in [
+            json!({ "velocity_percent": 0, "blend_mm": 0 }),
+            json!({ "velocity_percent": 50, "blend_mm": -1 }),
+        ] {
+            page.order("make_program", wrong).unwrap_err();
+        }
+        page.order("make_program", making).unwrap();
+        let plan = page.wait_for("plan", |plan| plan["name"] == "positions");
+        assert_eq!(plan["motions"], 1);
+        let text = String::from_utf8(address.file("files/program.json")).unwrap();
+        let made: Value = serde_json::from_str(&text).unwrap();
+        let target = made["motions"][0]["joints_rad"][0].as_f64().unwrap();
+        assert!((target.to_degrees() - 60.0).abs() < 1e-3, "{text}");
+        // `iiwasim plan` takes it.
+        fs::write(rig.path("made.json"), text).unwrap();
+        assert_eq!(rig.start(&["plan", "made.json", "--no-output"]).end().status.code(), Some(0));
+    });
 }
 
 #[test]
 fn what_cannot_be_sent_is_not() {
-    let rig = Rig::new();
-    let (_twin, address) = start(&rig, &["--scene", "scene.json", "--min-clearance", "0"]);
-    let mut page = address.page();
-    page.wait_for("live", |live| live["joints_rad"][0].is_number());
-    let mut refused = |order: &str, parameters: Value, why: &str| {
-        let found = page.order(order, parameters).unwrap_err();
-        assert!(found.contains(why), "{found}");
-    };
-    refused("send", json!({ "plan": 1, "move_to_start": false }), "not the plan that is shown");
-    let not_planned = |program: Value, why: &str| {
-        let found = address.load(&program).unwrap_err();
-        assert!(found.contains(why), "{found}");
-    };
-    not_planned(
-        json!({ "name": "bad.json", "text": "{\n  \"version\": 1,\n  oops" }),
-        "bad.json, line 3, column 3",
-    );
-    not_planned(json!({ "name": "", "text": "" }), "line 1");
-    let outside = r#"{ "type": "ptp", "joints_deg": [600, 0, 0, 0, 0, 0, 0] }"#;
-    not_planned(program(outside), "joint 1");
-    let robot = |name: &str| {
-        let mut other = program(TO_60);
-        let text = other["text"].as_str().unwrap();
-        let text = text.replacen("1,", &format!("1, \"robot\": \"{name}\","), 1);
-        other["text"] = json!(text);
-        other
-    };
-    not_planned(
-        robot("lbr_iiwa_14_r820"),
-        "for the robot `lbr_iiwa_14_r820`, this one is `lbr_iiwa_7_r800`",
-    );
-    // Of a file, nothing is told.
-    let secret = address.load(&robot("/etc/passwd")).unwrap_err();
-    assert!(
-        secret.contains("for the robot `/etc/passwd`") && !secret.contains("root:"),
-        "{secret}"
-    );
-    let long = json!({ "name": "long.json", "text": " ".repeat(5 << 20) });
-    not_planned(long, "longer than the 4 MiB");
-    // Half of a turn at a millionth of the speed.
-    let slow = r#"{ "type": "ptp", "joints_deg": [160, 0, 0, 0, 0, 0, 0], "velocity_rel": 1e-6 }"#;
-    not_planned(program(slow), "the program takes 18days");
-    // Down on the table.
-    let down = r#"{ "type": "ptp", "joints_deg": [0, 115, 0, 0, 0, 0, 0] }"#;
-    let plan = load(&address, &mut page, &program(down));
-    let why = plan["refused"].as_str().unwrap();
-    assert!(why.contains("touches table at"), "{why}");
-    let why = page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap_err();
-    assert!(why.starts_with("the program is not sent: "), "{why}");
-    // Not what was looked at.
-    let newer = load(&address, &mut page, &program(TO_60));
-    page.order("send", json!({ "plan": plan["id"], "move_to_start": false })).unwrap_err();
-    // Nonsense does not disturb.
-    for text in ["", "[]", "{\"id\": 1}", "\u{0}"] {
-        page.say(text);
-        assert!(page.refusal().contains("not understood"));
-    }
-    page.order("send", json!({ "plan": newer["id"], "move_to_start": false })).unwrap();
-    page.wait_for("run", |run| run["phase"] == "running");
-    page.order("stop", json!({})).unwrap();
-    let run = page.wait_for("run", |run| run["phase"] == "failed");
-    assert!(run["error"].as_str().unwrap().contains("stopped on request"), "{run}");
-    assert_eq!(run["sketch"]["arms"].as_array().unwrap().len(), 2);
+    in_real_time(|| {
+        let rig = Rig::new();
+        let (_twin, address) = start(&rig, &["--scene", "scene.json", "--min-clearance", "0"]);
+        let mut page = address.page();
+        page.wait_for("live", |live| live["joints_rad"][0].is_number());
+        let mut refused = |order: &str, parameters: Value, why: &str| {
+            let found = page.order(order, parameters).unwrap_err();
+            assert!(found.contains(why), "{found}");
+        };
+        refused("send", json!({ "plan": 1, "move_to_start": false }), "not the plan that is shown");
+        let not_planned = |program: Value, why: &str| {
+            let found = address.load(&program).unwrap_err();
+            assert!(found.contains(why), "{found}");
+        };
+        not_planned(
+            json!({ "name": "bad.json", "text": "{\n  \"version\": 1,\n  oops" }),
+            "bad.json, line 3, column 3",
+        );
+        not_planned(json!({ "name": "", "text": "" }), "line 1");
+        let outside = r#"{ "type": "ptp", "joints_deg": [600, 0, 0, 0, 0, 0, 0] }"#;
+        not_planned(program(outside), "joint 1");
+        let robot = |name: &str| {
+            let mut other = program(TO_60);
+            let text = other["text"].as_str().unwrap();
+            let text = text.replacen("1,", &format!("1, \"robot\": \"{name}\","), 1);
+            other["text"] = json!(text);
+            other
+        };
+        not_planned(
+            robot("lbr_iiwa_14_r820"),
+            "for the robot `lbr_iiwa_14_r820`, this one is `lbr_iiwa_7_r800`",
+        );
+        // Of a file, nothing is told.
+        let secret = address.load(&robot("/etc/passwd")).unwrap_err();
+        assert!(
+            secret.contains("for the robot `/etc/passwd`") && !secret.contains("root:"),
+            "{secret}"
+        );
+        let long = json!({ "name": "long.json", "text": " ".repeat(5 << 20) });
+        not_planned(long, "longer than the 4 MiB");
+        // Half of a turn at a millionth of the speed.
+        let slow =
+            r#"{ "type": "ptp", "joints_deg": [160, 0, 0, 0, 0, 0, 0], "velocity_rel": 1e-6 }"#;
+        not_planned(program(slow), "the program takes 18days");
+        // Down on the table.
+        let down = r#"{ "type": "ptp", "joints_deg": [0, 115, 0, 0, 0, 0, 0] }"#;
+        let plan = load(&address, &mut page, &program(down));
+        let why = plan["refused"].as_str().unwrap();
+        assert!(why.contains("touches table at"), "{why}");
+        let why =
+            page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap_err();
+        assert!(why.starts_with("the program is not sent: "), "{why}");
+        // Not what was looked at.
+        let newer = load(&address, &mut page, &program(TO_60));
+        page.order("send", json!({ "plan": plan["id"], "move_to_start": false })).unwrap_err();
+        // Nonsense does not disturb.
+        for text in ["", "[]", "{\"id\": 1}", "\u{0}"] {
+            page.say(text);
+            assert!(page.refusal().contains("not understood"));
+        }
+        page.order("send", json!({ "plan": newer["id"], "move_to_start": false })).unwrap();
+        page.wait_for("run", |run| run["phase"] == "running");
+        page.order("stop", json!({})).unwrap();
+        let run = page.wait_for("run", |run| run["phase"] == "failed");
+        assert!(run["error"].as_str().unwrap().contains("stopped on request"), "{run}");
+        assert_eq!(run["sketch"]["arms"].as_array().unwrap().len(), 2);
+    });
 }
 
 #[test]
 fn a_way_to_the_start_that_is_too_near_is_not_taken() {
-    let mut rig = Rig::parts();
-    // Just above the table on one side; the program starts upright, where all is well, but for joint 1.
-    rig.start_cabinet(&["--start-deg", "-60,88,0,0,0,0,0"]);
-    rig.start_drive(&[]);
-    rig.wait_until_ready(&[]);
-    fs::write(
-        rig.path("wall.json"),
-        r#"{ "version": 1, "obstacles": [
+    in_real_time(|| {
+        let mut rig = Rig::parts();
+        // Just above the table on one side; the program starts upright, where all is well, but for joint 1.
+        rig.start_cabinet(&["--start-deg", "-60,88,0,0,0,0,0"]);
+        rig.start_drive(&[]);
+        rig.wait_until_ready(&[]);
+        fs::write(
+            rig.path("wall.json"),
+            r#"{ "version": 1, "obstacles": [
         { "name": "post", "type": "box", "center_mm": [700, 0, 400], "size_mm": [60, 60, 2000] }
     ] }"#,
-    )
-    .unwrap();
-    let (_twin, address) = start(&rig, &["--scene", "wall.json"]);
-    let mut page = address.page();
-    page.wait_for("live", |live| live["joints_rad"][0].is_number());
-    // From one side of the post to the other.
-    let text = r#"{ "version": 1, "start": { "joints_deg": [60, 88, 0, 0, 0, 0, 0] }, "motions": [
+        )
+        .unwrap();
+        let (_twin, address) = start(&rig, &["--scene", "wall.json"]);
+        let mut page = address.page();
+        page.wait_for("live", |live| live["joints_rad"][0].is_number());
+        // From one side of the post to the other.
+        let text = r#"{ "version": 1, "start": { "joints_deg": [60, 88, 0, 0, 0, 0, 0] }, "motions": [
         { "type": "ptp", "joints_deg": [70, 88, 0, 0, 0, 0, 0] }] }"#;
-    let plan = load(&address, &mut page, &json!({ "name": "p.json", "text": text }));
-    assert_eq!(plan["refused"], Value::Null);
-    let why = page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap_err();
-    assert!(why.starts_with("the robot does not move to the program's start: link "), "{why}");
-    assert!((rig.joint_1().to_degrees() + 60.0).abs() < 1e-3);
+        let plan = load(&address, &mut page, &json!({ "name": "p.json", "text": text }));
+        assert_eq!(plan["refused"], Value::Null);
+        let why =
+            page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap_err();
+        assert!(why.starts_with("the robot does not move to the program's start: link "), "{why}");
+        assert!((rig.joint_1().to_degrees() + 60.0).abs() < 1e-3);
+    });
 }
 
 #[test]
 fn a_drive_that_goes_and_comes_back_is_found_again() {
-    let mut rig = Rig::new();
-    let (twin, address) = start(&rig, &[]);
-    let mut page = address.page();
-    page.wait_for("live", |live| live["joints_rad"][0].is_number());
-    for _ in 0..2 {
-        rig.drive.take().unwrap().signal("KILL");
-        let gone = page.wait_for("health", |health| health["error"].is_string());
-        assert_eq!((&gone["status"], &gone["sensors"]), (&Value::Null, &Value::Null));
-        // Before where it was is forgotten, it may be saved still.
-        thread::sleep(Duration::from_millis(1100));
-        let refused = page.order("save_position", json!({ "name": "" })).unwrap_err();
-        assert!(refused.contains("not known where the robot is"), "{refused}");
-        let stamp = page.wait_for("live", |_| true)["at_ms"].as_f64();
-        rig.start_drive(&[]);
-        page.wait_for("health", |health| health["status"]["fri"]["session"] == "monitoring_ready");
-        page.wait_for("live", |live| live["at_ms"].as_f64() > stamp);
-        page.order("save_position", json!({ "name": "" })).unwrap();
-    }
-    twin.signal("INT");
-    twin.end().code(0);
+    in_real_time(|| {
+        let mut rig = Rig::new();
+        let (twin, address) = start(&rig, &[]);
+        let mut page = address.page();
+        page.wait_for("live", |live| live["joints_rad"][0].is_number());
+        for _ in 0..2 {
+            rig.drive.take().unwrap().signal("KILL");
+            let gone = page.wait_for("health", |health| health["error"].is_string());
+            assert_eq!((&gone["status"], &gone["sensors"]), (&Value::Null, &Value::Null));
+            // Before where it was is forgotten, it may be saved still.
+            thread::sleep(Duration::from_millis(1100));
+            let refused = page.order("save_position", json!({ "name": "" })).unwrap_err();
+            assert!(refused.contains("not known where the robot is"), "{refused}");
+            let stamp = page.wait_for("live", |_| true)["at_ms"].as_f64();
+            rig.start_drive(&[]);
+            page.wait_for("health", |health| {
+                health["status"]["fri"]["session"] == "monitoring_ready"
+            });
+            page.wait_for("live", |live| live["at_ms"].as_f64() > stamp);
+            page.order("save_position", json!({ "name": "" })).unwrap();
+        }
+        twin.signal("INT");
+        twin.end().code(0);
+    });
 }
 
 #[test]
 fn an_interrupt_stops_a_run_that_was_begun_here() {
-    let rig = Rig::new();
-    let (twin, address) = start(&rig, &[]);
-    let mut page = address.page();
-    page.wait_for("live", |live| live["joints_rad"][0].is_number());
-    let plan = load(&address, &mut page, &program(TO_60));
-    page.order("send", json!({ "plan": plan["id"], "move_to_start": false })).unwrap();
-    page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(0.1));
-    twin.signal("INT");
-    twin.end().code(0);
-    wait_for("idle", || rig.json("status", &[])["state"] == "idle");
-    assert!(rig.joint_1() < 1.0);
+    in_real_time(|| {
+        let rig = Rig::new();
+        let (twin, address) = start(&rig, &[]);
+        let mut page = address.page();
+        page.wait_for("live", |live| live["joints_rad"][0].is_number());
+        let plan = load(&address, &mut page, &program(TO_60));
+        page.order("send", json!({ "plan": plan["id"], "move_to_start": false })).unwrap();
+        page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(0.1));
+        twin.signal("INT");
+        twin.end().code(0);
+        wait_for("idle", || rig.json("status", &[])["state"] == "idle");
+        assert!(rig.joint_1() < 1.0);
+    });
 }
 
 #[test]
 fn no_file_is_replaced() {
-    let rig = Rig::parts();
-    fs::create_dir(rig.path("kept")).unwrap();
-    fs::write(rig.path("kept/a_program.mcap"), "precious").unwrap();
-    let (_twin, address) = start(&rig, &["-o", "kept"]);
-    let mut page = address.page();
-    assert_eq!(load(&address, &mut page, &program(TO_60))["name"], "a_program-2");
-    assert_eq!(fs::read(rig.path("kept/a_program.mcap")).unwrap(), b"precious");
-    // Of names that are long in bytes, too.
-    let mut long = program(TO_60);
-    long["name"] = json!(format!("{}.json", "\u{20000}".repeat(80)));
-    load(&address, &mut page, &long);
+    in_real_time(|| {
+        let rig = Rig::parts();
+        fs::create_dir(rig.path("kept")).unwrap();
+        fs::write(rig.path("kept/a_program.mcap"), "precious").unwrap();
+        let (_twin, address) = start(&rig, &["-o", "kept"]);
+        let mut page = address.page();
+        assert_eq!(load(&address, &mut page, &program(TO_60))["name"], "a_program-2");
+        assert_eq!(fs::read(rig.path("kept/a_program.mcap")).unwrap(), b"precious");
+        // Of names that are long in bytes, too.
+        let mut long = program(TO_60);
+        long["name"] = json!(format!("{}.json", "\u{20000}".repeat(80)));
+        load(&address, &mut page, &long);
+    });
 }
 
 #[test]
 fn folders_that_are_not_kept_go() {
-    let rig = Rig::parts();
-    let folders = || {
-        let entries = fs::read_dir(rig.path("tmp")).unwrap();
-        entries.map(|entry| entry.unwrap().file_name()).collect::<Vec<_>>()
-    };
-    let start = || {
-        let shell = "mkdir -p tmp && export TMPDIR=\"$PWD/tmp\"";
-        let twin = rig.begin_in(shell, "twin", &["--port", "0"]);
-        let address = Address::of(&twin);
-        (twin, address)
-    };
-    let (killed, _) = start();
-    let left = folders();
-    assert_eq!(left.len(), 1);
-    killed.signal("KILL");
-    killed.end();
-    assert_eq!(folders(), left);
-    // The next one removes it, and not that of one that lives.
-    let (twin, address) = start();
-    let used = folders();
-    assert!(used.len() == 1 && used != left);
-    address.load(&program(TO_60)).unwrap();
-    let (other, _) = start();
-    assert_eq!(folders().len(), 2);
-    assert_eq!(
-        address.file("files/program.json"),
-        program(TO_60)["text"].as_str().unwrap().as_bytes()
-    );
-    for twin in [twin, other] {
-        twin.signal("INT");
-        twin.end().code(0);
-    }
-    assert_eq!(folders().len(), 0);
+    in_real_time(|| {
+        let rig = Rig::parts();
+        let folders = || {
+            let entries = fs::read_dir(rig.path("tmp")).unwrap();
+            entries.map(|entry| entry.unwrap().file_name()).collect::<Vec<_>>()
+        };
+        let start = || {
+            let shell = "mkdir -p tmp && export TMPDIR=\"$PWD/tmp\"";
+            let twin = rig.begin_in(shell, "twin", &["--port", "0"]);
+            let address = Address::of(&twin);
+            (twin, address)
+        };
+        let (killed, _) = start();
+        let left = folders();
+        assert_eq!(left.len(), 1);
+        killed.signal("KILL");
+        killed.end();
+        assert_eq!(folders(), left);
+        // The next one removes it, and not that of one that lives.
+        let (twin, address) = start();
+        let used = folders();
+        assert!(used.len() == 1 && used != left);
+        address.load(&program(TO_60)).unwrap();
+        let (other, _) = start();
+        assert_eq!(folders().len(), 2);
+        assert_eq!(
+            address.file("files/program.json"),
+            program(TO_60)["text"].as_str().unwrap().as_bytes()
+        );
+        for twin in [twin, other] {
+            twin.signal("INT");
+            twin.end().code(0);
+        }
+        assert_eq!(folders().len(), 0);
+    });
 }
 
 #[test]
 fn what_cannot_be_followed_is_told() {
-    let rig = Rig::parts();
-    let told = |options: &[&str], code, why: &str| {
-        let ended = rig.begin("twin", options).end().code(code);
-        assert!(ended.stderr.contains(why), "{}", ended.stderr);
-    };
-    fs::write(
-        rig.path("bad.json"),
-        r#"{ "version": 1, "obstacles": [{ "name": "a", "type": "ball" }] }"#,
-    )
-    .unwrap();
-    told(&["--port", "0", "--scene", "bad.json"], 2, "line 1");
-    told(&["--port", "0", "--scene", "none.json"], 2, "none.json");
-    told(&["--port", "0", "--robot", "none"], 2, "no robot is called `none`");
-    let (twin, address) = start(&rig, &[]);
-    let port = address.host.rsplit(':').next().unwrap().to_owned();
-    told(&["--port", &port], 1, "cannot listen at port");
-    // Without a drive there is a page that says so.
-    let health = address.page().wait_for("health", |health| health["error"].is_string());
-    assert!(health["error"].as_str().unwrap().contains("no drive answers at tcp://127.0.0.1:"));
-    twin.signal("INT");
-    twin.end().code(0);
+    in_real_time(|| {
+        let rig = Rig::parts();
+        let told = |options: &[&str], code, why: &str| {
+            let ended = rig.begin("twin", options).end().code(code);
+            assert!(ended.stderr.contains(why), "{}", ended.stderr);
+        };
+        fs::write(
+            rig.path("bad.json"),
+            r#"{ "version": 1, "obstacles": [{ "name": "a", "type": "ball" }] }"#,
+        )
+        .unwrap();
+        told(&["--port", "0", "--scene", "bad.json"], 2, "line 1");
+        told(&["--port", "0", "--scene", "none.json"], 2, "none.json");
+        told(&["--port", "0", "--robot", "none"], 2, "no robot is called `none`");
+        let (twin, address) = start(&rig, &[]);
+        let port = address.host.rsplit(':').next().unwrap().to_owned();
+        told(&["--port", &port], 1, "cannot listen at port");
+        // Without a drive there is a page that says so.
+        let health = address.page().wait_for("health", |health| health["error"].is_string());
+        assert!(health["error"].as_str().unwrap().contains("no drive answers at tcp://127.0.0.1:"));
+        twin.signal("INT");
+        twin.end().code(0);
+    });
 }
 
 #[test]
 fn viewers_see_the_robot() {
-    let rig = Rig::new();
-    let (twin, _) = start(&rig, &["--foxglove=127.0.0.1:0"]);
-    wait_for("address", || twin.stderr().contains("open ws://") && twin.stderr().ends_with('\n'));
-    let told = twin.stderr();
-    let at = told.split_whitespace().find(|word| word.starts_with("ws://")).unwrap();
-    let Some(viewer) = rig.script("tests/foxglove/check.py", &[at, "--messages", "50"]) else {
-        return;
-    };
-    let program = rig.slow_program();
-    rig.iiwasim("run", &[program, "--no-output"]).success();
-    viewer.end().code(0);
-    twin.signal("INT");
-    twin.end().code(0);
+    in_real_time(|| {
+        let rig = Rig::new();
+        let (twin, _) = start(&rig, &["--foxglove=127.0.0.1:0"]);
+        wait_for("address", || {
+            twin.stderr().contains("open ws://") && twin.stderr().ends_with('\n')
+        });
+        let told = twin.stderr();
+        let at = told.split_whitespace().find(|word| word.starts_with("ws://")).unwrap();
+        let Some(viewer) = rig.script("tests/foxglove/check.py", &[at, "--messages", "50"]) else {
+            return;
+        };
+        let program = rig.slow_program();
+        rig.iiwasim("run", &[program, "--no-output"]).success();
+        viewer.end().code(0);
+        twin.signal("INT");
+        twin.end().code(0);
+    });
 }

@@ -1,6 +1,5 @@
 //! Runs through the simulated cabinet take the time and the path that were planned.
 
-use crate::rig::{LONG, Rig};
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     ClientError, TimedJoints,
@@ -8,6 +7,9 @@ use iiwa_link::{
 };
 use iiwa_path::{Blend, Motion, Path, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
+use iiwasim_tests::calm::in_real_time;
+
+use crate::rig::{LONG, Rig};
 
 fn motions() -> Vec<Motion> {
     let rad = |deg: Joints| deg.map(f64::to_radians);
@@ -67,43 +69,40 @@ pub(crate) fn sampled(plan: &Trajectory, step_s: f64) -> TimedJoints {
     TimedJoints { t_s, joints_rad }
 }
 
-/// Runs a trajectory from the start; again, if the machine stood still for so long that the controller
-/// gave up.
+/// Runs a trajectory from the start.
 fn commanded(period_ms: u32, trajectory: &TimedJoints) -> (Rig, Run) {
-    for _ in 0..5 {
-        let rig = Rig::new(period_ms);
-        match rig.client().run_trajectory(trajectory.clone(), Some(LONG)) {
-            Ok(run) => return (rig, run),
-            Err(error) if error.to_string().contains("too bad to command") => println!("{error}"),
-            Err(error) => panic!("{error}"),
-        }
-    }
-    panic!("the machine stands still again and again");
+    let rig = Rig::new(period_ms);
+    let run = rig.client().run_trajectory(trajectory.clone(), Some(LONG)).unwrap();
+    (rig, run)
 }
 
 #[test]
 fn trajectories_take_their_time_and_path() {
-    for period_ms in [5, 1] {
-        let plan = planned(motions());
-        let (rig, run) = commanded(period_ms, &sampled(&plan, 0.004));
-        assert_as_planned(&run, &plan, f64::from(period_ms) * 1e-3);
-        assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
-    }
+    in_real_time(|| {
+        for period_ms in [5, 1] {
+            let plan = planned(motions());
+            let (rig, run) = commanded(period_ms, &sampled(&plan, 0.004));
+            assert_as_planned(&run, &plan, f64::from(period_ms) * 1e-3);
+            assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
+        }
+    });
 }
 
 /// To the ends of the ranges and back, at full speed: set-points between points do not swing beyond.
 #[test]
 fn trajectories_reach_the_ends_of_the_range() {
-    let range = Robot::default().limits().position_rad;
-    let mut far = [0.0; 7];
-    (far[0], far[3], far[6]) = (range[0], -range[3], range[6]);
-    let plan = planned(vec![Motion::Ptp(Ptp::to(far)), Motion::Ptp(Ptp::to([0.0; 7]))]);
-    for step_s in [0.004, 0.0071] {
-        let (_, run) = commanded(5, &sampled(&plan, step_s));
-        assert_as_planned(&run, &plan, 0.005);
-        let furthest = run.samples.joints_rad.iter().map(|q| q[0]).fold(0.0, f64::max);
-        assert!((furthest - range[0]).abs() < 1e-6, "{furthest} rad");
-    }
+    in_real_time(|| {
+        let range = Robot::default().limits().position_rad;
+        let mut far = [0.0; 7];
+        (far[0], far[3], far[6]) = (range[0], -range[3], range[6]);
+        let plan = planned(vec![Motion::Ptp(Ptp::to(far)), Motion::Ptp(Ptp::to([0.0; 7]))]);
+        for step_s in [0.004, 0.0071] {
+            let (_, run) = commanded(5, &sampled(&plan, step_s));
+            assert_as_planned(&run, &plan, 0.005);
+            let furthest = run.samples.joints_rad.iter().map(|q| q[0]).fold(0.0, f64::max);
+            assert!((furthest - range[0]).abs() < 1e-6, "{furthest} rad");
+        }
+    });
 }
 
 #[test]
