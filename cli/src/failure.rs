@@ -2,7 +2,7 @@
 
 use std::{error::Error, fmt::Write as _, io::Write as _};
 
-use iiwa_kin::json::Place;
+use iiwa_json::Place;
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 
 /// Why a command did not do what it was asked for.

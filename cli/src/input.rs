@@ -7,10 +7,8 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-use iiwa_kin::{
-    Robot,
-    json::{Step, locate},
-};
+use iiwa_json::{Step, locate};
+use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 use iiwa_path::Program;
 use iiwa_scene::Scene;

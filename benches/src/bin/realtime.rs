@@ -32,11 +32,9 @@ use std::{
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
+use iiwa_drive::{Cabinet, CabinetConfig, Drive, DriveConfig, Late};
 use iiwa_kin::Robot;
-use iiwa_link::{
-    Cabinet, CabinetConfig, Client, Drive, DriveConfig, Late, Published, Remote, Server, Stream,
-    TimedJoints,
-};
+use iiwa_link::{Client, Published, Remote, Server, Stream, TimedJoints};
 use iiwa_path::{Blend, Motion, Path, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::{Result, machine};

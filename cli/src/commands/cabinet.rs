@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use iiwa_link::{Cabinet, CabinetConfig, Faults};
+use iiwa_drive::{Cabinet, CabinetConfig, Faults};
 
 use crate::{
     args, connection,

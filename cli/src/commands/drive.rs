@@ -2,7 +2,8 @@
 
 use std::net::{IpAddr, ToSocketAddrs};
 
-use iiwa_link::{Drive, DriveConfig, Punctuality, Remote, security::ClientSecurity};
+use iiwa_drive::{Drive, DriveConfig, Punctuality};
+use iiwa_link::{Remote, security::ClientSecurity};
 
 use crate::{
     args, connection,

@@ -18,7 +18,6 @@
 mod batch;
 mod dh;
 mod forward;
-pub mod json;
 mod limits;
 mod pose;
 mod profile;

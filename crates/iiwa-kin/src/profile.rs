@@ -1,17 +1,14 @@
 //! The robot profile: a JSON file that overrides parts of a built-in model.
 
+use iiwa_json::{
+    Object, Place,
+    Step::{self, Index, Key},
+    Unread, locate, problem, read_version,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::{
-    Joints, Lengths, Robot,
-    json::{
-        Object, Place,
-        Step::{self, Index, Key},
-        Unread, locate, problem, read_version,
-    },
-    robot::MAX_LENGTH_M,
-};
+use crate::{Joints, Lengths, Robot, robot::MAX_LENGTH_M};
 
 /// The version of the profile format that this library reads and writes.
 const VERSION: u64 = 1;

@@ -10,7 +10,7 @@ pub use io::IoValue;
 pub use refusal::{Code, Refusal};
 pub use reply::{Body, DriveState, FriStatus, Presence, Reply, Run, Samples, Sensors, Status};
 pub use request::{Id, Request};
-pub(crate) use text::{Figures, bad_json, from_json, shortened, to_json};
+pub use text::{Figures, bad_json, from_json, shortened, to_json};
 
 /// Longest request that is taken, in bytes: a trajectory of 200 000 points with all their digits. A peer
 /// that sends a longer one is disconnected.

@@ -7,7 +7,7 @@ use omq_proto::{MechanismSetup, SocketType, proto::Role};
 use crate::{
     error::LinkError,
     security::{ClientSecurity, Endpoint, ServerSecurity},
-    transport::{Event, Listener, ListenerConfig, WireConfig},
+    transport::{Dialer, Event, Frames, Listener, ListenerConfig, SHORT_BYTES, WireConfig},
 };
 
 /// What it takes to let others connect.
@@ -29,12 +29,14 @@ impl Server {
         Self { security: Some(security) }
     }
 
-    pub(crate) fn has_keys(&self) -> bool {
+    /// Whether clients need keys.
+    #[must_use]
+    pub fn has_keys(&self) -> bool {
         self.security.is_some()
     }
 
     /// A socket bound to an address.
-    pub(crate) fn listen(
+    pub fn listen(
         &self,
         at: &str,
         config: ListenerConfig,
@@ -49,6 +51,15 @@ impl Server {
             self.security.as_ref().map_or(MechanismSetup::Null, ServerSecurity::mechanism);
         Listener::start(config, mechanism, address, sink)
     }
+}
+
+/// What a connection that is kept up is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dial {
+    /// It asks, several at a time if need be.
+    Dealer,
+    /// It is asked.
+    Rep,
 }
 
 /// What it takes to connect to another's sockets.
@@ -70,6 +81,27 @@ impl Remote {
         Self { security: Some(security) }
     }
 
+    /// Keeps up a connection to an address, in a thread of that name. `take` gets what comes in, and says
+    /// what is answered.
+    ///
+    /// # Errors
+    ///
+    /// If the address makes no sense or asks for keys, or the system starts no thread.
+    pub fn dial(
+        &self,
+        name: &'static str,
+        kind: Dial,
+        at: &str,
+        take: impl FnMut(Frames) -> Option<Frames> + Send + 'static,
+    ) -> Result<Dialer, LinkError> {
+        let kind = match kind {
+            Dial::Dealer => SocketType::Dealer,
+            Dial::Rep => SocketType::Rep,
+        };
+        let (to, wire) = self.wire(kind, at, SHORT_BYTES)?;
+        Dialer::start(name, wire, to, take)
+    }
+
     /// How to connect to an address.
     pub(crate) fn wire(
         &self,
@@ -87,19 +119,19 @@ impl Remote {
 }
 
 /// How often in a row a drive may hang up before it counts as its word.
-pub(crate) const HUNG_UP: u32 = 3;
+pub const HUNG_UP: u32 = 3;
 
 /// Longest message where nobody has anything long to say.
-pub(crate) const SHORT_MESSAGE_BYTES: usize = 1024;
+pub const SHORT_MESSAGE_BYTES: usize = 1024;
 
 /// Whether nothing has come in time.
-pub(crate) fn is_timeout(error: &io::Error) -> bool {
+pub fn is_timeout(error: &io::Error) -> bool {
     use io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
     matches!(error.kind(), WouldBlock | TimedOut | Interrupted)
 }
 
 /// A number that nobody has drawn before.
-pub(crate) fn random() -> u64 {
+pub fn random() -> u64 {
     // Half the bits: JSON's numbers are exact up to 53 of them.
     std::hash::RandomState::new().hash_one(std::time::Instant::now()) >> 32
 }

@@ -62,6 +62,17 @@ pub enum Published {
     },
 }
 
+impl Published {
+    /// The topic under which it is published.
+    #[must_use]
+    pub fn topic(&self) -> &'static str {
+        match self {
+            Self::Joints { .. } => "joints",
+            Self::State { .. } => "state",
+        }
+    }
+}
+
 /// How long after a connection was lost another one is tried.
 const AGAIN: Duration = Duration::from_millis(50);
 

@@ -28,11 +28,11 @@ mod meter;
 mod subscriptions;
 mod wire;
 
-pub(crate) use dialer::Dialer;
-pub(crate) use listener::{Event, Kind, Listener, ListenerConfig, PeerId};
-pub(crate) use wire::{
-    Frames, Incoming, Permit, Received, SHORT_BYTES, Wire, WireConfig, WireError,
-};
+pub use admission::PeerId;
+pub use dialer::Dialer;
+pub use listener::{Event, Kind, Listener, ListenerConfig};
+pub use wire::{Frames, Permit, Received, SHORT_BYTES};
+pub(crate) use wire::{Incoming, Wire, WireConfig, WireError};
 
 /// What drives the sockets of a thread.
 pub(crate) fn runtime() -> io::Result<Runtime> {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use iiwa_kin::json::{Place, Step, locate};
+use iiwa_json::{Place, Step, locate};
 
 use crate::program::Blend;
 

@@ -1,16 +1,17 @@
 //! The program's JSON form. The types here are the ones that are read, written and described by
 //! the JSON Schema.
 
-use std::{borrow::Cow, fmt};
+use std::fmt;
 
-use iiwa_kin::{
-    Joints,
-    json::{Object, Place, Step, Unread, element_at, excerpt, locate, problem, read_version},
+use iiwa_json::{
+    Numbers, Object, Place, Step, Unread, element_at, excerpt, locate, numbers, object,
+    object_or_null, problem, read_version, tag,
 };
+use iiwa_kin::Joints;
 use schemars::JsonSchema;
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
-    de::{Error as _, IgnoredAny, SeqAccess, Visitor},
+    de::{Error as _, SeqAccess, Visitor},
 };
 use serde_json::value::RawValue;
 
@@ -167,8 +168,7 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
         let place = locate(text, &path.collect::<Vec<_>>());
         ProgramError::Json { what, motion: Some(index), place }
     };
-    let Object(tag) = serde_json::from_str::<Object<Tag<'_>>>(raw).map_err(fail)?;
-    match tag.r#type.as_deref() {
+    match tag(raw).map_err(fail)?.as_deref() {
         Some("ptp") => {
             let Object(wire) = serde_json::from_str::<Object<PtpWire>>(raw).map_err(fail)?;
             wire.motion().map_err(|what| wrong(what.to_owned(), None))
@@ -201,12 +201,6 @@ fn json_error(
 struct MotionsOnly<'a> {
     #[serde(borrow)]
     motions: Vec<&'a RawValue>,
-}
-
-#[derive(Deserialize)]
-struct Tag<'a> {
-    #[serde(borrow)]
-    r#type: Option<Cow<'a, str>>,
 }
 
 /// A motion program for the KUKA LBR iiwa.
@@ -479,47 +473,13 @@ impl<'de> Deserialize<'de> for Share {
                 Ok(Share::All(value as f64))
             }
             fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Share, A::Error> {
-                Seven("seven shares, for joints A1 to A7").visit_seq(seq).map(Share::Each)
+                Numbers("seven shares, for joints A1 to A7").visit_seq(seq).map(Share::Each)
             }
         }
         deserializer.deserialize_any(ShareVisitor)
     }
 }
 
-/// Reads exactly seven numbers and says what they should have been.
-struct Seven(&'static str);
-
-impl<'de> Visitor<'de> for Seven {
-    type Value = Joints;
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.0)
-    }
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Joints, A::Error> {
-        let mut joints = [0.0; 7];
-        let mut count = 0;
-        while count < 7 {
-            let Some(value) = seq.next_element()? else { break };
-            joints[count] = value;
-            count += 1;
-        }
-        while count >= 7 && seq.next_element::<IgnoredAny>()?.is_some() {
-            count += 1;
-        }
-        if count == 7 { Ok(joints) } else { Err(A::Error::invalid_length(count, &self)) }
-    }
-}
-
-fn seven<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Joints>, D::Error> {
-    deserializer.deserialize_seq(Seven("seven joint angles, A1 to A7")).map(Some)
-}
-
-fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
-    Object::deserialize(deserializer).map(|object| object.0)
-}
-
-fn object_or_null<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
-    deserializer: D,
-) -> Result<Option<T>, D::Error> {
-    let object = Option::<Object<T>>::deserialize(deserializer)?;
-    Ok(object.map(|object| object.0))
+fn seven<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Joints>, D::Error> {
+    numbers(reader, "seven joint angles, A1 to A7").map(Some)
 }

@@ -5,7 +5,8 @@
 
 use std::time::{Duration, Instant};
 
-use iiwa_kin::{Robot, json::Place};
+use iiwa_json::Place;
+use iiwa_kin::Robot;
 use iiwa_path::{Motion, Path, Program, ProgramError, Ptp};
 
 const GOOD: &str = r#"{

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use iiwa_kin::json::{Place, Step, locate};
+use iiwa_json::{Place, Step, locate};
 
 /// Something in a scene that cannot be. Obstacles count from 0 here and from 1 in the message.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

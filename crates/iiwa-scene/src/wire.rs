@@ -1,16 +1,11 @@
 //! The scene's JSON forms: the one that is read, which the JSON Schema describes, and the one that is
 //! drawn.
 
-use std::{borrow::Cow, fmt};
-
-use iiwa_kin::json::{
-    Object, Place, Step, Unread, element_at, excerpt, locate, problem, read_version,
+use iiwa_json::{
+    Object, Place, Step, Unread, element_at, excerpt, locate, numbers, problem, read_version, tag,
 };
 use schemars::JsonSchema;
-use serde::{
-    Deserialize, Deserializer, Serialize, Serializer,
-    de::{Error as _, IgnoredAny, SeqAccess, Visitor},
-};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::value::RawValue;
 
 use crate::{
@@ -117,8 +112,7 @@ fn obstacle(text: &str, index: usize, raw: &str) -> Result<Obstacle, SceneError>
         let path = path.into_iter().chain(key.map(Step::Key)).collect::<Vec<_>>();
         SceneError::Json { what, obstacle: Some(index), place: locate(text, &path) }
     };
-    let Object(tag) = serde_json::from_str::<Object<Tag<'_>>>(raw).map_err(fail)?;
-    match tag.r#type.as_deref() {
+    match tag(raw).map_err(fail)?.as_deref() {
         Some("box") => {
             serde_json::from_str::<Object<BoxWire>>(raw).map_err(fail).map(|wire| wire.0.into())
         }
@@ -143,12 +137,6 @@ fn json_error(
     // What is no JSON at all is found before the text is taken apart.
     let obstacle = obstacle.or_else(|| element_at(text, "obstacles", place.span.start));
     SceneError::Json { what: problem(error), obstacle, place }
-}
-
-#[derive(Deserialize)]
-struct Tag<'a> {
-    #[serde(borrow)]
-    r#type: Option<Cow<'a, str>>,
 }
 
 /// What stands around a KUKA LBR iiwa, in the frame of its base: z up, origin in the middle of its foot.
@@ -269,29 +257,8 @@ fn from_mm(mm: f64) -> f64 {
     mm / 1e3
 }
 
-/// Reads exactly three numbers.
-fn three<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 3], D::Error> {
-    struct Three;
-    impl<'de> Visitor<'de> for Three {
-        type Value = [f64; 3];
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("three numbers, for x, y and z")
-        }
-        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[f64; 3], A::Error> {
-            let mut numbers = [0.0; 3];
-            let mut count = 0;
-            while count < 3 {
-                let Some(value) = seq.next_element()? else { break };
-                numbers[count] = value;
-                count += 1;
-            }
-            while count >= 3 && seq.next_element::<IgnoredAny>()?.is_some() {
-                count += 1;
-            }
-            if count == 3 { Ok(numbers) } else { Err(A::Error::invalid_length(count, &self)) }
-        }
-    }
-    deserializer.deserialize_seq(Three)
+fn three<'de, D: Deserializer<'de>>(reader: D) -> Result<[f64; 3], D::Error> {
+    numbers(reader, "three numbers, for x, y and z")
 }
 
 /// As a drawing needs it: m, unit vectors, matrices.

@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use iiwa_link::fri::{Client, Controller, Format, Reading};
+use iiwa_fri::{Client, Controller, Format, Reading};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::json::Place;
+use iiwa_json::Place;
 
 /// Why a URDF is not a description of a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use iiwa_json::Place;
 use quick_xml::{Reader, events::Event};
 
 use super::{
@@ -9,7 +10,6 @@ use super::{
     joint::{Draft, Joint},
     tag::{At, Tag},
 };
-use crate::json::Place;
 
 /// The links and joints of a URDF.
 pub(super) struct Description<'t> {

@@ -1,10 +1,10 @@
 //! Start tags, their attributes and where they are.
 
+use iiwa_json::Place;
 use nalgebra::{Isometry3, Quaternion, Translation3, Unit, UnitQuaternion};
 use quick_xml::events::BytesStart;
 
 use super::UrdfError;
-use crate::json::Place;
 
 /// Bytes of a text: a place that is not counted out in lines before it is needed.
 #[derive(Clone, Copy)]

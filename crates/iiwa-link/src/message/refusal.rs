@@ -58,15 +58,21 @@ pub struct Refusal {
 }
 
 impl Refusal {
-    pub(crate) fn new(code: Code, message: impl Into<String>) -> Self {
+    /// A refusal with this code.
+    #[must_use]
+    pub fn new(code: Code, message: impl Into<String>) -> Self {
         Self { code, message: message.into() }
     }
 
-    pub(crate) fn bad(message: impl Into<String>) -> Self {
+    /// The request makes no sense.
+    #[must_use]
+    pub fn bad(message: impl Into<String>) -> Self {
         Self::new(Code::BadRequest, message)
     }
 
-    pub(crate) fn robot(message: impl Into<String>) -> Self {
+    /// The robot cannot do it.
+    #[must_use]
+    pub fn robot(message: impl Into<String>) -> Self {
         Self::new(Code::Robot, message)
     }
 }

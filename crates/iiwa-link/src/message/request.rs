@@ -2,7 +2,7 @@
 
 use std::str;
 
-use iiwa_kin::json::Object;
+use iiwa_json::Object;
 use iiwa_path::Motion;
 use serde::{Deserialize, Deserializer, Serialize, de::DeserializeOwned};
 use serde_json::value::RawValue;
@@ -79,7 +79,7 @@ impl Request {
     }
 
     /// What a request is called, and its id, without reading the rest.
-    pub(crate) fn head(bytes: &[u8]) -> (Option<Id>, Option<String>) {
+    pub fn head(bytes: &[u8]) -> (Option<Id>, Option<String>) {
         match str::from_utf8(bytes).map(serde_json::from_str::<Object<Head>>) {
             Ok(Ok(Object(head))) => (head.id, head.r#type),
             _ => (None, None),

@@ -2,28 +2,28 @@
 
 use std::fmt;
 
-use iiwa_kin::json::{Object, Place, problem};
+use iiwa_json::{Object, Place, problem};
 use serde::{Serialize, de::DeserializeOwned};
 
 use super::Refusal;
 
 /// A value as JSON. Only a map with keys that are no strings could fail.
-pub(crate) fn to_json(value: &impl Serialize) -> String {
+pub fn to_json(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default()
 }
 
 /// A message that was sent by another program of ours; none if it is not what it should be.
-pub(crate) fn from_json<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+pub fn from_json<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     serde_json::from_slice::<Object<T>>(bytes).ok().map(|Object(message)| message)
 }
 
 /// Why a text is not the JSON that is asked for, and where.
-pub(crate) fn bad_json(text: &str, error: &serde_json::Error) -> Refusal {
+pub fn bad_json(text: &str, error: &serde_json::Error) -> Refusal {
     Refusal::bad(format!("{}, at {}", problem(error), Place::of_error(text, text, error)))
 }
 
 /// The beginning of somebody's text, for messages; what is not ASCII is escaped.
-pub(crate) fn shortened(text: &str) -> String {
+pub fn shortened(text: &str) -> String {
     const MOST: usize = 60;
     let mut shown = String::new();
     for letter in text.chars() {
@@ -37,7 +37,7 @@ pub(crate) fn shortened(text: &str) -> String {
 }
 
 /// A number in messages, with so many decimals; one of many digits with a power of ten.
-pub(crate) struct Figures(pub(crate) f64, pub(crate) usize);
+pub struct Figures(pub f64, pub usize);
 
 impl fmt::Display for Figures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

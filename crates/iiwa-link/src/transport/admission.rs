@@ -7,7 +7,7 @@
 use std::{cmp::Reverse, collections::BTreeMap, net::IpAddr, time::Instant};
 
 /// A connection's number.
-pub(crate) type PeerId = u64;
+pub type PeerId = u64;
 
 /// Most connections whose handshake is not complete.
 pub(super) const STRANGERS: usize = 64;

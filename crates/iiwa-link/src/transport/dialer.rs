@@ -21,11 +21,13 @@ const AGAIN: Duration = Duration::from_millis(50);
 const WITHIN: Duration = Duration::from_secs(2);
 
 /// Keeps up a connection, in a thread of its own. It ends when it is dropped.
-pub(crate) struct Dialer {
+#[derive(Debug)]
+pub struct Dialer {
     commands: Option<UnboundedSender<Command>>,
     thread: Option<JoinHandle<()>>,
 }
 
+#[derive(Debug)]
 enum Command {
     Send(Frames),
     Reconnect,
@@ -52,12 +54,12 @@ impl Dialer {
     }
 
     /// Sends a message, once there is a connection. The newest one counts.
-    pub(crate) fn send(&self, frames: Frames) {
+    pub fn send(&self, frames: Frames) {
         self.command(Command::Send(frames));
     }
 
     /// Takes another connection. What was not sent so far is dropped.
-    pub(crate) fn reconnect(&self) {
+    pub fn reconnect(&self) {
         self.command(Command::Reconnect);
     }
 

@@ -23,9 +23,8 @@ use tokio::{
     time::{sleep, timeout},
 };
 
-pub(crate) use super::admission::PeerId;
 use super::{
-    admission::{Room, Stage, Standing, room},
+    admission::{PeerId, Room, Stage, Standing, room},
     subscriptions::Subscriptions,
     wire::{Frames, Incoming, Received, Wire, WireConfig, WireError},
 };
@@ -33,7 +32,7 @@ use crate::error::LinkError;
 
 /// What a socket is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// Requests come in, each of which is answered.
     Router,
     /// The same; peers are told that it answers one after the other.
@@ -61,18 +60,19 @@ impl Kind {
 
 /// How a socket is set up.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ListenerConfig {
+pub struct ListenerConfig {
     /// The thread's name.
-    pub(crate) name: &'static str,
-    pub(crate) kind: Kind,
+    pub name: &'static str,
+    /// What the socket is for.
+    pub kind: Kind,
     /// Longest message that is taken, in bytes: a peer that sends a longer one is disconnected.
-    pub(crate) most_bytes: usize,
+    pub most_bytes: usize,
     /// Most messages that wait for a peer that does not take them: it misses those beyond.
-    pub(crate) backlog: usize,
+    pub backlog: usize,
 }
 
 /// What a socket tells.
-pub(crate) enum Event {
+pub enum Event {
     /// A message of a peer.
     Message(PeerId, Received),
     /// The peer has gone, or was cut off.
@@ -101,7 +101,7 @@ const SEND_BUFFER: usize = 128 << 10;
 const PENDING: u32 = 1024;
 
 /// A socket that others connect to. It ends when it is dropped.
-pub(crate) struct Listener {
+pub struct Listener {
     at: String,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
@@ -151,12 +151,12 @@ impl Listener {
     }
 
     /// Where it is bound, as `tcp://127.0.0.1:5560`.
-    pub(crate) fn at(&self) -> &str {
+    pub fn at(&self) -> &str {
         &self.at
     }
 
     /// Sends a message to a peer, or nothing if it has gone. `hold` is kept until it is sent.
-    pub(crate) fn send(&self, to: PeerId, frames: Frames, hold: Option<Box<dyn Send>>) {
+    pub fn send(&self, to: PeerId, frames: Frames, hold: Option<Box<dyn Send>>) {
         if let Some(peer) = self.shared.peers().connected.get(&to) {
             // Where there is no room, it does not read what it asked for.
             let _ = peer.inbox.try_send(Outgoing { frames, hold });
@@ -164,7 +164,7 @@ impl Listener {
     }
 
     /// Sends a message to all peers; to subscribers if they want its topic, the first frame.
-    pub(crate) fn publish(&self, frames: &Frames) {
+    pub fn publish(&self, frames: &Frames) {
         for peer in self.shared.peers().connected.values() {
             if peer.standing.stage >= Stage::Clogged {
                 // Who does not keep up misses it.

@@ -22,10 +22,10 @@ use super::meter::Meter;
 use crate::security::{Endpoint, Refused};
 
 /// The frames of a message.
-pub(crate) type Frames = Vec<Bytes>;
+pub type Frames = Vec<Bytes>;
 
 /// The right to have a long message on its way, until it is dropped.
-pub(crate) type Permit = OwnedSemaphorePermit;
+pub type Permit = OwnedSemaphorePermit;
 
 /// How a connection is set up.
 #[derive(Clone)]
@@ -72,12 +72,13 @@ impl From<ProtocolError> for WireError {
 
 /// A message that came in.
 #[derive(Debug)]
-pub(crate) struct Received {
-    pub(crate) frames: Frames,
+pub struct Received {
+    /// Its parts.
+    pub frames: Frames,
     /// Of a long one: as long as it is kept, no other long one comes in.
-    pub(crate) permit: Option<Permit>,
+    pub permit: Option<Permit>,
     /// When its first bytes came.
-    pub(crate) began: Instant,
+    pub began: Instant,
 }
 
 /// What comes in.
@@ -91,7 +92,7 @@ pub(crate) enum Incoming {
 }
 
 /// Longer messages than this are long ones, in bytes.
-pub(crate) const SHORT_BYTES: usize = 64 << 10;
+pub const SHORT_BYTES: usize = 64 << 10;
 
 /// A handshake takes less, in bytes.
 const HANDSHAKE_BYTES: usize = 4 << 10;

@@ -1,0 +1,505 @@
+//! The simulated robot and the program that runs on its cabinet, without sockets and without a clock:
+//! it goes on by one cycle when it is told to.
+
+#[cfg(test)]
+mod tests;
+
+use std::time::Duration;
+
+use iiwa_fri::{Controller, ControllerConfig, Reading, Safety, SessionState};
+use iiwa_kin::{Joints, Robot};
+use iiwa_link::message::{Code, DriveState, Refusal, Sensors};
+use iiwa_path::{Motion, Path, Program};
+use iiwa_traj::{Timing, Trajectory};
+
+use crate::{
+    braking::fastest,
+    cabinet::{
+        io::Ports,
+        noise::Noise,
+        sensors::{Temperatures, holding_torques},
+    },
+    playback::{EMERGENCY_STOP_S, Playback, STOP_S},
+    robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
+};
+
+/// How long the controller waits for the client before a trajectory, in s.
+const COMMANDING_WAIT_S: f64 = 5.0;
+
+/// Longest time between messages over which the arm can be commanded, in s.
+const COMMANDED_EVERY_S: f64 = 0.010;
+
+/// How much faster than its limit a joint may be told to go by set-points: clocks are not exact, and
+/// positions are rounded.
+const SETPOINT_MARGIN: f64 = 1.1;
+
+/// How much harder than its limit of acceleration a joint may brake at the end of its range.
+const BRAKING_MARGIN: f64 = 1.25;
+
+/// A robot, its controller and the robot program.
+pub(super) struct Simulation {
+    robot: Robot,
+    period_s: f64,
+    receive_multiplier: u32,
+    /// Cycles since the start: the controller's clock.
+    cycle: u64,
+    /// Where the arm is told to be, in rad.
+    q: Joints,
+    /// How fast it moves, in rad/s.
+    dq: Joints,
+    activity: Activity,
+    outcome: Option<Outcome>,
+    boot: u64,
+    fri: Controller,
+    /// The emergency stop is pressed up to this cycle.
+    pressed_until: Option<u64>,
+    /// Presses it once the next motion is at this share of its time.
+    press_at: Option<f64>,
+    noise: Noise,
+    temperatures: Temperatures,
+    ports: Ports,
+    changed: bool,
+}
+
+/// What the robot program is busy with.
+enum Activity {
+    Nothing,
+    /// Motions that it planned.
+    Motions {
+        run: RunId,
+        playback: Box<Playback<Trajectory>>,
+        from: u64,
+        error: Option<Refusal>,
+    },
+    /// Set-points of the client.
+    Commanded(Commanded),
+    /// The arm is brought to rest where it happens to be.
+    Braking(Braking),
+}
+
+struct Commanded {
+    run: RunId,
+    /// The cycle of the request.
+    since: u64,
+    /// Where the arm was then, in rad.
+    at_rad: Joints,
+    /// The cycle in which the client was told to command.
+    from: Option<u64>,
+    /// The last set-point, and the counter of the message that it answers.
+    last: Option<(Joints, u32)>,
+    /// Cycles within which the arm is to be there.
+    left: u32,
+}
+
+struct Braking {
+    run: RunId,
+    state: DriveState,
+    from: Option<u64>,
+    /// Where each joint began to brake, in rad, how fast it was, in rad/s, and how long it takes, in s.
+    began_rad: Joints,
+    speed_rad_s: Joints,
+    takes_s: Joints,
+    for_s: f64,
+    error: Refusal,
+}
+
+impl Braking {
+    /// Where the arm is after so long, in rad: each joint gets slower by the same amount each cycle.
+    fn position(&self) -> Joints {
+        std::array::from_fn(|j| {
+            let t_s = self.for_s.min(self.takes_s[j]);
+            let mean = if t_s > 0.0 { 1.0 - 0.5 * t_s / self.takes_s[j] } else { 0.0 };
+            self.began_rad[j] + self.speed_rad_s[j] * mean * t_s
+        })
+    }
+
+    fn is_over(&self) -> bool {
+        self.takes_s.iter().all(|takes_s| self.for_s >= *takes_s)
+    }
+}
+
+impl Simulation {
+    pub(super) fn new(
+        robot: Robot,
+        start_rad: Joints,
+        fri: ControllerConfig,
+        noise_rad: f64,
+        boot: u64,
+    ) -> Self {
+        Self {
+            robot,
+            period_s: f64::from(fri.period_ms) * 1e-3,
+            receive_multiplier: fri.receive_multiplier,
+            cycle: 0,
+            q: start_rad,
+            dq: [0.0; 7],
+            activity: Activity::Nothing,
+            outcome: None,
+            boot,
+            fri: Controller::new(fri),
+            pressed_until: None,
+            press_at: None,
+            noise: Noise::new(noise_rad),
+            temperatures: Temperatures::new(),
+            ports: Ports::default(),
+            changed: true,
+        }
+    }
+
+    /// The controller's clock.
+    fn now_s(&self) -> f64 {
+        self.at_s(self.cycle)
+    }
+
+    fn at_s(&self, cycle: u64) -> f64 {
+        cycle as f64 * self.period_s
+    }
+
+    fn cycles(&self, seconds: f64) -> u64 {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+        let cycles = (seconds / self.period_s).ceil() as u64;
+        cycles
+    }
+
+    /// The state as it is told to iiwaDrive, if it has changed since it was asked for.
+    pub(super) fn take_change(&mut self) -> Option<StateChange> {
+        std::mem::take(&mut self.changed).then(|| self.state())
+    }
+
+    /// The state as it is told to iiwaDrive.
+    pub(super) fn state(&self) -> StateChange {
+        let (state, run) = match &self.activity {
+            Activity::Nothing => (DriveState::Idle, None),
+            Activity::Motions { run, .. } => (DriveState::RunningMotion, Some(*run)),
+            Activity::Commanded(commanded) => (DriveState::RunningTrajectory, Some(commanded.run)),
+            Activity::Braking(braking) => (braking.state, Some(braking.run)),
+        };
+        StateChange { boot: self.boot, state, run, outcome: self.outcome.clone() }
+    }
+
+    /// Where the arm is, in rad.
+    pub(super) fn position(&self) -> &Joints {
+        &self.q
+    }
+
+    pub(super) fn fri(&mut self) -> &mut Controller {
+        &mut self.fri
+    }
+
+    /// Presses the emergency stop for so long, in s.
+    pub(super) fn press_emergency_stop(&mut self, seconds: f64) {
+        self.pressed_until = Some(self.cycle + self.cycles(seconds));
+        let error = Refusal::robot("the emergency stop was pressed");
+        match &mut self.activity {
+            Activity::Nothing | Activity::Braking(_) => {}
+            Activity::Motions { playback, error: why, .. } => {
+                playback.stop(EMERGENCY_STOP_S);
+                *why = Some(error);
+            }
+            Activity::Commanded(_) => self.brake(error),
+        }
+    }
+
+    /// Presses it once the next motion is at this share of its time.
+    pub(super) fn press_emergency_stop_at(&mut self, share: Option<f64>) {
+        self.press_at = share;
+    }
+
+    /// Opens FRI anew, after so many seconds without a session.
+    pub(super) fn drop_session(&mut self, seconds: f64) {
+        self.fri.drop_session(self.cycles(seconds));
+    }
+
+    /// Goes on by one cycle, and writes the message of FRI that is due, if one is.
+    pub(super) fn tick(&mut self, message: &mut Vec<u8>) -> bool {
+        self.cycle += 1;
+        if self.pressed_until.is_some_and(|until| until <= self.cycle) {
+            self.pressed_until = None;
+        }
+        let before = self.q;
+        self.fri.advance();
+        self.advance();
+        self.dq = std::array::from_fn(|j| (self.q[j] - before[j]) / self.period_s);
+        let limits = self.robot.limits();
+        let speed_rel = std::array::from_fn(|j| self.dq[j] / limits.velocity_rad_s[j]);
+        self.temperatures.advance(&speed_rel, self.period_s);
+        let measured_rad = self.q.map(|q| q + self.noise.next());
+        let reading = Reading {
+            measured_rad,
+            commanded_rad: self.q,
+            ipo_rad: Some(self.ipo_rad()),
+            measured_torque_nm: holding_torques(&self.robot, &self.q),
+            external_torque_nm: [0.0; 7],
+            time: Duration::from_secs_f64(self.now_s()),
+            safety: if self.pressed_until.is_some() { Safety::Stop1 } else { Safety::Normal },
+        };
+        self.fri.message(&reading, message)
+    }
+
+    /// Where the controller's own motion has the arm, in rad. Under commands that is one that holds the
+    /// arm where it was: set-points do not change it.
+    fn ipo_rad(&self) -> Joints {
+        match &self.activity {
+            Activity::Commanded(commanded) => commanded.at_rad,
+            _ => self.q,
+        }
+    }
+
+    fn advance(&mut self) {
+        match std::mem::replace(&mut self.activity, Activity::Nothing) {
+            Activity::Nothing => {}
+            Activity::Motions { run, mut playback, from, error } => {
+                playback.advance(self.period_s);
+                self.q = playback.position();
+                if playback.is_over() {
+                    let error = error.filter(|_| playback.is_cut_short());
+                    return self.end(run, Some(from), error);
+                }
+                let share = playback.at_s() / playback.duration_s();
+                self.activity = Activity::Motions { run, playback, from, error };
+                if self.press_at.is_some_and(|at| share >= at) {
+                    self.press_at = None;
+                    self.press_emergency_stop(EMERGENCY_STOP_HELD_S);
+                }
+            }
+            Activity::Commanded(commanded) => self.follow(commanded),
+            Activity::Braking(mut braking) => {
+                braking.for_s += self.period_s;
+                let range = self.robot.limits().position_rad;
+                // Outside its range no motion could begin any more.
+                let q = braking.position();
+                self.q = std::array::from_fn(|j| q[j].clamp(-range[j], range[j]));
+                if braking.is_over() {
+                    return self.end(braking.run, braking.from, Some(braking.error));
+                }
+                self.activity = Activity::Braking(braking);
+            }
+        }
+    }
+
+    /// Follows the client's set-points.
+    fn follow(&mut self, mut commanded: Commanded) {
+        let waited_s = (self.cycle - commanded.since) as f64 * self.period_s;
+        let error = match (self.fri.state(), commanded.from) {
+            (SessionState::CommandingActive, _) => self.take_setpoint(&mut commanded).err(),
+            (_, Some(_)) => Some(Refusal::robot(format!(
+                "the connection became too bad to command over it: quality {}",
+                self.fri.quality().name()
+            ))),
+            (state, None) if waited_s > COMMANDING_WAIT_S => Some(Refusal::robot(format!(
+                "FRI did not come to command within {COMMANDING_WAIT_S} s: session {}, quality {}",
+                state.name(),
+                self.fri.quality().name()
+            ))),
+            // Asked for again: the session may have been lost since.
+            (state, None) => {
+                if !state.commands() {
+                    self.fri.request_commanding();
+                }
+                None
+            }
+        };
+        self.activity = Activity::Commanded(commanded);
+        if let Some(error) = error {
+            self.brake(error);
+            // In this cycle: an arm that waited for the next one would have stopped dead.
+            self.advance();
+        }
+    }
+
+    fn take_setpoint(&mut self, commanded: &mut Commanded) -> Result<(), Refusal> {
+        commanded.from.get_or_insert(self.cycle);
+        let limits = self.robot.limits();
+        if let Some(setpoint) = self.fri.setpoint() {
+            if let Some(j) = limits.outside(setpoint) {
+                return Err(Refusal::new(
+                    Code::Limit,
+                    format!("a set-point was outside the position limit of joint {}", j + 1),
+                ));
+            }
+            // By the messages that they answer: some answers take longer than others.
+            let answered = self.fri.answered().unwrap_or_default();
+            let first = (self.q, answered.wrapping_sub(self.receive_multiplier));
+            let (last, before) = commanded.last.unwrap_or(first);
+            let elapsed_s = f64::from(answered.wrapping_sub(before).max(1)) * self.period_s;
+            let most = |j: usize| limits.velocity_rad_s[j] * SETPOINT_MARGIN * elapsed_s;
+            if let Some(j) = (0..7).find(|&j| (setpoint[j] - last[j]).abs() > most(j) + 1e-6) {
+                return Err(Refusal::new(
+                    Code::Limit,
+                    format!("the set-points moved joint {} faster than its limit", j + 1),
+                ));
+            }
+            if commanded.last.is_none_or(|(last, _)| last != *setpoint) {
+                commanded.last = Some((*setpoint, answered));
+                commanded.left = self.receive_multiplier;
+            }
+            commanded.left = commanded.left.max(1);
+        }
+        let Some((target, _)) = commanded.last else { return Ok(()) };
+        self.q = std::array::from_fn(|j| {
+            let q = self.q[j];
+            // Without a new set-point the arm goes on as it went.
+            let range = limits.position_rad[j];
+            let step = match commanded.left {
+                0 => {
+                    // As long as it can still stop within its range.
+                    let stops = |room_rad: f64| {
+                        let braking = limits.acceleration_rad_s2[j] * BRAKING_MARGIN;
+                        fastest(room_rad, braking, self.period_s)
+                    };
+                    self.dq[j].clamp(-stops(range + q), stops(range - q)) * self.period_s
+                }
+                left => (target[j] - q) / f64::from(left),
+            };
+            let most = limits.velocity_rad_s[j] * SETPOINT_MARGIN * self.period_s;
+            (q + step.clamp(-most, most)).clamp(-range, range)
+        });
+        commanded.left = commanded.left.saturating_sub(1);
+        Ok(())
+    }
+
+    /// Brings the arm to rest from where the client has left it: in a straight line, but for joints that
+    /// would leave their range.
+    fn brake(&mut self, error: Refusal) {
+        if let Activity::Commanded(Commanded { run, from, .. }) = self.activity {
+            self.fri.release();
+            let range = self.robot.limits().position_rad;
+            let takes_s = std::array::from_fn(|j| {
+                let speed = self.dq[j];
+                let room_rad = (range[j] - self.q[j] * speed.signum()).max(0.0);
+                if speed == 0.0 { 0.0 } else { EMERGENCY_STOP_S.min(2.0 * room_rad / speed.abs()) }
+            });
+            self.activity = Activity::Braking(Braking {
+                run,
+                state: DriveState::RunningTrajectory,
+                from,
+                began_rad: self.q,
+                speed_rad_s: self.dq,
+                takes_s,
+                for_s: 0.0,
+                error,
+            });
+        }
+    }
+
+    fn end(&mut self, run: RunId, from: Option<u64>, error: Option<Refusal>) {
+        self.fri.release();
+        self.outcome = Some(Outcome {
+            run,
+            start_s: from.map(|from| self.at_s(from)),
+            end_s: self.now_s(),
+            error,
+        });
+        self.activity = Activity::Nothing;
+        self.changed = true;
+    }
+
+    /// Whether a run may begin.
+    pub(super) fn check_ready(&self) -> Result<(), Refusal> {
+        if self.pressed_until.is_some() {
+            return Err(Refusal::robot("the emergency stop is pressed"));
+        }
+        match &self.activity {
+            Activity::Nothing => Ok(()),
+            _ => Err(Refusal::new(Code::NotIdle, "the robot is busy with another run")),
+        }
+    }
+
+    /// Begins motions that were planned from where the arm is.
+    pub(super) fn begin(&mut self, run: RunId, trajectory: Trajectory) -> Result<(), Refusal> {
+        self.check_ready()?;
+        let start = trajectory.at(0.0).q;
+        if (0..7).any(|j| (start[j] - self.q[j]).abs() > 1e-9) {
+            return Err(Refusal::robot("the arm has moved since the motions were planned"));
+        }
+        let playback = Box::new(Playback::new(trajectory));
+        self.activity = Activity::Motions { run, playback, from: self.cycle, error: None };
+        self.changed = true;
+        Ok(())
+    }
+
+    /// Carries out an instruction, but for those about motions.
+    pub(super) fn carry_out(
+        &mut self,
+        instruction: Instruction,
+    ) -> Result<Acknowledgement, Refusal> {
+        let mut answer = Acknowledgement::default();
+        match instruction {
+            Instruction::RunMotions { .. } | Instruction::Begin { .. } => {}
+            Instruction::RunTrajectory { run } => {
+                self.check_ready()?;
+                if self.period_s > COMMANDED_EVERY_S {
+                    return Err(Refusal::robot(format!(
+                        "FRI is open every {} ms; to command, it has to be every 1 to {} ms",
+                        self.period_s * 1e3,
+                        COMMANDED_EVERY_S * 1e3
+                    )));
+                }
+                self.fri.request_commanding();
+                self.activity = Activity::Commanded(Commanded {
+                    run,
+                    since: self.cycle,
+                    at_rad: self.q,
+                    from: None,
+                    last: None,
+                    left: 0,
+                });
+                self.changed = true;
+            }
+            Instruction::EndTrajectory { run } => {
+                if let Activity::Commanded(commanded) = &self.activity
+                    && commanded.run == run
+                {
+                    if self.dq.iter().any(|dq| dq.abs() > REST_RAD_S) {
+                        self.brake(Refusal::robot("the trajectory was ended in motion"));
+                    } else {
+                        let from = commanded.from;
+                        self.end(run, from, None);
+                    }
+                }
+            }
+            Instruction::Stop => match &mut self.activity {
+                Activity::Nothing | Activity::Braking(_) => {}
+                Activity::Motions { playback, error, .. } => {
+                    let (at_s, of_s) = (playback.at_s(), playback.duration_s());
+                    playback.stop(STOP_S);
+                    error.get_or_insert_with(|| {
+                        Refusal::robot(format!("stopped on request at {at_s:.2} of {of_s:.2} s"))
+                    });
+                }
+                Activity::Commanded(_) => {
+                    self.brake(Refusal::robot("stopped on request"));
+                }
+            },
+            Instruction::ReadSensors => {
+                answer.sensors = Some(Sensors {
+                    joint_temperature_c: self.temperatures.celsius(),
+                    external_torque_nm: [0.0; 7],
+                });
+            }
+            Instruction::GetIo { name } => answer.value = Some(self.ports.get(&name)?),
+            Instruction::SetIo { name, value } => {
+                answer.value = Some(self.ports.set(&name, value)?);
+            }
+        }
+        Ok(answer)
+    }
+}
+
+/// How long a simulated emergency stop stays pressed, in s.
+pub(super) const EMERGENCY_STOP_HELD_S: f64 = 2.0;
+
+/// Slower than this is rest, in rad/s.
+const REST_RAD_S: f64 = 1e-3;
+
+/// Plans motions from `start_rad`, as the controller does.
+pub(super) fn plan(
+    robot: &Robot,
+    start_rad: Joints,
+    motions: Vec<Motion>,
+) -> Result<Trajectory, Refusal> {
+    let program = Program { robot: None, start_rad, motions };
+    let path =
+        Path::new(&program, robot).map_err(|fault| Refusal::new(Code::Limit, fault.to_string()))?;
+    Trajectory::plan(&path, Timing::default()).map_err(|error| Refusal::robot(error.to_string()))
+}

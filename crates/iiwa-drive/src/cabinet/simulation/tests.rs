@@ -1,0 +1,173 @@
+//! However set-points end, the arm brakes: on the commanded positions, cycle by cycle.
+
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::needless_range_loop,
+    reason = "counts are small, and seven joints go along in several arrays"
+)]
+
+use iiwa_fri::{Client, Format};
+
+use super::*;
+
+/// A cabinet with a client whose set-points move joint 1 at full speed, and joint 7 at half.
+struct Scene {
+    simulation: Simulation,
+    client: Client,
+    at_rad: Joints,
+    speed_rad_s: Joints,
+    /// Whether the client answers.
+    answers: bool,
+    /// Commanded positions, cycle by cycle.
+    trace: Vec<Joints>,
+    period_s: f64,
+}
+
+const RUN: RunId = 4;
+
+impl Scene {
+    /// The arm stands at `start_rad`, and the session commands.
+    fn new(period_ms: u32, receive_multiplier: u32, start_rad: Joints) -> Self {
+        let config = ControllerConfig { period_ms, receive_multiplier, format: Format::V1 };
+        let mut scene = Self {
+            simulation: Simulation::new(Robot::default(), start_rad, config, 0.0, 1),
+            client: Client::default(),
+            at_rad: start_rad,
+            speed_rad_s: [0.0; 7],
+            answers: true,
+            trace: Vec::new(),
+            period_s: f64::from(period_ms) * 1e-3,
+        };
+        while scene.simulation.fri().state() != SessionState::MonitoringReady {
+            scene.tick();
+        }
+        scene.instruct(Instruction::RunTrajectory { run: RUN });
+        while scene.simulation.fri().state() != SessionState::CommandingActive {
+            scene.tick();
+        }
+        scene
+    }
+
+    fn instruct(&mut self, instruction: Instruction) {
+        self.simulation.carry_out(instruction).unwrap();
+    }
+
+    fn tick(&mut self) {
+        let (mut message, mut answer) = (Vec::new(), Vec::new());
+        let is_sent = self.simulation.tick(&mut message);
+        self.trace.push(*self.simulation.position());
+        if !is_sent || !self.answers {
+            return;
+        }
+        self.client.receive(&message).unwrap();
+        let latest = self.client.latest().unwrap();
+        let step_s = f64::from(latest.receive_multiplier) * self.period_s;
+        let active = latest.session == SessionState::CommandingActive;
+        let next = std::array::from_fn(|j| self.at_rad[j] + self.speed_rad_s[j] * step_s);
+        if self.client.answer(active.then_some(&next), &mut answer) {
+            if active {
+                self.at_rad = next;
+            }
+            self.simulation.fri().receive(&answer).unwrap();
+        }
+    }
+
+    /// Up to full speed, and on for a while.
+    fn speed_up(&mut self) {
+        let limits = *Robot::default().limits();
+        let cycles = (0.3 / self.period_s).round() as u32;
+        for cycle in 0..=cycles {
+            let share = f64::from(cycle) / f64::from(cycles);
+            self.speed_rad_s[0] = limits.velocity_rad_s[0] * share;
+            self.speed_rad_s[6] = limits.velocity_rad_s[6] * share / 2.0;
+            self.tick();
+        }
+        (0..(0.1 / self.period_s) as u32).for_each(|_| self.tick());
+    }
+
+    fn is_braking(&self) -> bool {
+        matches!(self.simulation.activity, Activity::Braking(_))
+    }
+
+    /// Goes on until the robot program has ended the run; asserts that the arm came to rest gently and in
+    /// time, and within its range.
+    fn assert_brakes(&mut self, how: &str) {
+        let limits = *Robot::default().limits();
+        let begin = self.trace.len() - 3;
+        let mut braked_s = 0.0;
+        for _ in 0..10_000 {
+            if self.simulation.state().state == DriveState::Idle {
+                break;
+            }
+            self.tick();
+            braked_s += if self.is_braking() { self.period_s } else { 0.0 };
+        }
+        (0..5).for_each(|_| self.tick());
+        assert_eq!(self.simulation.state().state, DriveState::Idle, "{how}");
+        assert!(self.simulation.outcome.as_ref().is_some_and(|it| it.error.is_some()), "{how}");
+        assert!(braked_s <= EMERGENCY_STOP_S + 1e-9, "{how}: {braked_s} s");
+        let mut worst = 0.0_f64;
+        for three in self.trace[begin..].windows(3) {
+            for j in 0..7 {
+                let bend = (three[2][j] - 2.0 * three[1][j] + three[0][j]) / self.period_s.powi(2);
+                worst = worst.max(bend.abs() / limits.acceleration_rad_s2[j]);
+                assert!(three[2][j].abs() <= limits.position_rad[j], "{how}: joint {}", j + 1);
+            }
+        }
+        println!("{how}: {braked_s:.3} s, {worst:.3} of the acceleration limits");
+        assert!(worst <= 1.3, "{how}: {worst} of the acceleration limits");
+        let [.., before, last] = self.trace.as_slice() else { unreachable!() };
+        assert_eq!(before, last, "{how}");
+    }
+}
+
+type End = fn(&mut Scene);
+
+/// All ways in which set-points end while the arm moves.
+const ENDS: [(&str, End); 7] = [
+    ("no more answers", |scene| scene.answers = false),
+    ("the session is released", |scene| scene.simulation.fri().release()),
+    ("the session is dropped", |scene| scene.simulation.drop_session(0.3)),
+    ("the trajectory is ended", |scene| {
+        scene.instruct(Instruction::EndTrajectory { run: RUN });
+    }),
+    ("a stop", |scene| scene.instruct(Instruction::Stop)),
+    ("an emergency stop", |scene| scene.simulation.press_emergency_stop(1.0)),
+    ("a set-point too far away", |scene| scene.at_rad[0] += 0.5),
+];
+
+#[test]
+fn the_arm_brakes_however_set_points_end() {
+    let full = Robot::default().limits().velocity_rad_s[0];
+    for (period_ms, multiplier) in [(1, 1), (5, 1), (10, 1), (5, 4)] {
+        for (how, end) in ENDS {
+            let mut scene = Scene::new(period_ms, multiplier, [0.0; 7]);
+            scene.speed_up();
+            let speed = (scene.trace.last().unwrap()[0] - scene.trace[scene.trace.len() - 2][0])
+                / scene.period_s;
+            assert!((speed / full - 1.0).abs() < 1e-6, "{speed} rad/s");
+            end(&mut scene);
+            scene.assert_brakes(&format!("{how}, {period_ms} ms, every {multiplier}"));
+        }
+    }
+}
+
+/// Towards the end of its range, a joint brakes harder, and stays within.
+#[test]
+fn the_arm_brakes_within_its_range() {
+    let limits = *Robot::default().limits();
+    for (how, end) in ENDS {
+        if how == "a set-point too far away" {
+            continue;
+        }
+        let mut start_rad = [0.0; 7];
+        // At full speed for 0.25 s, and then as much room as braking at the limit takes.
+        let room = limits.velocity_rad_s[0].powi(2) / limits.acceleration_rad_s2[0] / 2.0;
+        start_rad[0] = limits.position_rad[0] - limits.velocity_rad_s[0] * 0.26 - room;
+        let mut scene = Scene::new(5, 1, start_rad);
+        scene.speed_up();
+        end(&mut scene);
+        scene.assert_brakes(&format!("{how}, at the end of the range"));
+    }
+}

@@ -1,0 +1,111 @@
+//! A drive and a simulated cabinet on free ports of the loopback interface.
+
+use std::time::{Duration, Instant};
+
+use iiwa_drive::{Cabinet, CabinetConfig, Drive, DriveConfig, Faults};
+use iiwa_link::{
+    Client, Remote, Server, Stream,
+    message::{DriveState, Presence},
+};
+use iiwasim_tests::ports::free_address;
+
+/// How long anything may take.
+pub(crate) const LONG: Duration = Duration::from_secs(20);
+
+/// Both sides, each of which may be away.
+pub(crate) struct Rig {
+    pub(crate) cabinet_config: CabinetConfig,
+    pub(crate) drive_config: DriveConfig,
+    pub(crate) cabinet: Option<Cabinet>,
+    pub(crate) drive: Option<Drive>,
+}
+
+/// A free address for a socket of ZeroMQ.
+pub(crate) fn free_tcp() -> String {
+    format!("tcp://{}", free_address())
+}
+
+impl Rig {
+    /// Nothing runs yet.
+    pub(crate) fn parts(period_ms: u32) -> Self {
+        let fri = free_address();
+        let [instructions, state] = [free_tcp(), free_tcp()];
+        Self {
+            cabinet_config: CabinetConfig {
+                period_ms,
+                fri_client: fri,
+                instructions: instructions.clone(),
+                state: state.clone(),
+                ..CabinetConfig::default()
+            },
+            drive_config: DriveConfig {
+                instructions: free_tcp(),
+                stream: free_tcp(),
+                fri,
+                cabinet_instructions: instructions,
+                cabinet_state: state,
+                ..DriveConfig::default()
+            },
+            cabinet: None,
+            drive: None,
+        }
+    }
+
+    /// Both run, and the connection is good.
+    pub(crate) fn new(period_ms: u32) -> Self {
+        let mut rig = Self::parts(period_ms);
+        // In this order no message is sent before somebody listens.
+        rig.start_drive();
+        rig.start_cabinet();
+        rig.wait_until_ready();
+        rig
+    }
+
+    pub(crate) fn start_cabinet(&mut self) {
+        let cabinet = Cabinet::start(self.cabinet_config.clone(), &Server::open());
+        self.cabinet = Some(cabinet.unwrap());
+    }
+
+    pub(crate) fn start_drive(&mut self) {
+        let drive =
+            Drive::start(self.drive_config.clone(), &Server::open(), &Remote::open()).unwrap();
+        self.drive = Some(drive);
+    }
+
+    pub(crate) fn cabinet(&self) -> &Cabinet {
+        self.cabinet.as_ref().unwrap()
+    }
+
+    pub(crate) fn client(&self) -> Client {
+        Client::new(&Remote::open(), &self.drive_config.instructions).unwrap()
+    }
+
+    pub(crate) fn stream(&self) -> Stream {
+        Stream::new(&Remote::open(), &self.drive_config.stream).unwrap()
+    }
+
+    /// Until FRI is ready to command, and requests find the robot program.
+    pub(crate) fn wait_until_ready(&self) {
+        let mut client = self.client();
+        wait_for("a good connection", || {
+            let status = client.state().unwrap();
+            let ready = status.fri.session == "monitoring_ready"
+                && ["good", "excellent"].contains(&status.fri.quality.as_str());
+            let there = status.robot_program == Presence::Connected;
+            ready && there && status.state == DriveState::Idle
+        });
+    }
+
+    pub(crate) fn set_faults(&self, faults: Faults) {
+        self.cabinet().set_faults(faults);
+    }
+}
+
+/// Asks again and again.
+pub(crate) fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
+    let since = Instant::now();
+    while !holds() {
+        assert!(since.elapsed() < LONG, "no {what} within {LONG:?}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}

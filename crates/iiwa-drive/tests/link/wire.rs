@@ -1,0 +1,190 @@
+//! What goes over the wire between drive and cabinet, read by a relay in between that loses, doubles and
+//! reorders datagrams.
+
+use std::{
+    collections::HashMap,
+    net::{SocketAddr, UdpSocket},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread::{self, JoinHandle},
+    time::Duration,
+};
+
+use iiwa_fri::{Format, SessionState};
+use iiwa_kin::{Joints, Robot};
+use iiwa_link::{ClientError, TimedJoints};
+use iiwa_path::{Blend, Motion, Ptp};
+use iiwasim_tests::{calm::in_real_time, ports::free_address};
+
+use crate::{
+    rig::{LONG, Rig},
+    runs::{planned, sampled},
+};
+
+/// Stands between cabinet and drive.
+struct Relay {
+    over: Arc<AtomicBool>,
+    thread: Option<JoinHandle<Vec<Answer>>>,
+}
+
+/// An answer in commanding.
+struct Answer {
+    t_s: f64,
+    at_rad: Joints,
+    /// Where the arm is by the message that it answers.
+    arm_rad: Joints,
+}
+
+impl Relay {
+    /// Takes what the cabinet sends to `at`, and passes it on to `drive`.
+    fn start(at: SocketAddr, drive: SocketAddr, seed: u64, loss: f64) -> Self {
+        let outer = UdpSocket::bind(at).unwrap();
+        let inner = UdpSocket::bind("127.0.0.1:0").unwrap();
+        outer.set_read_timeout(Some(Duration::from_micros(200))).unwrap();
+        inner.set_read_timeout(Some(Duration::from_micros(200))).unwrap();
+        let over = Arc::new(AtomicBool::new(false));
+        let ends = Arc::clone(&over);
+        let thread = thread::spawn(move || relay(&ends, &outer, &inner, drive, seed, loss));
+        Self { over, thread: Some(thread) }
+    }
+
+    /// What was answered in commanding.
+    fn end(mut self) -> Vec<Answer> {
+        self.over.store(true, Ordering::Relaxed);
+        self.thread.take().unwrap().join().unwrap()
+    }
+}
+
+fn relay(
+    over: &AtomicBool,
+    outer: &UdpSocket,
+    inner: &UdpSocket,
+    drive: SocketAddr,
+    seed: u64,
+    loss: f64,
+) -> Vec<Answer> {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let (mut sent, mut answers) = (HashMap::new(), Vec::new());
+    let mut buffer = [0; 2048];
+    // The cabinet, and a message that is kept back until the next one has gone.
+    let (mut cabinet, mut kept_back) = (None, None);
+    while !over.load(Ordering::Relaxed) {
+        if let Ok((length, from)) = outer.recv_from(&mut buffer) {
+            cabinet = Some(from);
+            let datagram = buffer[..length].to_vec();
+            let message = Format::V1.decode_monitoring(&datagram).unwrap();
+            if message.session == SessionState::CommandingActive {
+                let arm_rad = message.commanded_rad.unwrap();
+                sent.insert(message.sequence, (message.time.unwrap().as_secs_f64(), arm_rad));
+            }
+            match random.f64() / loss {
+                ..1.0 => {}
+                1.0..2.0 => kept_back = Some(datagram),
+                2.0..3.0 => {
+                    inner.send_to(&datagram, drive).unwrap();
+                    inner.send_to(&datagram, drive).unwrap();
+                }
+                _ => {
+                    inner.send_to(&datagram, drive).unwrap();
+                    if let Some(late) = kept_back.take() {
+                        inner.send_to(&late, drive).unwrap();
+                    }
+                }
+            }
+        }
+        if let Ok((length, _)) = inner.recv_from(&mut buffer) {
+            let answer = Format::V1.decode_command(&buffer[..length]).unwrap();
+            if let Some((t_s, arm_rad)) = sent.get(&answer.reflected).copied() {
+                let at_rad = answer.joints_rad.unwrap();
+                answers.push(Answer { t_s, at_rad, arm_rad });
+            }
+            if random.f64() > loss
+                && let Some(cabinet) = cabinet
+            {
+                outer.send_to(&buffer[..length], cabinet).unwrap();
+            }
+        }
+    }
+    answers
+}
+
+/// Largest velocity and acceleration as a share of the limits, by differences of the answers over the
+/// times of the messages that they answer; the arm rests before.
+fn judge(answers: &[Answer], step_s: f64) -> [f64; 2] {
+    let robot = Robot::default();
+    let limits = robot.limits();
+    let mut worst = [0.0_f64; 2];
+    let (mut t_s, mut at) = (answers[0].t_s - step_s, answers[0].arm_rad);
+    let (mut speed, mut before_s) = ([0.0; 7], step_s);
+    for answer in answers {
+        let dt_s = answer.t_s - t_s;
+        for j in 0..7 {
+            let now = (answer.at_rad[j] - at[j]) / dt_s;
+            let bend = (now - speed[j]) / (0.5 * (dt_s + before_s));
+            worst[0] = worst[0].max(now.abs() / limits.velocity_rad_s[j]);
+            worst[1] = worst[1].max(bend.abs() / limits.acceleration_rad_s2[j]);
+            speed[j] = now;
+        }
+        (t_s, at, before_s) = (answer.t_s, answer.at_rad, dt_s);
+    }
+    worst
+}
+
+#[test]
+fn the_wire_keeps_the_limits() {
+    in_real_time(|| {
+        let rad = |deg: Joints| deg.map(f64::to_radians);
+        let motions = vec![
+            Motion::Ptp(
+                Ptp::to(rad([90.0, 40.0, 0.0, -90.0, 0.0, 80.0, 0.0])).blend(Blend::Fraction(0.3)),
+            ),
+            Motion::Ptp(Ptp::to(rad([0.0, -40.0, 60.0, 0.0, 90.0, -80.0, 90.0]))),
+        ];
+        let trajectory = sampled(&planned(motions), 0.004);
+        for (period_ms, multiplier) in [(5, 1), (10, 3)] {
+            let (answers, error) = (0..5)
+                .map(|seed| relayed(&trajectory, period_ms, multiplier, seed))
+                // The machine stood still for so long that the drive began anew from where the arm was.
+                .find(|(_, error)| {
+                    !error.as_ref().is_some_and(|it| it.contains("from its set-point"))
+                })
+                .expect("a machine that does not stand still again and again");
+            let step_s = f64::from(period_ms * multiplier) * 1e-3;
+            let [velocity, acceleration] = judge(&answers, step_s);
+            println!(
+                "{period_ms} ms, every {multiplier}: {} answers, {velocity:.4} of the velocity and \
+             {acceleration:.4} of the acceleration limits, {error:?}",
+                answers.len()
+            );
+            assert!(answers.len() > 10);
+            assert!(velocity <= 1.02 && acceleration <= 1.3);
+        }
+    });
+}
+
+/// Runs the trajectory over a relay that loses, keeps back and doubles one datagram of a hundred each.
+fn relayed(
+    trajectory: &TimedJoints,
+    period_ms: u32,
+    multiplier: u32,
+    seed: u64,
+) -> (Vec<Answer>, Option<String>) {
+    let mut rig = Rig::parts(period_ms);
+    let between = free_address();
+    rig.cabinet_config.fri_client = between;
+    rig.cabinet_config.receive_multiplier = multiplier;
+    let relay = Relay::start(between, rig.drive_config.fri, seed, 0.01);
+    rig.start_drive();
+    rig.start_cabinet();
+    rig.wait_until_ready();
+    let error = match rig.client().run_trajectory(trajectory.clone(), Some(LONG)) {
+        Ok(_) => None,
+        // The network was too bad, or this machine is.
+        Err(ClientError::Refused { refusal, .. }) => Some(refusal.message),
+        Err(error) => panic!("{error}"),
+    };
+    drop(rig);
+    (relay.end(), error)
+}

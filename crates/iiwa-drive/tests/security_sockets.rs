@@ -1,0 +1,143 @@
+//! Who gets in, over real sockets.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+use std::time::{Duration, Instant};
+
+use iiwa_drive::{Drive, DriveConfig};
+use iiwa_link::{
+    Client, ClientError, LinkError, Remote, Server, Stream,
+    message::Status,
+    security::{AllowList, ClientSecurity, KeyPair, PublicKey, ServerSecurity},
+};
+
+/// Keys of a server and of clients.
+struct Keys {
+    server: KeyPair,
+    alice: KeyPair,
+    mallory: KeyPair,
+}
+
+impl Keys {
+    fn new() -> Self {
+        let pair = || KeyPair::generate().unwrap();
+        Self { server: pair(), alice: pair(), mallory: pair() }
+    }
+
+    fn server(&self) -> Server {
+        let allowed = AllowList::from_iter([("alice".to_owned(), self.alice.public())]);
+        Server::with_keys(ServerSecurity { pair: self.server.clone(), allowed })
+    }
+}
+
+fn remote(pair: &KeyPair, server: PublicKey) -> Remote {
+    Remote::with_keys(ClientSecurity { pair: pair.clone(), server })
+}
+
+/// A drive without a robot.
+fn drive(server: &Server) -> Drive {
+    let config = DriveConfig {
+        instructions: "tcp://127.0.0.1:*".to_owned(),
+        stream: "tcp://127.0.0.1:*".to_owned(),
+        fri: "127.0.0.1:0".parse().unwrap(),
+        cabinet_instructions: "tcp://127.0.0.1:9".to_owned(),
+        cabinet_state: "tcp://127.0.0.1:9".to_owned(),
+        ..DriveConfig::default()
+    };
+    Drive::start(config, server, &Remote::open()).unwrap()
+}
+
+fn ask(drive: &Drive, remote: &Remote) -> Result<Status, ClientError> {
+    Client::new(remote, drive.instructions()).unwrap().state()
+}
+
+/// What the stream says of a client that is not let in.
+fn refused_by_stream(drive: &Drive, remote: &Remote) -> String {
+    let mut stream = Stream::new(remote, drive.stream()).unwrap();
+    let since = Instant::now();
+    while since.elapsed() < Duration::from_secs(20) {
+        match stream.next(Duration::from_millis(100)) {
+            Ok(None) => {}
+            Ok(Some(published)) => return format!("{published:?}"),
+            Err(LinkError::Unauthorized { what, .. }) => return what.to_owned(),
+            Err(error) => return error.to_string(),
+        }
+    }
+    "nothing".to_owned()
+}
+
+/// What each socket says of a client that is not let in.
+fn refused(drive: &Drive, remote: &Remote) -> [String; 2] {
+    let asked = match ask(drive, remote) {
+        Err(ClientError::Unauthorized { what, .. }) => what.to_owned(),
+        other => format!("{other:?}"),
+    };
+    [asked, refused_by_stream(drive, remote)]
+}
+
+const NOT_ALLOWED: &str = "its key is not on the drive's list";
+const ONE_SIDE: &str = "one side has keys and the other one has none";
+const HUNG_UP: &str = "the drive hung up; is the drive's public key the right one?";
+
+#[test]
+fn the_right_key_works() {
+    let keys = Keys::new();
+    let drive = drive(&keys.server());
+    ask(&drive, &remote(&keys.alice, keys.server.public())).unwrap();
+    let mut stream =
+        Stream::new(&remote(&keys.alice, keys.server.public()), drive.stream()).unwrap();
+    // Without a robot nothing is published.
+    assert_eq!(stream.next(Duration::from_millis(300)).unwrap(), None);
+}
+
+#[test]
+fn without_keys_loopback_works() {
+    ask(&drive(&Server::open()), &Remote::open()).unwrap();
+}
+
+#[test]
+fn a_key_that_is_not_on_the_list_gets_nothing() {
+    let keys = Keys::new();
+    let drive = drive(&keys.server());
+    // The server's own key does not help either.
+    for pair in [&keys.mallory, &keys.server] {
+        assert_eq!(refused(&drive, &remote(pair, keys.server.public())), [NOT_ALLOWED; 2]);
+    }
+    let allowed = AllowList::default();
+    let nobody = Server::with_keys(ServerSecurity { pair: keys.server.clone(), allowed });
+    let alice = remote(&keys.alice, keys.server.public());
+    assert_eq!(refused(&self::drive(&nobody), &alice), [NOT_ALLOWED; 2]);
+}
+
+#[test]
+fn keys_on_one_side_only_are_noticed() {
+    let keys = Keys::new();
+    let told = refused(&drive(&keys.server()), &Remote::open());
+    // Which side hangs up first is a race.
+    assert!(told.iter().all(|told| [ONE_SIDE, HUNG_UP].contains(&told.as_str())), "{told:?}");
+    let alice = remote(&keys.alice, keys.server.public());
+    let told = refused(&drive(&Server::open()), &alice);
+    assert!(told.iter().all(|told| [ONE_SIDE, HUNG_UP].contains(&told.as_str())), "{told:?}");
+}
+
+#[test]
+fn a_wrong_server_key_gets_nothing() {
+    let keys = Keys::new();
+    let drive = drive(&keys.server());
+    assert_eq!(refused(&drive, &remote(&keys.alice, keys.mallory.public())), [HUNG_UP; 2]);
+}
+
+#[test]
+fn a_borrowed_public_key_gets_nothing() {
+    let keys = Keys::new();
+    // Alice's public key, which is no secret, with another secret key.
+    let folder = tempfile::tempdir().unwrap();
+    let (path, _) = keys.mallory.write(folder.path(), "mallory").unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let forged = text.replace(&keys.mallory.public().to_string(), &keys.alice.public().to_string());
+    std::fs::write(&path, forged).unwrap();
+    let forged = KeyPair::read(&path).unwrap();
+    assert_eq!(forged.public(), keys.alice.public());
+    let told = refused(&drive(&keys.server()), &remote(&forged, keys.server.public()));
+    assert!(told.iter().all(|told| [NOT_ALLOWED, HUNG_UP].contains(&told.as_str())), "{told:?}");
+}

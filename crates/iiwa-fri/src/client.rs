@@ -1,0 +1,409 @@
+//! The client's side of a session: it listens to the controller and answers.
+//!
+//! Datagrams may be lost, doubled, late or garbage, and the controller may start again. A message
+//! whose counter is not ahead of the youngest one is *late*, unless it shows that the counter has
+//! begun anew:
+//!
+//! | the message | is |
+//! |---|---|
+//! | ahead of the youngest one | new, with a gap of `lost` messages before it |
+//! | equal to the youngest one in every value | repeated |
+//! | behind it, with a time stamp that is ahead of its | restarted |
+//! | more than 1000 behind | restarted |
+//! | more than 20 behind, with a counter below 1000, in `Idle` or `MonitoringWait` | restarted |
+//! | more than 1000 ahead, with a counter below 1000, in `Idle` or `MonitoringWait`, where a counter that wraps around would not be | restarted |
+//! | the twentieth of a row behind the youngest one, each ahead of the one before | restarted |
+//! | any other that is behind, or has the same counter | late |
+
+use iiwa_kin::Joints;
+
+use super::{Command, Format, Monitoring, SessionState, WireError, ahead};
+
+/// How far behind a message may be and still be late, in messages.
+const LATE_WINDOW: i32 = 1000;
+/// How far datagrams overtake each other, at most, while a session opens, in messages.
+const REORDER_WINDOW: i32 = 20;
+/// Counters below this one belong to a controller that has just started.
+const YOUNG_COUNTER: u32 = 1000;
+/// How many late messages in a row, in their order, are no longer late.
+const RESTART_ROW: u32 = 20;
+
+/// The client's session.
+#[derive(Clone, Debug, Default)]
+pub struct Client {
+    format: Format,
+    latest: Option<Monitoring>,
+    /// Whether the latest message has not been answered.
+    pending: bool,
+    /// The controller's counter in the message answered last.
+    answered: Option<u32>,
+    /// The own counter.
+    sequence: u32,
+    /// The last set-point since commanding has become active.
+    held_rad: Option<Joints>,
+    /// The counter of the last late message, and how many of them came in their order.
+    late_row: Option<(u32, u32)>,
+    counters: Counters,
+}
+
+/// What a message was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Received {
+    /// The youngest so far.
+    New,
+    /// Overtaken by a younger one.
+    Late,
+    /// The youngest one once more.
+    Repeated,
+    /// The first one of a controller that has started again, its counter with it.
+    Restarted,
+}
+
+impl Received {
+    /// Whether it is the youngest message, which may be due an answer.
+    #[must_use]
+    pub const fn is_fresh(self) -> bool {
+        matches!(self, Self::New | Self::Restarted)
+    }
+}
+
+/// What has happened to the messages, since the client began.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Messages that decoded, whatever became of them.
+    pub received: u64,
+    /// Messages missing in the controller's counter. One that comes late is among them.
+    pub lost: u64,
+    /// Messages that a younger one had overtaken.
+    pub late: u64,
+    /// Messages that came twice.
+    pub repeated: u64,
+    /// Datagrams that were no message.
+    pub invalid: u64,
+    /// Answers.
+    pub answered: u64,
+}
+
+impl Client {
+    /// A client that has heard nothing.
+    #[must_use]
+    pub fn new(format: Format) -> Self {
+        Self { format, ..Self::default() }
+    }
+
+    /// Takes a datagram of the controller.
+    ///
+    /// # Errors
+    ///
+    /// When it is no message. It is counted, and the session goes on.
+    pub fn receive(&mut self, datagram: &[u8]) -> Result<Received, WireError> {
+        self.read(datagram).map(|message| self.take(message))
+    }
+
+    /// Reads a datagram; [`take`](Self::take) makes its message part of the session.
+    ///
+    /// # Errors
+    ///
+    /// When it is no message. It is counted, and the session goes on.
+    pub fn read(&mut self, datagram: &[u8]) -> Result<Monitoring, WireError> {
+        let message = self.format.decode_monitoring(datagram);
+        message.inspect_err(|_| self.counters.invalid += 1)
+    }
+
+    /// Takes a message of the controller.
+    pub fn take(&mut self, message: Monitoring) -> Received {
+        let received = self.judge(&message);
+        match received {
+            Received::New => {
+                let by = self.latest.as_ref().map_or(1, |it| ahead(message.sequence, it.sequence));
+                self.counters.lost += u64::from(by.unsigned_abs()) - 1;
+                self.keep(message);
+            }
+            Received::Restarted => self.restart(message),
+            Received::Late => {
+                self.late_row = Some((message.sequence, self.row(&message)));
+                self.counters.late += 1;
+                self.counters.received += 1;
+            }
+            Received::Repeated => {
+                self.counters.repeated += 1;
+                self.counters.received += 1;
+            }
+        }
+        received
+    }
+
+    /// Takes the first message of a controller that has started again, whatever its counter says.
+    pub fn restart(&mut self, message: Monitoring) {
+        self.answered = None;
+        self.keep(message);
+    }
+
+    fn keep(&mut self, message: Monitoring) {
+        self.counters.received += 1;
+        self.late_row = None;
+        self.pending = true;
+        self.latest = Some(message);
+    }
+
+    /// How many late messages there are in a row, in their order, with this one.
+    fn row(&self, message: &Monitoring) -> u32 {
+        match self.late_row {
+            Some((last, row)) if ahead(message.sequence, last) > 0 => row + 1,
+            _ => 1,
+        }
+    }
+
+    /// What `message` would be, if it were taken.
+    #[must_use]
+    pub fn judge(&self, message: &Monitoring) -> Received {
+        let Some(latest) = &self.latest else { return Received::New };
+        let by = ahead(message.sequence, latest.sequence);
+        let opening =
+            message.session <= SessionState::MonitoringWait && message.sequence < YOUNG_COUNTER;
+        if by > 0 {
+            if opening && by > LATE_WINDOW && message.sequence < latest.sequence {
+                return Received::Restarted;
+            }
+            return Received::New;
+        }
+        if message == latest {
+            return Received::Repeated;
+        }
+        let younger = message.time.zip(latest.time).is_some_and(|(time, latest)| time > latest);
+        let is_row = self.row(message) >= RESTART_ROW;
+        if younger || by < -LATE_WINDOW || (opening && by < -REORDER_WINDOW) || is_row {
+            return Received::Restarted;
+        }
+        Received::Late
+    }
+
+    /// Whether an answer to the latest message is due: it is new, the session is not idle, and the last
+    /// answer is at least `receive_multiplier` messages ago.
+    #[must_use]
+    pub fn is_due(&self) -> bool {
+        let Some(latest) = self.latest.as_ref().filter(|_| self.pending) else { return false };
+        let since = self.answered.map(|answered| latest.sequence.wrapping_sub(answered));
+        latest.session != SessionState::Idle
+            && since.is_none_or(|messages| messages >= latest.receive_multiplier)
+    }
+
+    /// Writes the answer to the latest message in place of what `out` holds. In monitoring it
+    /// echoes the commanded joint positions. In the commanding states it sends `setpoint_rad`.
+    /// Without one, or with one that is not finite, the arm is to stay where it is: it sends the last one
+    /// since commanding has become active, or else what the controller says is commanded. Before
+    /// commanding is active, it sends the controller's own interpolation, as it has to.
+    ///
+    /// `false`, and nothing in `out`, when no answer [is due](Self::is_due).
+    pub fn answer(&mut self, setpoint_rad: Option<&Joints>, out: &mut Vec<u8>) -> bool {
+        out.clear();
+        let Some(latest) = self.latest.as_ref().filter(|_| self.is_due()) else { return false };
+        let commands = latest.session.commands();
+        let setpoint_rad =
+            setpoint_rad.filter(|joints| commands && joints.iter().all(|q| q.is_finite())).copied();
+        self.held_rad = setpoint_rad
+            .or(self.held_rad)
+            .filter(|_| latest.session == SessionState::CommandingActive);
+        let held = match latest.session {
+            SessionState::CommandingActive => {
+                self.held_rad.or(latest.commanded_rad).or(latest.ipo_rad)
+            }
+            _ => latest.ipo_rad.filter(|_| commands),
+        };
+        let command = Command {
+            sequence: self.sequence,
+            reflected: latest.sequence,
+            joints_rad: setpoint_rad.or(held).or(latest.commanded_rad),
+        };
+        self.format.encode_command(&command, out);
+        self.answered = Some(latest.sequence);
+        self.pending = false;
+        self.sequence = self.sequence.wrapping_add(1);
+        self.counters.answered += 1;
+        true
+    }
+
+    /// The youngest message.
+    #[must_use]
+    pub const fn latest(&self) -> Option<&Monitoring> {
+        self.latest.as_ref()
+    }
+
+    /// What has happened to the messages.
+    #[must_use]
+    pub const fn counters(&self) -> Counters {
+        self.counters
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use Received::{Late, New, Repeated, Restarted};
+    use SessionState::{CommandingActive, CommandingWait, Idle, MonitoringReady, MonitoringWait};
+
+    use super::*;
+
+    const COMMANDED: Joints = [0.1; 7];
+    const IPO: Joints = [0.2; 7];
+    const SETPOINT: Joints = [0.3; 7];
+
+    fn message(sequence: u32, session: SessionState) -> Monitoring {
+        Monitoring {
+            sequence,
+            session,
+            commanded_rad: Some(COMMANDED),
+            ipo_rad: Some(IPO),
+            ..Monitoring::default()
+        }
+    }
+
+    fn give(client: &mut Client, message: &Monitoring) -> Received {
+        let mut bytes = Vec::new();
+        Format::V1.encode_monitoring(message, &mut bytes);
+        client.receive(&bytes).unwrap()
+    }
+
+    fn sequence(client: &mut Client, sequence: u32) -> Received {
+        give(client, &message(sequence, MonitoringReady))
+    }
+
+    fn answer(client: &mut Client, setpoint: Option<&Joints>) -> Option<Command> {
+        let mut out = vec![1];
+        let answered = client.answer(setpoint, &mut out);
+        assert_eq!(answered, !out.is_empty());
+        answered.then(|| Format::V1.decode_command(&out).unwrap())
+    }
+
+    #[test]
+    fn answers_what_the_state_asks_for() {
+        let mut client = Client::default();
+        assert_eq!(answer(&mut client, Some(&SETPOINT)), None);
+        let nan = [0.0, 0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0];
+        for (n, (session, setpoint, expected)) in (0..).zip([
+            (MonitoringWait, None, COMMANDED),
+            (MonitoringReady, Some(SETPOINT), COMMANDED),
+            (CommandingWait, None, IPO),
+            (CommandingWait, Some(SETPOINT), SETPOINT),
+            (CommandingActive, None, COMMANDED),
+            (CommandingActive, Some(SETPOINT), SETPOINT),
+            (CommandingActive, Some(nan), SETPOINT),
+            (CommandingActive, None, SETPOINT),
+            (MonitoringReady, None, COMMANDED),
+            (CommandingActive, None, COMMANDED),
+        ]) {
+            assert_eq!(give(&mut client, &message(40 + n, session)), New);
+            let expected = Command { sequence: n, reflected: 40 + n, joints_rad: Some(expected) };
+            assert_eq!(answer(&mut client, setpoint.as_ref()), Some(expected));
+            assert_eq!(answer(&mut client, setpoint.as_ref()), None, "one answer a message");
+        }
+        give(&mut client, &message(50, Idle));
+        assert_eq!(answer(&mut client, None), None);
+        let without = Monitoring { commanded_rad: None, ..message(51, MonitoringWait) };
+        give(&mut client, &without);
+        let header = Command { sequence: 10, reflected: 51, joints_rad: None };
+        assert_eq!(answer(&mut client, None), Some(header));
+        assert_eq!(client.counters().answered, 11);
+    }
+
+    #[test]
+    fn answers_as_often_as_asked() {
+        let mut client = Client::default();
+        let reflected: Vec<u32> = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 30, 31]
+            .into_iter()
+            .filter(|&sequence| {
+                let message = message(sequence, MonitoringReady);
+                give(&mut client, &Monitoring { receive_multiplier: 3, ..message });
+                answer(&mut client, None).is_some()
+            })
+            .collect();
+        assert_eq!(reflected, [0, 3, 7, 10, 30]);
+    }
+
+    #[test]
+    fn counts_what_the_network_does() {
+        let mut client = Client::default();
+        for (n, expected) in
+            [(7, New), (8, New), (12, New), (10, Late), (12, Repeated), (9, Late), (13, New)]
+        {
+            assert_eq!(sequence(&mut client, n), expected, "{n}");
+        }
+        assert!(client.receive(b"garbage").is_err());
+        assert_eq!(answer(&mut client, None).unwrap().reflected, 13);
+        assert_eq!(sequence(&mut client, 11), Late);
+        assert_eq!(answer(&mut client, None), None);
+        let expected =
+            Counters { received: 8, lost: 3, late: 3, repeated: 1, invalid: 1, answered: 1 };
+        assert_eq!(client.counters(), expected);
+    }
+
+    #[test]
+    fn both_counters_wrap_around() {
+        let mut client = Client { sequence: u32::MAX - 1, ..Client::default() };
+        let mut own = Vec::new();
+        for n in [u32::MAX - 2, u32::MAX - 1, u32::MAX, 0, 2] {
+            assert_eq!(sequence(&mut client, n), New);
+            own.push(answer(&mut client, None).unwrap().sequence);
+        }
+        assert_eq!(own, [u32::MAX - 1, u32::MAX, 0, 1, 2]);
+        assert_eq!(sequence(&mut client, u32::MAX), Late);
+        // Even while the session opens.
+        let mut client = Client::default();
+        give(&mut client, &message(u32::MAX - 5, MonitoringWait));
+        assert_eq!(give(&mut client, &message(5, MonitoringWait)), New);
+        assert_eq!(client.counters().lost, 10);
+    }
+
+    #[test]
+    fn a_controller_that_starts_again_is_noticed() {
+        let after = |last: u32, next: &Monitoring| {
+            let mut client = Client::default();
+            sequence(&mut client, last);
+            answer(&mut client, None);
+            let received = give(&mut client, next);
+            assert_eq!(answer(&mut client, None).is_some(), received == Restarted);
+            assert_eq!(client.counters().lost, 0);
+            received
+        };
+        assert_eq!(after(5000, &message(3000, MonitoringReady)), Restarted);
+        assert_eq!(after(5000, &message(4000, MonitoringReady)), Late);
+        assert_eq!(after(500, &message(3, MonitoringWait)), Restarted);
+        assert_eq!(after(500, &message(3, MonitoringReady)), Late);
+        assert_eq!(after(60, &message(49, MonitoringWait)), Late);
+        // Half the counter's range ago, and more.
+        assert_eq!(after(3_000_000_000, &message(0, MonitoringWait)), Restarted);
+        assert_eq!(after(2_000_000_000, &message(0, MonitoringWait)), Restarted);
+    }
+
+    #[test]
+    fn a_younger_stamp_on_a_lower_counter_is_a_start() {
+        let at = |sequence, ms| Monitoring {
+            time: Some(Duration::from_millis(ms)),
+            ..message(sequence, MonitoringWait)
+        };
+        let mut client = Client::default();
+        give(&mut client, &at(3, 15));
+        assert_eq!(give(&mut client, &at(2, 10)), Late);
+        assert_eq!(give(&mut client, &at(3, 15)), Repeated);
+        assert_eq!(give(&mut client, &at(1, 9000)), Restarted);
+        assert_eq!(give(&mut client, &at(1, 18_000)), Restarted);
+        assert_eq!(give(&mut client, &at(2, 18_005)), New);
+    }
+
+    #[test]
+    fn a_row_of_late_messages_is_a_start() {
+        let mut client = Client::default();
+        sequence(&mut client, 100);
+        for n in 0..19 {
+            assert_eq!(sequence(&mut client, n), Late);
+        }
+        assert_eq!(sequence(&mut client, 19), Restarted);
+        assert_eq!(sequence(&mut client, 20), New);
+        // In no order, they are late.
+        sequence(&mut client, 100);
+        for n in (40..80).rev() {
+            assert_eq!(sequence(&mut client, n), Late);
+        }
+    }
+}

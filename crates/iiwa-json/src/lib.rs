@@ -1,0 +1,39 @@
+//! JSON that people write: errors that say where in the text and what to change, documents with a
+//! version, lists of numbers and of tagged objects. It knows no robot.
+//!
+//! ```
+//! use iiwa_json::{Object, Place, problem};
+//! use serde::Deserialize;
+//!
+//! #[derive(Debug, Deserialize)]
+//! struct Table {
+//!     height_mm: f64,
+//! }
+//!
+//! let text = "{ \"height_mm\": \"720\" }";
+//! let error = serde_json::from_str::<Object<Table>>(text).unwrap_err();
+//! assert_eq!(problem(&error), "expected a number, found string \"720\"");
+//! assert_eq!(Place::of_error(text, text, &error).to_string(), "line 1, column 16");
+//! ```
+
+mod excerpt;
+mod list;
+mod locate;
+mod object;
+mod place;
+mod problem;
+mod tagged;
+mod token;
+mod version;
+
+#[cfg(test)]
+mod tests;
+
+pub use excerpt::excerpt;
+pub use list::{Numbers, numbers};
+pub use locate::{Step, element_at, locate};
+pub use object::{Object, object, object_or_null};
+pub use place::Place;
+pub use problem::problem;
+pub use tagged::tag;
+pub use version::{Unread, read_version};

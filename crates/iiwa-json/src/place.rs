@@ -1,0 +1,121 @@
+//! Places in a text.
+
+use std::{fmt, ops::Range};
+
+use serde_json::error::Category;
+
+use crate::token::{Tokens, token_at};
+
+/// A place in a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// Bytes of the text.
+    pub span: Range<usize>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}, column {}", self.line, self.column)
+    }
+}
+
+impl Place {
+    /// The place of the bytes `span` of `text`; a span past the end is moved to the end.
+    #[must_use]
+    pub fn of_span(text: &str, span: Range<usize>) -> Self {
+        let floor = |byte: usize| {
+            let byte = byte.min(text.len());
+            (0..=byte).rev().find(|&b| text.is_char_boundary(b)).unwrap_or(0)
+        };
+        let (start, end) = (floor(span.start), floor(span.end));
+        let before = &text[..start];
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        Self {
+            line: before.bytes().filter(|&b| b == b'\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+            span: start..end.max(start),
+        }
+    }
+
+    /// Where `error` struck when `part`, a slice of `text`, was read.
+    ///
+    /// The word that is wrong, from its first letter on; of an object or a list the bracket that
+    /// opens it; where the text ends too early, its end.
+    #[must_use]
+    pub fn of_error(text: &str, part: &str, error: &serde_json::Error) -> Self {
+        let line_start: usize =
+            part.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
+        // serde_json counts the bytes of the line that it has read.
+        let read = (line_start + error.column()).min(part.len());
+        let span = match error.classify() {
+            Category::Eof | Category::Io => {
+                let end = part.trim_end().len();
+                end..end
+            }
+            Category::Syntax => {
+                // A word like `tru` is found wrong at what follows it.
+                let behind = if error.to_string().starts_with("expected ident") { 2 } else { 1 };
+                let at = read.saturating_sub(behind);
+                match token_at(part, at) {
+                    // Within a string it is one character that is wrong.
+                    Some(token) if !part[token.clone()].starts_with('"') => token,
+                    _ => at..read,
+                }
+            }
+            Category::Data => wrong_value(part, read),
+        };
+        let base = offset_in(text, part).unwrap_or(0);
+        Self::of_span(text, base + span.start..base + span.end)
+    }
+}
+
+/// The value that is wrong, given how much of `part` had been read when that was noticed.
+fn wrong_value(part: &str, read: usize) -> Range<usize> {
+    let last = part.as_bytes()[..read].last();
+    // Lists and objects are refused before their first bracket is read.
+    if last.is_none_or(|byte| byte.is_ascii_whitespace() || b":,[".contains(byte)) {
+        return token_at(part, read).unwrap_or(read..read);
+    }
+    match token_at(part, read - 1) {
+        Some(token) if matches!(&part[token.clone()], "]" | "}") => opening(part, token),
+        Some(token) => token,
+        None => read - 1..read,
+    }
+}
+
+/// The bracket that `closing` closes.
+fn opening(part: &str, closing: Range<usize>) -> Range<usize> {
+    // Brackets and how deep each one is. It goes through the text twice rather than keep a stack,
+    // which a text of brackets would make long.
+    let brackets = || {
+        let mut depth = 0_usize;
+        Tokens { text: part, at: 0 }.take_while(|token| token.start <= closing.start).filter_map(
+            move |token| match &part[token.clone()] {
+                "[" | "{" => {
+                    depth += 1;
+                    Some((token, depth, true))
+                }
+                "]" | "}" => {
+                    depth = depth.saturating_sub(1);
+                    Some((token, depth + 1, false))
+                }
+                _ => None,
+            },
+        )
+    };
+    let depth = brackets().last().map(|(_, depth, _)| depth);
+    brackets()
+        .filter(|(_, other, opens)| *opens && Some(*other) == depth)
+        .last()
+        .map_or(closing.clone(), |(token, ..)| token)
+}
+
+/// Offset of `part` in `text`, when it is a slice of it.
+pub(crate) fn offset_in(text: &str, part: &str) -> Option<usize> {
+    let offset = part.as_ptr().addr().checked_sub(text.as_ptr().addr())?;
+    (offset + part.len() <= text.len()).then_some(offset)
+}
