@@ -5,7 +5,7 @@ use std::{fs, hint::black_box};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use iiwa_kin::Robot;
-use iiwa_path::{Path, Program};
+use iiwa_path::{JointPath, Program};
 use iiwa_scene::{ArmInScene, Scene};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::{Result, joints::poses, reference};
@@ -24,7 +24,7 @@ fn run(criterion: &mut Criterion) -> Result<()> {
     let scene = Scene::from_json(&fs::read_to_string(cage)?)?;
     let arm = ArmInScene::new(&robot, &scene);
     let program = Program::from_json(&reference::ten_motions()?)?;
-    let trajectory = Trajectory::plan(&Path::new(&program, &robot)?, Timing::default())?;
+    let trajectory = Trajectory::plan(&JointPath::new(&program, &robot)?, Timing::default())?;
 
     let mut group = criterion.benchmark_group("clearance");
     let joints = poses(&robot, POSES);
@@ -54,8 +54,8 @@ fn run(criterion: &mut Criterion) -> Result<()> {
     });
     group.bench_function("each of the ten motions", |bencher| {
         bencher.iter(|| {
-            for stretch in trajectory.stretches() {
-                black_box(arm.clearances(black_box(stretch)));
+            for section in trajectory.sections() {
+                black_box(arm.clearances(black_box(section)));
             }
         });
     });

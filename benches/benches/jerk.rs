@@ -9,7 +9,7 @@ use std::{
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use iiwa_kin::Robot;
-use iiwa_path::{Path, Program};
+use iiwa_path::{JointPath, Program};
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
 use iiwasim_benches::{
     Result,
@@ -26,7 +26,7 @@ fn jerk(criterion: &mut Criterion) {
 
 fn against_peers(criterion: &mut Criterion) -> Result<()> {
     let program = Program::from_json(&reference::ten_motions()?)?;
-    let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+    let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
     let timing = Timing::Jerk(JerkOptions::default());
 
     let mut group = criterion.benchmark_group("stamps, jerk");
@@ -62,7 +62,7 @@ fn growth(criterion: &mut Criterion) -> Result<()> {
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
     for motions in [10, 100, 1000] {
         let program = Program::from_json(&text(Kind::Blended, motions))?;
-        let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+        let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
         let timing = Timing::Jerk(JerkOptions::default());
         let start = Instant::now();
         Trajectory::plan(&path, timing)?;

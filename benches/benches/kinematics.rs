@@ -19,28 +19,28 @@ fn forward(criterion: &mut Criterion) {
         group.bench_function(name, |bencher| bencher.iter(|| joints.iter().for_each(run)));
     };
     each("iiwa-kin tcp", &|q| {
-        black_box(robot.tcp(black_box(q)));
+        black_box(robot.flange_pose(black_box(q)));
     });
     each("iiwa-kin tcp_position", &|q| {
-        black_box(robot.tcp_position(black_box(q)));
+        black_box(robot.flange_position(black_box(q)));
     });
     each("seven std sin_cos alone", &|q| {
         black_box(black_box(q).map(f64::sin_cos));
     });
     let product = DhProduct::new(&robot);
     each("nalgebra 4x4 DH product", &|q| {
-        black_box(product.tcp(black_box(q)));
+        black_box(product.flange_pose(black_box(q)));
     });
     match UrdfChain::new(&robot) {
         Ok(chain) => each("k", &|q| {
-            black_box(chain.tcp(black_box(q)));
+            black_box(chain.flange_pose(black_box(q)));
         }),
         Err(error) => eprintln!("k: {error}"),
     }
 
     let mut found = vec![Pose::IDENTITY; POSES];
     group.bench_function("iiwa-kin tcp_batch", |bencher| {
-        bencher.iter(|| robot.tcp_batch(black_box(&joints), black_box(&mut found)));
+        bencher.iter(|| robot.flange_pose_batch(black_box(&joints), black_box(&mut found)));
     });
     group.finish();
 }

@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use iiwa_kin::Robot;
-use iiwa_path::{Path, Program, Segment};
+use iiwa_path::{JointPath, Program};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_benches::{
     Result,
@@ -21,8 +21,8 @@ fn sweep(criterion: &mut Criterion) {
 }
 
 /// Nodes of the sweep: lines need none.
-fn swept(path: &Path) -> u64 {
-    let curved = path.blends().filter(|(_, segment)| !matches!(segment, Segment::Line(_)));
+fn swept(path: &JointPath) -> u64 {
+    let curved = path.blends().filter(|(_, segment)| !segment.is_straight());
     (curved.count() * (SweepOptions::default().samples + 1)) as u64
 }
 
@@ -30,8 +30,8 @@ fn run(criterion: &mut Criterion) -> Result<()> {
     let robot = Robot::lbr_iiwa_7_r800();
     let ten = reference::ten_motions()?;
     let program = Program::from_json(&ten)?;
-    let path = Path::new(&program, &robot)?;
-    let long_path = Path::new(&Program::from_json(&text(Kind::Stops, 1000))?, &robot)?;
+    let path = JointPath::new(&program, &robot)?;
+    let long_path = JointPath::new(&Program::from_json(&text(Kind::Stops, 1000))?, &robot)?;
     let samples = Samples::new(&path, SweepOptions::default().samples)?;
     let problem = samples.problem()?;
 
@@ -68,7 +68,7 @@ fn run(criterion: &mut Criterion) -> Result<()> {
         bencher.iter(|| Program::from_json(black_box(&ten)));
     });
     group.bench_function("Path::new", |bencher| {
-        bencher.iter(|| Path::new(black_box(&program), &robot));
+        bencher.iter(|| JointPath::new(black_box(&program), &robot));
     });
     group.bench_function("Trajectory::plan", |bencher| {
         bencher.iter(|| {

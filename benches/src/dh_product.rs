@@ -29,7 +29,7 @@ impl DhProduct {
 
     /// The TCP's pose in the base frame, positions in m.
     #[must_use]
-    pub fn tcp(&self, joints_rad: &Joints) -> Matrix4<f64> {
+    pub fn flange_pose(&self, joints_rad: &Joints) -> Matrix4<f64> {
         self.links.iter().zip(joints_rad).fold(Matrix4::identity(), |pose, (link, theta)| {
             let (st, ct) = theta.sin_cos();
             let Link { row, sin_alpha: sa, cos_alpha: ca } = link;
@@ -55,7 +55,7 @@ mod tests {
         let robot = Robot::lbr_iiwa_7_r800();
         let peer = DhProduct::new(&robot);
         for q in poses(&robot, 100) {
-            let (ours, theirs) = (robot.tcp(&q), peer.tcp(&q));
+            let (ours, theirs) = (robot.flange_pose(&q), peer.flange_pose(&q));
             for i in 0..3 {
                 assert!((ours.position_m[i] - theirs[(i, 3)]).abs() < 1e-12);
                 for k in 0..3 {

@@ -67,14 +67,14 @@ pub fn seeded(kind: Kind, motions: usize, seed: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use iiwa_path::{Path, Program};
+    use iiwa_path::{JointPath, Program};
 
     #[test]
     fn can_be_planned() {
         for kind in Kind::ALL {
             let program = Program::from_json(&text(kind, 25)).unwrap();
             assert_eq!(program.motions.len(), 25);
-            let path = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
+            let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
             let stops = if kind == Kind::Stops { 2 } else { 0 };
             assert_eq!(path.blends().count(), 24 - stops);
         }

@@ -7,7 +7,7 @@ use copp::{
     robot::Robot,
     solver::{topp2_ra as ra, topp3_lp as lp, topp3_socp as socp},
 };
-use iiwa_path::{MotionLimits, Path, Segment, Step};
+use iiwa_path::{JointPath, MotionLimits, Segment, Step};
 use nalgebra::DMatrix;
 
 use crate::Result;
@@ -107,7 +107,7 @@ impl Samples {
     /// # Errors
     ///
     /// If the arm stops before the path's last segment: the peer has no notion of a stop.
-    pub fn new(path: &Path, intervals: usize) -> Result<Self> {
+    pub fn new(path: &JointPath, intervals: usize) -> Result<Self> {
         let count =
             path.steps().iter().take_while(|step| matches!(step, Step::Move { .. })).count();
         let (moves, rest) = path.steps().split_at(count);
@@ -118,7 +118,7 @@ impl Samples {
         let mut start = 0.0;
         for (k, step) in moves.iter().enumerate() {
             let Step::Move { motion, segment, .. } = step else { continue };
-            let piece = Piece { start, segment, limits: &path.limits()[*motion] };
+            let piece = Piece { start, segment: segment.as_ref(), limits: &path.limits()[*motion] };
             let gap = JOIN_GAP / intervals as f64;
             let from = if k == 0 { piece.ramp(0.0) } else { gap };
             let to = 1.0 - if k + 1 == count { piece.ramp(1.0) } else { gap };
@@ -235,7 +235,7 @@ fn without_jerk(robot: &Robot<usize>, last: usize) -> std::result::Result<Vec<f6
 struct Piece<'a> {
     /// Distance from the path's start to its own, in rad.
     start: f64,
-    segment: &'a Segment,
+    segment: &'a dyn Segment,
     limits: &'a MotionLimits,
 }
 
@@ -247,7 +247,7 @@ impl Piece<'_> {
     /// alpha, the distance is about as long as the blend. Alpha vanishes at the ends, up to its
     /// second derivative: so the path's second derivative stays continuous there.
     fn bend(&self, s: f64) -> [f64; 4] {
-        if !matches!(self.segment, Segment::Polynomial(_)) {
+        if self.segment.is_straight() || !self.segment.has_continuous_curvature() {
             return [0.0; 4];
         }
         let t = 1.0 - s;
@@ -260,12 +260,12 @@ impl Piece<'_> {
     }
 
     fn distance(&self, s: f64) -> f64 {
-        self.start + self.segment.end_tangent_rad() * (s + self.bend(s)[0])
+        self.start + self.segment.tangent_lengths_rad()[0] * (s + self.bend(s)[0])
     }
 
     /// First three derivatives by the distance.
     fn derivatives(&self, s: f64) -> [Row; 3] {
-        let tangent = self.segment.end_tangent_rad();
+        let tangent = self.segment.tangent_lengths_rad()[0];
         let [_, bend1, bend2, bend3] = self.bend(s);
         let (p, r, w) = (1.0 + bend1, bend2, bend3);
         // Derivatives of s by the distance: those of an inverse function.
@@ -295,7 +295,7 @@ impl Piece<'_> {
         let acceleration = along(&self.limits.acceleration_rad_s2);
         let jerk = along(&self.limits.jerk_rad_s3);
         let way = acceleration.powi(3) / (6.0 * jerk * jerk);
-        (way / self.segment.end_tangent_rad()).min(0.25)
+        (way / self.segment.tangent_lengths_rad()[0]).min(0.25)
     }
 }
 
@@ -312,7 +312,7 @@ mod tests {
     #[test]
     fn durations_come_down_to_those_of_an_independent_solver() {
         let program = Program::from_json(&reference::ten_motions().unwrap()).unwrap();
-        let path = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
+        let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
         let expected = reference::ten_motions_jerk_s().unwrap();
         for (intervals, most) in [(20, 0.035), (50, 0.015)] {
             let samples = Samples::new(&path, intervals).unwrap();

@@ -2,7 +2,7 @@
 //! `copp`, a TOPP-RA (Pham and Pham 2018) with the limits kept at both ends of each interval.
 
 use copp::{diag::CoppError, robot::Robot, solver::topp2_ra as ra};
-use iiwa_path::{Path, Step};
+use iiwa_path::{JointPath, Step};
 use nalgebra::DMatrix;
 
 use crate::Result;
@@ -27,7 +27,7 @@ impl Samples {
     /// # Errors
     ///
     /// If the arm stops before the path's last segment: the peer has no notion of a stop.
-    pub fn new(path: &Path, intervals: usize) -> Result<Self> {
+    pub fn new(path: &JointPath, intervals: usize) -> Result<Self> {
         let moves =
             path.steps().iter().take_while(|step| matches!(step, Step::Move { .. })).count();
         let (moves, rest) = path.steps().split_at(moves);
@@ -39,7 +39,7 @@ impl Samples {
         for step in moves {
             let Step::Move { motion, segment, .. } = step else { continue };
             let limits = &path.limits()[*motion];
-            let length = segment.end_tangent_rad();
+            let length = segment.tangent_lengths_rad()[0];
             for i in 0..=intervals {
                 let s = i as f64 / intervals as f64;
                 let at = segment.at(s);

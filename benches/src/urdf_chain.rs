@@ -28,7 +28,7 @@ impl UrdfChain {
 
     /// The TCP's pose in the base frame, positions in m.
     #[must_use]
-    pub fn tcp(&self, joints_rad: &Joints) -> Isometry3<f64> {
+    pub fn flange_pose(&self, joints_rad: &Joints) -> Isometry3<f64> {
         self.chain.set_joint_positions_unchecked(joints_rad);
         self.chain.end_transform()
     }
@@ -44,7 +44,8 @@ mod tests {
         let robot = Robot::lbr_iiwa_7_r800();
         let peer = UrdfChain::new(&robot).unwrap();
         for q in poses(&robot, 100) {
-            let (ours, theirs) = (robot.tcp_position(&q), peer.tcp(&q).translation.vector);
+            let (ours, theirs) =
+                (robot.flange_position(&q), peer.flange_pose(&q).translation.vector);
             for i in 0..3 {
                 assert!((ours[i] - theirs[i]).abs() < 1e-6, "{ours:?} {theirs:?}");
             }

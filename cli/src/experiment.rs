@@ -134,8 +134,8 @@ fn path(
     bench: &Bench,
     trial: &Trial,
     options: iiwa_path::PathOptions,
-) -> Result<iiwa_path::Path, Failure> {
-    iiwa_path::Path::with_options(&trial.program, &bench.model, options)
+) -> Result<iiwa_path::JointPath, Failure> {
+    iiwa_path::JointPath::with_options(&trial.program, &bench.model, options)
         .map_err(|fault| Failure::input(format!("{}: {fault}", trial.name)))
 }
 

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, time::Duration};
 
 use iiwa_kin::Robot;
 use iiwa_scene::{ArmInScene, PlannedClearance};
-use iiwa_traj::{BlendFigures, Limit, MotionFigures, Stretch, Timing, Totals};
+use iiwa_traj::{BlendFigures, Limit, MotionFigures, Section, Timing, Totals};
 use serde::Serialize;
 
 /// The `--json` object of `iiwasim plan`.
@@ -101,25 +101,25 @@ impl Figures {
         }
     }
 
-    /// Adds a stretch.
-    pub(crate) fn add(&mut self, stretch: &Stretch) {
+    /// Adds a section.
+    pub(crate) fn add(&mut self, section: &Section) {
         let mut totals = Totals {
             motion_time_s: self.motion_time_s,
             settle_time_s: self.settle_time_s,
             wait_time_s: self.wait_time_s,
         };
-        totals.add(stretch);
+        totals.add(section);
         self.cycle_time_s = totals.cycle_time_s();
         self.motion_time_s = totals.motion_time_s;
         self.settle_time_s = totals.settle_time_s;
         self.wait_time_s = totals.wait_time_s;
-        self.motions.extend(stretch.motions().iter().map(MotionRow::from));
-        self.blends.extend(stretch.blends().iter().map(BlendRow::from));
+        self.motions.extend(section.motions().iter().map(MotionRow::from));
+        self.blends.extend(section.blends().iter().map(BlendRow::from));
     }
 
-    /// Adds how near `arm` comes to its scene in a stretch.
-    pub(crate) fn add_clearance(&mut self, arm: &ArmInScene, stretch: &Stretch) {
-        let Some(PlannedClearance { clearance, at_s, .. }) = arm.clearance_of_stretch(stretch)
+    /// Adds how near `arm` comes to its scene in a section.
+    pub(crate) fn add_clearance(&mut self, arm: &ArmInScene, section: &Section) {
+        let Some(PlannedClearance { clearance, at_s, .. }) = arm.clearance_of_section(section)
         else {
             return;
         };

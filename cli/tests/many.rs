@@ -353,7 +353,7 @@ fn a_full_disk_leaves_no_half_of_a_file() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_leaves_whole_files_only() {
-    // Stops all the way: many stretches, between which an interrupt is noticed.
+    // Stops all the way: many sections, between which an interrupt is noticed.
     let long = long_program(20_000).replace(r#", "blend": { "fraction": 0.25 }"#, "");
     let folder = folder(&[
         ("cell/a.json", &turn(10.0)),

@@ -312,7 +312,7 @@ fn an_interrupt_exits_with_1_and_keeps_the_old_file() {
     let folder = tempdir().unwrap();
     let inputs = tempdir().unwrap();
     let input = inputs.path().join("long.json");
-    // Stops all the way: many stretches, between which an interrupt is noticed.
+    // Stops all the way: many sections, between which an interrupt is noticed.
     let program = long_program(20_000).replace(r#", "blend": { "fraction": 0.25 }"#, "");
     fs::write(&input, program).unwrap();
     fs::write(folder.path().join("kept.mcap"), "as it was").unwrap();

@@ -1,7 +1,7 @@
 //! Random programs: everything that a program may hold, the odd things more often than in life.
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, Motion, Path, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use proptest::prelude::*;
 
 /// How far a motion goes: whole sweeps of the arm, short moves, tiny ones, and none.
@@ -95,12 +95,12 @@ fn draft() -> impl Strategy<Value = Draft> {
     ]
 }
 
-/// Programs of up to `most` motions for the LBR iiwa 7 that [`Path::new`] takes.
+/// Programs of up to `most` motions for the LBR iiwa 7 that [`JointPath::new`] takes.
 pub fn programs(most: usize) -> impl Strategy<Value = Program> {
     (prop::array::uniform7(-1.2..1.2_f64), prop::collection::vec(draft(), 1..=most))
         .prop_map(|(start_rad, drafts)| program(start_rad, &drafts))
         .prop_filter("a blend swings out of the limits", |program| {
-            Path::new(program, &Robot::default()).is_ok()
+            JointPath::new(program, &Robot::default()).is_ok()
         })
 }
 

@@ -6,7 +6,7 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{
-    Blend, BlendShape, Continuity, Motion, Path, PathOptions, Program, Ptp, Segment, Step,
+    Blend, BlendShape, Continuity, JointPath, Motion, PathOptions, Program, Ptp, Segment, Step,
 };
 use iiwa_traj::{State, SweepOptions, Timing, TimingError, Trajectory};
 use iiwasim_tests::differences::ratios;
@@ -29,26 +29,22 @@ fn only(joint: usize, deg: f64) -> Joints {
     std::array::from_fn(|j| if j + 1 == joint { deg.to_radians() } else { 0.0 })
 }
 
-fn path(start: Joints, motions: &[Ptp], shape: BlendShape) -> Path {
+fn path(start: Joints, motions: &[Ptp], shape: BlendShape) -> JointPath {
     let motions = motions.iter().cloned().map(Motion::Ptp).collect();
     let program = Program { robot: None, start_rad: start, motions };
     let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
-    Path::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
+    JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
 }
 
 /// The first motion whose blend starts with a jump in curvature, from 0.
-fn first_kink(path: &Path) -> Option<usize> {
+fn first_kink(path: &JointPath) -> Option<usize> {
     let mut blends = path.blends();
-    let kink = blends.find(|(_, segment)| match segment {
-        Segment::Line(_) => false,
-        Segment::Polynomial(blend) => blend.continuity() == Continuity::First,
-        _ => true,
-    });
+    let kink = blends.find(|(_, segment)| !segment.has_continuous_curvature());
     kink.map(|(corner, _)| corner.motion)
 }
 
 /// Plans with either timing and checks both; returns the acceleration-limited one.
-fn plan(path: &Path, samples: usize) -> Trajectory {
+fn plan(path: &JointPath, samples: usize) -> Trajectory {
     let timing = Timing::Acceleration(SweepOptions { samples });
     let trajectory = Trajectory::plan(path, timing).unwrap();
     check(&trajectory);
@@ -242,14 +238,14 @@ fn one_joint_turns_back() {
             let path = path([0.0; 7], &motions, shape);
             let moves = || {
                 path.steps().iter().filter_map(|step| match step {
-                    Step::Move { segment, .. } => Some(segment),
+                    Step::Move { segment, .. } => Some(segment.as_ref()),
                     _ => None,
                 })
             };
             // Where joint 1 turns, found on a fine grid.
             let mut turns = vec![0.0_f64];
             let mut before = (0.0_f64, 0.0_f64);
-            for q in moves().flat_map(|segment: &Segment| {
+            for q in moves().flat_map(|segment: &dyn Segment| {
                 (1..=20_000).map(|i| segment.at(f64::from(i) / 20_000.0).q[0].to_degrees())
             }) {
                 let step = q - before.0;
@@ -474,7 +470,7 @@ fn curvature_that_jumps_is_named() {
     let program = Program { robot: None, start_rad: [0.0; 7], motions };
     for shape in SHAPES {
         let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
-        let path = Path::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap();
+        let path = JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap();
         let kinks = matches!(shape, BlendShape::Alpha(Continuity::First) | BlendShape::Circle);
         let error = Trajectory::plan(&path, Timing::default()).err();
         assert_eq!(error, kinks.then_some(TimingError::CurvatureJumps { motion: 4 }), "{shape:?}");

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Motion, MotionLimits, Path, Program, Step};
+use iiwa_path::{JointPath, Motion, MotionLimits, Program, Step};
 use iiwa_traj::{State, SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{
     differences::{ratio, ratios},
@@ -12,7 +12,7 @@ use iiwasim_tests::{
 use proptest::{prelude::*, test_runner::RngSeed};
 
 fn plan(program: &Program, timing: Timing) -> Result<Trajectory, TestCaseError> {
-    let path = Path::new(program, &Robot::default()).unwrap();
+    let path = JointPath::new(program, &Robot::default()).unwrap();
     Trajectory::plan(&path, timing).map_err(|error| TestCaseError::fail(error.to_string()))
 }
 
@@ -109,10 +109,10 @@ fn acceleration_continues(trajectory: &Trajectory) -> Result<(), TestCaseError> 
 }
 
 fn rests_between_stretches(trajectory: &Trajectory) -> Result<(), TestCaseError> {
-    for stretch in trajectory.stretches() {
-        let moves = || stretch.pieces().iter().filter(|piece| piece.kind.moves());
+    for section in trajectory.sections() {
+        let moves = || section.pieces().iter().filter(|piece| piece.kind.moves());
         let (Some(first), Some(last)) = (moves().next(), moves().next_back()) else { continue };
-        for node in [stretch.nodes(first).first(), stretch.nodes(last).last()] {
+        for node in [section.nodes(first).first(), section.nodes(last).last()] {
             let node = node.unwrap();
             prop_assert_eq!([node.rate, node.u[0]], [0.0; 2], "at {} s", node.t_s);
         }

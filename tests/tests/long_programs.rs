@@ -1,9 +1,9 @@
-//! Stretches that are too long to be solved as a whole.
+//! Sections that are too long to be solved as a whole.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::Robot;
-use iiwa_path::{Blend, Motion, Path, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use iiwa_traj::{JerkOptions, State, Timing, Trajectory};
 use iiwasim_tests::differences::ratios;
 use proptest::{
@@ -13,7 +13,7 @@ use proptest::{
 };
 
 /// A random program without a stop, the same at each call.
-fn path(motions: usize, blend: &BoxedStrategy<Blend>) -> Path {
+fn path(motions: usize, blend: &BoxedStrategy<Blend>) -> JointPath {
     let share = || prop_oneof![3 => Just(1.0), 1 => 0.1..1.0_f64];
     let joints = || prop::array::uniform7(-1.0..1.0_f64);
     let motion = (joints(), share(), share(), share(), blend.clone()).prop_map(
@@ -26,7 +26,8 @@ fn path(motions: usize, blend: &BoxedStrategy<Blend>) -> Path {
     let path = prop::collection::vec(motion, motions).prop_filter_map("swings out", |mut all| {
         all.last_mut()?.blend = None;
         let motions = all.into_iter().map(Motion::Ptp).collect();
-        Path::new(&Program { robot: None, start_rad: [0.0; 7], motions }, &Robot::default()).ok()
+        JointPath::new(&Program { robot: None, start_rad: [0.0; 7], motions }, &Robot::default())
+            .ok()
     });
     let config = ProptestConfig { rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() };
     path.new_tree(&mut TestRunner::new(config)).unwrap().current()

@@ -7,12 +7,12 @@
 )]
 
 use iiwa_kin::Robot;
-use iiwa_path::Path;
+use iiwa_path::JointPath;
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 use iiwasim_tests::reference::{Case, cases};
 
-fn path(case: &Case) -> Path {
-    Path::new(&case.program, &Robot::lbr_iiwa_7_r800()).unwrap()
+fn path(case: &Case) -> JointPath {
+    JointPath::new(&case.program, &Robot::lbr_iiwa_7_r800()).unwrap()
 }
 
 fn close<const N: usize>(found: [f64; N], expected: [f64; N], what: &str) {
@@ -33,7 +33,7 @@ fn blends() {
             close(blend.at(0.0).q, answer.start_rad, &what);
             close(blend.at(0.5).q, answer.mid_rad, &what);
             close(blend.at(1.0).q, answer.end_rad, &what);
-            close(robot.tcp_position(&blend.at(0.5).q), answer.mid_tcp_m, &what);
+            close(robot.flange_position(&blend.at(0.5).q), answer.mid_tcp_m, &what);
         }
     }
 }

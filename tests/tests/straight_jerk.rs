@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, BlendShape, Continuity, Motion, Path, PathOptions, Program, Ptp};
+use iiwa_path::{Blend, BlendShape, Continuity, JointPath, Motion, PathOptions, Program, Ptp};
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
 use proptest::{
     prelude::*,
@@ -47,11 +47,11 @@ fn expected_s(start: &Joints, ptp: &Ptp) -> f64 {
     duration_s(1.0, least)
 }
 
-fn path(start_rad: Joints, motions: Vec<Ptp>, blend_shape: BlendShape) -> Path {
+fn path(start_rad: Joints, motions: Vec<Ptp>, blend_shape: BlendShape) -> JointPath {
     let motions = motions.into_iter().map(Motion::Ptp).collect();
     let program = Program { robot: None, start_rad, motions };
     let options = PathOptions { blend_shape, ..PathOptions::default() };
-    Path::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
+    JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
 }
 
 /// The general solver, with cells so many times as fine.

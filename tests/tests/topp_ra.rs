@@ -9,7 +9,7 @@
 
 use copp::{robot::Robot as CoppRobot, solver::topp2_ra as ra};
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{MotionLimits, Path, Segment, Step};
+use iiwa_path::{JointPath, MotionLimits, Segment, Step};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::reference::cases;
 use nalgebra::DMatrix;
@@ -18,7 +18,7 @@ use nalgebra::DMatrix;
 const INTERVALS: usize = 4000;
 const MANY_INTERVALS: usize = 16_000;
 
-/// A stretch from stop to stop on a grid, as TOPP-RA wants it.
+/// A section from stop to stop on a grid, as TOPP-RA wants it.
 #[derive(Default)]
 struct Grid {
     /// Path parameter with a tangent of length 1 at all joins, in rad.
@@ -30,8 +30,8 @@ struct Grid {
 }
 
 impl Grid {
-    fn add(&mut self, segment: &Segment, limits: &MotionLimits, intervals: usize) {
-        let tangent = segment.end_tangent_rad();
+    fn add(&mut self, segment: &dyn Segment, limits: &MotionLimits, intervals: usize) {
+        let tangent = segment.tangent_lengths_rad()[0];
         let start = self.sigma.last().copied().unwrap_or(0.0);
         let first = usize::from(!self.sigma.is_empty());
         if first == 1 {
@@ -84,13 +84,13 @@ impl Grid {
     }
 }
 
-fn topp_ra_s(path: &Path, intervals: usize) -> f64 {
+fn topp_ra_s(path: &JointPath, intervals: usize) -> f64 {
     let mut total = 0.0;
     let mut grid = Grid::default();
     for step in path.steps() {
         match step {
             Step::Move { motion, segment, .. } => {
-                grid.add(segment, &path.limits()[*motion], intervals);
+                grid.add(segment.as_ref(), &path.limits()[*motion], intervals);
             }
             _ => total += std::mem::take(&mut grid).duration_s(),
         }
@@ -102,7 +102,7 @@ fn topp_ra_s(path: &Path, intervals: usize) -> f64 {
 fn durations_equal_those_of_topp_ra() {
     let mut worst = 0.0_f64;
     for case in cases() {
-        let path = Path::new(&case.program, &Robot::lbr_iiwa_7_r800()).unwrap();
+        let path = JointPath::new(&case.program, &Robot::lbr_iiwa_7_r800()).unwrap();
         let intervals = if case.id == 8 { MANY_INTERVALS } else { INTERVALS };
         let timing = Timing::Acceleration(SweepOptions { samples: intervals });
         let found = Trajectory::plan(&path, timing).unwrap().motion_time_s();

@@ -15,7 +15,7 @@ use std::{
 };
 
 use iiwa_kin::{Pose, Robot};
-use iiwa_path::{BlendSearch, Path, Program};
+use iiwa_path::{BlendSearch, JointPath, Program};
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 use iiwasim_benches::{
     Result,
@@ -89,14 +89,14 @@ impl Workload {
             Self::Forward => {
                 let joints = poses(&robot, 1000);
                 for q in (0..runs).flat_map(|_| &joints) {
-                    black_box(robot.tcp(black_box(q)));
+                    black_box(robot.flange_pose(black_box(q)));
                 }
             }
             Self::ForwardBatch => {
                 let joints = poses(&robot, 1000);
                 let mut found = vec![Pose::IDENTITY; joints.len()];
                 for _ in 0..runs {
-                    robot.tcp_batch(black_box(&joints), black_box(&mut found));
+                    robot.flange_pose_batch(black_box(&joints), black_box(&mut found));
                 }
             }
             Self::BlendSearch => {
@@ -107,7 +107,7 @@ impl Workload {
             }
             Self::Sweep => {
                 let program = Program::from_json(&reference::ten_motions()?)?;
-                let path = Path::new(&program, &robot)?;
+                let path = JointPath::new(&program, &robot)?;
                 for _ in 0..runs {
                     black_box(Trajectory::plan(
                         black_box(&path),
@@ -120,7 +120,7 @@ impl Workload {
                     Self::LongJerk => long_program::text(Kind::Blended, 100),
                     _ => reference::ten_motions()?,
                 };
-                let path = Path::new(&Program::from_json(&text)?, &robot)?;
+                let path = JointPath::new(&Program::from_json(&text)?, &robot)?;
                 let timing = Timing::Jerk(JerkOptions::default());
                 for _ in 0..runs {
                     black_box(Trajectory::plan(black_box(&path), timing)?);
@@ -130,7 +130,7 @@ impl Workload {
                 let text = reference::ten_motions()?;
                 for _ in 0..runs {
                     let program = Program::from_json(black_box(&text))?;
-                    let path = Path::new(&program, &robot)?;
+                    let path = JointPath::new(&program, &robot)?;
                     black_box(Trajectory::plan(
                         &path,
                         Timing::Acceleration(SweepOptions::default()),

@@ -35,7 +35,7 @@ use std::{
 use iiwa_drive::{Cabinet, CabinetConfig, Drive, DriveConfig, Late};
 use iiwa_kin::Robot;
 use iiwa_link::{Client, Published, Remote, Server, Stream, TimedJoints};
-use iiwa_path::{Blend, Motion, Path, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::{Result, machine};
 use iiwasim_tests::ports::free_address;
@@ -201,11 +201,11 @@ struct Measured {
     subscribers: Option<Subscribers>,
     runs: Runs,
     /// When the machine stood still, in us; none without witnesses.
-    still: Option<Vec<Stretch>>,
+    still: Option<Vec<Section>>,
 }
 
 /// From when to when, in us of the system's clock.
-type Stretch = [i64; 2];
+type Section = [i64; 2];
 
 impl Measured {
     /// Messages without any answer.
@@ -225,8 +225,8 @@ impl Measured {
         let still = self.still.as_deref().unwrap_or_default();
         let period_us = 1000 * i64::from(self.cabinet.period_ms);
         self.cabinet.late_us.iter().filter_map(move |late| {
-            let overlap = |[from, to]: &Stretch| late.answered.min(*to) - late.sent.max(*from);
-            let stood: i64 = still.iter().map(|stretch| overlap(stretch).max(0)).sum();
+            let overlap = |[from, to]: &Section| late.answered.min(*to) - late.sent.max(*from);
+            let stood: i64 = still.iter().map(|section| overlap(section).max(0)).sum();
             let took = late.answered - late.sent;
             (took - stood > period_us).then_some([took, stood])
         })
@@ -288,18 +288,18 @@ fn measure(case: &Case) -> Result<Option<Measured>> {
     let subscribers = subscribers.map(|mut part| part.ask()).transpose()?;
     let mut still = None;
     if let Some(mut witnesses) = witnesses {
-        let stretches: Vec<Vec<Stretch>> =
+        let sections: Vec<Vec<Section>> =
             witnesses.iter_mut().map(Part::ask).collect::<Result<_>>()?;
-        still = Some(joined(stretches.concat()));
+        still = Some(joined(sections.concat()));
     }
     Ok(Some(Measured { cabinet, drive, subscribers, runs, still }))
 }
 
-/// Stretches without those that overlap.
-fn joined(mut stretches: Vec<Stretch>) -> Vec<Stretch> {
-    stretches.sort_unstable();
-    let mut joined: Vec<Stretch> = Vec::new();
-    for [from, to] in stretches {
+/// Sections without those that overlap.
+fn joined(mut sections: Vec<Section>) -> Vec<Section> {
+    sections.sort_unstable();
+    let mut joined: Vec<Section> = Vec::new();
+    for [from, to] in sections {
         match joined.last_mut() {
             Some(last) if last[1] >= from => last[1] = last[1].max(to),
             _ => joined.push([from, to]),
@@ -629,8 +629,8 @@ fn be_witness() -> Result<()> {
             let awake = Instant::now();
             if awake.duration_since(due) > STILL {
                 let clock = SystemClock::new();
-                let stretch: Stretch = [clock.us(due), clock.us(awake)];
-                seen.lock().unwrap_or_else(PoisonError::into_inner).push(stretch);
+                let section: Section = [clock.us(due), clock.us(awake)];
+                seen.lock().unwrap_or_else(PoisonError::into_inner).push(section);
                 due = awake;
             }
             due += EVERY;
@@ -696,7 +696,7 @@ fn there_and_back() -> Result<TimedJoints> {
         Motion::Ptp(to([0.0; 7])),
     ];
     let program = Program { robot: None, start_rad: [0.0; 7], motions };
-    let path = Path::new(&program, &Robot::default())?;
+    let path = JointPath::new(&program, &Robot::default())?;
     let plan = Trajectory::plan(&path, Timing::default())?;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousands")]
     let count = (plan.cycle_time_s() / STEP_S).ceil() as u32;

@@ -23,7 +23,7 @@ use iiwa_eval::{
 };
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, PlanConfig, PlanWriter, Recorder, RecorderConfig};
-use iiwa_path::{Path, Program};
+use iiwa_path::{JointPath, Program};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::{
     Result,
@@ -111,10 +111,10 @@ fn write(minutes: usize, folder: &FilePath) -> Result<()> {
     let text = long_program::text(Kind::Stops, minutes * MOTIONS_A_MINUTE);
     fs::write(folder.join(PROGRAM), &text)?;
     let program = Program::from_json(&text)?;
-    let trajectory = Trajectory::plan(&Path::new(&program, &robot)?, Timing::default())?;
+    let trajectory = Trajectory::plan(&JointPath::new(&program, &robot)?, Timing::default())?;
     let mut writer = PlanWriter::new(BufWriter::new(create(PLAN)?), &robot, PlanConfig::default())?;
-    for stretch in trajectory.stretches() {
-        writer.stretch(stretch)?;
+    for section in trajectory.sections() {
+        writer.section(section)?;
     }
     let metadata = BTreeMap::from([("robot".to_owned(), robot.name().to_owned())]);
     writer.finish(&metadata, &[])?;

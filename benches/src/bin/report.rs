@@ -11,7 +11,7 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_path::{BlendSearch, Path, Program};
+use iiwa_path::{BlendSearch, JointPath, Program};
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 use iiwasim_benches::{
     Result, machine, reference,
@@ -185,7 +185,7 @@ const HELD_AGAINST: &str = "copp topp3_socp, 100 intervals";
 impl Durations {
     fn find() -> Result<Self> {
         let program = Program::from_json(&reference::ten_motions()?)?;
-        let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+        let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
         let timing = Timing::Jerk(JerkOptions::default());
         let solve = |peer: &topp3::Peer| -> Result<_> {
             let samples = topp3::Samples::new(&path, peer.intervals)?;
@@ -317,7 +317,7 @@ fn print_found_crossings() -> Result<()> {
 fn print_accuracy() -> Result<()> {
     const FINE: usize = 20_000;
     let program = Program::from_json(&reference::ten_motions()?)?;
-    let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+    let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
     let ours = |samples: usize| -> Result<f64> {
         let timing = Timing::Acceleration(SweepOptions { samples });
         Ok(Trajectory::plan(&path, timing)?.motion_time_s())
@@ -344,7 +344,7 @@ fn print_accuracy() -> Result<()> {
 fn print_jerk_accuracy() -> Result<()> {
     const FINEST: f64 = 8.0;
     let program = Program::from_json(&reference::ten_motions()?)?;
-    let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+    let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
     let plan = |refinement: f64| -> Result<f64> {
         let timing = Timing::Jerk(JerkOptions { refinement, ..JerkOptions::default() });
         Ok(Trajectory::plan(&path, timing)?.motion_time_s())

@@ -13,7 +13,7 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_path::{Path, Program};
+use iiwa_path::{JointPath, Program};
 use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing};
 use iiwasim_benches::{
     Result,
@@ -127,12 +127,12 @@ fn measure(file: &FilePath, timing: Timing) -> Result<Report> {
     };
     let program = Program::from_json(&fs::read_to_string(file)?)?;
     let parse_ms = lap_ms();
-    let path = Path::new(&program, &robot)?;
+    let path = JointPath::new(&program, &robot)?;
     drop(program);
     let path_ms = lap_ms();
     let mut cycle_time_s = 0.0;
-    for stretch in Planner::new(&path, timing) {
-        cycle_time_s = stretch?.end_s();
+    for section in Planner::new(&path, timing) {
+        cycle_time_s = section?.end_s();
     }
     let plan_ms = lap_ms();
     let memory_mb = [idle_mb, machine::peak_memory_mb()?];

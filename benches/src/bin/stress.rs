@@ -7,7 +7,7 @@
 use std::{collections::BTreeMap, env, fmt, process::ExitCode, time::Instant};
 
 use iiwa_kin::Robot;
-use iiwa_path::{Path, Program};
+use iiwa_path::{JointPath, Program};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::{Result, machine};
 use iiwasim_tests::{differences::ratios, random::programs};
@@ -72,7 +72,7 @@ impl Tally {
     fn add(&mut self, index: u64, program: &Program) {
         self.motions += program.motions.len();
         let mut fail = |what: String| self.failures.entry(what).or_default().push(index);
-        let path = match Path::new(program, &Robot::default()) {
+        let path = match JointPath::new(program, &Robot::default()) {
             Ok(path) => path,
             Err(fault) => return fail(fault.to_string()),
         };

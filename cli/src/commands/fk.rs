@@ -25,7 +25,7 @@ pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
             degrees(robot.limits().position_rad[j])
         )));
     }
-    let pose = robot.tcp(&joints);
+    let pose = robot.flange_pose(&joints);
     if options.json {
         let answer =
             Answer { position_m: pose.position_m, rotation: pose.rotation, robot: robot.name() };

@@ -11,7 +11,7 @@ use std::{
 use bytesize::ByteSize;
 use iiwa_kin::Robot;
 use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
-use iiwa_path::{Path, PathOptions, Program};
+use iiwa_path::{JointPath, PathOptions, Program};
 use iiwa_scene::{ArmInScene, Scene};
 use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing, TimingError};
 use serde::Serialize;
@@ -76,7 +76,7 @@ fn write(
         blend_shape: options.blend_shape.into(),
         blend_search: options.blend_search.into(),
     };
-    let path = Path::with_options(&program, &robot, path_options).map_err(|fault| {
+    let path = JointPath::with_options(&program, &robot, path_options).map_err(|fault| {
         let place = fault.place_in(&text.text);
         Failure::in_text(&fault.to_string(), &place, &text.name, &text.text)
     })?;
@@ -108,27 +108,27 @@ fn write(
 
     let mut size = PlanSize::new(options.rate);
     let mut planner = Planner::new(&path, timing);
-    while let Some(stretch) = planner.next() {
+    while let Some(section) = planner.next() {
         output::check_interrupt()?;
-        let stretch = stretch.map_err(|error| match error {
+        let section = section.map_err(|error| match error {
             TimingError::CurvatureJumps { .. } => {
                 Failure::input(format!("{error} (--blend-shape iiwa, or --timing acceleration)"))
             }
             _ => Failure::run("cannot plan the program", &error),
         })?;
-        figures.add(&stretch);
+        figures.add(&section);
         if let Some(arm) = &arm {
-            figures.add_clearance(arm, &stretch);
+            figures.add_clearance(arm, &section);
         }
         if let (Some(writer), Some(output)) = (&mut writer, &output) {
-            size.add(&stretch);
+            size.add(&section);
             if size.bytes() > options.max_file_size.as_u64() {
                 return Err(too_large(options, size, planner));
             }
-            writer.stretch(&stretch).map_err(|error| output.failure(&error))?;
+            writer.section(&section).map_err(|error| output.failure(&error))?;
         }
         if let Some(picture) = &mut picture {
-            picture.add(&stretch);
+            picture.add(&section);
         }
         progress(planner.progress());
     }
@@ -153,7 +153,7 @@ fn write(
 /// A program whose file would be too large, with all that it would need; `planner` has the rest of it.
 fn too_large(options: &Plan, mut size: PlanSize, planner: Planner) -> Failure {
     let rest = planner.take_while(|_| !output::interrupted());
-    rest.flatten().for_each(|stretch| size.add(&stretch));
+    rest.flatten().for_each(|section| size.add(&section));
     Failure::input(format!(
         "the program takes {}: at {} Hz its file would have about {}, more than the {} of --max-file-size; \
          lower --rate, raise --max-file-size, or have the figures alone with --no-output",

@@ -7,7 +7,7 @@ use std::{
 
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, MAX_POINTS, TimedJoints, message::Run as Measured};
-use iiwa_path::{Path, Program};
+use iiwa_path::{JointPath, Program};
 use iiwa_traj::{Timing, Trajectory};
 use serde::Serialize;
 
@@ -97,7 +97,7 @@ fn target(options: &Run) -> Option<PathBuf> {
 }
 
 fn plan(text: &Text, program: &Program, robot: &Robot) -> Result<(Trajectory, Figures), Failure> {
-    let path = Path::new(program, robot).map_err(|fault| {
+    let path = JointPath::new(program, robot).map_err(|fault| {
         let place = fault.place_in(&text.text);
         Failure::in_text(&fault.to_string(), &place, &text.name, &text.text)
     })?;
@@ -105,7 +105,7 @@ fn plan(text: &Text, program: &Program, robot: &Robot) -> Result<(Trajectory, Fi
     let plan = Trajectory::plan(&path, timing)
         .map_err(|error| Failure::run("cannot plan the program", &error))?;
     let mut figures = Figures::new(timing, robot, 0);
-    plan.stretches().iter().for_each(|stretch| figures.add(stretch));
+    plan.sections().iter().for_each(|section| figures.add(section));
     Ok((plan, figures))
 }
 

@@ -2,7 +2,7 @@
 
 use iiwa_eval::identify::{BlendObservation, Identified};
 use iiwa_kin::Joints;
-use iiwa_path::{BlendShape, Continuity, Path, PathOptions, PolynomialBlend, Step};
+use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions, PolynomialBlend, Step};
 use plotters::prelude::SeriesLabelPosition;
 
 use crate::{
@@ -211,7 +211,7 @@ fn corners(bench: &Bench, run: &Run, found: &Identified) -> Result<Vec<Corner>, 
 
 impl Corner {
     /// The path that is calculated from the start over the corner to the target.
-    fn calculated(&self, path: &Path) -> Vec<Point> {
+    fn calculated(&self, path: &JointPath) -> Vec<Point> {
         let first = MOTIONS * self.index;
         let mut points = Vec::new();
         for step in path.steps() {
@@ -219,7 +219,7 @@ impl Corner {
             if !(first..first + 2).contains(motion) {
                 continue;
             }
-            let count = if segment.as_line().is_some() { 60 } else { 200 };
+            let count = if segment.is_straight() { 60 } else { 200 };
             let at = |i: i32| in_plane(&segment.at(f64::from(i) / f64::from(count)).q);
             points.extend((0..=count).map(at));
         }

@@ -6,7 +6,7 @@ use iiwa_eval::{
     identify::{Recording, identify},
 };
 use iiwa_kin::Robot;
-use iiwa_path::Path;
+use iiwa_path::JointPath;
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 use crate::{
@@ -68,7 +68,7 @@ pub(crate) fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, Fa
         .map(|(name, trial)| {
             let log = arm.run(&trial)?;
             let planned = |robot: &Robot, timing: Timing| {
-                let path = Path::new(&trial.program, robot)
+                let path = JointPath::new(&trial.program, robot)
                     .map_err(|fault| Failure::input(format!("{}: {fault}", trial.name)))?;
                 let plan = Trajectory::plan(&path, timing)
                     .map_err(|error| Failure::run(format!("cannot plan {}", trial.name), &error))?;

@@ -98,7 +98,7 @@ struct Blend {
 }
 
 /// Where the blends start and stop, and when the arm was there.
-fn blends(path: &iiwa_path::Path, log: &JointLog) -> Vec<Blend> {
+fn blends(path: &iiwa_path::JointPath, log: &JointLog) -> Vec<Blend> {
     let mut from = 0;
     let mut nearest = |to: &Joints| {
         let off = |q: &Joints| (0..7).map(|j| (q[j] - to[j]).powi(2)).sum::<f64>();
@@ -139,7 +139,7 @@ fn figure(
     program: &Program,
 ) -> Result<String, Failure> {
     let in_plane = |q: &Joints| {
-        let [x, _, z] = bench.model.tcp_position(q);
+        let [x, _, z] = bench.model.flange_position(q);
         (1e3 * x, 1e3 * z)
     };
     let trace: Vec<Point> = log.q_rad.iter().map(in_plane).collect();

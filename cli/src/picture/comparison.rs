@@ -18,7 +18,7 @@ pub(crate) fn draw(plan: &Plan, comparison: &Comparison) -> Result<String, Failu
     let mm = |m: [f64; 3]| m.map(|v| 1e3 * v);
     let planned: Vec<_> = (0..=POINTS)
         .map(|k| plan.at(plan.cycle_time_s() * f64::from(k) / f64::from(POINTS)))
-        .map(|q| mm(plan.robot().tcp_position(&q)))
+        .map(|q| mm(plan.robot().flange_position(&q)))
         .collect();
     let measured: Vec<_> = comparison.trace.iter().map(|point| mm(point.tcp_m)).collect();
     let space = Space::of(planned.iter().chain(&measured).copied());

@@ -1,7 +1,7 @@
 //! A picture of a plan: the path of the flange, and the joints' speeds over time.
 
 use iiwa_kin::Robot;
-use iiwa_traj::{PieceKind, Stretch};
+use iiwa_traj::{PieceKind, Section};
 use plotters::prelude::{
     ChartBuilder, Circle, Color, LineSeries, PathElement, Rectangle, SeriesLabelPosition, WHITE,
 };
@@ -51,14 +51,14 @@ impl Picture {
         }
     }
 
-    /// Takes in a stretch.
-    pub(crate) fn add(&mut self, stretch: &Stretch) {
-        while self.next_s <= stretch.end_s() {
-            let state = stretch.at(self.next_s);
+    /// Takes in a section.
+    pub(crate) fn add(&mut self, section: &Section) {
+        while self.next_s <= section.end_s() {
+            let state = section.at(self.next_s);
             let limits = &self.robot.limits().velocity_rad_s;
             self.samples.push(Sample {
                 t_s: state.t_s,
-                tcp_mm: self.robot.tcp_position(&state.q).map(|v| 1e3 * v),
+                tcp_mm: self.robot.flange_position(&state.q).map(|v| 1e3 * v),
                 speed: std::array::from_fn(|j| state.dq[j] / limits[j]),
             });
             self.next_s += self.step_s;
@@ -68,8 +68,8 @@ impl Picture {
                 self.step_s *= 2.0;
             }
         }
-        let tcp = |t_s| self.robot.tcp_position(&stretch.at(t_s).q).map(|v| 1e3 * v);
-        for piece in stretch.pieces().iter().filter(|piece| piece.kind == PieceKind::Blend) {
+        let tcp = |t_s| self.robot.flange_position(&section.at(t_s).q).map(|v| 1e3 * v);
+        for piece in section.pieces().iter().filter(|piece| piece.kind == PieceKind::Blend) {
             let (start_s, end_s) = (piece.start_s, piece.end_s);
             self.blends.push(Blend { start_s, end_s, ends_mm: [tcp(start_s), tcp(end_s)] });
         }

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use iiwa_kin::Robot;
 use iiwa_log::{PlanConfig, PlanSize, PlanWriter, WriteError};
-use iiwa_path::{Path, Program};
+use iiwa_path::{JointPath, Program};
 use iiwa_traj::{Planner, Timing};
 
 use crate::{
@@ -26,7 +26,8 @@ pub(crate) fn plan(recording: &Source, robot: &Robot) -> Option<Result<Source, F
 
 fn made(text: &str, robot: &Robot) -> Result<Source, Failure> {
     let program = Program::from_json(text).map_err(|error| Failure::input(error.what()))?;
-    let path = Path::new(&program, robot).map_err(|fault| Failure::input(fault.to_string()))?;
+    let path =
+        JointPath::new(&program, robot).map_err(|fault| Failure::input(fault.to_string()))?;
     let refuse = |error: WriteError| Failure::run("cannot hold the plan of its program", &error);
     let timing = Timing::default();
     let mut figures = Figures::new(timing, robot, 0);
@@ -34,16 +35,16 @@ fn made(text: &str, robot: &Robot) -> Result<Source, Failure> {
     let config = PlanConfig::default();
     let mut size = PlanSize::new(config.rate_hz);
     let mut writer = PlanWriter::new(storage, robot, config).map_err(refuse)?;
-    for stretch in Planner::new(&path, timing) {
+    for section in Planner::new(&path, timing) {
         output::check_interrupt()?;
-        let stretch = stretch.map_err(|error| Failure::input(chain(&error)))?;
-        size.add(&stretch);
+        let section = section.map_err(|error| Failure::input(chain(&error)))?;
+        size.add(&section);
         if size.bytes() > MOST_BYTES {
             let long = lasting(size.duration_s());
             return Err(Failure::input(format!("it takes {long} or more, too long to be drawn")));
         }
-        figures.add(&stretch);
-        writer.stretch(&stretch).map_err(refuse)?;
+        figures.add(&section);
+        writer.section(&section).map_err(refuse)?;
     }
     let attached = ("program.json", "application/json", text.as_bytes());
     let storage = writer.finish(&figures.metadata(), &[attached]).map_err(refuse)?;

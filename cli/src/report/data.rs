@@ -338,7 +338,7 @@ fn corners(pieces: &[Piece], motions: &[Motion], robot: &Robot) -> Vec<Corner> {
         // A blend belongs to the motion that it leads into.
         blended.contains(&(index + 2)).then(|| Corner {
             motion: index + 1,
-            target_m: robot.tcp_position(&ptp.target_rad),
+            target_m: robot.flange_position(&ptp.target_rad),
             radius_m,
         })
     };

@@ -3,7 +3,7 @@
 use std::{fs, path::PathBuf};
 
 use iiwa_log::{PlanConfig, PlanSize, PlanWriter, WriteError};
-use iiwa_path::{Path as RobotPath, Program};
+use iiwa_path::{JointPath as RobotPath, Program};
 use iiwa_traj::{Timing, Trajectory};
 use serde::Serialize;
 
@@ -123,7 +123,7 @@ const SAMPLES: u64 = 100_000;
 fn check_size(plan: &Trajectory) -> Result<(), String> {
     let rate_hz = PlanConfig::default().rate_hz;
     let mut size = PlanSize::new(rate_hz);
-    plan.stretches().iter().for_each(|stretch| size.add(stretch));
+    plan.sections().iter().for_each(|section| size.add(section));
     if size.samples() <= SAMPLES {
         return Ok(());
     }
@@ -147,9 +147,9 @@ fn write_mcap(
     let mut figures = Figures::new(timing, &setup.robot, 0);
     let mut writer =
         PlanWriter::new(file.stream()?, &setup.robot, PlanConfig::default()).map_err(refuse)?;
-    for stretch in plan.stretches() {
-        figures.add(stretch);
-        writer.stretch(stretch).map_err(refuse)?;
+    for section in plan.sections() {
+        figures.add(section);
+        writer.section(section).map_err(refuse)?;
     }
     let program = ("program.json", "application/json", program.as_bytes());
     let stream = writer.finish(&figures.metadata(), &[program]).map_err(refuse)?;

@@ -9,7 +9,7 @@ use std::{
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{Client, Remote, Stream};
-use iiwa_path::{Path as RobotPath, Program};
+use iiwa_path::{JointPath as RobotPath, Program};
 use iiwa_scene::{ArmInScene, Clearance};
 use iiwa_traj::{Timing, Trajectory};
 use serde::Serialize;

@@ -107,7 +107,7 @@ impl<M: Motion> Playback<M> {
 #[cfg(test)]
 mod tests {
     use iiwa_kin::Robot;
-    use iiwa_path::{Blend, Motion as Entry, Path, Program, Ptp};
+    use iiwa_path::{Blend, JointPath, Motion as Entry, Program, Ptp};
     use iiwa_traj::{Timing, Trajectory};
 
     use super::*;
@@ -123,7 +123,7 @@ mod tests {
         motions[2].blend = None;
         let motions = motions.into_iter().map(Entry::Ptp).collect();
         let program = Program { robot: None, start_rad: [0.0; 7], motions };
-        let path = Path::new(&program, &Robot::default()).unwrap();
+        let path = JointPath::new(&program, &Robot::default()).unwrap();
         Trajectory::plan(&path, Timing::default()).unwrap()
     }
 

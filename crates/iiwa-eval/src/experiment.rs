@@ -236,7 +236,7 @@ fn random_target(
         let above = |i: u32| {
             let share = f64::from(i) / 16.0;
             let q: Joints = std::array::from_fn(|j| from[j] + share * way[j]);
-            robot.tcp_position(&q)[2] > CLEARANCE_M
+            robot.flange_position(&q)[2] > CLEARANCE_M
         };
         if (0..7).all(|j| to[j].abs() <= RANGE_SHARE * range[j]) && (1..=16).all(above) {
             return to;
@@ -264,7 +264,7 @@ fn program(start_rad: Joints, motions: impl IntoIterator<Item = Ptp>) -> Program
 
 #[cfg(test)]
 mod tests {
-    use iiwa_path::Path;
+    use iiwa_path::JointPath;
 
     use super::*;
 
@@ -277,7 +277,7 @@ mod tests {
             trials.extend(sweep.cases().iter().map(|case| case.trial(&robot, 1)));
         }
         for Trial { name, program } in trials {
-            Path::new(&program, &robot).unwrap_or_else(|fault| panic!("{name}: {fault}"));
+            JointPath::new(&program, &robot).unwrap_or_else(|fault| panic!("{name}: {fault}"));
         }
     }
 

@@ -21,7 +21,7 @@ use std::f64::consts::SQRT_2;
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
-use iiwa_path::{BlendSearch, Fault, Motion, Path, Program, Step};
+use iiwa_path::{BlendSearch, Fault, JointPath, Motion, Program, Step};
 
 use crate::{
     estimate::{Estimate, Linear, Row},
@@ -270,7 +270,7 @@ const FEWEST: usize = 20;
 pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identified, IdentifyError> {
     let mut found = Findings::default();
     for (recording, Recording { program, log }) in recordings.iter().enumerate() {
-        let path = Path::new(program, model)
+        let path = JointPath::new(program, model)
             .map_err(|fault| IdentifyError::Program { recording, fault })?;
         let Some(mut followed) = stops::follow(&path, log, 0) else {
             let from_start = log.q_rad.iter().map(|q| distance(q, path.start_rad()));
@@ -365,7 +365,7 @@ fn fit_kappa(blends: &[BlendObservation], model: &Robot) -> Option<Kappa> {
 struct Observer<'a> {
     recording: usize,
     program: &'a Program,
-    path: &'a Path,
+    path: &'a JointPath,
     log: &'a JointLog,
     found: &'a mut Findings,
 }
@@ -462,7 +462,7 @@ impl Observer<'_> {
             let reach_rad = distance(&target, &start);
             // The lines on either side show where the blend begins and ends; the next blend is not to.
             let free = |line: Option<&Step>| match line {
-                Some(Step::Move { segment, blend: None, .. }) => segment.end_tangent_rad(),
+                Some(Step::Move { segment, blend: None, .. }) => segment.tangent_lengths_rad()[0],
                 _ => 0.0,
             };
             let margin = |line| reach_rad + free(line).min(0.5 * reach_rad);

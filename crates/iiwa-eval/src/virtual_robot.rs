@@ -3,7 +3,7 @@
 use fastrand_contrib::RngExt;
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
-use iiwa_path::{Fault, Path, Program};
+use iiwa_path::{Fault, JointPath, Program};
 use iiwa_traj::{Timing, TimingError, Trajectory};
 
 /// A robot whose limits, kappa and time to settle may differ from the model's.
@@ -60,7 +60,7 @@ impl VirtualRobot {
     ///
     /// If the program asks for something that the robot cannot do.
     pub fn run(&mut self, program: &Program) -> Result<JointLog, VirtualRobotError> {
-        let path = Path::new(program, &self.robot)?;
+        let path = JointPath::new(program, &self.robot)?;
         let trajectory = Trajectory::plan(&path, Timing::default())?;
         // It does not begin just at a sample.
         let begin_s = self.standing_s + self.random.f64() * self.period_s;

@@ -6,7 +6,7 @@ use fastrand::Rng;
 use iiwa_eval::{CompareError, Comparison, Plan, compare};
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
-use iiwa_path::{Path, Program};
+use iiwa_path::{JointPath, Program};
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 
 const FIXTURES: [&str; 3] = [
@@ -29,7 +29,7 @@ fn acceleration() -> Timing {
 
 fn trajectory(program: &str, timing: Timing) -> Trajectory {
     let program = Program::from_json(program).unwrap();
-    let path = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
+    let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
     Trajectory::plan(&path, timing).unwrap()
 }
 
@@ -46,7 +46,7 @@ struct Tape {
     /// Share of the samples that are lost.
     dropped: f64,
     /// Slower by this factor.
-    stretch: f64,
+    section: f64,
     /// The start of the program between two samples, as a share of the time between them.
     phase: f64,
     /// Added to all positions.
@@ -62,7 +62,7 @@ impl Default for Tape {
             after_s: 0.0,
             noise_rad: 0.0,
             dropped: 0.0,
-            stretch: 1.0,
+            section: 1.0,
             phase: 0.0,
             shift_rad: [0.0; 7],
         }
@@ -72,14 +72,14 @@ impl Default for Tape {
 impl Tape {
     fn record(&self, trajectory: &Trajectory, rng: &mut Rng) -> JointLog {
         let (mut t_s, mut q_rad) = (Vec::new(), Vec::new());
-        let end_s = self.before_s + self.stretch * trajectory.cycle_time_s() + self.after_s;
+        let end_s = self.before_s + self.section * trajectory.cycle_time_s() + self.after_s;
         let mut normal = || (0..12).map(|_| rng.f64()).sum::<f64>() - 6.0;
         for k in 0.. {
             let t = (f64::from(k) + self.phase) / self.rate_hz;
             if t > end_s + 1e-9 {
                 break;
             }
-            let q = trajectory.at((t - self.before_s) / self.stretch).q;
+            let q = trajectory.at((t - self.before_s) / self.section).q;
             t_s.push(self.clock_s + t);
             q_rad.push(std::array::from_fn(|j| {
                 q[j] + self.shift_rad[j] + self.noise_rad * normal()
@@ -127,7 +127,7 @@ fn a_stretched_and_shifted_line_is_off_as_computed_by_hand() {
     let mut shift_rad = [0.0; 7];
     shift_rad[1] = 0.004;
     let tape = Tape {
-        stretch: 1.02,
+        section: 1.02,
         shift_rad,
         before_s: 1.0,
         after_s: 1.0,
@@ -148,7 +148,7 @@ fn a_stretched_and_shifted_line_is_off_as_computed_by_hand() {
     // plane: there, the flange is at (r, z) and moves with joint 2 about the shoulder.
     let robot = Robot::lbr_iiwa_7_r800();
     let at = |j2: f64| {
-        let p = robot.tcp_position(&[
+        let p = robot.flange_position(&[
             0.0,
             j2,
             0.0,
@@ -176,7 +176,7 @@ fn times_are_found_in_noise() {
         Tape { rate_hz: 100.0, ..still },
         Tape { before_s: 0.0, after_s: 0.0, phase: 0.0, ..still },
         Tape { dropped: 0.1, ..still },
-        Tape { before_s: 40.0, after_s: 9.0, stretch: 1.01, ..still },
+        Tape { before_s: 40.0, after_s: 9.0, section: 1.01, ..still },
     ];
     for tape in tapes {
         for text in FIXTURES.iter().chain([&LINE]) {
@@ -187,7 +187,7 @@ fn times_are_found_in_noise() {
                 let real = trajectory(text, measured);
                 let log = tape.record(&real, &mut Rng::with_seed(11));
                 let c = compare(&plan, &log).unwrap();
-                let expected_s = tape.stretch * (real.cycle_time_s() - c.cycle_time.standing_s)
+                let expected_s = tape.section * (real.cycle_time_s() - c.cycle_time.standing_s)
                     + c.cycle_time.standing_s;
                 let miss_s = (c.cycle_time.real_s - expected_s).abs();
                 assert!(miss_s < 1e-3, "{} Hz: {miss_s:.1e} s", tape.rate_hz);
@@ -202,7 +202,7 @@ fn times_are_found_in_noise() {
 #[test]
 fn waits_and_stops_have_their_times() {
     let real = trajectory(FIXTURES[2], jerk());
-    let c = compared(&real, Tape { before_s: 0.5, stretch: 1.1, ..Tape::default() });
+    let c = compared(&real, Tape { before_s: 0.5, section: 1.1, ..Tape::default() });
     let wait = &c.motions[2];
     assert!(wait.waits && wait.motion == 3);
     // The stand of 0.05 s to settle and 0.5 s to wait, all stretched; what is not settling waits.

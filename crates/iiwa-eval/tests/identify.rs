@@ -10,7 +10,7 @@ use iiwa_eval::{
 };
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
-use iiwa_path::{Continuity, Motion, Path, PolynomialBlend, Program, Ptp, Step};
+use iiwa_path::{Continuity, JointPath, Motion, PolynomialBlend, Program, Ptp, Step};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 /// A robot whose limits are up to 25 % below and 30 % above the model's, and whose kappa is up to 1.5 away
@@ -217,7 +217,7 @@ fn fifty_unseen_programs() {
             let case = CycleTime { path, velocity_rel, blend, length_deg };
             let program = case.trial(&Robot::default(), 100 + seed).program;
             let [predicted, happened] =
-                [&found, &truth].map(|robot| Path::new(&program, robot).unwrap());
+                [&found, &truth].map(|robot| JointPath::new(&program, robot).unwrap());
             for (predicted, happened) in predicted.steps().iter().zip(happened.steps()) {
                 let (Step::Move { segment: a, .. }, Step::Move { segment: b, .. }) =
                     (predicted, happened)
@@ -226,7 +226,7 @@ fn fifty_unseen_programs() {
                 };
                 for i in 0..=50 {
                     let s = f64::from(i) / 50.0;
-                    let [a, b] = [a, b].map(|segment| truth.tcp_position(&segment.at(s).q));
+                    let [a, b] = [a, b].map(|segment| truth.flange_position(&segment.at(s).q));
                     let off = (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2]);
                     worst_path = worst_path.max(off);
                 }
@@ -292,7 +292,7 @@ fn nothing_is_identified_that_is_not_shown() {
 #[test]
 fn jerk_that_does_not_show() {
     let swing = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
-    let path = Path::new(&swing, &Robot::default()).unwrap();
+    let path = JointPath::new(&swing, &Robot::default()).unwrap();
     let plan = Trajectory::plan(&path, Timing::Acceleration(SweepOptions::default())).unwrap();
     let t_s: Vec<f64> = (0..1500).map(|i| f64::from(i) * 1e-3).collect();
     let q_rad = t_s.iter().map(|t_s| plan.at(t_s - 0.2).q).collect();

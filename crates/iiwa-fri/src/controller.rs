@@ -545,7 +545,7 @@ mod tests {
     }
 
     #[test]
-    fn the_quality_says_nothing_before_the_first_stretch() {
+    fn the_quality_says_nothing_before_the_first_section() {
         let mut controller = Controller::default();
         run(&mut controller, 51, |_| true);
         assert_eq!((controller.state(), controller.quality()), (MonitoringWait, Quality::Poor));

@@ -18,12 +18,12 @@ const LANES: usize = 8;
 
 impl Robot {
     /// Poses of the TCP for each of `joints_rad`, written to `poses`; the same numbers as
-    /// [`Robot::tcp`], bit for bit, at a fraction of its time. Uses AVX2 where the machine has it.
+    /// [`Robot::flange_pose`], bit for bit, at a fraction of its time. Uses AVX2 where the machine has it.
     ///
     /// # Panics
     ///
     /// If the two slices differ in length.
-    pub fn tcp_batch(&self, joints_rad: &[Joints], poses: &mut [Pose]) {
+    pub fn flange_pose_batch(&self, joints_rad: &[Joints], poses: &mut [Pose]) {
         assert_eq!(joints_rad.len(), poses.len(), "one pose for each set of joints");
         pulp::Arch::new().dispatch(Batch { d: self.offsets(), joints: joints_rad, poses });
     }

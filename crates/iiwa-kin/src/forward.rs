@@ -115,13 +115,13 @@ impl Robot {
     /// Pose of the TCP in the base frame, at `joints_rad` (Larsen 2019, Eq. 9). There is no tool: the
     /// TCP is the flange's face.
     #[must_use]
-    pub fn tcp(&self, joints_rad: &Joints) -> Pose {
+    pub fn flange_pose(&self, joints_rad: &Joints) -> Pose {
         tcp(&self.offsets(), joints_rad)
     }
 
     /// Position of the TCP in the base frame, in m. Joint 7 has no part in it.
     #[must_use]
-    pub fn tcp_position(&self, joints_rad: &Joints) -> [f64; 3] {
+    pub fn flange_position(&self, joints_rad: &Joints) -> [f64; 3] {
         let (s, c) = sin_cos_of_joints(joints_rad);
         let d = self.offsets();
         let mut p = [0.0, 0.0, d[3]];
@@ -137,7 +137,7 @@ impl Robot {
     /// Position (m) and velocity (m per unit of `rate`) of the TCP when the joints change at
     /// `rate`, in rad per unit of whatever it is counted in (seconds, or the path parameter s).
     #[must_use]
-    pub fn tcp_motion(&self, joints_rad: &Joints, rate: &Joints) -> ([f64; 3], [f64; 3]) {
+    pub fn flange_motion(&self, joints_rad: &Joints, rate: &Joints) -> ([f64; 3], [f64; 3]) {
         let (s, c) = sin_cos_of_joints(joints_rad);
         let d = self.offsets();
         let mut p = [0.0, 0.0, d[3]];

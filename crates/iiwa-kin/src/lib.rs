@@ -5,7 +5,7 @@
 //! use iiwa_kin::Robot;
 //!
 //! let robot = Robot::lbr_iiwa_7_r800();
-//! let stretched_out = robot.tcp(&[0.0; 7]);
+//! let stretched_out = robot.flange_pose(&[0.0; 7]);
 //! assert!((stretched_out.position_m[2] - 1.292).abs() < 1e-12);
 //! ```
 //!

@@ -39,7 +39,7 @@ pub struct Assumption {
 /// use iiwa_kin::Robot;
 ///
 /// let robot = Robot::lbr_iiwa_7_r800();
-/// let tcp = robot.tcp(&[0.0, 0.5, 0.0, -1.0, 0.0, 0.7, 0.0]);
+/// let tcp = robot.flange_pose(&[0.0, 0.5, 0.0, -1.0, 0.0, 0.7, 0.0]);
 /// assert!((tcp.position_m[0] - 0.713_659_663).abs() < 1e-9);
 /// ```
 #[derive(Clone, Debug, PartialEq)]

@@ -19,10 +19,10 @@ fn product(robot: &Robot, q: &Joints) -> Matrix4<f64> {
 #[test]
 fn published_poses() {
     let robot = Robot::lbr_iiwa_7_r800();
-    let up = robot.tcp(&[0.0; 7]);
+    let up = robot.flange_pose(&[0.0; 7]);
     assert!((Vector3::from(up.position_m) - Vector3::new(0.0, 0.0, 1.292)).norm() < 1e-9);
     assert!((up.rotation_matrix() - nalgebra::Matrix3::identity()).norm() < 1e-9);
-    let bent = robot.tcp(&[0.0, 0.5, 0.0, -1.0, 0.0, 0.7, 0.0]);
+    let bent = robot.flange_pose(&[0.0, 0.5, 0.0, -1.0, 0.0, 0.7, 0.0]);
     let expected = Vector3::new(0.713_659_663, 0.0, 0.629_875_736);
     assert!((Vector3::from(bent.position_m) - expected).norm() < 1e-9);
 }
@@ -32,14 +32,14 @@ proptest! {
     fn equals_the_product_of_the_table(q in any_joints(), big in any::<bool>()) {
         let robot = if big { Robot::lbr_iiwa_14_r820() } else { Robot::lbr_iiwa_7_r800() };
         let expected = product(&robot, &q);
-        let tcp = robot.tcp(&q);
+        let tcp = robot.flange_pose(&q);
         for i in 0..3 {
             prop_assert!((tcp.position_m[i] - expected[(i, 3)]).abs() < 1e-14);
             for k in 0..3 {
                 prop_assert!((tcp.rotation[i][k] - expected[(i, k)]).abs() < 1e-14);
             }
         }
-        let position = robot.tcp_position(&q);
+        let position = robot.flange_position(&q);
         prop_assert!((Vector3::from(position) - Vector3::from(tcp.position_m)).norm() < 1e-14);
         let flange = robot.link_poses(&q)[8];
         prop_assert!((flange.to_isometry().inverse() * tcp.to_isometry()).rotation.angle() < 1e-7);
@@ -49,8 +49,8 @@ proptest! {
     #[test]
     fn velocity_is_the_jacobian_times_the_rate(q in any_joints(), rate in any_joints()) {
         let robot = Robot::default();
-        let (p, v) = robot.tcp_motion(&q, &rate);
-        prop_assert_eq!(p, robot.tcp_position(&q));
+        let (p, v) = robot.flange_motion(&q, &rate);
+        prop_assert_eq!(p, robot.flange_position(&q));
         let twist = robot.jacobian(&q) * nalgebra::SVector::from(rate);
         prop_assert!((twist.fixed_rows::<3>(0) - Vector3::from(v)).norm() < 1e-13);
     }
@@ -62,7 +62,7 @@ proptest! {
         let at = |step: f64| {
             let mut moved = q;
             moved[j] += step;
-            robot.tcp(&moved).to_isometry()
+            robot.flange_pose(&moved).to_isometry()
         };
         let (before, after) = (at(-h), at(h));
         let linear = (after.translation.vector - before.translation.vector) / (2.0 * h);
@@ -85,12 +85,12 @@ proptest! {
         }
         let robot = Robot::default();
         let mut poses = vec![Pose::IDENTITY; all.len()];
-        robot.tcp_batch(&all, &mut poses);
+        robot.flange_pose_batch(&all, &mut poses);
         for (q, pose) in all.iter().zip(&poses) {
             let bits = |pose: &Pose| {
                 (pose.position_m.map(f64::to_bits), pose.rotation.map(|row| row.map(f64::to_bits)))
             };
-            prop_assert_eq!(bits(pose), bits(&robot.tcp(q)));
+            prop_assert_eq!(bits(pose), bits(&robot.flange_pose(q)));
         }
     }
 }

@@ -50,7 +50,7 @@ fn k_finds_the_same_poses() {
             chain.set_joint_positions(&q).unwrap();
             chain.update_transforms();
             let links = robot.link_poses(&q);
-            assert_eq!(links[8], robot.tcp(&q));
+            assert_eq!(links[8], robot.flange_pose(&q));
             for (link, expected) in links.iter().enumerate() {
                 let found = chain.find_link(&link_name(link)).unwrap().world_transform().unwrap();
                 let rotation = found.rotation.to_rotation_matrix();

@@ -15,7 +15,7 @@ use iiwa_link::{
     MAX_POINTS, START_TOLERANCE_RAD, TimedJoints,
     message::{Code, Refusal, Request},
 };
-use iiwa_path::{Blend, Motion, Path, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 use proptest::prelude::*;
 
@@ -57,12 +57,12 @@ fn programs() -> impl Strategy<Value = Program> {
             Program { robot: None, start_rad, motions }
         })
         .prop_filter("a blend swings out of the limits", |program| {
-            Path::new(program, &Robot::default()).is_ok()
+            JointPath::new(program, &Robot::default()).is_ok()
         })
 }
 
 fn planned(program: &Program) -> Trajectory {
-    let path = Path::new(program, &Robot::default()).unwrap();
+    let path = JointPath::new(program, &Robot::default()).unwrap();
     Trajectory::plan(&path, Timing::default()).unwrap()
 }
 

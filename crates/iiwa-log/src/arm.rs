@@ -66,7 +66,7 @@ impl Arm {
     /// The flange's frame in that of the base, for `/tcp_pose`.
     #[must_use]
     pub fn flange(&self, joints_rad: &Joints) -> Frame<'static> {
-        let tcp = self.robot.tcp(joints_rad);
+        let tcp = self.robot.flange_pose(joints_rad);
         Frame {
             parent: LINK_NAMES[0],
             child: LINK_NAMES[8],

@@ -46,7 +46,7 @@ const HEAD_BYTES: usize = 64 * 1024;
 ///
 /// A value that is missing or is no number, two samples of one time with different values, time
 /// that runs backwards, positions or speeds that no LBR iiwa has: an error, with the line. A file
-/// that breaks off, a stretch without samples, a sample that is there twice: a [`Loss`]. Nothing is
+/// that breaks off, a section without samples, a sample that is there twice: a [`Loss`]. Nothing is
 /// made up in its place.
 ///
 /// ```

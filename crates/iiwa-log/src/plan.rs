@@ -1,4 +1,4 @@
-//! Writing a planned trajectory, stretch by stretch.
+//! Writing a planned trajectory, section by section.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -6,7 +6,7 @@ use std::io::{Seek, Write};
 use std::time::Duration;
 
 use iiwa_kin::Robot;
-use iiwa_traj::{State, Stretch};
+use iiwa_traj::{Section, State};
 
 use crate::arm::Arm;
 use crate::{Config, Motion, TrajectoryMessage, TrajectoryPoint, WriteError, Writer};
@@ -69,13 +69,13 @@ impl<W: Write + Seek> PlanWriter<W> {
         })
     }
 
-    /// Writes a stretch; they come in order.
+    /// Writes a section; they come in order.
     ///
     /// # Errors
     ///
     /// Any [`WriteError`].
-    pub fn stretch(&mut self, stretch: &Stretch) -> Result<(), WriteError> {
-        let mut pieces = stretch
+    pub fn section(&mut self, section: &Section) -> Result<(), WriteError> {
+        let mut pieces = section
             .pieces()
             .iter()
             .filter(|piece| duration(piece.end_s) > duration(piece.start_s))
@@ -84,7 +84,7 @@ impl<W: Write + Seek> PlanWriter<W> {
             // Pieces and samples in the order of time: viewers read such files fastest.
             let t_s = self.ticks as f64 / self.rate_hz;
             if let Some(piece) =
-                pieces.next_if(|piece| piece.start_s <= t_s || t_s >= stretch.end_s())
+                pieces.next_if(|piece| piece.start_s <= t_s || t_s >= section.end_s())
             {
                 let motion = Motion {
                     index: u32::try_from(piece.motion + 1).unwrap_or(u32::MAX),
@@ -93,17 +93,17 @@ impl<W: Write + Seek> PlanWriter<W> {
                     limiting_kind: Cow::Borrowed(piece.limited_by.map_or("", |l| l.kind.name())),
                 };
                 self.writer.motion(duration(piece.start_s), &motion)?;
-            } else if t_s < stretch.end_s() {
-                self.sample(&stretch.at(t_s))?;
+            } else if t_s < section.end_s() {
+                self.sample(&section.at(t_s))?;
                 self.ticks += 1;
             } else {
                 break;
             }
         }
-        for state in stretch.states() {
+        for state in section.states() {
             self.node(&state)?;
         }
-        self.last = Some(stretch.at(stretch.end_s()));
+        self.last = Some(section.at(section.end_s()));
         Ok(())
     }
 

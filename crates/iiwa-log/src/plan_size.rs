@@ -2,7 +2,7 @@
 
 use std::iter::zip;
 
-use iiwa_traj::Stretch;
+use iiwa_traj::Section;
 
 /// An estimate of the file that [`PlanWriter`](crate::PlanWriter) makes of a trajectory, from its duration
 /// and its nodes: nothing is sampled for it, however long the trajectory takes.
@@ -38,16 +38,16 @@ const ONCE: f64 = 28_000.0;
 const NO_MOTION_RAD: f64 = 1e-9;
 
 impl PlanSize {
-    /// Of a file without any stretch yet, with `rate_hz` joint states a second.
+    /// Of a file without any section yet, with `rate_hz` joint states a second.
     #[must_use]
     pub fn new(rate_hz: f64) -> Self {
         Self { rate_hz, moving_s: 0.0, turning_s: 0.0, resting_s: 0.0, turning_nodes: 0.0 }
     }
 
-    /// Takes in the next stretch of the trajectory.
-    pub fn add(&mut self, stretch: &Stretch) {
-        for piece in stretch.pieces() {
-            let Some(segment) = stretch.segment(piece) else {
+    /// Takes in the next section of the trajectory.
+    pub fn add(&mut self, section: &Section) {
+        for piece in section.pieces() {
+            let Some(segment) = section.segment(piece) else {
                 self.resting_s += piece.duration_s;
                 continue;
             };
@@ -56,7 +56,7 @@ impl PlanSize {
             let turning = zip(from, to).filter(turns).count() as f64;
             self.moving_s += piece.duration_s;
             self.turning_s += turning * piece.duration_s;
-            self.turning_nodes += turning * stretch.nodes(piece).len() as f64;
+            self.turning_nodes += turning * section.nodes(piece).len() as f64;
         }
     }
 

@@ -6,17 +6,17 @@ use std::{collections::BTreeMap, fs, io::Cursor, path::Path as FilePath};
 
 use iiwa_kin::Robot;
 use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
-use iiwa_path::{Blend, Motion, Path, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 
 fn planned(program: &Program) -> Trajectory {
-    let path = Path::new(program, &Robot::default()).unwrap();
+    let path = JointPath::new(program, &Robot::default()).unwrap();
     Trajectory::plan(&path, Timing::default()).unwrap()
 }
 
 fn size(plan: &Trajectory, rate_hz: f64) -> PlanSize {
     let mut size = PlanSize::new(rate_hz);
-    plan.stretches().iter().for_each(|stretch| size.add(stretch));
+    plan.sections().iter().for_each(|section| size.add(section));
     size
 }
 
@@ -25,8 +25,8 @@ fn written(plan: &Trajectory, rate_hz: f64) -> usize {
     let config = PlanConfig { rate_hz, ..PlanConfig::default() };
     let storage = Cursor::new(Vec::new());
     let mut writer = PlanWriter::new(storage, plan.path().robot(), config).unwrap();
-    for stretch in plan.stretches() {
-        writer.stretch(stretch).unwrap();
+    for section in plan.sections() {
+        writer.section(section).unwrap();
     }
     writer.finish(&BTreeMap::new(), &[]).unwrap().into_inner().len()
 }

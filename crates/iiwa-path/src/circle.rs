@@ -2,7 +2,10 @@
 
 use iiwa_kin::Joints;
 
-use crate::{segment::Derivatives, vector};
+use crate::{
+    segment::{Derivatives, Segment},
+    vector,
+};
 
 /// An arc that touches both neighbours of a blend.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,15 +43,10 @@ impl CircularBlend {
     pub fn length_rad(&self) -> f64 {
         self.length
     }
+}
 
-    /// For each joint, a bound of `|d2q/ds2|`, in rad.
-    pub(crate) fn bend_bound_rad(&self) -> Joints {
-        std::array::from_fn(|j| self.gamma * self.gamma * self.x[j].hypot(self.y[j]))
-    }
-
-    /// Position and derivatives at `s` in [0, 1].
-    #[must_use]
-    pub fn at(&self, s: f64) -> Derivatives {
+impl Segment for CircularBlend {
+    fn at(&self, s: f64) -> Derivatives {
         let (sin, cos) = (s * self.gamma).sin_cos();
         let g = self.gamma;
         let mix = |a: f64, b: f64| vector::add_scaled(&vector::scale(a, &self.x), b, &self.y);
@@ -58,5 +56,17 @@ impl CircularBlend {
             ddq: mix(-g * g * cos, -g * g * sin),
             dddq: mix(g * g * g * sin, -g * g * g * cos),
         }
+    }
+
+    fn bend_bound_rad(&self) -> Joints {
+        std::array::from_fn(|j| self.gamma * self.gamma * self.x[j].hypot(self.y[j]))
+    }
+
+    fn tangent_lengths_rad(&self) -> [f64; 2] {
+        [self.length; 2]
+    }
+
+    fn has_continuous_curvature(&self) -> bool {
+        false
     }
 }

@@ -42,7 +42,7 @@ impl BlendSearch {
             robot,
             point: point_rad,
             way: vector::sub(other_end_rad, point_rad),
-            centre: robot.tcp_position(point_rad),
+            centre: robot.flange_position(point_rad),
         };
         match self {
             Self::FirstCrossing => walk.first_crossing(radius_m),
@@ -61,14 +61,14 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     fn distance(&self, u: f64) -> f64 {
-        let p = self.robot.tcp_position(&vector::add_scaled(self.point, u, &self.way));
+        let p = self.robot.flange_position(&vector::add_scaled(self.point, u, &self.way));
         (0..3).map(|i| (p[i] - self.centre[i]).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Squared distance from the sphere's centre, and half its derivative by u.
     fn squared_distance(&self, u: f64) -> (f64, f64) {
         let q = vector::add_scaled(self.point, u, &self.way);
-        let (p, v) = self.robot.tcp_motion(&q, &self.way);
+        let (p, v) = self.robot.flange_motion(&q, &self.way);
         (0..3).fold((0.0, 0.0), |(square, rate), i| {
             let d = p[i] - self.centre[i];
             (square + d * d, rate + d * v[i])

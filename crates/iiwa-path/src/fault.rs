@@ -4,7 +4,7 @@ use std::fmt;
 
 use iiwa_json::{Place, Step, locate};
 
-use crate::program::Blend;
+use crate::blend::Blend;
 
 /// Something in a motion program that cannot be planned. Motions count from 0 here and from 1 in
 /// the message.

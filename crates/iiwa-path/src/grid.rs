@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use crate::polynomial::{Basis, Continuity};
+use crate::continuity::{Basis, Continuity};
 
 /// A uniform grid of N intervals over s in [0, 1].
 #[derive(Debug)]

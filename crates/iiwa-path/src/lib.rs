@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use iiwa_kin::Robot;
-//! use iiwa_path::{Path, Program};
+//! use iiwa_path::{JointPath, Program};
 //!
 //! let program = Program::from_json(r#"{
 //!     "version": 1,
@@ -13,14 +13,15 @@
 //!         { "type": "ptp", "joints_deg": [40, 30, 0, -60, 0, 90, 0] }
 //!     ]
 //! }"#)?;
-//! let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+//! let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
 //! let (corner, blend) = path.blends().next().expect("one corner is blended away");
 //! println!("a turn by {:.1} deg, by way of {:?}", corner.gamma_deg, blend.at(0.5).q);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A path is a list of [`Step`]s. Those that move hold a [`Segment`], which gives the joint
-//! positions and their first three derivatives at any s in [0, 1].
+//! A [`JointPath`] is a list of [`Step`]s. Those that move hold a [`Segment`], which gives the joint
+//! positions and their first three derivatives at any s in [0, 1]: a trait, so that a new shape is one
+//! new type.
 //!
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapters 2.3 and 4, cited as "Larsen 2019".
@@ -30,25 +31,38 @@
     reason = "kernels belong into the function that enables vector instructions"
 )]
 
+mod blend;
+mod builder;
 mod circle;
+mod continuity;
 mod crossing;
 mod fault;
 mod grid;
+mod join;
 mod line;
+mod motion_limits;
+mod options;
 mod path;
 mod polynomial;
 mod program;
 mod segment;
+mod step;
 mod vector;
 mod wire;
 
+pub use blend::Blend;
 pub use circle::CircularBlend;
+pub use continuity::Continuity;
 pub use crossing::BlendSearch;
 pub use fault::{Fault, Field};
 pub use grid::Grid;
+pub use join::JoinError;
 pub use line::Line;
-pub use path::{BlendShape, Corner, MotionLimits, Path, PathOptions, Step};
-pub use polynomial::{Continuity, KAPPA_MIN_ACCELERATION, PolynomialBlend};
-pub use program::{Blend, Motion, Program, Ptp};
+pub use motion_limits::MotionLimits;
+pub use options::{BlendShape, PathOptions};
+pub use path::JointPath;
+pub use polynomial::{KAPPA_MIN_ACCELERATION, PolynomialBlend};
+pub use program::{Motion, Program, Ptp};
 pub use segment::{Derivatives, Segment};
+pub use step::{Corner, Step};
 pub use wire::ProgramError;

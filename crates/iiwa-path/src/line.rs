@@ -2,9 +2,20 @@
 
 use iiwa_kin::Joints;
 
-use crate::{segment::Derivatives, vector};
+use crate::{
+    segment::{Derivatives, Segment},
+    vector,
+};
 
 /// A PTP segment: `q(s) = start + s direction` (Larsen 2019, Eq. 10).
+///
+/// ```
+/// use iiwa_path::{Line, Segment};
+///
+/// let line = Line::new([0.0; 7], [0.3, 0.0, 0.0, -0.4, 0.0, 0.0, 0.0]);
+/// assert_eq!(line.length_rad(), 0.5);
+/// assert_eq!(line.at(0.5).q[3], -0.2);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     start: Joints,
@@ -31,15 +42,31 @@ impl Line {
     pub fn length_rad(&self) -> f64 {
         self.length
     }
+}
 
-    /// Position and derivatives at `s` in [0, 1].
-    #[must_use]
-    pub fn at(&self, s: f64) -> Derivatives {
+impl Segment for Line {
+    fn at(&self, s: f64) -> Derivatives {
         Derivatives {
             q: vector::add_scaled(&self.start, s, &self.direction),
             dq: self.direction,
             ddq: [0.0; 7],
             dddq: [0.0; 7],
         }
+    }
+
+    fn bend_bound_rad(&self) -> Joints {
+        [0.0; 7]
+    }
+
+    fn tangent_lengths_rad(&self) -> [f64; 2] {
+        [self.length; 2]
+    }
+
+    fn is_straight(&self) -> bool {
+        true
+    }
+
+    fn s_at(&self, sigma: f64) -> f64 {
+        sigma
     }
 }

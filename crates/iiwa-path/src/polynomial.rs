@@ -1,103 +1,14 @@
 //! Blends by polynomials (Larsen 2019, Eq. 13 to 26, 38 and 39).
 
 use iiwa_kin::Joints;
+use pulp::Simd;
 
-use crate::{grid::Grid, segment::Derivatives, vector};
-
-/// Up to which derivative a blend continues its neighbours: N of Larsen 2019, Eq. 14.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Continuity {
-    /// N = 1: the direction.
-    First,
-    /// N = 2: the curvature too. k = 15/2 and kappa(gamma) of Larsen 2019 go with it.
-    #[default]
-    Second,
-    /// N = 3: its rate of change too.
-    Third,
-}
-
-/// Polynomials in s up to degree 8, lowest power first.
-type Polynomial = [f64; 9];
-
-impl Continuity {
-    /// alpha of Larsen 2019, Eq. 18.
-    const fn alpha(self) -> Polynomial {
-        match self {
-            Self::First => [0.0, 0.0, 3.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            Self::Second => [0.0, 0.0, 0.0, 10.0, -15.0, 6.0, 0.0, 0.0, 0.0],
-            Self::Third => [0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0, 0.0],
-        }
-    }
-
-    /// `s + alpha`.
-    const fn along(self) -> Polynomial {
-        let mut along = self.alpha();
-        along[1] += 1.0;
-        along
-    }
-
-    /// beta of Larsen 2019, Eq. 21 with k = 1. The sign of N = 2 differs from the other two.
-    const fn beta(self) -> Polynomial {
-        match self {
-            Self::First => [0.0, 0.0, 1.0, -2.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-            Self::Second => [0.0, 0.0, 0.0, -1.0, 3.0, -3.0, 1.0, 0.0, 0.0],
-            Self::Third => [0.0, 0.0, 0.0, 0.0, 1.0, -4.0, 6.0, -4.0, 1.0],
-        }
-    }
-
-    /// Largest value of |beta| on [0, 1], at s = 1/2.
-    const fn beta_peak(self) -> f64 {
-        match self {
-            Self::First => 1.0 / 16.0,
-            Self::Second => 1.0 / 64.0,
-            Self::Third => 1.0 / 256.0,
-        }
-    }
-
-    /// Bounds of the second derivatives of `s + alpha`, `s alpha` and `beta` on [0, 1], rounded up.
-    const fn bend_peaks(self) -> [f64; 3] {
-        match self {
-            Self::First => [6.0, 6.0, 2.0],
-            Self::Second => [5.774, 4.622, 0.375],
-            Self::Third => [7.514, 5.812, 0.125],
-        }
-    }
-}
-
-/// Value and first three derivatives of a polynomial.
-fn evaluate(polynomial: &Polynomial, s: f64) -> [f64; 4] {
-    // Horner's scheme on the value and, one step behind each, on the derivatives (over their
-    // factorials).
-    let [mut p, mut p1, mut p2, mut p3] = [0.0; 4];
-    for c in polynomial.iter().rev() {
-        p3 = p3 * s + p2;
-        p2 = p2 * s + p1;
-        p1 = p1 * s + p;
-        p = p * s + c;
-    }
-    [p, p1, 2.0 * p2, 6.0 * p3]
-}
-
-/// The parts of a blend that do not depend on its size and angle, at one s: value and derivatives
-/// of `s + alpha`, `s alpha` and `beta`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Basis {
-    along: [f64; 4],
-    across: [f64; 4],
-    bulge: [f64; 4],
-}
-
-impl Basis {
-    pub(crate) fn at(continuity: Continuity, s: f64) -> Self {
-        let alpha = continuity.alpha();
-        let across: Polynomial = std::array::from_fn(|i| if i == 0 { 0.0 } else { alpha[i - 1] });
-        Self {
-            along: evaluate(&continuity.along(), s),
-            across: evaluate(&across, s),
-            bulge: evaluate(&continuity.beta(), s),
-        }
-    }
-}
+use crate::{
+    continuity::{Basis, Continuity, evaluate},
+    grid::Grid,
+    segment::{Derivatives, Segment, newton},
+    vector,
+};
 
 /// k that minimises the mean squared second derivative of a blend of continuity N = 2 (Larsen 2019,
 /// Eq. 22 to 26).
@@ -152,18 +63,16 @@ impl PolynomialBlend {
         self.continuity
     }
 
-    /// `s + alpha(s)`, which rises from 0 to 2 along the blend, and its first three derivatives by s.
+    /// How far the blend may go beyond the box about start, target and end, at most, in rad.
     ///
-    /// At both ends, the path's third derivative by s jumps along its direction and across. Taken as
-    /// the parameter instead of s, this leaves only the jump across, which is what the arm feels.
-    #[must_use]
-    pub fn progress(&self, s: f64) -> [f64; 4] {
-        evaluate(&self.continuity.along(), s)
+    /// Its alpha part mixes points of its two neighbours and stays inside the box.
+    pub(crate) fn overshoot_bound(&self, joint: usize) -> f64 {
+        self.kappa.abs() * self.continuity.beta_peak() * self.turn[joint].abs()
     }
+}
 
-    /// Position and derivatives at `s` in [0, 1].
-    #[must_use]
-    pub fn at(&self, s: f64) -> Derivatives {
+impl Segment for PolynomialBlend {
+    fn at(&self, s: f64) -> Derivatives {
         let basis = Basis::at(self.continuity, s);
         let [q, dq, ddq, dddq] = std::array::from_fn(|n| {
             let along = basis.along[n];
@@ -173,85 +82,85 @@ impl PolynomialBlend {
         Derivatives { q: vector::add_scaled(&q, 1.0, &self.start), dq, ddq, dddq }
     }
 
+    fn bend_bound_rad(&self) -> Joints {
+        let [along, across, bulge] = self.continuity.bend_peaks();
+        let across = across + self.kappa.abs() * bulge;
+        std::array::from_fn(|j| along * self.d0[j].abs() + across * self.turn[j].abs())
+    }
+
+    fn tangent_lengths_rad(&self) -> [f64; 2] {
+        [self.reach; 2]
+    }
+
+    fn has_continuous_curvature(&self) -> bool {
+        self.continuity != Continuity::First
+    }
+
+    /// `s + alpha(s)`, which rises from 0 to 2 along the blend, and its first three derivatives by s.
+    ///
+    /// At both ends, the path's third derivative by s jumps along its direction and across. Taken as
+    /// the parameter instead of s, this leaves only the jump across, which is what the arm feels.
+    fn sigma(&self, s: f64) -> [f64; 4] {
+        evaluate(&self.continuity.along(), s)
+    }
+
+    fn s_at(&self, sigma: f64) -> f64 {
+        // It rises between 1 and about 3, steepest in the middle, and is symmetric.
+        let near = if (0.5..1.5).contains(&sigma) {
+            0.5 + (sigma - 1.0) / 2.875
+        } else {
+            sigma - if sigma > 1.0 { 1.0 } else { 0.0 }
+        };
+        newton(|s| self.sigma(s), sigma, near)
+    }
+
+    /// The grid holds the polynomials: this costs six multiplications a joint.
+    fn rates(&self, grid: &Grid, scale: &Joints, dq: &mut [[f64; 8]], ddq: &mut [[f64; 8]]) {
+        pulp::Arch::new().dispatch(Rates { blend: self, grid, scale, dq, ddq });
+    }
+}
+
+/// The derivatives at the nodes of a grid, by the widest vector instructions that the machine has.
+///
+/// Not a closure: those reach the function with vector instructions by way of a shim that is not
+/// inlined into it, and so stay without them.
+struct Rates<'a> {
+    blend: &'a PolynomialBlend,
+    grid: &'a Grid,
+    scale: &'a Joints,
+    dq: &'a mut [[f64; 8]],
+    ddq: &'a mut [[f64; 8]],
+}
+
+impl pulp::WithSimd for Rates<'_> {
+    type Output = ();
+
     #[inline(always)]
-    pub(crate) fn rates(
-        &self,
-        grid: &Grid,
-        scale: &Joints,
-        dq: &mut [[f64; 8]],
-        ddq: &mut [[f64; 8]],
-    ) {
+    fn with_simd<S: Simd>(self, _: S) {
+        let Rates { blend, grid, scale, dq, ddq } = self;
         let mut d0 = [0.0; 8];
         let mut turn = [0.0; 8];
         for j in 0..7 {
-            d0[j] = self.d0[j] * scale[j];
-            turn[j] = self.turn[j] * scale[j];
+            d0[j] = blend.d0[j] * scale[j];
+            turn[j] = blend.turn[j] * scale[j];
         }
-        let basis = grid.basis(self.continuity);
+        let basis = grid.basis(blend.continuity);
         for ((basis, dq), ddq) in
             basis.iter().zip(&mut dq[..basis.len()]).zip(&mut ddq[..basis.len()])
         {
-            let across1 = basis.across[1] - self.kappa * basis.bulge[1];
-            let across2 = basis.across[2] - self.kappa * basis.bulge[2];
+            let across1 = basis.across[1] - blend.kappa * basis.bulge[1];
+            let across2 = basis.across[2] - blend.kappa * basis.bulge[2];
             for j in 0..8 {
                 dq[j] = basis.along[1] * d0[j] + across1 * turn[j];
                 ddq[j] = basis.along[2] * d0[j] + across2 * turn[j];
             }
         }
     }
-
-    /// For each joint, a bound of `|d2q/ds2|`, in rad.
-    pub(crate) fn bend_bound_rad(&self) -> Joints {
-        let [along, across, bulge] = self.continuity.bend_peaks();
-        let across = across + self.kappa.abs() * bulge;
-        std::array::from_fn(|j| along * self.d0[j].abs() + across * self.turn[j].abs())
-    }
-
-    /// How far the blend may go beyond the box about start, target and end, at most, in rad.
-    ///
-    /// Its alpha part mixes points of its two neighbours and stays inside the box.
-    pub(crate) fn overshoot_bound(&self, joint: usize) -> f64 {
-        self.kappa.abs() * self.continuity.beta_peak() * self.turn[joint].abs()
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn polynomials_meet_their_constraints() {
-        for (n, continuity) in
-            [(1, Continuity::First), (2, Continuity::Second), (3, Continuity::Third)]
-        {
-            for (polynomial, end) in [(continuity.alpha(), 1.0), (continuity.beta(), 0.0)] {
-                let (at0, at1) = (evaluate(&polynomial, 0.0), evaluate(&polynomial, 1.0));
-                assert_eq!((at0[0], at1[0]), (0.0, end));
-                for k in 1..=n {
-                    assert_eq!((at0[k], at1[k]), (0.0, 0.0), "derivative {k} of N = {n}");
-                }
-            }
-            let middle = evaluate(&continuity.beta(), 0.5);
-            assert_eq!(middle[0].abs(), continuity.beta_peak());
-            assert!(middle[1].abs() < 1e-15);
-        }
-    }
-
-    #[test]
-    fn bends_stay_within_their_bounds_and_come_close() {
-        for continuity in [Continuity::First, Continuity::Second, Continuity::Third] {
-            let mut largest = [0.0_f64; 3];
-            for i in 0..=100_000 {
-                let basis = Basis::at(continuity, f64::from(i) / 100_000.0);
-                let bends = [basis.along[2], basis.across[2], basis.bulge[2]];
-                largest = std::array::from_fn(|k| largest[k].max(bends[k].abs()));
-            }
-            for (found, bound) in largest.into_iter().zip(continuity.bend_peaks()) {
-                let close = 0.999 * bound..=bound * (1.0 + 1e-14);
-                assert!(close.contains(&found), "{continuity:?}: {found}, {bound}");
-            }
-        }
-    }
 
     /// Larsen 2019 states that k = 15/2 minimises the mean squared second derivative (Eq. 22).
     #[test]

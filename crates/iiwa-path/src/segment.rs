@@ -1,8 +1,10 @@
-//! Pieces of a path.
+//! Segments of a path, whatever their shape.
+
+use std::fmt;
 
 use iiwa_kin::Joints;
 
-use crate::{circle::CircularBlend, grid::Grid, line::Line, polynomial::PolynomialBlend};
+use crate::{grid::Grid, vector};
 
 /// Joint positions as a function of s in [0, 1], and their first three derivatives by s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,85 +19,94 @@ pub struct Derivatives {
     pub dddq: Joints,
 }
 
-/// A smooth piece of a path, with its parameter s in [0, 1].
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Segment {
-    /// A straight line in joint space (Larsen 2019, Eq. 10).
-    Line(Line),
-    /// A blend by polynomials (Larsen 2019, Eq. 13, 26 and 39).
-    Polynomial(PolynomialBlend),
-    /// A blend along a circle in joint space (Larsen 2019, Eq. 32).
-    Circle(CircularBlend),
-}
-
-impl Segment {
+/// A smooth segment of a path, with its path parameter s in [0, 1].
+///
+/// A shape is one type that implements this trait. Time stamps are found through the trait alone: what
+/// it does not ask for, no planner knows of a shape.
+///
+/// ```
+/// use iiwa_kin::Joints;
+/// use iiwa_path::{Derivatives, Segment};
+///
+/// /// Joint 1 goes to and fro; s runs evenly in the angle of a sine.
+/// #[derive(Debug)]
+/// struct Swing {
+///     amplitude_rad: f64,
+/// }
+///
+/// impl Segment for Swing {
+///     fn at(&self, s: f64) -> Derivatives {
+///         let only = |v: f64| [self.amplitude_rad * v, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+///         let (sin, cos) = s.sin_cos();
+///         Derivatives { q: only(sin), dq: only(cos), ddq: only(-sin), dddq: only(-cos) }
+///     }
+///
+///     fn bend_bound_rad(&self) -> Joints {
+///         [self.amplitude_rad, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+///     }
+/// }
+///
+/// let swing = Swing { amplitude_rad: 0.5 };
+/// assert_eq!(swing.tangent_lengths_rad(), [0.5, 0.5 * 1.0_f64.cos()]);
+/// ```
+pub trait Segment: fmt::Debug + Send + Sync {
     /// Position and derivatives at `s` in [0, 1].
-    #[must_use]
-    pub fn at(&self, s: f64) -> Derivatives {
-        match self {
-            Self::Line(line) => line.at(s),
-            Self::Polynomial(blend) => blend.at(s),
-            Self::Circle(blend) => blend.at(s),
-        }
-    }
-
-    /// Length of the tangent dq/ds at both ends, in rad.
-    ///
-    /// Where two pieces of a path meet, dq/ds points the same way and only this length differs: a
-    /// speed ds/dt in one piece is that speed times the ratio of the lengths in the other.
-    #[must_use]
-    pub fn end_tangent_rad(&self) -> f64 {
-        match self {
-            Self::Line(line) => line.length_rad(),
-            Self::Polynomial(blend) => blend.reach_rad(),
-            Self::Circle(blend) => blend.length_rad(),
-        }
-    }
+    fn at(&self, s: f64) -> Derivatives;
 
     /// For each joint, a bound of `|d2q/ds2|` on all of [0, 1], in rad.
     ///
     /// With it, q at s is at most half of it times `(s - m)^2` away from the tangent at m.
-    #[must_use]
-    pub fn bend_bound_rad(&self) -> Joints {
-        match self {
-            Self::Line(_) => [0.0; 7],
-            Self::Polynomial(blend) => blend.bend_bound_rad(),
-            Self::Circle(blend) => blend.bend_bound_rad(),
-        }
+    fn bend_bound_rad(&self) -> Joints;
+
+    /// Length of the tangent dq/ds at the start and at the end, in rad.
+    ///
+    /// Where two segments meet, dq/ds points the same way and only this length differs: a speed ds/dt in
+    /// one segment is that speed times the ratio of the lengths in the other.
+    fn tangent_lengths_rad(&self) -> [f64; 2] {
+        [0.0, 1.0].map(|s| vector::norm(&self.at(s).dq))
     }
 
-    /// The piece as a line, if it is straight and evenly parametrised: dq/ds does not change.
-    #[must_use]
-    pub fn as_line(&self) -> Option<&Line> {
-        match self {
-            Self::Line(line) => Some(line),
-            _ => None,
-        }
+    /// Whether dq/ds is the same everywhere: a straight line that is evenly parametrised. Its limits do
+    /// not change along it, so that its stamps have a closed form.
+    fn is_straight(&self) -> bool {
+        false
     }
 
-    /// The piece as a blend by polynomials, if it is one.
-    #[must_use]
-    pub fn as_polynomial(&self) -> Option<&PolynomialBlend> {
-        match self {
-            Self::Polynomial(blend) => Some(blend),
-            _ => None,
-        }
+    /// Whether acceleration is continuous where the segment joins its neighbours at speed: the part of
+    /// d2q/ds2 across dq/ds is zero at both ends. Jerk-limited timing needs it.
+    fn has_continuous_curvature(&self) -> bool {
+        true
+    }
+
+    /// The segment's own parametrisation, sigma, and its first three derivatives by s, in units of
+    /// [`sigma_unit_rad`](Self::sigma_unit_rad). It rises with s from 0.
+    ///
+    /// Jerk-limited stamps are found as a function of sigma: it is to be chosen so that d3q/dsigma3 has
+    /// no jump along the path where the segment joins its neighbours. By default it is s.
+    fn sigma(&self, s: f64) -> [f64; 4] {
+        [s, 1.0, 0.0, 0.0]
+    }
+
+    /// The unit of [`sigma`](Self::sigma), in rad: `|dq/dsigma|` is 1 at both ends in it.
+    fn sigma_unit_rad(&self) -> f64 {
+        self.tangent_lengths_rad()[0]
+    }
+
+    /// s at a `sigma`, the inverse of [`sigma`](Self::sigma): by Newton's method, unless the shape knows
+    /// better.
+    fn s_at(&self, sigma: f64) -> f64 {
+        let [end, ..] = self.sigma(1.0);
+        newton(|s| self.sigma(s), sigma, (sigma / end).clamp(0.0, 1.0))
     }
 
     /// First and second derivatives at every node of `grid`, each joint times its `scale`.
     ///
-    /// The eighth number of each row is zero: rows of eight fill vector registers. For blends by
-    /// polynomials this costs six multiplications a joint, since the grid holds the polynomials.
+    /// The eighth number of each row is zero: rows of eight fill vector registers.
     ///
     /// # Panics
     ///
     /// If `dq` or `ddq` is shorter than the grid.
-    #[inline(always)]
-    pub fn rates(&self, grid: &Grid, scale: &Joints, dq: &mut [[f64; 8]], ddq: &mut [[f64; 8]]) {
-        if let Self::Polynomial(blend) = self {
-            return blend.rates(grid, scale, dq, ddq);
-        }
+    fn rates(&self, grid: &Grid, scale: &Joints, dq: &mut [[f64; 8]], ddq: &mut [[f64; 8]]) {
         let intervals = grid.intervals() as f64;
         for (i, (dq, ddq)) in dq[..=grid.intervals()].iter_mut().zip(ddq).enumerate() {
             let at = self.at(i as f64 / intervals);
@@ -107,3 +118,19 @@ impl Segment {
         }
     }
 }
+
+/// The s in [0, 1] at which `sigma`, which rises, has a value, starting from `s`.
+pub(crate) fn newton(sigma: impl Fn(f64) -> [f64; 4], value: f64, mut s: f64) -> f64 {
+    for _ in 0..NEWTON_STEPS {
+        let [at, slope, ..] = sigma(s);
+        let step = (at - value) / slope;
+        s = (s - step).clamp(0.0, 1.0);
+        if step.abs() < 1e-15 {
+            break;
+        }
+    }
+    s
+}
+
+/// Blends take two to four.
+const NEWTON_STEPS: usize = 20;

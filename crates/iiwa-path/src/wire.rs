@@ -16,8 +16,9 @@ use serde::{
 use serde_json::value::RawValue;
 
 use crate::{
+    blend::Blend,
     fault::Fault,
-    program::{Blend, Motion, Program, Ptp},
+    program::{Motion, Program, Ptp},
 };
 
 /// The version of the program format that this library reads.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use iiwa_json::Place;
 use iiwa_kin::Robot;
-use iiwa_path::{Motion, Path, Program, ProgramError, Ptp};
+use iiwa_path::{JointPath, Motion, Program, ProgramError, Ptp};
 
 const GOOD: &str = r#"{
   "version": 1,
@@ -26,7 +26,7 @@ fn refused(text: &str) -> (String, Place) {
     let (what, place, whole) = match Program::from_json(text) {
         Err(error) => (error.what(), error.place().clone(), error.to_string()),
         Ok(program) => {
-            let fault = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
+            let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
             let place = fault.place_in(text);
             (fault.to_string(), place.clone(), format!("{fault}, at {place}"))
         }
@@ -49,7 +49,7 @@ fn check(old: &str, new: &str, (line, column): (usize, usize), found: &str, what
 
 #[test]
 fn the_good_program_is_good() {
-    Path::new(&Program::from_json(GOOD).unwrap(), &Robot::lbr_iiwa_7_r800()).unwrap();
+    JointPath::new(&Program::from_json(GOOD).unwrap(), &Robot::lbr_iiwa_7_r800()).unwrap();
 }
 
 #[test]
@@ -237,7 +237,7 @@ fn a_joint_outside_its_limits() {
                 GOOD.replace("[40, 30, 0, -60, 0, 90, 0]", &format!("[{}]", joints.join(", ")))
             };
             let at_the_limit = Program::from_json(&text("")).unwrap();
-            Path::new(&at_the_limit, &Robot::lbr_iiwa_7_r800()).unwrap();
+            JointPath::new(&at_the_limit, &Robot::lbr_iiwa_7_r800()).unwrap();
 
             let text = text(".001");
             let (what, place) = refused(&text);
@@ -265,7 +265,7 @@ fn a_limit_typed_in_rad() {
     let limit = 170_f64.to_radians();
     for rad in [limit, limit.next_up(), 2.967_059_73] {
         let program = Program::from_json(&text(rad)).unwrap();
-        Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
+        JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
     }
     // One that is barely outside is not said to be at its limit.
     let (what, _) = refused(&text(limit + 6e-9));
@@ -279,11 +279,11 @@ fn not_a_number_in_a_program_made_in_code() {
         target[2] = wrong;
         let motions = vec![Motion::Ptp(Ptp::to([0.0; 7])), Motion::Ptp(Ptp::to(target))];
         let program = Program { robot: None, start_rad: [0.0; 7], motions };
-        let fault = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
+        let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
         let expected = format!("motion 2: joint 3 is at {wrong} deg, its limit is +-170 deg");
         assert_eq!(fault.to_string(), expected);
         let program = Program { start_rad: target, ..program };
-        let fault = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
+        let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
         assert!(fault.to_string().starts_with("the start pose: joint 3 is at "), "{fault}");
     }
 }
@@ -311,7 +311,7 @@ fn a_blend_that_swings_out_of_the_limits() {
 
     // A blend that stays inside is fine, although its bulge might leave the limits elsewhere.
     let inside = text.replace("120, 0, 0, 0, 0, 0]", "119, 0, 0, 0, 0, 0]");
-    Path::new(&Program::from_json(&inside).unwrap(), &Robot::lbr_iiwa_7_r800()).unwrap();
+    JointPath::new(&Program::from_json(&inside).unwrap(), &Robot::lbr_iiwa_7_r800()).unwrap();
 }
 
 #[test]
@@ -406,7 +406,7 @@ fn a_blend_into_nothing() {
     // A blend that is a stop has no need of anything to blend into.
     for stop in ["\"sunrise_rel\": 0.049", "\"cart_mm\": 3.9", "\"fraction\": 0"] {
         let text = GOOD.replace("0.75", &format!("0.75, \"blend\": {{ {stop} }}"));
-        Path::new(&Program::from_json(&text).unwrap(), &Robot::lbr_iiwa_7_r800()).unwrap();
+        JointPath::new(&Program::from_json(&text).unwrap(), &Robot::lbr_iiwa_7_r800()).unwrap();
     }
 }
 

@@ -5,8 +5,8 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{
-    Blend, BlendSearch, BlendShape, Continuity, Motion, Path, PathOptions, Program, Ptp, Segment,
-    Step,
+    Blend, BlendSearch, BlendShape, Continuity, JointPath, Motion, PathOptions, Program, Ptp,
+    Segment, Step,
 };
 use proptest::prelude::*;
 
@@ -40,16 +40,16 @@ fn between(a: &Joints, b: &Joints, u: f64) -> Joints {
     std::array::from_fn(|j| a[j] + u * (b[j] - a[j]))
 }
 
-fn path(shape: BlendShape, start: Joints, motions: Vec<Ptp>) -> Path {
+fn path(shape: BlendShape, start: Joints, motions: Vec<Ptp>) -> JointPath {
     let motions = motions.into_iter().map(Motion::Ptp).collect();
     let program = Program { robot: None, start_rad: start, motions };
     let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
-    Path::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
+    JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
 }
 
-fn segments(path: &Path) -> impl Iterator<Item = &Segment> {
+fn segments(path: &JointPath) -> impl Iterator<Item = &dyn Segment> {
     path.steps().iter().filter_map(|step| match step {
-        Step::Move { segment, .. } => Some(segment),
+        Step::Move { segment, .. } => Some(segment.as_ref()),
         _ => None,
     })
 }
@@ -81,7 +81,7 @@ proptest! {
         for segment in segments(&path) {
             const H: f64 = 1e-3;
             // Five-point differences: exact but for h^4 / 30 times the fifth derivative.
-            let difference = |of: fn(&Segment, f64) -> Joints| -> Joints {
+            let difference = |of: fn(&dyn Segment, f64) -> Joints| -> Joints {
                 let at = |k: f64| of(segment, s + k * H);
                 let [m2, m1, p1, p2] = [at(-2.0), at(-1.0), at(1.0), at(2.0)];
                 std::array::from_fn(|j| {
@@ -113,7 +113,7 @@ proptest! {
         prop_assert!(norm(&minus(&pieces[pieces.len() - 1].at(1.0).q, &poses[4])) < 1e-14);
         for pair in pieces.windows(2) {
             let (before, after) = (pair[0].at(1.0), pair[1].at(0.0));
-            let (t0, t1) = (pair[0].end_tangent_rad(), pair[1].end_tangent_rad());
+            let (t0, t1) = (pair[0].tangent_lengths_rad()[1], pair[1].tangent_lengths_rad()[0]);
             prop_assert!((norm(&before.dq) / t0 - 1.0).abs() < 1e-9);
             prop_assert!((norm(&after.dq) / t1 - 1.0).abs() < 1e-9);
             prop_assert!(norm(&minus(&before.q, &after.q)) < 1e-9);
@@ -165,7 +165,7 @@ proptest! {
 
 /// Distance of the TCP from where it is at `point`, in m.
 fn distance(robot: &Robot, point: &Joints, other: &Joints, u: f64) -> f64 {
-    let (a, b) = (robot.tcp_position(point), robot.tcp_position(&between(point, other, u)));
+    let (a, b) = (robot.flange_position(point), robot.flange_position(&between(point, other, u)));
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
@@ -266,8 +266,8 @@ fn a_sphere_that_is_crossed_twice_within_one_step() {
         let motions = vec![Motion::Ptp(ptp), Motion::Ptp(Ptp::to(other))];
         let program = Program { robot: None, start_rad: other, motions };
         let options = PathOptions { blend_search, ..PathOptions::default() };
-        let path = Path::with_options(&program, &robot, options).unwrap();
-        path.blends().next().unwrap().1.end_tangent_rad()
+        let path = JointPath::with_options(&program, &robot, options).unwrap();
+        path.blends().next().unwrap().1.tangent_lengths_rad()[0]
     };
     let length = norm(&minus(&other, &point));
     assert!((reach(BlendSearch::FirstCrossing) / length - first).abs() < 1e-12);

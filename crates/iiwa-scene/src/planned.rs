@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use iiwa_path::Segment;
-use iiwa_traj::{Piece, Stretch, Trajectory};
+use iiwa_traj::{Piece, Section, Trajectory};
 use serde::Serialize;
 
 use crate::{
@@ -39,28 +39,28 @@ impl ArmInScene {
     #[must_use]
     pub fn clearance_of(&self, trajectory: &Trajectory) -> Option<PlannedClearance> {
         let mut search = Search::new(self);
-        for stretch in trajectory.stretches() {
-            search.go(stretch, stretch.pieces());
+        for section in trajectory.sections() {
+            search.go(section, section.pieces());
         }
         search.best
     }
 
-    /// The smallest clearance of `stretch`, a part of a trajectory; none if the scene has no obstacles.
+    /// The smallest clearance of `section`, a part of a trajectory; none if the scene has no obstacles.
     #[must_use]
-    pub fn clearance_of_stretch(&self, stretch: &Stretch) -> Option<PlannedClearance> {
+    pub fn clearance_of_section(&self, section: &Section) -> Option<PlannedClearance> {
         let mut search = Search::new(self);
-        search.go(stretch, stretch.pieces());
+        search.go(section, section.pieces());
         search.best
     }
 
-    /// The smallest clearance of each motion of `stretch`, the wait or the settling after it included, in
+    /// The smallest clearance of each motion of `section`, the wait or the settling after it included, in
     /// order; none of them if the scene has no obstacles.
     #[must_use]
-    pub fn clearances(&self, stretch: &Stretch) -> Vec<PlannedClearance> {
-        let motions = stretch.pieces().chunk_by(|a, b| a.motion == b.motion);
+    pub fn clearances(&self, section: &Section) -> Vec<PlannedClearance> {
+        let motions = section.pieces().chunk_by(|a, b| a.motion == b.motion);
         let nearest = |pieces: &[Piece]| {
             let mut search = Search::new(self);
-            search.go(stretch, pieces);
+            search.go(section, pieces);
             search.best
         };
         motions.filter_map(nearest).collect()
@@ -79,9 +79,9 @@ struct Search<'a> {
 /// What is searched: a piece that moves.
 #[derive(Clone, Copy)]
 struct Place<'a> {
-    stretch: &'a Stretch,
+    section: &'a Section,
     piece: &'a Piece,
-    segment: &'a Segment,
+    segment: &'a dyn Segment,
 }
 
 impl<'a> Search<'a> {
@@ -89,21 +89,21 @@ impl<'a> Search<'a> {
         Self { arm, best: None, open: Vec::new() }
     }
 
-    /// Looks for what is nearer than the best so far in `pieces` of `stretch`.
-    fn go(&mut self, stretch: &Stretch, pieces: &[Piece]) {
+    /// Looks for what is nearer than the best so far in `pieces` of `section`.
+    fn go(&mut self, section: &Section, pieces: &[Piece]) {
         let moving = |piece| {
-            let place = |segment| Place { stretch, piece, segment };
-            stretch.segment(piece).map(place)
+            let place = |segment| Place { section, piece, segment };
+            section.segment(piece).map(place)
         };
         for piece in pieces {
             match moving(piece) {
                 Some(place) => {
                     for i in 0..=SAMPLES {
                         let s = f64::from(i) / f64::from(SAMPLES);
-                        self.sample(piece, &place.segment.at(s).q, || stretch.time_at(piece, s));
+                        self.sample(piece, &place.segment.at(s).q, || section.time_at(piece, s));
                     }
                 }
-                None => self.sample(piece, &stretch.at(piece.start_s).q, || piece.start_s),
+                None => self.sample(piece, &section.at(piece.start_s).q, || piece.start_s),
             }
         }
         for place in pieces.iter().filter_map(moving) {
@@ -145,10 +145,10 @@ impl<'a> Search<'a> {
     /// Looks at the span from `middle - half` to `middle + half` of s, of which `pairs` of [`Self::open`] are
     /// left, and at its halves if any still are.
     fn span(&mut self, place: Place<'_>, middle: f64, half: f64, pairs: Range<usize>) {
-        let Place { stretch, piece, segment } = place;
+        let Place { section, piece, segment } = place;
         if let Some(best) = &self.best
             && best.clearance.distance_m == 0.0
-            && stretch.time_at(piece, middle - half) >= best.at_s
+            && section.time_at(piece, middle - half) >= best.at_s
         {
             return;
         }
@@ -174,7 +174,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             let Some(found) = near(&body, obstacle, self.best_m() + moves.most) else { continue };
-            self.found(piece, pair, &found, || stretch.time_at(piece, middle));
+            self.found(piece, pair, &found, || section.time_at(piece, middle));
             let least = span.least((part, &body), obstacle, moves, &found);
             if least < self.best_m() - TOLERANCE_M {
                 self.open.push((pair, least));

@@ -53,7 +53,7 @@ pub(crate) struct Moves {
 
 impl Span {
     /// The span from `middle - half` to `middle + half`.
-    pub(crate) fn new(robot: &Robot, segment: &Segment, middle: f64, half: f64) -> Self {
+    pub(crate) fn new(robot: &Robot, segment: &dyn Segment, middle: f64, half: f64) -> Self {
         let at = segment.at(middle);
         let bend = segment.bend_bound_rad().map(|bound| 0.5 * half * half * bound);
         let tangent = at.dq.map(|dq| half * dq);

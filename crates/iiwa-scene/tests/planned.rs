@@ -6,7 +6,7 @@
 mod common;
 
 use iiwa_kin::Robot;
-use iiwa_path::{BlendShape, Continuity, Motion, Path, PathOptions, Program, Ptp};
+use iiwa_path::{BlendShape, Continuity, JointPath, Motion, PathOptions, Program, Ptp};
 use iiwa_scene::{ArmInScene, Form, Obstacle, Scene};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{fixture, random::programs};
@@ -15,7 +15,7 @@ use proptest::prelude::*;
 const TOLERANCE_M: f64 = 1e-4;
 
 fn plan(program: &Program, options: PathOptions, timing: Timing) -> Trajectory {
-    let path = Path::with_options(program, &Robot::default(), options).unwrap();
+    let path = JointPath::with_options(program, &Robot::default(), options).unwrap();
     Trajectory::plan(&path, timing).unwrap()
 }
 
@@ -43,7 +43,7 @@ fn check(arm: &ArmInScene, trajectory: &Trajectory, samples: u32) {
         }
     }
     // The motions' own.
-    let each: Vec<_> = trajectory.stretches().iter().flat_map(|s| arm.clearances(s)).collect();
+    let each: Vec<_> = trajectory.sections().iter().flat_map(|s| arm.clearances(s)).collect();
     assert_eq!(each.len(), trajectory.motions().len());
     let least = each.iter().map(|c| c.clearance.distance_m).fold(f64::MAX, f64::min);
     assert!((least - distance_m).abs() < TOLERANCE_M);
@@ -95,7 +95,7 @@ proptest! {
             _ => BlendShape::MinAcceleration,
         };
         let options = PathOptions { blend_shape, ..PathOptions::default() };
-        prop_assume!(Path::with_options(&program, &Robot::default(), options).is_ok());
+        prop_assume!(JointPath::with_options(&program, &Robot::default(), options).is_ok());
         let scene = common::scene(&mut fastrand::Rng::with_seed(seed), 3);
         let arm = ArmInScene::new(&Robot::default(), &scene);
         check(&arm, &plan(&program, options, acceleration()), 2000);

@@ -185,7 +185,7 @@ fn known_distances() {
 #[test]
 fn what_overlaps_touches() {
     let robot = Robot::lbr_iiwa_7_r800();
-    let tcp = robot.tcp_position(&[0.0; 7]);
+    let tcp = robot.flange_position(&[0.0; 7]);
     let around = Form::Box { center_m: tcp, size_m: [0.3; 3], rpy_rad: [0.1, 0.2, 0.3] };
     let scene = Scene::new(vec![Obstacle { name: "it".to_owned(), form: around }]).unwrap();
     let touching = ArmInScene::new(&robot, &scene).clearance(&[0.0; 7]).unwrap();

@@ -1,7 +1,7 @@
 //! Many programs at once.
 
 use iiwa_kin::Robot;
-use iiwa_path::{Fault, Path, PathOptions, Program};
+use iiwa_path::{Fault, JointPath, PathOptions, Program};
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::{
@@ -65,7 +65,7 @@ pub fn plan_all(
     timing: Timing,
 ) -> Vec<Result<Trajectory, PlanError>> {
     let plan = |program| {
-        let path = Path::with_options(program, robot, path_options)?;
+        let path = JointPath::with_options(program, robot, path_options)?;
         Ok(Trajectory::plan(&path, timing)?)
     };
     programs.par_iter().map(plan).collect()

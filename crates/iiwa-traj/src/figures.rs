@@ -1,63 +1,13 @@
 //! The figures of a trajectory: how long each motion takes and what limits it.
 
-use std::fmt;
-
 use iiwa_kin::Joints;
 use iiwa_path::Step;
 
 use crate::{
-    audit::Load,
-    stretch::{PieceKind, Stretch},
+    limit::{Limit, LimitShare},
+    limit_usage::LimitUsage,
+    section::{PieceKind, Section},
 };
-
-/// A joint's limit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limit {
-    /// The joint, from 1.
-    pub joint: usize,
-    /// Which of its limits.
-    pub kind: Kind,
-}
-
-/// For how long a limit is kept.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LimitShare {
-    /// The limit.
-    pub limit: Limit,
-    /// The share of the time at which the joint is at it, above 0 and up to 1. Several limits may be
-    /// kept at the same time.
-    pub share: f64,
-}
-
-/// The kinds of limits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Kind {
-    /// Speed.
-    Velocity,
-    /// Acceleration.
-    Acceleration,
-    /// Jerk.
-    Jerk,
-}
-
-impl Kind {
-    /// Its name in files: `velocity`, `acceleration` or `jerk`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Velocity => "velocity",
-            Self::Acceleration => "acceleration",
-            Self::Jerk => "jerk",
-        }
-    }
-}
-
-impl fmt::Display for Kind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
 
 /// Where the time goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -77,9 +27,9 @@ impl Totals {
         self.motion_time_s + self.settle_time_s + self.wait_time_s
     }
 
-    /// Adds a stretch's time.
-    pub fn add(&mut self, stretch: &Stretch) {
-        for piece in stretch.pieces() {
+    /// Adds a section's time.
+    pub fn add(&mut self, section: &Section) {
+        for piece in section.pieces() {
             let time_s = match piece.kind {
                 PieceKind::Line | PieceKind::Blend => &mut self.motion_time_s,
                 PieceKind::Settle => &mut self.settle_time_s,
@@ -155,21 +105,21 @@ pub struct BlendFigures {
     pub end_s: f64,
 }
 
-impl Stretch {
-    /// The figures of the motions of this stretch, in order.
+impl Section {
+    /// The figures of the motions of this section, in order.
     #[must_use]
     pub fn motions(&self) -> Vec<MotionFigures> {
         self.pieces
             .chunk_by(|a, b| a.motion == b.motion)
             .map(|pieces| {
-                let mut load = Load::default();
+                let mut usage = LimitUsage::default();
                 let mut peak_velocity_rel = 0.0_f64;
                 let mut moving_s = 0.0;
                 for piece in pieces {
                     if piece.kind.moves() {
                         moving_s += piece.duration_s;
                     }
-                    load.merge(&piece.load);
+                    usage.merge(&piece.usage);
                     peak_velocity_rel = peak_velocity_rel.max(piece.peak_velocity_rel);
                 }
                 let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
@@ -183,14 +133,14 @@ impl Stretch {
                     start_s: first.start_s,
                     end_s: if settles { last.start_s } else { last.end_s },
                     peak_velocity_rel,
-                    limited_by: first.kind.moves().then(|| load.limit()),
-                    limits: load.shares(moving_s),
+                    limited_by: first.kind.moves().then(|| usage.limit()),
+                    limits: usage.shares(moving_s),
                 }
             })
             .collect()
     }
 
-    /// The figures of the blends of this stretch, in order.
+    /// The figures of the blends of this section, in order.
     #[must_use]
     pub fn blends(&self) -> Vec<BlendFigures> {
         self.pieces
@@ -204,7 +154,7 @@ impl Stretch {
                         start_rad: segment.at(0.0).q,
                         mid_rad,
                         end_rad: segment.at(1.0).q,
-                        mid_tcp_m: self.path.robot().tcp_position(&mid_rad),
+                        mid_tcp_m: self.path.robot().flange_position(&mid_rad),
                         start_s: piece.start_s,
                         end_s: piece.end_s,
                     })

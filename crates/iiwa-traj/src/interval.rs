@@ -6,7 +6,7 @@
 
 use pulp::Simd;
 
-use crate::stretch::Node;
+use crate::node::Node;
 
 /// Times to go by `ds`, in s, with the rates at both ends (ds/dt, 1/s) adding up to `rates` while
 /// d2s/dt2 changes by `change`: of eight intervals.
@@ -103,7 +103,7 @@ fn artanh_over_root(z: f64) -> f64 {
     if z > 0.0 { root.atanh() / root } else { root.atan() / root }
 }
 
-/// The instant `seconds` after `t_s`, or at least the next number: over long stretches, tiny intervals
+/// The instant `seconds` after `t_s`, or at least the next number: over long sections, tiny intervals
 /// are lost in rounding.
 #[inline(always)]
 pub(crate) fn later(t_s: f64, seconds: f64) -> f64 {
@@ -111,10 +111,23 @@ pub(crate) fn later(t_s: f64, seconds: f64) -> f64 {
     if later <= t_s { t_s.next_up() } else { later }
 }
 
-/// Share of the way, rate and d2s/dt2 at `t` after the node `from`, where s is the polynomial of
-/// degree five in time that meets both nodes.
+/// How far the arm is between two nodes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Progress {
+    /// Of the difference in s, 0 to 1.
+    pub(crate) share: f64,
+    /// ds/dt, in 1/s.
+    pub(crate) rate: f64,
+    /// d2s/dt2, in 1/s^2.
+    pub(crate) u: f64,
+    /// d3s/dt3, in 1/s^3.
+    pub(crate) du: f64,
+}
+
+/// Progress at `t` after the node `from`, where s is the polynomial of degree five in time that meets
+/// both nodes.
 #[inline]
-pub(crate) fn smooth(t: f64, from: &Node, to: &Node) -> (f64, f64, f64) {
+pub(crate) fn smooth(t: f64, from: &Node, to: &Node) -> Progress {
     let whole = to.t_s - from.t_s;
     let (v, a) = (from.rate, from.u[0]);
     // What constant d2s/dt2 would miss at the end.
@@ -130,7 +143,9 @@ pub(crate) fn smooth(t: f64, from: &Node, to: &Node) -> (f64, f64, f64) {
     let ds_dt = v + t * a + f * f * (3.0 * cubic + f * (4.0 * quartic + f * 5.0 * quintic)) / whole;
     let d2s_dt2 =
         a + f * (6.0 * cubic + f * (12.0 * quartic + f * 20.0 * quintic)) / (whole * whole);
-    (s / ds, ds_dt, d2s_dt2)
+    let d3s_dt3 =
+        (6.0 * cubic + f * (24.0 * quartic + f * 60.0 * quintic)) / (whole * whole * whole);
+    Progress { share: s / ds, rate: ds_dt, u: d2s_dt2, du: d3s_dt3 }
 }
 
 #[cfg(test)]

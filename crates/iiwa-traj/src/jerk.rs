@@ -1,15 +1,15 @@
-//! Jerk-limited stamps of one stretch.
+//! Jerk-limited stamps of one section.
 //!
-//! A stretch that is one straight line has a closed form. Any other is solved for on cells
+//! A section that is one straight line has a closed form. Any other is solved for on cells
 //! ([`solver`]), starting from its acceleration-limited stamps. What comes out keeps all limits at
 //! some places of each cell; where it exceeds them in between, the cell's limits are lowered and it is
 //! solved again.
 
 mod cells;
-mod leg;
+mod limited_segment;
 mod mesh;
 mod quadratic;
-mod side;
+mod slack_pair;
 mod solver;
 
 use std::ops::Range;
@@ -17,13 +17,14 @@ use std::ops::Range;
 use iiwa_path::Step;
 
 use crate::{
-    audit::Load,
     interval::later,
+    limit_usage::LimitUsage,
+    node::Node,
     phases::{Instant, phases},
-    stretch::{Node, PieceKind, Stretch},
+    section::{PieceKind, Section},
     timing::{JerkOptions, TimingError},
 };
-use leg::Leg;
+use limited_segment::LimitedSegment;
 use mesh::{Cell, Mesh, mesh};
 use solver::{GAP, NotConverged, Solver, Start};
 
@@ -55,78 +56,81 @@ const ROUNDS: usize = 8;
 /// How much longer than the best it takes, at most: while there may be another way, and as the last resort.
 const LONGER: [f64; 2] = [1.002, 1.25];
 
-/// How a stretch is sought, one way after the other until one succeeds: refinement of the cells, and
+/// How a section is sought, one way after the other until one succeeds: refinement of the cells, and
 /// whether to start from where all limits are kept. That is far away where one spot needs to be slow.
 const WAYS: [(f64, bool); 4] = [(1.0, false), (1.0, true), (1.7, false), (2.5, true)];
 
 /// Share of the acceleration-limited x to start from elsewhere.
 const START: f64 = 0.7;
 
-/// Replaces the acceleration-limited stamps of `stretch` by jerk-limited ones.
-pub(crate) fn limit(stretch: &mut Stretch, options: JerkOptions) -> Result<(), TimingError> {
-    let Some(first) = stretch.pieces.first() else { return Ok(()) };
+/// Replaces the acceleration-limited stamps of `section` by jerk-limited ones.
+pub(crate) fn limit(section: &mut Section, options: JerkOptions) -> Result<(), TimingError> {
+    let Some(first) = section.pieces.first() else { return Ok(()) };
     let motion = first.motion;
-    let path = stretch.path.clone();
-    let mut legs = Vec::with_capacity(stretch.pieces.len());
-    for piece in &stretch.pieces {
+    let path = section.path.clone();
+    let mut segments = Vec::with_capacity(section.pieces.len());
+    for piece in &section.pieces {
         let Step::Move { segment, .. } = &path.steps()[piece.step] else { continue };
         let limits = &path.limits()[piece.motion];
-        let swept = &stretch.nodes[piece.nodes.clone()];
-        let Some(leg) = Leg::new(segment, limits, swept) else {
+        let swept = &section.nodes[piece.nodes.clone()];
+        let Some(segment) = LimitedSegment::new(segment.as_ref(), limits, swept) else {
             return Err(TimingError::CurvatureJumps { motion: piece.motion.max(1) - 1 });
         };
-        legs.push(leg);
+        segments.push(segment);
     }
-    let stamped = match legs.as_slice() {
+    let stamped = match segments.as_slice() {
         [line] if line.is_line() && !options.general => straight(line),
-        _ => curved(&legs, options).ok_or(TimingError::NotConverged { motion })?,
+        _ => curved(&segments, options).ok_or(TimingError::NotConverged { motion })?,
     };
-    drop(legs);
-    stretch.stamp(stamped);
+    drop(segments);
+    section.stamp(stamped);
     Ok(())
 }
 
-/// The stamps of any other stretch; none if they were not found.
-fn curved(legs: &[Leg<'_>], options: JerkOptions) -> Option<Vec<Stamps>> {
+/// The stamps of any other section; none if they were not found.
+fn curved(segments: &[LimitedSegment<'_>], options: JerkOptions) -> Option<Vec<SegmentStamps>> {
     if !options.general
-        && let Some(stamps) = in_parts(legs, options)
+        && let Some(stamps) = receding_horizon(segments, options)
     {
         return Some(stamps);
     }
-    let whole = Part { legs, range: 0..legs.len(), entry: None };
-    Some(whole.solve(options)?.stamps(&whole, legs.len(), &mut 0.0))
+    let whole = Window { segments, range: 0..segments.len(), entry: None };
+    Some(whole.solve(options)?.stamps(&whole, segments.len(), &mut 0.0))
 }
 
-/// Legs that are settled at a time, and legs beyond them that are looked at.
-const SETTLED: usize = 30;
+/// Legs that are settled at a time, and segments beyond them that are looked at.
+const WINDOW: usize = 30;
 const AHEAD: usize = 10;
 
 /// Way that is looked ahead at least, in rad. From full speed the arm stops on two thirds of it.
 const AHEAD_RAD: f64 = 2.5;
 
-/// The stamps of a stretch that is too long to be solved as a whole: part by part, each with some legs
+/// The stamps of a section that is too long to be solved as a whole: part by part, each with some segments
 /// beyond it on whose last line the arm could stop. So there is a way on from the end of every part, and
-/// far enough from that stop it makes no difference. None if the stretch cannot be divided like this.
-fn in_parts(legs: &[Leg<'_>], options: JerkOptions) -> Option<Vec<Stamps>> {
-    let mut stamps = Vec::with_capacity(legs.len());
+/// far enough from that stop it makes no difference. None if the section cannot be divided like this.
+fn receding_horizon(
+    segments: &[LimitedSegment<'_>],
+    options: JerkOptions,
+) -> Option<Vec<SegmentStamps>> {
+    let mut stamps = Vec::with_capacity(segments.len());
     let mut t_s = 0.0;
     let (mut start, mut entry) = (0, None);
-    while start < legs.len() {
-        let settled = start + SETTLED;
+    while start < segments.len() {
+        let settled = start + WINDOW;
         let mut way = 0.0;
-        let stops = |(index, leg): &(usize, &Leg<'_>)| {
-            way += leg.length;
-            index + 1 >= settled + AHEAD && way >= AHEAD_RAD && leg.is_line()
+        let stops = |(index, segment): &(usize, &LimitedSegment<'_>)| {
+            way += segment.length;
+            index + 1 >= settled + AHEAD && way >= AHEAD_RAD && segment.is_line()
         };
-        let end = legs.iter().enumerate().skip(settled).find(stops);
+        let end = segments.iter().enumerate().skip(settled).find(stops);
         // What is left after the stop should be worth a part of its own.
-        let end = end.map(|(index, _)| index + 1).filter(|end| end + SETTLED / 2 < legs.len());
-        let (settled, end) = end.map_or((legs.len(), legs.len()), |end| (settled, end));
-        if start == 0 && end == legs.len() {
+        let end = end.map(|(index, _)| index + 1).filter(|end| end + WINDOW / 2 < segments.len());
+        let (settled, end) = end.map_or((segments.len(), segments.len()), |end| (settled, end));
+        if start == 0 && end == segments.len() {
             return None;
         }
-        let part = Part { legs, range: start..end, entry };
-        let plan = part.solve(options).filter(|plan| plan.slower == 1.0)?;
+        let part = Window { segments, range: start..end, entry };
+        let plan = part.solve(options).filter(|plan| plan.time_scale == 1.0)?;
         stamps.extend(plan.stamps(&part, settled, &mut t_s));
         entry = plan.entry(settled);
         start = settled;
@@ -135,23 +139,23 @@ fn in_parts(legs: &[Leg<'_>], options: JerkOptions) -> Option<Vec<Stamps>> {
 }
 
 /// Legs that are solved for together. The last of them is a line that ends at rest.
-struct Part<'a, 'b> {
-    legs: &'a [Leg<'b>],
+struct Window<'a, 'b> {
+    segments: &'a [LimitedSegment<'b>],
     range: Range<usize>,
     /// x and its derivative by sigma at the start; none at rest.
     entry: Option<[f64; 2]>,
 }
 
-impl Part<'_, '_> {
+impl Window<'_, '_> {
     /// The best that is found; none if that is nothing.
-    fn solve(&self, options: JerkOptions) -> Option<Plan> {
+    fn solve(&self, options: JerkOptions) -> Option<Solution> {
         let [enough, most] = LONGER;
-        let mut best: Option<Plan> = None;
+        let mut best: Option<Solution> = None;
         for (refinement, safe) in WAYS {
-            let Some(plan) = Plan::find(self, options.refinement * refinement, safe) else {
+            let Some(plan) = Solution::find(self, options.refinement * refinement, safe) else {
                 continue;
             };
-            if plan.longer() <= best.as_ref().map_or(most, Plan::longer) {
+            if plan.longer() <= best.as_ref().map_or(most, Solution::longer) {
                 best = Some(plan);
             }
             if best.as_ref().is_some_and(|best| best.longer() <= enough) {
@@ -162,26 +166,26 @@ impl Part<'_, '_> {
     }
 }
 
-/// The stamps of one leg.
-struct Stamps {
+/// The stamps of one segment.
+struct SegmentStamps {
     nodes: Vec<Node>,
-    load: Load,
+    usage: LimitUsage,
 }
 
-/// The stamps of a stretch that is one line.
-fn straight(leg: &Leg<'_>) -> Vec<Stamps> {
-    let instants = phases(leg.length, leg.straight(0.0));
+/// The stamps of a section that is one line.
+fn straight(segment: &LimitedSegment<'_>) -> Vec<SegmentStamps> {
+    let instants = phases(segment.length, segment.straight(0.0));
     let nodes: Vec<_> = instants
         .iter()
         .map(|at| Node {
             t_s: at.t_s,
-            s: at.way / leg.length,
-            rate: at.speed / leg.length,
-            u: [at.acceleration / leg.length; 2],
+            s: at.way / segment.length,
+            rate: at.speed / segment.length,
+            u: [at.acceleration / segment.length; 2],
         })
         .collect();
-    let mut load = Load::default();
-    let rates = leg.rates(0.0);
+    let mut usage = LimitUsage::default();
+    let rates = segment.rates(0.0);
     for pair in instants.windows(2) {
         let [from, to] = [pair[0], pair[1]];
         let dt = to.t_s - from.t_s;
@@ -193,10 +197,10 @@ fn straight(leg: &Leg<'_>) -> Vec<Stamps> {
             ..from
         };
         for (at, dt) in [(half, dt), (to, 0.0)] {
-            load.sample(&leg.shares(&rates, [at.speed, at.acceleration, jerk]), dt);
+            usage.sample(&segment.shares(&rates, [at.speed, at.acceleration, jerk]), dt);
         }
     }
-    vec![Stamps { nodes, load }]
+    vec![SegmentStamps { nodes, usage }]
 }
 
 /// The larger of two shares; what is not a number counts as too much.
@@ -211,50 +215,50 @@ fn in_time([x, dx, ddx]: [f64; 3]) -> [f64; 3] {
 }
 
 /// A solution.
-struct Plan {
+struct Solution {
     mesh: Mesh,
     solver: Solver,
     /// Share of all times by which it is slowed down.
-    slower: f64,
+    time_scale: f64,
 }
 
-impl Plan {
-    fn find(part: &Part<'_, '_>, refinement: f64, safe: bool) -> Option<Self> {
-        let Part { legs, ref range, entry } = *part;
-        let mesh = mesh(legs, range.clone(), entry.is_none(), refinement)?;
-        let solver = Solver::new(legs, &mesh, entry);
-        let mut plan = Self { mesh, solver, slower: 1.0 };
-        let scale = if safe { plan.slower(legs).powi(-2) } else { START };
+impl Solution {
+    fn find(part: &Window<'_, '_>, refinement: f64, safe: bool) -> Option<Self> {
+        let Window { segments, ref range, entry } = *part;
+        let mesh = mesh(segments, range.clone(), entry.is_none(), refinement)?;
+        let solver = Solver::new(segments, &mesh, entry);
+        let mut plan = Self { mesh, solver, time_scale: 1.0 };
+        let scale = if safe { plan.time_scale(segments).powi(-2) } else { START };
         plan.solver.start(scale);
-        if plan.refine(legs).is_err() {
+        if plan.refine(segments).is_err() {
             // Whatever was found is good, as slow as it takes to keep the limits.
-            plan.slower = plan.slower(legs);
+            plan.time_scale = plan.time_scale(segments);
         }
         Some(plan)
     }
 
-    /// x and its derivative by sigma where the leg `leg` starts.
-    fn entry(&self, leg: usize) -> Option<[f64; 2]> {
-        let cell = self.mesh.cells.iter().position(|cell| cell.leg == leg)?;
+    /// x and its derivative by sigma where the segment `segment` starts.
+    fn entry(&self, segment: usize) -> Option<[f64; 2]> {
+        let cell = self.mesh.cells.iter().position(|cell| cell.segment == segment)?;
         let [x, dx, _] = self.solver.at(cell, 0.0);
         Some([x, dx])
     }
 
     /// By which share it may take longer than the best, if it is as far from it as the solver fears.
     fn longer(&self) -> f64 {
-        self.slower * (1.0 + self.solver.gap)
+        self.time_scale * (1.0 + self.solver.gap)
     }
 
     /// Solves and lowers limits until all are kept everywhere.
-    fn refine(&mut self, legs: &[Leg<'_>]) -> Result<(), NotConverged> {
+    fn refine(&mut self, segments: &[LimitedSegment<'_>]) -> Result<(), NotConverged> {
         self.solver.solve(NEAR)?;
         // Where limits will be exceeded is seen long before the end.
-        if self.tighten(legs, SOME) > ABRUPT {
+        if self.tighten(segments, SOME) > ABRUPT {
             self.solver.restart(AFAR);
         }
         self.solver.solve(GAP)?;
         for _ in 0..ROUNDS {
-            let excess = self.tighten(legs, ALL);
+            let excess = self.tighten(segments, ALL);
             if excess == 1.0 {
                 return Ok(());
             }
@@ -265,24 +269,24 @@ impl Plan {
     }
 
     /// The share of all times that keeps the limits.
-    fn slower(&self, legs: &[Leg<'_>]) -> f64 {
+    fn time_scale(&self, segments: &[LimitedSegment<'_>]) -> f64 {
         let mut largest = [1.0, 1.0, self.solver.rest_jerk()];
-        for shares in self.worst(legs, ALL) {
+        for shares in self.worst(segments, ALL) {
             for i in 0..3 {
                 largest[i] = worse(largest[i], shares[i]);
             }
         }
         let [v, a, j]: [f64; 3] = std::array::from_fn(|i| largest[i] / TOLERANCE[i]);
-        let factors = [v, a.sqrt(), j.cbrt(), self.solver.torn()];
+        let factors = [v, a.sqrt(), j.cbrt(), self.solver.continuity_defect()];
         factors.into_iter().fold(1.0, worse)
     }
 
     /// Lowers the limits of the cells that exceed them, and returns the largest share; 1 if there are
     /// none.
-    fn tighten(&mut self, legs: &[Leg<'_>], parts: u32) -> f64 {
+    fn tighten(&mut self, segments: &[LimitedSegment<'_>], parts: u32) -> f64 {
         let mut largest = 1.0_f64;
         let by: Vec<_> = self
-            .worst(legs, parts)
+            .worst(segments, parts)
             .into_iter()
             .map(|shares| {
                 std::array::from_fn(|i| {
@@ -308,18 +312,18 @@ impl Plan {
         clippy::cast_sign_loss,
         reason = "it is from 1 to 4"
     )]
-    fn worst(&self, legs: &[Leg<'_>], parts: u32) -> Vec<[f64; 3]> {
+    fn worst(&self, segments: &[LimitedSegment<'_>], parts: u32) -> Vec<[f64; 3]> {
         self.mesh
             .cells
             .iter()
             .enumerate()
             .map(|(k, cell)| {
-                let leg = &legs[cell.leg];
+                let segment = &segments[cell.segment];
                 let mut worst = [0.0_f64; 3];
                 let parts = parts * self.slowness(k, cell).ceil().clamp(1.0, 4.0) as u32;
                 for f in (0..=parts).map(|i| f64::from(i) / f64::from(parts)) {
-                    let s = leg.s(cell.from + f * cell.length).clamp(0.0, 1.0);
-                    let shares = leg.shares(&leg.rates(s), in_time(self.solver.at(k, f)));
+                    let s = segment.s(cell.from + f * cell.length).clamp(0.0, 1.0);
+                    let shares = segment.shares(&segment.rates(s), in_time(self.solver.at(k, f)));
                     for i in 0..3 {
                         worst[i] = shares[i].into_iter().fold(worst[i], worse);
                     }
@@ -329,66 +333,88 @@ impl Plan {
             .collect()
     }
 
-    /// The stamps of the legs of `part` before the leg `end`, from `t_s` on.
-    fn stamps(&self, part: &Part<'_, '_>, end: usize, t_s: &mut f64) -> Vec<Stamps> {
-        let legs = part.legs;
+    /// The stamps of the segments of `part` before the segment `end`, from `t_s` on.
+    fn stamps(&self, part: &Window<'_, '_>, end: usize, t_s: &mut f64) -> Vec<SegmentStamps> {
+        let segments = part.segments;
         let first = part.range.start;
-        let mut all: Vec<_> =
-            (first..end).map(|_| Stamps { nodes: Vec::new(), load: Load::default() }).collect();
+        let mut all: Vec<_> = (first..end)
+            .map(|_| SegmentStamps { nodes: Vec::new(), usage: LimitUsage::default() })
+            .collect();
         let Mesh { from_rest, cells, to_rest } = &self.mesh;
         if let Some(cell) = from_rest {
-            let stamps = &mut all[cell.leg - first];
-            self.node(stamps, &legs[cell.leg], 0.0, *t_s, [0.0; 2]);
-            self.rest(stamps, &legs[cell.leg], cell, self.solver.start_s(), t_s);
+            let stamps = &mut all[cell.segment - first];
+            self.node(stamps, &segments[cell.segment], 0.0, *t_s, [0.0; 2]);
+            self.rest(stamps, &segments[cell.segment], cell, self.solver.start_s(), t_s);
         }
-        for (k, cell) in cells.iter().enumerate().take_while(|(_, cell)| cell.leg < end) {
-            let leg = &legs[cell.leg];
-            let stamps = &mut all[cell.leg - first];
-            let s = |f: f64| leg.s(cell.from + f * cell.length).clamp(0.0, 1.0);
+        for (k, cell) in cells.iter().enumerate().take_while(|(_, cell)| cell.segment < end) {
+            let segment = &segments[cell.segment];
+            let stamps = &mut all[cell.segment - first];
+            let s = |f: f64| segment.s(cell.from + f * cell.length).clamp(0.0, 1.0);
             let parts = self.parts(k, cell);
             for part in 0..parts {
                 let [from, middle, to] =
                     [0.0, 0.5, 1.0].map(|half| (f64::from(part) + half) / f64::from(parts));
                 let [x, dx, _] = self.solver.at(k, from);
-                self.node(stamps, leg, s(from), *t_s, [x, dx]);
-                let dt = self.slower * self.duration_s(k, cell, from, to);
-                self.load(stamps, leg, s(middle), in_time(self.solver.at(k, middle)), dt);
+                self.node(stamps, segment, s(from), *t_s, [x, dx]);
+                let dt = self.time_scale * self.duration_s(k, cell, from, to);
+                self.usage(stamps, segment, s(middle), in_time(self.solver.at(k, middle)), dt);
                 *t_s = later(*t_s, dt);
             }
-            if cells.get(k + 1).is_none_or(|next| next.leg != cell.leg) {
-                // Exactly at the leg's end, unless it goes on to rest.
-                let end = if to_rest.leg == cell.leg { s(1.0) } else { 1.0 };
+            if cells.get(k + 1).is_none_or(|next| next.segment != cell.segment) {
+                // Exactly at the segment's end, unless it goes on to rest.
+                let end = if to_rest.segment == cell.segment { s(1.0) } else { 1.0 };
                 let [x, dx, _] = self.solver.at(k, 1.0);
-                self.node(stamps, leg, end, *t_s, [x, dx]);
+                self.node(stamps, segment, end, *t_s, [x, dx]);
             }
         }
-        if to_rest.leg < end {
-            let stamps = &mut all[to_rest.leg - first];
-            self.rest(stamps, &legs[to_rest.leg], to_rest, self.solver.stop_s(), t_s);
-            self.node(stamps, &legs[to_rest.leg], 1.0, *t_s, [0.0; 2]);
+        if to_rest.segment < end {
+            let stamps = &mut all[to_rest.segment - first];
+            self.rest(stamps, &segments[to_rest.segment], to_rest, self.solver.stop_s(), t_s);
+            self.node(stamps, &segments[to_rest.segment], 1.0, *t_s, [0.0; 2]);
         }
         all
     }
 
-    fn node(&self, stamps: &mut Stamps, leg: &Leg<'_>, s: f64, t_s: f64, [x, dx]: [f64; 2]) {
-        let [rate, u] = leg.s_rates(s, x, dx);
-        let u = u / (self.slower * self.slower);
-        stamps.nodes.push(Node { t_s, s, rate: rate / self.slower, u: [u; 2] });
+    fn node(
+        &self,
+        stamps: &mut SegmentStamps,
+        segment: &LimitedSegment<'_>,
+        s: f64,
+        t_s: f64,
+        [x, dx]: [f64; 2],
+    ) {
+        let [rate, u] = segment.s_rates(s, x, dx);
+        let u = u / (self.time_scale * self.time_scale);
+        stamps.nodes.push(Node { t_s, s, rate: rate / self.time_scale, u: [u; 2] });
     }
 
     /// Adds what holds at `s` for `dt`, at speed, acceleration and jerk of sigma.
-    fn load(&self, stamps: &mut Stamps, leg: &Leg<'_>, s: f64, [v, a, j]: [f64; 3], dt: f64) {
-        let slower = self.slower;
-        let at = [v / slower, a / slower.powi(2), j / slower.powi(3)];
-        stamps.load.sample(&leg.shares(&leg.rates(s), at), dt);
+    fn usage(
+        &self,
+        stamps: &mut SegmentStamps,
+        segment: &LimitedSegment<'_>,
+        s: f64,
+        [v, a, j]: [f64; 3],
+        dt: f64,
+    ) {
+        let time_scale = self.time_scale;
+        let at = [v / time_scale, a / time_scale.powi(2), j / time_scale.powi(3)];
+        stamps.usage.sample(&segment.shares(&segment.rates(s), at), dt);
     }
 
     /// Passes a cell that touches rest, in which jerk is constant.
-    fn rest(&self, stamps: &mut Stamps, leg: &Leg<'_>, cell: &Cell, seconds: f64, t_s: &mut f64) {
+    fn rest(
+        &self,
+        stamps: &mut SegmentStamps,
+        segment: &LimitedSegment<'_>,
+        cell: &Cell,
+        seconds: f64,
+        t_s: &mut f64,
+    ) {
         let jerk = 6.0 * cell.length / seconds.powi(3);
         let half = [0.125 * jerk * seconds * seconds, 0.5 * jerk * seconds, jerk];
-        let dt = seconds * self.slower;
-        self.load(stamps, leg, 0.0, half, dt);
+        let dt = seconds * self.time_scale;
+        self.usage(stamps, segment, 0.0, half, dt);
         *t_s = later(*t_s, dt);
     }
 
@@ -419,12 +445,12 @@ impl Plan {
     }
 }
 
-impl Stretch {
+impl Section {
     /// Replaces the stamps of its pieces, which all move.
-    fn stamp(&mut self, stamps: Vec<Stamps>) {
+    fn stamp(&mut self, stamps: Vec<SegmentStamps>) {
         self.smooth = true;
         self.nodes.clear();
-        for (piece, Stamps { mut nodes, load }) in self.pieces.iter_mut().zip(stamps) {
+        for (piece, SegmentStamps { mut nodes, usage }) in self.pieces.iter_mut().zip(stamps) {
             for i in 1..nodes.len() {
                 nodes[i - 1].u[1] = nodes[i].u[0];
             }
@@ -437,9 +463,9 @@ impl Stretch {
             piece.start_s = self.start_s + start;
             piece.end_s = self.start_s + end;
             piece.duration_s = end - start;
-            piece.peak_velocity_rel = load.peak_velocity_rel(&limits.velocity_rad_s, full);
-            piece.limited_by = Some(load.limit());
-            piece.load = load;
+            piece.peak_velocity_rel = usage.peak_velocity_rel(&limits.velocity_rad_s, full);
+            piece.limited_by = Some(usage.limit());
+            piece.usage = usage;
             debug_assert!(matches!(piece.kind, PieceKind::Line | PieceKind::Blend));
         }
     }

@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use iiwa_kin::Robot;
-//! use iiwa_path::{Path, Program};
+//! use iiwa_path::{JointPath, Program};
 //! use iiwa_traj::{Timing, Trajectory};
 //!
 //! # let text = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
@@ -29,23 +29,29 @@
 )]
 #![expect(clippy::needless_range_loop, reason = "rows of eight numbers are indexed together")]
 
-mod audit;
 mod batch;
 mod figures;
 mod interval;
 mod jerk;
 mod lanes;
+mod limit;
+mod limit_usage;
+mod node;
 mod phases;
 mod planner;
 mod profile;
-mod stretch;
+mod section;
+mod state;
 mod sweep;
 mod timing;
 mod trajectory;
 
 pub use batch::{PlanError, plan_all};
-pub use figures::{BlendFigures, Kind, Limit, LimitShare, MotionFigures, MotionType, Totals};
+pub use figures::{BlendFigures, MotionFigures, MotionType, Totals};
+pub use limit::{Limit, LimitKind, LimitShare};
+pub use node::Node;
 pub use planner::Planner;
-pub use stretch::{Node, Piece, PieceKind, State, Stretch};
+pub use section::{Piece, PieceKind, Section};
+pub use state::State;
 pub use timing::{JerkOptions, SweepOptions, Timing, TimingError};
 pub use trajectory::Trajectory;

@@ -1,24 +1,25 @@
-//! Finds the stamps of a path, one stretch at a time.
+//! Finds the stamps of a path, one section at a time.
 
 use std::cell::Cell;
 
 use iiwa_kin::Joints;
-use iiwa_path::{Grid, Path, Segment, Step};
+use iiwa_path::{Grid, JointPath, Segment, Step};
 use pulp::Simd;
 
 use crate::{
-    audit::{Load, TOLERANCE},
     interval, jerk,
+    limit_usage::{LimitUsage, TOLERANCE},
+    node::Node,
     profile::LineLimits,
-    stretch::{Node, Piece, PieceKind, Stretch},
+    section::{Piece, PieceKind, Section},
     sweep::{self, Bounds, Nodes, Sample},
     timing::{JerkOptions, Timing, TimingError},
 };
 
-/// Plans a path stretch by stretch: an iterator that needs memory for one of them only.
+/// Plans a path section by section: an iterator that needs memory for one of them only.
 #[derive(Debug)]
 pub struct Planner {
-    path: Path,
+    path: JointPath,
     jerk: Option<JerkOptions>,
     /// The next of the path's steps.
     step: usize,
@@ -27,14 +28,14 @@ pub struct Planner {
     scratch: Scratch,
 }
 
-/// Memory that is used again for each stretch.
+/// Memory that is used again for each section.
 #[derive(Debug)]
 struct Scratch {
     grid: Grid,
     /// The nodes of all segments.
     samples: Vec<Sample>,
     /// What the way backwards found out about curves, for the way forwards.
-    curves: Vec<Curve>,
+    curves: Vec<CurveSamples>,
 }
 
 thread_local! {
@@ -75,7 +76,7 @@ const KEPT_NODES: usize = 6_500;
 
 /// The derivatives at the nodes of one curve, and what the limits leave there.
 #[derive(Debug, Default)]
-struct Curve {
+struct CurveSamples {
     /// Place of the segment among the path's steps.
     step: Option<usize>,
     dq: Vec<[f64; 8]>,
@@ -86,7 +87,7 @@ struct Curve {
 impl Planner {
     /// A planner for `path`.
     #[must_use]
-    pub fn new(path: &Path, timing: Timing) -> Self {
+    pub fn new(path: &JointPath, timing: Timing) -> Self {
         let (samples, jerk) = match timing {
             Timing::Acceleration(options) => (options.samples.max(2), None),
             Timing::Jerk(options) => (SAMPLES_BEFORE_JERK, Some(options)),
@@ -109,7 +110,7 @@ impl Planner {
 }
 
 impl Iterator for Planner {
-    type Item = Result<Stretch, TimingError>;
+    type Item = Result<Section, TimingError>;
 
     fn next(&mut self) -> Option<Self::Item> {
         let steps = self.path.steps();
@@ -121,7 +122,7 @@ impl Iterator for Planner {
             return None;
         }
         self.step = end;
-        let mut stretch = Stretch {
+        let mut section = Section {
             path: self.path.clone(),
             start_s: self.time_s,
             rest_rad: match steps[first..rest].last() {
@@ -136,17 +137,17 @@ impl Iterator for Planner {
             path: &self.path,
             scratch: &mut self.scratch,
             steps: first..rest,
-            stretch: &mut stretch,
+            section: &mut section,
         };
         let mut result = pulp::Arch::new().dispatch(moves);
         if let Some(options) = self.jerk {
-            result = result.and_then(|()| jerk::limit(&mut stretch, options));
+            result = result.and_then(|()| jerk::limit(&mut section, options));
         }
         if let Err(error) = result {
             self.step = steps.len();
             return Some(Err(error));
         }
-        let mut time_s = stretch.end_s();
+        let mut time_s = section.end_s();
         for (step, rest) in steps.iter().enumerate().take(end).skip(rest) {
             let (kind, motion, seconds) = match *rest {
                 Step::Settle { motion } => {
@@ -159,7 +160,7 @@ impl Iterator for Planner {
             if time_s + seconds <= time_s {
                 continue;
             }
-            stretch.pieces.push(Piece {
+            section.pieces.push(Piece {
                 kind,
                 motion,
                 start_s: time_s,
@@ -167,33 +168,33 @@ impl Iterator for Planner {
                 duration_s: seconds,
                 peak_velocity_rel: 0.0,
                 limited_by: None,
-                load: Load::default(),
+                usage: LimitUsage::default(),
                 step,
                 nodes: 0..0,
             });
             time_s += seconds;
         }
         self.time_s = time_s;
-        self.rest_rad = stretch.rest_rad;
-        Some(Ok(stretch))
+        self.rest_rad = section.rest_rad;
+        Some(Ok(section))
     }
 }
 
 /// Intervals a blend of the acceleration-limited stamps from which jerk-limited ones are sought.
 const SAMPLES_BEFORE_JERK: usize = 32;
 
-/// Most sweeps of one stretch until none of its intervals has to be tightened.
+/// Most sweeps of one section until none of its intervals has to be tightened.
 const ROUNDS: usize = 30;
 
-/// The moves of one stretch, planned with the widest vector instructions that the machine has.
+/// The moves of one section, planned with the widest vector instructions that the machine has.
 ///
 /// Not a closure: those reach the function with vector instructions by way of a shim that is not
 /// inlined into it, and so stay without them.
 struct Moves<'a> {
-    path: &'a Path,
+    path: &'a JointPath,
     scratch: &'a mut Scratch,
     steps: std::ops::Range<usize>,
-    stretch: &'a mut Stretch,
+    section: &'a mut Section,
 }
 
 impl pulp::WithSimd for Moves<'_> {
@@ -201,21 +202,21 @@ impl pulp::WithSimd for Moves<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Moves { path, scratch, steps, stretch } = self;
-        Plan { simd, path, scratch }.moves(steps, stretch)
+        let Moves { path, scratch, steps, section } = self;
+        SectionSweep { simd, path, scratch }.moves(steps, section)
     }
 }
 
-/// What one stretch is planned with.
-struct Plan<'a, S> {
+/// What one section is planned with.
+struct SectionSweep<'a, S> {
     simd: S,
-    path: &'a Path,
+    path: &'a JointPath,
     scratch: &'a mut Scratch,
 }
 
 /// A segment and its limits, in the form that the sweep takes.
-struct Leg<'a> {
-    segment: &'a Segment,
+struct SweepSegment<'a> {
+    shape: &'a dyn Segment,
     motion: usize,
     is_blend: bool,
     /// One over each acceleration limit.
@@ -225,10 +226,10 @@ struct Leg<'a> {
     line: Option<LineLimits>,
 }
 
-impl<'a, S: Simd> Plan<'a, S> {
+impl<'a, S: Simd> SectionSweep<'a, S> {
     #[inline(always)]
-    fn leg(&self, step: usize) -> Option<Leg<'a>> {
-        let path: &'a Path = self.path;
+    fn segment(&self, step: usize) -> Option<SweepSegment<'a>> {
+        let path: &'a JointPath = self.path;
         let Step::Move { motion, segment, blend } = &path.steps()[step] else { return None };
         let limits = &path.limits()[*motion];
         let acceleration = &limits.acceleration_rad_s2;
@@ -236,46 +237,50 @@ impl<'a, S: Simd> Plan<'a, S> {
         for j in 0..7 {
             velocity[j] = acceleration[j] / limits.velocity_rad_s[j];
         }
-        Some(Leg {
-            segment,
+        Some(SweepSegment {
+            shape: segment.as_ref(),
             motion: *motion,
             is_blend: blend.is_some(),
             scale: acceleration.map(|a| 1.0 / a),
             velocity,
-            line: segment.as_line().map(|line| {
-                LineLimits::new(line.direction_rad(), &limits.velocity_rad_s, acceleration)
+            line: segment.is_straight().then(|| {
+                let direction = segment.at(0.0).dq;
+                LineLimits::new(&direction, &limits.velocity_rad_s, acceleration)
             }),
         })
     }
 
-    fn nodes(&self, leg: &Leg<'_>) -> usize {
-        if leg.line.is_some() { 2 } else { self.scratch.grid.intervals() + 1 }
+    fn nodes(&self, segment: &SweepSegment<'_>) -> usize {
+        if segment.line.is_some() { 2 } else { self.scratch.grid.intervals() + 1 }
     }
 
-    /// Plans the moves among `steps` and adds them to `stretch`.
+    /// Plans the moves among `steps` and adds them to `section`.
     #[inline(always)]
     fn moves(
         &mut self,
         steps: std::ops::Range<usize>,
-        stretch: &mut Stretch,
+        section: &mut Section,
     ) -> Result<(), TimingError> {
-        let total =
-            steps.clone().filter_map(|step| self.leg(step)).map(|leg| self.nodes(&leg)).sum();
+        let total = steps
+            .clone()
+            .filter_map(|step| self.segment(step))
+            .map(|segment| self.nodes(&segment))
+            .sum();
         let mut samples = std::mem::take(&mut self.scratch.samples);
         samples.clear();
         samples.resize(total, Sample::default());
         // A line has up to four nodes, and two among the samples.
-        stretch.nodes.reserve_exact(total + 2 * steps.len());
+        section.nodes.reserve_exact(total + 2 * steps.len());
 
         for _ in 0..ROUNDS {
-            if !self.sweep(steps.clone(), &mut samples, stretch)? {
+            if !self.sweep(steps.clone(), &mut samples, section)? {
                 break;
             }
-            stretch.pieces.clear();
-            stretch.nodes.clear();
+            section.pieces.clear();
+            section.nodes.clear();
         }
-        if stretch.pieces.is_empty() && !steps.is_empty() {
-            let motion = self.leg(steps.start).map_or(0, |leg| leg.motion);
+        if section.pieces.is_empty() && !steps.is_empty() {
+            let motion = self.segment(steps.start).map_or(0, |segment| segment.motion);
             return Err(TimingError::Stuck { motion });
         }
         self.scratch.samples = samples;
@@ -289,54 +294,54 @@ impl<'a, S: Simd> Plan<'a, S> {
         &mut self,
         steps: std::ops::Range<usize>,
         samples: &mut [Sample],
-        stretch: &mut Stretch,
+        section: &mut Section,
     ) -> Result<bool, TimingError> {
         let mut tightened = false;
         // Backwards, from rest: at each node the largest x that all that follows allows.
         let mut next: Option<(f64, f64)> = None;
         let mut to = samples.len();
         for step in steps.clone().rev() {
-            let Some(leg) = self.leg(step) else { continue };
-            let from = to - self.nodes(&leg);
-            let tangent = leg.segment.end_tangent_rad();
-            let end = next.map_or(0.0, |(x, its)| x * (its / tangent).powi(2));
+            let Some(segment) = self.segment(step) else { continue };
+            let from = to - self.nodes(&segment);
+            let [first, last] = segment.shape.tangent_lengths_rad();
+            let end = next.map_or(0.0, |(x, tangent)| x * (tangent / last).powi(2));
             let samples = &mut samples[from..to];
-            if let Some(line) = &leg.line {
+            if let Some(line) = &segment.line {
                 samples[1].x = end.min(line.x_max);
                 samples[0].x = line.reach(samples[1].x);
             } else {
-                sweep::backward(self.curve(&leg, step), end, samples);
+                sweep::backward(self.curve(&segment, step), end, samples);
             }
-            next = Some((samples[0].x, tangent));
+            next = Some((samples[0].x, first));
             to = from;
         }
 
         // Forwards, from rest: as fast as that allows.
-        let mut last: Option<(f64, f64)> = None;
+        let mut before: Option<(f64, f64)> = None;
         let mut from = 0;
         let mut t_s = 0.0;
         for step in steps {
-            let Some(leg) = self.leg(step) else { continue };
-            let to = from + self.nodes(&leg);
-            let tangent = leg.segment.end_tangent_rad();
-            let start = last.map_or(0.0, |(x, its)| x * (its / tangent).powi(2));
+            let Some(segment) = self.segment(step) else { continue };
+            let to = from + self.nodes(&segment);
+            let [first, last] = segment.shape.tangent_lengths_rad();
+            let start = before.map_or(0.0, |(x, tangent)| x * (tangent / first).powi(2));
             let samples = &mut samples[from..to];
-            let first_node = stretch.nodes.len();
-            if let Some(line) = &leg.line {
+            let first_node = section.nodes.len();
+            if let Some(line) = &segment.line {
                 let x0 = start.min(samples[0].x);
                 let x1 = line.reach(x0).min(samples[1].x);
                 samples[1].x = x1;
-                stamp(self.simd, line.fastest(x0, x1), &mut t_s, &mut stretch.nodes);
+                stamp(self.simd, line.fastest(x0, x1), &mut t_s, &mut section.nodes);
             } else {
-                tightened |= !sweep::settle(self.curve(&leg, step), start, samples);
+                tightened |= !sweep::settle(self.curve(&segment, step), start, samples);
                 let n = (samples.len() - 1) as f64;
                 let nodes = samples.iter().enumerate().map(|(i, &sample)| (i as f64 / n, sample));
-                stamp(self.simd, nodes, &mut t_s, &mut stretch.nodes);
+                stamp(self.simd, nodes, &mut t_s, &mut section.nodes);
             }
-            last = Some((samples[samples.len() - 1].x, tangent));
+            before = Some((samples[samples.len() - 1].x, last));
             from = to;
             if !tightened {
-                self.finish_piece(&leg, step, first_node, t_s, stretch)?;
+                self.finish_piece(&segment, step, first_node, t_s, section)?;
             }
         }
         Ok(tightened)
@@ -344,13 +349,13 @@ impl<'a, S: Simd> Plan<'a, S> {
 
     /// The nodes of a curve, of which `step` is the place.
     #[inline(always)]
-    fn curve<'n>(&'n mut self, leg: &'n Leg<'_>, step: usize) -> Nodes<'n, S> {
+    fn curve<'n>(&'n mut self, segment: &'n SweepSegment<'_>, step: usize) -> Nodes<'n, S> {
         let Scratch { grid, curves, .. } = &mut *self.scratch;
         let nodes = grid.intervals() + 1;
         // Of blended motions, every second step is a curve.
         let slot = (step / 2) % (KEPT_NODES / nodes).max(1);
         if curves.len() <= slot {
-            curves.resize_with(slot + 1, Curve::default);
+            curves.resize_with(slot + 1, CurveSamples::default);
         }
         let curve = &mut curves[slot];
         if curve.step != Some(step) {
@@ -358,44 +363,44 @@ impl<'a, S: Simd> Plan<'a, S> {
             curve.dq.resize(nodes, [0.0; 8]);
             curve.ddq.resize(nodes, [0.0; 8]);
             curve.bounds.resize(nodes, Bounds::default());
-            leg.segment.rates(grid, &leg.scale, &mut curve.dq, &mut curve.ddq);
-            sweep::bounds(self.simd, &curve.dq, &curve.ddq, &leg.velocity, &mut curve.bounds);
+            segment.shape.rates(grid, &segment.scale, &mut curve.dq, &mut curve.ddq);
+            sweep::bounds(self.simd, &curve.dq, &curve.ddq, &segment.velocity, &mut curve.bounds);
         }
-        let Curve { dq, ddq, bounds, .. } = curve;
-        Nodes { simd: self.simd, dq, ddq, velocity: &leg.velocity, bounds }
+        let CurveSamples { dq, ddq, bounds, .. } = curve;
+        Nodes { simd: self.simd, dq, ddq, velocity: &segment.velocity, bounds }
     }
 
     /// Checks the nodes from `first_node` on against the limits and makes them a piece.
     #[inline(always)]
     fn finish_piece(
         &mut self,
-        leg: &Leg<'_>,
+        segment: &SweepSegment<'_>,
         step: usize,
         first_node: usize,
         end_s: f64,
-        stretch: &mut Stretch,
+        section: &mut Section,
     ) -> Result<(), TimingError> {
-        let nodes = &stretch.nodes[first_node..];
-        let mut load = Load::default();
-        if leg.line.is_some() {
+        let nodes = &section.nodes[first_node..];
+        let mut usage = LimitUsage::default();
+        if segment.line.is_some() {
             // dq/ds is the same at all nodes of a line: one interval after the other.
-            let direction = leg.segment.at(0.0).dq;
+            let direction = segment.shape.at(0.0).dq;
             let mut row = [0.0; 8];
             for j in 0..7 {
-                row[j] = direction[j] * leg.scale[j];
+                row[j] = direction[j] * segment.scale[j];
             }
             for pair in nodes.windows(2) {
-                load.add(pair, &[row; 2], &[[0.0; 8]; 2], &leg.velocity);
+                usage.add(pair, &[row; 2], &[[0.0; 8]; 2], &segment.velocity);
             }
         } else {
-            let Nodes { dq, ddq, .. } = self.curve(leg, step);
-            load.add(nodes, dq, ddq, &leg.velocity);
+            let Nodes { dq, ddq, .. } = self.curve(segment, step);
+            usage.add(nodes, dq, ddq, &segment.velocity);
         }
-        let motion = leg.motion;
+        let motion = segment.motion;
         if !end_s.is_finite() {
             return Err(TimingError::Stuck { motion });
         }
-        let (limit, ratio) = load.worst();
+        let (limit, ratio) = usage.worst();
         if ratio > 1.0 + TOLERANCE {
             let crate::Limit { joint, kind } = limit;
             return Err(TimingError::LimitExceeded { motion, joint, kind, ratio });
@@ -403,18 +408,18 @@ impl<'a, S: Simd> Plan<'a, S> {
         // Shares of the motion's limits become shares of the robot's.
         let own = &self.path.limits()[motion].velocity_rad_s;
         let full = &self.path.robot().limits().velocity_rad_s;
-        let peak_velocity_rel = load.peak_velocity_rel(own, full);
-        stretch.pieces.push(Piece {
-            kind: if leg.is_blend { PieceKind::Blend } else { PieceKind::Line },
+        let peak_velocity_rel = usage.peak_velocity_rel(own, full);
+        section.pieces.push(Piece {
+            kind: if segment.is_blend { PieceKind::Blend } else { PieceKind::Line },
             motion,
-            start_s: stretch.start_s + nodes[0].t_s,
-            end_s: stretch.start_s + end_s,
+            start_s: section.start_s + nodes[0].t_s,
+            end_s: section.start_s + end_s,
             duration_s: end_s - nodes[0].t_s,
             peak_velocity_rel,
-            limited_by: Some(load.limit()),
-            load,
+            limited_by: Some(usage.limit()),
+            usage,
             step,
-            nodes: first_node..stretch.nodes.len(),
+            nodes: first_node..section.nodes.len(),
         });
         Ok(())
     }
@@ -465,19 +470,19 @@ mod tests {
             { "type": "ptp", "joints_deg": [40, 30, -20, -60, 10, 50, 30], "blend": { "fraction": 0.5 } },
             { "type": "ptp", "joints_deg": [0, 10, 0, -80, 0, 60, 0] }] }"#;
         let program = Program::from_json(text).unwrap();
-        let path = Path::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
+        let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
         let widest = Planner::new(&path, Timing::Acceleration(crate::SweepOptions::default()))
             .next()
             .unwrap()
             .unwrap();
 
         let mut scratch = Scratch::take(100);
-        let mut stretch = Stretch { pieces: Vec::new(), nodes: Vec::new(), ..widest.clone() };
+        let mut section = Section { pieces: Vec::new(), nodes: Vec::new(), ..widest.clone() };
         let moves =
-            Moves { path: &path, scratch: &mut scratch, steps: 0..7, stretch: &mut stretch };
+            Moves { path: &path, scratch: &mut scratch, steps: 0..7, section: &mut section };
         pulp::WithSimd::with_simd(moves, pulp::Scalar::new()).unwrap();
-        assert_eq!(widest.nodes.len(), stretch.nodes.len());
-        for (a, b) in widest.nodes.iter().zip(&stretch.nodes) {
+        assert_eq!(widest.nodes.len(), section.nodes.len());
+        for (a, b) in widest.nodes.iter().zip(&section.nodes) {
             assert!(
                 (a.t_s - b.t_s).abs() < 1e-9 && (a.rate - b.rate).abs() < 1e-6 * a.rate.max(1.0)
             );

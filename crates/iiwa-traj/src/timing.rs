@@ -1,5 +1,7 @@
 //! What limits the stamps.
 
+use crate::limit::LimitKind;
+
 /// The limits that a trajectory keeps, and how its stamps are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -45,7 +47,7 @@ impl Default for SweepOptions {
 
 /// How jerk-limited stamps are found.
 ///
-/// A straight line from rest to rest has a closed form. Stretches with blends are solved for on cells, at
+/// A straight line from rest to rest has a closed form. Sections with blends are solved for on cells, at
 /// some places of which limits are kept exactly; in between they may be exceeded by 0.4 % (velocity),
 /// 0.6 % (acceleration) and 4 % (jerk). Blends have to be of a shape whose curvature continues that of
 /// the lines.
@@ -54,7 +56,7 @@ pub struct JerkOptions {
     /// How many times as fine as usual the cells are; 1 by default.
     pub refinement: f64,
     /// Whether all goes through the general solver as a whole: straight lines from rest to rest, which have
-    /// a closed form, and long stretches, which are solved part by part. No by default; for tests.
+    /// a closed form, and long sections, which are solved part by part. No by default; for tests.
     pub general: bool,
 }
 
@@ -80,7 +82,7 @@ pub enum TimingError {
         /// The joint, from 1.
         joint: usize,
         /// Which limit.
-        kind: crate::Kind,
+        kind: LimitKind,
         /// Value over limit.
         ratio: f64,
     },
@@ -101,14 +103,14 @@ pub enum TimingError {
         .motion + 1
     )]
     NotConverged {
-        /// The first motion of a stretch without a stop, from 0.
+        /// The first motion of a section without a stop, from 0.
         motion: usize,
     },
     /// No stamps were found: the arm would stop on the way, or intervals had to be tightened again and
     /// again.
     #[error("motion {}: no way was found to move through it; please report the program", .motion + 1)]
     Stuck {
-        /// The motion, from 0, or the first one of a stretch without a stop.
+        /// The motion, from 0, or the first one of a section without a stop.
         motion: usize,
     },
 }

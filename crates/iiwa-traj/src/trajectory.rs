@@ -1,11 +1,12 @@
 //! A whole trajectory.
 
-use iiwa_path::Path;
+use iiwa_path::JointPath;
 
 use crate::{
     figures::{BlendFigures, MotionFigures, Totals},
     planner::Planner,
-    stretch::{State, Stretch},
+    section::Section,
+    state::State,
     timing::{Timing, TimingError},
 };
 
@@ -14,8 +15,8 @@ use crate::{
 /// It keeps its limits: that is checked before it is handed out.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
-    path: Path,
-    stretches: Vec<Stretch>,
+    path: JointPath,
+    sections: Vec<Section>,
     totals: Totals,
 }
 
@@ -25,18 +26,18 @@ impl Trajectory {
     /// # Errors
     ///
     /// If no stamps were found that keep the limits. This would be a fault of the planner.
-    pub fn plan(path: &Path, timing: Timing) -> Result<Self, TimingError> {
-        let stretches: Vec<_> = Planner::new(path, timing).collect::<Result<_, _>>()?;
+    pub fn plan(path: &JointPath, timing: Timing) -> Result<Self, TimingError> {
+        let sections: Vec<_> = Planner::new(path, timing).collect::<Result<_, _>>()?;
         let mut totals = Totals::default();
-        for stretch in &stretches {
-            totals.add(stretch);
+        for section in &sections {
+            totals.add(section);
         }
-        Ok(Self { path: path.clone(), stretches, totals })
+        Ok(Self { path: path.clone(), sections, totals })
     }
 
     /// The path.
     #[must_use]
-    pub fn path(&self) -> &Path {
+    pub fn path(&self) -> &JointPath {
         &self.path
     }
 
@@ -60,21 +61,22 @@ impl Trajectory {
 
     /// The parts from stop to stop, in order.
     #[must_use]
-    pub fn stretches(&self) -> &[Stretch] {
-        &self.stretches
+    pub fn sections(&self) -> &[Section] {
+        &self.sections
     }
 
     /// What the arm does at `t_s`; before the start it stands there, after the end too. O(log n).
     #[must_use]
     pub fn at(&self, t_s: f64) -> State {
-        let next = self.stretches.partition_point(|stretch| stretch.end_s() <= t_s);
-        match self.stretches.get(next).or(self.stretches.last()) {
-            Some(stretch) => stretch.at(t_s),
+        let next = self.sections.partition_point(|section| section.end_s() <= t_s);
+        match self.sections.get(next).or(self.sections.last()) {
+            Some(section) => section.at(t_s),
             None => State {
                 t_s: 0.0,
                 q: *self.path.start_rad(),
                 dq: [0.0; 7],
                 ddq: [0.0; 7],
+                dddq: [0.0; 7],
                 motion: 0,
             },
         }
@@ -83,19 +85,19 @@ impl Trajectory {
     /// What the arm does at every sample at which stamps were found, the end included. Stamps
     /// increase strictly.
     pub fn states(&self) -> impl Iterator<Item = State> {
-        let end = self.stretches.last().map(|stretch| stretch.at(stretch.end_s()));
-        self.stretches.iter().flat_map(Stretch::states).chain(end)
+        let end = self.sections.last().map(|section| section.at(section.end_s()));
+        self.sections.iter().flat_map(Section::states).chain(end)
     }
 
     /// The figures of all entries of the program's list of motions, in order.
     #[must_use]
     pub fn motions(&self) -> Vec<MotionFigures> {
-        self.stretches.iter().flat_map(Stretch::motions).collect()
+        self.sections.iter().flat_map(Section::motions).collect()
     }
 
     /// The figures of all blends, in order.
     #[must_use]
     pub fn blends(&self) -> Vec<BlendFigures> {
-        self.stretches.iter().flat_map(Stretch::blends).collect()
+        self.sections.iter().flat_map(Section::blends).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! Many programs at once come out as they do one by one.
 
 use iiwa_kin::Robot;
-use iiwa_path::{Blend, BlendShape, Fault, Motion, Path, PathOptions, Program, Ptp};
+use iiwa_path::{Blend, BlendShape, Fault, JointPath, Motion, PathOptions, Program, Ptp};
 use iiwa_traj::{PlanError, State, SweepOptions, Timing, Trajectory, plan_all};
 use rayon::ThreadPoolBuilder;
 
@@ -40,7 +40,7 @@ fn the_same_as_one_by_one_and_in_order() {
     let plans = plan_all(&programs, &robot, options, timing);
     assert_eq!(plans.len(), programs.len());
     for (program, plan) in programs.iter().zip(&plans) {
-        let path = Path::with_options(program, &robot, options).unwrap();
+        let path = JointPath::with_options(program, &robot, options).unwrap();
         let alone = Trajectory::plan(&path, timing).unwrap();
         let plan = plan.as_ref().unwrap();
         assert_eq!(states(plan), states(&alone));

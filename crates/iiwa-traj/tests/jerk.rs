@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, Motion, Path, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use iiwa_traj::{State, SweepOptions, Timing, Trajectory};
 use proptest::{
     prelude::*,
@@ -13,7 +13,7 @@ use proptest::{
 };
 
 fn trajectory(program: &Program, robot: &Robot, timing: Timing) -> Trajectory {
-    let path = Path::new(program, robot).unwrap();
+    let path = JointPath::new(program, robot).unwrap();
     Trajectory::plan(&path, timing).unwrap()
 }
 
@@ -50,7 +50,7 @@ fn programs(count: usize) -> Vec<Program> {
     let all = (joints(), prop::collection::vec(motion, 2..=6))
         .prop_map(|(start, motions)| program(start, motions))
         .prop_filter("a blend swings out of the limits", |program| {
-            Path::new(program, &Robot::default()).is_ok()
+            JointPath::new(program, &Robot::default()).is_ok()
         });
     let config = ProptestConfig { rng_seed: RngSeed::Fixed(42), ..ProptestConfig::default() };
     prop::collection::vec(all, count).new_tree(&mut TestRunner::new(config)).unwrap().current()

@@ -1,7 +1,7 @@
 //! Stamps increase, whatever takes no time.
 
 use iiwa_kin::Robot;
-use iiwa_path::{Motion, Path, Program, Ptp};
+use iiwa_path::{JointPath, Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 
 fn wait(seconds: f64) -> Motion {
@@ -22,12 +22,12 @@ fn a_wait_of_no_time_has_no_stamp() {
         wait(0.0),
     ];
     let program = Program { robot: None, start_rad: [0.0; 7], motions };
-    let path = Path::new(&program, &Robot::default()).unwrap();
+    let path = JointPath::new(&program, &Robot::default()).unwrap();
     let plan = Trajectory::plan(&path, Timing::default()).unwrap();
     for pair in plan.states().collect::<Vec<_>>().windows(2) {
         assert!(pair[0].t_s < pair[1].t_s, "{pair:?}");
     }
-    let pieces = plan.stretches().iter().flat_map(iiwa_traj::Stretch::pieces);
+    let pieces = plan.sections().iter().flat_map(iiwa_traj::Section::pieces);
     assert!(pieces.clone().all(|piece| piece.start_s < piece.end_s));
     assert_eq!(pieces.count(), 4);
     let motions: Vec<_> = plan.motions().iter().map(|figures| figures.motion).collect();
@@ -38,7 +38,7 @@ fn a_wait_of_no_time_has_no_stamp() {
 #[test]
 fn a_program_may_take_no_time_at_all() {
     let program = Program { robot: None, start_rad: [0.1; 7], motions: vec![wait(0.0)] };
-    let path = Path::new(&program, &Robot::default()).unwrap();
+    let path = JointPath::new(&program, &Robot::default()).unwrap();
     let plan = Trajectory::plan(&path, Timing::default()).unwrap();
     assert_eq!((plan.cycle_time_s(), plan.states().count()), (0.0, 1));
     assert_eq!(plan.at(0.0).q, [0.1; 7]);

@@ -9,7 +9,7 @@ use std::time::Duration;
 use iiwa_fri::{Controller, ControllerConfig, Reading, Safety, SessionState};
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::message::{Code, DriveState, Refusal, Sensors};
-use iiwa_path::{Motion, Path, Program};
+use iiwa_path::{JointPath, Motion, Program};
 use iiwa_traj::{Timing, Trajectory};
 
 use crate::{
@@ -499,7 +499,7 @@ pub(super) fn plan(
     motions: Vec<Motion>,
 ) -> Result<Trajectory, Refusal> {
     let program = Program { robot: None, start_rad, motions };
-    let path =
-        Path::new(&program, robot).map_err(|fault| Refusal::new(Code::Limit, fault.to_string()))?;
+    let path = JointPath::new(&program, robot)
+        .map_err(|fault| Refusal::new(Code::Limit, fault.to_string()))?;
     Trajectory::plan(&path, Timing::default()).map_err(|error| Refusal::robot(error.to_string()))
 }

@@ -12,7 +12,7 @@ use iiwa_link::{
     },
     transport::Permit,
 };
-use iiwa_path::{Motion, Path, Program};
+use iiwa_path::{JointPath, Motion, Program};
 
 use crate::robot_program::RunId;
 
@@ -117,7 +117,7 @@ fn check_motions(motions: &[Motion], robot: &Robot, at_rad: &Joints) -> Result<(
     let range = robot.limits().position_rad;
     let start_rad = std::array::from_fn(|j| at_rad[j].clamp(-range[j], range[j]));
     let program = Program { robot: None, start_rad, motions: motions.to_vec() };
-    Path::new(&program, robot)
+    JointPath::new(&program, robot)
         .map(drop)
         .map_err(|fault| Refusal::new(Code::Limit, fault.to_string()))
 }

@@ -36,7 +36,7 @@ use fastrand::Rng;
 use iiwa_fri::{Controller, ControllerConfig, Format, Reading, SessionState};
 use iiwa_kin::{Joints, Limits, Robot};
 use iiwa_link::TimedJoints;
-use iiwa_path::{Blend, Motion, Path, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 
 use super::{
@@ -425,7 +425,7 @@ fn program(random: &mut Rng) -> Program {
         }
         let motions = motions.into_iter().map(Motion::Ptp).collect();
         let program = Program { robot: None, start_rad, motions };
-        if Path::new(&program, &Robot::default()).is_ok() {
+        if JointPath::new(&program, &Robot::default()).is_ok() {
             return program;
         }
     }
@@ -433,7 +433,7 @@ fn program(random: &mut Rng) -> Program {
 
 /// Points as clients send them: every 4 ms, and at the end.
 fn sampled(program: &Program) -> TimedJoints {
-    let path = Path::new(program, &Robot::default()).unwrap();
+    let path = JointPath::new(program, &Robot::default()).unwrap();
     let plan = Trajectory::plan(&path, Timing::default()).unwrap();
     let end_s = plan.cycle_time_s();
     let steps = (end_s / 0.004).floor();
@@ -488,7 +488,7 @@ fn run(seed: u64, trajectory: &TimedJoints, tally: &mut Tally) {
     let most = (duration as u64) + (4.0 / cell.period_s()) as u64;
     while cell.over.is_none() {
         assert!(cell.cycle < begun + most, "seed {seed}: the run never ends");
-        // A stretch in which nothing gets through.
+        // A section in which nothing gets through.
         if random.f64() < 0.15 * cell.period_s() {
             let until = cell.cycle + random.u64(1..=5) * u64::from(multiplier);
             match random.u32(0..3) {

@@ -5,7 +5,7 @@ use iiwa_link::{
     ClientError, TimedJoints,
     message::{Code, DriveState, Run},
 };
-use iiwa_path::{Blend, Motion, Path, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_tests::calm::in_real_time;
 
@@ -25,7 +25,7 @@ fn motions() -> Vec<Motion> {
 
 pub(crate) fn planned(motions: Vec<Motion>) -> Trajectory {
     let program = Program { robot: None, start_rad: [0.0; 7], motions };
-    let path = Path::new(&program, &Robot::default()).unwrap();
+    let path = JointPath::new(&program, &Robot::default()).unwrap();
     Trajectory::plan(&path, Timing::default()).unwrap()
 }
 

@@ -77,7 +77,7 @@ pub(crate) fn deviations(
         let way = if farthest.is_finite() { (arc - farthest).max(0.0) } else { 0.0 };
         farthest = farthest.max(arc);
         let off_rad = distance(q, &planned);
-        let tcp_m = plan.robot().tcp_position(q);
+        let tcp_m = plan.robot().flange_position(q);
         let off_m = tcp_distance(plan, plan_s, (&planned, &rate), tcp_m);
         joints.add(off_rad, way, i, plan_s);
         tcp.add(off_m, way, i, plan_s);
@@ -106,7 +106,7 @@ fn tcp_distance(
     let (mut at_s, mut q, mut dq) = (plan_s, *planned, *rate);
     let mut nearest = f64::MAX;
     for _ in 0..4 {
-        let (p, v) = robot.tcp_motion(&q, &dq);
+        let (p, v) = robot.flange_motion(&q, &dq);
         let to: [f64; 3] = std::array::from_fn(|k| tcp_m[k] - p[k]);
         let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let off = dot(&to, &to).sqrt();
@@ -158,8 +158,8 @@ impl Sum {
                 recording_s: log.t_s[i],
                 planned_rad,
                 measured_rad,
-                planned_tcp_m: plan.robot().tcp_position(&planned_rad),
-                measured_tcp_m: plan.robot().tcp_position(&measured_rad),
+                planned_tcp_m: plan.robot().flange_position(&planned_rad),
+                measured_tcp_m: plan.robot().flange_position(&measured_rad),
             },
         }
     }

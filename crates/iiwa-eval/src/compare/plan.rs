@@ -95,7 +95,7 @@ impl Plan {
                 knots.push(knot);
             }
         }
-        let pieces = trajectory.stretches().iter().flat_map(iiwa_traj::Stretch::pieces);
+        let pieces = trajectory.sections().iter().flat_map(iiwa_traj::Section::pieces);
         let pieces = pieces
             .filter(|piece| piece.end_s > piece.start_s)
             .filter_map(|piece| {

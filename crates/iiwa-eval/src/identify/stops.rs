@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use iiwa_kin::Joints;
 use iiwa_log::JointLog;
-use iiwa_path::{Path, Step};
+use iiwa_path::{JointPath, Step};
 
 use crate::vector::{add_scaled, distance, dot, norm, sub};
 
@@ -16,7 +16,7 @@ const NEAR_RAD: f64 = 2e-3;
 /// arrived all the same, what it does next would be taken for what it does not.
 const ASTRAY_RAD: f64 = 0.1;
 
-/// A stretch of a path from one stop to the next, and its samples.
+/// A section of a path from one stop to the next, and its samples.
 #[derive(Clone, Debug)]
 pub(super) struct Passage {
     /// Steps of the path.
@@ -32,7 +32,7 @@ pub(super) struct Passage {
     pub(super) waits_s: f64,
 }
 
-/// The stretches of a path, as far as the recording follows it.
+/// The sections of a path, as far as the recording follows it.
 #[derive(Debug)]
 pub(super) struct Followed {
     pub(super) passages: Vec<Passage>,
@@ -40,7 +40,7 @@ pub(super) struct Followed {
     pub(super) lost_in: Option<usize>,
 }
 
-/// A stretch as it is planned.
+/// A section as it is planned.
 struct Planned {
     steps: Range<usize>,
     from: Joints,
@@ -50,17 +50,17 @@ struct Planned {
 }
 
 /// From stop to stop.
-fn planned(path: &Path) -> Vec<Planned> {
-    let mut stretches: Vec<Planned> = Vec::new();
+fn planned(path: &JointPath) -> Vec<Planned> {
+    let mut sections: Vec<Planned> = Vec::new();
     let mut at = *path.start_rad();
     let mut moving = false;
     for (i, step) in path.steps().iter().enumerate() {
         match step {
             Step::Move { segment, .. } => {
                 let end = segment.at(1.0).q;
-                match stretches.last_mut().filter(|_| moving) {
-                    Some(stretch) => (stretch.steps.end, stretch.to) = (i + 1, end),
-                    None => stretches.push(Planned {
+                match sections.last_mut().filter(|_| moving) {
+                    Some(section) => (section.steps.end, section.to) = (i + 1, end),
+                    None => sections.push(Planned {
                         steps: i..i + 1,
                         from: at,
                         to: end,
@@ -72,25 +72,25 @@ fn planned(path: &Path) -> Vec<Planned> {
                 continue;
             }
             Step::Settle { .. } => {
-                if let Some(stretch) = stretches.last_mut() {
-                    stretch.settles += 1;
+                if let Some(section) = sections.last_mut() {
+                    section.settles += 1;
                 }
             }
             Step::Wait { seconds, .. } => {
-                if let Some(stretch) = stretches.last_mut() {
-                    stretch.waits_s += seconds;
+                if let Some(section) = sections.last_mut() {
+                    section.waits_s += seconds;
                 }
             }
             _ => {}
         }
         moving = false;
     }
-    stretches
+    sections
 }
 
-/// Finds the stretches of `path` in `log`, from the sample `from` on; none if the arm is never where the
+/// Finds the sections of `path` in `log`, from the sample `from` on; none if the arm is never where the
 /// path begins.
-pub(super) fn follow(path: &Path, log: &JointLog, from: usize) -> Option<Followed> {
+pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Followed> {
     let q = &log.q_rad;
     let find = |from: usize, holds: &dyn Fn(&Joints) -> bool| {
         q[from..].iter().position(holds).map(|at| from + at)
@@ -99,31 +99,31 @@ pub(super) fn follow(path: &Path, log: &JointLog, from: usize) -> Option<Followe
     let mut lost_in = None;
     // Where the arm leaves each stop, and where it is near the next one.
     let mut cores = Vec::new();
-    let stretches = planned(path);
-    for stretch in &stretches {
+    let sections = planned(path);
+    for section in &sections {
         let core = (|| {
             // A short way is left and arrived at within less.
-            let near = NEAR_RAD.min(0.1 * distance(&stretch.from, &stretch.to)).max(1e-9);
-            let leaves = find(at, &|q| distance(q, &stretch.from) > near)?;
+            let near = NEAR_RAD.min(0.1 * distance(&section.from, &section.to)).max(1e-9);
+            let leaves = find(at, &|q| distance(q, &section.from) > near)?;
             let mut passed = leaves;
-            for step in &path.steps()[stretch.steps.clone()] {
+            for step in &path.steps()[section.steps.clone()] {
                 if let Step::Move { segment, blend: Some(_), .. } = step {
                     let middle = segment.at(0.5).q;
                     let reach = distance(&middle, &segment.at(0.0).q).max(NEAR_RAD);
                     passed = find(passed, &|q| distance(q, &middle) < 0.7 * reach)?;
                 }
             }
-            let core = leaves..find(passed, &|q| distance(q, &stretch.to) < near)?;
+            let core = leaves..find(passed, &|q| distance(q, &section.to) < near)?;
             let is_line =
-                matches!(path.steps()[stretch.steps.clone()], [Step::Move { blend: None, .. }]);
+                matches!(path.steps()[section.steps.clone()], [Step::Move { blend: None, .. }]);
             let astray = is_line
                 && q[core.clone()]
                     .iter()
-                    .any(|q| beside(q, &stretch.from, &stretch.to) > ASTRAY_RAD);
+                    .any(|q| beside(q, &section.from, &section.to) > ASTRAY_RAD);
             (!astray).then_some(core)
         })();
         let Some(core) = core else {
-            lost_in = Some(match &path.steps()[stretch.steps.start] {
+            lost_in = Some(match &path.steps()[section.steps.start] {
                 Step::Move { motion, .. } => *motion,
                 _ => 0,
             });
@@ -135,12 +135,12 @@ pub(super) fn follow(path: &Path, log: &JointLog, from: usize) -> Option<Followe
     let mut begin =
         cores.first().map_or(0, |core| standing_before(log, core.start, path.start_rad()));
     let mut passages = Vec::with_capacity(cores.len());
-    for (i, (stretch, core)) in stretches.into_iter().zip(&cores).enumerate() {
+    for (i, (section, core)) in sections.into_iter().zip(&cores).enumerate() {
         let end = match cores.get(i + 1) {
             Some(next) => slowest(log, core.end..next.start),
-            None => standing_after(log, core.end, &stretch.to),
+            None => standing_after(log, core.end, &section.to),
         };
-        let Planned { steps, from, to, settles, waits_s } = stretch;
+        let Planned { steps, from, to, settles, waits_s } = section;
         let (samples, arrives) = (begin..end, core.end);
         passages.push(Passage { steps, from, to, samples, arrives, settles, waits_s });
         begin = end;

@@ -97,7 +97,7 @@ impl Robot {
 
     /// Distance (m) and angle (rad) between the flanges of model and URDF.
     fn deviation(&self, chain: &Chain<'_>, joints_rad: &Joints) -> (f64, f64) {
-        let model = self.tcp(joints_rad);
+        let model = self.flange_pose(joints_rad);
         let (_, tip) = chain.poses(joints_rad);
         let distance = (tip.translation.vector - Vector3::from(model.position_m)).norm();
         let apart = tip.rotation.to_rotation_matrix().into_inner() - model.rotation_matrix();

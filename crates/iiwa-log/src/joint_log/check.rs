@@ -28,7 +28,7 @@ const SHORTEST_PERIOD_S: f64 = 3e-5;
 
 impl JointLog {
     /// Whether the positions can be those of `robot`: its range of each joint, with half a degree to
-    /// spare, and one and a half times its limit of speed, over stretches of 0.05 s and more.
+    /// spare, and one and a half times its limit of speed, over sections of 0.05 s and more.
     ///
     /// The limit of speed finds degrees that were taken for radians where the motion is so small that
     /// the range does not.
@@ -121,7 +121,7 @@ impl JointLog {
         self.check_speed(&[FASTEST_RAD_S; 7])
     }
 
-    /// Holds the speed over stretches that follow each other against `most_rad_s`.
+    /// Holds the speed over sections that follow each other against `most_rad_s`.
     fn check_speed(&self, most_rad_s: &[f64; 7]) -> Result<(), JointLogError> {
         let mut samples = self.t_s.iter().zip(&self.q_rad);
         let Some(mut from) = samples.next() else { return Ok(()) };

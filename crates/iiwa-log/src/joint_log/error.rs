@@ -147,7 +147,7 @@ pub enum JointLogError {
         joint: usize,
         /// When, s.
         t_s: f64,
-        /// Its speed, over a stretch of at least 0.05 s, rad/s.
+        /// Its speed, over a section of at least 0.05 s, rad/s.
         found_rad_s: f64,
         /// The most that is accepted, rad/s.
         most_rad_s: f64,

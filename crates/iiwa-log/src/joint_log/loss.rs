@@ -25,7 +25,7 @@ impl fmt::Display for Place {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Loss {
-    /// A stretch without samples: a step of more than 2.5 times the usual one.
+    /// A section without samples: a step of more than 2.5 times the usual one.
     Gap {
         /// The last sample before, s.
         from_s: f64,

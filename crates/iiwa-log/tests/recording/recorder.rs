@@ -63,7 +63,7 @@ fn everything_comes_back() {
     assert_eq!(times["/tf"], times["/tcp_pose"]);
     assert_eq!(recording.tcp_poses[1].t_s, 0.01);
     assert_eq!(recording.tcp_poses[251].t_s, 2.505);
-    let tcp = robot.tcp(&swing(MS * 10).0);
+    let tcp = robot.flange_pose(&swing(MS * 10).0);
     assert_eq!(recording.tcp_poses[1].position_m, tcp.position_m);
     assert_eq!(recording.tcp_poses[1].rotation_xyzw, tcp.quaternion_xyzw());
 

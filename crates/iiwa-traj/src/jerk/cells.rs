@@ -9,40 +9,40 @@
 //! - in acceleration, `q' x'/2 + q'' x`, at the start and in the middle, or on lines at the middle
 //!   control point of x';
 //! - in jerk, `sqrt(x) (q' x''/2 + 3/2 q'' x' + q''' x)`, at both ends and in the middle. Here x moves to
-//!   the other side, which leaves something linear below `x^(-1/2)`.
+//!   the other slack, which leaves something linear below `x^(-1/2)`.
 //!
 //! Every limit is a row, divided by the limit so that the bound is 1, with a slack s and a dual z on
-//! either side. Lines have one row for all joints, which move in proportion; curves have seven.
+//! either slack. Lines have one row for all joints, which move in proportion; curves have seven.
 
 use pulp::Simd;
 
 use super::{
-    leg::{Leg, Rates},
+    limited_segment::{LimitedSegment, Rates},
     mesh::{Cell, Mesh},
-    quadratic::{Quadratic, State, Terms},
-    side::{Side, Step, Steps},
+    quadratic::{CellState, Quadratic, Terms},
+    slack_pair::{InteriorStep, InteriorSteps, SlackPair},
 };
 use crate::lanes::{LANES, Lanes, Vector, registers};
 
 /// The functions that are the state's own numbers.
-const UNIT: [State; 4] =
+const UNIT: [CellState; 4] =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 /// x at the start of a cell.
-pub(crate) const START_X: State = UNIT[0];
+pub(crate) const START_X: CellState = UNIT[0];
 /// x at the end of a cell.
-pub(crate) const END_X: State = [1.0, 1.0, 1.0 / 3.0, 1.0 / 6.0];
+pub(crate) const END_X: CellState = [1.0, 1.0, 1.0 / 3.0, 1.0 / 6.0];
 /// V there.
-pub(crate) const END_V: State = [0.0, 1.0, 0.5, 0.5];
+pub(crate) const END_V: CellState = [0.0, 1.0, 0.5, 0.5];
 /// x in the middle.
-const MIDDLE_X: State = [1.0, 0.5, 5.0 / 48.0, 1.0 / 48.0];
+const MIDDLE_X: CellState = [1.0, 0.5, 5.0 / 48.0, 1.0 / 48.0];
 /// V in the middle.
-const MIDDLE_V: State = [0.0, 1.0, 3.0 / 8.0, 1.0 / 8.0];
+const MIDDLE_V: CellState = [0.0, 1.0, 3.0 / 8.0, 1.0 / 8.0];
 /// W there.
-const MIDDLE_W: State = [0.0, 0.0, 0.5, 0.5];
+const MIDDLE_W: CellState = [0.0, 0.0, 0.5, 0.5];
 /// V at its middle control point: the parabola V(f) stays in the hull of both ends and it.
-const CONTROL_V: State = [0.0, 1.0, 0.5, 0.0];
+const CONTROL_V: CellState = [0.0, 1.0, 0.5, 0.0];
 /// The first three control points of x.
-const CONTROL: [State; 3] =
+const CONTROL: [CellState; 3] =
     [[1.0, 0.0, 0.0, 0.0], [1.0, 1.0 / 3.0, 0.0, 0.0], [1.0, 2.0 / 3.0, 1.0 / 6.0, 0.0]];
 
 /// The shares of a cell's length at which jerk is kept.
@@ -61,9 +61,9 @@ pub(crate) struct Sums {
     pub(crate) residual: f64,
 }
 
-/// The largest relative falls that a full step would bring.
+/// The largest relative ratios that a full step would bring.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Falls {
+pub(crate) struct StepRatios {
     pub(crate) slack: f64,
     pub(crate) dual: f64,
     pub(crate) x: f64,
@@ -71,38 +71,38 @@ pub(crate) struct Falls {
 
 /// The rows of acceleration at one place of a cell: factors of x and V for each joint.
 #[derive(Clone, Copy, Debug)]
-struct Push<const J: usize> {
+struct AccelerationRows<const J: usize> {
     x: [Lanes; J],
     v: [Lanes; J],
-    sides: [[Side; 2]; J],
+    slacks: [[SlackPair; 2]; J],
 }
 
 /// The rows of jerk at one place of a cell: factors of x, V and W for each joint.
 #[derive(Clone, Copy, Debug)]
-struct Jerk<const J: usize> {
+struct JerkRows<const J: usize> {
     x: [Lanes; J],
     v: [Lanes; J],
     w: [Lanes; J],
-    sides: [[Side; 2]; J],
+    slacks: [[SlackPair; 2]; J],
 }
 
-/// The row of speed at a control point: one over the largest x. The other side keeps x positive.
+/// The row of speed at a control point: one over the largest x. The other slack keeps x positive.
 #[derive(Clone, Copy, Debug, Default)]
-struct Speed {
+struct VelocityRows {
     x: Lanes,
-    sides: [Side; 2],
+    slacks: [SlackPair; 2],
 }
 
 /// Eight cells with `J` rows of each kind.
 #[derive(Clone, Debug)]
-pub(crate) struct Block<const J: usize> {
+pub(crate) struct CellBlock<const J: usize> {
     /// Which cells. In the last block some may be there twice, which changes nothing.
     cells: [usize; LANES],
     /// Half the length: the weight of `x^(-1/2)` at both ends in the duration.
     weight: Lanes,
-    speeds: [Speed; 3],
-    pushes: [Push<J>; 2],
-    jerks: [Jerk<J>; 3],
+    speeds: [VelocityRows; 3],
+    accelerations: [AccelerationRows<J>; 2],
+    jerks: [JerkRows<J>; 3],
 }
 
 /// x, V and W somewhere in the cells.
@@ -110,39 +110,39 @@ type Place<S> = [Vector<S>; 3];
 
 /// Blocks of the cells in `list`.
 pub(crate) fn blocks<const J: usize>(
-    legs: &[Leg<'_>],
+    segments: &[LimitedSegment<'_>],
     mesh: &Mesh,
     list: &[usize],
-) -> Vec<Block<J>> {
+) -> Vec<CellBlock<J>> {
     list.chunks(LANES)
         .map(|chunk| {
-            let mut block = Block::new(std::array::from_fn(|l| chunk[l.min(chunk.len() - 1)]));
+            let mut block = CellBlock::new(std::array::from_fn(|l| chunk[l.min(chunk.len() - 1)]));
             for lane in 0..LANES {
                 let at = block.cells[lane];
                 let cell = &mesh.cells[at];
                 let starts_leg = match at.checked_sub(1) {
-                    Some(before) => mesh.cells[before].leg != cell.leg,
-                    None => mesh.from_rest.is_none_or(|rest| rest.leg != cell.leg),
+                    Some(before) => mesh.cells[before].segment != cell.segment,
+                    None => mesh.from_rest.is_none_or(|rest| rest.segment != cell.segment),
                 };
-                let before = if starts_leg { cell.leg.checked_sub(1) } else { None };
-                let before = before.map(|before| &legs[before]);
-                block.limit(lane, cell, &legs[cell.leg], before);
+                let before = if starts_leg { cell.segment.checked_sub(1) } else { None };
+                let before = before.map(|before| &segments[before]);
+                block.limit(lane, cell, &segments[cell.segment], before);
             }
             block
         })
         .collect()
 }
 
-impl<const J: usize> Block<J> {
+impl<const J: usize> CellBlock<J> {
     fn new(cells: [usize; LANES]) -> Self {
         let rows = [Lanes::default(); J];
-        let sides = [[Side::default(); 2]; J];
+        let slacks = [[SlackPair::default(); 2]; J];
         Self {
             cells,
             weight: Lanes::default(),
-            speeds: [Speed::default(); 3],
-            pushes: [Push { x: rows, v: rows, sides }; 2],
-            jerks: [Jerk::new(); 3],
+            speeds: [VelocityRows::default(); 3],
+            accelerations: [AccelerationRows { x: rows, v: rows, slacks }; 2],
+            jerks: [JerkRows::new(); 3],
         }
     }
 
@@ -151,17 +151,25 @@ impl<const J: usize> Block<J> {
         LANES * blocks.len() * (6 + 4 * J + 6 * J)
     }
 
-    /// Sets the rows of one cell, of which `before` is the leg that ends where it starts.
-    fn limit(&mut self, lane: usize, cell: &Cell, leg: &Leg<'_>, before: Option<&Leg<'_>>) {
+    /// Sets the rows of one cell, of which `before` is the segment that ends where it starts.
+    fn limit(
+        &mut self,
+        lane: usize,
+        cell: &Cell,
+        segment: &LimitedSegment<'_>,
+        before: Option<&LimitedSegment<'_>>,
+    ) {
         let Cell { from, length, .. } = *cell;
-        let at = |share: f64| leg.rates(leg.s(from + share * length).clamp(0.0, 1.0));
+        let at = |share: f64| segment.rates(segment.s(from + share * length).clamp(0.0, 1.0));
         let least = |own: &[f64; 7], other: Option<&[f64; 7]>| {
             other.map_or(*own, |other| std::array::from_fn(|j| own[j].min(other[j])))
         };
-        let speed =
-            least(&leg.limits.velocity_rad_s, before.map(|before| &before.limits.velocity_rad_s));
+        let speed = least(
+            &segment.limits.velocity_rad_s,
+            before.map(|before| &before.limits.velocity_rad_s),
+        );
         let acceleration = least(
-            &leg.limits.acceleration_rad_s2,
+            &segment.limits.acceleration_rad_s2,
             before.map(|before| &before.limits.acceleration_rad_s2),
         );
 
@@ -171,12 +179,12 @@ impl<const J: usize> Block<J> {
             (0..7).map(|j| (dq[j] / speed[j]).powi(2)).fold(0.0, f64::max)
         };
         self.speeds[0].x.0[lane] = cap(&start, &speed);
-        self.speeds[1].x.0[lane] = cap(&at(1.0 / 3.0), &leg.limits.velocity_rad_s);
-        self.speeds[2].x.0[lane] = cap(&at(2.0 / 3.0), &leg.limits.velocity_rad_s);
+        self.speeds[1].x.0[lane] = cap(&at(1.0 / 3.0), &segment.limits.velocity_rad_s);
+        self.speeds[2].x.0[lane] = cap(&at(2.0 / 3.0), &segment.limits.velocity_rad_s);
 
-        self.pushes[0].limit(lane, &start, length, &acceleration.map(|limit| 1.0 / limit));
-        let [_, own, jerk] = &leg.inverse;
-        self.pushes[1].limit(lane, &at(0.5), length, own);
+        self.accelerations[0].limit(lane, &start, length, &acceleration.map(|limit| 1.0 / limit));
+        let [_, own, jerk] = &segment.inverse;
+        self.accelerations[1].limit(lane, &at(0.5), length, own);
         for (rows, place) in self.jerks.iter_mut().zip(JERK_PLACES) {
             let bound = if J > 1 && place == 0.5 { SWING } else { 1.0 };
             rows.limit(lane, &at(place), length, &jerk.map(|inverse| inverse / bound));
@@ -190,8 +198,8 @@ impl<const J: usize> Block<J> {
             for row in &mut self.speeds {
                 row.x.0[lane] /= speed * speed;
             }
-            for push in &mut self.pushes {
-                for row in push.x.iter_mut().chain(&mut push.v) {
+            for rows in &mut self.accelerations {
+                for row in rows.x.iter_mut().chain(&mut rows.v) {
                     row.0[lane] /= acceleration;
                 }
             }
@@ -204,14 +212,14 @@ impl<const J: usize> Block<J> {
     }
 
     #[inline(always)]
-    fn gather(&self, states: &[State]) -> [Lanes; 4] {
+    fn gather(&self, states: &[CellState]) -> [Lanes; 4] {
         std::array::from_fn(|a| Lanes::from_fn(|l| states[self.cells[l]][a]))
     }
 
     /// Sets slacks to what the limits leave, but at least the share `least` of the bound, and duals
     /// so that their product is `mu`.
     #[inline(always)]
-    pub(crate) fn start<S: Simd>(&mut self, simd: S, states: &[State], mu: f64, least: f64) {
+    pub(crate) fn start<S: Simd>(&mut self, simd: S, states: &[CellState], mu: f64, least: f64) {
         let lanes = self.gather(states);
         let one = Vector::splat(simd, 1.0);
         let least = Vector::splat(simd, least);
@@ -220,14 +228,17 @@ impl<const J: usize> Block<J> {
             let y = lanes.map(|lanes| lanes.load(simd, r));
             for (speed, control) in self.speeds.iter_mut().zip(&CONTROL) {
                 let value = speed.x.load(simd, r) * times(control, &y);
-                speed.sides[0].start(r, one - value, least, mu);
-                speed.sides[1].start(r, value, least * value.abs(), mu);
+                speed.slacks[0].start(r, one - value, least, mu);
+                speed.slacks[1].start(r, value, least * value.abs(), mu);
             }
-            for (push, [x, v, _]) in self.pushes.iter_mut().zip(push_places::<J, S>(&y)) {
+            for (acceleration, [x, v, _]) in
+                self.accelerations.iter_mut().zip(acceleration_places::<J, S>(&y))
+            {
                 for j in 0..J {
-                    let value = push.x[j].load(simd, r) * x + push.v[j].load(simd, r) * v;
-                    push.sides[j][0].start(r, one - value, least, mu);
-                    push.sides[j][1].start(r, one + value, least, mu);
+                    let value =
+                        acceleration.x[j].load(simd, r) * x + acceleration.v[j].load(simd, r) * v;
+                    acceleration.slacks[j][0].start(r, one - value, least, mu);
+                    acceleration.slacks[j][1].start(r, one + value, least, mu);
                 }
             }
             for (jerk, [x, v, w]) in self.jerks.iter_mut().zip(jerk_places(&y)) {
@@ -236,8 +247,8 @@ impl<const J: usize> Block<J> {
                     let value = jerk.x[j].load(simd, r) * x
                         + jerk.v[j].load(simd, r) * v
                         + jerk.w[j].load(simd, r) * w;
-                    jerk.sides[j][0].start(r, bound - value, least * bound, mu);
-                    jerk.sides[j][1].start(r, bound + value, least * bound, mu);
+                    jerk.slacks[j][0].start(r, bound - value, least * bound, mu);
+                    jerk.slacks[j][1].start(r, bound + value, least * bound, mu);
                 }
             }
         }
@@ -249,8 +260,8 @@ impl<const J: usize> Block<J> {
     pub(crate) fn assemble<S: Simd>(
         &mut self,
         simd: S,
-        states: &[State],
-        [last, next]: [Step; 2],
+        states: &[CellState],
+        [last, next]: [InteriorStep; 2],
         quadratics: &mut [Quadratic],
         sums: &mut Sums,
     ) {
@@ -261,9 +272,9 @@ impl<const J: usize> Block<J> {
             let y = lanes.map(|lanes| lanes.load(simd, r));
             let zero = Vector::splat(simd, 0.0);
             let mut sum = Terms { h: [zero; 10], g: [zero; 4], gap: zero, residual: zero };
-            let steps = Steps::new(simd, r, last, next);
+            let steps = InteriorSteps::new(simd, r, last, next);
             self.speed_terms(&steps, &y, &mut sum);
-            self.push_terms(&steps, &y, &mut sum);
+            self.acceleration_terms(&steps, &y, &mut sum);
             self.jerk_terms(&steps, &y, &mut sum);
             std::iter::zip(&mut h, sum.h).for_each(|(lanes, h)| lanes.store(r, h));
             std::iter::zip(&mut g, sum.g).for_each(|(lanes, g)| lanes.store(r, g));
@@ -277,12 +288,17 @@ impl<const J: usize> Block<J> {
     }
 
     #[inline(always)]
-    fn speed_terms<S: Simd>(&mut self, steps: &Steps<S>, y: &[Vector<S>; 4], sum: &mut Terms<S>) {
+    fn speed_terms<S: Simd>(
+        &mut self,
+        steps: &InteriorSteps<S>,
+        y: &[Vector<S>; 4],
+        sum: &mut Terms<S>,
+    ) {
         let one = Vector::splat(steps.simd, 1.0);
         for (speed, control) in self.speeds.iter_mut().zip(&CONTROL) {
             let row = speed.x.load(steps.simd, steps.register);
             let value = row * times(control, y);
-            let [a, b] = &mut speed.sides;
+            let [a, b] = &mut speed.slacks;
             let (a, b) = (a.advance(steps), b.advance(steps));
             let miss = [value - one + a.s, b.s - value];
             sum.gap = a.s.mul_add(a.z, b.s.mul_add(b.z, sum.gap));
@@ -294,17 +310,25 @@ impl<const J: usize> Block<J> {
     }
 
     #[inline(always)]
-    fn push_terms<S: Simd>(&mut self, steps: &Steps<S>, y: &[Vector<S>; 4], sum: &mut Terms<S>) {
-        let Steps { simd, register, .. } = *steps;
+    fn acceleration_terms<S: Simd>(
+        &mut self,
+        steps: &InteriorSteps<S>,
+        y: &[Vector<S>; 4],
+        sum: &mut Terms<S>,
+    ) {
+        let InteriorSteps { simd, register, .. } = *steps;
         let zero = Vector::splat(simd, 0.0);
         let one = Vector::splat(simd, 1.0);
-        for (n, [x, v, _]) in push_places::<J, S>(y).into_iter().enumerate() {
-            let push = &mut self.pushes[n];
+        for (n, [x, v, _]) in acceleration_places::<J, S>(y).into_iter().enumerate() {
+            let acceleration = &mut self.accelerations[n];
             let [mut xx, mut xv, mut vv, mut gx, mut gv] = [zero; 5];
             for j in 0..J {
-                let (px, pv) = (push.x[j].load(simd, register), push.v[j].load(simd, register));
+                let (px, pv) = (
+                    acceleration.x[j].load(simd, register),
+                    acceleration.v[j].load(simd, register),
+                );
                 let value = px.mul_add(x, pv * v);
-                let [a, b] = &mut push.sides[j];
+                let [a, b] = &mut acceleration.slacks[j];
                 let (a, b) = (a.advance(steps), b.advance(steps));
                 let miss = [value - one + a.s, b.s - value - one];
                 sum.gap = a.s.mul_add(a.z, b.s.mul_add(b.z, sum.gap));
@@ -318,14 +342,20 @@ impl<const J: usize> Block<J> {
                 gx = slope.mul_add(px, gx);
                 gv = slope.mul_add(pv, gv);
             }
-            let (rx, rv) = if n == 0 { (UNIT[0], UNIT[1]) } else { (MIDDLE_X, *push_v::<J>()) };
+            let (rx, rv) =
+                if n == 0 { (UNIT[0], UNIT[1]) } else { (MIDDLE_X, *acceleration_v::<J>()) };
             sum.add(&[(rx, rx, xx), (rx, rv, xv), (rv, rv, vv)], &[(rx, gx), (rv, gv)]);
         }
     }
 
     #[inline(always)]
-    fn jerk_terms<S: Simd>(&mut self, steps: &Steps<S>, y: &[Vector<S>; 4], sum: &mut Terms<S>) {
-        let Steps { simd, register, .. } = *steps;
+    fn jerk_terms<S: Simd>(
+        &mut self,
+        steps: &InteriorSteps<S>,
+        y: &[Vector<S>; 4],
+        sum: &mut Terms<S>,
+    ) {
+        let InteriorSteps { simd, register, .. } = *steps;
         let zero = Vector::splat(simd, 0.0);
         for (n, (jerk, [x, v, w])) in self.jerks.iter_mut().zip(jerk_places(y)).enumerate() {
             // The duration is taken at both ends.
@@ -336,14 +366,14 @@ impl<const J: usize> Block<J> {
             let bound_slope = bound * inverse * -0.5;
             let [mut xx, mut xv, mut xw, mut vv, mut vw, mut ww] = [zero; 6];
             let [mut gx, mut gv, mut gw] = [zero; 3];
-            // What goes with the bound's slope: sums and differences of the two sides.
+            // What goes with the bound's slope: sums and differences of the two slacks.
             let [mut ex, mut ev, mut ew, mut weights, mut slopes, mut duals] = [zero; 6];
             for j in 0..J {
                 let jx = jerk.x[j].load(simd, register);
                 let jv = jerk.v[j].load(simd, register);
                 let jw = jerk.w[j].load(simd, register);
                 let value = jx.mul_add(x, jv.mul_add(v, jw * w));
-                let [a, b] = &mut jerk.sides[j];
+                let [a, b] = &mut jerk.slacks[j];
                 let (a, b) = (a.advance(steps), b.advance(steps));
                 let miss = [value - bound + a.s, b.s - value - bound];
                 sum.gap = a.s.mul_add(a.z, b.s.mul_add(b.z, sum.gap));
@@ -402,10 +432,10 @@ impl<const J: usize> Block<J> {
     pub(crate) fn direct<S: Simd>(
         &mut self,
         simd: S,
-        states: &[State],
-        moves: &[State],
+        states: &[CellState],
+        moves: &[CellState],
         mu: f64,
-        falls: &mut Falls,
+        ratios: &mut StepRatios,
     ) {
         let (lanes, lane_moves) = (self.gather(states), self.gather(moves));
         let (zero, one) = (Vector::splat(simd, 0.0), Vector::splat(simd, 1.0));
@@ -413,21 +443,26 @@ impl<const J: usize> Block<J> {
         for r in 0..registers::<S>() {
             let y = lanes.map(|lanes| lanes.load(simd, r));
             let dy = lane_moves.map(|lanes| lanes.load(simd, r));
-            let [mut slack, mut dual, mut fall] = [zero; 3];
+            let [mut slack, mut dual, mut ratio] = [zero; 3];
             for (speed, control) in self.speeds.iter_mut().zip(&CONTROL) {
                 let value = speed.x.load(simd, r) * (times(control, &y) + times(control, &dy));
-                let [a, b] = &mut speed.sides;
+                let [a, b] = &mut speed.slacks;
                 let a = a.direct(r, one - value, mu);
                 let b = b.direct(r, value, mu);
                 slack = slack.max(a[0].max(b[0]));
                 dual = dual.max(a[1].max(b[1]));
             }
-            let places = std::iter::zip(push_places::<J, S>(&y), push_places::<J, S>(&dy));
-            for (push, ([x, v, _], [dx, dv, _])) in self.pushes.iter_mut().zip(places) {
+            let places =
+                std::iter::zip(acceleration_places::<J, S>(&y), acceleration_places::<J, S>(&dy));
+            for (acceleration, ([x, v, _], [dx, dv, _])) in
+                self.accelerations.iter_mut().zip(places)
+            {
                 let (x, v) = (x + dx, v + dv);
                 for j in 0..J {
-                    let value = push.x[j].load(simd, r).mul_add(x, push.v[j].load(simd, r) * v);
-                    let [a, b] = &mut push.sides[j];
+                    let value = acceleration.x[j]
+                        .load(simd, r)
+                        .mul_add(x, acceleration.v[j].load(simd, r) * v);
+                    let [a, b] = &mut acceleration.slacks[j];
                     let a = a.direct(r, one - value, mu);
                     let b = b.direct(r, one + value, mu);
                     slack = slack.max(a[0].max(b[0]));
@@ -439,23 +474,23 @@ impl<const J: usize> Block<J> {
                 let inverse = x.inverse();
                 let share = dx * inverse;
                 let bound = x.sqrt() * inverse * (one - share * 0.5);
-                fall = fall.max(-share);
+                ratio = ratio.max(-share);
                 let (x, v, w) = (x + dx, v + dv, w + dw);
                 for j in 0..J {
                     let value = jerk.x[j].load(simd, r).mul_add(
                         x,
                         jerk.v[j].load(simd, r).mul_add(v, jerk.w[j].load(simd, r) * w),
                     );
-                    let [a, b] = &mut jerk.sides[j];
+                    let [a, b] = &mut jerk.slacks[j];
                     let a = a.direct(r, bound - value, mu);
                     let b = b.direct(r, bound + value, mu);
                     slack = slack.max(a[0].max(b[0]));
                     dual = dual.max(a[1].max(b[1]));
                 }
             }
-            falls.slack = falls.slack.max(slack.largest());
-            falls.dual = falls.dual.max(dual.largest());
-            falls.x = falls.x.max(fall.largest());
+            ratios.slack = ratios.slack.max(slack.largest());
+            ratios.dual = ratios.dual.max(dual.largest());
+            ratios.x = ratios.x.max(ratio.largest());
         }
     }
 }
@@ -463,7 +498,7 @@ impl<const J: usize> Block<J> {
 /// Least share of the duration's curvature that a step keeps.
 const KEPT_CURVATURE: f64 = 0.02;
 
-impl<const J: usize> Push<J> {
+impl<const J: usize> AccelerationRows<J> {
     fn limit(&mut self, lane: usize, [dq, ddq, _]: &Rates, length: f64, inverse: &[f64; 7]) {
         // x' = V / length.
         let half = 0.5 / length;
@@ -478,10 +513,10 @@ impl<const J: usize> Push<J> {
     }
 }
 
-impl<const J: usize> Jerk<J> {
+impl<const J: usize> JerkRows<J> {
     fn new() -> Self {
         let rows = [Lanes::default(); J];
-        Self { x: rows, v: rows, w: rows, sides: [[Side::default(); 2]; J] }
+        Self { x: rows, v: rows, w: rows, slacks: [[SlackPair::default(); 2]; J] }
     }
 
     fn limit(&mut self, lane: usize, [dq, ddq, dddq]: &Rates, length: f64, inverse: &[f64; 7]) {
@@ -504,20 +539,23 @@ fn proportion(dq: &[f64; 7], inverse: &[f64; 7]) -> f64 {
 }
 
 #[inline(always)]
-fn times<S: Simd>(row: &State, y: &[Vector<S>; 4]) -> Vector<S> {
+fn times<S: Simd>(row: &CellState, y: &[Vector<S>; 4]) -> Vector<S> {
     y[0] * row[0] + y[1] * row[1] + y[2] * row[2] + y[3] * row[3]
 }
 
 /// V where acceleration is kept in the middle of a cell. On a line, where it alone counts, at its
 /// control point.
 #[inline(always)]
-fn push_v<const J: usize>() -> &'static State {
+fn acceleration_v<const J: usize>() -> &'static CellState {
     if J == 1 { &CONTROL_V } else { &MIDDLE_V }
 }
 
 #[inline(always)]
-fn push_places<const J: usize, S: Simd>(y: &[Vector<S>; 4]) -> [Place<S>; 2] {
-    [[y[0], y[1], y[2]], [times(&MIDDLE_X, y), times(push_v::<J>(), y), times(&MIDDLE_W, y)]]
+fn acceleration_places<const J: usize, S: Simd>(y: &[Vector<S>; 4]) -> [Place<S>; 2] {
+    [
+        [y[0], y[1], y[2]],
+        [times(&MIDDLE_X, y), times(acceleration_v::<J>(), y), times(&MIDDLE_W, y)],
+    ]
 }
 
 #[inline(always)]

@@ -1,4 +1,4 @@
-//! How a stretch is cut into cells.
+//! How a section is cut into cells.
 //!
 //! Cells have to be small where the best motion changes its mind: around the instants at which the
 //! acceleration-limited stamps switch from one limit to another, in blends, at their ends, and next
@@ -6,14 +6,14 @@
 
 use std::ops::Range;
 
-use super::leg::Leg;
+use super::limited_segment::LimitedSegment;
 
 /// A cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell {
-    /// Which leg it belongs to.
-    pub(crate) leg: usize,
-    /// sigma within the leg at its start, in rad.
+    /// Which segment it belongs to.
+    pub(crate) segment: usize,
+    /// sigma within the segment at its start, in rad.
     pub(crate) from: f64,
     /// Its length, in rad.
     pub(crate) length: f64,
@@ -21,7 +21,7 @@ pub(crate) struct Cell {
     pub(crate) x: f64,
 }
 
-/// The cells of a part of a stretch that ends at rest.
+/// The cells of a part of a section that ends at rest.
 #[derive(Clone, Debug)]
 pub(crate) struct Mesh {
     /// The cell that touches rest, if the part starts there.
@@ -80,62 +80,67 @@ struct Switch {
     build_up_s: f64,
 }
 
-/// The acceleration-limited stamps along a leg, by sigma.
-struct Swept(Vec<Sample>);
+/// The acceleration-limited stamps along a segment, by sigma.
+struct Swept(Vec<SweptSample>);
 
 #[derive(Clone, Copy)]
-struct Sample {
+struct SweptSample {
     sigma: f64,
     x: f64,
     t_s: f64,
 }
 
 impl Swept {
-    fn new(leg: &Leg<'_>) -> Self {
+    fn new(segment: &LimitedSegment<'_>) -> Self {
         Self(
-            leg.swept
+            segment
+                .swept
                 .iter()
-                .map(|node| Sample {
-                    sigma: leg.sigma(node.s),
-                    x: leg.swept_x(node),
+                .map(|node| SweptSample {
+                    sigma: segment.sigma(node.s),
+                    x: segment.swept_x(node),
                     t_s: node.t_s,
                 })
                 .collect(),
         )
     }
 
-    fn ends(&self) -> [Sample; 2] {
+    fn ends(&self) -> [SweptSample; 2] {
         [self.0[0], self.0[self.0.len() - 1]]
     }
 
     /// x and time at `sigma`.
-    fn at(&self, sigma: f64) -> Sample {
+    fn at(&self, sigma: f64) -> SweptSample {
         let next = self.0.partition_point(|sample| sample.sigma <= sigma);
         let next = next.clamp(1, self.0.len() - 1);
         let (a, b) = (self.0[next - 1], self.0[next]);
         let share = ((sigma - a.sigma) / (b.sigma - a.sigma)).clamp(0.0, 1.0);
         let x = a.x + share * (b.x - a.x);
         let mean = 0.5 * (a.x.sqrt() + x.sqrt());
-        Sample { sigma, x, t_s: a.t_s + share * (b.sigma - a.sigma) / mean.max(f64::MIN_POSITIVE) }
+        SweptSample {
+            sigma,
+            x,
+            t_s: a.t_s + share * (b.sigma - a.sigma) / mean.max(f64::MIN_POSITIVE),
+        }
     }
 }
 
-/// The cells of the legs in `part`, of which the last ends at rest, and the first starts there or goes
-/// on from the leg before. None if there are no cells but those that touch rest, or far too many.
+/// The cells of the segments in `part`, of which the last ends at rest, and the first starts there or goes
+/// on from the segment before. None if there are no cells but those that touch rest, or far too many.
 pub(crate) fn mesh(
-    legs: &[Leg<'_>],
+    segments: &[LimitedSegment<'_>],
     part: Range<usize>,
     starts_at_rest: bool,
     refinement: f64,
 ) -> Option<Mesh> {
     let sizes = Sizes::new(refinement);
-    let switches = switches(&legs[part.clone()]);
+    let switches = switches(&segments[part.clone()]);
     let mut cells = Vec::new();
     let mut near = 0..0;
     for index in part.clone() {
-        let leg = &legs[index];
-        let swept = &Swept::new(leg);
-        // A few of the switches before and after the leg, to be able to look ahead.
+        let segment = &segments[index];
+        let swept = &Swept::new(segment);
+        // A few of the switches before and after the segment, to be able to look ahead.
         let [start, end] = swept.ends();
         near.start += switches[near.start..].partition_point(|switch| switch.t_s < start.t_s);
         near.end = near.end.max(near.start);
@@ -143,27 +148,27 @@ pub(crate) fn mesh(
         let near = &switches[near.start.saturating_sub(2)..(near.end + 2).min(switches.len())];
 
         let rest = |rests: bool| {
-            let [_, _, jerk] = leg.straight(0.0);
-            let build_up = jerk * leg.build_up_s(0.0).powi(3) / 6.0;
-            rests.then(|| sizes.rest * build_up.min(leg.length / 6.0))
+            let [_, _, jerk] = segment.straight(0.0);
+            let build_up = jerk * segment.build_up_s(0.0).powi(3) / 6.0;
+            rests.then(|| sizes.rest * build_up.min(segment.length / 6.0))
         };
         let from_rest = rest(starts_at_rest && index == part.start);
         let to_rest = rest(index + 1 == part.end);
-        let end_size = |neighbour: Option<&Leg<'_>>| {
-            let of = |leg: &Leg<'_>| {
-                leg.length * if leg.is_line() { sizes.line } else { sizes.blend_end }
+        let end_size = |neighbour: Option<&LimitedSegment<'_>>| {
+            let of = |segment: &LimitedSegment<'_>| {
+                segment.length * if segment.is_line() { sizes.line } else { sizes.blend_end }
             };
-            of(leg).min(neighbour.map_or(f64::INFINITY, of))
+            of(segment).min(neighbour.map_or(f64::INFINITY, of))
         };
-        let at_start = end_size(index.checked_sub(1).map(|before| &legs[before]));
-        let at_end = end_size(legs.get(index + 1));
-        let most = leg.length * if leg.is_line() { sizes.line } else { sizes.blend };
+        let at_start = end_size(index.checked_sub(1).map(|before| &segments[before]));
+        let at_end = end_size(segments.get(index + 1));
+        let most = segment.length * if segment.is_line() { sizes.line } else { sizes.blend };
         // Never to be reached; without it, one fault in the stamps would mean cells without end.
         let least =
             1e-3 * from_rest.or(to_rest).unwrap_or(most).min(at_start).min(at_end).min(most);
-        let turn = leg.turn_back();
+        let turn = segment.turn_back();
         let size = |sigma: f64| {
-            let Sample { x, t_s, .. } = swept.at(sigma);
+            let SweptSample { x, t_s, .. } = swept.at(sigma);
             let duration_s = near
                 .iter()
                 .map(|near| sizes.switch * near.build_up_s + sizes.fade * (t_s - near.t_s).abs())
@@ -173,22 +178,22 @@ pub(crate) fn mesh(
                 None => size + sizes.blend_end_growth * way,
             };
             most.min(grown(from_rest, at_start, sigma))
-                .min(grown(to_rest, at_end, leg.length - sigma))
+                .min(grown(to_rest, at_end, segment.length - sigma))
                 .min(x.sqrt() * duration_s)
-                .min(sizes.turn * turn + sizes.turn_growth * (sigma - 0.5 * leg.length).abs())
+                .min(sizes.turn * turn + sizes.turn_growth * (sigma - 0.5 * segment.length).abs())
                 .max(least)
         };
         let backwards = to_rest.is_some();
-        let size = |way: f64| size(if backwards { leg.length - way } else { way });
-        let mut nodes = march(leg.length, from_rest.or(to_rest), size)?;
+        let size = |way: f64| size(if backwards { segment.length - way } else { way });
+        let mut nodes = march(segment.length, from_rest.or(to_rest), size)?;
         if backwards {
             nodes.reverse();
             for node in &mut nodes {
-                *node = leg.length - *node;
+                *node = segment.length - *node;
             }
         }
         cells.extend(nodes.windows(2).map(|pair| Cell {
-            leg: index,
+            segment: index,
             from: pair[0],
             length: pair[1] - pair[0],
             x: swept.at(pair[0]).x,
@@ -231,29 +236,29 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Option<Ve
     Some(nodes)
 }
 
-/// Most nodes of a leg. Some tens are usual.
+/// Most nodes of a segment. Some tens are usual.
 const MOST_NODES: usize = 100_000;
 
 /// The instants at which the acceleration-limited stamps switch, in order.
-fn switches(legs: &[Leg<'_>]) -> Vec<Switch> {
+fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
     /// Share of a blend's largest |d2s/dt2| by which it has to jump to count as a switch.
     const JUMP: f64 = 0.25;
     let mut switches = Vec::new();
-    for leg in legs {
-        let mut add = |t_s, s| switches.push(Switch { t_s, build_up_s: leg.build_up_s(s) });
-        if leg.is_line() {
-            leg.swept.iter().for_each(|node| add(node.t_s, node.s));
+    for segment in segments {
+        let mut add = |t_s, s| switches.push(Switch { t_s, build_up_s: segment.build_up_s(s) });
+        if segment.is_line() {
+            segment.swept.iter().for_each(|node| add(node.t_s, node.s));
             continue;
         }
-        let inner = &leg.swept[..leg.swept.len() - 1];
+        let inner = &segment.swept[..segment.swept.len() - 1];
         let largest = inner.iter().map(|n| n.u[0].abs().max(n.u[1].abs())).fold(0.0, f64::max);
-        add(leg.swept[0].t_s, 0.0);
+        add(segment.swept[0].t_s, 0.0);
         for pair in inner.windows(2) {
             if (pair[1].u[0] - pair[0].u[1]).abs() > JUMP * largest {
                 add(pair[1].t_s, pair[1].s);
             }
         }
-        add(leg.swept[leg.swept.len() - 1].t_s, 1.0);
+        add(segment.swept[segment.swept.len() - 1].t_s, 1.0);
     }
     switches
 }

@@ -5,7 +5,7 @@ use pulp::Simd;
 use crate::lanes::Vector;
 
 /// (x, V, W0, W1) of a cell, or factors of them.
-pub(crate) type State = [f64; 4];
+pub(crate) type CellState = [f64; 4];
 
 /// A quadratic function of a cell's state.
 #[derive(Clone, Copy, Debug, Default)]
@@ -13,12 +13,12 @@ pub(crate) struct Quadratic {
     /// Second derivatives, of which the upper triangle by rows.
     pub(crate) h: [f64; 10],
     /// First derivatives.
-    pub(crate) g: State,
+    pub(crate) g: CellState,
 }
 
 impl Quadratic {
     /// Adds `curvature / 2 (row y)^2 + slope (row y)`.
-    pub(crate) fn add(&mut self, row: &State, curvature: f64, slope: f64) {
+    pub(crate) fn add(&mut self, row: &CellState, curvature: f64, slope: f64) {
         let mut i = 0;
         for a in 0..4 {
             for b in a..4 {
@@ -44,8 +44,8 @@ impl<S: Simd> Terms<S> {
     #[inline(always)]
     pub(crate) fn add<const P: usize, const L: usize>(
         &mut self,
-        products: &[(State, State, Vector<S>); P],
-        linear: &[(State, Vector<S>); L],
+        products: &[(CellState, CellState, Vector<S>); P],
+        linear: &[(CellState, Vector<S>); L],
     ) {
         for (p, q, factor) in products {
             let same = p == q;

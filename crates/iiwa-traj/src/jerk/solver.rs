@@ -1,4 +1,4 @@
-//! The fastest x(sigma) over the cells of a stretch: a primal-dual interior-point method.
+//! The fastest x(sigma) over the cells of a section: a primal-dual interior-point method.
 //!
 //! The duration, `sum of length / 2 (x_start^(-1/2) + x_end^(-1/2))`, is minimised over the states of
 //! the cells under their limits. A Newton step is a linear-quadratic control problem: from cell to
@@ -7,22 +7,22 @@
 //! its digits long ago: cells next to each other may differ in length by a factor of thousands.
 //!
 //! Neither slacks and limits nor the end of a cell and the start of the next one have to match on the
-//! way. The former lets steps be long; the latter keeps each cell's digits its own, where x falls from
-//! 20 to 1e-7 within a stretch.
+//! way. The former lets steps be long; the latter keeps each cell's digits its own, where x ratios from
+//! 20 to 1e-7 within a section.
 //!
 //! In the cells next to rest jerk is constant: there x grows as sigma^(4/3), which no cubic does.
 
 use pulp::Simd;
 
 use super::{
-    cells::{Block, END_V, END_X, Falls, START_X, Sums, blocks},
-    leg::Leg,
+    cells::{CellBlock, END_V, END_X, START_X, StepRatios, Sums, blocks},
+    limited_segment::LimitedSegment,
     mesh::{Cell, Mesh},
-    quadratic::{Quadratic, State},
-    side::Step,
+    quadratic::{CellState, Quadratic},
+    slack_pair::InteriorStep,
 };
 
-/// The problem of one stretch, and where its solution stands.
+/// The problem of one section, and where its solution stands.
 pub(crate) struct Solver {
     /// Lengths of the cells between the two that touch rest.
     lengths: Vec<f64>,
@@ -33,10 +33,10 @@ pub(crate) struct Solver {
     to_rest: Rest,
     /// x and V where it starts, if not at rest.
     entry: [f64; 2],
-    lines: Vec<Block<1>>,
-    curves: Vec<Block<7>>,
-    states: Vec<State>,
-    moves: Vec<State>,
+    lines: Vec<CellBlock<1>>,
+    curves: Vec<CellBlock<7>>,
+    states: Vec<CellState>,
+    moves: Vec<CellState>,
     quadratics: Vec<Quadratic>,
     gains: Vec<Gain>,
     /// Share of the duration that more steps could gain.
@@ -44,7 +44,7 @@ pub(crate) struct Solver {
     /// What the next step aims at as the product of each slack and its dual.
     mu: f64,
     /// The last step, which the slacks and duals of the cells have still to go.
-    last: Step,
+    last: InteriorStep,
 }
 
 /// A cell that touches rest, seen from its other end.
@@ -53,15 +53,15 @@ struct Rest {
     length: f64,
     /// The cell next to it, and the row of x where they meet.
     cell: usize,
-    row: State,
+    row: CellState,
     /// Largest x there that jerk allows.
     cap: f64,
-    side: Side,
+    slack: ScalarSlackPair,
 }
 
 /// Slack and dual of a limit, and their step.
 #[derive(Clone, Copy, Debug, Default)]
-struct Side {
+struct ScalarSlackPair {
     s: f64,
     z: f64,
     ds: f64,
@@ -69,21 +69,21 @@ struct Side {
 }
 
 impl Rest {
-    fn new(rest: &Cell, leg: &Leg<'_>, cell: usize, row: State) -> Self {
-        let [_, _, jerk] = leg.straight(0.0);
+    fn new(rest: &Cell, segment: &LimitedSegment<'_>, cell: usize, row: CellState) -> Self {
+        let [_, _, jerk] = segment.straight(0.0);
         let length = rest.length;
         // sigma = j t^3 / 6 and x = (j t^2 / 2)^2.
         let cap = (4.5 * length * length * jerk).powf(2.0 / 3.0);
-        Self { length, cell, row, cap, side: Side::default() }
+        Self { length, cell, row, cap, slack: ScalarSlackPair::default() }
     }
 
     /// x where it meets the cell next to it.
-    fn x(&self, states: &[State]) -> f64 {
+    fn x(&self, states: &[CellState]) -> f64 {
         dot(&self.row, &states[self.cell])
     }
 
     /// Time from rest until there, or from there to rest.
-    fn duration_s(&self, states: &[State]) -> f64 {
+    fn duration_s(&self, states: &[CellState]) -> f64 {
         3.0 * self.length / self.x(states).sqrt()
     }
 }
@@ -127,24 +127,29 @@ impl Solver {
     /// The problem, standing at the acceleration-limited x.
     ///
     /// It starts at rest, or where `entry` says: x and its derivative by sigma.
-    pub(crate) fn new(legs: &[Leg<'_>], mesh: &Mesh, entry: Option<[f64; 2]>) -> Self {
+    pub(crate) fn new(
+        segments: &[LimitedSegment<'_>],
+        mesh: &Mesh,
+        entry: Option<[f64; 2]>,
+    ) -> Self {
         let cells = &mesh.cells;
         let n = cells.len();
         let lengths: Vec<_> = cells.iter().map(|cell| cell.length).collect();
         let from_rest = mesh.from_rest.as_ref();
-        let from_rest = from_rest.map(|rest| Rest::new(rest, &legs[rest.leg], 0, START_X));
-        let to_rest = Rest::new(&mesh.to_rest, &legs[mesh.to_rest.leg], n - 1, END_X);
+        let from_rest = from_rest.map(|rest| Rest::new(rest, &segments[rest.segment], 0, START_X));
+        let to_rest = Rest::new(&mesh.to_rest, &segments[mesh.to_rest.segment], n - 1, END_X);
         let [x, dx] = entry.unwrap_or_default();
         let mut free = vec![true; n];
         let (mut lines, mut curves) = (Vec::new(), Vec::new());
         for k in 0..n {
-            let leg = cells[k].leg;
-            if !legs[leg].is_line() {
+            let segment = cells[k].segment;
+            if !segments[segment].is_line() {
                 curves.push(k);
                 continue;
             }
             // A sliver of a line between two blends: nothing changes on it.
-            let differs = |other: Option<&Cell>| other.is_some_and(|other| other.leg != leg);
+            let differs =
+                |other: Option<&Cell>| other.is_some_and(|other| other.segment != segment);
             let alone = k > 0 && differs(cells.get(k - 1)) && differs(cells.get(k + 1));
             let sliver =
                 k > 0 && k + 1 < n && lengths[k] < SLIVER * lengths[k - 1].min(lengths[k + 1]);
@@ -159,20 +164,20 @@ impl Solver {
             from_rest,
             to_rest,
             entry: [x, dx * lengths[0]],
-            lines: blocks(legs, mesh, &lines),
-            curves: blocks(legs, mesh, &curves),
+            lines: blocks(segments, mesh, &lines),
+            curves: blocks(segments, mesh, &curves),
             states: vec![[0.0; 4]; n],
             moves: vec![[0.0; 4]; n],
             quadratics: vec![Quadratic::default(); n],
             gains: vec![Gain::default(); n],
             gap: f64::INFINITY,
             mu: 0.0,
-            last: Step::default(),
+            last: InteriorStep::default(),
             lengths,
         };
         let mut x: Vec<_> = cells.iter().chain([&mesh.to_rest]).map(|cell| cell.x).collect();
         // The acceleration-limited stamps may not stop where this does.
-        let [_, acceleration, _] = legs[mesh.to_rest.leg].straight(0.0);
+        let [_, acceleration, _] = segments[mesh.to_rest.segment].straight(0.0);
         let mut way = mesh.to_rest.length;
         for (x, length) in x.iter_mut().rev().zip(solver.lengths.iter().rev().chain([&0.0])) {
             *x = x.min(2.0 * acceleration * way);
@@ -232,11 +237,11 @@ impl Solver {
         let mu = start.mu * self.duration_s() / self.limits();
         let least = start.slack;
         self.mu = mu;
-        self.last = Step::default();
+        self.last = InteriorStep::default();
         pulp::Arch::new().dispatch(Restart { solver: self, mu, least });
         for rest in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
             let s = (1.0 - rest.x(&self.states) / rest.cap).max(least);
-            rest.side = Side { s, z: mu / s, ..Side::default() };
+            rest.slack = ScalarSlackPair { s, z: mu / s, ..ScalarSlackPair::default() };
         }
     }
 
@@ -282,15 +287,15 @@ impl Solver {
     }
 
     /// 1, or infinite if the cells do not join.
-    pub(crate) fn torn(&self) -> f64 {
+    pub(crate) fn continuity_defect(&self) -> f64 {
         /// Share of x and V that is rounding.
         const ROUNDING: f64 = 1e-7;
-        let torn = (0..self.lengths.len() - 1).any(|k| {
+        let continuity_defect = (0..self.lengths.len() - 1).any(|k| {
             let [dx, dv] = self.defect(k);
             let [x, v, ..] = self.states[k + 1];
             !(dx.abs() <= ROUNDING * x && dv.abs() <= ROUNDING * (x + v.abs()))
         });
-        if torn { f64::INFINITY } else { 1.0 }
+        if continuity_defect { f64::INFINITY } else { 1.0 }
     }
 
     /// The duration as the solver sees it.
@@ -307,7 +312,7 @@ impl Solver {
     }
 
     /// What has to be zero for x to come to rest: a row of the last cell.
-    fn to_rest(&self) -> State {
+    fn to_rest(&self) -> CellState {
         let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * self.to_rest.length);
         std::array::from_fn(|i| END_V[i] + slope * END_X[i])
     }
@@ -330,7 +335,7 @@ impl Solver {
 
     /// How many limits there are.
     fn limits(&self) -> f64 {
-        (Block::count(&self.lines) + Block::count(&self.curves) + 2) as f64
+        (CellBlock::count(&self.lines) + CellBlock::count(&self.curves) + 2) as f64
     }
 
     #[inline(always)]
@@ -340,10 +345,10 @@ impl Solver {
         for step in 1..=STEPS {
             let sums = self.assemble(simd);
             self.recursion()?;
-            let falls = self.direct(simd);
+            let ratios = self.direct(simd);
             let share = |fall: f64, of: f64| if fall > of { of / fall } else { 1.0 };
-            let primal = share(falls.slack, TO_BOUNDARY).min(share(falls.x, LARGEST_FALL));
-            let dual = share(falls.dual, TO_BOUNDARY);
+            let primal = share(ratios.slack, TO_BOUNDARY).min(share(ratios.x, LARGEST_FALL));
+            let dual = share(ratios.dual, TO_BOUNDARY);
             let primal = if step > PATIENCE { 0.5 * primal } else { primal };
             // Not a number either, once numbers have left their range.
             if !(primal > 0.0 && dual > 0.0) {
@@ -378,7 +383,7 @@ impl Solver {
     #[inline(always)]
     fn assemble<S: Simd>(&mut self, simd: S) -> Sums {
         let mu = self.mu;
-        let steps = [self.last, Step { mu, ..Step::default() }];
+        let steps = [self.last, InteriorStep { mu, ..InteriorStep::default() }];
         let mut sums = Sums::default();
         for block in &mut self.lines {
             block.assemble(simd, &self.states, steps, &mut self.quadratics, &mut sums);
@@ -388,7 +393,7 @@ impl Solver {
         }
         for rest in self.from_rest.iter().chain([&self.to_rest]) {
             let x = rest.x(&self.states);
-            let Side { s, z, .. } = rest.side;
+            let ScalarSlackPair { s, z, .. } = rest.slack;
             let miss = x / rest.cap - 1.0 + s;
             sums.gap += s * z;
             sums.residual = sums.residual.max(miss.abs());
@@ -400,25 +405,25 @@ impl Solver {
     }
 
     #[inline(always)]
-    fn direct<S: Simd>(&mut self, simd: S) -> Falls {
+    fn direct<S: Simd>(&mut self, simd: S) -> StepRatios {
         let mu = self.mu;
-        let mut falls = Falls::default();
+        let mut ratios = StepRatios::default();
         for block in &mut self.lines {
-            block.direct(simd, &self.states, &self.moves, mu, &mut falls);
+            block.direct(simd, &self.states, &self.moves, mu, &mut ratios);
         }
         for block in &mut self.curves {
-            block.direct(simd, &self.states, &self.moves, mu, &mut falls);
+            block.direct(simd, &self.states, &self.moves, mu, &mut ratios);
         }
         for rest in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
             let (x, dx) = (rest.x(&self.states), rest.x(&self.moves));
-            let side = &mut rest.side;
-            side.ds = 1.0 - (x + dx) / rest.cap - side.s;
-            side.dz = (mu - side.z * side.ds) / side.s - side.z;
-            falls.slack = falls.slack.max(-side.ds / side.s);
-            falls.dual = falls.dual.max(-side.dz / side.z);
-            falls.x = falls.x.max(-dx / x);
+            let slack = &mut rest.slack;
+            slack.ds = 1.0 - (x + dx) / rest.cap - slack.s;
+            slack.dz = (mu - slack.z * slack.ds) / slack.s - slack.z;
+            ratios.slack = ratios.slack.max(-slack.ds / slack.s);
+            ratios.dual = ratios.dual.max(-slack.dz / slack.z);
+            ratios.x = ratios.x.max(-dx / x);
         }
-        falls
+        ratios
     }
 
     #[inline(always)]
@@ -429,10 +434,10 @@ impl Solver {
             }
         }
         self.stop();
-        self.last = Step { mu: self.mu, primal, dual };
-        for Rest { side, .. } in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
-            side.s += primal * side.ds;
-            side.z += dual * side.dz;
+        self.last = InteriorStep { mu: self.mu, primal, dual };
+        for Rest { slack, .. } in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
+            slack.s += primal * slack.ds;
+            slack.z += dual * slack.dz;
         }
     }
 
@@ -539,7 +544,7 @@ impl Solver {
     }
 }
 
-/// Lines shorter than this share of the cells on either side are slivers.
+/// Lines shorter than this share of the cells on either slack are slivers.
 const SLIVER: f64 = 0.02;
 
 struct Solve<'a> {
@@ -579,11 +584,11 @@ impl pulp::WithSimd for Restart<'_> {
 
 /// Sets W1 so that x comes to rest.
 #[inline(always)]
-fn come_to_rest(row: &State, y: &mut State) {
+fn come_to_rest(row: &CellState, y: &mut CellState) {
     y[3] = -(row[0] * y[0] + row[1] * y[1] + row[2] * y[2]) / row[3];
 }
 
 #[inline(always)]
-fn dot(a: &State, b: &State) -> f64 {
+fn dot(a: &CellState, b: &CellState) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 }

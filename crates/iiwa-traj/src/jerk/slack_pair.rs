@@ -6,14 +6,14 @@ use crate::lanes::{Lanes, Vector};
 
 /// A step: the product that slacks and duals were to have, and the shares of it that they go.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Step {
+pub(crate) struct InteriorStep {
     pub(crate) mu: f64,
     pub(crate) primal: f64,
     pub(crate) dual: f64,
 }
 
 /// The last step and the next, for one register of lanes.
-pub(crate) struct Steps<S: Simd> {
+pub(crate) struct InteriorSteps<S: Simd> {
     pub(crate) simd: S,
     pub(crate) register: usize,
     last_mu: Vector<S>,
@@ -22,9 +22,9 @@ pub(crate) struct Steps<S: Simd> {
     mu: Vector<S>,
 }
 
-impl<S: Simd> Steps<S> {
+impl<S: Simd> InteriorSteps<S> {
     #[inline(always)]
-    pub(crate) fn new(simd: S, register: usize, last: Step, next: Step) -> Self {
+    pub(crate) fn new(simd: S, register: usize, last: InteriorStep, next: InteriorStep) -> Self {
         let splat = |value| Vector::splat(simd, value);
         Self {
             simd,
@@ -37,18 +37,18 @@ impl<S: Simd> Steps<S> {
     }
 }
 
-/// Slack and dual of one side of a limit.
+/// Slack and dual of one slack of a limit.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Side {
+pub(crate) struct SlackPair {
     s: Lanes,
     z: Lanes,
     /// One over the slack: dividing is slow.
     inverse: Lanes,
-    /// Step of the slack, which the dual's follows from.
+    /// InteriorStep of the slack, which the dual's follows from.
     ds: Lanes,
 }
 
-/// A side after its last step.
+/// A slack after its last step.
 pub(crate) struct Advanced<S: Simd> {
     pub(crate) s: Vector<S>,
     pub(crate) z: Vector<S>,
@@ -58,14 +58,14 @@ pub(crate) struct Advanced<S: Simd> {
 }
 
 impl<S: Simd> Advanced<S> {
-    /// What the side contributes to the slope when its limit is missed by `miss`.
+    /// What the slack contributes to the slope when its limit is missed by `miss`.
     #[inline(always)]
-    pub(crate) fn slope(&self, steps: &Steps<S>, miss: Vector<S>) -> Vector<S> {
+    pub(crate) fn slope(&self, steps: &InteriorSteps<S>, miss: Vector<S>) -> Vector<S> {
         steps.mu.mul_add(self.inverse, self.weight * miss)
     }
 }
 
-impl Side {
+impl SlackPair {
     /// The slack is the room that is left, but not less than `least`.
     #[inline(always)]
     pub(crate) fn start<S: Simd>(
@@ -84,8 +84,8 @@ impl Side {
     }
 
     #[inline(always)]
-    pub(crate) fn advance<S: Simd>(&mut self, steps: &Steps<S>) -> Advanced<S> {
-        let Steps { simd, register: r, .. } = *steps;
+    pub(crate) fn advance<S: Simd>(&mut self, steps: &InteriorSteps<S>) -> Advanced<S> {
+        let InteriorSteps { simd, register: r, .. } = *steps;
         let (s, z) = (self.s.load(simd, r), self.z.load(simd, r));
         let (ds, inverse) = (self.ds.load(simd, r), self.inverse.load(simd, r));
         let dz = (steps.last_mu - z * ds).mul_add(inverse, -z);
@@ -98,7 +98,7 @@ impl Side {
         Advanced { s, z, inverse, weight: z * inverse }
     }
 
-    /// Sets the slack's step so that it becomes `room`. The relative falls of slack and dual that go with
+    /// Sets the slack's step so that it becomes `room`. The relative ratios of slack and dual that go with
     /// it.
     #[inline(always)]
     pub(crate) fn direct<S: Simd>(
@@ -112,9 +112,9 @@ impl Side {
         let ds = room - s;
         self.ds.store(r, ds);
         let inverse = self.inverse.load(simd, r);
-        let fall = -(ds * inverse);
+        let ratio = -(ds * inverse);
         // dz = (mu - z ds) / s - z.
         let one = Vector::splat(simd, 1.0);
-        [fall, one - fall - mu * inverse * z.inverse()]
+        [ratio, one - ratio - mu * inverse * z.inverse()]
     }
 }

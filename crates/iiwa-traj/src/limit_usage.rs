@@ -1,8 +1,8 @@
 //! How close a piece comes to its limits, and for how long it is at each.
 
 use crate::{
-    figures::{Kind, Limit, LimitShare},
-    stretch::Node,
+    limit::{Limit, LimitKind, LimitShare},
+    node::Node,
     sweep::{greater, lesser},
 };
 
@@ -15,7 +15,7 @@ pub(crate) const TOLERANCE: f64 = 1e-6;
 /// For each joint, the largest share of its limit, and the time at it in s. The eighth number is
 /// zero and fills the vector register.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Load {
+pub(crate) struct LimitUsage {
     pub(crate) velocity: Shares,
     pub(crate) acceleration: Shares,
     pub(crate) jerk: Shares,
@@ -45,7 +45,7 @@ impl Shares {
     }
 }
 
-impl Load {
+impl LimitUsage {
     /// Adds the intervals between `nodes`, whose derivatives `dq` and `ddq` are in units of the
     /// acceleration limits; `velocity` as for the sweep.
     #[inline(always)]
@@ -137,16 +137,16 @@ impl Load {
         shares
     }
 
-    fn kinds(&self) -> [(Kind, &Shares); 3] {
+    fn kinds(&self) -> [(LimitKind, &Shares); 3] {
         [
-            (Kind::Velocity, &self.velocity),
-            (Kind::Acceleration, &self.acceleration),
-            (Kind::Jerk, &self.jerk),
+            (LimitKind::Velocity, &self.velocity),
+            (LimitKind::Acceleration, &self.acceleration),
+            (LimitKind::Jerk, &self.jerk),
         ]
     }
 
     fn largest(&self, value: impl Fn(&Shares) -> &[f64; 8]) -> (Limit, f64) {
-        let mut best = (Limit { joint: 1, kind: Kind::Velocity }, 0.0);
+        let mut best = (Limit { joint: 1, kind: LimitKind::Velocity }, 0.0);
         for (kind, shares) in self.kinds() {
             for (j, &value) in value(shares)[..7].iter().enumerate() {
                 if value > best.1 {

@@ -1,137 +1,101 @@
-//! A piece of a stretch, as the jerk-limited solver sees it.
+//! A piece of a section, as the jerk-limited solver sees it.
 //!
-//! All pieces of a stretch share one kind of path parameter, sigma in rad: the way along a line, and
+//! All pieces of a section share one kind of path parameter, sigma in rad: the way along a line, and
 //! `reach (s + alpha(s))` in a blend. With it q' and q'' continue from piece to piece, and of q''' only
 //! the part across the path jumps. With s as the parameter the part along the path would jump as
 //! well: the solver would have to make the speed's own second derivative jump against it.
 
 use iiwa_kin::Joints;
-use iiwa_path::{Continuity, Derivatives, MotionLimits, PolynomialBlend, Segment};
+use iiwa_path::{Derivatives, MotionLimits, Segment};
 
-use crate::{profile::along, stretch::Node};
+use crate::{node::Node, profile::along};
 
-/// A piece of a stretch.
-pub(crate) struct Leg<'a> {
+/// A segment and its limits.
+pub(crate) struct LimitedSegment<'a> {
     pub(crate) limits: &'a MotionLimits,
     /// One over the limits of velocity, acceleration and jerk.
     pub(crate) inverse: [Joints; 3],
-    /// Its way in units of sigma, in rad.
+    /// Its range of sigma, in rad.
     pub(crate) length: f64,
     /// The acceleration-limited stamps.
     pub(crate) swept: &'a [Node],
-    curve: Curve<'a>,
-}
-
-enum Curve<'a> {
-    /// dq/dsigma.
-    Line(Joints),
-    Blend(&'a PolynomialBlend),
+    shape: &'a dyn Segment,
+    /// The unit of its sigma, in rad.
+    unit: f64,
+    /// dq/dsigma of a straight segment.
+    direction: Option<Joints>,
 }
 
 /// First to third derivative of q by sigma; in 1, 1/rad and 1/rad^2.
 pub(crate) type Rates = [Joints; 3];
 
-impl<'a> Leg<'a> {
+impl<'a> LimitedSegment<'a> {
     /// None if the curvature jumps at its ends: then the arm would have to stop there.
     pub(crate) fn new(
-        segment: &'a Segment,
+        shape: &'a dyn Segment,
         limits: &'a MotionLimits,
         swept: &'a [Node],
     ) -> Option<Self> {
-        let (curve, length) = if let Some(line) = segment.as_line() {
-            let length = line.length_rad();
-            (Curve::Line(line.direction_rad().map(|d| d / length)), length)
-        } else {
-            let blend = segment.as_polynomial()?;
-            if blend.continuity() == Continuity::First {
-                return None;
-            }
-            (Curve::Blend(blend), 2.0 * blend.reach_rad())
-        };
+        if !shape.has_continuous_curvature() {
+            return None;
+        }
+        let unit = shape.sigma_unit_rad();
+        let direction = shape.is_straight().then(|| shape.at(0.0).dq.map(|d| d / unit));
+        let [end, ..] = shape.sigma(1.0);
         let inverse = [limits.velocity_rad_s, limits.acceleration_rad_s2, limits.jerk_rad_s3]
             .map(|limits| limits.map(|limit| 1.0 / limit));
-        Some(Self { limits, inverse, length, swept, curve })
+        Some(Self { limits, inverse, length: end * unit, swept, shape, unit, direction })
     }
 
     pub(crate) fn is_line(&self) -> bool {
-        matches!(self.curve, Curve::Line(_))
+        self.direction.is_some()
     }
 
     /// s at `sigma`.
     pub(crate) fn s(&self, sigma: f64) -> f64 {
-        match self.curve {
-            Curve::Line(_) => sigma / self.length,
-            Curve::Blend(blend) => {
-                let target = sigma / blend.reach_rad();
-                // It rises between 1 and about 3, steepest in the middle, and is symmetric.
-                let mut s = if (0.5..1.5).contains(&target) {
-                    0.5 + (target - 1.0) / 2.875
-                } else {
-                    target - if target > 1.0 { 1.0 } else { 0.0 }
-                };
-                for _ in 0..NEWTON_STEPS {
-                    let [value, rise, ..] = blend.progress(s);
-                    let step = (value - target) / rise;
-                    s = (s - step).clamp(0.0, 1.0);
-                    if step.abs() < 1e-15 {
-                        break;
-                    }
-                }
-                s
-            }
-        }
+        self.shape.s_at(sigma / self.unit)
     }
 
     /// sigma at `s`.
     pub(crate) fn sigma(&self, s: f64) -> f64 {
-        match self.curve {
-            Curve::Line(_) => s * self.length,
-            Curve::Blend(blend) => blend.reach_rad() * blend.progress(s)[0],
-        }
+        self.unit * self.shape.sigma(s)[0]
     }
 
     /// (dsigma/dt)^2 at a sample of the acceleration-limited stamps.
     pub(crate) fn swept_x(&self, node: &Node) -> f64 {
-        let rate = match self.curve {
-            Curve::Line(_) => node.rate * self.length,
-            Curve::Blend(blend) => node.rate * blend.reach_rad() * blend.progress(node.s)[1],
-        };
+        let rate = node.rate * self.unit * self.shape.sigma(node.s)[1];
         rate * rate
     }
 
     /// The derivatives at `s`.
     pub(crate) fn rates(&self, s: f64) -> Rates {
-        match self.curve {
-            Curve::Line(direction) => [direction, [0.0; 7], [0.0; 7]],
-            Curve::Blend(blend) => {
-                let Derivatives { dq, ddq, dddq, .. } = blend.at(s);
-                let [_, p, r, w] = blend.progress(s);
-                // Derivatives of s by sigma.
-                let one = 1.0 / (p * blend.reach_rad());
-                let two = -r * one * one / p;
-                let three = (3.0 * r * r - p * w) * one * one * one / (p * p);
-                [
-                    dq.map(|v| v * one),
-                    std::array::from_fn(|j| ddq[j] * one * one + dq[j] * two),
-                    std::array::from_fn(|j| {
-                        dddq[j] * one * one * one + 3.0 * ddq[j] * one * two + dq[j] * three
-                    }),
-                ]
-            }
+        if let Some(direction) = self.direction {
+            return [direction, [0.0; 7], [0.0; 7]];
         }
+        let Derivatives { dq, ddq, dddq, .. } = self.shape.at(s);
+        let [_, p, r, w] = self.shape.sigma(s);
+        // Derivatives of s by sigma.
+        let one = 1.0 / (p * self.unit);
+        let two = -r * one * one / p;
+        let three = (3.0 * r * r - p * w) * one * one * one / (p * p);
+        [
+            dq.map(|v| v * one),
+            std::array::from_fn(|j| ddq[j] * one * one + dq[j] * two),
+            std::array::from_fn(|j| {
+                dddq[j] * one * one * one + 3.0 * ddq[j] * one * two + dq[j] * three
+            }),
+        ]
     }
 
     /// ds/dt and d2s/dt2 at `s`, from (dsigma/dt)^2 and its derivative by sigma.
     pub(crate) fn s_rates(&self, s: f64, x: f64, dx: f64) -> [f64; 2] {
         let (speed, acceleration) = (x.sqrt(), 0.5 * dx);
-        match self.curve {
-            Curve::Line(_) => [speed / self.length, acceleration / self.length],
-            Curve::Blend(blend) => {
-                let [_, p, r, _] = blend.progress(s);
-                let rate = speed / (p * blend.reach_rad());
-                [rate, (acceleration / blend.reach_rad() - r * rate * rate) / p]
-            }
+        if self.is_line() {
+            return [speed / self.unit, acceleration / self.unit];
         }
+        let [_, p, r, _] = self.shape.sigma(s);
+        let rate = speed / (p * self.unit);
+        [rate, (acceleration / self.unit - r * rate * rate) / p]
     }
 
     /// The way in the middle of a blend on which it turns back: infinite for a line, long for a blend
@@ -180,6 +144,3 @@ impl<'a> Leg<'a> {
         shares
     }
 }
-
-/// Two to four are taken.
-const NEWTON_STEPS: usize = 20;

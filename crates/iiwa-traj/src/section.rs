@@ -3,17 +3,23 @@
 use std::ops::Range;
 
 use iiwa_kin::Joints;
-use iiwa_path::{Path, Segment, Step};
+use iiwa_path::{JointPath, Segment, Step};
 
-use crate::{audit::Load, figures::Limit, interval};
+use crate::{
+    interval::{self, Progress},
+    limit::Limit,
+    limit_usage::LimitUsage,
+    node::Node,
+    state::State,
+};
 
 /// A part of a trajectory: the arm moves without a stop, then it stands.
 ///
-/// Stretches are independent of each other: a long program is planned and written one by one.
+/// Sections are independent of each other: a long program is planned and written one by one.
 /// Times are counted from the start of the program.
 #[derive(Clone, Debug)]
-pub struct Stretch {
-    pub(crate) path: Path,
+pub struct Section {
+    pub(crate) path: JointPath,
     pub(crate) start_s: f64,
     /// Where it ends and rests, in rad.
     pub(crate) rest_rad: Joints,
@@ -40,7 +46,7 @@ pub struct Piece {
     pub peak_velocity_rel: f64,
     /// The limit that the piece is at for the longest time; none at rest.
     pub limited_by: Option<Limit>,
-    pub(crate) load: Load,
+    pub(crate) usage: LimitUsage,
     /// Place of the segment among the path's steps.
     pub(crate) step: usize,
     pub(crate) nodes: Range<usize>,
@@ -79,36 +85,7 @@ impl PieceKind {
     }
 }
 
-/// A sample of a piece. Until the next one d2s/dt2 changes linearly with s; under jerk-limited timing, s is
-/// a polynomial of degree five in time, so that d2s/dt2 continues.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Node {
-    /// Time since the start of the stretch, in s.
-    pub t_s: f64,
-    /// Path parameter within the piece's segment, 0 to 1.
-    pub s: f64,
-    /// ds/dt, in 1/s.
-    pub rate: f64,
-    /// d2s/dt2 just after this node and just before the next one, in 1/s^2.
-    pub u: [f64; 2],
-}
-
-/// What the arm does at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State {
-    /// When, in s.
-    pub t_s: f64,
-    /// Position, in rad.
-    pub q: Joints,
-    /// Velocity, in rad/s.
-    pub dq: Joints,
-    /// Acceleration, in rad/s^2. Where it jumps, the value after the jump.
-    pub ddq: Joints,
-    /// The motion, from 0.
-    pub motion: usize,
-}
-
-impl Stretch {
+impl Section {
     /// When it starts, in s.
     #[must_use]
     pub fn start_s(&self) -> f64 {
@@ -129,9 +106,9 @@ impl Stretch {
 
     /// The segment that a piece moves along; none at rest.
     #[must_use]
-    pub fn segment(&self, piece: &Piece) -> Option<&Segment> {
+    pub fn segment(&self, piece: &Piece) -> Option<&dyn Segment> {
         match &self.path.steps()[piece.step] {
-            Step::Move { segment, .. } => Some(segment),
+            Step::Move { segment, .. } => Some(segment.as_ref()),
             _ => None,
         }
     }
@@ -142,7 +119,7 @@ impl Stretch {
         &self.nodes[piece.nodes.clone()]
     }
 
-    /// What the arm does at `t_s`, which is moved into the stretch if it is outside. O(log n).
+    /// What the arm does at `t_s`, which is moved into the section if it is outside. O(log n).
     #[must_use]
     pub fn at(&self, t_s: f64) -> State {
         let t_s = t_s.clamp(self.start_s, self.end_s());
@@ -157,7 +134,7 @@ impl Stretch {
         self.state(t_s, piece, segment, &nodes[node], &nodes[node + 1])
     }
 
-    /// When the arm is at `s` of the segment that `piece`, one of this stretch, moves along, in s from the
+    /// When the arm is at `s` of the segment that `piece`, one of this section, moves along, in s from the
     /// start of the program; of a rest, its start.
     #[must_use]
     pub fn time_at(&self, piece: &Piece, s: f64) -> f64 {
@@ -172,7 +149,7 @@ impl Stretch {
         let share = ((s - from.s) / (to.s - from.s)).clamp(0.0, 1.0);
         for _ in 0..HALVINGS {
             let dt = f64::midpoint(least, most);
-            if self.between(dt, from, to).0 < share {
+            if self.between(dt, from, to).share < share {
                 least = dt;
             } else {
                 most = dt;
@@ -181,7 +158,7 @@ impl Stretch {
         self.start_s + from.t_s + most
     }
 
-    /// What the arm does at each node of the stretch, and at the start and end of each rest.
+    /// What the arm does at each node of the section, and at the start and end of each rest.
     pub fn states(&self) -> impl Iterator<Item = State> {
         self.pieces.iter().flat_map(move |piece| {
             let moving = self.segment(piece).into_iter().flat_map(move |segment| {
@@ -197,30 +174,41 @@ impl Stretch {
     }
 
     fn rest(&self, t_s: f64, motion: usize) -> State {
-        State { t_s, q: self.rest_rad, dq: [0.0; 7], ddq: [0.0; 7], motion }
+        State { t_s, q: self.rest_rad, dq: [0.0; 7], ddq: [0.0; 7], dddq: [0.0; 7], motion }
     }
 
-    fn state(&self, t_s: f64, piece: &Piece, segment: &Segment, from: &Node, to: &Node) -> State {
+    fn state(
+        &self,
+        t_s: f64,
+        piece: &Piece,
+        segment: &dyn Segment,
+        from: &Node,
+        to: &Node,
+    ) -> State {
         let dt = (t_s - self.start_s - from.t_s).clamp(0.0, to.t_s - from.t_s);
-        let (share, rate, u) = self.between(dt, from, to);
+        let Progress { share, rate, u, du } = self.between(dt, from, to);
         let d = segment.at(from.s + share * (to.s - from.s));
         State {
             t_s,
             q: d.q,
             dq: d.dq.map(|v| v * rate),
             ddq: std::array::from_fn(|j| d.dq[j] * u + d.ddq[j] * rate * rate),
+            dddq: std::array::from_fn(|j| {
+                d.dq[j] * du + rate * (3.0 * d.ddq[j] * u + d.dddq[j] * rate * rate)
+            }),
             motion: piece.motion,
         }
     }
 
-    /// Share of the way between two nodes, ds/dt and d2s/dt2, at `dt` after the first.
-    fn between(&self, dt: f64, from: &Node, to: &Node) -> (f64, f64, f64) {
+    /// How far the arm is between two nodes at `dt` after the first.
+    fn between(&self, dt: f64, from: &Node, to: &Node) -> Progress {
         if self.smooth {
             return interval::smooth(dt, from, to);
         }
         let (ds, rate) = interval::at(dt, to.s - from.s, from.rate, from.u);
         let share = (ds / (to.s - from.s)).clamp(0.0, 1.0);
-        (share, rate, from.u[0] + share * (from.u[1] - from.u[0]))
+        let change = from.u[1] - from.u[0];
+        Progress { share, rate, u: from.u[0] + share * change, du: change / (to.s - from.s) * rate }
     }
 }
 

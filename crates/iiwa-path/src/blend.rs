@@ -1,0 +1,54 @@
+//! How large a blend is.
+
+use iiwa_kin::{Joints, Robot};
+
+use crate::crossing::{BlendSearch, HALF};
+
+/// Where the arm may leave the straight line to the target and cut the corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Blend {
+    /// b_% of Larsen 2019, Eq. 36: a share of each neighbouring segment, 0 to 0.5.
+    Fraction(f64),
+    /// Sunrise's `setBlendingRel`, 0 to 1, where 1 is half of a segment; below 0.05 it is a stop.
+    SunriseRel(f64),
+    /// `b_r` of Larsen 2019: a radius about the target, in mm; below 4 mm it is a stop.
+    CartMm(f64),
+}
+
+/// Sunrise takes a relative blend below this as an exact stop.
+const SUNRISE_REL_MIN: f64 = 0.05;
+/// Sunrise takes a Cartesian blend below this as an exact stop, in mm.
+const CART_MM_MIN: f64 = 4.0;
+
+impl Blend {
+    /// Whether it is large enough not to be a stop.
+    pub(crate) fn has_effect(self) -> bool {
+        match self {
+            Self::Fraction(b) => b > 0.0,
+            Self::SunriseRel(x) => x >= SUNRISE_REL_MIN,
+            Self::CartMm(r) => r >= CART_MM_MIN,
+        }
+    }
+
+    /// The share of the segment from `target_rad` to `other_end_rad` that is blended away (Larsen 2019,
+    /// section 4.1), before Algorithm 3 makes both sides of the target reach equally far; none if the blend
+    /// is too small to have an effect.
+    #[must_use]
+    pub fn share(
+        self,
+        robot: &Robot,
+        search: BlendSearch,
+        target_rad: &Joints,
+        other_end_rad: &Joints,
+    ) -> Option<f64> {
+        self.has_effect().then(|| match self {
+            Self::Fraction(b) => b,
+            Self::SunriseRel(x) => x / 2.0,
+            Self::CartMm(r) => {
+                let crossing = search.crossing(robot, target_rad, other_end_rad, r * 1e-3);
+                crossing.unwrap_or(HALF)
+            }
+        })
+    }
+}

@@ -1,0 +1,73 @@
+//! Whether the steps of a path follow from each other.
+
+use iiwa_kin::Joints;
+
+use crate::{step::Step, vector};
+
+/// How far the end of a segment may be from the start of the next, in rad.
+const GAP_RAD: f64 = 1e-9;
+
+/// By how much the directions of two segments may differ where they meet, as the distance of unit vectors.
+const KINK: f64 = 1e-6;
+
+/// Why steps are no path.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum JoinError {
+    /// A step names a motion that has no limits.
+    #[error("step {step} names motion {motion}, which has no limits")]
+    NoLimits {
+        /// The step, from 0.
+        step: usize,
+        /// The motion, from 0.
+        motion: usize,
+    },
+    /// A segment does not start where the arm is.
+    #[error("step {step} starts {gap_rad} rad from the end of the step before")]
+    Gap {
+        /// The step, from 0.
+        step: usize,
+        /// The distance in joint space, in rad.
+        gap_rad: f64,
+    },
+    /// A segment starts in another direction than the one before ends, without a stop in between.
+    #[error("step {step} starts in another direction than the step before ends; stop in between")]
+    Kink {
+        /// The step, from 0.
+        step: usize,
+    },
+}
+
+/// Checks that `steps` from `start_rad` join, and name motions below `motions`.
+pub(crate) fn check_joins(
+    start_rad: &Joints,
+    steps: &[Step],
+    motions: usize,
+) -> Result<(), JoinError> {
+    let mut at = *start_rad;
+    // The direction in which the arm moves; none at rest.
+    let mut direction: Option<Joints> = None;
+    for (step, entry) in steps.iter().enumerate() {
+        let Step::Move { motion, segment, .. } = entry else {
+            direction = None;
+            continue;
+        };
+        if *motion >= motions {
+            return Err(JoinError::NoLimits { step, motion: *motion });
+        }
+        let [from, to] = [segment.at(0.0), segment.at(1.0)];
+        let gap_rad = vector::norm(&vector::sub(&from.q, &at));
+        // Not a number is too far, too.
+        if !(gap_rad <= GAP_RAD) {
+            return Err(JoinError::Gap { step, gap_rad });
+        }
+        let unit = |v: &Joints| vector::scale(1.0 / vector::norm(v), v);
+        if let Some(before) = direction
+            && !(vector::norm(&vector::sub(&unit(&from.dq), &before)) <= KINK)
+        {
+            return Err(JoinError::Kink { step });
+        }
+        (at, direction) = (to.q, Some(unit(&to.dq)));
+    }
+    Ok(())
+}

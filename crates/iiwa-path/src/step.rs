@@ -1,0 +1,45 @@
+//! What a path consists of.
+
+use std::sync::Arc;
+
+use crate::segment::Segment;
+
+/// One thing that the arm does. Motions count from 0.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum Step {
+    /// It moves, within the limits of `motion`.
+    Move {
+        /// The motion whose limits hold. In a blend it is the following one: so it is for speed
+        /// (Larsen 2019, Appendix B), and taken to be for the others.
+        motion: usize,
+        /// Where it moves.
+        segment: Arc<dyn Segment>,
+        /// The corner, if this is a blend.
+        blend: Option<Corner>,
+    },
+    /// It stops and goes on at once: a corner that no blend rounds.
+    Corner,
+    /// It stands until it has settled, at the end of `motion` (Larsen 2019, Appendix C).
+    Settle {
+        /// The motion that has ended.
+        motion: usize,
+    },
+    /// It waits.
+    Wait {
+        /// The wait's place in the program.
+        motion: usize,
+        /// For how long, in s.
+        seconds: f64,
+    },
+}
+
+/// What a blend rounds off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// The motion whose target is blended away, from 0.
+    pub motion: usize,
+    /// Angle between the two directions in joint space, in degrees: 0 straight on, 180 turned back
+    /// (Larsen 2019, Eq. 28).
+    pub gamma_deg: f64,
+}
