@@ -12,6 +12,9 @@
 //! Units are SI and radians. Joints are plain arrays of seven; joint 1 is index 0 and carries the
 //! others. Poses are given in `iiwa_link_0`, the base: z up, origin in the middle of its foot.
 //!
+//! Features, both on by default: `profile` for robot profiles in JSON, `urdf` for robot descriptions of
+//! ROS. Without them, kinematics alone needs neither a JSON nor an XML library.
+//!
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapter 2.3, cited as "Larsen 2019".
 
@@ -20,18 +23,22 @@ mod dh;
 mod forward;
 mod limits;
 mod pose;
+#[cfg(feature = "profile")]
 mod profile;
 mod robot;
 mod shapes;
 mod trig;
+#[cfg(feature = "urdf")]
 mod urdf;
 
 pub use dh::DhRow;
 pub use limits::Limits;
 pub use pose::Pose;
+#[cfg(feature = "profile")]
 pub use profile::ProfileError;
 pub use robot::{Assumption, BadLength, Lengths, Robot};
 pub use shapes::{Along, Shape, Solid};
+#[cfg(feature = "urdf")]
 pub use urdf::{LimitDifference, Listed, UrdfError, UrdfReport};
 
 /// Positions, or any other quantity, of the seven joints; rad unless the name says otherwise.

@@ -322,10 +322,6 @@ impl Robot {
     pub fn profile_schema() -> serde_json::Value {
         schemars::schema_for!(Wire).to_value()
     }
-
-    pub(crate) fn forget_assumption(&mut self, what: &str) {
-        self.assumptions.retain(|assumption| assumption.what != what);
-    }
 }
 
 impl Wire {
@@ -376,7 +372,7 @@ impl Wire {
         }
         if let Some(numbers) = &self.link_mass_kg {
             robot.link_mass_kg = list(text, MASSES, numbers, MAX_NUMBER, SAME)?;
-            robot.forget_assumption("masses");
+            robot.drop_assumption("masses");
         }
         if let Some(numbers) = &self.blend_kappa {
             let found = numbers.len();
@@ -394,10 +390,10 @@ impl Wire {
             robot.settle_time_s = found;
         }
         if self.acceleration_limit_deg_s2.is_some() {
-            robot.forget_assumption("acceleration");
+            robot.drop_assumption("acceleration");
         }
         if self.jerk_limit_deg_s3.is_some() {
-            robot.forget_assumption("jerk");
+            robot.drop_assumption("jerk");
         }
         Ok(robot)
     }

@@ -183,10 +183,10 @@ impl Robot {
     #[must_use]
     pub fn with_limits(mut self, limits: Limits) -> Self {
         if limits.acceleration_rad_s2 != self.limits.acceleration_rad_s2 {
-            self.forget_assumption("acceleration");
+            self.drop_assumption("acceleration");
         }
         if limits.jerk_rad_s3 != self.limits.jerk_rad_s3 {
-            self.forget_assumption("jerk");
+            self.drop_assumption("jerk");
         }
         self.limits = limits;
         self
@@ -254,6 +254,11 @@ impl Robot {
     #[must_use]
     pub fn assumptions(&self) -> &[Assumption] {
         &self.assumptions
+    }
+
+    /// A figure has a source now.
+    pub(crate) fn drop_assumption(&mut self, what: &str) {
+        self.assumptions.retain(|assumption| assumption.what != what);
     }
 
     /// Whether the figures called `what` (say, `acceleration`) are an assumption.

@@ -3,6 +3,7 @@
 mod chain;
 mod check;
 mod error;
+mod inertia;
 mod joint;
 mod read;
 mod tag;

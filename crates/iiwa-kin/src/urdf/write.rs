@@ -11,8 +11,8 @@ use quick_xml::{
     events::{BytesDecl, BytesText, Event},
 };
 
-use super::LIMITS;
-use crate::{Along, Robot, Shape, Solid, shapes};
+use super::{LIMITS, inertia::inertia};
+use crate::{Along, Robot, Shape, Solid};
 
 /// Writing to it does not fail.
 type Xml = Writer<Vec<u8>>;
@@ -99,7 +99,7 @@ fn write_shape(xml: &mut Xml, role: &str, shape: &Shape) -> io::Result<()> {
 }
 
 fn write_inertial(xml: &mut Xml, shapes: &[Shape], mass_kg: f64) -> io::Result<()> {
-    let (center, inertia) = shapes::inertia(shapes, mass_kg);
+    let (center, inertia) = inertia(shapes, mass_kg);
     element(xml, "inertial", &[], |xml| {
         write_origin(xml, center.into(), 0.0)?;
         empty(xml, "mass", &[("value", &mass_kg)])?;
