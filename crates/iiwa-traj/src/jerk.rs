@@ -9,6 +9,7 @@ mod cells;
 mod limited_segment;
 mod mesh;
 mod quadratic;
+mod settings;
 mod slack_pair;
 mod solver;
 
@@ -26,42 +27,11 @@ use crate::{
 };
 use limited_segment::LimitedSegment;
 use mesh::{Cell, Mesh, mesh};
-use solver::{GAP, NotConverged, Solver, Start};
+use settings::{HorizonSettings, RefinementSettings, SETTINGS};
+use solver::{NotConverged, Solver};
 
-/// Largest shares of the limits of speed, acceleration and jerk that are handed out. Between the
-/// places at which the solver keeps them exactly, they may be exceeded by a little.
-const TOLERANCE: [f64; 3] = [1.004, 1.006, 1.04];
-
-/// Shares that a cell is brought down to once it is above the tolerance.
-const AIM: [f64; 3] = [1.0, 1.001, 1.02];
-
-/// Share of the duration left to be gained, at which limits are lowered for the first time.
-const NEAR: f64 = 1e-3;
-
-/// Where the solver starts again once limits have been lowered: by little, and by more than `ABRUPT`.
-const CLOSE: Start = Start { mu: 1e-3, slack: 1e-3 };
-const AFAR: Start = Start { mu: 1e-2, slack: 1e-2 };
-const ABRUPT: f64 = 1.3;
-
-/// Into how many parts a cell is divided where its limits are checked, at first and in the end.
-const SOME: u32 = 4;
-const ALL: u32 = 12;
-
-/// Duration from which on a cell is slow, in s: much may happen in it.
-const SLOW_S: f64 = 0.02;
-
-/// Most times that limits of cells are lowered.
-const ROUNDS: usize = 8;
-
-/// How much longer than the best it takes, at most: while there may be another way, and as the last resort.
-const LONGER: [f64; 2] = [1.002, 1.25];
-
-/// How a section is sought, one way after the other until one succeeds: refinement of the cells, and
-/// whether to start from where all limits are kept. That is far away where one spot needs to be slow.
-const WAYS: [(f64, bool); 4] = [(1.0, false), (1.0, true), (1.7, false), (2.5, true)];
-
-/// Share of the acceleration-limited x to start from elsewhere.
-const START: f64 = 0.7;
+const REFINEMENT: RefinementSettings = SETTINGS.refinement;
+const GAP: f64 = SETTINGS.interior_point.gap;
 
 /// Replaces the acceleration-limited stamps of `section` by jerk-limited ones.
 pub(crate) fn limit(section: &mut Section, options: JerkOptions) -> Result<(), TimingError> {
@@ -98,13 +68,6 @@ fn curved(segments: &[LimitedSegment<'_>], options: JerkOptions) -> Option<Vec<S
     Some(whole.solve(options)?.stamps(&whole, segments.len(), &mut 0.0))
 }
 
-/// Legs that are settled at a time, and segments beyond them that are looked at.
-const WINDOW: usize = 30;
-const AHEAD: usize = 10;
-
-/// Way that is looked ahead at least, in rad. From full speed the arm stops on two thirds of it.
-const AHEAD_RAD: f64 = 2.5;
-
 /// The stamps of a section that is too long to be solved as a whole: part by part, each with some segments
 /// beyond it on whose last line the arm could stop. So there is a way on from the end of every part, and
 /// far enough from that stop it makes no difference. None if the section cannot be divided like this.
@@ -112,19 +75,20 @@ fn receding_horizon(
     segments: &[LimitedSegment<'_>],
     options: JerkOptions,
 ) -> Option<Vec<SegmentStamps>> {
+    let HorizonSettings { window, ahead, ahead_rad } = SETTINGS.horizon;
     let mut stamps = Vec::with_capacity(segments.len());
     let mut t_s = 0.0;
     let (mut start, mut entry) = (0, None);
     while start < segments.len() {
-        let settled = start + WINDOW;
+        let settled = start + window;
         let mut way = 0.0;
         let stops = |(index, segment): &(usize, &LimitedSegment<'_>)| {
             way += segment.length;
-            index + 1 >= settled + AHEAD && way >= AHEAD_RAD && segment.is_line()
+            index + 1 >= settled + ahead && way >= ahead_rad && segment.is_line()
         };
         let end = segments.iter().enumerate().skip(settled).find(stops);
         // What is left after the stop should be worth a part of its own.
-        let end = end.map(|(index, _)| index + 1).filter(|end| end + WINDOW / 2 < segments.len());
+        let end = end.map(|(index, _)| index + 1).filter(|end| end + window / 2 < segments.len());
         let (settled, end) = end.map_or((segments.len(), segments.len()), |end| (settled, end));
         if start == 0 && end == segments.len() {
             return None;
@@ -149,9 +113,9 @@ struct Window<'a, 'b> {
 impl Window<'_, '_> {
     /// The best that is found; none if that is nothing.
     fn solve(&self, options: JerkOptions) -> Option<Solution> {
-        let [enough, most] = LONGER;
+        let [enough, most] = REFINEMENT.longer;
         let mut best: Option<Solution> = None;
-        for (refinement, safe) in WAYS {
+        for (refinement, safe) in REFINEMENT.attempts {
             let Some(plan) = Solution::find(self, options.refinement * refinement, safe) else {
                 continue;
             };
@@ -228,7 +192,7 @@ impl Solution {
         let mesh = mesh(segments, range.clone(), entry.is_none(), refinement)?;
         let solver = Solver::new(segments, &mesh, entry);
         let mut plan = Self { mesh, solver, time_scale: 1.0 };
-        let scale = if safe { plan.time_scale(segments).powi(-2) } else { START };
+        let scale = if safe { plan.time_scale(segments).powi(-2) } else { REFINEMENT.start };
         plan.solver.start(scale);
         if plan.refine(segments).is_err() {
             // Whatever was found is good, as slow as it takes to keep the limits.
@@ -251,18 +215,23 @@ impl Solution {
 
     /// Solves and lowers limits until all are kept everywhere.
     fn refine(&mut self, segments: &[LimitedSegment<'_>]) -> Result<(), NotConverged> {
-        self.solver.solve(NEAR)?;
+        let [some, all] = REFINEMENT.checks;
+        self.solver.solve(SETTINGS.interior_point.first_gap)?;
         // Where limits will be exceeded is seen long before the end.
-        if self.tighten(segments, SOME) > ABRUPT {
-            self.solver.restart(AFAR);
+        if self.tighten(segments, some) > REFINEMENT.abrupt {
+            self.solver.restart(REFINEMENT.far);
         }
         self.solver.solve(GAP)?;
-        for _ in 0..ROUNDS {
-            let excess = self.tighten(segments, ALL);
+        for _ in 0..REFINEMENT.rounds {
+            let excess = self.tighten(segments, all);
             if excess == 1.0 {
                 return Ok(());
             }
-            self.solver.restart(if excess > ABRUPT { AFAR } else { CLOSE });
+            self.solver.restart(if excess > REFINEMENT.abrupt {
+                REFINEMENT.far
+            } else {
+                REFINEMENT.close
+            });
             self.solver.solve(GAP)?;
         }
         Err(NotConverged)
@@ -271,12 +240,12 @@ impl Solution {
     /// The share of all times that keeps the limits.
     fn time_scale(&self, segments: &[LimitedSegment<'_>]) -> f64 {
         let mut largest = [1.0, 1.0, self.solver.rest_jerk()];
-        for shares in self.worst(segments, ALL) {
+        for shares in self.worst(segments, REFINEMENT.checks[1]) {
             for i in 0..3 {
                 largest[i] = worse(largest[i], shares[i]);
             }
         }
-        let [v, a, j]: [f64; 3] = std::array::from_fn(|i| largest[i] / TOLERANCE[i]);
+        let [v, a, j]: [f64; 3] = std::array::from_fn(|i| largest[i] / REFINEMENT.tolerance[i]);
         let factors = [v, a.sqrt(), j.cbrt(), self.solver.continuity_defect()];
         factors.into_iter().fold(1.0, worse)
     }
@@ -291,11 +260,11 @@ impl Solution {
             .map(|shares| {
                 std::array::from_fn(|i| {
                     // Not a number is above, too.
-                    if shares[i] <= TOLERANCE[i] {
+                    if shares[i] <= REFINEMENT.tolerance[i] {
                         return 1.0;
                     }
                     largest = largest.max(shares[i]);
-                    AIM[i] / shares[i]
+                    REFINEMENT.target[i] / shares[i]
                 })
             })
             .collect();
@@ -420,7 +389,7 @@ impl Solution {
 
     /// How slow an inner cell is: above 1, very much so.
     fn slowness(&self, k: usize, cell: &Cell) -> f64 {
-        self.duration_s(k, cell, 0.0, 1.0) / SLOW_S
+        self.duration_s(k, cell, 0.0, 1.0) / REFINEMENT.slow_s
     }
 
     /// Into how many parts an inner cell is divided by nodes: in a cell that is slow, or in which x changes

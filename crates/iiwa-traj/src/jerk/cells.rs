@@ -20,6 +20,7 @@ use super::{
     limited_segment::{LimitedSegment, Rates},
     mesh::{Cell, Mesh},
     quadratic::{CellState, Quadratic, Terms},
+    settings::InteriorPointSettings,
     slack_pair::{InteriorStep, InteriorSteps, SlackPair},
 };
 use crate::lanes::{LANES, Lanes, Vector, registers};
@@ -48,9 +49,7 @@ const CONTROL: [CellState; 3] =
 /// The shares of a cell's length at which jerk is kept.
 const JERK_PLACES: [f64; 3] = [0.0, 1.0, 0.5];
 
-/// The share of the limit that is allowed in the middle of cells on curves: what keeps it at both ends
-/// may swing out a little.
-const SWING: f64 = 1.015;
+const SETTINGS: InteriorPointSettings = super::settings::SETTINGS.interior_point;
 
 /// What is summed up over all limits.
 #[derive(Clone, Copy, Debug, Default)]
@@ -186,7 +185,7 @@ impl<const J: usize> CellBlock<J> {
         let [_, own, jerk] = &segment.inverse;
         self.accelerations[1].limit(lane, &at(0.5), length, own);
         for (rows, place) in self.jerks.iter_mut().zip(JERK_PLACES) {
-            let bound = if J > 1 && place == 0.5 { SWING } else { 1.0 };
+            let bound = if J > 1 && place == 0.5 { SETTINGS.mid_jerk } else { 1.0 };
             rows.limit(lane, &at(place), length, &jerk.map(|inverse| inverse / bound));
         }
     }
@@ -402,7 +401,7 @@ impl<const J: usize> CellBlock<J> {
             // The duration curves upwards in x; the bound does too, which makes the Lagrangian curve
             // downwards where duals are large. A step needs a function that curves upwards: the
             // size of the curvature is right, and never nothing.
-            let kept = (in_duration - duals).abs().max(in_duration * KEPT_CURVATURE);
+            let kept = (in_duration - duals).abs().max(in_duration * SETTINGS.kept_curvature);
             let curvature = bound * inverse * inverse * kept * 0.75;
             xx = bound_slope.mul_add(bound_slope * weights - ex * 2.0, xx + curvature);
             xv = xv - bound_slope * ev;
@@ -494,9 +493,6 @@ impl<const J: usize> CellBlock<J> {
         }
     }
 }
-
-/// Least share of the duration's curvature that a step keeps.
-const KEPT_CURVATURE: f64 = 0.02;
 
 impl<const J: usize> AccelerationRows<J> {
     fn limit(&mut self, lane: usize, [dq, ddq, _]: &Rates, length: f64, inverse: &[f64; 7]) {

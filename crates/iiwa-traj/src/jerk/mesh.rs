@@ -6,7 +6,9 @@
 
 use std::ops::Range;
 
-use super::limited_segment::LimitedSegment;
+use super::{limited_segment::LimitedSegment, settings::MeshSettings};
+
+const SETTINGS: MeshSettings = super::settings::SETTINGS.mesh;
 
 /// A cell.
 #[derive(Clone, Copy, Debug)]
@@ -31,44 +33,22 @@ pub(crate) struct Mesh {
     pub(crate) to_rest: Cell,
 }
 
-/// Sizes, with what they are shares of.
-struct Sizes {
-    /// Duration, of the time in which jerk builds up acceleration.
-    switch: f64,
-    /// Growth per time from there.
-    fade: f64,
-    /// Length, of a blend.
-    blend: f64,
-    /// Length at a blend's ends, of the blend; both on its side and on that of a line.
-    blend_end: f64,
-    /// Growth per way from there.
-    blend_end_growth: f64,
-    /// Length, of a line.
-    line: f64,
-    /// Length in the middle of a blend that turns back, of the way on which it does.
-    turn: f64,
-    /// Growth per way from there.
-    turn_growth: f64,
-    /// Length next to rest, of the way on which jerk builds up acceleration.
-    rest: f64,
-    /// Growth per way from there.
-    rest_growth: f64,
-}
-
-impl Sizes {
-    fn new(refinement: f64) -> Self {
+impl MeshSettings {
+    /// Cells that are `refinement` times as fine.
+    fn refined(self, refinement: f64) -> Self {
         let per = 1.0 / refinement;
         Self {
-            switch: 0.3 * per,
-            fade: 0.5 * per,
-            blend: per / 18.0,
-            blend_end: 0.006 * per,
-            blend_end_growth: 0.3 * per,
-            line: 0.25 * per,
-            turn: 0.15 * per,
-            turn_growth: 0.3 * per,
-            rest: 0.03 * per,
-            rest_growth: 0.25 * per,
+            switch: self.switch * per,
+            fade: self.fade * per,
+            blend: self.blend * per,
+            blend_end: self.blend_end * per,
+            blend_end_growth: self.blend_end_growth * per,
+            line: self.line * per,
+            turn: self.turn * per,
+            turn_growth: self.turn_growth * per,
+            rest: self.rest * per,
+            rest_growth: self.rest_growth * per,
+            ..self
         }
     }
 }
@@ -133,7 +113,7 @@ pub(crate) fn mesh(
     starts_at_rest: bool,
     refinement: f64,
 ) -> Option<Mesh> {
-    let sizes = Sizes::new(refinement);
+    let sizes = SETTINGS.refined(refinement);
     let switches = switches(&segments[part.clone()]);
     let mut cells = Vec::new();
     let mut near = 0..0;
@@ -220,7 +200,7 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Option<Ve
         step = step.min(size((at + 0.5 * step).min(length)));
         at += step;
         nodes.push(at);
-        if nodes.len() > MOST_NODES {
+        if nodes.len() > SETTINGS.most_nodes {
             return None;
         }
     }
@@ -236,13 +216,8 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Option<Ve
     Some(nodes)
 }
 
-/// Most nodes of a segment. Some tens are usual.
-const MOST_NODES: usize = 100_000;
-
 /// The instants at which the acceleration-limited stamps switch, in order.
 fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
-    /// Share of a blend's largest |d2s/dt2| by which it has to jump to count as a switch.
-    const JUMP: f64 = 0.25;
     let mut switches = Vec::new();
     for segment in segments {
         let mut add = |t_s, s| switches.push(Switch { t_s, build_up_s: segment.build_up_s(s) });
@@ -254,7 +229,7 @@ fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
         let largest = inner.iter().map(|n| n.u[0].abs().max(n.u[1].abs())).fold(0.0, f64::max);
         add(segment.swept[0].t_s, 0.0);
         for pair in inner.windows(2) {
-            if (pair[1].u[0] - pair[0].u[1]).abs() > JUMP * largest {
+            if (pair[1].u[0] - pair[0].u[1]).abs() > SETTINGS.switch_jump * largest {
                 add(pair[1].t_s, pair[1].s);
             }
         }

@@ -7,7 +7,7 @@
 //! its digits long ago: cells next to each other may differ in length by a factor of thousands.
 //!
 //! Neither slacks and limits nor the end of a cell and the start of the next one have to match on the
-//! way. The former lets steps be long; the latter keeps each cell's digits its own, where x ratios from
+//! way. The former lets steps be long; the latter keeps each cell's digits its own, where x falls from
 //! 20 to 1e-7 within a section.
 //!
 //! In the cells next to rest jerk is constant: there x grows as sigma^(4/3), which no cubic does.
@@ -19,6 +19,7 @@ use super::{
     limited_segment::LimitedSegment,
     mesh::{Cell, Mesh},
     quadratic::{CellState, Quadratic},
+    settings::{InteriorPointSettings, WarmStart},
     slack_pair::InteriorStep,
 };
 
@@ -99,29 +100,7 @@ struct Gain {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NotConverged;
 
-/// Where slacks and duals start.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Start {
-    /// Their products, as a share of what balances with the duration.
-    pub(crate) mu: f64,
-    /// Least slack, as a share of the bound.
-    pub(crate) slack: f64,
-}
-
-/// Share of the way to the boundary that a step goes at most.
-const TO_BOUNDARY: f64 = 0.98;
-/// Share of x that a step may take away.
-const LARGEST_FALL: f64 = 0.8;
-/// Share of the duration that more steps could gain, once solved.
-pub(crate) const GAP: f64 = 1e-5;
-/// Largest share of a bound by which a limit is missed.
-const RESIDUAL: f64 = 1e-4;
-const STEPS: usize = 150;
-/// Steps after which they are halved: where the curvature is not the true one, they may go round in
-/// circles.
-const PATIENCE: usize = 60;
-/// Steps in a row that go next to nowhere.
-const STALLED: usize = 25;
+const SETTINGS: InteriorPointSettings = super::settings::SETTINGS.interior_point;
 
 impl Solver {
     /// The problem, standing at the acceleration-limited x.
@@ -151,8 +130,9 @@ impl Solver {
             let differs =
                 |other: Option<&Cell>| other.is_some_and(|other| other.segment != segment);
             let alone = k > 0 && differs(cells.get(k - 1)) && differs(cells.get(k + 1));
-            let sliver =
-                k > 0 && k + 1 < n && lengths[k] < SLIVER * lengths[k - 1].min(lengths[k + 1]);
+            let sliver = k > 0
+                && k + 1 < n
+                && lengths[k] < SETTINGS.sliver * lengths[k - 1].min(lengths[k + 1]);
             if alone && sliver {
                 free[k] = false;
             } else {
@@ -193,7 +173,7 @@ impl Solver {
         if self.from_rest.is_none() {
             self.states[0][..2].copy_from_slice(&self.entry);
         }
-        self.restart(Start { mu: 0.3, slack: 0.5 });
+        self.restart(WarmStart { mu: 0.3, slack: 0.5 });
     }
 
     /// Sets the states to a smooth curve close to `x`, the values at all nodes between the cells that
@@ -233,7 +213,7 @@ impl Solver {
     }
 
     /// Sets slacks and duals anew, for limits that have changed.
-    pub(crate) fn restart(&mut self, start: Start) {
+    pub(crate) fn restart(&mut self, start: WarmStart) {
         let mu = start.mu * self.duration_s() / self.limits();
         let least = start.slack;
         self.mu = mu;
@@ -341,15 +321,17 @@ impl Solver {
     #[inline(always)]
     fn iterate<S: Simd>(&mut self, simd: S, gap: f64) -> Result<(), NotConverged> {
         let limits = self.limits();
+        let (short, most_stalled) = SETTINGS.stalled;
         let mut stalled = 0;
-        for step in 1..=STEPS {
+        for step in 1..=SETTINGS.steps {
             let sums = self.assemble(simd);
             self.recursion()?;
             let ratios = self.direct(simd);
             let share = |fall: f64, of: f64| if fall > of { of / fall } else { 1.0 };
-            let primal = share(ratios.slack, TO_BOUNDARY).min(share(ratios.x, LARGEST_FALL));
-            let dual = share(ratios.dual, TO_BOUNDARY);
-            let primal = if step > PATIENCE { 0.5 * primal } else { primal };
+            let primal = share(ratios.slack, SETTINGS.to_boundary)
+                .min(share(ratios.x, SETTINGS.largest_decrease));
+            let dual = share(ratios.dual, SETTINGS.to_boundary);
+            let primal = if step > SETTINGS.patience { 0.5 * primal } else { primal };
             // Not a number either, once numbers have left their range.
             if !(primal > 0.0 && dual > 0.0) {
                 return Err(NotConverged);
@@ -362,18 +344,14 @@ impl Solver {
             }
             let least = primal.min(dual);
             // Far from the boundary the next step may aim closer to it.
-            let aim = match least {
-                0.9.. => 0.05,
-                0.5.. => 0.15,
-                0.2.. => 0.4,
-                _ => 1.0,
-            };
-            self.mu = (aim * sums.gap / limits).max(0.2 * gap * duration_s / limits);
-            if self.gap < gap && sums.residual < RESIDUAL && primal > 0.4 {
+            let aim = SETTINGS.centring.iter().find(|(length, _)| least >= *length);
+            let aim = aim.map_or(1.0, |(_, aim)| *aim);
+            self.mu = (aim * sums.gap / limits).max(SETTINGS.least_mu * gap * duration_s / limits);
+            if self.gap < gap && sums.residual < SETTINGS.residual && primal > SETTINGS.last_step {
                 return Ok(());
             }
-            stalled = if least < 0.02 { stalled + 1 } else { 0 };
-            if stalled > STALLED {
+            stalled = if least < short { stalled + 1 } else { 0 };
+            if stalled > most_stalled {
                 return Err(NotConverged);
             }
         }
@@ -543,9 +521,6 @@ impl Solver {
         Ok(())
     }
 }
-
-/// Lines shorter than this share of the cells on either slack are slivers.
-const SLIVER: f64 = 0.02;
 
 struct Solve<'a> {
     solver: &'a mut Solver,
