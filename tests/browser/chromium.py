@@ -114,9 +114,7 @@ class Browser:
 
     def run(self, script: str) -> object:
         """The value of a script in the page; a promise is waited for."""
-        answer = self.call(
-            "Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True
-        )
+        answer = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in answer:
             raise AssertionError(f"{script}: {answer['exceptionDetails']}")
         return answer["result"].get("value")
@@ -136,9 +134,7 @@ class Browser:
 
     def frames(self) -> None:
         """Waits until what was asked for is on the screen."""
-        self.run(
-            "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"
-        )
+        self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
 
     def until(self, script: str, seconds: float = 120) -> None:
         """Waits until a script says yes."""
@@ -170,9 +166,7 @@ class Browser:
         if whole:
             content = self.call("Page.getLayoutMetrics")["cssContentSize"]
             clip = {"clip": {**content, "scale": 1}}
-        answer = self.call(
-            "Page.captureScreenshot", format="png", captureBeyondViewport=whole, **clip
-        )
+        answer = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole, **clip)
         return base64.b64decode(answer["data"])
 
     def pdf(self) -> bytes:
@@ -217,5 +211,10 @@ class Browser:
     def _mouse(self, kind: str, x: float, y: float, buttons: int) -> None:
         self.call(
             "Input.dispatchMouseEvent",
-            type=kind, x=x, y=y, button="left", buttons=buttons, clickCount=1,
+            type=kind,
+            x=x,
+            y=y,
+            button="left",
+            buttons=buttons,
+            clickCount=1,
         )

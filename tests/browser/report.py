@@ -59,9 +59,7 @@ class Pages:
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def iiwasim(self, *arguments: str) -> str:
-        done = subprocess.run(
-            [self.program, *arguments], cwd=self.folder, check=True, capture_output=True, text=True
-        )
+        done = subprocess.run([self.program, *arguments], cwd=self.folder, check=True, capture_output=True, text=True)
         return done.stdout
 
     def make(self) -> None:
@@ -211,7 +209,7 @@ def buttons_do_what_they_say(browser: Browser, pages: Pages) -> None:
         seek(browser, 0)
         speed(browser, factor)
         # Frames may be few and far between; what counts is the time between two of them.
-        script = f"""(async () => {{
+        script = """(async () => {
             document.getElementById("play").click();
             const frame = () => new Promise(done => requestAnimationFrame(done));
             for (let i = 0; i < 3; i++) await frame();
@@ -221,7 +219,7 @@ def buttons_do_what_they_say(browser: Browser, pages: Pages) -> None:
             const passed = state.time - t;
             document.getElementById("play").click();
             return passed / ((to - from) / 1000);
-        }})()"""
+        })()"""
         return float(browser.run(script))
 
     for factor in (0.25, 1, 2):
@@ -363,13 +361,16 @@ def paper_has_the_tables(browser: Browser, pages: Pages) -> None:
         assert browser.run(CHARTS) == before, "the page looks otherwise after it was printed"
     # What is printed of the 3D view is not empty.
     browser.run("window.dispatchEvent(new Event('beforeprint'))")
-    assert browser.run(
-        """(() => {
+    assert (
+        browser.run(
+            """(() => {
         const { width, height } = document.getElementById("paper");
         const { data } = document.getElementById("paper").getContext("2d").getImageData(0, 0, width, height);
         return new Set(new Uint32Array(data.buffer)).size;
     })()"""
-    ) > 100
+        )
+        > 100
+    )
     browser.run("window.dispatchEvent(new Event('afterprint'))")
     browser.scheme("light")
 
@@ -436,7 +437,9 @@ def many_motions_and_one(browser: Browser, pages: Pages) -> None:
         browser.frames()
         assert browser.run("document.documentElement.scrollWidth") <= 390
         # The table is all within the screen.
-        wide = browser.run("Math.max(...[...document.querySelectorAll('#table td')].map(it => it.getBoundingClientRect().right))")
+        wide = browser.run(
+            "Math.max(...[...document.querySelectorAll('#table td')].map(it => it.getBoundingClientRect().right))"
+        )
         assert wide <= 390, wide
 
 

@@ -6,6 +6,7 @@ import socket
 import subprocess
 import time
 from pathlib import Path
+from typing import Self
 
 
 def free_ports(count: int) -> list[int]:
@@ -43,7 +44,7 @@ class Rig:
         self.drive = self.start("drive", *self.drive_options)
         self.wait_until_ready()
 
-    def __enter__(self) -> Rig:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -33,10 +33,15 @@ TO_AND_FRO = {
     "version": 1,
     "start": {"joints_deg": [0, 20, 0, -70, 0, 90, 0]},
     "motions": [
-        {"type": "ptp", "joints_deg": [60 * (-1) ** i, 20 + 10 * (i % 3), 0, -70, 0, 90, 0], "velocity_rel": 0.6,
-         "blend": {"fraction": 0.3}}
+        {
+            "type": "ptp",
+            "joints_deg": [60 * (-1) ** i, 20 + 10 * (i % 3), 0, -70, 0, 90, 0],
+            "velocity_rel": 0.6,
+            "blend": {"fraction": 0.3},
+        }
         for i in range(12)
-    ] + [{"type": "ptp", "joints_deg": [0, 20, 0, -70, 0, 90, 0], "velocity_rel": 0.6}],
+    ]
+    + [{"type": "ptp", "joints_deg": [0, 20, 0, -70, 0, 90, 0], "velocity_rel": 0.6}],
 }
 
 
@@ -66,7 +71,9 @@ class Twin:
         browser.size(1280, 1000)
         browser.scheme("light")
         browser.go(self.address)
-        browser.until("document.readyState === 'complete' && typeof live === 'object' && live.newest && live.health.status")
+        browser.until(
+            "document.readyState === 'complete' && typeof live === 'object' && live.newest && live.health.status"
+        )
         browser.frames()
 
     def keep(self, browser: Browser, name: str) -> None:
@@ -185,7 +192,9 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     at = browser.run("shown.time")
     browser.frames()
     assert browser.run("shown.time") == at
-    browser.run("(() => { const it = document.getElementById('scrub'); it.value = 5; it.dispatchEvent(new Event('input')); })()")
+    browser.run(
+        "(() => { const it = document.getElementById('scrub'); it.value = 5; it.dispatchEvent(new Event('input')); })()"
+    )
     browser.frames()
     assert text(browser, "clock") == "5.00 s"
     pictures.add(browser.run(SCENE))
@@ -274,7 +283,11 @@ def outputs_are_switched(browser: Browser, twin: Twin) -> None:
 
 def too_near_is_not_sent(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
-    back = {"version": 1, "start": {"joints_deg": [0] * 7}, "motions": [{"type": "ptp", "joints_deg": [0, -90, 0, 0, 0, 0, 0]}]}
+    back = {
+        "version": 1,
+        "start": {"joints_deg": [0] * 7},
+        "motions": [{"type": "ptp", "joints_deg": [0, -90, 0, 0, 0, 0, 0]}],
+    }
     program = twin.rig.folder / "back.json"
     program.write_text(json.dumps(back))
     load(browser, program)

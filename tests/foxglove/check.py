@@ -18,9 +18,9 @@ import math
 import struct
 import sys
 import time
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
 from typing import Any
+from xml.etree import ElementTree
 
 import websocket
 from mcap.records import Schema
@@ -78,9 +78,7 @@ class Viewer:
     def subscribe(self, topics: Iterable[str]) -> None:
         subscriptions = []
         for topic in topics:
-            subscriptions.append(
-                {"id": len(self.subscribed), "channelId": self.channels[topic]["id"]}
-            )
+            subscriptions.append({"id": len(self.subscribed), "channelId": self.channels[topic]["id"]})
             self.subscribed.append(topic)
         self.socket.send(json.dumps({"op": "subscribe", "subscriptions": subscriptions}))
 

@@ -154,7 +154,7 @@ def main() -> None:
         udp.bind(arguments.bind)
         udp.settimeout(0.1)
         # With port 0, this is how the port is learnt.
-        print(json.dumps({"bound": "%s:%d" % udp.getsockname()}), flush=True)
+        print(json.dumps({"bound": "{}:{}".format(*udp.getsockname())}), flush=True)
         try:
             while time.monotonic() < end:
                 try:

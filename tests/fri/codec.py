@@ -26,9 +26,7 @@ def to_json(line: str) -> str:
         kind, message = decode(bytes.fromhex(line))
     except DecodeError as error:
         return json.dumps({"error": str(error)})
-    fields = MessageToDict(
-        message, preserving_proto_field_name=True, use_integers_for_enums=True
-    )
+    fields = MessageToDict(message, preserving_proto_field_name=True, use_integers_for_enums=True)
     return json.dumps({kind: fields})
 
 

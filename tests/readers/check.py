@@ -18,10 +18,10 @@ import math
 import os
 import subprocess
 import sys
-import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
+from xml.etree import ElementTree
 
 import mcap.reader
 from mcap_ros2.decoder import DecoderFactory
@@ -86,9 +86,7 @@ def read_mcap(tally: Tally, path: Path, expected: dict) -> dict:
 
         summary = reader.get_summary()
         channels = {channel.topic: channel for channel in summary.channels.values()}
-        types = {
-            topic: summary.schemas[channel.schema_id].name for topic, channel in channels.items()
-        }
+        types = {topic: summary.schemas[channel.schema_id].name for topic, channel in channels.items()}
         tally.equal("topics and types", types, expected)
         tally.equal("one channel a topic", len(summary.channels), len(channels))
         for topic, channel in channels.items():
@@ -123,9 +121,7 @@ def decode_mcap_ros2(tally: Tally, path: Path) -> dict:
     """Every message of every topic, decoded by the schema in the file."""
     messages = defaultdict(list)
     with path.open("rb") as stream:
-        reader = mcap.reader.make_reader(
-            stream, validate_crcs=True, decoder_factories=[DecoderFactory()]
-        )
+        reader = mcap.reader.make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
         for _, channel, message, decoded in reader.iter_decoded_messages():
             topic = channel.topic
             messages[topic].append((message.log_time, decoded))
@@ -143,9 +139,7 @@ def decode_rosbags(tally: Tally, path: Path, expected: dict) -> dict:
         types = {connection.topic: connection.msgtype for connection in reader.connections}
         tally.equal("types by rosbags", types, expected)
         for connection in reader.connections:
-            durabilities = [
-                qos.durability.name for qos in connection.ext.offered_qos_profiles
-            ]
+            durabilities = [qos.durability.name for qos in connection.ext.offered_qos_profiles]
             durability = "TRANSIENT_LOCAL" if connection.topic in LATCHED else "VOLATILE"
             tally.equal(f"{connection.topic} durability by rosbags", durabilities, [durability])
         for connection, log_time, raw in reader.messages():
@@ -161,6 +155,7 @@ def check_rerun(tally: Tally, path: Path, expected: dict) -> None:
     result = subprocess.run(
         [str(program) if program.exists() else "rerun", "mcap", "check", "--full", str(path)],
         capture_output=True,
+        check=False,
         text=True,
         env={**os.environ, "NO_COLOR": "1"},
     )
@@ -177,8 +172,10 @@ def check_order(tally: Tally, stamps: dict) -> None:
     for topic, times in sorted(stamps.items()):
         increasing = all(a < b for a, b in zip(times, times[1:]))
         tally.check(f"{topic} stamps increase", increasing)
-    tally.check("no message after the last joint state",
-                max(max(times) for times in stamps.values()) == stamps["/joint_states"][-1])
+    tally.check(
+        "no message after the last joint state",
+        max(max(times) for times in stamps.values()) == stamps["/joint_states"][-1],
+    )
     tally.equal("robot descriptions", len(stamps["/robot_description"]), 1)
 
 
@@ -198,8 +195,7 @@ def check_time(tally: Tally, stamps: dict, cycle_time_s: float) -> None:
 def check_poses(tally: Tally, stamps: dict) -> None:
     """The stamps of a recording: poses for some of the joint states."""
     tally.check("/tf has the stamps of /tcp_pose", stamps["/tf"] == stamps["/tcp_pose"])
-    tally.check("/tf has stamps of /joint_states",
-                set(stamps["/tf"]) <= set(stamps["/joint_states"]))
+    tally.check("/tf has stamps of /joint_states", set(stamps["/tf"]) <= set(stamps["/joint_states"]))
     tally.check("/tf begins with /joint_states", stamps["/tf"][:1] == stamps["/joint_states"][:1])
 
 
@@ -229,10 +225,7 @@ def check_messages(tally: Tally, reader: str, messages: dict) -> None:
     every("no effort", "/joint_states", lambda m: len(m.effort) == 0)
 
     every("unit quaternions", "/tf", lambda m: all(unit(t.transform.rotation) for t in m.transforms))
-    trees = {
-        tuple((t.header.frame_id, t.child_frame_id) for t in message.transforms)
-        for _, message in messages["/tf"]
-    }
+    trees = {tuple((t.header.frame_id, t.child_frame_id) for t in message.transforms) for _, message in messages["/tf"]}
     if tally.equal(f"{reader}: /tf trees", len(trees), 1):
         tree = trees.pop()
         children = [child for _, child in tree]
@@ -261,8 +254,11 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
     every, finite = checks(tally, reader, messages)
 
     indices = [message.index for _, message in messages["/motion"]]
-    tally.check(f"{reader}: /motion: indices from 1, never back",
-                bool(indices) and indices[0] >= 1 and indices == sorted(indices), indices)
+    tally.check(
+        f"{reader}: /motion: indices from 1, never back",
+        bool(indices) and indices[0] >= 1 and indices == sorted(indices),
+        indices,
+    )
     every("kind", "/motion", lambda m: m.kind in ("line", "blend", "settle", "wait"))
     every(
         "a limiting joint has a kind of limit",
@@ -276,17 +272,18 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
     tally.check(
         f"{reader}: /joint_trajectory: seven values each",
         all(
-            finite(point.positions, 7)
-            and finite(point.velocities, 7)
-            and finite(point.accelerations, 7)
+            finite(point.positions, 7) and finite(point.velocities, 7) and finite(point.accelerations, 7)
             for point in points
         ),
     )
     times = [nanoseconds(point.time_from_start) for point in points]
-    tally.check(f"{reader}: /joint_trajectory: times increase from 0",
-                times[:1] == [0] and all(a < b for a, b in zip(times, times[1:])))
-    tally.check(f"{reader}: /joint_trajectory: within the cycle time",
-                times[-1] <= round(cycle_time_s * NS) + 1, times[-1])
+    tally.check(
+        f"{reader}: /joint_trajectory: times increase from 0",
+        times[:1] == [0] and all(a < b for a, b in zip(times, times[1:])),
+    )
+    tally.check(
+        f"{reader}: /joint_trajectory: within the cycle time", times[-1] <= round(cycle_time_s * NS) + 1, times[-1]
+    )
     # Both ends are samples and nodes at once: no interpolation comes in between.
     states = messages["/joint_states"]
     tally.equal(f"{reader}: joint states and trajectory start together", states[0][0], start)
@@ -297,10 +294,7 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
 
 def values(messages: dict) -> list:
     """The numbers in the joint states and the trajectory, to compare two decoders by."""
-    states = [
-        (t, nanoseconds(m.header.stamp), *m.position, *m.velocity)
-        for t, m in messages["/joint_states"]
-    ]
+    states = [(t, nanoseconds(m.header.stamp), *m.position, *m.velocity) for t, m in messages["/joint_states"]]
     points = [
         (nanoseconds(p.time_from_start), *p.positions, *p.velocities, *p.accelerations)
         for _, m in messages["/joint_trajectory"]

@@ -1,0 +1,70 @@
+//! Starts a simulated cabinet and a drive, asks the drive for a motion, and compares the time it took with
+//! the planned one.
+
+use std::error::Error;
+use std::io::{Write, stdout};
+use std::net::{SocketAddr, TcpListener, UdpSocket};
+use std::time::{Duration, Instant};
+
+use iiwa::drive::{Cabinet, CabinetConfig, Drive, DriveConfig};
+use iiwa::link::message::{DriveState, Presence};
+use iiwa::link::{Client, Remote, Server};
+use iiwa::prelude::*;
+
+/// A port of the loopback interface that the system has to spare.
+fn free() -> std::io::Result<SocketAddr> {
+    let tcp = TcpListener::bind("127.0.0.1:0")?;
+    UdpSocket::bind(tcp.local_addr()?)?.local_addr()
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let [requests, stream, instructions, state] =
+        [free()?, free()?, free()?, free()?].map(|address| format!("tcp://{address}"));
+    let fri = free()?;
+
+    // The drive first: it has to listen when the cabinet begins to speak.
+    let drive_config = DriveConfig {
+        instructions: requests.clone(),
+        stream,
+        fri,
+        cabinet_instructions: instructions.clone(),
+        cabinet_state: state.clone(),
+        ..DriveConfig::default()
+    };
+    let _drive = Drive::start(drive_config, &Server::open(), &Remote::open())?;
+    let cabinet_config =
+        CabinetConfig { fri_client: fri, instructions, state, ..CabinetConfig::default() };
+    let _cabinet = Cabinet::start(cabinet_config, &Server::open())?;
+
+    // FRI needs some hundred messages to rate the connection.
+    let mut client = Client::new(&Remote::open(), &requests)?;
+    let begin = Instant::now();
+    let here = loop {
+        let status = client.state()?;
+        let good = ["good", "excellent"].contains(&status.fri.quality.as_str());
+        let ready = status.robot_program == Presence::Connected && status.state == DriveState::Idle;
+        match status.joints_rad {
+            Some(joints_rad) if good && ready => break joints_rad,
+            _ if begin.elapsed() > Duration::from_secs(20) => return Err("no connection".into()),
+            _ => std::thread::sleep(Duration::from_millis(20)),
+        }
+    };
+
+    // Joint 1 by 30 deg and back, at half speed.
+    let mut there = here;
+    there[0] += 30_f64.to_radians();
+    let motions =
+        vec![Motion::Ptp(Ptp::to(there).velocity(0.5)), Motion::Ptp(Ptp::to(here).velocity(0.5))];
+    let program = Program { robot: None, start_rad: here, motions: motions.clone() };
+    let path = Path::new(&program, &Robot::default())?;
+    let planned_s = Trajectory::plan(&path, Timing::default())?.cycle_time_s();
+
+    let run = client.run_motions(motions, Some(Duration::from_secs(20)))?;
+    let measured_s = run.cycle_time_s.ok_or("the run has no cycle time")?;
+    writeln!(
+        stdout(),
+        "planned {planned_s:.3} s, measured {measured_s:.3} s, {} samples",
+        run.samples.t_s.len(),
+    )?;
+    Ok(())
+}

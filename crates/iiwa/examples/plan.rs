@@ -1,0 +1,36 @@
+//! Plans a motion program and prints how long each motion takes: `plan [PROGRAM.json]`.
+
+use std::error::Error;
+use std::io::{Write, stdout};
+
+use iiwa::prelude::*;
+
+/// Three motions; the first target is rounded off within 100 mm.
+const PROGRAM: &str = r#"{
+    "version": 1,
+    "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+    "motions": [
+        { "type": "ptp", "joints_deg": [0, 42, 0, -44, 0, 90, 0], "blend": { "cart_mm": 100 } },
+        { "type": "ptp", "joints_deg": [40, 42, 0, -80, 0, 60, 0], "velocity_rel": 0.5 },
+        { "type": "wait", "seconds": 0.5 },
+        { "type": "ptp", "joints_deg": [0, 42, 0, -44, 0, 90, 0] }
+    ]
+}"#;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let text = match std::env::args_os().nth(1) {
+        Some(file) => std::fs::read_to_string(file)?,
+        None => PROGRAM.to_owned(),
+    };
+
+    let program = Program::from_json(&text)?;
+    let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+    let trajectory = Trajectory::plan(&path, Timing::default())?;
+
+    let mut out = stdout();
+    for (number, motion) in (1..).zip(trajectory.motions()) {
+        writeln!(out, "motion {number}: {:.3} s to {:.3} s", motion.start_s, motion.end_s)?;
+    }
+    writeln!(out, "cycle time {:.3} s", trajectory.cycle_time_s())?;
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! The KUKA LBR iiwa in Rust: which path does the arm take through a program, and how long does it take?
+//!
+//! One dependency for all libraries of the workspace; each is a module here, behind a feature of its name.
+//!
+//! ```
+//! use iiwa::prelude::*;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let text = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
+//! #     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;
+//! let program = Program::from_json(text)?;
+//! let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+//! let trajectory = Trajectory::plan(&path, Timing::default())?;
+//!
+//! println!("{:.3} s", trajectory.cycle_time_s());
+//! assert!((trajectory.cycle_time_s() - 0.705).abs() < 1e-3);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! | feature | modules | for |
+//! |---|---|---|
+//! | none | [`kin`] | robot models, forward kinematics, Jacobian, URDF |
+//! | `plan` (default) | `json`, `path`, `traj` | motion programs, paths, time-optimal trajectories |
+//! | `scene` | `scene` | obstacles and clearances |
+//! | `log` | `log` | trajectories and recordings as MCAP files |
+//! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
+//! | `fri` | `fri` | KUKA's Fast Robot Interface |
+//! | `link` | `link` | the client of a drive |
+//! | `drive` | `drive` | the drive, and a simulated cabinet |
+//! | `full` | all | |
+//!
+//! Units are SI and radians unless a name ends in another one.
+
+#[cfg(feature = "drive")]
+pub use iiwa_drive as drive;
+#[cfg(feature = "eval")]
+pub use iiwa_eval as eval;
+#[cfg(feature = "fri")]
+pub use iiwa_fri as fri;
+#[cfg(feature = "plan")]
+pub use iiwa_json as json;
+pub use iiwa_kin as kin;
+#[cfg(feature = "link")]
+pub use iiwa_link as link;
+#[cfg(feature = "log")]
+pub use iiwa_log as log;
+#[cfg(feature = "plan")]
+pub use iiwa_path as path;
+#[cfg(feature = "scene")]
+pub use iiwa_scene as scene;
+#[cfg(feature = "plan")]
+pub use iiwa_traj as traj;
+
+pub mod prelude;
+
+/// The README's Rust compiles.
+#[cfg(all(doctest, feature = "plan"))]
+#[doc = include_str!("../../../README.md")]
+pub struct Readme;

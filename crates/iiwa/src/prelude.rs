@@ -1,0 +1,9 @@
+//! What most programs need: `use iiwa::prelude::*;`.
+
+pub use iiwa_kin::{Joints, Pose, Robot};
+#[cfg(feature = "plan")]
+pub use iiwa_path::{Blend, Motion, Path, PathOptions, Program, Ptp};
+#[cfg(feature = "scene")]
+pub use iiwa_scene::{ArmInScene, Scene};
+#[cfg(feature = "plan")]
+pub use iiwa_traj::{Timing, Trajectory, plan_all};

@@ -1,0 +1,168 @@
+//! What the documentation names exists: items of the crates, and files that it links to.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use syn::{ImplItem, Item, TraitItem, Visibility};
+
+use crate::known::hold;
+use crate::module_tree::{Module, ModuleTree};
+use crate::sources::{files, members, root, shown, text};
+
+fn documents() -> Vec<PathBuf> {
+    let mut found: Vec<PathBuf> = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"]
+        .iter()
+        .map(|name| root().join(name))
+        .filter(|path| path.exists())
+        .collect();
+    found.extend(files(&root().join("docs"), &["md"]));
+    found
+}
+
+#[test]
+fn items_that_documents_name_exist() {
+    let mut public: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    let mut all = BTreeSet::new();
+    for library in members().iter().filter(|member| member.is_library()) {
+        let mut names = BTreeSet::new();
+        for root in library.roots() {
+            for module in &ModuleTree::read(&root).modules {
+                add_public_names(module, &mut names);
+            }
+        }
+        all.extend(names.iter().cloned());
+        public.insert(library.name.replace('-', "_"), names);
+    }
+    // The facade hands on the others.
+    public.entry("iiwa".to_owned()).or_default().extend(all);
+
+    let mut wrong = BTreeMap::new();
+    for document in documents() {
+        for path in paths(&text(&document)) {
+            let (first, rest) = path.split_first().expect("a path has parts");
+            let missing = match public.get(first) {
+                Some(names) => rest.iter().find(|name| !names.contains(*name)),
+                None => Some(first),
+            };
+            if let Some(missing) = missing {
+                wrong.insert(
+                    format!("{}: {}", shown(&document), path.join("::")),
+                    format!("there is no public {missing}"),
+                );
+            }
+        }
+    }
+    hold("document", &wrong, "Correct the document, or mark the item there as private.");
+}
+
+#[test]
+fn files_that_documents_link_to_exist() {
+    let mut wrong = BTreeMap::new();
+    for document in documents() {
+        let folder = document.parent().expect("a file is in a folder");
+        let text = text(&document);
+        for (_, after) in text.match_indices("](").map(|(at, mark)| text.split_at(at + mark.len()))
+        {
+            let Some((link, _)) = after.split_once(')') else { continue };
+            let target = link.split(['#', ' ']).next().unwrap_or_default();
+            if !target.is_empty() && !target.contains(':') && !folder.join(target).exists() {
+                wrong.insert(
+                    format!("{}: {target}", shown(&document)),
+                    "there is no such file".to_owned(),
+                );
+            }
+        }
+    }
+    hold("link", &wrong, "Point to where the file is now.");
+}
+
+/// Paths such as `iiwa_kin::Robot::tcp`; of `iiwa_path::{Program, Blend}`, one for each in the braces.
+fn paths(text: &str) -> Vec<Vec<String>> {
+    let word = |c: char| c.is_alphanumeric() || c == '_';
+    let mut found = Vec::new();
+    for (at, _) in text.match_indices("iiwa") {
+        if text[..at].ends_with(|c: char| word(c) || c == ':' || c == '/' || c == '-') {
+            continue;
+        }
+        let mut path = Vec::new();
+        let mut rest = &text[at..];
+        loop {
+            let end = rest.find(|c| !word(c)).unwrap_or(rest.len());
+            if end == 0 {
+                break;
+            }
+            path.push(rest[..end].to_owned());
+            let after = rest[end..].strip_prefix("::");
+            rest = after.unwrap_or_default();
+        }
+        if let Some((names, _)) = rest.strip_prefix('{').and_then(|rest| rest.split_once('}')) {
+            // Groups within groups are for code, not for prose.
+            for name in names.split(',').map(str::trim).filter(|name| name.chars().all(word)) {
+                let end = (!name.is_empty() && name != "self").then(|| name.to_owned());
+                found.push(path.iter().cloned().chain(end).collect());
+            }
+        } else if path.len() > 1 {
+            found.push(path);
+        }
+    }
+    found
+}
+
+/// Names of public items, of their fields, variants and methods; re-exports too.
+fn add_public_names(module: &Module, names: &mut BTreeSet<String>) {
+    names.extend(module.children.keys().cloned());
+    names.extend(
+        module.imports.iter().filter(|(_, import)| import.reexport).map(|(name, _)| name.clone()),
+    );
+    let public = |visibility: &Visibility| matches!(visibility, Visibility::Public(_));
+    for item in &module.code {
+        match item {
+            Item::Struct(item) if public(&item.vis) => {
+                names.insert(item.ident.to_string());
+                let fields = item.fields.iter().filter(|field| public(&field.vis));
+                names.extend(
+                    fields.filter_map(|field| field.ident.as_ref()).map(ToString::to_string),
+                );
+            }
+            Item::Enum(item) if public(&item.vis) => {
+                names.insert(item.ident.to_string());
+                for variant in &item.variants {
+                    names.insert(variant.ident.to_string());
+                    let fields = variant.fields.iter().filter_map(|field| field.ident.as_ref());
+                    names.extend(fields.map(ToString::to_string));
+                }
+            }
+            Item::Trait(item) if public(&item.vis) => {
+                names.insert(item.ident.to_string());
+                for item in &item.items {
+                    if let TraitItem::Fn(item) = item {
+                        names.insert(item.sig.ident.to_string());
+                    }
+                }
+            }
+            Item::Impl(item) => {
+                for item in &item.items {
+                    match item {
+                        ImplItem::Fn(item) if public(&item.vis) => {
+                            names.insert(item.sig.ident.to_string());
+                        }
+                        ImplItem::Const(item) if public(&item.vis) => {
+                            names.insert(item.ident.to_string());
+                        }
+                        _ => {}
+                    }
+                }
+            }
+            Item::Fn(item) if public(&item.vis) => {
+                names.insert(item.sig.ident.to_string());
+            }
+            Item::Type(item) if public(&item.vis) => {
+                names.insert(item.ident.to_string());
+            }
+            Item::Const(item) if public(&item.vis) => {
+                names.insert(item.ident.to_string());
+            }
+            _ => {}
+        }
+    }
+}

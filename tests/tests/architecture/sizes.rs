@@ -1,0 +1,48 @@
+//! Files and crates stay small enough to be read.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::known::hold;
+use crate::sources::{files, members, root, shown, text};
+
+const FILE_LINES: usize = 600;
+const CRATE_LINES: usize = 6000;
+const COMMAND_LINES: usize = 7000;
+
+fn lines(path: &Path) -> usize {
+    text(path).lines().count()
+}
+
+#[test]
+fn no_file_is_longer_than_600_lines() {
+    let long = files(&root(), &["rs", "js", "py"])
+        .iter()
+        .map(|path| (shown(path), lines(path)))
+        .filter(|(_, lines)| *lines > FILE_LINES)
+        .map(|(path, lines)| (path, format!("{lines} lines")))
+        .collect();
+    hold("file", &long, "Split each by idea, and name the parts after theirs.");
+}
+
+#[test]
+fn no_crate_is_larger_than_6000_lines_and_the_command_than_7000() {
+    let mut large = BTreeMap::new();
+    for member in members() {
+        let src = member.folder.join("src");
+        let (extensions, limit): (&[&str], _) = if member.name == "iiwasim" {
+            (&["rs", "js"], COMMAND_LINES)
+        } else {
+            (&["rs"], CRATE_LINES)
+        };
+        let lines: usize = files(&src, extensions).iter().map(|path| lines(path)).sum();
+        if lines > limit {
+            large.insert(shown(&src), format!("{lines} lines, at most {limit}"));
+        }
+    }
+    hold(
+        "size",
+        &large,
+        "Move what others could use into the library it belongs to, or cut the crate in two.",
+    );
+}
