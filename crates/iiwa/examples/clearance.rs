@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         start_rad: [-0.8, 0.6, 0.0, -1.2, 0.0, 1.0, 0.0],
         motions: vec![Motion::Ptp(Ptp::to([0.8, 0.6, 0.0, -1.2, 0.0, 1.0, 0.0]))],
     };
-    let trajectory = Trajectory::plan(&Path::new(&program, &robot)?, Timing::default())?;
+    let trajectory = Trajectory::plan(&JointPath::new(&program, &robot)?, Timing::default())?;
     if let Some(nearest) = arm.clearance_of(&trajectory) {
         let obstacle = &scene.obstacles()[nearest.clearance.obstacle].name;
         writeln!(

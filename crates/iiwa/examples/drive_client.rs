@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let motions =
         vec![Motion::Ptp(Ptp::to(there).velocity(0.5)), Motion::Ptp(Ptp::to(here).velocity(0.5))];
     let program = Program { robot: None, start_rad: here, motions: motions.clone() };
-    let path = Path::new(&program, &Robot::default())?;
+    let path = JointPath::new(&program, &Robot::default())?;
     let planned_s = Trajectory::plan(&path, Timing::default())?.cycle_time_s();
 
     let run = client.run_motions(motions, Some(Duration::from_secs(20)))?;

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
 
     let program = Program::from_json(&text)?;
-    let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+    let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
     let trajectory = Trajectory::plan(&path, Timing::default())?;
 
     let mut out = stdout();

@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         start_rad: [0.0; 7],
         motions: vec![Motion::Ptp(Ptp::to([0.3, 0.5, 0.0, -1.0, 0.0, 0.8, 0.0]))],
     };
-    let path = Path::new(&program, &robot)?;
+    let path = JointPath::new(&program, &robot)?;
     let trajectory = Trajectory::plan(&path, Timing::default())?;
 
     let mut out = BufWriter::new(stdout().lock());
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let times_s = (0_u32..).map(|sample| f64::from(sample) * PERIOD_S);
     for t_s in times_s.take_while(|t_s| *t_s <= trajectory.cycle_time_s()) {
         let q = trajectory.at(t_s).q;
-        let [x, y, z] = robot.tcp(&q).position_m;
+        let [x, y, z] = robot.flange_pose(&q).position_m;
         write!(out, "{t_s:.3}")?;
         for value in q.iter().chain(&[x, y, z]) {
             write!(out, ",{value:.6}")?;

@@ -9,7 +9,7 @@
 //! # let text = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
 //! #     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;
 //! let program = Program::from_json(text)?;
-//! let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+//! let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
 //! let trajectory = Trajectory::plan(&path, Timing::default())?;
 //!
 //! println!("{:.3} s", trajectory.cycle_time_s());
@@ -20,7 +20,8 @@
 //!
 //! | feature | modules | for |
 //! |---|---|---|
-//! | none | [`kin`] | robot models, forward kinematics, Jacobian, URDF |
+//! | none | [`kin`] | robot models, forward kinematics, Jacobian |
+//! | `profile`, `urdf` (default) | in [`kin`] | robot profiles in JSON; robots as URDF |
 //! | `plan` (default) | `json`, `path`, `traj` | motion programs, paths, time-optimal trajectories |
 //! | `scene` | `scene` | obstacles and clearances |
 //! | `log` | `log` | trajectories and recordings as MCAP files |

@@ -2,7 +2,7 @@
 
 pub use iiwa_kin::{Joints, Pose, Robot};
 #[cfg(feature = "plan")]
-pub use iiwa_path::{Blend, Motion, Path, PathOptions, Program, Ptp};
+pub use iiwa_path::{Blend, JointPath, Motion, PathOptions, Program, Ptp};
 #[cfg(feature = "scene")]
 pub use iiwa_scene::{ArmInScene, Scene};
 #[cfg(feature = "plan")]

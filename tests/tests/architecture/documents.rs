@@ -76,7 +76,7 @@ fn files_that_documents_link_to_exist() {
     hold("link", &wrong, "Point to where the file is now.");
 }
 
-/// Paths such as `iiwa_kin::Robot::tcp`; of `iiwa_path::{Program, Blend}`, one for each in the braces.
+/// Paths such as `iiwa_kin::Robot::flange_pose`; of `iiwa_path::{Program, Blend}`, one for each in the braces.
 fn paths(text: &str) -> Vec<Vec<String>> {
     let word = |c: char| c.is_alphanumeric() || c == '_';
     let mut found = Vec::new();

@@ -48,7 +48,7 @@ const KNOWN: &[&str] = &[
     "circle: crates/iiwa-traj/src/audit.rs",
     "circle: crates/iiwa-traj/src/figures.rs",
     "circle: crates/iiwa-traj/src/interval.rs",
-    "circle: crates/iiwa-traj/src/stretch.rs",
+    "circle: crates/iiwa-traj/src/section.rs",
     "circle: tests/src/attack.rs",
     "circle: tests/src/attack/files.rs",
     "circle: tests/src/attack/load.rs",
