@@ -12,10 +12,11 @@ use iiwa_link::{Client, Remote, Stream};
 use iiwa_path::{Path as RobotPath, Program};
 use iiwa_scene::{ArmInScene, Clearance};
 use iiwa_traj::{Timing, Trajectory};
+use iiwa_view::{Extent, Page, PageOptions, TwinRobot, TwinSetup};
 use serde::Serialize;
 use tempfile::TempDir;
 
-use crate::{args, connection, failure::Failure, input, leftovers::Name, runner::Line};
+use crate::{args, connection, failure::Failure, input, leftovers::Name, output, runner::Line};
 
 /// The robot, what stands around it, and the way to its drive.
 pub(crate) struct Setup {
@@ -128,6 +129,18 @@ impl Setup {
         Trajectory::plan(&path, Timing::default()).map_err(|error| error.to_string())
     }
 
+    /// The page of a plan, and of what was measured, for this robot.
+    pub(super) fn page(
+        &self,
+        plan: &Path,
+        measured: Option<&Path>,
+        extent: Extent,
+    ) -> Result<Page, Failure> {
+        let robot = Some(self.robot.clone());
+        let how = PageOptions { robot, extent, interrupted: output::interrupted };
+        Ok(Page::read(plan, measured, &how)?)
+    }
+
     /// Why a motion that comes so near is not sent, if it is not. What touches is too near at any rate.
     pub(super) fn too_near(&self, nearest: Option<&Nearest>) -> Option<String> {
         let Nearest { distance_mm, link, obstacle, at_s, .. } = nearest?;
@@ -175,28 +188,10 @@ impl Setup {
         Err(Failure::Run { what: "there is no name left".to_owned(), cause: None })
     }
 
-    /// What the page has to know of all this.
-    pub(super) fn for_page(&self) -> impl Serialize + use<'_> {
-        #[derive(Serialize)]
-        struct Robot<'a> {
-            name: &'a str,
-            urdf: String,
-            position_rad: Joints,
-        }
-        #[derive(Serialize)]
-        struct ForPage<'a> {
-            robot: Robot<'a>,
-            scene: Option<&'a iiwa_scene::Scene>,
-            min_clearance_mm: f64,
-            drive: &'a str,
-            folder: Option<String>,
-        }
-        ForPage {
-            robot: Robot {
-                name: self.robot.name(),
-                urdf: self.robot.to_urdf(),
-                position_rad: self.robot.limits().position_rad,
-            },
+    /// What the page knows from the start.
+    pub(super) fn for_page(&self) -> TwinSetup<'_> {
+        TwinSetup {
+            robot: TwinRobot::from(&self.robot),
             scene: self.arm.as_ref().map(ArmInScene::scene),
             min_clearance_mm: self.min_clearance_mm,
             drive: &self.drive,
