@@ -5,10 +5,11 @@ use iiwa_link::{
     message::Code,
     security::{ClientSecurity, SecurityError, ServerSecurity},
 };
+use iiwa_view::with_causes;
 
 use crate::{
     args::{ClientKeys, DriveAddress, ServerKeys},
-    failure::{Failure, chain},
+    failure::Failure,
 };
 
 /// A client of the drive that the options name.
@@ -42,7 +43,7 @@ pub(crate) fn refused(error: &LinkError) -> Failure {
         LinkError::Security(cause @ SecurityError::Random { .. }) => {
             Failure::run("cannot connect", cause)
         }
-        LinkError::Security(cause) => Failure::input(chain(cause)),
+        LinkError::Security(cause) => Failure::input(with_causes(cause)),
         error => Failure::run("cannot connect", error),
     }
 }

@@ -1,8 +1,9 @@
 //! How a command can fail, and how that is told.
 
-use std::{error::Error, fmt::Write as _, io::Write as _};
+use std::{error::Error, io::Write as _, path::Path};
 
 use iiwa_json::Place;
+use iiwa_view::{ViewError, printable, with_causes};
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 
 /// Why a command did not do what it was asked for.
@@ -35,7 +36,7 @@ impl Failure {
     /// Something that went wrong on the way, and why.
     pub(crate) fn run(what: impl Into<String>, error: &dyn Error) -> Self {
         // It may have come over the network.
-        Self::Run { what: printable(&what.into()), cause: Some(printable(&chain(error))) }
+        Self::Run { what: printable(&what.into()), cause: Some(printable(&with_causes(error))) }
     }
 
     /// The same, with the program's name in front, unless the failure begins with it by itself.
@@ -82,33 +83,29 @@ impl Failure {
     }
 }
 
-/// An error with all that caused it, in one line.
-pub(crate) fn chain(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(error) = source {
-        let _ = write!(text, ": {error}");
-        source = error.source();
+impl From<ViewError> for Failure {
+    fn from(error: ViewError) -> Self {
+        let hint = match &error {
+            ViewError::UnknownRobot { .. } => "; name it with --robot",
+            ViewError::Recording { name, .. }
+                if Path::new(name).extension().is_some_and(|extension| extension == "json") =>
+            {
+                "; a program has to be planned first"
+            }
+            _ => "",
+        };
+        let what = format!("{}{hint}", with_causes(&error));
+        if error.is_input() {
+            Self::input(what)
+        } else {
+            Self::Run { what: printable(&what), cause: None }
+        }
     }
-    text
 }
 
 /// Writes to standard error. If that is closed, there is nobody to tell.
 pub(crate) fn tell(text: &str) {
     let _ = anstream::stderr().write_all(text.as_bytes());
-}
-
-/// The text with control characters spelled out: a terminal would obey them.
-pub(crate) fn printable(text: &str) -> String {
-    let mut shown = String::with_capacity(text.len());
-    for c in text.chars() {
-        if c.is_control() {
-            shown.extend(c.escape_default());
-        } else {
-            shown.push(c);
-        }
-    }
-    shown
 }
 
 /// Whether the lines about a place are short enough to be shown, and harmless.

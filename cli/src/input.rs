@@ -12,8 +12,9 @@ use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 use iiwa_path::Program;
 use iiwa_scene::Scene;
+use iiwa_view::with_causes;
 
-use crate::failure::{Failure, chain};
+use crate::failure::Failure;
 
 /// A file's name and text.
 pub(crate) struct Text {
@@ -124,7 +125,7 @@ pub(crate) fn recording(path: &Path) -> Result<JointLog, Failure> {
             Some(extension) if extension == "json" => "; a program has to be planned first",
             _ => "",
         };
-        Failure::input(format!("{}: {}{hint}", path.display(), chain(&error)))
+        Failure::input(format!("{}: {}{hint}", path.display(), with_causes(&error)))
     })
 }
 

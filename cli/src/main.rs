@@ -7,20 +7,13 @@
 mod args;
 mod commands;
 mod connection;
-mod experiment;
 mod failure;
-mod figures;
 mod input;
 mod leftovers;
 mod log;
 mod output;
-mod page;
-mod picture;
 mod progress;
-mod report;
 mod runner;
-mod summary;
-mod table;
 mod twin;
 
 use std::process::ExitCode;

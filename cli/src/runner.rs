@@ -10,11 +10,12 @@ use iiwa_link::{
 };
 use iiwa_log::{Recorder, RecorderConfig};
 use iiwa_path::{Motion, Ptp};
+use iiwa_view::printable;
 
 use crate::{
     args::DriveAddress,
     connection,
-    failure::{Failure, printable, tell},
+    failure::{Failure, tell},
     output,
     progress::Progress,
 };

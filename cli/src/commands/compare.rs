@@ -1,19 +1,15 @@
 //! `iiwasim compare`.
 
-use std::{fmt::Write as _, path::Path};
+use std::path::Path;
 
-use comfy_table::Cell;
-use iiwa_eval::{Comparison, Deviation, MotionTime, Plan, PlanFileError, StopTime};
-use iiwa_log::{JointLog, Loss};
-use serde::Serialize;
+use iiwa_eval::{Plan, PlanFileError};
+use iiwa_view::{ComparisonReport, draw_comparison, with_causes};
 
 use crate::{
     args::Compare,
-    failure::{Failure, chain, printable},
+    failure::Failure,
     input,
     output::{self, Output},
-    picture,
-    table::{shortened, table},
 };
 
 /// Compares a recording with a plan, prints the figures and applies the gates.
@@ -37,10 +33,10 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
             PlanFileError::UnknownRobot { .. } => "; name it with --robot",
             _ => "",
         };
-        Failure::input(format!("{}: {}{hint}", plan_file.display(), chain(&error)))
+        Failure::input(format!("{}: {}{hint}", plan_file.display(), with_causes(&error)))
     })?;
     let refuse = |error: &dyn std::error::Error| {
-        Failure::input(format!("{}: {}", measured_file.display(), chain(error)))
+        Failure::input(format!("{}: {}", measured_file.display(), with_causes(error)))
     };
     let measured = input::recording(measured_file)?;
     measured.check_robot(plan.robot()).map_err(|error| refuse(&error))?;
@@ -48,11 +44,12 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
 
     if let Some(file) = &options.picture {
         let drawing = Output::new(file)?;
-        drawing.write(picture::draw_comparison(&plan, &comparison)?.as_bytes())?;
+        drawing.write(draw_comparison(&plan, &comparison)?.as_bytes())?;
         drawing.complete()?;
     }
     let picture = options.picture.as_deref();
-    let report = Report::new([plan_file, measured_file], picture, &plan, &measured, &comparison);
+    let files = [plan_file.as_path(), measured_file.as_path()];
+    let report = ComparisonReport::new(files, picture, &plan, &measured, &comparison);
     if options.json {
         output::print_json(&report)?;
     } else {
@@ -61,25 +58,10 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     gate(options, &report)
 }
 
-/// A number that is not -0 when it is printed.
-fn rounded(value: f64, digits: i32) -> f64 {
-    let scale = 10_f64.powi(digits);
-    (value * scale).round() / scale + 0.0
-}
-
-/// A number with its sign, but for 0.
-fn signed(value: f64, digits: u8) -> String {
-    let precision = usize::from(digits);
-    match rounded(value, i32::from(digits)) {
-        0.0 => format!("{:.precision$}", 0.0),
-        value => format!("{value:+.precision$}"),
-    }
-}
-
 /// Which gates are not met.
-fn gate(options: &Compare, report: &Report) -> Result<(), Failure> {
-    let percent = report.cycle_time.error_percent;
-    let off_mm = report.tcp_deviation.max_mm;
+fn gate(options: &Compare, report: &ComparisonReport) -> Result<(), Failure> {
+    let percent = report.error_percent();
+    let off_mm = report.max_deviation_mm();
     let time = options.max_error_percent.filter(|limit| percent.abs() > *limit);
     let path = options.max_deviation_mm.filter(|limit| off_mm > *limit);
     let time =
@@ -88,265 +70,4 @@ fn gate(options: &Compare, report: &Report) -> Result<(), Failure> {
         .map(|limit| format!("the flange is off its path by {off_mm:.3} mm, more than {limit} mm"));
     let missed: Vec<_> = time.into_iter().chain(path).collect();
     if missed.is_empty() { Ok(()) } else { Err(Failure::Gate(missed.join("; "))) }
-}
-
-/// The `--json` object.
-#[derive(Serialize)]
-pub(crate) struct Report {
-    plan: String,
-    measured: String,
-    robot: String,
-    /// Larsen 2019, Eq. 40.
-    cycle_time: CycleRow,
-    /// When the arm leaves its start, and when it arrives at its end, in s of the recording.
-    departure_s: f64,
-    arrival_s: f64,
-    motions: Vec<MotionRow>,
-    stops: Vec<StopRow>,
-    joint_deviation: JointRow,
-    tcp_deviation: TcpRow,
-    /// Of the recording, in motion.
-    samples: usize,
-    rate_hz: f64,
-    noise_rad: f64,
-    /// When the program begins once more in the recording.
-    again_s: Option<f64>,
-    /// What the figures leave out or take for granted.
-    losses: Vec<String>,
-    picture: Option<String>,
-}
-
-#[derive(Serialize)]
-struct CycleRow {
-    simulated_s: f64,
-    real_s: f64,
-    error_s: f64,
-    error_percent: f64,
-    /// For how long the plan stands at its start and end: in both times.
-    standing_s: f64,
-    /// Standard deviation of the real time due to noise.
-    deviation_s: f64,
-    /// As the recording's metadata states it: measured by the robot program.
-    stated_s: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct MotionRow {
-    index: usize,
-    r#type: &'static str,
-    planned_start_s: f64,
-    planned_s: f64,
-    real_start_s: Option<f64>,
-    real_s: Option<f64>,
-    error_s: Option<f64>,
-    error_percent: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct StopRow {
-    after_motion: usize,
-    planned_s: f64,
-    real_s: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct JointRow {
-    mean_rad: f64,
-    max_rad: f64,
-    /// Where it is the largest.
-    motion: usize,
-    plan_s: f64,
-    recording_s: f64,
-    planned_rad: [f64; 7],
-    measured_rad: [f64; 7],
-}
-
-#[derive(Serialize)]
-struct TcpRow {
-    mean_mm: f64,
-    max_mm: f64,
-    /// Where it is the largest.
-    motion: usize,
-    plan_s: f64,
-    recording_s: f64,
-    planned_m: [f64; 3],
-    measured_m: [f64; 3],
-}
-
-impl From<&MotionTime> for MotionRow {
-    fn from(motion: &MotionTime) -> Self {
-        Self {
-            index: motion.motion,
-            r#type: if motion.waits { "wait" } else { "ptp" },
-            planned_start_s: motion.planned_start_s,
-            planned_s: motion.planned_s,
-            real_start_s: motion.real_start_s,
-            real_s: motion.real_s,
-            error_s: motion.error_s,
-            error_percent: motion.error_percent,
-        }
-    }
-}
-
-impl From<&StopTime> for StopRow {
-    fn from(stop: &StopTime) -> Self {
-        let StopTime { after_motion, planned_s, real_s } = *stop;
-        Self { after_motion, planned_s, real_s }
-    }
-}
-
-impl From<&Deviation> for JointRow {
-    fn from(deviation: &Deviation) -> Self {
-        let at = &deviation.at;
-        Self {
-            mean_rad: deviation.mean,
-            max_rad: deviation.max,
-            motion: at.motion,
-            plan_s: at.plan_s,
-            recording_s: at.recording_s,
-            planned_rad: at.planned_rad,
-            measured_rad: at.measured_rad,
-        }
-    }
-}
-
-impl From<&Deviation> for TcpRow {
-    fn from(deviation: &Deviation) -> Self {
-        let at = &deviation.at;
-        Self {
-            mean_mm: 1e3 * deviation.mean,
-            max_mm: 1e3 * deviation.max,
-            motion: at.motion,
-            plan_s: at.plan_s,
-            recording_s: at.recording_s,
-            planned_m: at.planned_tcp_m,
-            measured_m: at.measured_tcp_m,
-        }
-    }
-}
-
-impl Report {
-    /// Of the files of a plan and of a recording, and a picture of both.
-    pub(crate) fn new(
-        [plan_file, measured_file]: [&Path; 2],
-        picture: Option<&Path>,
-        plan: &Plan,
-        measured: &JointLog,
-        comparison: &Comparison,
-    ) -> Self {
-        let name = |path: &Path| path.display().to_string();
-        let cycle = &comparison.cycle_time;
-        // Gaps are told by the comparison, as far as they are in the motion.
-        let read = measured.losses.iter().filter(|loss| !matches!(loss, Loss::Gap { .. }));
-        Self {
-            plan: name(plan_file),
-            measured: name(measured_file),
-            robot: plan.robot().name().to_owned(),
-            cycle_time: CycleRow {
-                simulated_s: cycle.simulated_s,
-                real_s: cycle.real_s,
-                error_s: cycle.error_s,
-                error_percent: cycle.error_percent,
-                standing_s: cycle.standing_s,
-                deviation_s: cycle.deviation_s,
-                stated_s: measured.cycle_time_s,
-            },
-            departure_s: comparison.departure_s,
-            arrival_s: comparison.arrival_s,
-            motions: comparison.motions.iter().map(MotionRow::from).collect(),
-            stops: comparison.stops.iter().map(StopRow::from).collect(),
-            joint_deviation: (&comparison.joints_rad).into(),
-            tcp_deviation: (&comparison.tcp_m).into(),
-            samples: comparison.samples,
-            rate_hz: 1.0 / comparison.step_s,
-            noise_rad: comparison.noise_rad,
-            again_s: comparison.again_s,
-            losses: read.map(Loss::to_string).chain(comparison.losses.clone()).collect(),
-            picture: picture.map(name),
-        }
-    }
-
-    /// For people.
-    fn text(&self) -> String {
-        let head = ["motion", "type", "planned s", "real s", "error s", "error %"];
-        let mut motions = table(&head);
-        shortened(&mut motions, &self.motions, |table, row| {
-            // What the recording does not tell is a question; a share of no time is none.
-            let (real_s, error_s, percent) = match (row.real_s, row.error_s) {
-                (Some(real_s), Some(error_s)) => (
-                    format!("{:.3}", rounded(real_s, 3)),
-                    signed(error_s, 4),
-                    row.error_percent.map_or_else(String::new, |percent| signed(percent, 2)),
-                ),
-                _ => ("?".to_owned(), "?".to_owned(), "?".to_owned()),
-            };
-            table.add_row([
-                Cell::new(row.index),
-                Cell::new(row.r#type),
-                Cell::new(format!("{:.3}", row.planned_s)),
-                Cell::new(real_s),
-                Cell::new(error_s),
-                Cell::new(percent),
-            ]);
-        });
-        let mut text = format!("{motions}\n\n");
-        let cycle = &self.cycle_time;
-        let _ = writeln!(
-            text,
-            "Cycle time  {:.3} s simulated, {:.3} s real: off by {} s, {} %",
-            cycle.simulated_s,
-            cycle.real_s,
-            signed(cycle.error_s, 4),
-            signed(cycle.error_percent, 2)
-        );
-        let _ = writeln!(
-            text,
-            "            of which {:.3} s are the plan's standing at the start and the end, in both",
-            cycle.standing_s
-        );
-        if let Some(stated_s) = cycle.stated_s {
-            let _ = writeln!(text, "            {stated_s:.3} s real as the recording states it");
-        }
-        let (joints, tcp) = (&self.joint_deviation, &self.tcp_deviation);
-        let _ = writeln!(
-            text,
-            "Joints      {:.2e} rad off the path on average, {:.2e} rad at most: motion {}, {:.3} s in \
-             the plan",
-            joints.mean_rad, joints.max_rad, joints.motion, joints.plan_s
-        );
-        let _ = writeln!(
-            text,
-            "Flange      {:.3} mm off the path on average, {:.3} mm at most: motion {}, {:.3} s in the \
-             plan, at ({:.1}, {:.1}, {:.1}) mm",
-            tcp.mean_mm,
-            tcp.max_mm,
-            tcp.motion,
-            tcp.plan_s,
-            1e3 * tcp.measured_m[0],
-            1e3 * tcp.measured_m[1],
-            1e3 * tcp.measured_m[2],
-        );
-        let _ = writeln!(
-            text,
-            "Recording   {} samples in motion from {:.3} s to {:.3} s, {:.0} Hz, noise {:.1e} rad",
-            self.samples,
-            rounded(self.departure_s, 3),
-            self.arrival_s,
-            self.rate_hz,
-            self.noise_rad
-        );
-        if let Some(again_s) = self.again_s {
-            let _ = writeln!(
-                text,
-                "The program is in the recording again, from {again_s:.3} s on: the first time counts"
-            );
-        }
-        for loss in &self.losses {
-            let _ = writeln!(text, "Note: {}", printable(loss));
-        }
-        if let Some(picture) = &self.picture {
-            let _ = writeln!(text, "Picture in {}", printable(picture));
-        }
-        text
-    }
 }

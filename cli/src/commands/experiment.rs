@@ -1,5 +1,8 @@
 //! `iiwasim experiment`.
 
+mod arm;
+mod folder;
+
 use std::{
     env,
     fmt::Write as _,
@@ -7,28 +10,32 @@ use std::{
 };
 
 use iiwa_eval::experiment::Trial;
-
 use iiwa_path::Motion;
+use iiwa_view::{Bench, ExperimentKind, TrialRun, VirtualArm, other_robot, wrapped};
 
 use crate::{
     args::{DriveAddress, Experiment, ExperimentName},
-    experiment::{Arm, Bench, Folder, Kind, Run, VirtualArm, other_robot, wrapped, write},
     failure::{Failure, tell},
     input, output,
     progress::Progress,
     runner::Line,
 };
 
+use self::{
+    arm::Arm,
+    folder::{Folder, write},
+};
+
 /// Does experiments and writes their report.
 pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     let model = input::find_robot(&options.robot, Path::new("."))?;
     let kinds = match options.name {
-        ExperimentName::Limits => vec![Kind::Limits],
-        ExperimentName::Blends => vec![Kind::Blends],
-        ExperimentName::ZoneVelocity => vec![Kind::ZoneVelocity],
-        ExperimentName::Settle => vec![Kind::Settle],
-        ExperimentName::CycleTime => vec![Kind::CycleTime],
-        ExperimentName::All => Kind::ALL.to_vec(),
+        ExperimentName::Limits => vec![ExperimentKind::Limits],
+        ExperimentName::Blends => vec![ExperimentKind::Blends],
+        ExperimentName::ZoneVelocity => vec![ExperimentKind::ZoneVelocity],
+        ExperimentName::Settle => vec![ExperimentKind::Settle],
+        ExperimentName::CycleTime => vec![ExperimentKind::CycleTime],
+        ExperimentName::All => ExperimentKind::ALL.to_vec(),
     };
     let path = match &options.output {
         Some(path) => path.clone(),
@@ -81,7 +88,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         for trial in trials {
             let log = arm.run(&trial)?;
             folder.run(&trial, &log, &bench.model)?;
-            runs.push(Run { trial, log });
+            runs.push(TrialRun { trial, log });
             done += 1;
             // On a robot each run has its own bar.
             if options.simulate {

@@ -4,11 +4,9 @@ use std::{fs, path::Path};
 
 use iiwa_link::security::{KeyPair, SecurityError};
 
-use crate::{
-    args::Keygen,
-    failure::{Failure, printable},
-    output,
-};
+use iiwa_view::printable;
+
+use crate::{args::Keygen, failure::Failure, output};
 
 /// Makes a pair of keys, and says what to do with them.
 pub(crate) fn run(options: &Keygen) -> Result<(), Failure> {

@@ -10,21 +10,19 @@ use std::{
 
 use bytesize::ByteSize;
 use iiwa_kin::Robot;
-use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
+use iiwa_log::{ClearanceRecord, PlanConfig, PlanFigures, PlanSize, PlanWriter};
 use iiwa_path::{JointPath, PathOptions, Program};
-use iiwa_scene::{ArmInScene, Scene};
-use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing, TimingError};
+use iiwa_scene::{ArmInScene, PlannedClearance, Scene};
+use iiwa_traj::{JerkOptions, Planner, Section, SweepOptions, Timing, TimingError};
+use iiwa_view::{PlanPicture, long_duration, plan_table, printable};
 use serde::Serialize;
 
 use crate::{
     args::{self, Plan},
-    failure::{Failure, printable},
-    figures::{ClearanceRow, Figures, lasting},
+    failure::Failure,
     input::{self, Text},
     output::{self, Output},
-    picture::Picture,
     progress::Progress,
-    table,
 };
 
 /// Plans programs, writes their trajectories and prints their figures.
@@ -71,7 +69,7 @@ fn write(
     (text, program, robot): (Text, Program, Robot),
     target: Option<&FilePath>,
     mut progress: impl FnMut(f64),
-) -> Result<Figures, Failure> {
+) -> Result<PlanFigures, Failure> {
     let path_options = PathOptions {
         blend_shape: options.blend_shape.into(),
         blend_search: options.blend_search.into(),
@@ -88,7 +86,7 @@ fn write(
         }
         args::Timing::Jerk => Timing::Jerk(JerkOptions::default()),
     };
-    let mut figures = Figures::new(timing, &robot, options.samples);
+    let mut figures = PlanFigures::new(timing, &robot, options.samples);
     let arm = scene.map(|scene| ArmInScene::new(&robot, scene));
 
     let output = target.map(Output::new).transpose()?;
@@ -104,7 +102,7 @@ fn write(
             Some(writer.map_err(|error| output.failure(&error))?)
         }
     };
-    let mut picture = drawing.as_ref().map(|_| Picture::new(&robot));
+    let mut picture = drawing.as_ref().map(|_| PlanPicture::new(&robot));
 
     let mut size = PlanSize::new(options.rate);
     let mut planner = Planner::new(&path, timing);
@@ -117,8 +115,8 @@ fn write(
             _ => Failure::run("cannot plan the program", &error),
         })?;
         figures.add(&section);
-        if let Some(arm) = &arm {
-            figures.add_clearance(arm, &section);
+        if let Some(nearest) = arm.as_ref().and_then(|arm| clearance(arm, &section)) {
+            figures.add_clearance(nearest);
         }
         if let (Some(writer), Some(output)) = (&mut writer, &output) {
             size.add(&section);
@@ -135,7 +133,7 @@ fn write(
 
     if let (Some(writer), Some(output)) = (writer, &output) {
         let program = ("program.json", "application/json", text.text.as_bytes());
-        let stream = writer.finish(&figures.metadata(), &[program]);
+        let stream = writer.finish(&figures.to_metadata(), &[program]);
         stream
             .map_err(|error| output.failure(&error))?
             .into_inner()
@@ -150,6 +148,17 @@ fn write(
     Ok(figures)
 }
 
+/// How near the arm comes to its scene in a section.
+fn clearance(arm: &ArmInScene, section: &Section) -> Option<ClearanceRecord> {
+    let PlannedClearance { clearance, at_s, .. } = arm.clearance_of_section(section)?;
+    Some(ClearanceRecord {
+        distance_mm: 1e3 * clearance.distance_m,
+        link: clearance.link,
+        obstacle: arm.scene().obstacles()[clearance.obstacle].name.clone(),
+        at_s,
+    })
+}
+
 /// A program whose file would be too large, with all that it would need; `planner` has the rest of it.
 fn too_large(options: &Plan, mut size: PlanSize, planner: Planner) -> Failure {
     let rest = planner.take_while(|_| !output::interrupted());
@@ -157,7 +166,7 @@ fn too_large(options: &Plan, mut size: PlanSize, planner: Planner) -> Failure {
     Failure::input(format!(
         "the program takes {}: at {} Hz its file would have about {}, more than the {} of --max-file-size; \
          lower --rate, raise --max-file-size, or have the figures alone with --no-output",
-        lasting(size.duration_s()),
+        long_duration(size.duration_s()),
         options.rate,
         ByteSize::b(size.bytes()).display().si(),
         options.max_file_size.display().si()
@@ -171,7 +180,7 @@ struct Gates {
 }
 
 impl Gates {
-    fn new(options: &Plan, figures: &Figures) -> Self {
+    fn new(options: &Plan, figures: &PlanFigures) -> Self {
         let cycle_time_s = figures.cycle_time_s;
         let too_long = options
             .max_cycle_time
@@ -194,8 +203,8 @@ impl Gates {
 }
 
 /// How the arm comes too near to an obstacle, if it does. What touches is too near for any gate.
-fn too_near(limit_mm: f64, nearest: &ClearanceRow) -> Option<String> {
-    let ClearanceRow { distance_mm, link, obstacle, at_s } = nearest;
+fn too_near(limit_mm: f64, nearest: &ClearanceRecord) -> Option<String> {
+    let ClearanceRecord { distance_mm, link, obstacle, at_s } = nearest;
     let obstacle = printable(obstacle);
     let place = format!("link {link} at {at_s:.3} s");
     if *distance_mm == 0.0 {
@@ -258,13 +267,13 @@ struct Report<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     program: Option<&'a str>,
     #[serde(flatten)]
-    figures: &'a Figures,
+    figures: &'a PlanFigures,
     output: Option<String>,
 }
 
-fn report(options: &Plan, figures: &Figures, file: Option<&FilePath>) -> Result<(), Failure> {
+fn report(options: &Plan, figures: &PlanFigures, file: Option<&FilePath>) -> Result<(), Failure> {
     if !options.json {
-        let mut text = table::figures(figures);
+        let mut text = plan_table(figures);
         if let Some(file) = file {
             let _ = writeln!(text, "Trajectory in {}", file.display());
         }

@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use iiwa_view::{Extent, Page, PageOptions, printable};
+
 use crate::{
     args::Report,
-    failure::{Failure, printable, tell},
+    failure::{Failure, tell},
+    input::find_robot,
     output::{self, Output},
-    report::{self, Extent, Page},
 };
 
 /// Makes the page, and says where it is.
@@ -21,13 +23,15 @@ pub(crate) fn run(options: &Report) -> Result<(), Failure> {
         }
     }
     output::catch_interrupts();
-    let (measured, robot) = (options.measured.as_deref(), options.robot.as_deref());
-    let page = Page::of(&options.file, measured, robot, Extent::Whole)?;
+    let robot = options.robot.as_deref();
+    let robot = robot.map(|name| find_robot(name, Path::new("."))).transpose()?;
+    let how = PageOptions { robot, extent: Extent::Whole, interrupted: output::interrupted };
+    let page = Page::read(&options.file, options.measured.as_deref(), &how)?;
     for note in page.notes() {
         tell(&format!("Note: {}\n", printable(note)));
     }
     let output = Output::new(&target)?;
-    output.write(report::html(&page)?.as_bytes())?;
+    output.write(page.html()?.as_bytes())?;
     output.complete()?;
     output::print(&format!("Page in {}\n", printable(&target.display().to_string())))
 }

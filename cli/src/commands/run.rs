@@ -7,19 +7,19 @@ use std::{
 
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, MAX_POINTS, TimedJoints, message::Run as Measured};
+use iiwa_log::PlanFigures;
 use iiwa_path::{JointPath, Program};
 use iiwa_traj::{Timing, Trajectory};
+use iiwa_view::plan_table;
 use serde::Serialize;
 
 use crate::{
     args::Run,
     connection,
     failure::Failure,
-    figures::Figures,
     input::{self, Text},
     output::{self, Output},
     runner::{Line, Task, go_to_start, recording, since_start, watch},
-    table,
 };
 
 /// Time from one point of a trajectory to the next, in s.
@@ -34,7 +34,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
 
     let mut line = Line::new(&options.drive, &options.stream)?;
     if !options.json {
-        output::print(&table::figures(&figures))?;
+        output::print(&plan_table(&figures))?;
     }
     let output = target.as_deref().map(Output::new).transpose()?;
     let task = if options.as_trajectory {
@@ -96,7 +96,11 @@ fn target(options: &Run) -> Option<PathBuf> {
     Some(options.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.measured.mcap"))))
 }
 
-fn plan(text: &Text, program: &Program, robot: &Robot) -> Result<(Trajectory, Figures), Failure> {
+fn plan(
+    text: &Text,
+    program: &Program,
+    robot: &Robot,
+) -> Result<(Trajectory, PlanFigures), Failure> {
     let path = JointPath::new(program, robot).map_err(|fault| {
         let place = fault.place_in(&text.text);
         Failure::in_text(&fault.to_string(), &place, &text.name, &text.text)
@@ -104,7 +108,7 @@ fn plan(text: &Text, program: &Program, robot: &Robot) -> Result<(Trajectory, Fi
     let timing = Timing::default();
     let plan = Trajectory::plan(&path, timing)
         .map_err(|error| Failure::run("cannot plan the program", &error))?;
-    let mut figures = Figures::new(timing, robot, 0);
+    let mut figures = PlanFigures::new(timing, robot, 0);
     plan.sections().iter().for_each(|section| figures.add(section));
     Ok((plan, figures))
 }

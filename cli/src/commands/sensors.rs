@@ -1,6 +1,8 @@
 //! `iiwasim sensors`.
 
-use crate::{args::Sensors, connection, failure::Failure, output, table::table};
+use iiwa_view::table;
+
+use crate::{args::Sensors, connection, failure::Failure, output};
 
 /// Prints what the robot's sensors say.
 pub(crate) fn run(options: &Sensors) -> Result<(), Failure> {

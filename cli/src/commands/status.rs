@@ -9,13 +9,9 @@ use iiwa_link::{
     Published, Stream,
     message::{DriveState, Presence, Status as Answer},
 };
+use iiwa_view::printable;
 
-use crate::{
-    args::Status,
-    connection,
-    failure::{Failure, printable},
-    output,
-};
+use crate::{args::Status, connection, failure::Failure, output};
 
 /// Prints what the robot does now, and from now on if that is asked for.
 pub(crate) fn run(options: &Status) -> Result<(), Failure> {

@@ -11,13 +11,11 @@ use std::{
 
 use iiwa_kin::Joints;
 use iiwa_path::{Blend, Motion, Program, Ptp};
+use iiwa_view::Extent;
 use serde::Serialize;
 use tokio::runtime::Handle;
 
-use crate::{
-    failure::Failure,
-    report::{self, Extent, Page},
-};
+use crate::failure::Failure;
 
 use super::{
     Live, Setup, Words,
@@ -271,9 +269,8 @@ impl Desk {
     pub(super) fn report(&self) -> Option<Result<String, Failure>> {
         let plan = self.file("plan.mcap")?;
         let measured = self.file("measured.mcap");
-        let page =
-            Page::of(&plan, measured.as_deref(), Some(&self.setup.robot_name), Extent::Whole);
-        Some(page.and_then(|page| report::html(&page)))
+        let page = self.setup.page(&plan, measured.as_deref(), Extent::Whole);
+        Some(page.and_then(|page| Ok(page.html()?)))
     }
 }
 

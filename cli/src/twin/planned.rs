@@ -2,17 +2,13 @@
 
 use std::{fs, path::PathBuf};
 
-use iiwa_log::{PlanConfig, PlanSize, PlanWriter, WriteError};
-use iiwa_path::{JointPath as RobotPath, Program};
+use iiwa_log::{PlanConfig, PlanFigures, PlanSize, PlanWriter, WriteError};
+use iiwa_path::{JointPath, Program};
 use iiwa_traj::{Timing, Trajectory};
+use iiwa_view::{Extent, long_duration, with_causes};
 use serde::Serialize;
 
-use crate::{
-    failure::{Failure, chain},
-    figures::{Figures, lasting},
-    output::Output,
-    report::{Extent, Page},
-};
+use crate::{failure::Failure, output::Output};
 
 use super::{
     Setup, Word,
@@ -52,11 +48,11 @@ impl Planned {
         if let Some(other) = program.robot.as_deref().filter(|other| !own.contains(other)) {
             return Err(format!("{name} is for the robot `{other}`, this one is `{}`", own[0]));
         }
-        let path = RobotPath::new(&program, &setup.robot).map_err(|fault| {
+        let path = JointPath::new(&program, &setup.robot).map_err(|fault| {
             what(Failure::in_text(&fault.to_string(), &fault.place_in(&text), name, &text))
         })?;
         let timing = Timing::default();
-        let plan = Trajectory::plan(&path, timing).map_err(|error| chain(&error))?;
+        let plan = Trajectory::plan(&path, timing).map_err(|error| with_causes(&error))?;
         check_size(&plan)?;
         let nearest = setup.nearest_of(&plan);
         let refused = setup.too_near(nearest.as_ref());
@@ -81,8 +77,7 @@ impl Planned {
         let cycle_time_s = plan.cycle_time_s();
         // All that is needed of it now is in the file.
         drop((plan, path));
-        let robot = Some(setup.robot_name.as_str());
-        let page = Page::of(&mcap, None, robot, Extent::Sketch).map_err(what)?;
+        let page = setup.page(&mcap, None, Extent::Sketch).map_err(what)?;
         let word = word(
             "plan",
             &ForPage {
@@ -130,8 +125,8 @@ fn check_size(plan: &Trajectory) -> Result<(), String> {
     Err(format!(
         "the program takes {}, which is too long for this page: it shows up to {}; iiwasim plan and \
          iiwasim run take it",
-        lasting(size.duration_s()),
-        lasting(SAMPLES as f64 / rate_hz)
+        long_duration(size.duration_s()),
+        long_duration(SAMPLES as f64 / rate_hz)
     ))
 }
 
@@ -144,7 +139,7 @@ fn write_mcap(
     setup: &Setup,
 ) -> Result<(), Failure> {
     let refuse = |error: WriteError| file.failure(&error);
-    let mut figures = Figures::new(timing, &setup.robot, 0);
+    let mut figures = PlanFigures::new(timing, &setup.robot, 0);
     let mut writer =
         PlanWriter::new(file.stream()?, &setup.robot, PlanConfig::default()).map_err(refuse)?;
     for section in plan.sections() {
@@ -152,6 +147,6 @@ fn write_mcap(
         writer.section(section).map_err(refuse)?;
     }
     let program = ("program.json", "application/json", program.as_bytes());
-    let stream = writer.finish(&figures.metadata(), &[program]).map_err(refuse)?;
+    let stream = writer.finish(&figures.to_metadata(), &[program]).map_err(refuse)?;
     stream.into_inner().map(drop).map_err(|error| file.failure(error.error()))
 }

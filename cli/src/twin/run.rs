@@ -16,12 +16,12 @@ use iiwa_link::{
     message::{DriveState, FriStatus, Run as Measured, Status},
 };
 use iiwa_path::{Motion, Program, Ptp};
+use iiwa_view::{Extent, Page};
 use serde::Serialize;
 
 use crate::{
     failure::Failure,
     output::Output,
-    report::{Extent, Page},
     runner::{self, Line, Task, Watched},
 };
 
@@ -187,10 +187,7 @@ fn finished(plan: &Planned, measured: &Measured, error: Option<String>, setup: &
         Ok((mcap, elsewhere)) => (Some(mcap), elsewhere),
         Err(failure) => (None, Some(failure.what())),
     };
-    let page = |mcap| {
-        let robot = Some(setup.robot_name.as_str());
-        Page::of(&plan.mcap, Some(mcap), robot, Extent::Sketch)
-    };
+    let page = |mcap| setup.page(&plan.mcap, Some(mcap), Extent::Sketch);
     let page = mcap.as_deref().map(page);
     let (page, unseen) = match page.transpose() {
         Ok(page) => (page, None),

@@ -16,14 +16,12 @@ use axum::{
     response::{IntoResponse, Response},
     routing::{get, post},
 };
+use iiwa_view::twin_page;
 use serde::Deserialize;
 use tokio::{fs, task, time};
 use tokio_util::io::ReaderStream;
 
-use crate::{
-    failure::Failure,
-    page::{self, Part},
-};
+use crate::failure::Failure;
 
 use super::{
     Token,
@@ -39,14 +37,6 @@ const LONGEST_PROGRAM: usize = 4 << 20;
 
 /// How long a page may take to hand over a program's text.
 const UPLOAD: Duration = Duration::from_secs(20);
-
-const PARTS: [Part; 5] = [
-    ("/*twin.css*/", include_str!("twin.css")),
-    ("/*link.js*/", include_str!("link.js")),
-    ("/*live.js*/", include_str!("live.js")),
-    ("/*programs.js*/", include_str!("programs.js")),
-    ("/*main.js*/", include_str!("main.js")),
-];
 
 /// Serves the page until an interrupt comes.
 pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Twin) -> Result<(), Failure> {
@@ -100,9 +90,8 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
                       frame-ancestors 'none'";
 
 async fn page(State(twin): State<Twin>) -> Response {
-    let title = format!("{} - iiwasim twin", twin.setup.robot.name());
-    let page = page::assemble(include_str!("page.html"), &PARTS, &title, &twin.setup.for_page());
-    page.map_or_else(|failure| failed(&failure), |text| html(text, POLICY))
+    twin_page(&twin.setup.for_page())
+        .map_or_else(|error| failed(&error.into()), |text| html(text, POLICY))
 }
 
 /// The query of a program.

@@ -9,13 +9,14 @@ use std::{
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{Client, Remote, Stream};
-use iiwa_path::{JointPath as RobotPath, Program};
+use iiwa_path::{JointPath, Program};
 use iiwa_scene::{ArmInScene, Clearance};
 use iiwa_traj::{Timing, Trajectory};
+use iiwa_view::{Extent, Page, PageOptions, TwinRobot, TwinSetup};
 use serde::Serialize;
 use tempfile::TempDir;
 
-use crate::{args, connection, failure::Failure, input, leftovers::Name, runner::Line};
+use crate::{args, connection, failure::Failure, input, leftovers::Name, output, runner::Line};
 
 /// The robot, what stands around it, and the way to its drive.
 pub(crate) struct Setup {
@@ -124,8 +125,20 @@ impl Setup {
 
     /// Plans a program for this robot. Errors are for people.
     pub(super) fn plan(&self, program: &Program) -> Result<Trajectory, String> {
-        let path = RobotPath::new(program, &self.robot).map_err(|fault| fault.to_string())?;
+        let path = JointPath::new(program, &self.robot).map_err(|fault| fault.to_string())?;
         Trajectory::plan(&path, Timing::default()).map_err(|error| error.to_string())
+    }
+
+    /// The page of a plan, and of what was measured, for this robot.
+    pub(super) fn page(
+        &self,
+        plan: &Path,
+        measured: Option<&Path>,
+        extent: Extent,
+    ) -> Result<Page, Failure> {
+        let robot = Some(self.robot.clone());
+        let how = PageOptions { robot, extent, interrupted: output::interrupted };
+        Ok(Page::read(plan, measured, &how)?)
     }
 
     /// Why a motion that comes so near is not sent, if it is not. What touches is too near at any rate.
@@ -175,28 +188,10 @@ impl Setup {
         Err(Failure::Run { what: "there is no name left".to_owned(), cause: None })
     }
 
-    /// What the page has to know of all this.
-    pub(super) fn for_page(&self) -> impl Serialize + use<'_> {
-        #[derive(Serialize)]
-        struct Robot<'a> {
-            name: &'a str,
-            urdf: String,
-            position_rad: Joints,
-        }
-        #[derive(Serialize)]
-        struct ForPage<'a> {
-            robot: Robot<'a>,
-            scene: Option<&'a iiwa_scene::Scene>,
-            min_clearance_mm: f64,
-            drive: &'a str,
-            folder: Option<String>,
-        }
-        ForPage {
-            robot: Robot {
-                name: self.robot.name(),
-                urdf: self.robot.to_urdf(),
-                position_rad: self.robot.limits().position_rad,
-            },
+    /// What the page knows from the start.
+    pub(super) fn for_page(&self) -> TwinSetup<'_> {
+        TwinSetup {
+            robot: TwinRobot::from(&self.robot),
             scene: self.arm.as_ref().map(ArmInScene::scene),
             min_clearance_mm: self.min_clearance_mm,
             drive: &self.drive,

@@ -10,7 +10,7 @@ use iiwa_eval::{
 };
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
-use iiwa_path::{Continuity, JointPath, Motion, PolynomialBlend, Program, Ptp, Step};
+use iiwa_path::{Continuity, JointPath, Motion, PolynomialBlend, Program, Ptp, Segment, Step};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 /// A robot whose limits are up to 25 % below and 30 % above the model's, and whose kappa is up to 1.5 away

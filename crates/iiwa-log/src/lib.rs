@@ -45,6 +45,7 @@ mod encoder;
 mod error;
 mod joint_log;
 mod plan;
+mod plan_figures;
 mod plan_size;
 mod reader;
 mod recorder;
@@ -62,6 +63,9 @@ pub use encoder::{Encoder, Frame};
 pub use error::{ReadError, WriteError};
 pub use joint_log::{JointLog, JointLogError, Loss, Place, Source};
 pub use plan::{PlanConfig, PlanWriter};
+pub use plan_figures::{
+    BlendRecord, ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord, PlanFigures,
+};
 pub use plan_size::PlanSize;
 pub use reader::{Entry, Reader};
 pub use recorder::{Recorder, RecorderConfig};

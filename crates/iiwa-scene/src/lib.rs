@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use iiwa_kin::Robot;
-//! use iiwa_path::{JointPath, Program};
+//! use iiwa_path::{Path, Program};
 //! use iiwa_scene::{ArmInScene, Scene};
 //! use iiwa_traj::{Timing, Trajectory};
 //!

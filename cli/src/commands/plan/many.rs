@@ -8,7 +8,9 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
+use iiwa_log::PlanFigures;
 use iiwa_scene::Scene;
+use iiwa_view::{PlannedTimes, Summary, SummaryRow, printable};
 use rayon::{
     ThreadPoolBuilder,
     iter::{ParallelBridge, ParallelIterator},
@@ -22,11 +24,9 @@ use super::{
 };
 use crate::{
     args::Plan,
-    failure::{self, Failure, printable},
-    figures::Figures,
+    failure::{self, Failure},
     input, output,
     progress::Progress,
-    summary::{Row, Summary, Times},
 };
 
 /// Plans all programs that are given, and those in the folders that are.
@@ -103,7 +103,7 @@ struct Outcome {
     line: Option<String>,
     /// For standard error.
     complaint: Option<String>,
-    row: Row,
+    row: SummaryRow,
 }
 
 /// The line of a program that was not planned.
@@ -114,7 +114,12 @@ struct Refusal<'a> {
 }
 
 impl Outcome {
-    fn planned(options: &Plan, job: &Job, name: &str, figures: &Figures) -> Result<Self, Failure> {
+    fn planned(
+        options: &Plan,
+        job: &Job,
+        name: &str,
+        figures: &PlanFigures,
+    ) -> Result<Self, Failure> {
         let line = || {
             let output = job.target.as_deref().map(|file| file.display().to_string());
             output::json_line(&Report { program: Some(name), figures, output })
@@ -124,9 +129,9 @@ impl Outcome {
         Ok(Self {
             line: options.json.then(line).transpose()?,
             complaint: gates.complaint().map(complain),
-            row: Row {
+            row: SummaryRow {
                 program: name.to_owned(),
-                times: Some(Times::from(figures)),
+                times: Some(PlannedTimes::from(figures)),
                 too_long: gates.too_long.is_some(),
                 too_near: gates.too_near.is_some(),
             },
@@ -140,7 +145,7 @@ impl Outcome {
             // Two texts always become JSON.
             line: options.json.then(line).and_then(Result::ok),
             complaint: Some(failure.text()),
-            row: Row { program: name, times: None, too_long: false, too_near: false },
+            row: SummaryRow { program: name, times: None, too_long: false, too_near: false },
         }
     }
 }

@@ -189,7 +189,7 @@ impl Curve {
 
 #[cfg(test)]
 mod tests {
-    use iiwa_path::{Continuity, PolynomialBlend};
+    use iiwa_path::{Continuity, PolynomialBlend, Segment};
 
     use super::*;
 

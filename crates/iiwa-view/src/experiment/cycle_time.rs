@@ -8,8 +8,8 @@ use iiwa_traj::{SweepOptions, Timing};
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
 
 use crate::{
-    experiment::{Bench, Chapter, Run, plan},
-    failure::Failure,
+    ViewError,
+    experiment::{Bench, Chapter, TrialRun, plan},
     picture::{
         COLOURS,
         plot::{Plot, Point, draw},
@@ -93,7 +93,7 @@ impl Case {
     }
 }
 
-pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewError> {
     let cases = evaluate(bench, runs)?;
     let paths = cases.iter().map(|case| case.path + 1).max().unwrap_or_default();
     let mut chapter = Chapter::new("Errors of the cycle time: section 5.1.2, Fig. 23 to 25");
@@ -167,18 +167,17 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
     Ok(chapter)
 }
 
-fn evaluate(bench: &Bench, runs: &[Run]) -> Result<Vec<Case>, Failure> {
-    let measured = runs.iter().map(|Run { trial, log }| {
+fn evaluate(bench: &Bench, runs: &[TrialRun]) -> Result<Vec<Case>, ViewError> {
+    let measured = runs.iter().map(|TrialRun { trial, log }| {
         let jerk = plan(bench, trial, Timing::default())?;
         let acceleration =
             plan(bench, trial, Timing::Acceleration(SweepOptions::default()))?.cycle_time_s();
-        let compared = compare(&Plan::from_trajectory(&jerk), log).map_err(|error| {
-            Failure::run(format!("{} cannot be compared with its plan", trial.name), &error)
-        })?;
+        let compared = compare(&Plan::from_trajectory(&jerk), log)
+            .map_err(|source| ViewError::Compare { name: trial.name.clone(), source })?;
         let real_s = compared.cycle_time.real_s;
         Ok((real_s, [acceleration - real_s, jerk.cycle_time_s() - real_s]))
     });
-    let measured: Vec<_> = measured.collect::<Result<_, Failure>>()?;
+    let measured: Vec<_> = measured.collect::<Result<_, ViewError>>()?;
     // Paths count from the first on.
     let all = cases(5).into_iter().filter_map(|(over, case)| {
         let name = case.trial(&bench.model, bench.seed).name;
@@ -202,7 +201,7 @@ fn mean(cases: &[&Case], of: impl Fn(&Case) -> f64) -> f64 {
     cases.iter().map(|case| of(case)).sum::<f64>() / cases.len() as f64
 }
 
-fn figure(over: Over, axis: &str, cases: &[&Case]) -> Result<String, Failure> {
+fn figure(over: Over, axis: &str, cases: &[&Case]) -> Result<String, ViewError> {
     let grouped = by_value(cases);
     // Where no lines are.
     let legend_at = match over {

@@ -2,7 +2,8 @@
 
 use std::{
     collections::BTreeMap,
-    io::{Cursor, Read},
+    fs::File,
+    io::{self, Cursor, Read},
     path::{Path, PathBuf},
 };
 
@@ -12,10 +13,7 @@ use iiwa_path::Program;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::{
-    failure::{Failure, chain},
-    input,
-};
+use crate::ViewError;
 
 /// A file that was read.
 #[derive(Debug)]
@@ -79,11 +77,15 @@ pub(crate) struct Piece {
 
 impl Source {
     /// Reads a file, as far as it is whole.
-    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
+    pub(crate) fn read(path: &Path) -> Result<Self, ViewError> {
+        let name = path.display().to_string();
+        let log = JointLog::read(open(path)?)
+            .and_then(|log| log.check_rate().map(|()| log))
+            .map_err(|source| ViewError::Recording { name: name.clone(), source })?;
         Self {
-            name: path.display().to_string(),
+            name,
+            log,
             file: path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
-            log: input::recording(path)?,
             nodes: Vec::new(),
             pieces: Vec::new(),
             figures: Map::new(),
@@ -93,9 +95,9 @@ impl Source {
     }
 
     /// Takes an MCAP file that was made for the page, under a name for people.
-    pub(crate) fn made(name: &str, content: Vec<u8>) -> Result<Self, Failure> {
+    pub(crate) fn made(name: &str, content: Vec<u8>) -> Result<Self, ViewError> {
         let log = JointLog::read(content.as_slice())
-            .map_err(|error| Failure::input(format!("{name}: {}", chain(&error))))?;
+            .map_err(|source| ViewError::Recording { name: name.to_owned(), source })?;
         Self {
             name: name.to_owned(),
             file: name.to_owned(),
@@ -109,9 +111,9 @@ impl Source {
     }
 
     /// The file from its start.
-    pub(crate) fn open(&self) -> Result<Box<dyn Read + '_>, Failure> {
+    pub(crate) fn open(&self) -> Result<Box<dyn Read + '_>, ViewError> {
         Ok(match &self.content {
-            Content::Stored(path) => Box::new(input::open(path)?),
+            Content::Stored(path) => Box::new(open(path)?),
             Content::Made(bytes) => Box::new(Cursor::new(bytes)),
         })
     }
@@ -131,7 +133,7 @@ impl Source {
 
     /// What a plan has beside joint states, up to where the file breaks off: the joint states have
     /// told that it does.
-    fn with_plan(self) -> Result<Self, Failure> {
+    fn with_plan(self) -> Result<Self, ViewError> {
         if self.log.source != Some(Format::Mcap) {
             return Ok(self);
         }
@@ -142,8 +144,8 @@ impl Source {
             let entry = match entry {
                 Ok(entry) => entry,
                 Err(_) if self.broken_off() => break,
-                Err(error) => {
-                    return Err(Failure::input(format!("{}: {}", self.name, chain(&error))));
+                Err(source) => {
+                    return Err(ViewError::Plan { name: self.name.clone(), source });
                 }
             };
             match entry {
@@ -189,30 +191,31 @@ impl Source {
         self.log.losses.iter().any(|loss| matches!(loss, Loss::BrokenOff { .. }))
     }
 
-    /// The robot that was asked for, or the file's, or the usual one; and what is taken for granted.
-    pub(crate) fn robot(&self, name: Option<&str>) -> Result<(Robot, Option<String>), Failure> {
-        if let Some(name) = name {
-            return Ok((input::find_robot(name, Path::new("."))?, None));
+    /// The robot that was asked for, or the file's, or the default one; and what is assumed.
+    pub(crate) fn robot(
+        &self,
+        asked: Option<&Robot>,
+    ) -> Result<(Robot, Option<String>), ViewError> {
+        if let Some(robot) = asked {
+            return Ok((robot.clone(), None));
         }
         let Some(name) = &self.log.robot else {
             let robot = Robot::default();
             let note = format!("{} names no robot: taken for {}", self.name, robot.name());
             return Ok((robot, Some(note)));
         };
-        let robot = Robot::built_in(name).ok_or_else(|| {
-            Failure::input(format!(
-                "{}: the robot `{name}` is not built in: name its profile with --robot",
-                self.name
-            ))
+        let robot = Robot::built_in(name).ok_or_else(|| ViewError::UnknownRobot {
+            name: self.name.clone(),
+            robot: name.clone(),
         })?;
         Ok((robot, None))
     }
 
     /// Refuses positions that the robot does not have.
-    pub(crate) fn check(&self, robot: &Robot) -> Result<(), Failure> {
+    pub(crate) fn check(&self, robot: &Robot) -> Result<(), ViewError> {
         self.log
             .check_robot(robot)
-            .map_err(|error| Failure::input(format!("{}: {}", self.name, chain(&error))))
+            .map_err(|source| ViewError::Recording { name: self.name.clone(), source })
     }
 
     /// What the file does not have, for people.
@@ -230,4 +233,14 @@ impl Source {
         }
         told
     }
+}
+
+/// Opens a file.
+fn open(path: &Path) -> Result<File, ViewError> {
+    let refuse = |source| ViewError::Open { name: path.display().to_string(), source };
+    let file = File::open(path).map_err(refuse)?;
+    if file.metadata().is_ok_and(|kind| kind.is_dir()) {
+        return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
+    }
+    Ok(file)
 }

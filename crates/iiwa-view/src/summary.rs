@@ -1,4 +1,4 @@
-//! What came of many programs.
+//! The results of many programs in one table.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -6,20 +6,24 @@ use std::{
 };
 
 use comfy_table::Cell;
+use iiwa_log::PlanFigures;
 
-use crate::{failure::printable, figures::Figures, table::table};
+use crate::{printable, table::table};
 
-/// What came of one of them.
-pub(crate) struct Row {
-    pub(crate) program: String,
-    pub(crate) times: Option<Times>,
-    /// It takes longer than it may.
-    pub(crate) too_long: bool,
-    /// It comes nearer to an obstacle than it may.
-    pub(crate) too_near: bool,
+/// The result of one program.
+#[derive(Clone, Debug)]
+pub struct SummaryRow {
+    /// The program's name.
+    pub program: String,
+    /// What it takes, if it was planned.
+    pub times: Option<PlannedTimes>,
+    /// Whether it takes longer than it may.
+    pub too_long: bool,
+    /// Whether it comes nearer to an obstacle than it may.
+    pub too_near: bool,
 }
 
-impl Row {
+impl SummaryRow {
     fn result(&self) -> &'static str {
         match (&self.times, self.too_long, self.too_near) {
             (None, ..) => "failed",
@@ -31,8 +35,9 @@ impl Row {
     }
 }
 
-/// What is told of a program that was planned.
-pub(crate) struct Times {
+/// What a planned program takes; its size does not grow with the program.
+#[derive(Clone, Debug)]
+pub struct PlannedTimes {
     motions: usize,
     cycle_s: f64,
     motion_s: f64,
@@ -42,8 +47,8 @@ pub(crate) struct Times {
     assumptions: Vec<String>,
 }
 
-impl From<&Figures> for Times {
-    fn from(figures: &Figures) -> Self {
+impl From<&PlanFigures> for PlannedTimes {
+    fn from(figures: &PlanFigures) -> Self {
         Self {
             motions: figures.motions.len(),
             cycle_s: figures.cycle_time_s,
@@ -61,56 +66,66 @@ impl From<&Figures> for Times {
 }
 
 /// The limit of the motions that take the longest together.
-fn longest_limit(figures: &Figures) -> Option<String> {
+fn longest_limit(figures: &PlanFigures) -> Option<String> {
     let mut times = BTreeMap::new();
     for motion in &figures.motions {
         if let Some(limit) = &motion.limited_by {
-            *times.entry((limit.joint, limit.kind)).or_insert(0.0) += motion.end_s - motion.start_s;
+            *times.entry((limit.joint, &*limit.kind)).or_insert(0.0) +=
+                motion.end_s - motion.start_s;
         }
     }
     let longest = times.into_iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
     longest.map(|((joint, kind), _)| format!("A{joint} {kind}"))
 }
 
-/// What came of all of them.
-#[derive(Default)]
-pub(crate) struct Summary {
-    rows: Vec<Row>,
+/// The results of all programs.
+#[derive(Clone, Debug, Default)]
+pub struct Summary {
+    rows: Vec<SummaryRow>,
     /// Limits that no source states, each with its robot.
     assumptions: BTreeSet<String>,
 }
 
 impl Summary {
     /// Adds the next program.
-    pub(crate) fn add(&mut self, mut row: Row) {
+    pub fn add(&mut self, mut row: SummaryRow) {
         if let Some(times) = &mut row.times {
             self.assumptions.extend(std::mem::take(&mut times.assumptions));
         }
         self.rows.push(row);
     }
 
-    pub(crate) fn programs(&self) -> usize {
+    /// How many programs there are so far.
+    #[must_use]
+    pub fn programs(&self) -> usize {
         self.rows.len()
     }
 
-    pub(crate) fn failed(&self) -> usize {
+    /// How many of them failed.
+    #[must_use]
+    pub fn failed(&self) -> usize {
         self.rows.iter().filter(|row| row.times.is_none()).count()
     }
 
-    pub(crate) fn too_long(&self) -> usize {
+    /// How many take longer than they may.
+    #[must_use]
+    pub fn too_long(&self) -> usize {
         self.rows.iter().filter(|row| row.too_long).count()
     }
 
-    pub(crate) fn too_near(&self) -> usize {
+    /// How many come nearer to an obstacle than they may.
+    #[must_use]
+    pub fn too_near(&self) -> usize {
         self.rows.iter().filter(|row| row.too_near).count()
     }
 
-    fn times(&self) -> impl Iterator<Item = &Times> {
+    fn times(&self) -> impl Iterator<Item = &PlannedTimes> {
         self.rows.iter().filter_map(|row| row.times.as_ref())
     }
 
     /// A row for each program, and the totals.
-    pub(crate) fn text(&self) -> String {
+    #[must_use]
+    pub fn text(&self) -> String {
         let mut head =
             vec!["program", "motions", "cycle time s", "motion s", "standing s", "limited by"];
         let clearances = self.times().any(|times| times.clearance_mm.is_some());

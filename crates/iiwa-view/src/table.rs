@@ -3,17 +3,16 @@
 use std::fmt::Write as _;
 
 use comfy_table::{Cell, CellAlignment, LineStyle, Table, presets};
+use iiwa_log::{ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord, PlanFigures};
 
-use crate::{
-    failure::printable,
-    figures::{ClearanceRow, Figures, LimitRow, LimitShareRow, MotionRow},
-};
+use crate::printable;
 
 /// Motions that are shown at the start and at the end of a long program.
 const SHOWN: usize = 100;
 
-/// A table with a head, columns of numbers to the right.
-pub(crate) fn table(head: &[&str]) -> Table {
+/// A table with a head; columns of numbers are aligned to the right.
+#[must_use]
+pub fn table(head: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::NOTHING.header_separator(LineStyle::none().fill('─').junction('─')));
     table.set_header(head.iter().copied());
@@ -41,12 +40,13 @@ pub(crate) fn shortened<T>(table: &mut Table, rows: &[T], mut add: impl FnMut(&m
 }
 
 /// The figures of a plan, for people.
-pub(crate) fn figures(figures: &Figures) -> String {
+#[must_use]
+pub fn plan_table(figures: &PlanFigures) -> String {
     let head = ["motion", "type", "start s", "end s", "duration s", "top speed %", "limited by"];
     let mut table = table(&head);
     shortened(&mut table, &figures.motions, add);
     let mut text = format!("{table}\n\n");
-    let Figures { cycle_time_s, motion_time_s, settle_time_s, wait_time_s, .. } = figures;
+    let PlanFigures { cycle_time_s, motion_time_s, settle_time_s, wait_time_s, .. } = figures;
     let _ = writeln!(
         text,
         "Cycle time {cycle_time_s:.3} s = {motion_time_s:.3} s motion + {settle_time_s:.3} s settling \
@@ -56,7 +56,7 @@ pub(crate) fn figures(figures: &Figures) -> String {
         text,
         "{}, limits of {}",
         figures.robot,
-        match figures.timing {
+        match &*figures.timing {
             "acceleration" => "velocity and acceleration",
             "jerk" => "velocity, acceleration and jerk",
             other => other,
@@ -72,8 +72,8 @@ pub(crate) fn figures(figures: &Figures) -> String {
 }
 
 /// How near the arm comes to what.
-fn clearance(nearest: &ClearanceRow) -> String {
-    let ClearanceRow { distance_mm, link, obstacle, at_s } = nearest;
+fn clearance(nearest: &ClearanceRecord) -> String {
+    let ClearanceRecord { distance_mm, link, obstacle, at_s } = nearest;
     let obstacle = printable(obstacle);
     if *distance_mm == 0.0 {
         format!("Clearance none: link {link} touches {obstacle} at {at_s:.3} s")
@@ -83,10 +83,10 @@ fn clearance(nearest: &ClearanceRow) -> String {
 }
 
 /// What a motion is limited by and for how long, as far as it matters.
-fn limits(first: &LimitRow, all: &[LimitShareRow]) -> String {
+fn limits(first: &LimitRecord, all: &[LimitShareRecord]) -> String {
     /// Shares of the time below which a limit is left out.
     const SHOWN_SHARE: f64 = 0.05;
-    let name = |limit: &LimitRow| format!("A{} {}", limit.joint, limit.kind);
+    let name = |limit: &LimitRecord| format!("A{} {}", limit.joint, limit.kind);
     let shown: Vec<_> = all
         .iter()
         .filter(|limit| limit.share >= SHOWN_SHARE)
@@ -96,13 +96,13 @@ fn limits(first: &LimitRow, all: &[LimitShareRow]) -> String {
     if shown.is_empty() { name(first) } else { shown.join(", ") }
 }
 
-fn add(table: &mut Table, row: &MotionRow) {
+fn add(table: &mut Table, row: &MotionRecord) {
     let limit = row.limited_by.as_ref();
     let limited_by = limit.map(|limit| limits(limit, &row.limits));
     let speed = limit.map(|_| format!("{:.1}", 100.0 * row.peak_velocity_rel));
     table.add_row([
         Cell::new(row.index),
-        Cell::new(row.r#type),
+        Cell::new(&row.r#type),
         Cell::new(format!("{:.3}", row.start_s)),
         Cell::new(format!("{:.3}", row.end_s)),
         Cell::new(format!("{:.3}", row.end_s - row.start_s)),

@@ -8,13 +8,17 @@ use plotters::prelude::{
 use super::{
     Area, DASH, Drawn, FINE, HEIGHT, INK, MEASURED, PLANNED, SHADE, Space, WIDTH, font, legend, svg,
 };
-use crate::failure::Failure;
+use crate::ViewError;
 
 /// Points of the planned path.
 const POINTS: u32 = 8000;
 
-/// The picture as SVG.
-pub(crate) fn draw(plan: &Plan, comparison: &Comparison) -> Result<String, Failure> {
+/// A recording beside its plan as SVG: both paths of the flange, and the deviations along them.
+///
+/// # Errors
+///
+/// [`ViewError::Draw`].
+pub fn draw(plan: &Plan, comparison: &Comparison) -> Result<String, ViewError> {
     let mm = |m: [f64; 3]| m.map(|v| 1e3 * v);
     let planned: Vec<_> = (0..=POINTS)
         .map(|k| plan.at(plan.cycle_time_s() * f64::from(k) / f64::from(POINTS)))

@@ -13,9 +13,9 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::{
-    commands::compare,
-    failure::{Failure, chain},
-    page::Poses,
+    ComparisonReport, ViewError,
+    page::{self, Part, Poses},
+    with_causes,
 };
 
 use super::{
@@ -26,9 +26,16 @@ use super::{
     source::{Piece, Role, Source},
 };
 
-/// Everything on the page.
+/// Parts of this page alone.
+const PARTS: [Part; 3] = [
+    ("/*data.js*/", include_str!("data.js")),
+    ("/*charts.js*/", include_str!("charts.js")),
+    ("/*main.js*/", include_str!("main.js")),
+];
+
+/// A page that shows a plan, a recording, or both in one file that loads nothing.
 #[derive(Debug, Serialize)]
-pub(crate) struct Page {
+pub struct Page {
     robot: Model,
     /// The arm of FILE, then the one of MEASURED.
     arms: Vec<Arm>,
@@ -85,13 +92,32 @@ struct Curves {
     method: String,
 }
 
-/// How much there is to be of a page. Curves take more memory than all the rest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Extent {
-    /// What [`Page::sketch`] shows.
+/// How much of a page is made. Curves take more memory than all the rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Extent {
+    /// Only what [`Page::sketch`] shows.
     Sketch,
-    /// Curves, too.
+    /// Everything.
+    #[default]
     Whole,
+}
+
+/// How a page is made.
+#[derive(Clone, Debug)]
+pub struct PageOptions {
+    /// The robot, if it is not the one of the files.
+    pub robot: Option<Robot>,
+    /// How much of the page is made.
+    pub extent: Extent,
+    /// Whether the work is to end early; asked again and again while something is planned.
+    pub interrupted: fn() -> bool,
+}
+
+impl Default for PageOptions {
+    /// The files' robot, the whole page, never interrupted.
+    fn default() -> Self {
+        Self { robot: None, extent: Extent::default(), interrupted: || false }
+    }
 }
 
 /// A page without curves.
@@ -100,7 +126,7 @@ struct Sketch<'a> {
     arms: Vec<Outline<'a>>,
     pieces: &'a [Piece],
     corners: &'a [Corner],
-    compared: Option<&'a compare::Report>,
+    compared: Option<&'a ComparisonReport>,
     notes: &'a [String],
 }
 
@@ -134,7 +160,7 @@ struct Shares {
 #[derive(Serialize)]
 struct Compared {
     /// As `iiwasim compare --json` has it.
-    report: compare::Report,
+    report: ComparisonReport,
     /// Some samples of the recording: when the plan is where the arm was, and how far it was off.
     plan_s: Vec<f64>,
     tcp_mm: Vec<f64>,
@@ -148,17 +174,22 @@ impl std::fmt::Debug for Compared {
 }
 
 impl Page {
-    /// Reads one or two files.
-    pub(crate) fn of(
+    /// Reads one file, a plan or a recording, or a plan and what was measured. Beside a recording that
+    /// holds its program and is shown alone, the plan of that program is shown.
+    ///
+    /// # Errors
+    ///
+    /// [`ViewError`] if a file cannot be read or shown, or its robot is unknown.
+    pub fn read(
         file: &Path,
         measured: Option<&Path>,
-        robot: Option<&str>,
-        extent: Extent,
-    ) -> Result<Self, Failure> {
+        options: &PageOptions,
+    ) -> Result<Self, ViewError> {
+        let extent = options.extent;
         let first = Source::read(file)?;
         let second = measured.map(Source::read).transpose()?;
         swapped(&first, second.as_ref())?;
-        let (robot, assumed) = first.robot(robot)?;
+        let (robot, assumed) = first.robot(options.robot.as_ref())?;
         first.check(&robot)?;
         let title = match &second {
             None => first.file.clone(),
@@ -166,7 +197,7 @@ impl Page {
         };
         let mut notes: Vec<String> = assumed.into_iter().collect();
         let (first, second) = match second {
-            None => beside_its_plan(first, &robot, &mut notes)?,
+            None => beside_its_plan(first, &robot, options.interrupted, &mut notes)?,
             second => (first, second),
         };
         notes.extend(first.losses());
@@ -216,13 +247,15 @@ impl Page {
         })
     }
 
-    /// What is missing or taken for granted, for people.
-    pub(crate) fn notes(&self) -> &[String] {
+    /// What is missing or assumed, in words.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// What the 3D view needs of all this.
-    pub(crate) fn sketch(&self) -> impl Serialize + use<'_> {
+    /// What the 3D view needs of the page, without curves.
+    #[must_use]
+    pub fn sketch(&self) -> impl Serialize + use<'_> {
         Sketch {
             arms: self
                 .arms
@@ -236,20 +269,21 @@ impl Page {
         }
     }
 
-    /// The files' names.
-    pub(crate) fn title(&self) -> &str {
-        &self.title
+    /// The page as HTML, with its style, its scripts and its data.
+    ///
+    /// # Errors
+    ///
+    /// [`ViewError::Json`].
+    pub fn html(&self) -> Result<String, ViewError> {
+        page::assemble(include_str!("page.html"), &PARTS, &self.title, self)
     }
 }
 
 /// Refuses a plan behind a recording: the page would tell all of it the wrong way round.
-fn swapped(first: &Source, second: Option<&Source>) -> Result<(), Failure> {
+fn swapped(first: &Source, second: Option<&Source>) -> Result<(), ViewError> {
     match second {
         Some(second) if first.role() == Role::Recording && second.role() != Role::Recording => {
-            Err(Failure::input(format!(
-                "{} is a recording and {} a plan: name the plan first",
-                first.name, second.name
-            )))
+            Err(ViewError::Swapped { recording: first.name.clone(), plan: second.name.clone() })
         }
         _ => Ok(()),
     }
@@ -260,9 +294,10 @@ fn swapped(first: &Source, second: Option<&Source>) -> Result<(), Failure> {
 fn beside_its_plan(
     alone: Source,
     robot: &Robot,
+    interrupted: fn() -> bool,
     notes: &mut Vec<String>,
-) -> Result<(Source, Option<Source>), Failure> {
-    match attached::plan(&alone, robot) {
+) -> Result<(Source, Option<Source>), ViewError> {
+    match attached::plan(&alone, robot, interrupted) {
         None => Ok((alone, None)),
         Some(Ok(plan)) => {
             notes.push(format!(
@@ -272,13 +307,13 @@ fn beside_its_plan(
             ));
             Ok((plan, Some(alone)))
         }
+        Some(Err(error @ (ViewError::Interrupted | ViewError::Write { .. }))) => Err(error),
         // The recording can be shown all the same.
-        Some(Err(failure @ Failure::Input(_))) => {
-            let why = failure.what();
+        Some(Err(error)) => {
+            let why = with_causes(&error);
             notes.push(format!("{}: no plan of the program that it holds: {why}", alone.name));
             Ok((alone, None))
         }
-        Some(Err(failure)) => Err(failure),
     }
 }
 
@@ -293,15 +328,16 @@ fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compare
     if first.role() != Role::Plan {
         return Err(not(format!("{} is no whole plan", first.name)));
     }
-    let stream = first.open().map_err(|failure| not(failure.what()))?;
-    let plan = Plan::read_mcap(stream, Some(robot.clone())).map_err(|error| not(chain(&error)))?;
+    let stream = first.open().map_err(|error| not(with_causes(&error)))?;
+    let plan =
+        Plan::read_mcap(stream, Some(robot.clone())).map_err(|error| not(with_causes(&error)))?;
     let comparison: Comparison = iiwa_eval::compare(&plan, &second.log)
-        .map_err(|error| not(format!("{}: {}", second.name, chain(&error))))?;
+        .map_err(|error| not(format!("{}: {}", second.name, with_causes(&error))))?;
     let moves = |piece: &&Piece| piece.kind == "line" || piece.kind == "blend";
     let start_s = first.pieces.iter().find(moves).map_or(0.0, |piece| piece.start_s);
     let names = [Path::new(&first.name), Path::new(&second.name)];
     let compared = Compared {
-        report: compare::Report::new(names, None, &plan, &second.log, &comparison),
+        report: ComparisonReport::new(names, None, &plan, &second.log, &comparison),
         plan_s: comparison.trace.iter().map(|point| point.plan_s).collect(),
         tcp_mm: comparison.trace.iter().map(|point| 1e3 * point.tcp_deviation_m).collect(),
         joints_mrad: comparison.trace.iter().map(|point| 1e3 * point.joints_rad).collect(),

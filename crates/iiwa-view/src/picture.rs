@@ -13,10 +13,10 @@ use plotters::{
     },
 };
 
-use crate::failure::Failure;
+use crate::ViewError;
 
-pub(crate) use comparison::draw as draw_comparison;
-pub(crate) use plan::Picture;
+pub use comparison::draw as draw_comparison;
+pub use plan::PlanPicture;
 
 /// Colours that the colour-blind can tell apart (Okabe and Ito), one a joint.
 pub(crate) const COLOURS: [RGBColor; 7] = [
@@ -59,18 +59,21 @@ type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, Ra
 fn svg(
     [width, height]: [u32; 2],
     draw: impl FnOnce(&Area<'_>) -> Drawn,
-) -> Result<String, Failure> {
+) -> Result<String, ViewError> {
     let mut svg = String::new();
     {
         let root =
             SVGBackend::with_string(&mut svg, (FINE * width, FINE * height)).into_drawing_area();
-        let failed = |error: &dyn std::error::Error| Failure::run("cannot draw the picture", error);
-        root.fill(&WHITE).map_err(|error| failed(&error))?;
-        draw(&root).map_err(|error| failed(&*error))?;
-        root.present().map_err(|error| failed(&error))?;
+        root.fill(&WHITE).map_err(refused)?;
+        draw(&root).map_err(|error| refused(error.to_string()))?;
+        root.present().map_err(refused)?;
     }
     let size = |factor: u32| format!("width=\"{}\" height=\"{}\"", factor * width, factor * height);
     Ok(svg.replacen(&size(FINE), &size(1), 1))
+}
+
+fn refused(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> ViewError {
+    ViewError::Draw { source: error.into() }
 }
 
 fn font() -> (&'static str, u32) {

@@ -11,7 +11,7 @@ pub(crate) use poses::Poses;
 
 use serde::Serialize;
 
-use crate::{failure::Failure, output};
+use crate::ViewError;
 
 /// A place in a page, and what comes there.
 pub(crate) type Part = (&'static str, &'static str);
@@ -32,14 +32,15 @@ pub(crate) fn assemble(
     parts: &[Part],
     title: &str,
     data: &impl Serialize,
-) -> Result<String, Failure> {
+) -> Result<String, ViewError> {
     let all = PARTS.iter().chain(parts);
     let html = all.fold(page.to_owned(), |html, (place, part)| html.replace(place, part));
     let html = html.replace("<!--title-->", &escaped(title));
     // Last, so that nothing in it is taken for a place.
-    let json = output::json_line(data)?.replace('<', "\\u003c");
+    let json = serde_json::to_string(data).map_err(|source| ViewError::Json { source })?;
+    let json = json.replace('<', "\\u003c");
     let (before, after) = html.split_once("<!--data-->").unwrap_or((&html, ""));
-    Ok([before, json.trim_end(), after].concat())
+    Ok([before, &json, after].concat())
 }
 
 /// A text that is no markup.

@@ -1,13 +1,12 @@
-//! The thesis's experiments, done again: which programs, and what is told of their recordings.
+//! The thesis's experiments, done again: their programs, and reports on what was recorded.
 
-mod arm;
 mod blends;
 mod chapter;
 mod cycle_time;
-mod folder;
 mod limits;
 mod other_robot;
 mod settle;
+mod virtual_arm;
 mod zone_velocity;
 
 use iiwa_eval::{
@@ -17,52 +16,63 @@ use iiwa_eval::{
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 
-use crate::failure::Failure;
+use crate::ViewError;
 
-pub(crate) use arm::{Arm, VirtualArm};
-pub(crate) use chapter::{Chapter, wrapped};
-pub(crate) use folder::{Folder, write};
-pub(crate) use other_robot::other_robot;
+pub use chapter::{Chapter, wrapped};
+pub use other_robot::other_robot;
+pub use virtual_arm::VirtualArm;
 
-/// One of the experiments.
+/// An experiment of the thesis (Larsen 2019).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum ExperimentKind {
+    /// Limits of the joints (Appendix A).
     Limits,
+    /// The curve of blends (sections 4.2 and 4.3).
     Blends,
+    /// The velocity in blends (Appendix B).
     ZoneVelocity,
+    /// The time to settle (Appendix C).
     Settle,
+    /// Errors of the cycle time (section 5.1.2).
     CycleTime,
 }
 
 /// What an experiment is done with.
-pub(crate) struct Bench {
-    /// What is calculated is calculated for it.
-    pub(crate) model: Robot,
-    pub(crate) seed: u64,
+#[derive(Clone, Debug)]
+pub struct Bench {
+    /// The robot that everything is calculated for.
+    pub model: Robot,
+    /// Seed of random programs.
+    pub seed: u64,
     /// How many poses, points or paths, if fewer than the thesis has.
-    pub(crate) count: Option<usize>,
+    pub count: Option<usize>,
     /// What ran the programs, in words: `on a virtual robot`.
-    pub(crate) on: String,
-    /// What stands before a figure's name in a link to it.
-    pub(crate) link: String,
+    pub on: String,
+    /// The path from the report to the folder of the figures: empty, or with a slash at its end.
+    pub link: String,
 }
 
 /// A program, and what was recorded while it ran.
-pub(crate) struct Run {
-    pub(crate) trial: Trial,
-    pub(crate) log: JointLog,
+#[derive(Clone, Debug)]
+pub struct TrialRun {
+    /// The program.
+    pub trial: Trial,
+    /// What was recorded.
+    pub log: JointLog,
 }
 
 /// Share of full speed at which section 4.2 is run; the thesis does not state its own. The path does not
 /// depend on it.
 const BLENDS_VELOCITY_REL: f64 = 0.5;
 
-impl Kind {
-    pub(crate) const ALL: [Self; 5] =
+impl ExperimentKind {
+    /// All experiments, in the order of the report.
+    pub const ALL: [Self; 5] =
         [Self::Limits, Self::Blends, Self::ZoneVelocity, Self::Settle, Self::CycleTime];
 
-    /// The programs.
-    pub(crate) fn trials(self, bench: &Bench) -> Vec<Trial> {
+    /// The programs of the experiment.
+    #[must_use]
+    pub fn trials(self, bench: &Bench) -> Vec<Trial> {
         let Bench { model, seed, .. } = bench;
         let count = |most: usize| bench.count.unwrap_or(most).min(most);
         match self {
@@ -80,13 +90,19 @@ impl Kind {
         }
     }
 
-    /// Samples of the virtual robot a second: the more, the shorter the phases of jerk that they show.
-    pub(crate) fn rate_hz(self) -> f64 {
+    /// Sample rate of a virtual robot in Hz: high enough to show the phases of constant jerk.
+    #[must_use]
+    pub fn rate_hz(self) -> f64 {
         if self == Self::CycleTime { 200.0 } else { 1000.0 }
     }
 
-    /// What came of it.
-    pub(crate) fn chapter(self, bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
+    /// The report on what was recorded.
+    ///
+    /// # Errors
+    ///
+    /// [`ViewError`] if the recordings do not show what the experiment is about, or a picture cannot be
+    /// drawn.
+    pub fn chapter(self, bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewError> {
         match self {
             Self::Limits => limits::chapter(bench, runs),
             Self::Blends => blends::chapter(bench, runs),
@@ -98,15 +114,14 @@ impl Kind {
 }
 
 /// What the recordings tell of the robot.
-fn identified(bench: &Bench, runs: &[Run]) -> Result<Identified, Failure> {
+fn identified(bench: &Bench, runs: &[TrialRun]) -> Result<Identified, ViewError> {
     let recordings: Vec<_> =
         runs.iter().map(|run| Recording { program: &run.trial.program, log: &run.log }).collect();
-    identify(&recordings, &bench.model)
-        .map_err(|error| Failure::run("the recordings tell nothing of the robot", &error))
+    identify(&recordings, &bench.model).map_err(|source| ViewError::Identify { source })
 }
 
 /// Says what of the recordings was not used.
-fn left_out(runs: &[Run], left_out: &[LeftOut]) -> String {
+fn left_out(runs: &[TrialRun], left_out: &[LeftOut]) -> String {
     match left_out {
         [] => String::new(),
         [first, ..] => {
@@ -134,9 +149,9 @@ fn path(
     bench: &Bench,
     trial: &Trial,
     options: iiwa_path::PathOptions,
-) -> Result<iiwa_path::JointPath, Failure> {
+) -> Result<iiwa_path::JointPath, ViewError> {
     iiwa_path::JointPath::with_options(&trial.program, &bench.model, options)
-        .map_err(|fault| Failure::input(format!("{}: {fault}", trial.name)))
+        .map_err(|source| ViewError::Path { name: trial.name.clone(), source })
 }
 
 /// The program as the model plans it.
@@ -144,8 +159,8 @@ fn plan(
     bench: &Bench,
     trial: &Trial,
     timing: iiwa_traj::Timing,
-) -> Result<iiwa_traj::Trajectory, Failure> {
+) -> Result<iiwa_traj::Trajectory, ViewError> {
     let path = path(bench, trial, iiwa_path::PathOptions::default())?;
     iiwa_traj::Trajectory::plan(&path, timing)
-        .map_err(|error| Failure::run(format!("cannot plan {}", trial.name), &error))
+        .map_err(|source| ViewError::Timing { name: trial.name.clone(), source })
 }

@@ -10,8 +10,8 @@ use iiwa_path::JointPath;
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 use crate::{
-    experiment::{Bench, Chapter, Kind, VirtualArm},
-    failure::Failure,
+    ViewError,
+    experiment::{Bench, Chapter, ExperimentKind, VirtualArm},
 };
 
 /// Shares of the model's limits, joint by joint.
@@ -25,7 +25,11 @@ const SETTLE_S: f64 = 0.065;
 
 /// Runs the experiments on a virtual robot whose limits, kappa and time to settle are not the model's;
 /// finds them in the recordings; and predicts programs that it was not identified by.
-pub(crate) fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, Failure> {
+///
+/// # Errors
+///
+/// [`ViewError`] if the virtual robot cannot run a program, or nothing is found in its recordings.
+pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ViewError> {
     let mut limits = *bench.model.limits();
     for j in 0..7 {
         limits.velocity_rad_s[j] *= VELOCITY[j];
@@ -42,7 +46,7 @@ pub(crate) fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, Fa
     let mut arm = VirtualArm { robot, ..arm.clone() };
 
     let mut runs = Vec::new();
-    for kind in [Kind::Limits, Kind::Blends, Kind::Settle] {
+    for kind in [ExperimentKind::Limits, ExperimentKind::Blends, ExperimentKind::Settle] {
         arm.rate_hz = kind.rate_hz();
         for trial in kind.trials(bench) {
             let log = arm.run(&trial)?;
@@ -51,8 +55,8 @@ pub(crate) fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, Fa
     }
     let recordings: Vec<_> =
         runs.iter().map(|(trial, log)| Recording { program: &trial.program, log }).collect();
-    let found = identify(&recordings, &bench.model)
-        .map_err(|error| Failure::run("the recordings tell nothing of the robot", &error))?;
+    let found =
+        identify(&recordings, &bench.model).map_err(|source| ViewError::Identify { source })?;
     let identified = found.robot(&bench.model);
 
     let mut chapter = Chapter::new("A robot that is not the model");
@@ -69,16 +73,13 @@ pub(crate) fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, Fa
             let log = arm.run(&trial)?;
             let planned = |robot: &Robot, timing: Timing| {
                 let path = JointPath::new(&trial.program, robot)
-                    .map_err(|fault| Failure::input(format!("{}: {fault}", trial.name)))?;
-                let plan = Trajectory::plan(&path, timing)
-                    .map_err(|error| Failure::run(format!("cannot plan {}", trial.name), &error))?;
-                Ok::<_, Failure>(plan)
+                    .map_err(|source| ViewError::Path { name: trial.name.clone(), source })?;
+                Trajectory::plan(&path, timing)
+                    .map_err(|source| ViewError::Timing { name: trial.name.clone(), source })
             };
             let by_identified = planned(&identified, Timing::default())?;
-            let compared =
-                compare(&Plan::from_trajectory(&by_identified), &log).map_err(|error| {
-                    Failure::run(format!("{} cannot be compared with its plan", trial.name), &error)
-                })?;
+            let compared = compare(&Plan::from_trajectory(&by_identified), &log)
+                .map_err(|source| ViewError::Compare { name: trial.name.clone(), source })?;
             // From departure to arrival: how long it stands at its end, the recording does not tell.
             let real_s = compared.arrival_s - compared.departure_s;
             let error = |plan: &Trajectory, settle_s: f64| {
@@ -96,7 +97,7 @@ pub(crate) fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, Fa
                 format!("{:.3}", compared.joints_rad.max.to_degrees()),
             ])
         })
-        .collect::<Result<_, Failure>>()?;
+        .collect::<Result<_, ViewError>>()?;
     chapter.table(
         &[
             "program",
@@ -127,7 +128,7 @@ pub(crate) fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, Fa
 
 /// Programs that the robot is not identified by, with what they are called in the table.
 fn prediction_trials(bench: &Bench) -> Vec<(String, Trial)> {
-    let mut trials: Vec<_> = Kind::ZoneVelocity
+    let mut trials: Vec<_> = ExperimentKind::ZoneVelocity
         .trials(bench)
         .into_iter()
         .map(|trial| ("Appendix B".to_owned(), trial))

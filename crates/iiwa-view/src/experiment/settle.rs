@@ -1,14 +1,14 @@
 //! The time to settle (Larsen 2019, Appendix C, Table 6).
 
 use crate::{
-    experiment::{Bench, Chapter, Run, identified, left_out},
-    failure::Failure,
+    ViewError,
+    experiment::{Bench, Chapter, TrialRun, identified, left_out},
 };
 
 /// Mean and standard deviation, in s (Table 6).
 const THESIS_S: [f64; 2] = [0.049_608, 0.009_818];
 
-pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewError> {
     let found = identified(bench, runs)?;
     let mut chapter = Chapter::new("The time to settle: Appendix C, Table 6");
     let points: usize = runs.iter().map(|run| run.trial.program.motions.len()).sum();

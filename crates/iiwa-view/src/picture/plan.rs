@@ -9,7 +9,7 @@ use plotters::prelude::{
 use super::{
     Area, COLOURS, DASH, Drawn, FINE, HEIGHT, INK, SHADE, Space, WIDTH, font, legend, shade, svg,
 };
-use crate::failure::Failure;
+use crate::ViewError;
 
 /// Radius of a circle at a blend's end.
 const DOT: i32 = 20;
@@ -17,16 +17,18 @@ const DOT: i32 = 20;
 /// Samples that a picture can show; a longer program is thinned out.
 const SAMPLES: usize = 20_000;
 
-/// What a picture is drawn from.
-pub(crate) struct Picture {
+/// A picture of a plan, drawn from a bounded number of samples that are taken while it is made: the path of
+/// the flange, and the joints' speeds.
+#[derive(Debug)]
+pub struct PlanPicture {
     robot: Robot,
     step_s: f64,
     next_s: f64,
     samples: Vec<Sample>,
-    blends: Vec<Blend>,
+    blends: Vec<BlendMark>,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Sample {
     t_s: f64,
     tcp_mm: [f64; 3],
@@ -34,14 +36,17 @@ struct Sample {
     speed: [f64; 7],
 }
 
-struct Blend {
+#[derive(Debug)]
+struct BlendMark {
     start_s: f64,
     end_s: f64,
     ends_mm: [[f64; 3]; 2],
 }
 
-impl Picture {
-    pub(crate) fn new(robot: &Robot) -> Self {
+impl PlanPicture {
+    /// A picture of a plan for `robot`, without any section yet.
+    #[must_use]
+    pub fn new(robot: &Robot) -> Self {
         Self {
             robot: robot.clone(),
             step_s: 0.004,
@@ -51,8 +56,8 @@ impl Picture {
         }
     }
 
-    /// Takes in a section.
-    pub(crate) fn add(&mut self, section: &Section) {
+    /// Takes in the next section.
+    pub fn add(&mut self, section: &Section) {
         while self.next_s <= section.end_s() {
             let state = section.at(self.next_s);
             let limits = &self.robot.limits().velocity_rad_s;
@@ -71,12 +76,16 @@ impl Picture {
         let tcp = |t_s| self.robot.flange_position(&section.at(t_s).q).map(|v| 1e3 * v);
         for piece in section.pieces().iter().filter(|piece| piece.kind == PieceKind::Blend) {
             let (start_s, end_s) = (piece.start_s, piece.end_s);
-            self.blends.push(Blend { start_s, end_s, ends_mm: [tcp(start_s), tcp(end_s)] });
+            self.blends.push(BlendMark { start_s, end_s, ends_mm: [tcp(start_s), tcp(end_s)] });
         }
     }
 
     /// The picture as SVG.
-    pub(crate) fn draw(&self) -> Result<String, Failure> {
+    ///
+    /// # Errors
+    ///
+    /// [`ViewError::Draw`].
+    pub fn draw(&self) -> Result<String, ViewError> {
         svg([WIDTH, HEIGHT], |root| {
             let (top, bottom) = root.split_vertically(FINE * HEIGHT * 3 / 5);
             self.draw_path(&top)?;

@@ -1,10 +1,10 @@
 //! What runs the programs of an experiment.
 
-use iiwa_eval::{VirtualRobot, experiment::Trial};
-use iiwa_kin::Robot;
+use iiwa_eval::experiment::Trial;
 use iiwa_link::{ClientError, message::Samples};
 use iiwa_log::JointLog;
 use iiwa_path::Motion;
+use iiwa_view::VirtualArm;
 
 use crate::{
     connection,
@@ -23,38 +23,14 @@ pub(crate) enum Arm {
     },
 }
 
-/// A robot inside the process.
-#[derive(Clone)]
-pub(crate) struct VirtualArm {
-    pub(crate) robot: Robot,
-    pub(crate) noise_rad: f64,
-    pub(crate) rate_hz: f64,
-    pub(crate) seed: u64,
-}
-
 impl Arm {
     /// Runs a program and gives what was measured.
     pub(crate) fn run(&mut self, trial: &Trial) -> Result<JointLog, Failure> {
         output::check_interrupt()?;
         match self {
-            Self::Virtual(arm) => arm.run(trial),
+            Self::Virtual(arm) => Ok(arm.run(trial)?),
             Self::Real { line, to_start } => run_real(line, *to_start, trial),
         }
-    }
-}
-
-impl VirtualArm {
-    pub(crate) fn run(&self, trial: &Trial) -> Result<JointLog, Failure> {
-        // Noise of a program does not depend on what ran before it (FNV-1a).
-        let seed = trial.name.bytes().fold(self.seed ^ 0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        });
-        let mut robot = VirtualRobot::new(self.robot.clone(), seed);
-        robot.noise_rad = self.noise_rad;
-        robot.period_s = self.rate_hz.recip();
-        robot.run(&trial.program).map_err(|error| {
-            Failure::run(format!("the virtual robot cannot run {}", trial.name), &error)
-        })
     }
 }
 

@@ -1,16 +1,16 @@
-//! What is told of an experiment: Markdown, and its figures.
+//! A report on an experiment: Markdown, and its figures.
 
 use std::fmt::{Display, Write as _};
 
 use crate::experiment::Bench;
 
 /// A part of a report.
-#[derive(Default)]
-pub(crate) struct Chapter {
+#[derive(Clone, Debug, Default)]
+pub struct Chapter {
     /// Markdown.
-    pub(crate) text: String,
+    pub text: String,
     /// Names and contents of SVG files.
-    pub(crate) figures: Vec<(String, String)>,
+    pub figures: Vec<(String, String)>,
 }
 
 impl Chapter {
@@ -54,8 +54,9 @@ impl Chapter {
     }
 }
 
-/// Breaks a paragraph into lines.
-pub(crate) fn wrapped(text: &str) -> String {
+/// The paragraph in lines of up to a hundred characters.
+#[must_use]
+pub fn wrapped(text: &str) -> String {
     const WIDTH: usize = 100;
     let mut lines = String::new();
     let mut width = 0;

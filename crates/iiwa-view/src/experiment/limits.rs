@@ -10,8 +10,8 @@ use iiwa_path::{Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 
 use crate::{
-    experiment::{Bench, Chapter, Run, identified, left_out, plan, spread},
-    failure::Failure,
+    ViewError,
+    experiment::{Bench, Chapter, TrialRun, identified, left_out, plan, spread},
     picture::{
         MEASURED, PLANNED,
         plot::{Plot, Point, draw},
@@ -35,7 +35,7 @@ const HALF_WINDOW_S: f64 = 0.02;
 
 const JOINTS: [&str; 7] = ["A1", "A2", "A3", "A4", "A5", "A6", "A7"];
 
-pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewError> {
     let found = identified(bench, runs)?;
     let mut chapter = Chapter::new("Limits of the joints: Appendix A, Tables 4 and 5, Fig. 28");
     let poses = runs.len().saturating_sub(1);
@@ -137,7 +137,7 @@ fn table(
     chapter.table(&head, &rows);
 }
 
-fn figure(bench: &Bench, run: &Run, line: &LineObservation) -> Result<String, Failure> {
+fn figure(bench: &Bench, run: &TrialRun, line: &LineObservation) -> Result<String, ViewError> {
     let Some(joint) = line.joint else { return Ok(String::new()) };
     let [start_s, end_s] = line.time_s;
     // What the model plans for this motion by itself.

@@ -7,7 +7,7 @@ use plotters::prelude::{
 };
 
 use crate::{
-    failure::Failure,
+    ViewError,
     picture::{Area, DASH, Drawn, FINE, INK, SHADE, font, legend, svg},
 };
 
@@ -29,7 +29,7 @@ pub(crate) struct Plot {
 }
 
 struct Layer {
-    kind: Kind,
+    kind: Mark,
     colour: RGBColor,
     /// Each is drawn without a connection to the next.
     parts: Vec<Vec<Point>>,
@@ -37,7 +37,7 @@ struct Layer {
 }
 
 #[derive(Clone, Copy)]
-enum Kind {
+enum Mark {
     /// Width in pixels.
     Line(f64),
     Dots,
@@ -82,7 +82,7 @@ impl Plot {
         width: f64,
         label: &str,
     ) -> Self {
-        self.layer(Kind::Line(width), parts, colour, label)
+        self.layer(Mark::Line(width), parts, colour, label)
     }
 
     pub(crate) fn line(
@@ -96,11 +96,11 @@ impl Plot {
     }
 
     pub(crate) fn dots(self, points: Vec<Point>, colour: RGBColor, label: &str) -> Self {
-        self.layer(Kind::Dots, vec![points], colour, label)
+        self.layer(Mark::Dots, vec![points], colour, label)
     }
 
     pub(crate) fn circles(self, points: Vec<Point>, colour: RGBColor, label: &str) -> Self {
-        self.layer(Kind::Circles, vec![points], colour, label)
+        self.layer(Mark::Circles, vec![points], colour, label)
     }
 
     pub(crate) fn band(
@@ -111,7 +111,7 @@ impl Plot {
         label: &str,
     ) -> Self {
         let around = lower.iter().chain(upper.iter().rev()).copied().collect();
-        self.layer(Kind::Band, vec![around], colour, label)
+        self.layer(Mark::Band, vec![around], colour, label)
     }
 
     /// Writes beside a point.
@@ -120,7 +120,7 @@ impl Plot {
         self
     }
 
-    fn layer(mut self, kind: Kind, parts: Vec<Vec<Point>>, colour: RGBColor, label: &str) -> Self {
+    fn layer(mut self, kind: Mark, parts: Vec<Vec<Point>>, colour: RGBColor, label: &str) -> Self {
         let label = (!label.is_empty()).then(|| label.to_owned());
         self.layers.push(Layer { kind, colour, parts, label });
         self
@@ -189,28 +189,28 @@ impl Plot {
                     clippy::cast_sign_loss,
                     reason = "small"
                 )]
-                Kind::Line(width) => colour.stroke_width((width * f64::from(FINE)) as u32),
+                Mark::Line(width) => colour.stroke_width((width * f64::from(FINE)) as u32),
                 _ => colour.stroke_width(FINE + FINE / 2),
             };
             for part in &layer.parts {
                 match layer.kind {
-                    Kind::Line(_) => {
+                    Mark::Line(_) => {
                         // The backend would bend lines that leave the picture.
                         for run in part.split(|point| !inside(point)).filter(|run| run.len() > 1) {
                             chart.draw_series([PathElement::new(thinned(run, pixel), stroke)])?;
                         }
                     }
-                    Kind::Dots => {
+                    Mark::Dots => {
                         let dots = part.iter().filter(|point| inside(point));
                         chart.draw_series(
                             dots.map(|at| Circle::new(*at, DOT * 3 / 5, colour.filled())),
                         )?;
                     }
-                    Kind::Circles => {
+                    Mark::Circles => {
                         let circles = part.iter().filter(|point| inside(point));
                         chart.draw_series(circles.map(|at| Circle::new(*at, DOT, stroke)))?;
                     }
-                    Kind::Band => {
+                    Mark::Band => {
                         chart
                             .draw_series([Polygon::new(thinned(part, pixel), colour.mix(0.25))])?;
                     }
@@ -219,16 +219,16 @@ impl Plot {
             let Some(label) = &layer.label else { continue };
             let entry = chart.draw_series(std::iter::empty::<Circle<Point, i32>>())?.label(label);
             match layer.kind {
-                Kind::Line(_) => {
+                Mark::Line(_) => {
                     entry.legend(move |(x, y)| PathElement::new([(x, y), (x + DASH, y)], stroke))
                 }
-                Kind::Dots => entry.legend(move |(x, y)| {
+                Mark::Dots => entry.legend(move |(x, y)| {
                     Circle::new((x + DASH / 2, y), DOT * 3 / 5, colour.filled())
                 }),
-                Kind::Circles => {
+                Mark::Circles => {
                     entry.legend(move |(x, y)| Circle::new((x + DASH / 2, y), DOT, stroke))
                 }
-                Kind::Band => entry.legend(move |(x, y)| {
+                Mark::Band => entry.legend(move |(x, y)| {
                     let (top, bottom) = (y - DOT, y + DOT);
                     let corners = [(x, top), (x + DASH, top), (x + DASH, bottom), (x, bottom)];
                     Polygon::new(corners, colour.mix(0.25))
@@ -251,7 +251,7 @@ pub(crate) fn draw(
     columns: usize,
     width: u32,
     height: u32,
-) -> Result<String, Failure> {
+) -> Result<String, ViewError> {
     let rows = plots.len().div_ceil(columns.max(1));
     svg([width, height], |root| {
         for (area, plot) in root.split_evenly((rows, columns)).iter().zip(plots) {

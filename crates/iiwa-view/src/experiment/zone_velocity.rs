@@ -9,8 +9,8 @@ use iiwa_path::{Motion, PathOptions, Program};
 use plotters::prelude::SeriesLabelPosition;
 
 use crate::{
-    experiment::{Bench, Chapter, Run, path},
-    failure::Failure,
+    ViewError,
+    experiment::{Bench, Chapter, TrialRun, path},
     picture::{
         INK,
         plot::{Plot, Point, draw},
@@ -30,9 +30,9 @@ const TONES: u32 = 20;
 /// The joints that move, from 0.
 const MOVING: [usize; 3] = [1, 3, 5];
 
-pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewError> {
     let mut chapter = Chapter::new("Velocity in blends: Appendix B, Fig. 29");
-    let Some(Run { trial, log }) = runs.first() else { return Ok(chapter) };
+    let Some(TrialRun { trial, log }) = runs.first() else { return Ok(chapter) };
     chapter.paragraph(format!(
         "The program of Appendix B as it is, {}: four motions with blends of 200, 50 and 100 mm, at 75, 10, \
          50 and 20 % of full speed. Samples are differentiated by cubics fitted to {:.0} ms about each.",
@@ -58,7 +58,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
     let rows: Vec<_> = blends
         .iter()
         .enumerate()
-        .map(|(i, Blend { samples, .. })| {
+        .map(|(i, MeasuredBlend { samples, .. })| {
             let share = |i: &usize| 100.0 * speeds[*i].iter().fold(0.0, |a: f64, v| a.max(v.abs()));
             let peak = samples.clone().map(|i| share(&i)).fold(0.0, f64::max);
             kept += usize::from(peak <= relative(i + 1) + NOISE_PERCENT);
@@ -92,13 +92,13 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
 }
 
 /// A blend, and the samples in it.
-struct Blend {
+struct MeasuredBlend {
     ends_rad: [Joints; 2],
     samples: Range<usize>,
 }
 
 /// Where the blends start and stop, and when the arm was there.
-fn blends(path: &iiwa_path::JointPath, log: &JointLog) -> Vec<Blend> {
+fn blends(path: &iiwa_path::JointPath, log: &JointLog) -> Vec<MeasuredBlend> {
     let mut from = 0;
     let mut nearest = |to: &Joints| {
         let off = |q: &Joints| (0..7).map(|j| (q[j] - to[j]).powi(2)).sum::<f64>();
@@ -111,7 +111,7 @@ fn blends(path: &iiwa_path::JointPath, log: &JointLog) -> Vec<Blend> {
         .map(|(_, segment)| {
             let ends_rad = [segment.at(0.0).q, segment.at(1.0).q];
             let [start, end] = [nearest(&ends_rad[0]), nearest(&ends_rad[1])];
-            Blend { ends_rad, samples: start..end.max(start + 1) }
+            MeasuredBlend { ends_rad, samples: start..end.max(start + 1) }
         })
         .collect()
 }
@@ -135,9 +135,9 @@ fn figure(
     bench: &Bench,
     log: &JointLog,
     speeds: &[Joints],
-    blends: &[Blend],
+    blends: &[MeasuredBlend],
     program: &Program,
-) -> Result<String, Failure> {
+) -> Result<String, ViewError> {
     let in_plane = |q: &Joints| {
         let [x, _, z] = bench.model.flange_position(q);
         (1e3 * x, 1e3 * z)

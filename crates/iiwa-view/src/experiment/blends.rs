@@ -2,12 +2,12 @@
 
 use iiwa_eval::identify::{BlendObservation, Identified};
 use iiwa_kin::Joints;
-use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions, PolynomialBlend, Step};
+use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions, PolynomialBlend, Segment, Step};
 use plotters::prelude::SeriesLabelPosition;
 
 use crate::{
-    experiment::{Bench, Chapter, Run, identified, left_out, path},
-    failure::Failure,
+    ViewError,
+    experiment::{Bench, Chapter, TrialRun, identified, left_out, path},
     picture::{
         COLOURS, INK, MEASURED, PLANNED,
         plot::{Plot, Point, draw},
@@ -26,7 +26,7 @@ const SHOWN: usize = 9;
 /// kappa in Fig. 18.
 const KAPPAS: [f64; 5] = [-8.0, -4.0, 0.0, 4.0, 7.5];
 
-pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewError> {
     let mut chapter =
         Chapter::new("The curve of blends: sections 4.2 and 4.3, Fig. 15 to 18, 20, 21");
     let Some(run) = runs.first() else { return Ok(chapter) };
@@ -101,7 +101,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[Run]) -> Result<Chapter, Failure> {
 }
 
 /// kappa over gamma: Fig. 20.
-fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(), Failure> {
+fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(), ViewError> {
     let Some(kappa) = &found.kappa else {
         chapter.paragraph("Too few blends were found for kappa(gamma).");
         return Ok(());
@@ -155,7 +155,7 @@ fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(),
 }
 
 /// A corner, and what was measured there.
-struct Corner {
+struct MeasuredCorner {
     index: usize,
     target_deg: Point,
     before_rad: Joints,
@@ -173,7 +173,11 @@ fn in_plane(q: &Joints) -> Point {
 
 /// The corners, with the samples from the end of the way back before them to the start of the way back
 /// behind them.
-fn corners(bench: &Bench, run: &Run, found: &Identified) -> Result<Vec<Corner>, Failure> {
+fn corners(
+    bench: &Bench,
+    run: &TrialRun,
+    found: &Identified,
+) -> Result<Vec<MeasuredCorner>, ViewError> {
     let path = path(bench, &run.trial, PathOptions::default())?;
     let log = &run.log;
     let mut from_s = log.t_s.first().copied().unwrap_or_default();
@@ -196,7 +200,7 @@ fn corners(bench: &Bench, run: &Run, found: &Identified) -> Result<Vec<Corner>, 
         let of_blend = path.blends().find(|(corner, _)| corner.motion == back - 2);
         let (a, b) = (in_plane(&target_rad), of_blend.map(|(_, segment)| segment.at(0.0).q));
         let b = in_plane(&b.unwrap_or(target_rad));
-        corners.push(Corner {
+        corners.push(MeasuredCorner {
             index,
             target_deg: a,
             before_rad,
@@ -209,7 +213,7 @@ fn corners(bench: &Bench, run: &Run, found: &Identified) -> Result<Vec<Corner>, 
     Ok(corners)
 }
 
-impl Corner {
+impl MeasuredCorner {
     /// The path that is calculated from the start over the corner to the target.
     fn calculated(&self, path: &JointPath) -> Vec<Point> {
         let first = MOTIONS * self.index;
@@ -265,7 +269,7 @@ fn distance(p: Point, a: Point, b: Point) -> f64 {
 }
 
 /// All corners, as a whole and enlarged.
-fn overview(corners: &[Corner], calculated: &[Vec<Point>]) -> Result<String, Failure> {
+fn overview(corners: &[MeasuredCorner], calculated: &[Vec<Point>]) -> Result<String, ViewError> {
     let measured: Vec<_> = corners.iter().map(|corner| corner.measured.clone()).collect();
     let Some(corner) = corners.first() else { return Ok(String::new()) };
     let plot = |caption: &str, [red, blue]: [&str; 2]| {
@@ -285,7 +289,7 @@ fn overview(corners: &[Corner], calculated: &[Vec<Point>]) -> Result<String, Fai
 }
 
 /// One blend with different kappa: Fig. 18.
-fn effect(corner: &Corner) -> Result<String, Failure> {
+fn effect(corner: &MeasuredCorner) -> Result<String, ViewError> {
     let way = |from: &Joints, to: &Joints| -> Joints { std::array::from_fn(|j| to[j] - from[j]) };
     let scaled = |way: Joints| {
         let length = way.iter().map(|v| v * v).sum::<f64>().sqrt();

@@ -1,0 +1,328 @@
+//! What recordings tell of a robot, as JSON and in words.
+
+use std::{fmt::Write as _, path::Path};
+
+use iiwa_eval::{
+    Estimate,
+    identify::{BlendObservation, Identified, LineObservation},
+};
+use iiwa_kin::Robot;
+use iiwa_log::{JointLog, Loss};
+use serde::Serialize;
+
+use crate::{printable, table::table};
+
+/// What recordings tell of a robot. As JSON, this is the object of `iiwasim identify --json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct IdentificationReport {
+    robot: String,
+    recordings: Vec<String>,
+    /// Joints A1 to A7; null where the recordings do not show a limit.
+    velocity_deg_s: [Option<Figure>; 7],
+    acceleration_deg_s2: [Option<Figure>; 7],
+    jerk_deg_s3: [Option<Figure>; 7],
+    settle: Option<SettleFigure>,
+    kappa: Option<KappaFigure>,
+    /// 0 if blends begin and end at equal distances (Larsen 2019, Algorithm 3), 1 if they do not.
+    unequal_share: Option<Figure>,
+    lines: Vec<LineRow>,
+    blends: Vec<BlendRow>,
+    /// What the recordings lack, and what was not used.
+    losses: Vec<String>,
+    output: Option<String>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Figure {
+    value: f64,
+    /// Half of the interval that holds the true figure in 95 of 100 cases.
+    uncertainty: f64,
+    count: usize,
+}
+
+impl From<Estimate> for Figure {
+    fn from(Estimate { value, uncertainty, count, .. }: Estimate) -> Self {
+        Self { value, uncertainty, count }
+    }
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct SettleFigure {
+    mean_s: Figure,
+    deviation_s: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct KappaFigure {
+    /// For gamma in degrees, the constant first.
+    coefficients: [f64; 3],
+    /// The smallest and the largest angle that was observed.
+    gamma_deg: [f64; 2],
+    /// Root mean square of what the polynomial leaves over, and of what the model's does.
+    residual: f64,
+    residual_of_model: f64,
+    count: usize,
+    /// kappa and its uncertainty every 10 deg within what was observed.
+    at: Vec<KappaAt>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct KappaAt {
+    gamma_deg: f64,
+    value: f64,
+    uncertainty: f64,
+}
+
+/// A motion along a line.
+#[derive(Clone, Debug, Serialize)]
+struct LineRow {
+    /// Recording and motion, from 1.
+    recording: usize,
+    motion: usize,
+    /// The joint, from 1, if only one moves.
+    joint: Option<usize>,
+    start_s: f64,
+    end_s: f64,
+    /// Along the way, the norm of the joints.
+    velocity_deg_s: Option<f64>,
+    acceleration_deg_s2: Option<f64>,
+    jerk_deg_s3: Option<f64>,
+    residual_deg: f64,
+}
+
+impl From<&LineObservation> for LineRow {
+    fn from(line: &LineObservation) -> Self {
+        Self {
+            recording: line.recording + 1,
+            motion: line.motion + 1,
+            joint: line.joint.map(|joint| joint + 1),
+            start_s: line.time_s[0],
+            end_s: line.time_s[1],
+            velocity_deg_s: line.speed_rad_s.map(f64::to_degrees),
+            acceleration_deg_s2: line.acceleration_rad_s2.map(f64::to_degrees),
+            jerk_deg_s3: line.jerk_rad_s3.map(f64::to_degrees),
+            residual_deg: line.residual_rad.to_degrees(),
+        }
+    }
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct BlendRow {
+    /// Recording and motion whose target is blended away, from 1.
+    recording: usize,
+    motion: usize,
+    gamma_deg: f64,
+    kappa: f64,
+    /// Standard deviation of kappa.
+    deviation: f64,
+    /// How far before and behind the target the blend should begin and end, and does.
+    reach_deg: f64,
+    found_reach_deg: Option<[f64; 2]>,
+    residual_deg: f64,
+}
+
+impl From<&BlendObservation> for BlendRow {
+    fn from(blend: &BlendObservation) -> Self {
+        Self {
+            recording: blend.recording + 1,
+            motion: blend.motion + 1,
+            gamma_deg: blend.gamma_deg,
+            kappa: blend.kappa.0,
+            deviation: blend.kappa.1,
+            reach_deg: blend.reach_rad.to_degrees(),
+            found_reach_deg: blend.found_reach_rad.map(|reach| reach.map(f64::to_degrees)),
+            residual_deg: blend.residual_rad.to_degrees(),
+        }
+    }
+}
+
+impl IdentificationReport {
+    /// Of what was `found` in recordings, given in the same order; the robot is to be called `robot`, and
+    /// its profile is in the file `output`, if it is written.
+    #[must_use]
+    pub fn new(
+        recordings: &[(&str, &JointLog)],
+        robot: &str,
+        found: &Identified,
+        output: Option<&Path>,
+    ) -> Self {
+        let degrees = |figures: &[Option<Estimate>; 7]| {
+            figures.map(|figure| figure.map(|figure| figure.scaled(1_f64.to_degrees()).into()))
+        };
+        let kappa = found.kappa.map(|kappa| KappaFigure {
+            coefficients: *kappa.coefficients(),
+            gamma_deg: kappa.gamma_deg,
+            residual: kappa.residual,
+            residual_of_model: kappa.residual_of_model,
+            count: found.blends.len(),
+            at: (0..=18)
+                .map(|ten| 10.0 * f64::from(ten))
+                .filter(|gamma| (kappa.gamma_deg[0]..=kappa.gamma_deg[1]).contains(gamma))
+                .map(|gamma_deg| {
+                    let Estimate { value, uncertainty, .. } = kappa.at(gamma_deg);
+                    KappaAt { gamma_deg, value, uncertainty }
+                })
+                .collect(),
+        });
+        let lost = recordings.iter().flat_map(|(name, log)| {
+            losses(log).into_iter().map(move |loss| format!("{name}: {loss}"))
+        });
+        let left_out = found.left_out.iter().map(|left| {
+            format!("{}, motion {}: {}", recordings[left.recording].0, left.motion + 1, left.why)
+        });
+        Self {
+            robot: robot.to_owned(),
+            recordings: recordings.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            velocity_deg_s: degrees(&found.velocity_rad_s),
+            acceleration_deg_s2: degrees(&found.acceleration_rad_s2),
+            jerk_deg_s3: degrees(&found.jerk_rad_s3),
+            settle: found.settle.map(|settle| SettleFigure {
+                mean_s: settle.mean_s.into(),
+                deviation_s: settle.deviation_s,
+            }),
+            kappa,
+            unequal_share: found.unequal_share.map(Figure::from),
+            lines: found.lines.iter().map(LineRow::from).collect(),
+            blends: found.blends.iter().map(BlendRow::from).collect(),
+            losses: lost.chain(left_out).collect(),
+            output: output.map(|file| file.display().to_string()),
+        }
+    }
+
+    /// Whether nothing was found.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        let limits = [&self.velocity_deg_s, &self.acceleration_deg_s2, &self.jerk_deg_s3];
+        limits.iter().all(|limits| limits.iter().all(Option::is_none))
+            && self.settle.is_none()
+            && self.blends.is_empty()
+    }
+
+    /// The first of what the recordings lack.
+    pub fn first_losses(&self) -> impl Iterator<Item = &str> {
+        self.losses.iter().take(SHOWN).map(String::as_str)
+    }
+
+    /// Tables and sentences, beside what the `model` has.
+    #[must_use]
+    pub fn text(&self, model: &Robot) -> String {
+        let mut rows = table(&[
+            "joint",
+            "velocity deg/s",
+            "n",
+            "acceleration deg/s^2",
+            "n",
+            "jerk deg/s^3",
+            "n",
+        ]);
+        for joint in 0..7 {
+            let mut row = vec![format!("A{}", joint + 1)];
+            for figures in [&self.velocity_deg_s, &self.acceleration_deg_s2, &self.jerk_deg_s3] {
+                row.push(figures[joint].map_or_else(|| "not shown".to_owned(), |f| f.to_string()));
+                row.push(figures[joint].map_or_else(String::new, |f| f.count.to_string()));
+            }
+            rows.add_row(row);
+        }
+        let mut text = format!("{rows}\n\n");
+        match &self.settle {
+            Some(SettleFigure { mean_s, deviation_s }) => {
+                let _ = writeln!(
+                    text,
+                    "Settles for {mean_s} s: {} stops, standard deviation {deviation_s:.6} s \
+                     (model {} s)",
+                    mean_s.count,
+                    model.settle_time_s()
+                );
+            }
+            None => text.push_str("Time to settle: not shown\n"),
+        }
+        match &self.kappa {
+            Some(kappa) => {
+                let [c0, c1, c2] = kappa.coefficients;
+                let _ = writeln!(
+                    text,
+                    "kappa = {c0:.5} {c1:+.7} gamma {c2:+.9} gamma^2, gamma from {:.0} to {:.0} deg: {} \
+                     blends, residual {:.4} (against the model's {:.4})",
+                    kappa.gamma_deg[0],
+                    kappa.gamma_deg[1],
+                    kappa.count,
+                    kappa.residual,
+                    kappa.residual_of_model
+                );
+                let widest = kappa.at.iter().map(|at| at.uncertainty).fold(0.0, f64::max);
+                let _ =
+                    writeln!(text, "kappa is certain to {widest:.4} or better within that range");
+            }
+            None => {
+                let _ = writeln!(
+                    text,
+                    "kappa over gamma: not shown, that takes blends of different angles ({} found)",
+                    self.blends.len()
+                );
+            }
+        }
+        match &self.unequal_share {
+            Some(share) => {
+                let holds = share.value.abs() <= share.uncertainty.max(EQUAL_SHARE);
+                let _ = writeln!(
+                    text,
+                    "Blends begin and end at equal distances (Algorithm 3): {}; the difference is \
+                     {share} of what it would be without, {} blends",
+                    if holds { "confirmed" } else { "not confirmed" },
+                    share.count
+                );
+            }
+            None => text.push_str(
+                "Algorithm 3: not shown, that takes blends between motions of unequal lengths\n",
+            ),
+        }
+        for loss in self.losses.iter().take(SHOWN) {
+            let _ = writeln!(text, "Note: {}", printable(loss));
+        }
+        if let Some(more @ 1..) = self.losses.len().checked_sub(SHOWN) {
+            let _ = writeln!(text, "Note: {more} more, see --json");
+        }
+        if let Some(file) = &self.output {
+            let _ = writeln!(text, "Profile of {} in {}", printable(&self.robot), printable(file));
+        }
+        text
+    }
+}
+
+impl std::fmt::Display for Figure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let &Self { value, uncertainty, count } = self;
+        write!(f, "{}", Estimate { value, uncertainty, count })
+    }
+}
+
+/// Losses that are shown one by one.
+const SHOWN: usize = 10;
+
+/// Distances that differ by less than this share of what they would without Algorithm 3 are equal: no
+/// robot follows its path better.
+const EQUAL_SHARE: f64 = 0.02;
+
+/// What a recording lacks, all gaps in one line.
+fn losses(log: &JointLog) -> Vec<String> {
+    let mut gaps = 0;
+    let mut gaps_s = 0.0;
+    let mut texts = Vec::new();
+    if log.is_plan {
+        texts.push(
+            "this is a plan: what was found is what it was made with, not a robot's".to_owned(),
+        );
+    }
+    for loss in &log.losses {
+        if let Loss::Gap { from_s, to_s, .. } = loss {
+            gaps += 1;
+            gaps_s += to_s - from_s;
+        } else {
+            texts.push(loss.to_string());
+        }
+    }
+    if gaps > 0 {
+        texts.push(format!("without samples in {gaps} gaps, {gaps_s:.3} s in all"));
+    }
+    texts
+}

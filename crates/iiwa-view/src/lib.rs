@@ -1,0 +1,40 @@
+//! Plans and recordings of the KUKA LBR iiwa for people: pages (HTML), pictures (SVG), reports (Markdown)
+//! and tables (text).
+//!
+//! Everything comes back as text or as a value that serialises to JSON. The crate opens the files that it
+//! is asked to show ([`Page::read`]); it writes none, serves nothing and prints nothing.
+//!
+//! - [`Page`] shows a plan, a recording or both in one HTML file that loads nothing. [`twin_page`] is the
+//!   page that follows a robot.
+//! - [`PlanPicture`] draws a plan while it is made, [`draw_comparison`] a recording beside its plan.
+//! - [`ExperimentKind`] lists the experiments of the thesis (Larsen 2019) and writes each one's
+//!   [`Chapter`].
+//! - [`ComparisonReport`], [`IdentificationReport`], [`plan_table`] and [`Summary`] put results into words
+//!   and tables.
+
+mod comparison_report;
+mod duration;
+mod error;
+mod experiment;
+mod identification_report;
+mod page;
+mod picture;
+mod printable;
+mod report;
+mod robot_sheet;
+mod summary;
+mod table;
+mod twin;
+
+pub use comparison_report::ComparisonReport;
+pub use duration::long_duration;
+pub use error::{ViewError, with_causes};
+pub use experiment::{Bench, Chapter, ExperimentKind, TrialRun, VirtualArm, other_robot, wrapped};
+pub use identification_report::IdentificationReport;
+pub use picture::{PlanPicture, draw_comparison};
+pub use printable::printable;
+pub use report::{Extent, Page, PageOptions};
+pub use robot_sheet::robot_sheet;
+pub use summary::{PlannedTimes, Summary, SummaryRow};
+pub use table::{plan_table, table};
+pub use twin::{TwinRobot, TwinSetup, twin_page};

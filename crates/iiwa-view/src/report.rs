@@ -1,0 +1,14 @@
+//! A page that shows a plan or a recording: one file, which needs no network.
+//!
+//! Data flows one way: files are read ([`source`]), the program of a recording is planned
+//! ([`attached`]), both are made into curves for the screen ([`planned`], [`measured`], [`curve`]) and
+//! gathered ([`data`]). The scripts draw; what they show is decided here.
+
+mod attached;
+mod curve;
+mod data;
+mod measured;
+mod planned;
+mod source;
+
+pub use data::{Extent, Page, PageOptions};

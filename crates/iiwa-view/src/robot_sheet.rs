@@ -1,0 +1,60 @@
+//! A robot's geometry and limits in tables.
+
+use std::fmt::Write as _;
+
+use iiwa_kin::Robot;
+
+use crate::table::table;
+
+/// The robot's geometry, limits, blends and masses as text, with what is assumed of them.
+#[must_use]
+pub fn robot_sheet(robot: &Robot) -> String {
+    let mut text = format!("{}\n\n", robot.name());
+
+    let mut dh = table(&["joint", "a mm", "alpha deg", "d mm"]);
+    for (joint, row) in robot.dh().iter().enumerate() {
+        dh.add_row([
+            format!("A{}", joint + 1),
+            round(row.a_m * 1e3),
+            round(row.alpha_rad.to_degrees()),
+            round(row.d_m * 1e3),
+        ]);
+    }
+    let _ = writeln!(text, "{dh}\n");
+
+    let limits = robot.limits();
+    let mut rows = table(&["quantity", "unit", "A1", "A2", "A3", "A4", "A5", "A6", "A7"]);
+    let mark = |what: &str| if robot.assumes(what) { " *" } else { "" };
+    let degrees = |values: [f64; 7]| values.map(f64::to_degrees);
+    for (what, unit, values) in [
+        ("position +-", "deg", degrees(limits.position_rad)),
+        ("velocity", "deg/s", degrees(limits.velocity_rad_s)),
+        ("acceleration", "deg/s^2", degrees(limits.acceleration_rad_s2)),
+        ("jerk", "deg/s^3", degrees(limits.jerk_rad_s3)),
+        ("torque", "Nm", limits.torque_nm),
+    ] {
+        let mut row = vec![format!("{what}{}", mark(what)), unit.to_owned()];
+        row.extend(values.map(round));
+        rows.add_row(row);
+    }
+    let _ = writeln!(text, "{rows}\n");
+
+    let [c0, c1, c2] = robot.blend_kappa();
+    let _ = writeln!(text, "kappa of blends: {c0} + {c1} gamma + {c2} gamma^2, gamma in deg");
+    let _ =
+        writeln!(text, "Settles for {} s after a motion without a blend", robot.settle_time_s());
+
+    let masses = robot.link_mass_kg().map(round).join(", ");
+    let _ = writeln!(text, "Link masses 0 to 7{}: {masses} kg", mark("masses"));
+    for assumption in robot.assumptions() {
+        let _ = writeln!(text, "* {} assumed: {}", assumption.what, assumption.basis);
+    }
+    text
+}
+
+/// Three places at most, and no zeros behind the point.
+fn round(value: f64) -> String {
+    let value = (value * 1000.0).round() / 1000.0;
+    // No negative zero.
+    format!("{}", value + 0.0)
+}

@@ -1,0 +1,62 @@
+//! The page that follows a robot: its markup, its style and its scripts, but not its server.
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_scene::Scene;
+use serde::Serialize;
+
+use crate::{
+    ViewError,
+    page::{self, Part},
+};
+
+/// Parts of this page alone.
+const PARTS: [Part; 5] = [
+    ("/*twin.css*/", include_str!("twin/twin.css")),
+    ("/*link.js*/", include_str!("twin/link.js")),
+    ("/*live.js*/", include_str!("twin/live.js")),
+    ("/*programs.js*/", include_str!("twin/programs.js")),
+    ("/*main.js*/", include_str!("twin/main.js")),
+];
+
+/// What the page of a twin knows from the start. Everything else reaches it over its connection.
+#[derive(Clone, Debug, Serialize)]
+pub struct TwinSetup<'a> {
+    /// The robot.
+    pub robot: TwinRobot<'a>,
+    /// The obstacles, if there are any.
+    pub scene: Option<&'a Scene>,
+    /// Programs that come nearer to an obstacle are not sent, in mm.
+    pub min_clearance_mm: f64,
+    /// The drive's address.
+    pub drive: &'a str,
+    /// The folder of the twin's files, if they are kept.
+    pub folder: Option<String>,
+}
+
+/// What the page needs to know about the robot.
+#[derive(Clone, Debug, Serialize)]
+pub struct TwinRobot<'a> {
+    name: &'a str,
+    urdf: String,
+    position_rad: Joints,
+}
+
+impl<'a> From<&'a Robot> for TwinRobot<'a> {
+    fn from(robot: &'a Robot) -> Self {
+        Self {
+            name: robot.name(),
+            urdf: robot.to_urdf(),
+            position_rad: robot.limits().position_rad,
+        }
+    }
+}
+
+/// The page of a twin as HTML, with its style, its scripts and what it knows from the start.
+///
+/// # Errors
+///
+/// [`ViewError::Json`].
+pub fn twin_page(setup: &TwinSetup<'_>) -> Result<String, ViewError> {
+    let title = format!("{} - iiwasim twin", setup.robot.name);
+    page::assemble(include_str!("twin/page.html"), &PARTS, &title, setup)
+}
