@@ -114,12 +114,25 @@ impl Robot {
 
     /// Pose of the TCP in the base frame, at `joints_rad` (Larsen 2019, Eq. 9). There is no tool: the
     /// TCP is the flange's face.
+    ///
+    /// ```
+    /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
+    /// let pose = robot.flange_pose(&[0.0; 7]);
+    /// assert!((pose.position_m[2] - 1.292).abs() < 1e-12);
+    /// ```
     #[must_use]
     pub fn flange_pose(&self, joints_rad: &Joints) -> Pose {
         tcp(&self.offsets(), joints_rad)
     }
 
     /// Position of the TCP in the base frame, in m. Joint 7 has no part in it.
+    ///
+    /// ```
+    /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
+    /// let q = [0.1, 0.5, 0.0, -1.0, 0.0, 0.7, 0.3];
+    /// let (a, b) = (robot.flange_position(&q), robot.flange_pose(&q).position_m);
+    /// assert!((0..3).all(|i| (a[i] - b[i]).abs() < 1e-12));
+    /// ```
     #[must_use]
     pub fn flange_position(&self, joints_rad: &Joints) -> [f64; 3] {
         let (s, c) = sin_cos_of_joints(joints_rad);
@@ -136,6 +149,14 @@ impl Robot {
 
     /// Position (m) and velocity (m per unit of `rate`) of the TCP when the joints change at
     /// `rate`, in rad per unit of whatever it is counted in (seconds, or the path parameter s).
+    ///
+    /// ```
+    /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
+    /// // Stretched out to the side, joint 1 at 1 rad/s moves the flange at its distance from the axis.
+    /// let q = [0.0, std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0, 0.0, 0.0];
+    /// let (position_m, velocity_m_s) = robot.flange_motion(&q, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    /// assert!((velocity_m_s[1] - position_m[0]).abs() < 1e-12);
+    /// ```
     #[must_use]
     pub fn flange_motion(&self, joints_rad: &Joints, rate: &Joints) -> ([f64; 3], [f64; 3]) {
         let (s, c) = sin_cos_of_joints(joints_rad);
@@ -159,6 +180,12 @@ impl Robot {
     ///
     /// Link j turns with joint j about its own z axis, as in the URDF of [`Robot::to_urdf`]: it is
     /// frame j of the Denavit-Hartenberg table before the shift `d_j` and the twist `alpha_j`.
+    ///
+    /// ```
+    /// let poses = iiwa_kin::Robot::lbr_iiwa_7_r800().link_poses(&[0.0; 7]);
+    /// // The shoulder, where the axes of joints 1 and 2 meet.
+    /// assert!((poses[2].position_m[2] - 0.34).abs() < 1e-12);
+    /// ```
     #[must_use]
     pub fn link_poses(&self, joints_rad: &Joints) -> [Pose; 9] {
         let (s, c) = sin_cos_of_joints(joints_rad);
@@ -179,6 +206,13 @@ impl Robot {
 
     /// Geometric Jacobian of the TCP in the base frame: three rows of linear velocity (m/rad) over
     /// three of angular velocity (rad/rad), one column a joint.
+    ///
+    /// ```
+    /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
+    /// let jacobian = robot.jacobian(&[0.0, 0.5, 0.0, -1.0, 0.0, 0.7, 0.0]);
+    /// // Joint 1 turns everything about the base's z axis.
+    /// assert_eq!(jacobian[(5, 0)], 1.0);
+    /// ```
     #[must_use]
     pub fn jacobian(&self, joints_rad: &Joints) -> SMatrix<f64, 6, 7> {
         let poses = self.link_poses(joints_rad);

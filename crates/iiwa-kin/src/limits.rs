@@ -20,6 +20,12 @@ pub struct Limits {
 
 impl Limits {
     /// The first joint (0 to 6) of `joints_rad` that is outside its position limit or not a number.
+    ///
+    /// ```
+    /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
+    /// let degrees = [0.0, 0.0, 0.0, -130.0, 0.0, 0.0, 0.0];
+    /// assert_eq!(robot.limits().outside(&degrees.map(f64::to_radians)), Some(3));
+    /// ```
     #[must_use]
     pub fn outside(&self, joints_rad: &Joints) -> Option<usize> {
         // A thousandth of an arc second: a limit typed in degrees must not fail by rounding.

@@ -19,6 +19,15 @@ impl Pose {
     };
 
     /// The pose as an isometry (translation in m).
+    ///
+    /// ```
+    /// use nalgebra::Point3;
+    ///
+    /// let pose = iiwa_kin::Robot::lbr_iiwa_7_r800().flange_pose(&[0.0; 7]);
+    /// // A point 10 cm in front of the flange.
+    /// let ahead = pose.to_isometry() * Point3::new(0.0, 0.0, 0.1);
+    /// assert!((ahead.z - 1.392).abs() < 1e-12);
+    /// ```
     #[must_use]
     pub fn to_isometry(&self) -> Isometry3<f64> {
         let rotation = Rotation3::from_matrix_unchecked(self.rotation_matrix());
@@ -35,6 +44,10 @@ impl Pose {
     }
 
     /// Orientation as a unit quaternion `[x, y, z, w]` with `w >= 0`.
+    ///
+    /// ```
+    /// assert_eq!(iiwa_kin::Pose::IDENTITY.quaternion_xyzw(), [0.0, 0.0, 0.0, 1.0]);
+    /// ```
     #[must_use]
     pub fn quaternion_xyzw(&self) -> [f64; 4] {
         let q = self.to_isometry().rotation;

@@ -300,6 +300,14 @@ impl Robot {
     /// Holds what differs from the built-in model that is most alike. Numbers read back as they
     /// are, but for the last bit of one that no number of degrees (or mm) stands for; a robot that
     /// was itself read from a profile reads back exactly.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    ///
+    /// let text = Robot::lbr_iiwa_14_r820().with_name("cell 3").to_profile();
+    /// assert_eq!(Robot::from_profile(&text)?.name(), "cell 3");
+    /// # Ok::<(), iiwa_kin::ProfileError>(())
+    /// ```
     #[must_use]
     pub fn to_profile(&self) -> String {
         let wire = Self::BUILT_IN

@@ -160,6 +160,14 @@ impl Robot {
 
     /// The same robot with another flange: d7 is `flange_m`, wrist to the flange's face in m.
     ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    ///
+    /// let plain = Robot::lbr_iiwa_7_r800().with_flange_m(0.126)?;
+    /// assert!((plain.flange_pose(&[0.0; 7]).position_m[2] - 1.266).abs() < 1e-12);
+    /// # Ok::<(), iiwa_kin::BadLength>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If the length is not a number, not above 0 or above 10 m.
@@ -232,6 +240,11 @@ impl Robot {
 
     /// kappa of the robot's blends (Larsen 2019, Eq. 39) at the angle gamma between the two directions,
     /// in degrees: 0 straight on, 180 turned back.
+    ///
+    /// ```
+    /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
+    /// assert!((robot.kappa(0.0) + 3.974).abs() < 1e-3);
+    /// ```
     #[must_use]
     pub fn kappa(&self, gamma_deg: f64) -> f64 {
         let [c0, c1, c2] = self.blend_kappa;
@@ -251,6 +264,12 @@ impl Robot {
     }
 
     /// Figures of this model that no source states.
+    ///
+    /// ```
+    /// let robot = iiwa_kin::Robot::lbr_iiwa_14_r820();
+    /// let assumed: Vec<_> = robot.assumptions().iter().map(|a| a.what.as_str()).collect();
+    /// assert_eq!(assumed, ["acceleration", "jerk", "masses"]);
+    /// ```
     #[must_use]
     pub fn assumptions(&self) -> &[Assumption] {
         &self.assumptions
@@ -284,6 +303,11 @@ impl Robot {
     /// It is the joint's largest share in the TCP's speed: `|dp/dq_j| <= axis_reach_m()[j]`. The
     /// axes of joints 1 and 2 meet in the shoulder, those of 3 and 4 in the elbow (and 3 runs
     /// through it), those of 5 and 6 in the wrist; joint 7's axis runs through the TCP.
+    ///
+    /// ```
+    /// let reach_m = iiwa_kin::Robot::lbr_iiwa_7_r800().axis_reach_m();
+    /// assert!((reach_m[0] - 0.952).abs() < 1e-12 && reach_m[6] == 0.0);
+    /// ```
     #[must_use]
     pub fn axis_reach_m(&self) -> Joints {
         let l = &self.lengths;

@@ -5,6 +5,13 @@ use iiwa_kin::{Joints, Robot};
 use crate::crossing::{BlendSearch, HALF};
 
 /// Where the arm may leave the straight line to the target and cut the corner.
+///
+/// ```
+/// use iiwa_path::{Blend, Ptp};
+///
+/// let ptp = Ptp::to([0.3; 7]).velocity(0.5).blend(Blend::Fraction(0.25));
+/// assert_eq!(ptp.blend, Some(Blend::Fraction(0.25)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Blend {

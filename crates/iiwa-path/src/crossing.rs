@@ -28,6 +28,17 @@ pub(crate) const HALF: f64 = 0.5;
 impl BlendSearch {
     /// Where the segment from `point_rad` to `other_end_rad` first leaves the sphere of `radius_m`
     /// about the TCP at `point_rad`, in u; none if it does not within the first half.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::BlendSearch;
+    ///
+    /// let robot = Robot::default();
+    /// let (corner, other) = ([0.5, 0.3, 0.0, -1.0, 0.0, 0.7, 0.0], [0.0; 7]);
+    /// let u = BlendSearch::FirstCrossing.crossing(&robot, &corner, &other, 0.05);
+    /// // A blend of 50 mm begins on the last tenth of the motion.
+    /// assert!(u.is_some_and(|u| u < 0.1));
+    /// ```
     #[must_use]
     pub fn crossing(
         self,

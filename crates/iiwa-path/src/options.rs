@@ -18,6 +18,22 @@ pub enum BlendShape {
 }
 
 /// How blends are made.
+///
+/// ```
+/// use iiwa_kin::Robot;
+/// use iiwa_path::{Blend, BlendShape, Continuity, JointPath, PathOptions, Program};
+///
+/// let program = Program::from_deg([0.0; 7])
+///     .ptp_deg([40.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+///     .blend(Blend::Fraction(0.3))
+///     .ptp_deg([40.0, 30.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+///     .build();
+/// let blend_shape = BlendShape::Alpha(Continuity::Third);
+/// let options = PathOptions { blend_shape, ..PathOptions::default() };
+/// let path = JointPath::with_options(&program, &Robot::default(), options)?;
+/// assert_eq!(path.blends().count(), 1);
+/// # Ok::<(), iiwa_path::Fault>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathOptions {
     /// Their curve.

@@ -79,6 +79,21 @@ impl JointPath {
     /// `limits` are those of the motions that the steps name. Segments that follow each other without a
     /// stop have to join: the end of one is the start of the next, and dq/ds points the same way there.
     ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::{JointPath, Line, MotionLimits, Step};
+    ///
+    /// let robot = Robot::default();
+    /// let line = Line::new([0.0; 7], [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    /// let steps = vec![Step::Move { motion: 0, segment: Arc::new(line), blend: None }];
+    /// let limits = vec![MotionLimits::full(&robot)];
+    /// let path = JointPath::from_steps(&robot, [0.0; 7], steps, limits)?;
+    /// assert_eq!(path.steps().len(), 1);
+    /// # Ok::<(), iiwa_path::JoinError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If a step names a motion without limits, or if segments do not join.
@@ -110,6 +125,19 @@ impl JointPath {
     }
 
     /// What the arm does, in order.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::{JointPath, Program, Step};
+    ///
+    /// let program = Program::from_deg([0.0; 7]).ptp_deg([30.0; 7]).wait_s(1.0).build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let [Step::Move { segment, .. }, Step::Settle { .. }, Step::Wait { .. }] = path.steps() else {
+    ///     panic!("a motion, its settling and a wait")
+    /// };
+    /// assert!(segment.is_straight());
+    /// # Ok::<(), iiwa_path::Fault>(())
+    /// ```
     #[must_use]
     pub fn steps(&self) -> &[Step] {
         &self.steps

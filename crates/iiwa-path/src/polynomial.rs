@@ -19,6 +19,18 @@ pub const KAPPA_MIN_ACCELERATION: f64 = 7.5;
 /// With d0 and d1 the ways from the blend's start to the target that is blended away, and from
 /// there to its end, Larsen 2019's Eq. 39 (of which Eq. 13 and 26 are special cases) reads
 /// `q(s) = start + (s + alpha) d0 + (s alpha - kappa beta) (d1 - d0)`.
+///
+/// ```
+/// use iiwa_path::{Continuity, PolynomialBlend, Segment};
+///
+/// // From joint 1 to joint 2, 0.1 rad on either side of the corner.
+/// let corner = [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+/// let d0 = [0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+/// let d1 = [0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0];
+/// let blend = PolynomialBlend::new(&corner, d0, &d1, 0.0, Continuity::Second);
+/// assert_eq!(blend.at(0.0).q[0], 0.4);
+/// assert!((blend.at(1.0).q[1] - 0.1).abs() < 1e-15);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolynomialBlend {
     start: Joints,

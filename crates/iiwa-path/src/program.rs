@@ -78,6 +78,15 @@ impl Ptp {
 impl Program {
     /// Finds the first thing in the program that no robot with these `limits` could do.
     ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::{Fault, Program};
+    ///
+    /// let program = Program::from_deg([0.0; 7]).ptp_deg([0.0, 0.0, 0.0, -130.0, 0.0, 0.0, 0.0]).build();
+    /// let fault = program.check(Robot::default().limits()).unwrap_err();
+    /// assert!(matches!(fault, Fault::JointOutside { motion: Some(0), joint: 4, .. }));
+    /// ```
+    ///
     /// # Errors
     ///
     /// A [`Fault`] that says what is wrong in which motion.

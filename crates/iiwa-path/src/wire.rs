@@ -87,6 +87,14 @@ fn motion_prefix(motion: Option<usize>) -> String {
 impl Program {
     /// Reads a motion program (version 1) and checks all that can be checked without a robot.
     ///
+    /// ```
+    /// use iiwa_path::Program;
+    ///
+    /// let text = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0] }, "motions": [] }"#;
+    /// let error = Program::from_json(text).unwrap_err();
+    /// assert_eq!((error.place().line, error.place().column), (1, 42));
+    /// ```
+    ///
     /// # Errors
     ///
     /// If the text is not a program, or asks for something that no robot can do; the error says
@@ -107,6 +115,14 @@ impl Program {
     }
 
     /// The program as JSON (version 1), joints in rad, so that it reads back as it is.
+    ///
+    /// ```
+    /// use iiwa_path::Program;
+    ///
+    /// let program = Program::from_deg([0.0; 7]).ptp_deg([30.0; 7]).build();
+    /// assert_eq!(Program::from_json(&program.to_json())?, program);
+    /// # Ok::<(), iiwa_path::ProgramError>(())
+    /// ```
     #[must_use]
     pub fn to_json(&self) -> String {
         let wire = ProgramOut {

@@ -17,6 +17,26 @@ use crate::{
 };
 
 /// Plans a path section by section: an iterator that needs memory for one of them only.
+///
+/// ```
+/// use iiwa_kin::Robot;
+/// use iiwa_path::{Blend, JointPath, Program};
+/// use iiwa_traj::{Planner, Timing};
+///
+/// let program = Program::from_deg([0.0; 7])
+///     .ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0])
+///     .blend(Blend::Fraction(0.3))
+///     .ptp_deg([40.0, 30.0, 0.0, -30.0, 0.0, 0.0, 0.0])
+///     .build();
+/// let path = JointPath::new(&program, &Robot::default())?;
+/// let mut cycle_time_s = 0.0;
+/// for section in Planner::new(&path, Timing::default()) {
+///     // Written, sent or dropped before the next one is planned.
+///     cycle_time_s = section?.end_s();
+/// }
+/// assert!(cycle_time_s > 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Planner {
     path: JointPath,

@@ -114,6 +114,24 @@ impl Section {
     }
 
     /// The samples of a piece at which the stamps were found.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_traj::{Timing, Trajectory};
+    ///
+    /// let program = Program::from_deg([0.0; 7])
+    ///     .ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0])
+    ///     .blend(Blend::Fraction(0.3))
+    ///     .ptp_deg([40.0, 30.0, 0.0, -30.0, 0.0, 0.0, 0.0])
+    ///     .build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let trajectory = Trajectory::plan(&path, Timing::default())?;
+    /// let section = &trajectory.sections()[0];
+    /// let nodes = section.nodes(&section.pieces()[0]);
+    /// assert!(nodes.windows(2).all(|pair| pair[0].t_s < pair[1].t_s));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn nodes(&self, piece: &Piece) -> &[Node] {
         &self.nodes[piece.nodes.clone()]
@@ -136,6 +154,25 @@ impl Section {
 
     /// When the arm is at `s` of the segment that `piece`, one of this section, moves along, in s from the
     /// start of the program; of a rest, its start.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_traj::{Timing, Trajectory};
+    ///
+    /// let program = Program::from_deg([0.0; 7])
+    ///     .ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0])
+    ///     .blend(Blend::Fraction(0.3))
+    ///     .ptp_deg([40.0, 30.0, 0.0, -30.0, 0.0, 0.0, 0.0])
+    ///     .build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let trajectory = Trajectory::plan(&path, Timing::default())?;
+    /// let section = &trajectory.sections()[0];
+    /// let blend = &section.pieces()[1];
+    /// let middle_s = section.time_at(blend, 0.5);
+    /// assert!(blend.start_s < middle_s && middle_s < blend.end_s);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn time_at(&self, piece: &Piece, s: f64) -> f64 {
         let nodes = self.nodes(piece);

@@ -3,6 +3,24 @@
 use crate::limit::LimitKind;
 
 /// The limits that a trajectory keeps, and how its stamps are found.
+///
+/// ```
+/// use iiwa_kin::Robot;
+/// use iiwa_path::{Blend, JointPath, Program};
+/// use iiwa_traj::{SweepOptions, Timing, Trajectory};
+///
+/// let program = Program::from_deg([0.0; 7])
+///     .ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0])
+///     .blend(Blend::Fraction(0.3))
+///     .ptp_deg([40.0, 30.0, 0.0, -30.0, 0.0, 0.0, 0.0])
+///     .build();
+/// let path = JointPath::new(&program, &Robot::default())?;
+/// let sweep = SweepOptions { samples: 400 };
+/// let acceleration = Trajectory::plan(&path, Timing::Acceleration(sweep))?;
+/// let jerk = Trajectory::plan(&path, Timing::default())?;
+/// assert!(jerk.cycle_time_s() > acceleration.cycle_time_s());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Timing {

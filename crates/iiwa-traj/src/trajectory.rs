@@ -60,6 +60,23 @@ impl Trajectory {
     }
 
     /// The parts from stop to stop, in order.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_traj::{Timing, Trajectory};
+    ///
+    /// let program = Program::from_deg([0.0; 7])
+    ///     .ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0])
+    ///     .blend(Blend::Fraction(0.3))
+    ///     .ptp_deg([40.0, 30.0, 0.0, -30.0, 0.0, 0.0, 0.0])
+    ///     .build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let trajectory = Trajectory::plan(&path, Timing::default())?;
+    /// // The arm stops once, at the end.
+    /// assert_eq!(trajectory.sections().len(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn sections(&self) -> &[Section] {
         &self.sections
@@ -84,18 +101,93 @@ impl Trajectory {
 
     /// What the arm does at every sample at which stamps were found, the end included. Stamps
     /// increase strictly.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_traj::{Timing, Trajectory};
+    ///
+    /// let program = Program::from_deg([0.0; 7])
+    ///     .ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0])
+    ///     .blend(Blend::Fraction(0.3))
+    ///     .ptp_deg([40.0, 30.0, 0.0, -30.0, 0.0, 0.0, 0.0])
+    ///     .build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let trajectory = Trajectory::plan(&path, Timing::default())?;
+    /// let fastest = trajectory.states().map(|state| state.dq[3].abs()).fold(0.0, f64::max);
+    /// assert!(fastest <= path.robot().limits().velocity_rad_s[3] * 1.004);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn states(&self) -> impl Iterator<Item = State> {
         let end = self.sections.last().map(|section| section.at(section.end_s()));
         self.sections.iter().flat_map(Section::states).chain(end)
     }
 
+    /// What the arm does `rate_hz` times a second, from the start to the end: the first sample is at 0, the
+    /// last exactly at the cycle time, however far that is from the one before.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::{JointPath, Program};
+    /// use iiwa_traj::{Timing, Trajectory};
+    ///
+    /// let program = Program::from_deg([0.0; 7]).ptp_deg([30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let trajectory = Trajectory::plan(&path, Timing::default())?;
+    /// let samples: Vec<_> = trajectory.samples(1000.0).collect();
+    /// assert_eq!(samples[1].t_s, 0.001);
+    /// assert_eq!(samples.last().unwrap().t_s, trajectory.cycle_time_s());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn samples(&self, rate_hz: f64) -> impl Iterator<Item = State> {
+        let end_s = self.cycle_time_s();
+        let stamps = (0_u64..).map(move |i| i as f64 / rate_hz);
+        stamps.take_while(move |t_s| *t_s < end_s).chain([end_s]).map(|t_s| self.at(t_s))
+    }
+
     /// The figures of all entries of the program's list of motions, in order.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_traj::{Timing, Trajectory};
+    ///
+    /// let program = Program::from_deg([0.0; 7])
+    ///     .ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0])
+    ///     .blend(Blend::Fraction(0.3))
+    ///     .ptp_deg([40.0, 30.0, 0.0, -30.0, 0.0, 0.0, 0.0])
+    ///     .build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let trajectory = Trajectory::plan(&path, Timing::default())?;
+    /// for motion in trajectory.motions() {
+    ///     let limit = motion.limited_by.expect("it moves");
+    ///     println!("{}: joint {} at its {} limit", motion.motion + 1, limit.joint, limit.kind);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn motions(&self) -> Vec<MotionFigures> {
         self.sections.iter().flat_map(Section::motions).collect()
     }
 
     /// The figures of all blends, in order.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_traj::{Timing, Trajectory};
+    ///
+    /// let program = Program::from_deg([0.0; 7])
+    ///     .ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0])
+    ///     .blend(Blend::Fraction(0.3))
+    ///     .ptp_deg([40.0, 30.0, 0.0, -30.0, 0.0, 0.0, 0.0])
+    ///     .build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let trajectory = Trajectory::plan(&path, Timing::default())?;
+    /// let blend = trajectory.blends()[0];
+    /// assert!(blend.start_s < blend.end_s && blend.gamma_deg > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn blends(&self) -> Vec<BlendFigures> {
         self.sections.iter().flat_map(Section::blends).collect()

@@ -1,0 +1,106 @@
+//! Programs that are made in code.
+
+use iiwa_kin::Joints;
+
+use crate::{
+    blend::Blend,
+    program::{Motion, Program, Ptp},
+};
+
+/// Puts a program together, with angles in degrees as on the robot's panel.
+///
+/// ```
+/// use iiwa_kin::Robot;
+/// use iiwa_path::{Blend, JointPath, Program};
+///
+/// let program = Program::from_deg([0.0; 7])
+///     .ptp_deg([0.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0])
+///     .velocity(0.5)
+///     .blend(Blend::CartMm(50.0))
+///     .ptp_deg([40.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0])
+///     .wait_s(0.5)
+///     .build();
+/// assert_eq!(program.motions.len(), 3);
+/// assert_eq!(JointPath::new(&program, &Robot::default())?.blends().count(), 1);
+/// # Ok::<(), iiwa_path::Fault>(())
+/// ```
+#[derive(Clone, Debug)]
+#[must_use]
+pub struct ProgramBuilder {
+    program: Program,
+}
+
+impl Program {
+    /// A program that starts at these joint angles, in degrees, and has no motions yet.
+    pub fn from_deg(start_deg: Joints) -> ProgramBuilder {
+        Self::from_rad(start_deg.map(f64::to_radians))
+    }
+
+    /// A program that starts at these joint angles, in rad, and has no motions yet.
+    pub fn from_rad(start_rad: Joints) -> ProgramBuilder {
+        ProgramBuilder { program: Self { robot: None, start_rad, motions: Vec::new() } }
+    }
+}
+
+impl ProgramBuilder {
+    /// Names the robot: a built-in model or a profile file.
+    pub fn robot(mut self, name: impl Into<String>) -> Self {
+        self.program.robot = Some(name.into());
+        self
+    }
+
+    /// Adds a point-to-point motion, its target in degrees.
+    pub fn ptp_deg(self, target_deg: Joints) -> Self {
+        self.ptp_rad(target_deg.map(f64::to_radians))
+    }
+
+    /// Adds a point-to-point motion, its target in rad.
+    pub fn ptp_rad(self, target_rad: Joints) -> Self {
+        self.motion(Motion::Ptp(Ptp::to(target_rad)))
+    }
+
+    /// Adds a wait, in s.
+    pub fn wait_s(self, seconds: f64) -> Self {
+        self.motion(Motion::Wait { seconds })
+    }
+
+    /// Adds any motion.
+    pub fn motion(mut self, motion: Motion) -> Self {
+        self.program.motions.push(motion);
+        self
+    }
+
+    /// The last motion keeps to this share of every joint's velocity limit, in (0, 1].
+    pub fn velocity(self, share: f64) -> Self {
+        self.last_ptp(|ptp| ptp.velocity_rel = [share; 7])
+    }
+
+    /// The last motion keeps to this share of every joint's acceleration limit, in (0, 1].
+    pub fn acceleration(self, share: f64) -> Self {
+        self.last_ptp(|ptp| ptp.acceleration_rel = [share; 7])
+    }
+
+    /// The last motion keeps to this share of every joint's jerk limit, in (0, 1].
+    pub fn jerk(self, share: f64) -> Self {
+        self.last_ptp(|ptp| ptp.jerk_rel = [share; 7])
+    }
+
+    /// The last motion is blended into the next one.
+    pub fn blend(self, blend: Blend) -> Self {
+        self.last_ptp(|ptp| ptp.blend = Some(blend))
+    }
+
+    /// The program. It is checked when its path is made.
+    #[must_use]
+    pub fn build(self) -> Program {
+        self.program
+    }
+
+    /// Changes the last motion, if it is one from point to point; a wait has nothing to change.
+    fn last_ptp(mut self, change: impl FnOnce(&mut Ptp)) -> Self {
+        if let Some(Motion::Ptp(ptp)) = self.program.motions.last_mut() {
+            change(ptp);
+        }
+        self
+    }
+}
