@@ -14,22 +14,25 @@ mod fri_wire;
 mod liar;
 mod load;
 mod memory;
+mod patience;
 mod process;
 mod report;
 mod rig;
 mod round;
 mod stop;
+mod tell;
 mod usage;
 mod websocket;
 mod witness;
 mod work;
 mod zmtp;
 
-use std::{path::PathBuf, process::ExitCode, sync::OnceLock, time::Duration};
+use std::{path::PathBuf, process::ExitCode, time::Duration};
 
 use attackers::Size;
 use report::Row;
 use rig::Fault;
+use tell::tell;
 
 /// What is attacked, and how.
 #[derive(Clone, Debug)]
@@ -65,7 +68,7 @@ pub enum Part {
 /// exit code 0, or 1 where it was not, or where the attack could not be made.
 #[must_use]
 pub fn run(options: &Options) -> ExitCode {
-    let _ = PATIENCE.set(if options.shared { 3 } else { 1 });
+    patience::set(if options.shared { 3 } else { 1 });
     files::raise_limit();
     // Twice, where the first one fails: then there is nothing to be caught.
     let _ = ctrlc::set_handler(|| {
@@ -84,14 +87,6 @@ pub fn run(options: &Options) -> ExitCode {
     }
 }
 
-/// How many times as long everything may take.
-static PATIENCE: OnceLock<u32> = OnceLock::new();
-
-/// What is allowed for something that takes so long at most on a machine that is not shared.
-fn within(time: Duration) -> Duration {
-    time * PATIENCE.get().copied().unwrap_or(1)
-}
-
 fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
     let Options { binary, part, long, keys, seed, .. } = options;
     let includes = |which: Part| [which, Part::All].contains(part);
@@ -102,7 +97,7 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
     tell(&format!("seed {seed}"));
     let mut rows = Vec::new();
     if includes(Part::Stop) {
-        let extent = stop::Extent {
+        let extent = stop::StopExtent {
             rounds: 1000,
             time: seconds(35, 2 * 3600),
             longest_planning: if *long {
@@ -114,7 +109,7 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
         rows.extend(stop::run(binary, *seed, &extent)?);
     }
     if includes(Part::Load) {
-        let extent = load::Extent {
+        let extent = load::LoadExtent {
             size: size(if *long { 60_000_000 } else { 5_000_000 }),
             time: seconds(3, 60),
             together: seconds(6, 300),
@@ -122,7 +117,7 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
         rows.extend(load::run(binary, *seed, *keys, &extent)?);
     }
     if includes(Part::Memory) {
-        let extent = memory::Extent {
+        let extent = memory::MemoryExtent {
             size: size(60_000_000),
             time: seconds(3, 60),
             last_run: seconds(6, 60),
@@ -130,10 +125,4 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
         rows.extend(memory::run(binary, *keys, &extent)?);
     }
     Ok(rows)
-}
-
-/// Shows a line at once.
-#[expect(clippy::print_stdout, reason = "it is what the program is for")]
-fn tell(line: &str) {
-    println!("{line}");
 }

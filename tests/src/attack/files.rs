@@ -26,7 +26,7 @@ pub(super) fn raise_limit() {
         .env(RAISED, "1");
     // It returns only if it fails.
     let error = shell.exec();
-    super::tell(&format!("too few open files, {soft}: {error}"));
+    super::tell::tell(&format!("too few open files, {soft}: {error}"));
 }
 
 /// Soft and hard, where the system tells them.

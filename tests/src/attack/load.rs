@@ -12,13 +12,13 @@ use fastrand::Rng;
 
 use super::{
     attackers::{Attack, Kind, Size},
+    patience::within,
     process::Process,
     report::Row,
     rig::{Fault, Parts, Rig},
-    tell,
+    tell::tell,
     usage::Usage,
     websocket::WebSocket,
-    within,
     work::there_and_back,
 };
 
@@ -29,7 +29,7 @@ const ANSWERED_WITHIN: Duration = Duration::from_millis(300);
 const GIVEN_UP_AFTER: Duration = Duration::from_secs(10);
 
 /// How much is attacked.
-pub(super) struct Extent {
+pub(super) struct LoadExtent {
     pub(super) size: Size,
     /// How long each kind of attack lasts.
     pub(super) time: Duration,
@@ -42,7 +42,7 @@ pub(super) fn run(
     binary: &Path,
     seed: u64,
     keys: bool,
-    extent: &Extent,
+    extent: &LoadExtent,
 ) -> Result<Vec<Row>, Fault> {
     let mut random = Rng::with_seed(seed);
     let mut rows = Vec::new();
@@ -58,14 +58,14 @@ pub(super) fn run(
         }
         // Fresh programs: what one attack has left behind is not the next one's.
         let mut rig = Rig::start(binary, Parts { twin: true, keys })?;
-        let mut phase = Phase { rig: &mut rig, random: random.fork(), name: &name };
-        rows.extend(phase.run(&kinds, &extent.size, time)?);
+        let mut flooded = Flooded { rig: &mut rig, random: random.fork(), name: &name };
+        rows.extend(flooded.run(&kinds, &extent.size, time)?);
     }
     Ok(rows)
 }
 
 /// Stops beside attackers of some kinds.
-struct Phase<'a> {
+struct Flooded<'a> {
     rig: &'a mut Rig,
     random: Rng,
     name: &'a str,
@@ -79,7 +79,7 @@ struct Stops {
     worst: Duration,
 }
 
-impl Phase<'_> {
+impl Flooded<'_> {
     fn run(&mut self, kinds: &[Kind], size: &Size, time: Duration) -> Result<Vec<Row>, Fault> {
         let name = self.name;
         let mut rows = Vec::new();

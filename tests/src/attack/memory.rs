@@ -17,7 +17,7 @@ use super::{
 };
 
 /// How much is attacked.
-pub(super) struct Extent {
+pub(super) struct MemoryExtent {
     pub(super) size: Size,
     /// How long each attack lasts.
     pub(super) time: Duration,
@@ -26,7 +26,7 @@ pub(super) struct Extent {
 }
 
 /// Attacks that take memory, and those that fill logs.
-pub(super) fn run(binary: &Path, keys: bool, extent: &Extent) -> Result<Vec<Row>, Fault> {
+pub(super) fn run(binary: &Path, keys: bool, extent: &MemoryExtent) -> Result<Vec<Row>, Fault> {
     let mut rows = Vec::new();
     for kind in [Kind::UnreadReplies, Kind::Topics, Kind::LongRequests] {
         // Fresh programs: what one attack has left behind is not the next one's.

@@ -9,9 +9,9 @@ use fastrand::Rng;
 
 use super::{
     ask::{Asked, ask, is_ok},
+    patience::within,
     process::Process,
     rig::{Fault, Rig},
-    within,
     work::{Work, program},
 };
 

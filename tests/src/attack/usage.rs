@@ -42,7 +42,7 @@ impl Usage {
             }
         }
         for (name, why) in ended(rig) {
-            super::tell(&format!("beside {beside}: the {name} has ended: {why}"));
+            super::tell::tell(&format!("beside {beside}: the {name} has ended: {why}"));
             parts.push(format!("the {name} has **ended by itself**"));
             met = false;
         }
