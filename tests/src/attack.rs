@@ -1,50 +1,53 @@
-//! Attacks on `iiwasim cabinet`, `drive` and `twin` from outside: processes of the command line and raw
-//! sockets, judged by a witness on FRI's wire that decodes messages by itself.
+//! Black-box attacks on `iiwasim cabinet`, `drive` and `twin`: processes of the command line and raw sockets,
+//! judged by a witness on the FRI connection with a decoder of its own.
 //!
-//! | part | what it shows |
+//! | part | requirement |
 //! |---|---|
-//! | stop | after a stop, or the loss of a client or drive, the arm does not move any more |
-//! | load | a stop is answered beside floods of connections, long requests and deaf subscribers |
-//! | memory | what the programs take meanwhile, and what they log |
+//! | stop | after a stop, or the loss of a client or drive, the arm does not move |
+//! | load | stops are answered under floods of connections, long requests and subscribers that do not read |
+//! | memory | memory and logs of the programs stay bounded |
 
-mod ask;
 mod attackers;
-mod files;
+mod erratic_program;
 mod fri_wire;
-mod liar;
 mod load;
 mod memory;
+mod open_files;
+mod output;
+mod patience;
 mod process;
 mod report;
+mod request;
 mod rig;
 mod round;
 mod stop;
+mod tasks;
 mod usage;
 mod websocket;
 mod witness;
-mod work;
 mod zmtp;
 
-use std::{path::PathBuf, process::ExitCode, sync::OnceLock, time::Duration};
+use std::{path::PathBuf, process::ExitCode, time::Duration};
 
 use attackers::Size;
+use output::print;
 use report::Row;
 use rig::Fault;
 
-/// What is attacked, and how.
+/// Options of the attacks.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The program `iiwasim`.
     pub binary: PathBuf,
-    /// The parts: `stop`, `load`, `memory` or all of them.
+    /// The parts to run.
     pub part: Part,
     /// A soak of an hour instead of two minutes.
     pub long: bool,
-    /// With CURVE keys between all programs, and attackers that have none.
+    /// With CURVE keys between all programs, and attackers without keys.
     pub keys: bool,
-    /// Everything may take three times as long: others use the machine, too.
+    /// Triples all deadlines, on a machine with other load.
     pub shared: bool,
-    /// Of the random instants.
+    /// Seed of the random instants.
     pub seed: u64,
 }
 
@@ -53,7 +56,7 @@ pub struct Options {
 pub enum Part {
     /// Stops at random instants.
     Stop,
-    /// Stops beside floods.
+    /// Stops under floods.
     Load,
     /// Memory and logs.
     Memory,
@@ -61,45 +64,37 @@ pub enum Part {
     All,
 }
 
-/// Attacks, prints a table of what is required and what was measured, and says whether all was met:
-/// exit code 0, or 1 where it was not, or where the attack could not be made.
+/// Runs the attacks and prints a table of requirements and measurements. Returns exit code 0 if all requirements
+/// are met, and 1 otherwise or if an attack cannot be made.
 #[must_use]
 pub fn run(options: &Options) -> ExitCode {
-    let _ = PATIENCE.set(if options.shared { 3 } else { 1 });
-    files::raise_limit();
-    // Twice, where the first one fails: then there is nothing to be caught.
+    patience::set_factor(if options.shared { 3 } else { 1 });
+    open_files::raise_limit();
+    // It fails if a handler is set already, which does not matter here.
     let _ = ctrlc::set_handler(|| {
         process::kill_all();
         std::process::exit(130);
     });
     match attack(options) {
         Ok(rows) => {
-            tell(&format!("\n{}", report::table(&rows)));
+            print(&format!("\n{}", report::table(&rows)));
             if rows.iter().all(|row| row.met) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
         }
         Err(fault) => {
-            tell(&format!("the attack could not be made: {fault}"));
+            print(&format!("the attack cannot be made: {fault}"));
             ExitCode::FAILURE
         }
     }
-}
-
-/// How many times as long everything may take.
-static PATIENCE: OnceLock<u32> = OnceLock::new();
-
-/// What is allowed for something that takes so long at most on a machine that is not shared.
-fn within(time: Duration) -> Duration {
-    time * PATIENCE.get().copied().unwrap_or(1)
 }
 
 fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
     let Options { binary, part, long, keys, seed, .. } = options;
     let includes = |which: Part| [which, Part::All].contains(part);
     let seconds = |short, soak| Duration::from_secs(if *long { soak } else { short });
-    // More than the open files of a program, at each of its ports.
+    // More than the open files of a program, at each port.
     let connections = if *long { 2500 } else { 1200 };
     let size = |topics| Size { connections, handshakes: 250, topics };
-    tell(&format!("seed {seed}"));
+    print(&format!("seed {seed}"));
     let mut rows = Vec::new();
     if includes(Part::Stop) {
         let extent = stop::Extent {
@@ -130,10 +125,4 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
         rows.extend(memory::run(binary, *keys, &extent)?);
     }
     Ok(rows)
-}
-
-/// Shows a line at once.
-#[expect(clippy::print_stdout, reason = "it is what the program is for")]
-fn tell(line: &str) {
-    println!("{line}");
 }

@@ -28,7 +28,7 @@ const MESSAGES: usize = 500;
 /// A script, with pipes; `None` where there is no Python for it.
 fn script(name: &str, arguments: &[&str]) -> Option<Child> {
     let Some(python) = env::var_os("IIWASIM_PYTHON") else {
-        eprintln!("left out: IIWASIM_PYTHON names no Python for {name}");
+        eprintln!("skipped: IIWASIM_PYTHON names no Python for {name}");
         return None;
     };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fri");

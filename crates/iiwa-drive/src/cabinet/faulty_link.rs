@@ -1,69 +1,69 @@
-//! The line to the client of FRI, with its faults.
+//! The link to the FRI client, with simulated faults.
 
 use std::{
     collections::VecDeque,
     time::{Duration, Instant},
 };
 
-use super::{Faults, latency::Watch};
+use super::{config::Faults, latency::LatencyMonitor};
 
-/// What is on its way to the client, and what has come back.
-pub(super) struct Line {
+/// The link, and statistics of its datagrams.
+pub(super) struct FaultyLink {
     pub(super) faults: Faults,
     random: fastrand::Rng,
-    /// Messages of the last cycles, which a delay keeps back; empty where there was none.
-    kept_back: VecDeque<Vec<u8>>,
-    /// Up to when nothing gets through.
+    /// Messages of the last cycles, kept for a delay; empty for cycles without a message.
+    delayed: VecDeque<Vec<u8>>,
+    /// Until when all datagrams are dropped.
     silent_until: Option<Instant>,
-    /// Messages that were to be sent.
+    /// Number of messages to be sent.
     pub(super) cycles: u64,
-    /// Cycles in which this machine held up the clock.
+    /// Number of cycles in which the machine delayed the clock.
     pub(super) held_up: u64,
     pub(super) real_time: bool,
-    pub(super) watch: Watch,
+    pub(super) monitor: LatencyMonitor,
 }
 
-impl Line {
+impl FaultyLink {
     pub(super) fn new(faults: Faults, period: Duration) -> Self {
         Self {
             faults,
             random: fastrand::Rng::with_seed(2),
-            kept_back: VecDeque::new(),
+            delayed: VecDeque::new(),
             silent_until: None,
             cycles: 0,
             held_up: 0,
             real_time: false,
-            watch: Watch::new(period),
+            monitor: LatencyMonitor::new(period),
         }
     }
 
-    /// Lets nothing through for so long.
+    /// Drops all datagrams for a time.
     pub(super) fn silence(&mut self, duration: Duration) {
         self.silent_until = Some(Instant::now() + duration);
     }
 
-    /// What leaves the line in this cycle when `message` enters it.
+    /// The datagram that leaves the link in this cycle when `message` enters it.
     pub(super) fn send(&mut self, message: Option<&[u8]>) -> Option<Vec<u8>> {
         self.cycles += u64::from(message.is_some());
-        self.kept_back.push_back(message.map(<[u8]>::to_vec).unwrap_or_default());
+        self.delayed.push_back(message.map(<[u8]>::to_vec).unwrap_or_default());
         let delay = self.faults.delay_cycles as usize;
-        if self.kept_back.len() <= delay {
+        if self.delayed.len() <= delay {
             return None;
         }
-        let datagram = self.kept_back.drain(..self.kept_back.len() - delay).next_back()?;
+        let datagram = self.delayed.drain(..self.delayed.len() - delay).next_back()?;
         if datagram.is_empty() || self.loses() {
             return None;
         }
-        self.watch.sent(&datagram, Instant::now());
+        self.monitor.sent(&datagram, Instant::now());
         Some(datagram)
     }
 
-    /// Whether an answer that has come gets through.
+    /// Whether a received answer passes the link.
     pub(super) fn receive(&mut self, datagram: &[u8], now: Instant) -> bool {
         if self.loses() {
             return false;
         }
-        self.watch.answered(datagram, now);
+        self.monitor.answered(datagram, now);
         true
     }
 

@@ -1,15 +1,16 @@
-//! Open files: the attackers need more of them than a login usually has.
+//! The limit of open files: attackers need more than the usual limit of a login.
 
 use std::{env, fs, os::unix::process::CommandExt, process::Command};
 
-/// Connections of all attackers together, and files.
+use super::output::print;
+
+/// Connections of all attackers, and files.
 const NEEDED: u64 = 16_000;
 
-/// Set for the program that has got what there is.
+/// Set for the restarted program.
 const RAISED: &str = "IIWASIM_ATTACK_FILES_RAISED";
 
-/// Starts this program anew with more open files, where it has too few; returns where it goes on as it
-/// is.
+/// Restarts this program with a higher limit if necessary and possible; otherwise returns.
 pub(super) fn raise_limit() {
     let Some([soft, hard]) = limits() else { return };
     let Ok(program) = env::current_exe() else { return };
@@ -24,12 +25,12 @@ pub(super) fn raise_limit() {
         .arg(program)
         .args(env::args_os().skip(1))
         .env(RAISED, "1");
-    // It returns only if it fails.
+    // `exec` returns only if it fails.
     let error = shell.exec();
-    super::tell(&format!("too few open files, {soft}: {error}"));
+    print(&format!("too few open files, {soft}: {error}"));
 }
 
-/// Soft and hard, where the system tells them.
+/// Soft and hard limit, if the system provides them.
 fn limits() -> Option<[u64; 2]> {
     let text = fs::read_to_string("/proc/self/limits").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("Max open files"))?;

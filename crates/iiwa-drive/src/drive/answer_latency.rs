@@ -1,33 +1,33 @@
-//! Whether the FRI thread answers in time, by its own account.
+//! Latency statistics of the FRI thread.
 
 use std::{
     sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed},
     time::Duration,
 };
 
-/// How punctual a drive has been so far, by its own account. How long an answer takes altogether, only
-/// the controller can tell.
+/// Latency statistics of a drive's answers to the controller, as measured by the drive. They do not include
+/// the network, unlike the [`Latency`](crate::Latency) that a cabinet measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Punctuality {
-    /// Messages of the controller that the drive has read.
+pub struct AnswerLatency {
+    /// Messages received from the controller.
     pub received: u64,
-    /// Answers to them.
+    /// Answers sent.
     pub answered: u64,
-    /// Answers that left when the next message had come in already: these cycles were lost by the drive,
-    /// or by the machine that did not let it run.
+    /// Answers sent after the next message had arrived: cycles that the drive, or the scheduling of the
+    /// machine, has lost.
     pub behind: u64,
-    /// Messages that did not go on with the ones before, or came from elsewhere: nothing was made of them.
+    /// Messages ignored as implausible or from another address.
     pub ignored: u64,
-    /// Longest time from reading a message to sending its answer.
+    /// Longest time from receiving a message to sending its answer.
     pub slowest: Duration,
-    /// Whether the system lets the thread that answers run ahead of ordinary ones.
+    /// Whether the answering thread has real-time priority.
     pub real_time: bool,
 }
 
-/// Where the FRI thread counts, and others look.
+/// Counters of the FRI thread, readable by others.
 #[derive(Debug, Default)]
-pub(super) struct Account {
+pub(super) struct LatencyRecorder {
     received: AtomicU64,
     answered: AtomicU64,
     behind: AtomicU64,
@@ -36,7 +36,7 @@ pub(super) struct Account {
     real_time: AtomicBool,
 }
 
-impl Account {
+impl LatencyRecorder {
     pub(super) fn raised(&self, real_time: bool) {
         self.real_time.store(real_time, Relaxed);
     }
@@ -45,12 +45,12 @@ impl Account {
         self.received.fetch_add(1, Relaxed);
     }
 
-    /// So many messages have been ignored up to now.
+    /// Sets the number of ignored messages.
     pub(super) fn ignored(&self, count: u64) {
         self.ignored.store(count, Relaxed);
     }
 
-    /// An answer has left, so long after its message was read.
+    /// Records an answer, sent `after` the reception of its message.
     pub(super) fn answered(&self, after: Duration, is_behind: bool) {
         self.answered.fetch_add(1, Relaxed);
         self.behind.fetch_add(u64::from(is_behind), Relaxed);
@@ -58,8 +58,8 @@ impl Account {
         self.slowest_ns.fetch_max(after_ns, Relaxed);
     }
 
-    pub(super) fn read(&self) -> Punctuality {
-        Punctuality {
+    pub(super) fn read(&self) -> AnswerLatency {
+        AnswerLatency {
             received: self.received.load(Relaxed),
             answered: self.answered.load(Relaxed),
             behind: self.behind.load(Relaxed),
