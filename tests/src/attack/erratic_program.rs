@@ -44,7 +44,7 @@ impl ErraticProgram {
         let threads = vec![
             serve(instructions, Arc::clone(&shutdown), acknowledge),
             serve(state, Arc::clone(&shutdown), move |stream, shutdown| {
-                send_states(stream, &count, shutdown)
+                send_states(stream, &count, shutdown);
             }),
         ];
         Ok(Self { shutdown, states, threads })

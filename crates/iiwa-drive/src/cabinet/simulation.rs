@@ -357,8 +357,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Brings the arm to rest from its current position: all joints in the same time, except those that would
-    /// leave their range.
+    /// Brings the arm to rest on a straight line in joint space, except for joints that would leave their
+    /// range.
     fn brake(&mut self, error: Refusal) {
         if let Activity::Commanded(Commanded { run, from, .. }) = self.activity {
             self.fri.release();
