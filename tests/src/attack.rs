@@ -8,13 +8,13 @@
 //! | memory | memory and logs of the programs stay bounded |
 
 mod attackers;
+mod deadlines;
 mod erratic_program;
 mod fri_wire;
 mod load;
 mod memory;
 mod open_files;
 mod output;
-mod patience;
 mod process;
 mod report;
 mod request;
@@ -68,7 +68,7 @@ pub enum Part {
 /// are met, and 1 otherwise or if an attack cannot be made.
 #[must_use]
 pub fn run(options: &Options) -> ExitCode {
-    patience::set_factor(if options.shared { 3 } else { 1 });
+    deadlines::set_factor(if options.shared { 3 } else { 1 });
     open_files::raise_limit();
     // It fails if a handler is set already, which does not matter here.
     let _ = ctrlc::set_handler(|| {

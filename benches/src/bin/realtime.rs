@@ -461,7 +461,7 @@ fn be_cabinet(period_ms: u32, sockets: &Sockets) -> Result<()> {
             cycles: report.cycles,
             answered: report.latency.count() as u64,
             late_us,
-            held_up: report.held_up,
+            held_up: report.delayed_cycles,
             real_time: report.real_time,
             latency_us,
         }

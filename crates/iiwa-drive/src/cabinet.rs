@@ -225,7 +225,7 @@ impl Cabinet {
         let link = lock(&self.shared.link);
         Report {
             cycles: link.cycles,
-            held_up: link.held_up,
+            delayed_cycles: link.delayed_cycles,
             real_time: link.real_time,
             latency: link.monitor.latency().clone(),
             late: link.monitor.late().to_vec(),

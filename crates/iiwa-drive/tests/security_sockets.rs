@@ -104,9 +104,9 @@ fn an_unlisted_key_is_refused() {
         assert_eq!(refused(&drive, &remote(pair, keys.server.public())), [NOT_ALLOWED; 2]);
     }
     let allowed = AllowList::default();
-    let nobody = Server::with_keys(ServerSecurity { pair: keys.server.clone(), allowed });
+    let empty_list = Server::with_keys(ServerSecurity { pair: keys.server.clone(), allowed });
     let alice = remote(&keys.alice, keys.server.public());
-    assert_eq!(refused(&self::drive(&nobody), &alice), [NOT_ALLOWED; 2]);
+    assert_eq!(refused(&self::drive(&empty_list), &alice), [NOT_ALLOWED; 2]);
 }
 
 #[test]

@@ -11,8 +11,8 @@ use fastrand::Rng;
 
 use super::{
     attackers::{Attack, Kind, Size},
+    deadlines::scaled,
     output::print,
-    patience::scaled,
     process::Process,
     report::Row,
     rig::{Fault, Parts, Rig},

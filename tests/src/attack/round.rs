@@ -8,7 +8,7 @@ use std::{
 use fastrand::Rng;
 
 use super::{
-    patience::scaled,
+    deadlines::scaled,
     process::Process,
     request::{PendingRequest, is_ok, request},
     rig::{Fault, Rig},

@@ -10,8 +10,8 @@ use std::{
 use fastrand::Rng;
 
 use super::{
+    deadlines::scaled,
     output::print,
-    patience::scaled,
     report::Row,
     rig::{Fault, Parts, Rig},
     round::{Attempt, Outcome, Planning, Rounds},

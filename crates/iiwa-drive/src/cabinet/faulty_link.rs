@@ -18,7 +18,7 @@ pub(super) struct FaultyLink {
     /// Number of messages to be sent.
     pub(super) cycles: u64,
     /// Number of cycles in which the machine delayed the clock.
-    pub(super) held_up: u64,
+    pub(super) delayed_cycles: u64,
     pub(super) real_time: bool,
     pub(super) monitor: LatencyMonitor,
 }
@@ -31,7 +31,7 @@ impl FaultyLink {
             delayed: VecDeque::new(),
             silent_until: None,
             cycles: 0,
-            held_up: 0,
+            delayed_cycles: 0,
             real_time: false,
             monitor: LatencyMonitor::new(period),
         }

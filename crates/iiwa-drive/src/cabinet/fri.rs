@@ -46,7 +46,7 @@ pub(super) fn run_clock(shared: &Shared, udp: &UdpSocket, client: SocketAddr, pe
             thread::sleep(remaining);
         } else if now.duration_since(next) > period {
             next = now;
-            lock(&shared.link).held_up += 1;
+            lock(&shared.link).delayed_cycles += 1;
         }
         next += period;
         let due = lock(&shared.simulation).tick(&mut message);

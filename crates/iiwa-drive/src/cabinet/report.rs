@@ -11,7 +11,7 @@ pub struct Report {
     /// Messages sent.
     pub cycles: u64,
     /// Cycles in which the simulation itself was late and its clock waited.
-    pub held_up: u64,
+    pub delayed_cycles: u64,
     /// Whether the clock of the simulation has real-time priority.
     pub real_time: bool,
     /// Times from messages to their answers.

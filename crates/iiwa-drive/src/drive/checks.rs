@@ -48,7 +48,7 @@ pub(super) struct CheckedRun {
     pub(super) task: Result<RunTask, Refusal>,
 }
 
-/// What the robot has to run.
+/// The motions or trajectory of a run.
 pub(super) enum RunTask {
     Motions(Vec<Motion>),
     Trajectory(Box<TimedJoints>),

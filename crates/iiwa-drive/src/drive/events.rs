@@ -33,7 +33,7 @@ pub(super) enum FriEvent {
     Freed(#[expect(dead_code, reason = "it is freed")] TrajectoryTask),
 }
 
-/// What a message of the controller says of the robot and the connection.
+/// The state of the robot and the connection in a message of the controller.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Observation {
     /// Time of the stream, in s.

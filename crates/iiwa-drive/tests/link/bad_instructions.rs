@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::{
-    corrupted::{Field, Presence, corrupted, fields_of, good_requests, trajectory_to},
+    corrupted::{Field, Requirement, corrupted, fields_of, good_requests, trajectory_to},
     request_socket::{RequestSocket, assert_error},
     rig::{LONG, Rig},
 };
@@ -14,9 +14,9 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
     rig.start_cabinet();
     let socket = RequestSocket::new(&rig.cabinet_config.instructions);
     let before = rig.cabinet().position();
-    let seq = Field("/seq", Presence::Required, &["3"]);
-    let kind = Field("/type", Presence::Required, &[]);
-    let run = || Field("/run", Presence::Required, &["3"]);
+    let seq = Field("/seq", Requirement::Required, &["3"]);
+    let kind = Field("/type", Requirement::Required, &[]);
+    let run = || Field("/run", Requirement::Required, &["3"]);
     let motions = good_requests()[0]["motions"].clone();
     let instructions = [
         (json!({"type": "run_motions", "run": 1, "motions": motions}), {

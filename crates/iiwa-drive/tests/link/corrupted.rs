@@ -23,12 +23,12 @@ pub(crate) fn wrong_values() -> [Value; 8] {
 /// for it.
 pub(crate) struct Field(
     pub(crate) &'static str,
-    pub(crate) Presence,
+    pub(crate) Requirement,
     pub(crate) &'static [&'static str],
 );
 
 #[derive(PartialEq)]
-pub(crate) enum Presence {
+pub(crate) enum Requirement {
     Optional,
     Required,
 }
@@ -38,7 +38,7 @@ pub(crate) const NUMBER: &[&str] = &["3", "-0.5"];
 /// Messages in which each of these fields in turn is invalid or missing, and the name of the field.
 pub(crate) fn corrupted(good: &Value, fields: &[Field]) -> Vec<(String, String)> {
     let mut messages = Vec::new();
-    for Field(path, presence, valid) in fields {
+    for Field(path, requirement, valid) in fields {
         let (parent, name) = path.rsplit_once('/').unwrap();
         for value in wrong_values() {
             if !valid.contains(&value.to_string().as_str()) {
@@ -47,7 +47,7 @@ pub(crate) fn corrupted(good: &Value, fields: &[Field]) -> Vec<(String, String)>
                 messages.push((message.to_string(), name.to_owned()));
             }
         }
-        if *presence == Presence::Required {
+        if *requirement == Requirement::Required {
             let mut message = good.clone();
             match message.pointer_mut(parent).unwrap() {
                 Value::Object(object) => drop(object.remove(name)),
@@ -89,7 +89,7 @@ pub(crate) fn good_requests() -> Vec<Value> {
 }
 
 pub(crate) fn fields_of(name: &str) -> Vec<Field> {
-    use Presence::{Optional, Required};
+    use Requirement::{Optional, Required};
     let own = match name {
         "run_motions" => vec![
             Field("/motions", Required, &[]),

@@ -114,7 +114,7 @@ fn run(rig: &Rig) -> JoinHandle<Result<Run, ClientError>> {
 
 #[test]
 fn malformed_states_are_ignored() {
-    use crate::corrupted::Presence::{Optional, Required};
+    use crate::corrupted::Requirement::{Optional, Required};
 
     let (rig, program) = ScriptedProgram::new();
     let good = json!({"boot": 1, "state": "idle", "run": 3, "outcome":

@@ -2,8 +2,6 @@
 
 use iiwa_kin::{Joints, Limits};
 
-#[cfg(doc)]
-use super::differences::MARGINS;
 use super::{differences, points::TimedJoints};
 use crate::message::{
     refusal::{Code, Refusal},
@@ -25,7 +23,8 @@ impl TimedJoints {
     ///
     /// It has to be well-formed, with finite numbers and strictly increasing time stamps; to start
     /// within [`START_TOLERANCE_RAD`] of the robot; to stay within the position limits; and to keep the
-    /// limits of velocity, acceleration and jerk with [`MARGINS`], from rest at its start to rest at its
+    /// limits of velocity, acceleration and jerk with
+    /// [`MARGINS`](crate::MARGINS), from rest at its start to rest at its
     /// end. The latter are checked by divided differences of the points over 1 to 24 ms, with an
     /// allowance for positions and stamps that are rounded to six decimals. While the arm moves, points
     /// are at most [`MAX_STEP_S`] apart.

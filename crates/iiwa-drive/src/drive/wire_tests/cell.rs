@@ -167,7 +167,8 @@ impl Cell {
         let mut datagram = Vec::new();
         if self.controller.message(&reading, &mut datagram) {
             let message = Format::V1.decode_monitoring(&datagram).unwrap();
-            let sent = ControllerMessage { cycle: self.cycle, session: message.session, arm_rad: self.q };
+            let sent =
+                ControllerMessage { cycle: self.cycle, session: message.session, arm_rad: self.q };
             self.sent.insert(message.sequence, sent);
             self.down.send(&datagram, self.cycle, &mut self.random);
             if self.forges && self.random.f64() < 0.02 {
