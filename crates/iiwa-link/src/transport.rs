@@ -14,7 +14,7 @@
 //! | backlog of a peer that does not read | per socket, for 5 s without progress |
 //!
 //! A [`Listener`] accepts connections, and a [`Dialer`] maintains one; a client that sends one request at
-//! a time uses a [`Wire`].
+//! a time uses a `Wire`.
 
 mod admission;
 mod dialer;

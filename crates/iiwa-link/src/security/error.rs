@@ -130,7 +130,7 @@ pub enum SecurityError {
         endpoint: String,
     },
     /// The system's random number generator has failed.
-    #[error("cannot generate keys")]
+    #[error("the system provides no random numbers")]
     Random {
         /// The system's error.
         #[source]
