@@ -1,5 +1,7 @@
 //! Connections to a drive, and failures on them.
 
+use std::io;
+
 use iiwa_link::{
     Client, ClientError, LinkError, Remote, Server,
     message::Code,
@@ -39,11 +41,13 @@ pub(crate) fn server(keys: &ServerKeys) -> Result<Server, Failure> {
 /// A connection that cannot be set up. Whether it is the options' fault decides on the exit code.
 pub(crate) fn refused(error: &LinkError) -> Failure {
     match error {
-        LinkError::Config { .. } => Failure::input(error.to_string()),
+        LinkError::Config { .. }
+        | LinkError::ControllerAddress { .. }
+        | LinkError::FriNeedsKeys { .. } => Failure::input(format!("{error}{}", hint(error))),
         LinkError::Security(cause @ SecurityError::Random { .. }) => {
             Failure::run("cannot connect", cause)
         }
-        LinkError::Security(cause) => Failure::input(with_causes(cause)),
+        LinkError::Security(cause) => Failure::input(format!("{}{}", with_causes(cause), hint(error))),
         error => Failure::run("cannot connect", error),
     }
 }
@@ -57,6 +61,35 @@ pub(crate) fn failed(what: &str, error: &ClientError) -> Failure {
             Failure::input(format!("{what}: {refusal}"))
         }
         ClientError::Link(error) => refused(error),
+        ClientError::Unreachable { .. } => Failure::run(what, &io::Error::other(explained(error))),
         error => Failure::run(what, error),
+    }
+}
+
+/// The error of a request, with the command that helps.
+pub(crate) fn explained(error: &ClientError) -> String {
+    match error {
+        ClientError::Unreachable { .. } => format!("{error}; is `iiwasim drive` running there?"),
+        error => error.to_string(),
+    }
+}
+
+/// The commands and options that help against an error, to be appended to it.
+fn hint(error: &LinkError) -> &'static str {
+    match error {
+        LinkError::Security(SecurityError::BindNeedsKeys { .. }) => {
+            ". Make keys with `iiwasim keygen drive`, then give --key drive.key and --allow with the \
+             clients' .pub files"
+        }
+        LinkError::Security(SecurityError::ConnectNeedsKeys { .. }) => {
+            ". Make keys with `iiwasim keygen NAME`, then give --key NAME.key and --server-key (a \
+             drive: --cabinet-key) with the other side's .pub file"
+        }
+        LinkError::Security(SecurityError::NoClientKeys { .. }) => {
+            ". Put the clients' .pub files there, which `iiwasim keygen` makes"
+        }
+        LinkError::ControllerAddress { .. } => "; give the controller's address with --cabinet",
+        LinkError::FriNeedsKeys { .. } => "; give them with --key and --allow",
+        _ => "",
     }
 }

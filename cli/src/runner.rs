@@ -122,7 +122,7 @@ pub(crate) fn attend(
         let seen = follow(helper, stream, || running.is_finished(), to_stop, hear);
         let result = running.join().unwrap_or_else(|_| {
             let what = "this program has failed; please report it".to_owned();
-            Err(ClientError::Answer { what })
+            Err(ClientError::InvalidReply { what })
         });
         Watched { result, seen }
     })

@@ -1,53 +1,53 @@
-//! Attacks on `iiwasim cabinet`, `drive` and `twin` from outside: processes of the command line and raw
-//! sockets, judged by a witness on FRI's wire that decodes messages by itself.
+//! Black-box attacks on `iiwasim cabinet`, `drive` and `twin`: processes of the command line and raw sockets,
+//! judged by a witness on the FRI connection with a decoder of its own.
 //!
-//! | part | what it shows |
+//! | part | requirement |
 //! |---|---|
-//! | stop | after a stop, or the loss of a client or drive, the arm does not move any more |
-//! | load | a stop is answered beside floods of connections, long requests and deaf subscribers |
-//! | memory | what the programs take meanwhile, and what they log |
+//! | stop | after a stop, or the loss of a client or drive, the arm does not move |
+//! | load | stops are answered under floods of connections, long requests and subscribers that do not read |
+//! | memory | memory and logs of the programs stay bounded |
 
-mod ask;
 mod attackers;
-mod files;
+mod deadlines;
+mod erratic_program;
 mod fri_wire;
-mod liar;
 mod load;
 mod memory;
-mod patience;
+mod open_files;
+mod output;
 mod process;
 mod report;
+mod request;
 mod rig;
 mod round;
 mod stop;
-mod tell;
+mod tasks;
 mod usage;
 mod websocket;
 mod witness;
-mod work;
 mod zmtp;
 
 use std::{path::PathBuf, process::ExitCode, time::Duration};
 
 use attackers::Size;
+use output::print;
 use report::Row;
 use rig::Fault;
-use tell::tell;
 
-/// What is attacked, and how.
+/// Options of the attacks.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The program `iiwasim`.
     pub binary: PathBuf,
-    /// The parts: `stop`, `load`, `memory` or all of them.
+    /// The parts to run.
     pub part: Part,
     /// A soak of an hour instead of two minutes.
     pub long: bool,
-    /// With CURVE keys between all programs, and attackers that have none.
+    /// With CURVE keys between all programs, and attackers without keys.
     pub keys: bool,
-    /// Everything may take three times as long: others use the machine, too.
+    /// Triples all deadlines, on a machine with other load.
     pub shared: bool,
-    /// Of the random instants.
+    /// Seed of the random instants.
     pub seed: u64,
 }
 
@@ -56,7 +56,7 @@ pub struct Options {
 pub enum Part {
     /// Stops at random instants.
     Stop,
-    /// Stops beside floods.
+    /// Stops under floods.
     Load,
     /// Memory and logs.
     Memory,
@@ -64,24 +64,24 @@ pub enum Part {
     All,
 }
 
-/// Attacks, prints a table of what is required and what was measured, and says whether all was met:
-/// exit code 0, or 1 where it was not, or where the attack could not be made.
+/// Runs the attacks and prints a table of requirements and measurements. Returns exit code 0 if all requirements
+/// are met, and 1 otherwise or if an attack cannot be made.
 #[must_use]
 pub fn run(options: &Options) -> ExitCode {
-    patience::set(if options.shared { 3 } else { 1 });
-    files::raise_limit();
-    // Twice, where the first one fails: then there is nothing to be caught.
+    deadlines::set_factor(if options.shared { 3 } else { 1 });
+    open_files::raise_limit();
+    // It fails if a handler is set already, which does not matter here.
     let _ = ctrlc::set_handler(|| {
         process::kill_all();
         std::process::exit(130);
     });
     match attack(options) {
         Ok(rows) => {
-            tell(&format!("\n{}", report::table(&rows)));
+            print(&format!("\n{}", report::table(&rows)));
             if rows.iter().all(|row| row.met) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
         }
         Err(fault) => {
-            tell(&format!("the attack could not be made: {fault}"));
+            print(&format!("the attack cannot be made: {fault}"));
             ExitCode::FAILURE
         }
     }
@@ -91,13 +91,13 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
     let Options { binary, part, long, keys, seed, .. } = options;
     let includes = |which: Part| [which, Part::All].contains(part);
     let seconds = |short, soak| Duration::from_secs(if *long { soak } else { short });
-    // More than the open files of a program, at each of its ports.
+    // More than the open files of a program, at each port.
     let connections = if *long { 2500 } else { 1200 };
     let size = |topics| Size { connections, handshakes: 250, topics };
-    tell(&format!("seed {seed}"));
+    print(&format!("seed {seed}"));
     let mut rows = Vec::new();
     if includes(Part::Stop) {
-        let extent = stop::StopExtent {
+        let extent = stop::Extent {
             rounds: 1000,
             time: seconds(35, 2 * 3600),
             longest_planning: if *long {
@@ -109,7 +109,7 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
         rows.extend(stop::run(binary, *seed, &extent)?);
     }
     if includes(Part::Load) {
-        let extent = load::LoadExtent {
+        let extent = load::Extent {
             size: size(if *long { 60_000_000 } else { 5_000_000 }),
             time: seconds(3, 60),
             together: seconds(6, 300),
@@ -117,7 +117,7 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
         rows.extend(load::run(binary, *seed, *keys, &extent)?);
     }
     if includes(Part::Memory) {
-        let extent = memory::MemoryExtent {
+        let extent = memory::Extent {
             size: size(60_000_000),
             time: seconds(3, 60),
             last_run: seconds(6, 60),

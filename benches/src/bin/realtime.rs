@@ -32,7 +32,7 @@ use std::{
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
-use iiwa_drive::{Cabinet, CabinetConfig, Drive, DriveConfig, Late};
+use iiwa_drive::{Cabinet, CabinetConfig, Drive, DriveConfig, LateAnswer};
 use iiwa_kin::Robot;
 use iiwa_link::{Client, Published, Remote, Server, Stream, TimedJoints};
 use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
@@ -451,7 +451,7 @@ fn be_cabinet(period_ms: u32, sockets: &Sockets) -> Result<()> {
         });
         let clock = SystemClock::new();
         let late = report.late.iter();
-        let late_us = late.map(|Late { sent, answered }| Answer {
+        let late_us = late.map(|LateAnswer { sent, answered }| Answer {
             sent: clock.us(*sent),
             answered: clock.us(*answered),
         });
@@ -461,7 +461,7 @@ fn be_cabinet(period_ms: u32, sockets: &Sockets) -> Result<()> {
             cycles: report.cycles,
             answered: report.latency.count() as u64,
             late_us,
-            held_up: report.held_up,
+            held_up: report.delayed_cycles,
             real_time: report.real_time,
             latency_us,
         }
@@ -492,21 +492,21 @@ fn be_drive(sockets: &Sockets) -> Result<()> {
     let drive = Drive::start(config, &Server::open(), &Remote::open())?;
     let start_mb = machine::peak_memory_mb()?;
     serve(|| {
-        let mut punctuality = drive.punctuality();
+        let mut answer_latency = drive.answer_latency();
         // One message may be in its hands.
         for _ in 0..10 {
-            if punctuality.received == punctuality.answered {
+            if answer_latency.received == answer_latency.answered {
                 break;
             }
             thread::sleep(Duration::from_micros(300));
-            punctuality = drive.punctuality();
+            answer_latency = drive.answer_latency();
         }
         DriveSide {
-            received: punctuality.received,
-            answered: punctuality.answered,
-            behind: punctuality.behind,
-            slowest_us: 1e6 * punctuality.slowest.as_secs_f64(),
-            real_time: punctuality.real_time,
+            received: answer_latency.received,
+            answered: answer_latency.answered,
+            behind: answer_latency.behind,
+            slowest_us: 1e6 * answer_latency.slowest.as_secs_f64(),
+            real_time: answer_latency.real_time,
             memory_mb: [start_mb, machine::peak_memory_mb().unwrap_or(f64::NAN)],
         }
     })

@@ -71,7 +71,7 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
         micros(0.5),
         micros(0.999),
         micros(1.0),
-        report.held_up
+        report.delayed_cycles
     ));
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use std::net::{IpAddr, ToSocketAddrs};
 
-use iiwa_drive::{Drive, DriveConfig, Punctuality};
+use iiwa_drive::{AnswerLatency, Drive, DriveConfig};
 use iiwa_link::{Remote, security::ClientSecurity};
 
 use crate::{
@@ -42,14 +42,14 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
         drive.stream(),
         drive.fri()
     ));
-    if !drive.punctuality().real_time {
+    if !drive.answer_latency().real_time {
         tell(
             "The system does not let it answer ahead of other programs: to command at 1 ms, give the user \
              rtprio in /etc/security/limits.conf, or the program cap_sys_nice (setcap).\n",
         );
     }
     output::wait_for_interrupt(|| ());
-    let Punctuality { received, answered, behind, slowest, .. } = drive.punctuality();
+    let AnswerLatency { received, answered, behind, slowest, .. } = drive.answer_latency();
     tell(&format!(
         "{received} messages, {answered} answers: within {} us at most; {behind} left when the next message was \
          there already\n",

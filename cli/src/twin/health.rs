@@ -103,7 +103,7 @@ impl Health {
 
     /// The drive does not answer.
     fn forget(&mut self, error: &ClientError) {
-        *self = Self { error: Some(error.to_string()), ..Self::default() };
+        *self = Self { error: Some(crate::connection::explained(error)), ..Self::default() };
     }
 
     fn tell(&self, viewers: &Viewers) {

@@ -56,7 +56,9 @@ fn attend(setup: &Weak<Setup>, asked: &mpsc::Receiver<oneshot::Sender<Taken>>) {
             client = connect();
         }
         let taken = match &mut client {
-            Ok(client) => Client::stop(client).map_err(|error| error.to_string()),
+            Ok(client) => {
+                Client::stop(client).map_err(|error| crate::connection::explained(&error))
+            }
             Err(why) => Err(why.clone()),
         };
         for answer in waiting {

@@ -119,7 +119,7 @@ fn a_cabinet_that_is_started_again_at_once_ends_the_run() {
         rig.cabinet = None;
         rig.start_cabinet(&[]);
         let ended = running.end().code(1);
-        assert!(ended.stderr.contains("started again in the middle"), "{}", ended.stderr);
+        assert!(ended.stderr.contains("restarted during the run"), "{}", ended.stderr);
         // The new one stands at its start.
         let states = rig.recording("cut.mcap").joint_states;
         assert!(states.iter().any(|state| state.q[0] > 0.1));

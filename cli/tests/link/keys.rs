@@ -24,11 +24,11 @@ const ALICE: [&str; 4] = ["--key", "keys/alice.key", "--server-key", "keys/drive
 
 /// Keys of clients that are not let in, and what they are told.
 const STRANGERS: [(&str, &[&str], &str); 3] = [
-    ("no key", &[], "does not let this client in: "),
+    ("no key", &[], "refused the connection: "),
     (
         "a key that is not on the list",
         &["--key", "keys/mallory.key", "--server-key", "keys/drive.pub"],
-        "does not let this client in: its key is not on the drive's list",
+        "refused the connection: its key is not on the drive's list",
     ),
     (
         "a wrong server key",

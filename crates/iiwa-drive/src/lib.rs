@@ -1,7 +1,7 @@
-//! iiwaDrive: the layer between the KUKA LBR iiwa, or a simulated one, and its clients.
+//! iiwaDrive: connects the KUKA LBR iiwa, or a simulated one, with any number of clients.
 //!
-//! A [`Drive`] stands between the robot and any number of clients. The robot is a Sunrise cabinet with
-//! its FRI connection and a robot program, or a simulated [`Cabinet`].
+//! A [`Drive`] serves clients over the network; see the crate `iiwa-link` for these. The robot is a Sunrise
+//! cabinet with its FRI connection and a robot program, or a simulated [`Cabinet`].
 //!
 //! ```text
 //! clients                    drive                        cabinet
@@ -15,7 +15,40 @@
 //! use iiwa_link::{Remote, Server};
 //!
 //! let drive = Drive::start(DriveConfig::default(), &Server::open(), &Remote::open())?;
-//! println!("requests are taken at {}", drive.instructions());
+//! println!("requests at {}", drive.instructions());
+//! # Ok::<(), iiwa_link::LinkError>(())
+//! ```
+//!
+//! A drive with a simulated cabinet, on free ports:
+//!
+//! ```
+//! use iiwa_drive::{Cabinet, CabinetConfig, Drive, DriveConfig};
+//! use iiwa_link::{Remote, Server};
+//!
+//! let any = || "tcp://127.0.0.1:*".to_owned();
+//! # let udp = std::net::UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+//! let cabinet = Cabinet::start(
+//!     CabinetConfig {
+//!         fri_client: udp, // a free UDP address
+//!         instructions: any(),
+//!         state: any(),
+//!         ..CabinetConfig::default()
+//!     },
+//!     &Server::open(),
+//! )?;
+//! let drive = Drive::start(
+//!     DriveConfig {
+//!         instructions: any(),
+//!         stream: any(),
+//!         fri: udp,
+//!         cabinet_instructions: cabinet.instructions().to_owned(),
+//!         cabinet_state: cabinet.state().to_owned(),
+//!         ..DriveConfig::default()
+//!     },
+//!     &Server::open(),
+//!     &Remote::open(),
+//! )?;
+//! assert_eq!(drive.fri(), udp);
 //! # Ok::<(), iiwa_link::LinkError>(())
 //! ```
 //!
@@ -26,15 +59,10 @@ mod braking;
 mod cabinet;
 mod drive;
 mod playback;
+mod ports;
 mod priority;
 mod robot_program;
 
-pub use cabinet::{Cabinet, CabinetConfig, Faults, Late, Latency, Report};
-pub use drive::{Drive, DriveConfig, Punctuality};
-
-/// Where a drive listens to FRI, over UDP: the first of those that KUKA sets aside.
-pub const FRI_PORT: u16 = 30200;
-/// Where a robot program takes instructions.
-pub const CABINET_INSTRUCTIONS_PORT: u16 = 30001;
-/// Where a robot program tells its state.
-pub const CABINET_STATE_PORT: u16 = 30002;
+pub use cabinet::{Cabinet, CabinetConfig, Faults, LateAnswer, Latency, Report};
+pub use drive::{AnswerLatency, Drive, DriveConfig};
+pub use ports::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};

@@ -1,16 +1,16 @@
-//! Following a trajectory in time, and stopping on its path.
+//! Playback of a motion over time, with stops on its path.
 
 use iiwa_kin::Joints;
 
-/// A motion that can be followed: positions over time, from rest to rest.
-pub(crate) trait Motion {
-    /// Where the joints are `t_s` after the start, in rad; after the end, there.
+/// Joint positions over time, from rest to rest.
+pub(crate) trait TimedMotion {
+    /// Joint positions `t_s` after the start, in rad; after the end, those of the end.
     fn at(&self, t_s: f64) -> Joints;
-    /// How long it takes, in s.
+    /// Its duration, in s.
     fn duration_s(&self) -> f64;
 }
 
-impl Motion for iiwa_traj::Trajectory {
+impl TimedMotion for iiwa_traj::Trajectory {
     fn at(&self, t_s: f64) -> Joints {
         Self::at(self, t_s).q
     }
@@ -20,77 +20,79 @@ impl Motion for iiwa_traj::Trajectory {
     }
 }
 
-/// How long a stop on the path takes, in s.
+/// Duration of a stop on the path, in s.
 ///
-/// The limits of acceleration are five times those of speed (Larsen 2019, Table 4). Time that slows
-/// down as it does here within half a second takes 3.75/s of them at most, at half the speed; the
-/// path's own acceleration is down to a quarter there. Together they are at most 1.24 times the limits
-/// of acceleration, if both are at their limits just where the stop begins.
+/// The acceleration limits are five times the velocity limits per second (Larsen 2019, Table 4). Slowing down
+/// time within half a second takes a deceleration of at most 3.75/s times the velocity, at half the velocity,
+/// where the acceleration of the path itself has decreased to a quarter. Together, they are at most 1.24 times
+/// the acceleration limits if both are at their limits when the stop begins.
 pub(crate) const STOP_S: f64 = 0.5;
 
-/// How long an emergency stop on the path takes, in s: half as long, whatever the limits say.
+/// Duration of an emergency stop on the path, in s, which may exceed the acceleration limits.
 pub(crate) const EMERGENCY_STOP_S: f64 = 0.25;
 
-/// Follows a motion cycle by cycle.
+/// Plays back a motion cycle by cycle.
 #[derive(Debug)]
 pub(crate) struct Playback<M> {
     motion: M,
     /// Time along the motion, in s.
     at_s: f64,
-    braking: Option<Braking>,
+    stop_on_path: Option<PathStop>,
 }
 
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_field_names, reason = "the unit is part of a name")]
-struct Braking {
-    /// Where along the motion it began, in s.
+struct PathStop {
+    /// Time along the motion when the stop began, in s.
     began_at_s: f64,
-    /// For how long it has braked, in s.
+    /// Time since then, in s.
     lasted_s: f64,
-    /// How long it takes, in s.
+    /// Duration of the stop, in s.
     duration_s: f64,
 }
 
-impl<M: Motion> Playback<M> {
+impl<M: TimedMotion> Playback<M> {
     pub(crate) fn new(motion: M) -> Self {
-        Self { motion, at_s: 0.0, braking: None }
+        Self { motion, at_s: 0.0, stop_on_path: None }
     }
 
-    /// Goes on by `dt_s`.
+    /// Advances by `dt_s`.
     pub(crate) fn advance(&mut self, dt_s: f64) {
-        match &mut self.braking {
+        match &mut self.stop_on_path {
             None => self.at_s += dt_s,
-            Some(braking) => {
-                braking.lasted_s = (braking.lasted_s + dt_s).min(braking.duration_s);
-                let x = braking.lasted_s / braking.duration_s;
+            Some(stop_on_path) => {
+                stop_on_path.lasted_s = (stop_on_path.lasted_s + dt_s).min(stop_on_path.duration_s);
+                let x = stop_on_path.lasted_s / stop_on_path.duration_s;
                 // The integral of 1 - (10 x^3 - 15 x^4 + 6 x^5).
-                let way = x - x.powi(4) * (2.5 - 3.0 * x + x * x);
-                self.at_s = braking.began_at_s + way * braking.duration_s;
+                let progress = x - x.powi(4) * (2.5 - 3.0 * x + x * x);
+                self.at_s = stop_on_path.began_at_s + progress * stop_on_path.duration_s;
             }
         }
     }
 
-    /// From now on slows down to a stop, which takes `duration_s`.
+    /// Begins a stop that takes `duration_s`.
     pub(crate) fn stop(&mut self, duration_s: f64) {
-        if self.braking.is_none() {
-            self.braking = Some(Braking { began_at_s: self.at_s, lasted_s: 0.0, duration_s });
+        if self.stop_on_path.is_none() {
+            self.stop_on_path = Some(PathStop { began_at_s: self.at_s, lasted_s: 0.0, duration_s });
         }
     }
 
-    /// Where the joints are, in rad.
+    /// The current joint positions, in rad.
     pub(crate) fn position(&self) -> Joints {
         self.motion.at(self.at_s)
     }
 
-    /// Whether the arm has come to rest, at the motion's end or before.
+    /// Whether the arm is at rest, at the end of the motion or before.
     pub(crate) fn is_over(&self) -> bool {
-        let stands = self.braking.is_some_and(|braking| braking.lasted_s >= braking.duration_s);
-        stands || self.at_s >= self.motion.duration_s()
+        let is_stopped = self
+            .stop_on_path
+            .is_some_and(|stop_on_path| stop_on_path.lasted_s >= stop_on_path.duration_s);
+        is_stopped || self.at_s >= self.motion.duration_s()
     }
 
-    /// Whether it stops, or has stopped, before the motion's end.
+    /// Whether it stops, or has stopped, before the end of the motion.
     pub(crate) fn is_cut_short(&self) -> bool {
-        self.braking.is_some() && self.at_s < self.motion.duration_s()
+        self.stop_on_path.is_some() && self.at_s < self.motion.duration_s()
     }
 
     /// Time along the motion, in s.
@@ -98,7 +100,7 @@ impl<M: Motion> Playback<M> {
         self.at_s.min(self.motion.duration_s())
     }
 
-    /// How long the motion takes, in s.
+    /// Duration of the motion, in s.
     pub(crate) fn duration_s(&self) -> f64 {
         self.motion.duration_s()
     }
@@ -127,8 +129,8 @@ mod tests {
         Trajectory::plan(&path, Timing::default()).unwrap()
     }
 
-    /// Wherever the arm is stopped, it stays on its path and keeps its limits of speed; of acceleration
-    /// it does not need much more.
+    /// A stop anywhere keeps the path and the velocity limits, and exceeds the acceleration limits only
+    /// slightly.
     #[test]
     fn a_stop_keeps_to_path_and_limits() {
         const DT_S: f64 = 0.001;

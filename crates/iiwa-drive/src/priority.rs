@@ -1,11 +1,10 @@
-//! Threads that have to be on time.
+//! Real-time priority of threads.
 
 use thread_priority::{ThreadPriority, ThreadPriorityValue};
 
-/// Lets this thread run ahead of others, where the system permits it; else it stays an ordinary one, and
-/// this is false.
+/// Gives this thread real-time priority. Returns `false` if the system does not permit it.
 pub(crate) fn raise() -> bool {
-    // Above ordinary threads, below what keeps a machine alive.
+    // Above ordinary threads, below critical threads of the system.
     const PRIORITY: u8 = 40;
     ThreadPriorityValue::try_from(PRIORITY).is_ok_and(|value| {
         let priority = ThreadPriority::Crossplatform(value);

@@ -1,9 +1,9 @@
 //! The messages between iiwaDrive and the robot program on the cabinet, in JSON (Larsen 2019, section
 //! 3.1.1).
 //!
-//! Instructions go to the robot program, state changes come from it, on a socket of their own; each is
-//! acknowledged. A run is known by a number that iiwaDrive gives it, so that neither side takes the end
-//! of one run for the end of another, whatever got lost or was started again.
+//! Instructions go to the robot program, and state changes come from it on another socket; each is
+//! acknowledged. iiwaDrive gives each run a number, so that its end is identified even after lost messages
+//! and restarts.
 
 use std::time::Duration;
 
@@ -15,19 +15,19 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 /// The number of a run.
 pub(crate) type RunId = u64;
 
-/// What iiwaDrive tells the robot program to do.
+/// An instruction to the robot program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub(crate) enum Instruction {
-    /// Plan motions from where the arm is. They wait for [`Begin`](Self::Begin).
+    /// Plan motions from the position of the arm. They wait for [`Begin`](Self::Begin).
     RunMotions { run: RunId, motions: Vec<Motion> },
-    /// Begin the motions that were planned last.
+    /// Begin the planned motions.
     Begin { run: RunId },
-    /// Let a trajectory be commanded over FRI.
+    /// Enable commanding over FRI.
     RunTrajectory { run: RunId },
-    /// The trajectory is over.
+    /// End commanding over FRI.
     EndTrajectory { run: RunId },
-    /// Stop what is running, and forget what was planned.
+    /// Stop the current run, and discard planned motions.
     Stop,
     /// Read the sensors.
     ReadSensors,
@@ -38,28 +38,28 @@ pub(crate) enum Instruction {
 }
 
 impl Instruction {
-    /// The instruction as the `seq`-th message.
+    /// The instruction as JSON, with its number.
     pub(crate) fn to_json(&self, seq: u64) -> String {
         #[derive(Serialize)]
-        struct Out<'a> {
+        struct NumberedInstruction<'a> {
             seq: u64,
             #[serde(flatten)]
             instruction: &'a Instruction,
         }
-        to_json(&Out { seq, instruction: self })
+        to_json(&NumberedInstruction { seq, instruction: self })
     }
 
-    /// Reads an instruction, with its `seq`.
+    /// Parses an instruction and its number.
     pub(crate) fn from_json(bytes: &[u8]) -> (Option<u64>, Result<Self, Refusal>) {
         #[derive(Deserialize)]
-        struct Head {
+        struct InstructionHead {
             seq: u64,
             r#type: String,
         }
         let Ok(text) = std::str::from_utf8(bytes) else {
             return (None, Err(Refusal::bad("the instruction is not text in UTF-8")));
         };
-        match serde_json::from_str::<Object<Head>>(text) {
+        match serde_json::from_str::<Object<InstructionHead>>(text) {
             Ok(Object(head)) => (Some(head.seq), Self::of_type(&head.r#type, text)),
             Err(error) => (None, Err(bad_json(text, &error))),
         }
@@ -67,15 +67,15 @@ impl Instruction {
 
     fn of_type(name: &str, text: &str) -> Result<Self, Refusal> {
         #[derive(Deserialize)]
-        struct Of {
+        struct RunKey {
             run: RunId,
         }
         #[derive(Deserialize)]
-        struct Named {
+        struct NameKey {
             name: String,
         }
         #[derive(Deserialize)]
-        struct Valued {
+        struct ValueKeys {
             name: String,
             value: IoValue,
         }
@@ -84,37 +84,34 @@ impl Instruction {
         }
         Ok(match name {
             "run_motions" => {
-                let Of { run } = read(text)?;
+                let RunKey { run } = read(text)?;
                 let motions = Motion::list_from_json(text)
                     .map_err(|error| Refusal::bad(error.to_string()))?;
                 Self::RunMotions { run, motions }
             }
-            "begin" => Self::Begin { run: read::<Of>(text)?.run },
-            "run_trajectory" => Self::RunTrajectory { run: read::<Of>(text)?.run },
-            "end_trajectory" => Self::EndTrajectory { run: read::<Of>(text)?.run },
+            "begin" => Self::Begin { run: read::<RunKey>(text)?.run },
+            "run_trajectory" => Self::RunTrajectory { run: read::<RunKey>(text)?.run },
+            "end_trajectory" => Self::EndTrajectory { run: read::<RunKey>(text)?.run },
             "stop" => Self::Stop,
             "read_sensors" => Self::ReadSensors,
-            "get_io" => Self::GetIo { name: read::<Named>(text)?.name },
+            "get_io" => Self::GetIo { name: read::<NameKey>(text)?.name },
             "set_io" => {
-                let Valued { name, value } = read(text)?;
+                let ValueKeys { name, value } = read(text)?;
                 Self::SetIo { name, value }
             }
             other => {
-                return Err(Refusal::bad(format!(
-                    "the robot program does not know the instruction `{}`",
-                    shortened(other)
-                )));
+                return Err(Refusal::bad(format!("unknown instruction `{}`", shortened(other))));
             }
         })
     }
 }
 
-/// The robot program's answer to an instruction.
+/// The acknowledgement of an instruction.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Acknowledgement {
-    /// Of the instruction; none if it could not be read.
+    /// The number of the instruction; `None` if it could not be parsed.
     pub(crate) seq: Option<u64>,
-    /// Why it is not carried out.
+    /// Why it was not carried out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) error: Option<Refusal>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -123,43 +120,43 @@ pub(crate) struct Acknowledgement {
     pub(crate) value: Option<IoValue>,
 }
 
-/// What the robot program says of itself: when its state changes, again until that is acknowledged, and
-/// twice a second in any case.
+/// The state of the robot program: sent when it changes, repeated until it is acknowledged, and twice a second
+/// in any case.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StateChange {
-    /// Another number each time the robot program starts.
+    /// A number that differs with each start of the robot program.
     pub(crate) boot: u64,
-    /// What it does.
+    /// The state.
     pub(crate) state: DriveState,
-    /// The run that it is busy with.
+    /// The current run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) run: Option<RunId>,
-    /// How the run before has ended.
+    /// The outcome of the last run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) outcome: Option<Outcome>,
 }
 
-/// How a run has ended. Times are those of the controller's clock, as in FRI's time stamps.
+/// The outcome of a run. Times are of the controller's clock, as are the time stamps of FRI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Outcome {
-    /// Which one.
+    /// The run.
     pub(crate) run: RunId,
-    /// When it started, in s; none if it did not come so far.
+    /// Its start, in s; `None` if it did not start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) start_s: Option<f64>,
-    /// When it ended, in s.
+    /// Its end, in s.
     pub(crate) end_s: f64,
-    /// Why it ended early.
+    /// Why it was aborted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) error: Option<Refusal>,
 }
 
-/// What is sent back for a state change.
+/// The acknowledgement of a state change.
 pub(crate) const RECEIVED: &str = r#"{"ok":true}"#;
 
-/// How long motions that were planned may wait until they are begun. A robot program forgets them then:
-/// whoever wanted them has gone, or does not want them any more.
+/// How long planned motions may wait for [`Instruction::Begin`]. A robot program discards them afterwards, as
+/// the drive or its client may be gone.
 pub(crate) const BEGIN_WITHIN: Duration = Duration::from_secs(2);
 
-/// How often the robot program says its state, also when nothing changes, in ms.
+/// Interval at which the robot program sends its state even if it does not change, in ms.
 pub(crate) const STATE_EVERY_MS: u64 = 500;

@@ -1,4 +1,4 @@
-//! Who gets in, over real sockets.
+//! Access control over real sockets.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -51,7 +51,7 @@ fn ask(drive: &Drive, remote: &Remote) -> Result<Status, ClientError> {
     Client::new(remote, drive.instructions()).unwrap().state()
 }
 
-/// What the stream says of a client that is not let in.
+/// The reason by which the stream is refused.
 fn refused_by_stream(drive: &Drive, remote: &Remote) -> String {
     let mut stream = Stream::new(remote, drive.stream()).unwrap();
     let since = Instant::now();
@@ -66,7 +66,7 @@ fn refused_by_stream(drive: &Drive, remote: &Remote) -> String {
     "nothing".to_owned()
 }
 
-/// What each socket says of a client that is not let in.
+/// The reasons by which a client and a stream are refused.
 fn refused(drive: &Drive, remote: &Remote) -> [String; 2] {
     let asked = match ask(drive, remote) {
         Err(ClientError::Unauthorized { what, .. }) => what.to_owned(),
@@ -77,7 +77,7 @@ fn refused(drive: &Drive, remote: &Remote) -> [String; 2] {
 
 const NOT_ALLOWED: &str = "its key is not on the drive's list";
 const ONE_SIDE: &str = "one side has keys and the other one has none";
-const HUNG_UP: &str = "the drive hung up; is the drive's public key the right one?";
+const CLOSED: &str = "the drive closed the connection; is the drive's public key the right one?";
 
 #[test]
 fn the_right_key_works() {
@@ -96,7 +96,7 @@ fn without_keys_loopback_works() {
 }
 
 #[test]
-fn a_key_that_is_not_on_the_list_gets_nothing() {
+fn an_unlisted_key_is_refused() {
     let keys = Keys::new();
     let drive = drive(&keys.server());
     // The server's own key does not help either.
@@ -104,31 +104,37 @@ fn a_key_that_is_not_on_the_list_gets_nothing() {
         assert_eq!(refused(&drive, &remote(pair, keys.server.public())), [NOT_ALLOWED; 2]);
     }
     let allowed = AllowList::default();
-    let nobody = Server::with_keys(ServerSecurity { pair: keys.server.clone(), allowed });
+    let empty_list = Server::with_keys(ServerSecurity { pair: keys.server.clone(), allowed });
     let alice = remote(&keys.alice, keys.server.public());
-    assert_eq!(refused(&self::drive(&nobody), &alice), [NOT_ALLOWED; 2]);
+    assert_eq!(refused(&self::drive(&empty_list), &alice), [NOT_ALLOWED; 2]);
 }
 
 #[test]
-fn keys_on_one_side_only_are_noticed() {
+fn keys_on_one_side_only_are_detected() {
     let keys = Keys::new();
-    let told = refused(&drive(&keys.server()), &Remote::open());
-    // Which side hangs up first is a race.
-    assert!(told.iter().all(|told| [ONE_SIDE, HUNG_UP].contains(&told.as_str())), "{told:?}");
+    let reasons = refused(&drive(&keys.server()), &Remote::open());
+    // Which side closes the connection first is a race.
+    assert!(
+        reasons.iter().all(|reasons| [ONE_SIDE, CLOSED].contains(&reasons.as_str())),
+        "{reasons:?}"
+    );
     let alice = remote(&keys.alice, keys.server.public());
-    let told = refused(&drive(&Server::open()), &alice);
-    assert!(told.iter().all(|told| [ONE_SIDE, HUNG_UP].contains(&told.as_str())), "{told:?}");
+    let reasons = refused(&drive(&Server::open()), &alice);
+    assert!(
+        reasons.iter().all(|reasons| [ONE_SIDE, CLOSED].contains(&reasons.as_str())),
+        "{reasons:?}"
+    );
 }
 
 #[test]
-fn a_wrong_server_key_gets_nothing() {
+fn a_wrong_server_key_is_refused() {
     let keys = Keys::new();
     let drive = drive(&keys.server());
-    assert_eq!(refused(&drive, &remote(&keys.alice, keys.mallory.public())), [HUNG_UP; 2]);
+    assert_eq!(refused(&drive, &remote(&keys.alice, keys.mallory.public())), [CLOSED; 2]);
 }
 
 #[test]
-fn a_borrowed_public_key_gets_nothing() {
+fn a_borrowed_public_key_is_refused() {
     let keys = Keys::new();
     // Alice's public key, which is no secret, with another secret key.
     let folder = tempfile::tempdir().unwrap();
@@ -138,6 +144,9 @@ fn a_borrowed_public_key_gets_nothing() {
     std::fs::write(&path, forged).unwrap();
     let forged = KeyPair::read(&path).unwrap();
     assert_eq!(forged.public(), keys.alice.public());
-    let told = refused(&drive(&keys.server()), &remote(&forged, keys.server.public()));
-    assert!(told.iter().all(|told| [NOT_ALLOWED, HUNG_UP].contains(&told.as_str())), "{told:?}");
+    let reasons = refused(&drive(&keys.server()), &remote(&forged, keys.server.public()));
+    assert!(
+        reasons.iter().all(|reasons| [NOT_ALLOWED, CLOSED].contains(&reasons.as_str())),
+        "{reasons:?}"
+    );
 }

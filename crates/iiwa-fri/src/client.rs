@@ -1,118 +1,154 @@
-//! The client's side of a session: it listens to the controller and answers.
+//! The client's side of a session: receives monitoring messages and answers them.
 //!
-//! Datagrams may be lost, doubled, late or garbage, and the controller may start again. A message
-//! whose counter is not ahead of the youngest one is *late*, unless it shows that the counter has
-//! begun anew:
+//! Datagrams may be lost, duplicated, reordered or invalid, and the controller may restart. Each
+//! message is compared with the latest one:
 //!
-//! | the message | is |
+//! | message | classified as |
 //! |---|---|
-//! | ahead of the youngest one | new, with a gap of `lost` messages before it |
-//! | equal to the youngest one in every value | repeated |
-//! | behind it, with a time stamp that is ahead of its | restarted |
+//! | ahead of the latest one | new; the messages in between are counted as lost |
+//! | equal to the latest one in every value | repeated |
+//! | behind, but with a later time stamp | restarted |
 //! | more than 1000 behind | restarted |
 //! | more than 20 behind, with a counter below 1000, in `Idle` or `MonitoringWait` | restarted |
-//! | more than 1000 ahead, with a counter below 1000, in `Idle` or `MonitoringWait`, where a counter that wraps around would not be | restarted |
-//! | the twentieth of a row behind the youngest one, each ahead of the one before | restarted |
-//! | any other that is behind, or has the same counter | late |
+//! | more than 1000 ahead with a counter below 1000, in `Idle` or `MonitoringWait`, and the counter has not wrapped around | restarted |
+//! | the twentieth in a row behind the latest one, each ahead of its predecessor | restarted |
+//! | otherwise behind, or with the same counter | late |
 
 use iiwa_kin::Joints;
 
-use super::{Command, Format, Monitoring, SessionState, WireError, ahead};
+use crate::{
+    counter::ahead,
+    error::WireError,
+    message::{Command, Monitoring, SessionState},
+    wire::Format,
+};
 
-/// How far behind a message may be and still be late, in messages.
+/// A message further behind than this is from a restarted controller, in messages.
 const LATE_WINDOW: i32 = 1000;
-/// How far datagrams overtake each other, at most, while a session opens, in messages.
+/// The largest reordering distance while a session opens, in messages.
 const REORDER_WINDOW: i32 = 20;
-/// Counters below this one belong to a controller that has just started.
+/// Counters below this value may be of a controller that has just started.
 const YOUNG_COUNTER: u32 = 1000;
-/// How many late messages in a row, in their order, are no longer late.
+/// This many late messages in ascending order are from a restarted controller.
 const RESTART_ROW: u32 = 20;
 
 /// The client's session.
+///
+/// ```
+/// use iiwa_fri::{Client, Format, Monitoring, Received, SessionState};
+///
+/// let mut client = Client::new(Format::V1);
+/// let message = Monitoring {
+///     session: SessionState::CommandingActive,
+///     commanded_rad: Some([0.0; 7]),
+///     ..Monitoring::default()
+/// };
+/// let (mut datagram, mut answer) = (Vec::new(), Vec::new());
+/// Format::V1.encode_monitoring(&message, &mut datagram);
+///
+/// assert_eq!(client.receive(&datagram)?, Received::New);
+/// assert!(client.is_due());
+/// assert!(client.answer(Some(&[0.001; 7]), &mut answer));
+/// assert_eq!(Format::V1.decode_command(&answer)?.joints_rad, Some([0.001; 7]));
+/// # Ok::<(), iiwa_fri::WireError>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Client {
     format: Format,
     latest: Option<Monitoring>,
-    /// Whether the latest message has not been answered.
+    /// Whether the latest message is not answered yet.
     pending: bool,
-    /// The controller's counter in the message answered last.
+    /// Sequence counter of the message answered last.
     answered: Option<u32>,
-    /// The own counter.
+    /// The client's own sequence counter.
     sequence: u32,
-    /// The last set-point since commanding has become active.
+    /// The last set-point since commanding became active.
     held_rad: Option<Joints>,
-    /// The counter of the last late message, and how many of them came in their order.
+    /// Sequence counter of the last late message, and how many were in ascending order.
     late_row: Option<(u32, u32)>,
     counters: Counters,
 }
 
-/// What a message was.
+/// How a message relates to those before it.
+///
+/// ```
+/// use iiwa_fri::{Client, Monitoring, Received};
+///
+/// let mut client = Client::default();
+/// let message = |sequence| Monitoring { sequence, ..Monitoring::default() };
+/// assert_eq!(client.accept(message(7)), Received::New);
+/// assert_eq!(client.accept(message(7)), Received::Repeated);
+/// assert_eq!(client.accept(message(9)), Received::New);
+/// assert_eq!(client.accept(message(8)), Received::Late);
+/// assert_eq!(client.counters().lost, 1);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Received {
-    /// The youngest so far.
+    /// The latest message so far.
     New,
-    /// Overtaken by a younger one.
+    /// Overtaken by a later one.
     Late,
-    /// The youngest one once more.
+    /// The latest message again.
     Repeated,
-    /// The first one of a controller that has started again, its counter with it.
+    /// The first message of a restarted controller.
     Restarted,
 }
 
 impl Received {
-    /// Whether it is the youngest message, which may be due an answer.
+    /// Whether it is the latest message, which may have to be answered.
     #[must_use]
     pub const fn is_fresh(self) -> bool {
         matches!(self, Self::New | Self::Restarted)
     }
 }
 
-/// What has happened to the messages, since the client began.
+/// Statistics of the received messages since the client was created.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Counters {
-    /// Messages that decoded, whatever became of them.
+    /// Messages that were decoded.
     pub received: u64,
-    /// Messages missing in the controller's counter. One that comes late is among them.
+    /// Gaps in the controller's counter, including messages that arrived late.
     pub lost: u64,
-    /// Messages that a younger one had overtaken.
+    /// Messages that arrived after a later one.
     pub late: u64,
-    /// Messages that came twice.
+    /// Messages that arrived twice.
     pub repeated: u64,
-    /// Datagrams that were no message.
+    /// Datagrams that could not be decoded.
     pub invalid: u64,
-    /// Answers.
+    /// Answers sent.
     pub answered: u64,
 }
 
 impl Client {
-    /// A client that has heard nothing.
+    /// A client without any message so far.
     #[must_use]
     pub fn new(format: Format) -> Self {
         Self { format, ..Self::default() }
     }
 
-    /// Takes a datagram of the controller.
+    /// Decodes and accepts a datagram of the controller.
     ///
     /// # Errors
     ///
-    /// When it is no message. It is counted, and the session goes on.
+    /// Any [`WireError`]. The datagram is counted as invalid and the session continues.
     pub fn receive(&mut self, datagram: &[u8]) -> Result<Received, WireError> {
-        self.read(datagram).map(|message| self.take(message))
+        self.decode(datagram).map(|message| self.accept(message))
     }
 
-    /// Reads a datagram; [`take`](Self::take) makes its message part of the session.
+    /// Decodes a datagram without accepting its message; see [`accept`](Self::accept).
     ///
     /// # Errors
     ///
-    /// When it is no message. It is counted, and the session goes on.
-    pub fn read(&mut self, datagram: &[u8]) -> Result<Monitoring, WireError> {
+    /// Any [`WireError`]. The datagram is counted as invalid and the session continues.
+    pub fn decode(&mut self, datagram: &[u8]) -> Result<Monitoring, WireError> {
         let message = self.format.decode_monitoring(datagram);
         message.inspect_err(|_| self.counters.invalid += 1)
     }
 
-    /// Takes a message of the controller.
-    pub fn take(&mut self, message: Monitoring) -> Received {
-        let received = self.judge(&message);
+    /// Accepts a message of the controller.
+    pub fn accept(&mut self, message: Monitoring) -> Received {
+        let received = self.classify(&message);
         match received {
             Received::New => {
                 let by = self.latest.as_ref().map_or(1, |it| ahead(message.sequence, it.sequence));
@@ -133,7 +169,7 @@ impl Client {
         received
     }
 
-    /// Takes the first message of a controller that has started again, whatever its counter says.
+    /// Accepts a message as the first one of a restarted controller, whatever its counter.
     pub fn restart(&mut self, message: Monitoring) {
         self.answered = None;
         self.keep(message);
@@ -146,7 +182,7 @@ impl Client {
         self.latest = Some(message);
     }
 
-    /// How many late messages there are in a row, in their order, with this one.
+    /// Length of the row of late messages in ascending order, including this one.
     fn row(&self, message: &Monitoring) -> u32 {
         match self.late_row {
             Some((last, row)) if ahead(message.sequence, last) > 0 => row + 1,
@@ -154,9 +190,9 @@ impl Client {
         }
     }
 
-    /// What `message` would be, if it were taken.
+    /// How [`accept`](Self::accept) would classify `message`.
     #[must_use]
-    pub fn judge(&self, message: &Monitoring) -> Received {
+    pub fn classify(&self, message: &Monitoring) -> Received {
         let Some(latest) = &self.latest else { return Received::New };
         let by = ahead(message.sequence, latest.sequence);
         let opening =
@@ -170,16 +206,16 @@ impl Client {
         if message == latest {
             return Received::Repeated;
         }
-        let younger = message.time.zip(latest.time).is_some_and(|(time, latest)| time > latest);
+        let is_later = message.time.zip(latest.time).is_some_and(|(time, latest)| time > latest);
         let is_row = self.row(message) >= RESTART_ROW;
-        if younger || by < -LATE_WINDOW || (opening && by < -REORDER_WINDOW) || is_row {
+        if is_later || by < -LATE_WINDOW || (opening && by < -REORDER_WINDOW) || is_row {
             return Received::Restarted;
         }
         Received::Late
     }
 
-    /// Whether an answer to the latest message is due: it is new, the session is not idle, and the last
-    /// answer is at least `receive_multiplier` messages ago.
+    /// Whether an answer to the latest message is due: it is not answered yet, the session is not idle,
+    /// and the last answered message is at least `receive_multiplier` messages ago.
     #[must_use]
     pub fn is_due(&self) -> bool {
         let Some(latest) = self.latest.as_ref().filter(|_| self.pending) else { return false };
@@ -188,13 +224,14 @@ impl Client {
             && since.is_none_or(|messages| messages >= latest.receive_multiplier)
     }
 
-    /// Writes the answer to the latest message in place of what `out` holds. In monitoring it
-    /// echoes the commanded joint positions. In the commanding states it sends `setpoint_rad`.
-    /// Without one, or with one that is not finite, the arm is to stay where it is: it sends the last one
-    /// since commanding has become active, or else what the controller says is commanded. Before
-    /// commanding is active, it sends the controller's own interpolation, as it has to.
+    /// Encodes the answer to the latest message into `out`, whose content is replaced.
     ///
-    /// `false`, and nothing in `out`, when no answer [is due](Self::is_due).
+    /// While monitoring, it echoes the commanded joint positions. In the commanding states, it sends
+    /// `setpoint_rad`, in rad. Without a finite set-point, it holds the position: it repeats the last
+    /// set-point since commanding became active, or else the commanded position of the message. Before
+    /// commanding is active, it sends the interpolated position, as the protocol requires.
+    ///
+    /// Returns `false` and leaves `out` empty if no answer [is due](Self::is_due).
     pub fn answer(&mut self, setpoint_rad: Option<&Joints>, out: &mut Vec<u8>) -> bool {
         out.clear();
         let Some(latest) = self.latest.as_ref().filter(|_| self.is_due()) else { return false };
@@ -223,13 +260,13 @@ impl Client {
         true
     }
 
-    /// The youngest message.
+    /// The latest message.
     #[must_use]
     pub const fn latest(&self) -> Option<&Monitoring> {
         self.latest.as_ref()
     }
 
-    /// What has happened to the messages.
+    /// Statistics of the received messages.
     #[must_use]
     pub const fn counters(&self) -> Counters {
         self.counters
@@ -277,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn answers_what_the_state_asks_for() {
+    fn answers_depend_on_the_session_state() {
         let mut client = Client::default();
         assert_eq!(answer(&mut client, Some(&SETPOINT)), None);
         let nan = [0.0, 0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0];
@@ -308,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn answers_as_often_as_asked() {
+    fn answers_follow_the_receive_multiplier() {
         let mut client = Client::default();
         let reflected: Vec<u32> = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 30, 31]
             .into_iter()
@@ -322,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_what_the_network_does() {
+    fn counts_losses_delays_and_repetitions() {
         let mut client = Client::default();
         for (n, expected) in
             [(7, New), (8, New), (12, New), (10, Late), (12, Repeated), (9, Late), (13, New)]
@@ -356,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn a_controller_that_starts_again_is_noticed() {
+    fn a_restarted_controller_is_detected() {
         let after = |last: u32, next: &Monitoring| {
             let mut client = Client::default();
             sequence(&mut client, last);
@@ -377,7 +414,7 @@ mod tests {
     }
 
     #[test]
-    fn a_younger_stamp_on_a_lower_counter_is_a_start() {
+    fn a_later_stamp_on_a_lower_counter_is_a_restart() {
         let at = |sequence, ms| Monitoring {
             time: Some(Duration::from_millis(ms)),
             ..message(sequence, MonitoringWait)
@@ -392,7 +429,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_of_late_messages_is_a_start() {
+    fn a_row_of_late_messages_is_a_restart() {
         let mut client = Client::default();
         sequence(&mut client, 100);
         for n in 0..19 {

@@ -1,61 +1,69 @@
-//! What can be wrong with a datagram.
+//! Errors of decoding.
 
-use super::MAX_DATAGRAM_BYTES;
+use crate::message::MAX_DATAGRAM_BYTES;
 
-/// Why a datagram is no message. Fields go by their names on the wire.
+/// Why a datagram cannot be decoded. Fields have their names on the wire.
+///
+/// ```
+/// use iiwa_fri::{Format, WireError};
+///
+/// let error = Format::V1.decode_command(&[0; 2000]).unwrap_err();
+/// assert_eq!(error, WireError::TooLong { found: 2000 });
+/// assert_eq!(error.to_string(), "datagram of 2000 bytes, expected at most 1500");
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WireError {
-    /// More bytes than a datagram of the FRI holds.
-    #[error("a datagram of {found} bytes, expected at most {MAX_DATAGRAM_BYTES}")]
+    /// The datagram is longer than [`MAX_DATAGRAM_BYTES`].
+    #[error("datagram of {found} bytes, expected at most {MAX_DATAGRAM_BYTES}")]
     TooLong {
-        /// The length of the datagram.
+        /// The length of the datagram, in bytes.
         found: usize,
     },
-    /// Bytes that are no such message.
-    #[error("the datagram does not decode")]
+    /// The bytes are not valid protobuf.
+    #[error("the datagram is not valid protobuf")]
     Decode {
-        /// What the decoder says.
+        /// The decoder's error.
         #[source]
         source: prost::DecodeError,
     },
-    /// A message of another kind, or of another version.
+    /// A message of another kind or version.
     #[error("message identifier {found:#x}, expected {expected:#x}")]
     Identifier {
-        /// The identifier of the message asked for.
+        /// The identifier of the requested message.
         expected: u32,
         /// The identifier in the datagram.
         found: u32,
     },
-    /// A field that the message cannot do without.
+    /// A required field is missing.
     #[error("`{field}` is missing")]
     Missing {
         /// The field.
         field: &'static str,
     },
-    /// A number that stands for nothing.
-    #[error("`{field}` is {found}, which has no meaning")]
+    /// An enum field with a number outside its range.
+    #[error("unknown value {found} in `{field}`")]
     UnknownValue {
         /// The field.
         field: &'static str,
-        /// The number in it.
+        /// Its value.
         found: i32,
     },
-    /// A list that does not have one value a joint.
+    /// A list that does not have one value per joint.
     #[error("{found} values in `{field}`, expected 7")]
     JointCount {
         /// The field.
         field: &'static str,
-        /// How many values it has.
+        /// Its number of values.
         found: usize,
     },
-    /// An infinite value, or none at all.
-    #[error("a value of `{field}` is not a finite number")]
+    /// A value that is not finite.
+    #[error("`{field}` contains a value that is not finite")]
     NotFinite {
         /// The field.
         field: &'static str,
     },
-    /// A controller that wants no answers, ever.
+    /// A receive multiplier of 0.
     #[error("`connectionInfo.receiveMultiplier` is 0, expected at least 1")]
     ReceiveMultiplier,
 }

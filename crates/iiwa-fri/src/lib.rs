@@ -1,9 +1,11 @@
 //! The Fast Robot Interface (FRI) of the KUKA LBR iiwa: messages, their bytes, and the sessions of
 //! both sides.
 //!
-//! All of it is bytes in, bytes and events out: there is no socket, no thread and no clock. The
-//! controller speaks first, once a cycle; the client answers every so many messages of it, as the
-//! messages themselves say.
+//! Everything is sans I/O: bytes in, bytes and events out, without sockets, threads and clocks. The
+//! controller sends one monitoring message per cycle. The client answers every n-th of them with a
+//! command message, where n is the receive multiplier in the monitoring message.
+//!
+//! Joint values are `[f64; 7]`, A1 to A7, in rad and Nm.
 //!
 //! ```
 //! use std::time::Duration;
@@ -29,6 +31,7 @@
 
 mod client;
 mod controller;
+mod counter;
 mod error;
 mod message;
 mod v1;
@@ -36,15 +39,10 @@ mod wire;
 
 pub use client::{Client, Counters, Received};
 pub use controller::{AnswerCounters, Controller, ControllerConfig, Reading};
+pub use counter::ahead;
 pub use error::WireError;
 pub use message::{
-    Command, CommandMode, ControlMode, Drive, Monitoring, OperationMode, Overlay, Quality, Safety,
-    SessionState,
+    Command, CommandMode, ControlMode, Drive, MAX_DATAGRAM_BYTES, Monitoring, OperationMode,
+    Overlay, Quality, Safety, SessionState,
 };
-pub use wire::{Format, MAX_DATAGRAM_BYTES};
-
-/// How far a 32-bit counter that wraps around is ahead of an earlier count; negative when behind.
-#[must_use]
-pub fn ahead(counter: u32, of: u32) -> i32 {
-    counter.wrapping_sub(of).cast_signed()
-}
+pub use wire::Format;

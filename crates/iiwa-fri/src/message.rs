@@ -1,10 +1,13 @@
-//! What the two sides say to each other, whatever the version of the FRI.
+//! The messages of both sides, independent of the FRI version.
 
 use std::time::Duration;
 
 use iiwa_kin::Joints;
 
-/// Declares states that have a name.
+/// The longest datagram, in bytes.
+pub const MAX_DATAGRAM_BYTES: usize = 1500;
+
+/// Declares an enum whose variants have names.
 macro_rules! named {
     ($(#[$doc:meta])* $type:ident { $($(#[$variant_doc:meta])* $variant:ident = $name:literal,)+ }) => {
         $(#[$doc])*
@@ -14,7 +17,7 @@ macro_rules! named {
         }
 
         impl $type {
-            /// The name in messages and figures, in small letters.
+            /// The name in JSON messages and reports, in snake case.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self {
@@ -26,16 +29,24 @@ macro_rules! named {
 }
 
 named! {
-    /// How far a session has come.
+    /// The state of a session.
+    ///
+    /// ```
+    /// use iiwa_fri::SessionState;
+    ///
+    /// assert_eq!(SessionState::MonitoringReady.name(), "monitoring_ready");
+    /// assert!(SessionState::MonitoringReady < SessionState::CommandingWait);
+    /// assert!(SessionState::CommandingActive.commands());
+    /// ```
     SessionState {
         /// There is no session.
         #[default]
         Idle = "idle",
-        /// The controller sends; the connection is not good enough yet.
+        /// The controller sends; the connection quality is not yet sufficient.
         MonitoringWait = "monitoring_wait",
-        /// The connection is good enough to command.
+        /// The connection quality is sufficient for commanding.
         MonitoringReady = "monitoring_ready",
-        /// The controller waits for set-points that agree with where the robot is.
+        /// The controller waits for set-points that match the robot's position.
         CommandingWait = "commanding_wait",
         /// The robot follows the set-points.
         CommandingActive = "commanding_active",
@@ -43,7 +54,7 @@ named! {
 }
 
 impl SessionState {
-    /// Whether the client's set-points matter: the two commanding states.
+    /// Whether the controller evaluates the client's set-points: the two commanding states.
     #[must_use]
     pub const fn commands(self) -> bool {
         matches!(self, Self::CommandingWait | Self::CommandingActive)
@@ -51,24 +62,32 @@ impl SessionState {
 }
 
 named! {
-    /// How reliably the client's answers arrive.
+    /// The controller's rating of the connection, by how reliably the client's answers arrive.
+    ///
+    /// ```
+    /// use iiwa_fri::Quality;
+    ///
+    /// // Commanding needs at least `Good`.
+    /// assert!(Quality::Fair < Quality::Good && Quality::Good < Quality::Excellent);
+    /// assert_eq!(Quality::default().name(), "poor");
+    /// ```
     Quality {
-        /// Not to be relied upon.
+        /// Many answers are missing.
         #[default]
         Poor = "poor",
-        /// Some are missing.
+        /// Some answers are missing.
         Fair = "fair",
-        /// Enough to command.
+        /// Sufficient for commanding.
         Good = "good",
-        /// Next to none is missing.
+        /// Hardly any answer is missing.
         Excellent = "excellent",
     }
 }
 
 named! {
-    /// What the safety controller demands.
+    /// The stop that the safety controller demands (IEC 60204-1).
     Safety {
-        /// Nothing.
+        /// No stop.
         #[default]
         Normal = "normal",
         /// Stop 0: the drives are switched off at once.
@@ -81,11 +100,11 @@ named! {
 }
 
 named! {
-    /// The operating mode chosen at the robot.
+    /// The operating mode selected at the robot.
     OperationMode {
-        /// T1: by hand, at reduced velocity.
+        /// T1: manual, reduced velocity.
         T1 = "t1",
-        /// T2: by hand, at full velocity.
+        /// T2: manual, full velocity.
         T2 = "t2",
         /// AUT: automatic.
         #[default]
@@ -94,83 +113,100 @@ named! {
 }
 
 named! {
-    /// What the drives do.
+    /// The state of the drives.
     Drive {
-        /// No torque.
+        /// Switched off.
         #[default]
         Off = "off",
-        /// On their way from one to the other.
+        /// Being switched on or off.
         Transitioning = "transitioning",
-        /// Under torque.
+        /// Switched on.
         Active = "active",
     }
 }
 
 named! {
-    /// How the joints are controlled.
+    /// The control mode of the joints.
     ControlMode {
-        /// Stiff, by position.
+        /// Position control.
         #[default]
         Position = "position",
-        /// Like springs in Cartesian space.
+        /// Cartesian impedance control.
         CartesianImpedance = "cartesian_impedance",
-        /// Like springs at the joints.
+        /// Joint impedance control.
         JointImpedance = "joint_impedance",
-        /// Not at all.
+        /// No control.
         None = "none",
     }
 }
 
 named! {
-    /// What the client commands.
+    /// The quantity that the client commands.
     CommandMode {
-        /// Nothing.
+        /// None.
         #[default]
         None = "none",
         /// Joint positions.
         Position = "position",
-        /// Forces and torques at the tool.
+        /// Cartesian forces and torques at the tool.
         Wrench = "wrench",
-        /// Torques at the joints.
+        /// Joint torques.
         Torque = "torque",
     }
 }
 
 named! {
-    /// What the client's commands are laid over.
+    /// The motion that the client's commands are superimposed on.
     Overlay {
-        /// No motion takes them.
+        /// None.
         #[default]
         None = "none",
-        /// A motion of the joints.
+        /// A joint-space motion.
         Joint = "joint",
         /// A Cartesian motion.
         Cartesian = "cartesian",
     }
 }
 
-/// What the controller sends, once a cycle. What a message leaves out is `None`.
+/// A monitoring message: sent by the controller once per cycle. Fields absent from a message are
+/// `None`.
+///
+/// ```
+/// use iiwa_fri::{Format, Monitoring, SessionState};
+///
+/// let sent = Monitoring {
+///     sequence: 7,
+///     session: SessionState::MonitoringWait,
+///     send_period_ms: 5,
+///     measured_rad: Some([0.1; 7]),
+///     ..Monitoring::default()
+/// };
+/// let mut datagram = Vec::new();
+/// Format::V1.encode_monitoring(&sent, &mut datagram);
+/// assert_eq!(Format::V1.decode_monitoring(&datagram)?, sent);
+/// # Ok::<(), iiwa_fri::WireError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Monitoring {
-    /// The controller's counter, which wraps around.
+    /// The controller's sequence counter; it wraps around.
     pub sequence: u32,
-    /// The counter of the client's answer that the controller took last; 0 before the first.
+    /// The sequence counter of the answer that the controller accepted last; 0 before the first.
     pub reflected: u32,
-    /// How far the session has come.
+    /// The state of the session.
     pub session: SessionState,
-    /// How well the answers arrive.
+    /// The connection quality.
     pub quality: Quality,
-    /// Time from one message to the next, in ms; 0 when the controller does not say.
+    /// Time from one message to the next, in ms; 0 if not stated.
     pub send_period_ms: u32,
-    /// An answer is due every so many messages, at least 1.
+    /// Number of messages per expected answer, at least 1.
     pub receive_multiplier: u32,
-    /// What the safety controller demands.
+    /// The stop that the safety controller demands.
     pub safety: Option<Safety>,
     /// The operating mode.
     pub operation_mode: Option<OperationMode>,
-    /// What the drives do; where they differ, the one that is furthest from being active.
+    /// The state of the drives; if they differ, the one furthest from active.
     pub drive: Option<Drive>,
-    /// How the joints are controlled.
+    /// The control mode of the joints.
     pub control_mode: Option<ControlMode>,
     /// Measured joint positions, in rad.
     pub measured_rad: Option<Joints>,
@@ -180,13 +216,13 @@ pub struct Monitoring {
     pub commanded_rad: Option<Joints>,
     /// Commanded joint torques, in Nm.
     pub commanded_torque_nm: Option<Joints>,
-    /// External joint torques, in Nm: the measured ones without the robot's own weight and motion.
+    /// External joint torques, in Nm: the measured ones less those of the robot's weight and motion.
     pub external_torque_nm: Option<Joints>,
-    /// Joint positions of the controller's own interpolation, in rad, which commands start from.
+    /// Interpolated joint positions of the controller's own motion, in rad.
     pub ipo_rad: Option<Joints>,
-    /// What the client commands.
+    /// The quantity that the client commands.
     pub command_mode: Option<CommandMode>,
-    /// What the client's commands are laid over.
+    /// The motion that the client's commands are superimposed on.
     pub overlay: Option<Overlay>,
     /// How well the robot follows the commands, from 0 to 1.
     pub tracking_performance: Option<f64>,
@@ -195,7 +231,7 @@ pub struct Monitoring {
 }
 
 impl Default for Monitoring {
-    /// A first message of an idle session that carries nothing else, and asks for every answer.
+    /// The first message of an idle session: no joint data, one answer per message.
     fn default() -> Self {
         Self {
             sequence: 0,
@@ -222,14 +258,24 @@ impl Default for Monitoring {
     }
 }
 
-/// What the client answers.
+/// A command message: the client's answer to a monitoring message.
+///
+/// ```
+/// use iiwa_fri::{Command, Format};
+///
+/// let answer = Command { sequence: 0, reflected: 7, joints_rad: Some([0.1; 7]) };
+/// let mut datagram = Vec::new();
+/// Format::V1.encode_command(&answer, &mut datagram);
+/// assert_eq!(Format::V1.decode_command(&datagram)?, answer);
+/// # Ok::<(), iiwa_fri::WireError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Command {
-    /// The client's own counter, from 0 on, which wraps around.
+    /// The client's sequence counter, from 0; it wraps around.
     pub sequence: u32,
-    /// The counter of the controller's message that this answers.
+    /// The sequence counter of the monitoring message that this answers.
     pub reflected: u32,
-    /// Set-points of the joints, in rad; `None` in an answer that is a header alone.
+    /// Joint set-points, in rad; `None` in an answer that consists of a header only.
     pub joints_rad: Option<Joints>,
 }
 

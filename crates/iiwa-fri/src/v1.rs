@@ -1,21 +1,24 @@
-//! The bytes of FRI 1.14 to 1.16: protobuf (proto2), one message a datagram.
+//! The wire format of FRI 1.14 to 1.16: protobuf (proto2), one message per datagram.
 
 use std::time::Duration;
 
 use iiwa_kin::Joints;
 use prost::Message;
 
-use super::{
-    Command, CommandMode, ControlMode, Drive, Monitoring, OperationMode, Overlay, Quality, Safety,
-    SessionState, WireError,
+use crate::{
+    error::WireError,
+    message::{
+        Command, CommandMode, ControlMode, Drive, Monitoring, OperationMode, Overlay, Quality,
+        Safety, SessionState,
+    },
 };
 
-/// Message identifier of the controller's messages.
+/// Identifier of monitoring messages.
 const MONITORING: u32 = 0x0024_5142;
-/// Message identifier of the client's answers.
+/// Identifier of command messages.
 const COMMAND: u32 = 0x0003_4001;
 
-// What stands for what: the number on the wire is the place in the list.
+// The number on the wire is the index into the list.
 const SESSION_STATES: &[SessionState] = &[
     SessionState::Idle,
     SessionState::MonitoringWait,
@@ -38,7 +41,7 @@ const COMMAND_MODES: &[CommandMode] =
     &[CommandMode::None, CommandMode::Position, CommandMode::Wrench, CommandMode::Torque];
 const OVERLAYS: &[Overlay] = &[Overlay::None, Overlay::Joint, Overlay::Cartesian];
 
-// Every field is an option here: prost would take a required one that is missing for a zero.
+// Every field is optional: prost would decode a missing required field as zero.
 
 #[derive(Clone, PartialEq, Message)]
 struct MonitoringMessage {
@@ -134,7 +137,7 @@ struct CommandData {
 
 #[derive(Clone, PartialEq, Message)]
 struct JointValues {
-    // Readers of the controller's kind take one tag a value and nothing else.
+    // The controller's decoder accepts unpacked values only: one tag per value.
     #[prost(double, repeated, packed = "false", tag = "1")]
     values: Vec<f64>,
 }
@@ -255,8 +258,8 @@ impl Header {
 }
 
 impl TimeStamp {
-    /// The stamp's seconds have 32 bits on the wire, which is enough until 2106; later ones wrap.
-    #[expect(clippy::cast_possible_truncation, reason = "the wire has no more bits")]
+    /// Seconds have 32 bits on the wire: they wrap in 2106.
+    #[expect(clippy::cast_possible_truncation, reason = "32 bits on the wire")]
     fn new(time: Duration) -> Self {
         Self { seconds: Some(time.as_secs() as u32), nanoseconds: Some(time.subsec_nanos()) }
     }
@@ -268,7 +271,7 @@ impl TimeStamp {
     }
 }
 
-/// The counters of a header: the sender's own, and the reflected one.
+/// The sequence counters of a header: the sender's own and the reflected one.
 fn counters(header: Option<Header>, expected: u32) -> Result<(u32, u32), WireError> {
     let header = required(header, "header")?;
     let found = required(header.identifier, "header.messageIdentifier")?;
@@ -298,20 +301,20 @@ fn joints(values: Option<JointValues>, field: &'static str) -> Result<Option<Joi
     Ok(Some(joints))
 }
 
-/// The number that stands for `state`.
+/// The number of `state` on the wire.
 fn number<T: Copy + Eq>(states: &[T], state: T) -> i32 {
     states.iter().zip(0..).find_map(|(&s, number)| (s == state).then_some(number)).unwrap_or(0)
 }
 
-/// What `found` stands for.
+/// The state with the number `found` on the wire.
 fn state<T: Copy>(states: &[T], found: i32, field: &'static str) -> Result<T, WireError> {
     usize::try_from(found)
         .ok()
-        .and_then(|place| states.get(place).copied())
+        .and_then(|index| states.get(index).copied())
         .ok_or(WireError::UnknownValue { field, found })
 }
 
-/// What `found` stands for, in a field that may be left out.
+/// The same for an optional field.
 fn optional<T: Copy>(
     states: &[T],
     found: Option<i32>,
@@ -330,7 +333,7 @@ mod tests {
         parts.concat()
     }
 
-    /// `JOINTS`, one tag a value, worked out by hand: the tag 1 with 64 bits, then the double.
+    /// `JOINTS`, one tag per value, encoded by hand: tag 1 with 64 bits, then the double.
     fn unpacked() -> Vec<u8> {
         let mut out = Vec::new();
         for high in [0x3ff0_u16, 0xc000, 0x0000, 0x3fe0, 0x4008, 0xbfd0, 0x4020] {
@@ -441,7 +444,7 @@ mod tests {
         assert_eq!(command(&CommandData { joints: None }).unwrap(), Command::default());
     }
 
-    /// What is wrong with a sound message after `change`.
+    /// The error of a valid message after `change`.
     fn error(change: impl Fn(&mut MonitoringMessage)) -> String {
         let mut message = MonitoringMessage {
             header: Some(Header::new(MONITORING, 1, 2)),
@@ -485,11 +488,11 @@ mod tests {
         assert_eq!(connection(Some(1), None, None), "`connectionInfo.quality` is missing");
         assert_eq!(
             connection(Some(5), Some(1), None),
-            "`connectionInfo.sessionState` is 5, which has no meaning"
+            "unknown value 5 in `connectionInfo.sessionState`"
         );
         assert_eq!(
             connection(Some(1), Some(-1), None),
-            "`connectionInfo.quality` is -1, which has no meaning"
+            "unknown value -1 in `connectionInfo.quality`"
         );
         assert_eq!(
             connection(Some(1), Some(1), Some(0)),
@@ -499,18 +502,18 @@ mod tests {
         let robot = |robot: RobotInfo| error(|message| message.robot = Some(robot.clone()));
         assert_eq!(
             robot(RobotInfo { safety: Some(4), ..RobotInfo::default() }),
-            "`robotInfo.safetyState` is 4, which has no meaning"
+            "unknown value 4 in `robotInfo.safetyState`"
         );
         assert_eq!(
             robot(RobotInfo { drives: vec![2, 3], ..RobotInfo::default() }),
-            "`robotInfo.driveState` is 3, which has no meaning"
+            "unknown value 3 in `robotInfo.driveState`"
         );
         assert_eq!(
             error(|message| {
                 message.ipo =
                     Some(IpoData { tracking_performance: Some(f64::NAN), ..IpoData::default() });
             }),
-            "a value of `ipoData.trackingPerformance` is not a finite number"
+            "`ipoData.trackingPerformance` contains a value that is not finite"
         );
         assert_eq!(
             error(|message| {
@@ -522,7 +525,7 @@ mod tests {
     }
 
     #[test]
-    fn drives_that_differ_are_as_the_last_one_behind() {
+    fn drives_that_differ_are_reported_as_the_one_furthest_from_active() {
         let stamp = TimeStamp { seconds: Some(u32::MAX), nanoseconds: Some(u32::MAX) };
         let message = MonitoringMessage {
             header: Some(Header::new(MONITORING, 1, 2)),

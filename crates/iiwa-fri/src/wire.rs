@@ -1,21 +1,36 @@
-//! Messages as bytes.
+//! Wire formats.
 
-use super::{Command, Monitoring, WireError, v1};
+use crate::{
+    error::WireError,
+    message::{Command, MAX_DATAGRAM_BYTES, Monitoring},
+    v1,
+};
 
-/// The longest datagram, in bytes.
-pub const MAX_DATAGRAM_BYTES: usize = 1500;
-
-/// A version of the messages' bytes. The sessions know none of them.
+/// A wire format of the messages. Sessions are independent of it.
+///
+/// ```
+/// use iiwa_fri::{Command, Format, Monitoring, WireError};
+///
+/// let mut datagram = Vec::new();
+/// Format::V1.encode_monitoring(&Monitoring::default(), &mut datagram);
+/// // A monitoring message is not a command message.
+/// let error = Format::V1.decode_command(&datagram).unwrap_err();
+/// assert!(matches!(error, WireError::Identifier { .. }));
+///
+/// Format::V1.encode_command(&Command::default(), &mut datagram);
+/// assert_eq!(Format::V1.decode_command(&datagram)?, Command::default());
+/// # Ok::<(), WireError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Format {
-    /// FRI 1.14, 1.15 and 1.16, which share one.
+    /// FRI 1.14, 1.15 and 1.16.
     #[default]
     V1,
 }
 
 impl Format {
-    /// Writes a message of the controller in place of what `out` holds.
+    /// Encodes a monitoring message into `out`, whose content is replaced.
     pub fn encode_monitoring(self, message: &Monitoring, out: &mut Vec<u8>) {
         out.clear();
         match self {
@@ -23,20 +38,20 @@ impl Format {
         }
     }
 
-    /// Reads a message of the controller. What [`Monitoring`] has no place for (inputs and outputs,
-    /// transformations) is passed over.
+    /// Decodes a monitoring message. Fields that [`Monitoring`] does not model (inputs and outputs,
+    /// transformations) are ignored.
     ///
     /// # Errors
     ///
-    /// When the datagram is none; see [`WireError`].
+    /// Any [`WireError`].
     pub fn decode_monitoring(self, datagram: &[u8]) -> Result<Monitoring, WireError> {
-        short(datagram)?;
+        check_length(datagram)?;
         match self {
             Self::V1 => v1::decode_monitoring(datagram),
         }
     }
 
-    /// Writes an answer of the client in place of what `out` holds.
+    /// Encodes a command message into `out`, whose content is replaced.
     pub fn encode_command(self, message: &Command, out: &mut Vec<u8>) {
         out.clear();
         match self {
@@ -44,22 +59,22 @@ impl Format {
         }
     }
 
-    /// Reads an answer of the client. What [`Command`] has no place for (wrenches, torques,
-    /// outputs, transformations) is passed over.
+    /// Decodes a command message. Fields that [`Command`] does not model (wrenches, torques, outputs,
+    /// transformations) are ignored.
     ///
     /// # Errors
     ///
-    /// When the datagram is none; see [`WireError`].
+    /// Any [`WireError`].
     pub fn decode_command(self, datagram: &[u8]) -> Result<Command, WireError> {
-        short(datagram)?;
+        check_length(datagram)?;
         match self {
             Self::V1 => v1::decode_command(datagram),
         }
     }
 }
 
-/// Refuses datagrams that no side may send, before any of their bytes is looked at.
-fn short(datagram: &[u8]) -> Result<(), WireError> {
+/// Refuses datagrams that are too long before any of their bytes is decoded.
+fn check_length(datagram: &[u8]) -> Result<(), WireError> {
     if datagram.len() > MAX_DATAGRAM_BYTES {
         return Err(WireError::TooLong { found: datagram.len() });
     }

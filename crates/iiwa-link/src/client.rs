@@ -17,17 +17,27 @@ use crate::{
     message::{
         Code, IoValue, MAX_MESSAGE_BYTES, MAX_REPLY_BYTES, Refusal, Request, Run, Sensors, Status,
     },
-    security::{Endpoint, Refused},
-    socket::{HUNG_UP, Remote},
+    security::{ConnectionRefusal, Endpoint},
+    socket::{MAX_CLOSED_HANDSHAKES, Remote},
     timed_joints::TimedJoints,
     transport::{self, Incoming, Wire, WireConfig, WireError},
 };
 
-/// Asks a drive, one request after the other.
+/// A client of a drive: sends one request at a time and waits for its reply.
+///
+/// ```no_run
+/// use iiwa_link::{Client, Remote};
+/// use iiwa_path::{Motion, Ptp};
+///
+/// let mut client = Client::new(&Remote::open(), "tcp://127.0.0.1:5560")?;
+/// let run = client.run_motions(vec![Motion::Ptp(Ptp::to([0.1; 7]))], None)?;
+/// println!("{} samples in {:?} s", run.samples.t_s.len(), run.cycle_time_s);
+/// # Ok::<(), iiwa_link::ClientError>(())
+/// ```
 pub struct Client {
     at: Endpoint,
     config: WireConfig,
-    /// None before the first request, and after one that broke off.
+    /// `None` before the first request and after a lost connection.
     wire: Option<Wire>,
     runtime: Runtime,
 }
@@ -38,56 +48,68 @@ impl std::fmt::Debug for Client {
     }
 }
 
-/// Why a request brought no answer.
+/// Why a request failed.
+///
+/// ```no_run
+/// use iiwa_link::{Client, ClientError, Remote};
+///
+/// let mut client = Client::new(&Remote::open(), "tcp://127.0.0.1:5560")?;
+/// match client.stop() {
+///     Ok(()) => println!("the arm is at rest"),
+///     Err(ClientError::Unreachable { at }) => println!("no drive at {at}"),
+///     Err(error) => println!("{}: {error}", error.code()),
+/// }
+/// # Ok::<(), iiwa_link::LinkError>(())
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ClientError {
-    /// The drive, or the robot, says no.
+    /// The drive, or the robot, has refused the request.
     #[error("{refusal}")]
     Refused {
-        /// Why.
+        /// The reason.
         refusal: Refusal,
-        /// What was measured until then, if it was a run.
+        /// The measurements up to then, if it was a run.
         run: Option<Box<Run>>,
     },
-    /// Nobody is there.
-    #[error("no drive answers at {at}; is `iiwasim drive` running there?")]
-    Nobody {
+    /// No drive accepts connections at the address.
+    #[error("no drive answers at {at}")]
+    Unreachable {
         /// The address.
         at: String,
     },
-    /// The drive does not let this client in.
-    #[error("the drive at {at} does not let this client in: {what}")]
+    /// The drive has refused the connection.
+    #[error("the drive at {at} refused the connection: {what}")]
     Unauthorized {
         /// The address.
         at: String,
-        /// What it has against it.
+        /// The reason.
         what: &'static str,
     },
-    /// The connection broke off before the answer.
-    #[error("the connection to the drive at {at} broke off before its answer")]
+    /// The connection was lost before the reply.
+    #[error("the connection to the drive at {at} was lost before its reply")]
     Lost {
         /// The address.
         at: String,
     },
-    /// The drive took too long.
-    #[error("the drive at {at} did not answer within {} s", .after.as_secs_f64())]
+    /// The drive has not replied in time.
+    #[error("the drive at {at} did not reply within {} s", .after.as_secs_f64())]
     Timeout {
         /// The address.
         at: String,
-        /// After this time.
+        /// The time-out.
         after: Duration,
     },
-    /// The request is too long to be sent.
-    #[error("the request is {found} bytes long, a drive takes {MAX_MESSAGE_BYTES}; divide it")]
+    /// The request is longer than [`MAX_MESSAGE_BYTES`].
+    #[error("the request has {found} bytes, at most {MAX_MESSAGE_BYTES} are allowed; split it")]
     TooLong {
         /// Its length, in bytes.
         found: usize,
     },
-    /// The answer is not understood.
-    #[error("the drive's answer is not understood: {what}")]
-    Answer {
-        /// What is wrong with it.
+    /// The reply is malformed.
+    #[error("invalid reply of the drive: {what}")]
+    InvalidReply {
+        /// The fault.
         what: String,
     },
     /// The connection cannot be set up.
@@ -96,61 +118,61 @@ pub enum ClientError {
 }
 
 impl ClientError {
-    /// The code of the contract for it.
+    /// The code of the protocol for this error.
     #[must_use]
     pub fn code(&self) -> Code {
         match self {
             Self::Refused { refusal, .. } => refusal.code,
             Self::Unauthorized { .. } => Code::Unauthorized,
-            Self::TooLong { .. } | Self::Answer { .. } => Code::BadRequest,
+            Self::TooLong { .. } | Self::InvalidReply { .. } => Code::BadRequest,
             _ => Code::Timeout,
         }
     }
 }
 
-/// How long a connection may take to come about.
-const CONNECTED_WITHIN: Duration = Duration::from_secs(3);
-/// How long an answer may take that needs no motion: the robot program is asked for some.
-const ANSWERED_WITHIN: Duration = Duration::from_secs(5);
-/// How long after a connection did not come about another one is tried.
-const AGAIN: Duration = Duration::from_millis(50);
+/// Time-out of connecting.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
+/// Time-out of requests without motion; some are forwarded to the robot program.
+const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
+/// Time between attempts to connect.
+const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
 impl Client {
-    /// A client of the drive at `at`, as `tcp://127.0.0.1:5560`. It connects by itself, and again after
-    /// the connection was lost.
+    /// A client of the drive at `at`, such as `tcp://127.0.0.1:5560`. It connects with the first
+    /// request, and again after a lost connection.
     ///
     /// # Errors
     ///
-    /// If the address is none, or needs keys.
+    /// The address is invalid, or requires keys.
     pub fn new(remote: &Remote, at: &str) -> Result<Self, LinkError> {
         let (at, config) = remote.wire(SocketType::Req, at, MAX_REPLY_BYTES)?;
         let runtime = transport::runtime().map_err(|source| LinkError::Thread { source })?;
         Ok(Self { at, config, wire: None, runtime })
     }
 
-    /// What the robot does now.
+    /// A snapshot of the drive and the robot.
     ///
     /// # Errors
     ///
-    /// Any [`ClientError`], as of all requests.
+    /// Any [`ClientError`].
     pub fn state(&mut self) -> Result<Status, ClientError> {
-        self.ask(&Request::State, Some(ANSWERED_WITHIN))
+        self.request(&Request::State, Some(REPLY_TIMEOUT))
     }
 
-    /// Runs motions, and returns when they are done; without `patience`, however long that takes.
+    /// Runs motions and returns when they have ended; without `limit`, there is no time-out.
     ///
     /// # Errors
     ///
-    /// Any [`ClientError`]; of a run that broke off, with what was measured.
+    /// Any [`ClientError`]; that of an aborted run contains the measurements so far.
     pub fn run_motions(
         &mut self,
         motions: Vec<Motion>,
-        patience: Option<Duration>,
+        limit: Option<Duration>,
     ) -> Result<Run, ClientError> {
-        self.ask(&Request::RunMotions { motions }, patience)
+        self.request(&Request::RunMotions { motions }, limit)
     }
 
-    /// Runs a trajectory, and returns when it is done; without `patience`, however long that takes.
+    /// Runs a trajectory and returns when it has ended; without `limit`, there is no time-out.
     ///
     /// # Errors
     ///
@@ -158,18 +180,18 @@ impl Client {
     pub fn run_trajectory(
         &mut self,
         trajectory: TimedJoints,
-        patience: Option<Duration>,
+        limit: Option<Duration>,
     ) -> Result<Run, ClientError> {
-        self.ask(&Request::RunTrajectory { trajectory }, patience)
+        self.request(&Request::RunTrajectory { trajectory }, limit)
     }
 
-    /// What the last run measured.
+    /// The measurements of the last run.
     ///
     /// # Errors
     ///
-    /// Any [`ClientError`]; that of the run, if it broke off.
+    /// Any [`ClientError`]; that of the run, if it was aborted.
     pub fn last_run(&mut self) -> Result<Run, ClientError> {
-        self.ask(&Request::LastRun, Some(ANSWERED_WITHIN))
+        self.request(&Request::LastRun, Some(REPLY_TIMEOUT))
     }
 
     /// Reads the robot's sensors.
@@ -179,10 +201,10 @@ impl Client {
     /// Any [`ClientError`].
     pub fn read_sensors(&mut self) -> Result<Sensors, ClientError> {
         #[derive(Deserialize)]
-        struct Answer {
+        struct SensorsReply {
             sensors: Sensors,
         }
-        let Answer { sensors } = self.ask(&Request::ReadSensors, Some(ANSWERED_WITHIN))?;
+        let SensorsReply { sensors } = self.request(&Request::ReadSensors, Some(REPLY_TIMEOUT))?;
         Ok(sensors)
     }
 
@@ -192,97 +214,96 @@ impl Client {
     ///
     /// Any [`ClientError`].
     pub fn get_io(&mut self, name: &str) -> Result<IoValue, ClientError> {
-        self.ask_value(&Request::GetIo { name: name.to_owned() })
+        self.request_value(&Request::GetIo { name: name.to_owned() })
     }
 
-    /// Sets an output, and returns what it is then.
+    /// Sets an output and returns its new value.
     ///
     /// # Errors
     ///
     /// Any [`ClientError`].
     pub fn set_io(&mut self, name: &str, value: IoValue) -> Result<IoValue, ClientError> {
-        self.ask_value(&Request::SetIo { name: name.to_owned(), value })
+        self.request_value(&Request::SetIo { name: name.to_owned(), value })
     }
 
-    fn ask_value(&mut self, request: &Request) -> Result<IoValue, ClientError> {
+    fn request_value(&mut self, request: &Request) -> Result<IoValue, ClientError> {
         #[derive(Deserialize)]
-        struct Answer {
+        struct ValueReply {
             value: IoValue,
         }
-        let Answer { value } = self.ask(request, Some(ANSWERED_WITHIN))?;
+        let ValueReply { value } = self.request(request, Some(REPLY_TIMEOUT))?;
         Ok(value)
     }
 
-    /// Stops what is running, on its path, and returns when the arm stands.
+    /// Stops the running motion or trajectory on its path and returns when the arm is at rest.
     ///
     /// # Errors
     ///
     /// Any [`ClientError`].
     pub fn stop(&mut self) -> Result<(), ClientError> {
         #[derive(Deserialize)]
-        struct Nothing {}
-        let Nothing {} = self.ask(&Request::Stop, Some(ANSWERED_WITHIN))?;
+        struct EmptyReply {}
+        let EmptyReply {} = self.request(&Request::Stop, Some(REPLY_TIMEOUT))?;
         Ok(())
     }
 
-    fn ask<T: DeserializeOwned>(
+    fn request<T: DeserializeOwned>(
         &mut self,
         request: &Request,
-        patience: Option<Duration>,
+        limit: Option<Duration>,
     ) -> Result<T, ClientError> {
         #[derive(Deserialize)]
-        struct Head {
+        struct ReplyHead {
             error: Option<Refusal>,
             #[serde(default)]
             ok: bool,
         }
-        let answer = self.exchange(&request.to_json(), patience)?;
-        let wrong = |error: &serde_json::Error| ClientError::Answer { what: error.to_string() };
-        let head: Head = serde_json::from_slice(&answer).map_err(|error| wrong(&error))?;
+        let reply = self.exchange(&request.to_json(), limit)?;
+        let wrong =
+            |error: &serde_json::Error| ClientError::InvalidReply { what: error.to_string() };
+        let head: ReplyHead = serde_json::from_slice(&reply).map_err(|error| wrong(&error))?;
         match head {
-            Head { ok: true, .. } => serde_json::from_slice(&answer).map_err(|error| wrong(&error)),
-            Head { error: Some(refusal), .. } => {
+            ReplyHead { ok: true, .. } => {
+                serde_json::from_slice(&reply).map_err(|error| wrong(&error))
+            }
+            ReplyHead { error: Some(refusal), .. } => {
                 let is_run = matches!(
                     request,
                     Request::RunMotions { .. } | Request::RunTrajectory { .. } | Request::LastRun
                 );
-                let run = is_run.then(|| serde_json::from_slice::<Run>(&answer).ok()).flatten();
+                let run = is_run.then(|| serde_json::from_slice::<Run>(&reply).ok()).flatten();
                 Err(ClientError::Refused { refusal, run: run.map(Box::new) })
             }
-            Head { error: None, .. } => {
-                Err(ClientError::Answer { what: "it is neither `ok` nor an `error`".to_owned() })
-            }
+            ReplyHead { error: None, .. } => Err(ClientError::InvalidReply {
+                what: "it has neither `ok` nor `error`".to_owned(),
+            }),
         }
     }
 
-    /// Sends a request and waits for its answer.
-    fn exchange(
-        &mut self,
-        request: &str,
-        patience: Option<Duration>,
-    ) -> Result<Bytes, ClientError> {
+    /// Sends a request and waits for its reply.
+    fn exchange(&mut self, request: &str, limit: Option<Duration>) -> Result<Bytes, ClientError> {
         if request.len() > MAX_MESSAGE_BYTES {
             return Err(ClientError::TooLong { found: request.len() });
         }
         let wire = self.wire.take();
         let Self { at, config, .. } = self;
-        let asked = ask(wire, config, at, request);
-        let answered = self.runtime.block_on(async {
-            match patience {
-                None => asked.await,
-                Some(after) => timeout(after, asked)
+        let exchange = exchange(wire, config, at, request);
+        let result = self.runtime.block_on(async {
+            match limit {
+                None => exchange.await,
+                Some(after) => timeout(after, exchange)
                     .await
                     .unwrap_or_else(|_| Err(ClientError::Timeout { at: at.to_string(), after })),
             }
         });
-        let (wire, answer) = answered?;
+        let (wire, reply) = result?;
         self.wire = Some(wire);
-        Ok(answer)
+        Ok(reply)
     }
 }
 
-/// Sends a request and waits for its answer, over the connection that there is, or a new one.
-async fn ask(
+/// Sends a request and waits for its reply, over the existing connection or a new one.
+async fn exchange(
     wire: Option<Wire>,
     config: &WireConfig,
     at: &Endpoint,
@@ -300,43 +321,47 @@ async fn ask(
     wire.queue(&frames).map_err(lost)?;
     wire.flush().await.map_err(lost)?;
     loop {
-        // It may be back within a moment, but it does not know of the request then.
-        if let Incoming::Message(mut answer) = wire.receive().await.map_err(lost)? {
-            return Ok((wire, answer.frames.pop().unwrap_or_default()));
+        // A lost connection is not retried: a restarted drive does not know the request.
+        if let Incoming::Message(mut reply) = wire.receive().await.map_err(lost)? {
+            return Ok((wire, reply.frames.pop().unwrap_or_default()));
         }
     }
 }
 
-/// The connection that there was, if it has lasted.
+/// The existing connection, if it is still open.
 async fn still_up(wire: Option<Wire>) -> Option<Wire> {
     let mut wire = wire?;
-    // Without it, what has come in meanwhile is not seen.
+    // Lets the runtime poll for input that has arrived meanwhile.
     yield_now().await;
-    // What comes now answers nothing.
+    // A message now would belong to no request.
     timeout(Duration::ZERO, wire.receive()).await.is_err().then_some(wire)
 }
 
-/// Connects with a drive. It may just be starting.
+/// Connects to a drive, with retries: it may just be starting.
 async fn connect(config: &WireConfig, at: &Endpoint) -> Result<Wire, ClientError> {
     let since = Instant::now();
-    let mut hung_up = 0;
+    let mut closed = 0;
     loop {
-        let left = CONNECTED_WITHIN.saturating_sub(since.elapsed());
-        match timeout(left, Wire::connect(at, config)).await {
+        let remaining = CONNECT_TIMEOUT.saturating_sub(since.elapsed());
+        match timeout(remaining, Wire::connect(at, config)).await {
             Ok(Ok(wire)) => return Ok(wire),
-            // A drive that is just ending hangs up, too: it counts if it does so again.
-            Ok(Err(WireError::Refused(Refused::HungUp))) if hung_up < HUNG_UP => hung_up += 1,
+            // A drive that is shutting down closes connections, too: only repetition is a refusal.
+            Ok(Err(WireError::Refused(ConnectionRefusal::Closed)))
+                if closed < MAX_CLOSED_HANDSHAKES =>
+            {
+                closed += 1;
+            }
             Ok(Err(WireError::Refused(why))) => {
-                return Err(ClientError::Unauthorized { at: at.to_string(), what: why.what() });
+                return Err(ClientError::Unauthorized { at: at.to_string(), what: why.reason() });
             }
             Ok(Err(WireError::Protocol(error))) => {
-                return Err(ClientError::Answer { what: error.to_string() });
+                return Err(ClientError::InvalidReply { what: error.to_string() });
             }
             Ok(Err(_)) | Err(_) => {}
         }
-        if since.elapsed() + AGAIN > CONNECTED_WITHIN {
-            return Err(ClientError::Nobody { at: at.to_string() });
+        if since.elapsed() + RETRY_INTERVAL > CONNECT_TIMEOUT {
+            return Err(ClientError::Unreachable { at: at.to_string() });
         }
-        sleep(AGAIN).await;
+        sleep(RETRY_INTERVAL).await;
     }
 }

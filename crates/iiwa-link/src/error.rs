@@ -1,6 +1,6 @@
-//! Why a drive, a cabinet or a client could not be set up.
+//! Errors of setting up a drive, a cabinet or a client.
 
-use std::io;
+use std::{io, net::SocketAddr};
 
 use crate::security::SecurityError;
 
@@ -8,43 +8,55 @@ use crate::security::SecurityError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinkError {
-    /// The address of FRI cannot be bound.
+    /// The UDP address for FRI cannot be bound.
     #[error("cannot listen at UDP {address}")]
     Udp {
         /// The address.
         address: String,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
-    /// An address cannot be bound.
+    /// A TCP address cannot be bound.
     #[error("cannot listen at {at}")]
     Bind {
         /// The address.
         at: String,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// A thread cannot be started.
     #[error("cannot start a thread")]
     Thread {
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
-    /// Addresses or keys are not safe, or do not fit.
+    /// Keys are missing or unusable, or an address is invalid.
     #[error(transparent)]
     Security(#[from] SecurityError),
-    /// The drive does not let this client in.
-    #[error("the drive at {at} does not let this client in: {what}")]
+    /// The drive has refused the connection.
+    #[error("the drive at {at} refused the connection: {what}")]
     Unauthorized {
         /// The address.
         at: String,
-        /// What it has against it.
+        /// The reason.
         what: &'static str,
     },
-    /// The configuration makes no sense.
+    /// FRI listens on an address that other machines reach, but accepts messages of this machine only.
+    #[error("no controller can reach FRI at {fri}: the controller's address is a loopback address")]
+    ControllerAddress {
+        /// The address that FRI listens on.
+        fri: SocketAddr,
+    },
+    /// The client of FRI is on another machine, and there are no keys.
+    #[error("the FRI client {client} is on another machine, so CURVE keys are required")]
+    FriNeedsKeys {
+        /// The address of the client.
+        client: SocketAddr,
+    },
+    /// The configuration is invalid.
     #[error("{what}")]
     Config {
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
 }

@@ -1,8 +1,9 @@
-//! What a client of a drive for the KUKA LBR iiwa needs: messages, requests, the stream, keys. It holds no
-//! planner and moves no robot: that is what the drive is for.
+//! Client library of iiwaDrive, the network interface of the KUKA LBR iiwa: messages, requests, the
+//! stream of measurements, and CURVE keys. It contains neither a planner nor a drive.
 //!
-//! A drive stands between the robot and any number of clients. A [`Client`] asks it to run motions and
-//! trajectories; a [`Stream`] follows the robot.
+//! A drive connects the robot with any number of clients. A [`Client`] sends requests, such as to run
+//! motions and trajectories; a [`Stream`] receives what the robot measures. Messages are JSON over
+//! `ZeroMQ` (ZMTP 3.1). Joint positions are `[f64; 7]`, A1 to A7, in rad; times are in s.
 //!
 //! ```text
 //! clients                    drive
@@ -16,6 +17,19 @@
 //! let mut client = Client::new(&Remote::open(), "tcp://127.0.0.1:5560")?;
 //! println!("the robot is {}", client.state()?.state);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Trajectories can be checked before they are sent:
+//!
+//! ```
+//! use iiwa_kin::Robot;
+//! use iiwa_link::{TimedJoints, message::Code};
+//!
+//! // A step of 0.1 rad within 10 ms.
+//! let trajectory =
+//!     TimedJoints { t_s: vec![0.0, 0.01], joints_rad: vec![[0.0; 7], [0.1; 7]] };
+//! let refusal = trajectory.check(Robot::default().limits(), &[0.0; 7]).unwrap_err();
+//! assert_eq!(refusal.code, Code::Limit);
 //! ```
 //!
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
@@ -36,7 +50,7 @@ pub use socket::{Remote, Server};
 pub use stream::{Published, Stream};
 pub use timed_joints::{MARGINS, MAX_POINTS, MAX_STEP_S, START_TOLERANCE_RAD, TimedJoints};
 
-/// Where a drive takes requests.
+/// Default TCP port of a drive for requests.
 pub const INSTRUCTIONS_PORT: u16 = 5560;
-/// Where a drive publishes.
+/// Default TCP port of a drive for its stream.
 pub const STREAM_PORT: u16 = 5561;

@@ -1,10 +1,10 @@
-//! Who may connect: CURVE keys, the list of clients that are let in, and the rule on addresses.
+//! Access control: CURVE keys, the list of permitted clients, and which addresses require keys.
 //!
-//! On the loopback interface keys are optional; on any other address nothing is bound and nothing
-//! is connected without them.
+//! On the loopback interface, keys are optional. Without keys, no other address is bound or connected to.
 //!
 //! ```no_run
 //! use std::path::Path;
+//!
 //! use iiwa_link::{Server, security::ServerSecurity};
 //!
 //! # fn main() -> Result<(), iiwa_link::security::SecurityError> {
@@ -14,23 +14,23 @@
 //! # }
 //! ```
 //!
-//! Keys and their exchange are those of ZMTP's CURVE (RFC 26).
+//! Keys and handshakes follow `CurveZMQ` (`ZeroMQ` RFC 26).
 
 mod allow;
 mod client;
+mod connection_refusal;
 mod endpoint;
 mod error;
 mod file;
 mod key;
-mod refusals;
-mod refused;
+mod refusal_log;
 mod server;
 mod z85;
 
 pub use allow::AllowList;
 pub use client::ClientSecurity;
+pub use connection_refusal::ConnectionRefusal;
 pub use endpoint::Endpoint;
 pub use error::{KeyTextError, SecurityError};
 pub use key::{KeyPair, PublicKey};
-pub use refused::Refused;
 pub use server::ServerSecurity;

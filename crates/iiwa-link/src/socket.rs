@@ -1,4 +1,4 @@
-//! What it takes to be connected to, and to connect.
+//! Security settings of sockets that listen ([`Server`]) and connect ([`Remote`]).
 
 use std::{hash::BuildHasher, io};
 
@@ -10,20 +10,35 @@ use crate::{
     transport::{Dialer, Event, Frames, Listener, ListenerConfig, SHORT_BYTES, WireConfig},
 };
 
-/// What it takes to let others connect.
+/// Security of listening sockets: without keys on the loopback interface, or with CURVE keys.
+///
+/// ```
+/// use iiwa_link::{
+///     Server,
+///     security::{AllowList, KeyPair, ServerSecurity},
+/// };
+///
+/// let alice = KeyPair::generate()?;
+/// let server = Server::with_keys(ServerSecurity {
+///     pair: KeyPair::generate()?,
+///     allowed: AllowList::from_iter([("alice".to_owned(), alice.public())]),
+/// });
+/// assert!(server.has_keys() && !Server::open().has_keys());
+/// # Ok::<(), iiwa_link::security::SecurityError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Server {
     security: Option<ServerSecurity>,
 }
 
 impl Server {
-    /// Everybody on this machine may connect, and nobody else.
+    /// Without keys: every process on this machine may connect, and no other machine.
     #[must_use]
     pub fn open() -> Self {
         Self { security: None }
     }
 
-    /// Those may connect whose keys are listed.
+    /// With keys: clients whose keys are on the list may connect.
     #[must_use]
     pub fn with_keys(security: ServerSecurity) -> Self {
         Self { security: Some(security) }
@@ -35,7 +50,11 @@ impl Server {
         self.security.is_some()
     }
 
-    /// A socket bound to an address.
+    /// Binds a socket. `sink` receives its events.
+    ///
+    /// # Errors
+    ///
+    /// The address is invalid, requires keys or cannot be bound, or no thread can be started.
     pub fn listen(
         &self,
         at: &str,
@@ -53,23 +72,37 @@ impl Server {
     }
 }
 
-/// What a connection that is kept up is for.
+/// Socket type of a persistent connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dial {
-    /// It asks, several at a time if need be.
+    /// DEALER: sends requests without waiting for replies.
     Dealer,
-    /// It is asked.
+    /// REP: replies to requests.
     Rep,
 }
 
-/// What it takes to connect to another's sockets.
+/// Security of connecting sockets: without keys on this machine, or with CURVE keys.
+///
+/// ```
+/// use iiwa_link::{
+///     Client, Remote,
+///     security::{ClientSecurity, KeyPair},
+/// };
+///
+/// // Other machines are connected to with keys only.
+/// assert!(Client::new(&Remote::open(), "tcp://192.0.2.1:5560").is_err());
+/// let server = KeyPair::generate()?.public();
+/// let remote = Remote::with_keys(ClientSecurity { pair: KeyPair::generate()?, server });
+/// assert!(Client::new(&remote, "tcp://192.0.2.1:5560").is_ok());
+/// # Ok::<(), iiwa_link::security::SecurityError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Remote {
     security: Option<ClientSecurity>,
 }
 
 impl Remote {
-    /// Without keys: only to what is on this machine.
+    /// Without keys: to this machine only.
     #[must_use]
     pub fn open() -> Self {
         Self { security: None }
@@ -81,12 +114,12 @@ impl Remote {
         Self { security: Some(security) }
     }
 
-    /// Keeps up a connection to an address, in a thread of that name. `take` gets what comes in, and says
-    /// what is answered.
+    /// Maintains a connection to an address in a thread named `name`. `take` receives messages and
+    /// returns replies.
     ///
     /// # Errors
     ///
-    /// If the address makes no sense or asks for keys, or the system starts no thread.
+    /// The address is invalid or requires keys, or no thread can be started.
     pub fn dial(
         &self,
         name: &'static str,
@@ -102,36 +135,38 @@ impl Remote {
         Dialer::start(name, wire, to, take)
     }
 
-    /// How to connect to an address.
+    /// The configuration of a connection to an address.
     pub(crate) fn wire(
         &self,
         kind: SocketType,
         to: &str,
-        most_bytes: usize,
+        max_bytes: usize,
     ) -> Result<(Endpoint, WireConfig), LinkError> {
         let endpoint: Endpoint = to.parse()?;
         endpoint.check_connect(self.security.is_some())?;
         let mechanism =
             self.security.as_ref().map_or(MechanismSetup::Null, ClientSecurity::mechanism);
-        let config = WireConfig { role: Role::Client, kind, mechanism, most_bytes, long: None };
+        let config = WireConfig { role: Role::Client, kind, mechanism, max_bytes, long: None };
         Ok((endpoint, config))
     }
 }
 
-/// How often in a row a drive may hang up before it counts as its word.
-pub const HUNG_UP: u32 = 3;
+/// Number of consecutive handshakes that a drive may close before it counts as a refusal.
+pub(crate) const MAX_CLOSED_HANDSHAKES: u32 = 3;
 
-/// Longest message where nobody has anything long to say.
+/// Longest message on sockets for short messages, in bytes.
 pub const SHORT_MESSAGE_BYTES: usize = 1024;
 
-/// Whether nothing has come in time.
+/// Whether a read has timed out.
+#[must_use]
 pub fn is_timeout(error: &io::Error) -> bool {
     use io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
     matches!(error.kind(), WouldBlock | TimedOut | Interrupted)
 }
 
-/// A number that nobody has drawn before.
-pub fn random() -> u64 {
-    // Half the bits: JSON's numbers are exact up to 53 of them.
+/// A random number, different with each start of a program.
+#[must_use]
+pub fn random_id() -> u64 {
+    // Half the bits: JSON numbers are exact up to 53 of them.
     std::hash::RandomState::new().hash_one(std::time::Instant::now()) >> 32
 }

@@ -1,4 +1,4 @@
-//! What a drive publishes.
+//! The stream that a drive publishes.
 
 use std::time::Duration;
 
@@ -15,12 +15,26 @@ use tokio::{
 use crate::{
     error::LinkError,
     message::{DriveState, from_json},
-    security::{Endpoint, Refused},
-    socket::{HUNG_UP, Remote, SHORT_MESSAGE_BYTES},
+    security::{ConnectionRefusal, Endpoint},
+    socket::{MAX_CLOSED_HANDSHAKES, Remote, SHORT_MESSAGE_BYTES},
     transport::{self, Incoming, Wire, WireConfig, WireError},
 };
 
-/// Follows the robot.
+/// A subscription to the measurements and states that a drive publishes.
+///
+/// ```no_run
+/// use std::time::Duration;
+///
+/// use iiwa_link::{Published, Remote, Stream};
+///
+/// let mut stream = Stream::new(&Remote::open(), "tcp://127.0.0.1:5561")?;
+/// while let Some(published) = stream.next(Duration::from_secs(1))? {
+///     if let Published::Joints { t_s, joints_rad } = published {
+///         println!("A1 at {:.4} rad after {t_s:.3} s", joints_rad[0]);
+///     }
+/// }
+/// # Ok::<(), iiwa_link::LinkError>(())
+/// ```
 pub struct Stream {
     at: Endpoint,
     config: WireConfig,
@@ -30,8 +44,8 @@ pub struct Stream {
 
 enum Connection {
     None,
-    /// On its way, whoever waits for it meanwhile.
-    Coming(JoinHandle<Result<Wire, Refused>>),
+    /// Being established by a task of its own.
+    Pending(JoinHandle<Result<Wire, ConnectionRefusal>>),
     Open(Box<Wire>),
 }
 
@@ -41,29 +55,29 @@ impl std::fmt::Debug for Stream {
     }
 }
 
-/// Something that was published.
+/// A published message.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 #[non_exhaustive]
 pub enum Published {
     /// Measured joint positions, every cycle of FRI.
     Joints {
-        /// When, in s: time of the controller since the drive has first heard of it.
+        /// Time stamp, in s: the controller's time since its first message to the drive.
         t_s: f64,
-        /// Where, in rad.
+        /// The positions, in rad.
         joints_rad: Joints,
     },
-    /// The drive's state, when it changes.
+    /// The new state of the drive.
     State {
-        /// When, in s.
+        /// Time stamp, in s.
         t_s: f64,
-        /// What it is now.
+        /// The state.
         state: DriveState,
     },
 }
 
 impl Published {
-    /// The topic under which it is published.
+    /// The topic that it is published under.
     #[must_use]
     pub fn topic(&self) -> &'static str {
         match self {
@@ -73,51 +87,52 @@ impl Published {
     }
 }
 
-/// How long after a connection was lost another one is tried.
-const AGAIN: Duration = Duration::from_millis(50);
+/// Time between attempts to connect.
+const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
-/// How long a connection may take to come about.
-const WITHIN: Duration = Duration::from_secs(2);
+/// Time-out of connecting.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// How long a new stream waits for its connection, so that it misses nothing from then on.
-const AT_FIRST: Duration = Duration::from_millis(200);
+/// How long a new stream waits for its connection, so that it misses nothing published afterwards.
+const INITIAL_WAIT: Duration = Duration::from_millis(200);
 
 impl Stream {
-    /// Subscribes to the drive that publishes at `at`, as `tcp://127.0.0.1:5561`. What is published
-    /// before the connection has come about is not heard. What is not taken waits in the system's
-    /// buffers, and for some seconds at the drive.
+    /// Subscribes to the drive that publishes at `at`, such as `tcp://127.0.0.1:5561`. Messages
+    /// published before the connection is established are missed. Messages that are not read wait in
+    /// the system's buffers, and for some seconds at the drive.
     ///
     /// # Errors
     ///
-    /// If the address is none, or needs keys.
+    /// The address is invalid, or requires keys.
     pub fn new(remote: &Remote, at: &str) -> Result<Self, LinkError> {
         let (at, config) = remote.wire(SocketType::Sub, at, SHORT_MESSAGE_BYTES)?;
         let runtime = transport::runtime().map_err(|source| LinkError::Thread { source })?;
         let mut stream = Self { at, config, connection: Connection::None, runtime };
         let Self { at, config, connection, runtime } = &mut stream;
-        // Why there is none, the first call of `next` says.
-        let _ = runtime.block_on(async { timeout(AT_FIRST, open(at, config, connection)).await });
+        // The first call of `next` reports errors.
+        let _ =
+            runtime.block_on(async { timeout(INITIAL_WAIT, open(at, config, connection)).await });
         Ok(stream)
     }
 
-    /// The next thing published; none within `patience`.
+    /// The next message; `None` if there is none within `limit`.
     ///
     /// # Errors
     ///
-    /// [`LinkError::Unauthorized`] if the drive does not let this client in.
-    pub fn next(&mut self, patience: Duration) -> Result<Option<Published>, LinkError> {
+    /// [`LinkError::Unauthorized`] if the drive has refused the connection.
+    pub fn next(&mut self, limit: Duration) -> Result<Option<Published>, LinkError> {
         let Self { at, config, connection, runtime } = self;
-        let heard = runtime.block_on(async {
-            // Without it, what has come in meanwhile is not seen.
+        let received = runtime.block_on(async {
+            // Lets the runtime poll for input that has arrived meanwhile.
             yield_now().await;
-            timeout(patience, hear(at, config, connection)).await
+            timeout(limit, receive(at, config, connection)).await
         });
-        heard.unwrap_or(Ok(None))
+        received.unwrap_or(Ok(None))
     }
 }
 
-/// Goes on until something has been published. Nothing is lost if it is dropped before.
-async fn hear(
+/// Waits for the next message. Cancellation-safe.
+async fn receive(
     at: &Endpoint,
     config: &WireConfig,
     connection: &mut Connection,
@@ -133,7 +148,7 @@ async fn hear(
     }
 }
 
-/// Waits for the connection.
+/// Waits for the connection. Cancellation-safe.
 async fn open(
     at: &Endpoint,
     config: &WireConfig,
@@ -144,36 +159,40 @@ async fn open(
             Connection::Open(_) => return Ok(()),
             Connection::None => {
                 let task = tokio::spawn(connect(at.clone(), config.clone()));
-                *connection = Connection::Coming(task);
+                *connection = Connection::Pending(task);
             }
-            Connection::Coming(task) => {
-                let came = task.await;
+            Connection::Pending(task) => {
+                let connected = task.await;
                 *connection = Connection::None;
-                match came {
+                match connected {
                     Ok(Ok(wire)) => *connection = Connection::Open(Box::new(wire)),
                     Ok(Err(why)) => {
                         let at = at.to_string();
-                        return Err(LinkError::Unauthorized { at, what: why.what() });
+                        return Err(LinkError::Unauthorized { at, what: why.reason() });
                     }
-                    Err(error) => tracing::warn!("the connection's task failed: {error}"),
+                    Err(error) => tracing::warn!("the task of the connection failed: {error}"),
                 }
             }
         }
     }
 }
 
-/// Tries until there is a connection, or the drive does not want this client.
-async fn connect(at: Endpoint, config: WireConfig) -> Result<Wire, Refused> {
-    let mut hung_up = 0;
+/// Connects, with retries unless the drive refuses the connection.
+async fn connect(at: Endpoint, config: WireConfig) -> Result<Wire, ConnectionRefusal> {
+    let mut closed = 0;
     loop {
-        match timeout(WITHIN, subscribe(&at, &config)).await {
+        match timeout(CONNECT_TIMEOUT, subscribe(&at, &config)).await {
             Ok(Ok(wire)) => return Ok(wire),
-            // A drive that is just ending hangs up, too: it counts if it does so again.
-            Ok(Err(WireError::Refused(Refused::HungUp))) if hung_up < HUNG_UP => hung_up += 1,
+            // A drive that is shutting down closes connections, too: only repetition is a refusal.
+            Ok(Err(WireError::Refused(ConnectionRefusal::Closed)))
+                if closed < MAX_CLOSED_HANDSHAKES =>
+            {
+                closed += 1;
+            }
             Ok(Err(WireError::Refused(why))) => return Err(why),
             _ => {}
         }
-        sleep(AGAIN).await;
+        sleep(RETRY_INTERVAL).await;
     }
 }
 
@@ -188,21 +207,20 @@ async fn subscribe(at: &Endpoint, config: &WireConfig) -> Result<Wire, WireError
 
 fn read(frames: &[Bytes]) -> Option<Published> {
     #[derive(Deserialize)]
-    struct Joints7 {
+    struct JointsMessage {
         t_s: f64,
         joints_rad: Joints,
     }
     #[derive(Deserialize)]
-    struct State {
+    struct StateMessage {
         t_s: f64,
         state: DriveState,
     }
     match frames {
-        [topic, body] if topic == "joints" => {
-            from_json(body).map(|Joints7 { t_s, joints_rad }| Published::Joints { t_s, joints_rad })
-        }
+        [topic, body] if topic == "joints" => from_json(body)
+            .map(|JointsMessage { t_s, joints_rad }| Published::Joints { t_s, joints_rad }),
         [topic, body] if topic == "state" => {
-            from_json(body).map(|State { t_s, state }| Published::State { t_s, state })
+            from_json(body).map(|StateMessage { t_s, state }| Published::State { t_s, state })
         }
         _ => None,
     }

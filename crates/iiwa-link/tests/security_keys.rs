@@ -46,7 +46,7 @@ proptest! {
 }
 
 #[test]
-fn refuses_what_is_no_key() {
+fn invalid_keys_are_refused() {
     let parse = |text: &str| text.parse::<PublicKey>().unwrap_err();
     assert_eq!(parse(&PUBLIC[1..]), KeyTextError::Length { found: 39 });
     assert_eq!(parse(""), KeyTextError::Length { found: 0 });
@@ -67,7 +67,7 @@ fn write(path: &Path, text: &str, mode: u32) {
     }
 }
 
-fn whole() -> String {
+fn key_file() -> String {
     format!("# note\ncurve\n    public-key = \"{PUBLIC}\"\n    secret-key = \"{SECRET}\"\n")
 }
 
@@ -75,10 +75,10 @@ fn whole() -> String {
 fn files_round_trip() {
     let folder = tempdir().unwrap();
     let first = folder.path().join("first.key");
-    write(&first, &whole(), 0o600);
+    write(&first, &key_file(), 0o600);
     let pair = KeyPair::read(&first).unwrap();
     assert_eq!(pair.public().to_string(), PUBLIC);
-    assert!(!format!("{pair:?}").contains(SECRET), "the secret is not shown");
+    assert!(!format!("{pair:?}").contains(SECRET), "the secret is not printed");
 
     let (key, public) = pair.write(folder.path(), "alice").unwrap();
     assert_eq!(key, folder.path().join("alice.key"));
@@ -115,16 +115,16 @@ fn reads_certificates_of_pyzmq() {
 
 #[cfg(unix)]
 #[test]
-fn secrets_that_others_may_read_are_refused() {
+fn secret_keys_accessible_to_others_are_refused() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("a.key");
     for mode in [0o644, 0o640, 0o604, 0o620] {
-        write(&path, &whole(), mode);
+        write(&path, &key_file(), mode);
         let error = KeyPair::read(&path).unwrap_err();
         assert!(matches!(error, SecurityError::Exposed { .. }), "{error}");
         assert!(error.to_string().contains("a.key") && error.to_string().contains("chmod 600"));
     }
-    write(&path, &whole(), 0o400);
+    write(&path, &key_file(), 0o400);
     KeyPair::read(&path).unwrap();
 }
 
@@ -133,12 +133,15 @@ fn errors_name_the_line() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("a.key");
     let cases = [
-        (whole().replace("public-key", "public"), ", line 3: expected"),
-        (whole().replace("secret-key = ", "secret-key "), ", line 4: expected"),
-        (whole().replace(SECRET, &SECRET[1..]), ", line 4: a key has 40 characters, found 39"),
-        (whole().replace("IlAW", "Il~W"), ", line 4: character 8 of the key is not one of Z85's"),
-        (whole().replace('"', ""), ", line 3: a key goes between double quotes"),
-        (format!("{}{}", whole(), whole()), ", line 7: a second key"),
+        (key_file().replace("public-key", "public"), ", line 3: expected"),
+        (key_file().replace("secret-key = ", "secret-key "), ", line 4: expected"),
+        (key_file().replace(SECRET, &SECRET[1..]), ", line 4: a key has 40 characters, found 39"),
+        (
+            key_file().replace("IlAW", "Il~W"),
+            ", line 4: character 8 of the key is not one of Z85's",
+        ),
+        (key_file().replace('"', ""), ", line 3: a key has to be in double quotes"),
+        (format!("{}{}", key_file(), key_file()), ", line 7: a second key"),
         (String::new(), "not a key file"),
         ("\u{0}ELF\n".to_owned(), ", line 1: expected"),
     ];
@@ -146,7 +149,7 @@ fn errors_name_the_line() {
         write(&path, &text, 0o600);
         let error = KeyPair::read(&path).unwrap_err().to_string();
         assert!(error.contains("a.key") && error.contains(expected), "{error}");
-        assert!(!error.contains("Il~W"), "no part of a secret is shown");
+        assert!(!error.contains("Il~W"), "no part of a secret is printed");
     }
     fs::write(&path, [0xff, 0xfe]).unwrap();
     assert!(KeyPair::read(&path).unwrap_err().to_string().contains("not text"));
@@ -163,14 +166,14 @@ fn allow_list_is_a_file_or_a_folder() {
     let clients = folder.path().join("clients");
     fs::create_dir(&clients).unwrap();
     let error = AllowList::read(&clients).unwrap_err();
-    assert!(matches!(error, SecurityError::NobodyAllowed { .. }), "{error}");
+    assert!(matches!(error, SecurityError::NoClientKeys { .. }), "{error}");
 
     let (alice, bob) = (PublicKey::from([1; 32]), PublicKey::from([2; 32]));
     let line = |key: PublicKey| format!("public-key = \"{key}\"\n");
     fs::write(clients.join("alice.pub"), line(alice)).unwrap();
     fs::write(clients.join("bob.pub"), line(bob)).unwrap();
     fs::write(clients.join("bob2.pub"), line(bob)).unwrap();
-    fs::write(clients.join("README"), "of no interest").unwrap();
+    fs::write(clients.join("README"), "not a key").unwrap();
     let list = AllowList::read(&clients).unwrap();
     assert_eq!((list.len(), list.is_empty()), (2, false));
     assert_eq!((list.name(&alice), list.name(&bob)), (Some("alice"), Some("bob")));
@@ -179,7 +182,7 @@ fn allow_list_is_a_file_or_a_folder() {
     let one = AllowList::read(&clients.join("bob.pub")).unwrap();
     assert_eq!((one.name(&alice), one.name(&bob)), (None, Some("bob")));
 
-    write(&clients.join("carol.pub"), &whole(), 0o600);
+    write(&clients.join("carol.pub"), &key_file(), 0o600);
     let error = AllowList::read(&clients).unwrap_err().to_string();
     assert!(error.contains("carol.pub") && error.contains("secret key"), "{error}");
     assert!(matches!(AllowList::read(&folder.path().join("no")), Err(SecurityError::Read { .. })));

@@ -1,4 +1,4 @@
-//! Those who take away what others need, each kind in threads of its own until it is dropped.
+//! Attackers that exhaust resources, each kind in threads of its own until it is dropped.
 
 use std::{
     io::{self, Write},
@@ -16,7 +16,7 @@ use super::{
     zmtp::{Peer, frame_head, message, subscription},
 };
 
-/// How many there are, and how much they send.
+/// The number of attackers and the amount of data.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Size {
     /// Connections to each port.
@@ -27,31 +27,31 @@ pub(super) struct Size {
     pub(super) topics: usize,
 }
 
-/// A kind of attackers.
+/// A kind of attack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     SilentConnections,
     HalfRequests,
     SilentHandshakes,
     LongRequests,
-    DeafSubscribers,
+    StalledSubscribers,
     Topics,
     UnreadReplies,
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds.
     pub(super) const ALL: [Self; 7] = [
         Self::SilentConnections,
         Self::HalfRequests,
         Self::SilentHandshakes,
         Self::LongRequests,
-        Self::DeafSubscribers,
+        Self::StalledSubscribers,
         Self::Topics,
         Self::UnreadReplies,
     ];
 
-    /// What it is called in the table.
+    /// Its name in the table.
     pub(super) fn name(self, size: &Size) -> String {
         let Size { connections, handshakes, topics } = size;
         match self {
@@ -61,18 +61,20 @@ impl Kind {
             Self::HalfRequests => format!("{HALF_REQUESTS} half requests to the twin"),
             Self::SilentHandshakes => format!("{} handshakes, then silence", 4 * handshakes),
             Self::LongRequests => format!("{LONG_REQUESTS} clients with requests of 31 and 60 MB"),
-            Self::DeafSubscribers => format!("{DEAF_SUBSCRIBERS} subscribers that do not read"),
+            Self::StalledSubscribers => {
+                format!("{STALLED_SUBSCRIBERS} subscribers that do not read")
+            }
             Self::Topics => format!("a subscriber with {} MB of topics", topics / 1_000_000),
-            Self::UnreadReplies => format!("{UNREAD} clients that leave `last_run` unread"),
+            Self::UnreadReplies => format!("{UNREAD_CLIENTS} clients that leave `last_run` unread"),
         }
     }
 
-    /// Whether it goes against the stream, to which trajectories are close.
+    /// Whether it attacks the stream, which must not affect trajectories.
     pub(super) fn is_subscriber(self) -> bool {
-        matches!(self, Self::DeafSubscribers | Self::Topics)
+        matches!(self, Self::StalledSubscribers | Self::Topics)
     }
 
-    /// Begins it.
+    /// Starts the attack.
     pub(super) fn start(self, at: &Addresses, size: &Size) -> Attack {
         let mut attack = Attack::default();
         match self {
@@ -104,12 +106,12 @@ impl Kind {
                     .map(|bytes| [Arc::new(garbage(bytes)), Arc::new(trajectory(bytes))]);
                 for i in 0..LONG_REQUESTS {
                     let (to, body) = (at.requests, Arc::clone(&bodies[i % 2][i / 2 % 2]));
-                    attack.spawn(move |over| long_requests(to, &body, over));
+                    attack.spawn(move |shutdown| long_requests(to, &body, shutdown));
                 }
             }
-            Self::DeafSubscribers => {
+            Self::StalledSubscribers => {
                 let to = at.stream;
-                attack.hold(DEAF_SUBSCRIBERS, move || {
+                attack.hold(STALLED_SUBSCRIBERS, move || {
                     let mut peer = Peer::connect(to, "SUB")?;
                     peer.stream.write_all(&subscription(b""))?;
                     Ok(peer.stream)
@@ -117,12 +119,12 @@ impl Kind {
             }
             Self::Topics => {
                 let (to, bytes) = (at.stream, size.topics);
-                attack.spawn(move |over| topics(to, bytes, over));
+                attack.spawn(move |shutdown| topics(to, bytes, shutdown));
             }
             Self::UnreadReplies => {
-                for _ in 0..UNREAD {
+                for _ in 0..UNREAD_CLIENTS {
                     let to = at.requests;
-                    attack.spawn(move |over| unread_replies(to, over));
+                    attack.spawn(move |shutdown| unread_replies(to, shutdown));
                 }
             }
         }
@@ -132,57 +134,57 @@ impl Kind {
 
 const HALF_REQUESTS: usize = 1100;
 const LONG_REQUESTS: usize = 12;
-const DEAF_SUBSCRIBERS: usize = 3;
-const UNREAD: usize = 3;
+const STALLED_SUBSCRIBERS: usize = 3;
+const UNREAD_CLIENTS: usize = 3;
 
-/// Just below what a drive takes, 32 MiB, and above.
+/// Below and above the limit of a drive, 32 MiB.
 const LONG_REQUEST_BYTES: [usize; 2] = [31_000_000, 60_000_000];
 
-/// An attack that is under way.
+/// An attack in progress.
 #[derive(Default)]
 pub(super) struct Attack {
-    over: Arc<AtomicBool>,
+    shutdown: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
 }
 
 impl Attack {
     fn spawn(&mut self, work: impl FnOnce(&AtomicBool) + Send + 'static) {
-        let over = Arc::clone(&self.over);
-        self.threads.push(thread::spawn(move || work(&over)));
+        let shutdown = Arc::clone(&self.shutdown);
+        self.threads.push(thread::spawn(move || work(&shutdown)));
     }
 
-    /// Keeps so many connections open, and opens those again that are closed.
+    /// Keeps a number of connections open, and reopens closed ones.
     fn hold(
         &mut self,
         count: usize,
         open: impl Fn() -> io::Result<TcpStream> + Send + Copy + 'static,
     ) {
-        // Several open them at a time: where nobody accepts any more, each waits for long.
+        // Several threads: when connections are no longer accepted, each attempt takes long.
         const THREADS: usize = 4;
         for i in 0..THREADS {
             let count = count / THREADS + usize::from(i < count % THREADS);
-            self.spawn(move |over| hold(count, open, over));
+            self.spawn(move |shutdown| hold(count, open, shutdown));
         }
     }
 }
 
 impl Drop for Attack {
     fn drop(&mut self) {
-        self.over.store(true, Ordering::Relaxed);
+        self.shutdown.store(true, Ordering::Relaxed);
         for thread in self.threads.drain(..) {
             let _ = thread.join();
         }
     }
 }
 
-fn hold(count: usize, open: impl Fn() -> io::Result<TcpStream>, over: &AtomicBool) {
-    /// Most attempts in a row before those that are open are looked at.
+fn hold(count: usize, open: impl Fn() -> io::Result<TcpStream>, shutdown: &AtomicBool) {
+    /// Attempts in a row before open connections are checked.
     const AT_A_TIME: usize = 50;
     let mut streams: Vec<TcpStream> = Vec::with_capacity(count);
-    while !over.load(Ordering::Relaxed) {
+    while !shutdown.load(Ordering::Relaxed) {
         streams.retain(|stream| !is_closed(stream));
         for _ in 0..AT_A_TIME.min(count - streams.len()) {
-            if over.load(Ordering::Relaxed) {
+            if shutdown.load(Ordering::Relaxed) {
                 return;
             }
             let Ok(stream) = open() else { break };
@@ -205,9 +207,9 @@ fn open(to: SocketAddr) -> io::Result<TcpStream> {
     TcpStream::connect_timeout(&to, Duration::from_millis(100))
 }
 
-/// Sends a long request again and again, and waits for each answer for a while.
-fn long_requests(to: SocketAddr, body: &[u8], over: &AtomicBool) {
-    while !over.load(Ordering::Relaxed) {
+/// Sends a long request repeatedly, and waits a while for each reply.
+fn long_requests(to: SocketAddr, body: &[u8], shutdown: &AtomicBool) {
+    while !shutdown.load(Ordering::Relaxed) {
         let Ok(mut peer) = Peer::connect(to, "REQ") else {
             thread::sleep(Duration::from_millis(100));
             continue;
@@ -215,13 +217,13 @@ fn long_requests(to: SocketAddr, body: &[u8], over: &AtomicBool) {
         // Until it is refused, or takes too long.
         loop {
             let head = [message(&[b"", b""])[..2].to_vec(), frame_head(0, body.len())].concat();
-            if push(&mut peer.stream, &head, over).is_err()
-                || push(&mut peer.stream, body, over).is_err()
+            if push(&mut peer.stream, &head, shutdown).is_err()
+                || push(&mut peer.stream, body, shutdown).is_err()
             {
                 break;
             }
             let since = Instant::now();
-            while !over.load(Ordering::Relaxed)
+            while !shutdown.load(Ordering::Relaxed)
                 && since.elapsed() < Duration::from_secs(10)
                 && peer.stream.set_nonblocking(true).is_ok()
                 && matches!(peer.stream.peek(&mut [0]), Err(error) if error.kind() == io::ErrorKind::WouldBlock)
@@ -237,17 +239,16 @@ fn long_requests(to: SocketAddr, body: &[u8], over: &AtomicBool) {
     }
 }
 
-/// A string that never comes to its end.
+/// A request with a string that is not terminated.
 fn garbage(bytes: usize) -> Vec<u8> {
     let mut text = br#"{"type": "run_motions", "motions": ""#.to_vec();
     text.resize(bytes, b'x');
     text
 }
 
-/// A trajectory that is well-formed, and rests far from where the arm is: it is refused once it was
-/// read.
+/// A well-formed trajectory at rest far from the arm: it is refused after it was parsed.
 fn trajectory(bytes: usize) -> Vec<u8> {
-    // With all their digits, as programs write them.
+    // At full precision, as programs write numbers.
     let point = b"[2.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234],";
     let stamp = |i: usize| format!("{:.3},", 0.004 * i as f64);
     let count = (bytes - 1000) / (point.len() + 9);
@@ -261,47 +262,47 @@ fn trajectory(bytes: usize) -> Vec<u8> {
     text
 }
 
-/// Subscribes to a great many topics, again after each time.
-fn topics(to: SocketAddr, bytes: usize, over: &AtomicBool) {
+/// Subscribes to a large number of topics, repeatedly.
+fn topics(to: SocketAddr, bytes: usize, shutdown: &AtomicBool) {
     let mut random = fastrand::Rng::with_seed(1);
-    while !over.load(Ordering::Relaxed) {
+    while !shutdown.load(Ordering::Relaxed) {
         if let Ok(mut peer) = Peer::connect(to, "SUB") {
             let mut sent = 0;
             while sent < bytes {
                 let mut topic = [0; 900];
                 random.fill(&mut topic);
                 let command = subscription(&topic);
-                if push(&mut peer.stream, &command, over).is_err() {
+                if push(&mut peer.stream, &command, shutdown).is_err() {
                     break;
                 }
                 sent += command.len();
             }
-            nap(Duration::from_millis(500), over);
+            sleep(Duration::from_millis(500), shutdown);
         } else {
-            nap(Duration::from_millis(100), over);
+            sleep(Duration::from_millis(100), shutdown);
         }
     }
 }
 
-/// Asks for the last run without end, and reads no answer.
-fn unread_replies(to: SocketAddr, over: &AtomicBool) {
+/// Requests the last run repeatedly, without reading replies.
+fn unread_replies(to: SocketAddr, shutdown: &AtomicBool) {
     let requests = message(&[b"", br#"{"type": "last_run"}"#]).repeat(100);
-    while !over.load(Ordering::Relaxed) {
+    while !shutdown.load(Ordering::Relaxed) {
         if let Ok(mut peer) = Peer::connect(to, "DEALER") {
-            while push(&mut peer.stream, &requests, over).is_ok() {
+            while push(&mut peer.stream, &requests, shutdown).is_ok() {
                 thread::sleep(Duration::from_millis(1));
             }
         } else {
-            nap(Duration::from_millis(100), over);
+            sleep(Duration::from_millis(100), shutdown);
         }
     }
 }
 
-/// Sends bytes for as long as the attack goes on.
-fn push(stream: &mut TcpStream, mut bytes: &[u8], over: &AtomicBool) -> io::Result<()> {
+/// Sends bytes until the attack ends.
+fn push(stream: &mut TcpStream, mut bytes: &[u8], shutdown: &AtomicBool) -> io::Result<()> {
     stream.set_write_timeout(Some(Duration::from_millis(100)))?;
     while !bytes.is_empty() {
-        if over.load(Ordering::Relaxed) {
+        if shutdown.load(Ordering::Relaxed) {
             return Err(io::ErrorKind::Interrupted.into());
         }
         match stream.write(&bytes[..bytes.len().min(1 << 20)]) {
@@ -315,9 +316,9 @@ fn push(stream: &mut TcpStream, mut bytes: &[u8], over: &AtomicBool) -> io::Resu
     Ok(())
 }
 
-fn nap(duration: Duration, over: &AtomicBool) {
+fn sleep(duration: Duration, shutdown: &AtomicBool) {
     let since = Instant::now();
-    while since.elapsed() < duration && !over.load(Ordering::Relaxed) {
+    while since.elapsed() < duration && !shutdown.load(Ordering::Relaxed) {
         thread::sleep(Duration::from_millis(20));
     }
 }

@@ -1,23 +1,23 @@
-//! Just enough of FRI's messages to see where the arm is commanded to. Written apart from the project's
-//! own decoder, so that a fault of that one cannot hide here.
+//! A minimal decoder of FRI's monitoring messages for commanded positions. It shares no code with the project's
+//! decoder, so that a fault of the latter shows.
 
-/// What is read of a message of the controller.
+/// The decoded part of a monitoring message.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Monitoring {
-    /// Where the joints are commanded to, in rad.
+    /// Commanded joint positions, in rad.
     pub(super) commanded_rad: Option<[f64; 7]>,
-    /// State of the session: 4 is commanding.
+    /// State of the session; 4 is active commanding.
     pub(super) session: u64,
 }
 
-/// What a field holds.
+/// The value of a field.
 enum Value<'a> {
     Number(u64),
     Double(f64),
     Bytes(&'a [u8]),
 }
 
-/// Reads a message of the controller; none if it does not decode.
+/// Decodes a monitoring message; `None` if it is malformed.
 pub(super) fn monitoring(datagram: &[u8]) -> Option<Monitoring> {
     let mut read = Monitoring::default();
     for_each(datagram, |number, value| {
@@ -41,7 +41,7 @@ pub(super) fn monitoring(datagram: &[u8]) -> Option<Monitoring> {
     Some(read)
 }
 
-/// Seven doubles, packed or one tag a value.
+/// Seven doubles, packed or with one tag per value.
 fn joint_values(bytes: &[u8]) -> Option<[f64; 7]> {
     let mut values = Vec::with_capacity(7);
     for_each(bytes, |number, value| {
@@ -61,7 +61,7 @@ fn joint_values(bytes: &[u8]) -> Option<[f64; 7]> {
     values.try_into().ok()
 }
 
-/// Calls `take` with each field; none once something does not decode.
+/// Calls `take` with each field; `None` if a field is malformed.
 fn for_each<'a>(
     mut bytes: &'a [u8],
     mut take: impl FnMut(u64, Value<'a>) -> Option<()>,
@@ -108,7 +108,7 @@ fn varint(bytes: &mut &[u8]) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// A field with a length before it.
+    /// A length-delimited field.
     fn field(number: u8, content: &[u8]) -> Vec<u8> {
         [&[number << 3 | 2, u8::try_from(content.len()).unwrap()], content].concat()
     }
@@ -124,7 +124,7 @@ mod tests {
             let message = [header.clone(), data, field(4, &[0x08, 4, 0x10, 3])].concat();
             let read = monitoring(&message).unwrap();
             assert_eq!(read, Monitoring { commanded_rad: Some(joints), session: 4 });
-            // Cut off anywhere it is never misread.
+            // A truncated message is never misread.
             for end in 0..message.len() {
                 let cut = monitoring(&message[..end]).and_then(|read| read.commanded_rad);
                 assert!(cut.is_none_or(|read| read == joints));

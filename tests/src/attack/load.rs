@@ -1,5 +1,4 @@
-//! Stops beside attackers: how long the answer takes once the arm stands, and what the programs take
-//! meanwhile.
+//! Stops under attack: the latency of replies once the arm is at rest, and the memory and logs of the programs.
 
 use std::{
     fs,
@@ -12,28 +11,28 @@ use fastrand::Rng;
 
 use super::{
     attackers::{Attack, Kind, Size},
-    patience::within,
+    deadlines::scaled,
+    output::print,
     process::Process,
     report::Row,
     rig::{Fault, Parts, Rig},
-    tell::tell,
+    tasks::there_and_back,
     usage::Usage,
     websocket::WebSocket,
-    work::there_and_back,
 };
 
-/// A stop is answered so soon after the arm stands.
-const ANSWERED_WITHIN: Duration = Duration::from_millis(300);
+/// Deadline of the reply to a stop after the arm is at rest.
+const REPLY_DEADLINE: Duration = Duration::from_millis(300);
 
-/// How long a stop may take before it counts as not answered.
-const GIVEN_UP_AFTER: Duration = Duration::from_secs(10);
+/// Time-out of a stop.
+const STOP_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// How much is attacked.
-pub(super) struct LoadExtent {
+/// The extent of the attacks.
+pub(super) struct Extent {
     pub(super) size: Size,
-    /// How long each kind of attack lasts.
+    /// Duration of each kind of attack.
     pub(super) time: Duration,
-    /// How long all of them together last.
+    /// Duration of all kinds together.
     pub(super) together: Duration,
 }
 
@@ -42,7 +41,7 @@ pub(super) fn run(
     binary: &Path,
     seed: u64,
     keys: bool,
-    extent: &LoadExtent,
+    extent: &Extent,
 ) -> Result<Vec<Row>, Fault> {
     let mut random = Rng::with_seed(seed);
     let mut rows = Vec::new();
@@ -56,16 +55,16 @@ pub(super) fn run(
         if keys {
             name += ", with keys";
         }
-        // Fresh programs: what one attack has left behind is not the next one's.
+        // New programs, so that attacks do not affect each other.
         let mut rig = Rig::start(binary, Parts { twin: true, keys })?;
-        let mut flooded = Flooded { rig: &mut rig, random: random.fork(), name: &name };
-        rows.extend(flooded.run(&kinds, &extent.size, time)?);
+        let mut phase = Phase { rig: &mut rig, random: random.fork(), name: &name };
+        rows.extend(phase.run(&kinds, &extent.size, time)?);
     }
     Ok(rows)
 }
 
-/// Stops beside attackers of some kinds.
-struct Flooded<'a> {
+/// Stops under attacks of some kinds.
+struct Phase<'a> {
     rig: &'a mut Rig,
     random: Rng,
     name: &'a str,
@@ -79,32 +78,32 @@ struct Stops {
     worst: Duration,
 }
 
-impl Flooded<'_> {
+impl Phase<'_> {
     fn run(&mut self, kinds: &[Kind], size: &Size, time: Duration) -> Result<Vec<Row>, Fault> {
         let name = self.name;
         let mut rows = Vec::new();
         let page = self.rig.open_page();
         let usage = Usage::begin(self.rig);
-        // Those that fill all places come last.
+        // Those that exhaust quotas come last.
         let attacks: Vec<Attack> =
             kinds.iter().rev().map(|kind| kind.start(&self.rig.at, size)).collect();
-        // Until it is in full swing.
+        // Until the attack has full effect.
         thread::sleep(Duration::from_secs(1));
         if kinds.iter().all(|kind| kind.is_subscriber()) {
             let attempts = self.attempt_trajectory()?;
             rows.push(Row {
                 what: format!("a trajectory beside {name}"),
-                required: "unbroken".to_owned(),
+                required: "complete".to_owned(),
                 measured: match attempts {
-                    Some(1) => "unbroken".to_owned(),
-                    Some(attempts) => format!("unbroken at attempt {attempts}"),
-                    None => "broken off".to_owned(),
+                    Some(1) => "complete".to_owned(),
+                    Some(attempts) => format!("complete at attempt {attempts}"),
+                    None => "aborted".to_owned(),
                 },
                 met: attempts.is_some(),
             });
         }
         let mut stops = [Stops::default(), Stops::default()];
-        let mut page = page.inspect_err(|error| tell(&format!("beside {name}: {error}"))).ok();
+        let mut page = page.inspect_err(|error| print(&format!("beside {name}: {error}"))).ok();
         let mut begun = 0;
         while usage.elapsed() < time || stops[1].count == 0 {
             let mut run = self.start_run()?;
@@ -115,14 +114,14 @@ impl Flooded<'_> {
             }
             let by_page = stops[0].count > stops[1].count;
             let begin = Instant::now();
-            let answered = if by_page { press(page.as_mut()) } else { self.command_stop()? };
+            let result = if by_page { press(page.as_mut()) } else { self.command_stop()? };
             let at = Instant::now();
-            let (at, well) = match answered {
+            let (at, well) = match result {
                 Ok(at) => (at, true),
                 Err(why) => {
                     let by = if by_page { "the twin's button" } else { "`iiwasim stop`" };
                     let after = (at - begin).as_secs_f64();
-                    tell(&format!("beside {name}: {by} failed after {after:.2} s: {why}"));
+                    print(&format!("beside {name}: {by} failed after {after:.2} s: {why}"));
                     (at, false)
                 }
             };
@@ -142,13 +141,13 @@ impl Flooded<'_> {
         Ok(rows)
     }
 
-    /// When `iiwasim stop` has ended well, or why it has not.
+    /// When `iiwasim stop` has succeeded, or why it has failed.
     fn command_stop(&self) -> Result<Result<Instant, String>, Fault> {
         let mut stop = self.rig.client(&["stop"], false)?;
-        Ok(match stop.wait(GIVEN_UP_AFTER) {
-            Some(ended) if ended.well => Ok(ended.at),
-            Some(_) => Err(stop.said().trim().to_owned()),
-            None => Err("it goes on waiting".to_owned()),
+        Ok(match stop.wait(STOP_TIMEOUT) {
+            Some(ended) if ended.success => Ok(ended.at),
+            Some(_) => Err(stop.stderr().trim().to_owned()),
+            None => Err("it has not ended in time".to_owned()),
         })
     }
 
@@ -157,8 +156,8 @@ impl Flooded<'_> {
         self.rig.client(&["run", file.as_str(), "--no-output"], true)
     }
 
-    /// After how many attempts a commanded trajectory comes to its end. The machine may hold up the
-    /// controller's clock or the drive: an attack that breaks one off breaks off the next one, too.
+    /// The number of attempts until a trajectory succeeds. The machine may delay the controller's clock or the
+    /// drive once; an attack that aborts a trajectory aborts all attempts.
     fn attempt_trajectory(&mut self) -> Result<Option<u32>, Fault> {
         for attempt in 1..=3 {
             if self.run_trajectory()? {
@@ -168,19 +167,19 @@ impl Flooded<'_> {
         Ok(None)
     }
 
-    /// Whether a commanded trajectory comes to its end.
+    /// Whether a trajectory succeeds.
     fn run_trajectory(&mut self) -> Result<bool, Fault> {
-        // FRI may just have had a bad moment: that counts if it stays.
+        // FRI may have been disturbed briefly.
         if let Err(fault) = self.rig.await_ready() {
-            tell(&format!("beside {}: {fault}", self.name));
+            print(&format!("beside {}: {fault}", self.name));
             return Ok(false);
         }
         let file = self.write_program()?;
         let mut run =
             self.rig.client(&["run", file.as_str(), "--no-output", "--as-trajectory"], true)?;
-        let well = run.wait(Duration::from_secs(15)).is_some_and(|ended| ended.well);
+        let well = run.wait(Duration::from_secs(15)).is_some_and(|ended| ended.success);
         if !well {
-            tell(run.said().trim());
+            print(run.stderr().trim());
         }
         Ok(well)
     }
@@ -193,10 +192,10 @@ impl Flooded<'_> {
     }
 }
 
-/// When the twin has answered that the arm is stopped, or why it is not.
+/// When the twin has reported that the arm is stopped, or why it has failed.
 fn press(page: Option<&mut WebSocket>) -> Result<Instant, String> {
     let page = page.ok_or("the page is not open")?;
-    match page.stop(GIVEN_UP_AFTER) {
+    match page.stop(STOP_TIMEOUT) {
         Ok((at, None)) => Ok(at),
         Ok((_, Some(why))) => Err(why),
         Err(error) => Err(error.to_string()),
@@ -210,15 +209,12 @@ fn stops_row(name: &str, stops: &[Stops; 2], begun: usize) -> Row {
     let [command, button] = stops;
     Row {
         what: format!("stop beside {name}"),
-        required: format!(
-            "answered within {:.1} s of standing",
-            within(ANSWERED_WITHIN).as_secs_f64()
-        ),
+        required: format!("answered within {:.1} s of rest", scaled(REPLY_DEADLINE).as_secs_f64()),
         measured: format!(
             "command: {}; twin's button: {}; {begun} motions begun",
             text(command),
             text(button)
         ),
-        met: stops.iter().all(|stops| stops.failed == 0 && stops.worst <= within(ANSWERED_WITHIN)),
+        met: stops.iter().all(|stops| stops.failed == 0 && stops.worst <= scaled(REPLY_DEADLINE)),
     }
 }

@@ -1,4 +1,4 @@
-//! What the programs take beside those who want much of it, and beside a robot program that lies.
+//! Memory and logs under attacks on memory, and with an erratic robot program.
 
 use std::{
     fs,
@@ -9,27 +9,27 @@ use std::{
 
 use super::{
     attackers::{Kind, Size},
-    liar::Liar,
+    erratic_program::ErraticProgram,
     report::Row,
     rig::{Fault, Parts, Rig},
+    tasks::there_and_back,
     usage::Usage,
-    work::there_and_back,
 };
 
-/// How much is attacked.
-pub(super) struct MemoryExtent {
+/// The extent of the attacks.
+pub(super) struct Extent {
     pub(super) size: Size,
-    /// How long each attack lasts.
+    /// Duration of each attack.
     pub(super) time: Duration,
-    /// How long the run is that is asked for again and again.
+    /// Duration of the run whose measurements are requested repeatedly.
     pub(super) last_run: Duration,
 }
 
 /// Attacks that take memory, and those that fill logs.
-pub(super) fn run(binary: &Path, keys: bool, extent: &MemoryExtent) -> Result<Vec<Row>, Fault> {
+pub(super) fn run(binary: &Path, keys: bool, extent: &Extent) -> Result<Vec<Row>, Fault> {
     let mut rows = Vec::new();
     for kind in [Kind::UnreadReplies, Kind::Topics, Kind::LongRequests] {
-        // Fresh programs: what one attack has left behind is not the next one's.
+        // New programs, so that attacks do not affect each other.
         let mut rig = Rig::start(binary, Parts { twin: true, keys })?;
         if kind == Kind::UnreadReplies {
             make_last_run(&rig, extent.last_run)?;
@@ -42,12 +42,12 @@ pub(super) fn run(binary: &Path, keys: bool, extent: &MemoryExtent) -> Result<Ve
         drop(attack);
     }
     if !keys {
-        rows.push(lies(binary, extent.time)?);
+        rows.push(erratic_program(binary, extent.time)?);
     }
     Ok(rows)
 }
 
-/// A run that leaves many samples.
+/// Makes a run with many samples.
 fn make_last_run(rig: &Rig, duration: Duration) -> Result<(), Fault> {
     let from = rig.witness.position().ok_or("the witness has not seen the arm")?;
     let file = rig.folder.path().join("program.json");
@@ -56,25 +56,29 @@ fn make_last_run(rig: &Rig, duration: Duration) -> Result<(), Fault> {
     let mut run = rig.client(&["run", file.as_str(), "--no-output"], true)?;
     let ended = run.wait(2 * duration + Duration::from_secs(10));
     match ended {
-        Some(ended) if ended.well => Ok(()),
-        _ => Err(format!("there is no last run: {}", run.said()).into()),
+        Some(ended) if ended.success => Ok(()),
+        _ => Err(format!("the run has failed: {}", run.stderr()).into()),
     }
 }
 
-/// A drive with a robot program that lies.
-fn lies(binary: &Path, time: Duration) -> Result<Row, Fault> {
+/// A drive with an erratic robot program.
+fn erratic_program(binary: &Path, time: Duration) -> Result<Row, Fault> {
     let mut rig = Rig::new(binary, Parts::default())?;
-    let liar = Liar::start(&rig.at)?;
+    let program = ErraticProgram::start(&rig.at)?;
     rig.start_drive()?;
     let since = Instant::now();
-    while liar.lies() == 0 && since.elapsed() < Duration::from_secs(10) {
+    while program.states() == 0 && since.elapsed() < Duration::from_secs(10) {
         thread::sleep(Duration::from_millis(10));
     }
     let usage = Usage::begin(&rig);
     await_until(&usage, time);
-    let row = usage.row("a robot program that lies", &mut rig);
-    let lies = liar.lies();
-    Ok(Row { measured: format!("{}, {lies} lies", row.measured), met: row.met && lies > 0, ..row })
+    let row = usage.row("an erratic robot program", &mut rig);
+    let states = program.states();
+    Ok(Row {
+        measured: format!("{}, {states} states", row.measured),
+        met: row.met && states > 0,
+        ..row
+    })
 }
 
 fn await_until(usage: &Usage, time: Duration) {

@@ -1,4 +1,4 @@
-//! Processes of the program under attack. None outlives the harness, however that ends.
+//! Processes of the program under attack. None outlives the harness, however it ends.
 
 use std::{
     ffi::OsStr,
@@ -15,23 +15,23 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Those that run, by their ids.
+/// Ids of running processes.
 static RUNNING: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
-/// What is kept of what a process says on standard error, in bytes.
-const KEPT: usize = 2000;
+/// Stored part of standard error, in bytes.
+const MAX_STORED: usize = 2000;
 
 /// A process, which is killed when this is dropped.
 pub(super) struct Process {
     child: Child,
-    /// What it prints, line by line.
+    /// Lines of standard output.
     pub(super) lines: Receiver<String>,
-    said: Arc<Said>,
-    hears: Option<JoinHandle<()>>,
+    stderr: Arc<StandardError>,
+    reader: Option<JoinHandle<()>>,
 }
 
 #[derive(Default)]
-struct Said {
+struct StandardError {
     bytes: AtomicU64,
     start: Mutex<Vec<u8>>,
 }
@@ -39,12 +39,12 @@ struct Said {
 /// How a process has ended.
 pub(super) struct Ended {
     pub(super) at: Instant,
-    /// It ended with exit code 0.
-    pub(super) well: bool,
+    /// Whether the exit code was 0.
+    pub(super) success: bool,
 }
 
 impl Process {
-    /// Starts the program with at most so many open files.
+    /// Starts the program, with a limit of open files.
     pub(super) fn start<S: AsRef<OsStr>>(
         binary: &Path,
         arguments: &[S],
@@ -65,28 +65,28 @@ impl Process {
         if let Some(stdout) = child.stdout.take() {
             thread::spawn(move || {
                 for line in BufReader::new(stdout).lines().map_while(Result::ok) {
-                    // The lines may not be of interest.
+                    // The receiver may be dropped.
                     let _ = sender.send(line);
                 }
             });
         }
-        let said = Arc::new(Said::default());
-        let hears = child.stderr.take().map(|mut stderr| {
-            let said = Arc::clone(&said);
+        let stderr = Arc::new(StandardError::default());
+        let reader = child.stderr.take().map(|mut pipe| {
+            let stderr = Arc::clone(&stderr);
             thread::spawn(move || {
                 let mut buffer = vec![0; 1 << 16];
-                while let Ok(count @ 1..) = stderr.read(&mut buffer) {
-                    said.bytes.fetch_add(count as u64, Ordering::Relaxed);
-                    let mut start = said.start.lock().unwrap_or_else(PoisonError::into_inner);
-                    let room = KEPT.saturating_sub(start.len()).min(count);
+                while let Ok(count @ 1..) = pipe.read(&mut buffer) {
+                    stderr.bytes.fetch_add(count as u64, Ordering::Relaxed);
+                    let mut start = stderr.start.lock().unwrap_or_else(PoisonError::into_inner);
+                    let room = MAX_STORED.saturating_sub(start.len()).min(count);
                     start.extend(&buffer[..room]);
                 }
             })
         });
-        Ok(Self { child, lines, said, hears })
+        Ok(Self { child, lines, stderr, reader })
     }
 
-    /// Sends a signal, as `INT` or `KILL`.
+    /// Sends a signal, such as `INT` or `KILL`.
     pub(super) fn signal(&self, name: &str) {
         send(name, self.child.id());
     }
@@ -96,19 +96,19 @@ impl Process {
         let _ = self.child.kill();
     }
 
-    /// How it has ended; none if it has not within so long.
-    pub(super) fn wait(&mut self, patience: Duration) -> Option<Ended> {
+    /// Waits for the end of the process; `None` on time-out.
+    pub(super) fn wait(&mut self, timeout: Duration) -> Option<Ended> {
         let since = Instant::now();
         loop {
             if let Ok(Some(status)) = self.child.try_wait() {
                 let at = Instant::now();
-                // Its last words are heard.
-                if let Some(hears) = self.hears.take() {
-                    let _ = hears.join();
+                // Read standard error to its end.
+                if let Some(reader) = self.reader.take() {
+                    let _ = reader.join();
                 }
-                return Some(Ended { at, well: status.success() });
+                return Some(Ended { at, success: status.success() });
             }
-            if since.elapsed() > patience {
+            if since.elapsed() > timeout {
                 return None;
             }
             thread::sleep(Duration::from_millis(1));
@@ -120,25 +120,24 @@ impl Process {
         matches!(self.child.try_wait(), Ok(None))
     }
 
-    /// How many bytes it has written to standard error.
-    pub(super) fn said_bytes(&self) -> u64 {
-        self.said.bytes.load(Ordering::Relaxed)
+    /// Number of bytes written to standard error.
+    pub(super) fn stderr_bytes(&self) -> u64 {
+        self.stderr.bytes.load(Ordering::Relaxed)
     }
 
-    /// The start of that.
-    pub(super) fn said(&self) -> String {
-        let start = self.said.start.lock().unwrap_or_else(PoisonError::into_inner);
+    /// The beginning of standard error.
+    pub(super) fn stderr(&self) -> String {
+        let start = self.stderr.start.lock().unwrap_or_else(PoisonError::into_inner);
         String::from_utf8_lossy(&start).into_owned()
     }
 
-    /// The most memory that it has had since the last call of this kind, in MB, where the system
-    /// tells it.
+    /// Peak memory since the last call, in MB, if the system provides it.
     pub(super) fn take_peak_memory_mb(&self) -> Option<f64> {
         let id = self.child.id();
         let status = fs::read_to_string(format!("/proc/{id}/status")).ok()?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
         let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-        // The peak of the next time begins here; where that is refused, it is that of all times.
+        // Reset the peak; if that is refused, it is that of the whole lifetime.
         let _ = fs::write(format!("/proc/{id}/clear_refs"), "5");
         Some(kib * 1.024e-3)
     }
@@ -157,7 +156,7 @@ fn list() -> std::sync::MutexGuard<'static, Vec<u32>> {
     RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Kills all that run: before the harness ends in the middle.
+/// Kills all processes, before the harness is aborted.
 pub(super) fn kill_all() {
     for id in list().iter() {
         send("KILL", *id);

@@ -1,6 +1,6 @@
-//! What was measured, beside what is required.
+//! The table of requirements and measurements.
 
-/// A line of the table.
+/// A row of the table.
 pub(super) struct Row {
     pub(super) what: String,
     pub(super) required: String,

@@ -1,4 +1,4 @@
-//! What is attacked: a cabinet, a drive and, where it is asked for, a twin, with the witness between.
+//! The system under attack: a cabinet, a drive and optionally a twin, with a witness between the first two.
 
 use std::{
     error::Error,
@@ -12,40 +12,40 @@ use std::{
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::{ask::ask, process::Process, websocket::WebSocket, witness::Witness};
+use super::{process::Process, request::request, websocket::WebSocket, witness::Witness};
 use crate::ports::free_address;
 
-/// Why the harness itself cannot go on.
+/// Why the harness itself fails.
 pub(super) type Fault = Box<dyn Error + Send + Sync>;
 
-/// How long programs may take to start, and to find each other.
-const READY_WITHIN: Duration = Duration::from_secs(10);
+/// Time-out of starting and connecting the programs.
+const READY_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Open files that each program may have: the usual limit of a login.
+/// Limit of open files of each program: the usual limit of a login.
 const FILES: u32 = 1024;
 
-/// What the rig is made of.
+/// Optional parts of the rig.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Parts {
     pub(super) twin: bool,
     pub(super) keys: bool,
 }
 
-/// The programs, and where they listen.
+/// The programs and their addresses.
 pub(super) struct Rig {
     pub(super) witness: Witness,
     pub(super) cabinet: Option<Process>,
     pub(super) drive: Option<Process>,
     pub(super) twin: Option<Process>,
     pub(super) at: Addresses,
-    /// With the token.
+    /// Address of the page, with its token.
     pub(super) page: String,
     pub(super) folder: TempDir,
     binary: PathBuf,
     keys: bool,
 }
 
-/// Where the programs listen.
+/// Addresses of the programs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Addresses {
     pub(super) requests: SocketAddr,
@@ -57,7 +57,7 @@ pub(super) struct Addresses {
 }
 
 impl Addresses {
-    /// All that take connections.
+    /// All TCP ports.
     pub(super) fn ports(&self) -> [SocketAddr; 5] {
         let Self { requests, stream, cabinet_instructions, cabinet_state, twin, .. } = *self;
         [requests, stream, cabinet_instructions, cabinet_state, twin]
@@ -65,7 +65,7 @@ impl Addresses {
 }
 
 impl Rig {
-    /// Starts all of it, and waits until it is ready.
+    /// Starts the programs and waits until they are ready.
     pub(super) fn start(binary: &Path, parts: Parts) -> Result<Self, Fault> {
         let mut rig = Self::new(binary, parts)?;
         if parts.keys {
@@ -80,7 +80,7 @@ impl Rig {
         Ok(rig)
     }
 
-    /// All but the programs.
+    /// A rig without running programs.
     pub(super) fn new(binary: &Path, parts: Parts) -> Result<Self, Fault> {
         let at = Addresses {
             requests: free_address(),
@@ -103,10 +103,10 @@ impl Rig {
         })
     }
 
-    /// Starts a cabinet, whose arm stands at the usual place.
+    /// Starts a cabinet, with the arm at its default position.
     pub(super) fn start_cabinet(&mut self) -> Result<(), Fault> {
         self.cabinet = None;
-        // What the one before has sent is through.
+        // Messages of the one before have passed.
         thread::sleep(Duration::from_millis(20));
         self.witness.forget();
         let mut arguments = named(&[
@@ -152,8 +152,8 @@ impl Rig {
         let twin = self.serve("twin", &arguments)?;
         self.page = twin
             .lines
-            .recv_timeout(READY_WITHIN)
-            .map_err(|_| format!("the twin gives no address: {}", twin.said()))?;
+            .recv_timeout(READY_TIMEOUT)
+            .map_err(|_| format!("the twin prints no address: {}", twin.stderr()))?;
         self.twin = Some(twin);
         Ok(())
     }
@@ -164,7 +164,7 @@ impl Rig {
         Ok(Process::start(&self.binary, &arguments, Some(FILES))?)
     }
 
-    /// Starts a client: a command of the program, with the options that connect it.
+    /// Starts a client command, with the options for its connection.
     pub(super) fn client(&self, command: &[&str], needs_stream: bool) -> Result<Process, Fault> {
         let options = self.client_options(needs_stream);
         let arguments: Vec<_> =
@@ -195,8 +195,8 @@ impl Rig {
             let into = folder.display().to_string();
             let mut keygen =
                 Process::start(&self.binary, &["keygen", name, "--output", into.as_str()], None)?;
-            if !keygen.wait(READY_WITHIN).is_some_and(|ended| ended.well) {
-                return Err(format!("there are no keys: {}", keygen.said()).into());
+            if !keygen.wait(READY_TIMEOUT).is_some_and(|ended| ended.success) {
+                return Err(format!("cannot make keys: {}", keygen.stderr()).into());
             }
         }
         for (who, list) in [("alice", "clients"), ("drive", "drives")] {
@@ -207,19 +207,19 @@ impl Rig {
         Ok(())
     }
 
-    /// What the drive says of itself; none if it does not answer.
+    /// The status of the drive; `None` if it does not reply.
     pub(super) fn status(&self) -> Option<Value> {
-        const PATIENCE: Duration = Duration::from_secs(3);
+        const TIMEOUT: Duration = Duration::from_secs(3);
         if !self.keys {
-            return ask(self.at.requests, r#"{"type": "state"}"#, PATIENCE).ok();
+            return request(self.at.requests, r#"{"type": "state"}"#, TIMEOUT).ok();
         }
         let mut status = self.client(&["status", "--json"], false).ok()?;
-        status.wait(PATIENCE).filter(|ended| ended.well)?;
+        status.wait(TIMEOUT).filter(|ended| ended.success)?;
         let lines: String = status.lines.iter().collect();
         serde_json::from_str(&lines).ok()
     }
 
-    /// Waits until the drive hears both of the cabinet's ends, and is heard.
+    /// Waits until FRI and the robot program are connected.
     pub(super) fn await_ready(&mut self) -> Result<(), Fault> {
         let since = Instant::now();
         loop {
@@ -230,22 +230,22 @@ impl Rig {
                 .into_iter()
                 .find_map(|(name, process)| {
                     let process = process.as_mut()?;
-                    (!process.runs()).then(|| format!("the {name} has ended: {}", process.said()))
+                    (!process.runs()).then(|| format!("the {name} has ended: {}", process.stderr()))
                 });
             if let Some(ended) = ended {
                 return Err(ended.into());
             }
-            if since.elapsed() > READY_WITHIN {
-                return Err("the drive does not get ready".into());
+            if since.elapsed() > READY_TIMEOUT {
+                return Err("the drive is not ready in time".into());
             }
             thread::sleep(Duration::from_millis(20));
         }
     }
 
-    /// Waits until nothing runs and the arm stands, and asks for a stop until then; starts what does
+    /// Waits until no run is active and the arm is at rest, sending stops until then; starts programs that do
     /// not run.
     pub(super) fn await_idle(&mut self) -> Result<(), Fault> {
-        const PATIENCE: Duration = Duration::from_secs(15);
+        const TIMEOUT: Duration = Duration::from_secs(15);
         let since = Instant::now();
         let mut stops = 0;
         loop {
@@ -259,10 +259,10 @@ impl Rig {
             let idle = status
                 .as_ref()
                 .is_some_and(|status| is_ready(status) && status["state"].as_str() == Some("idle"));
-            if idle && self.witness.stands() {
+            if idle && self.witness.is_at_rest() {
                 return Ok(());
             }
-            if since.elapsed() > PATIENCE {
+            if since.elapsed() > TIMEOUT {
                 return Err(self.describe(status).into());
             }
             if since.elapsed() > Duration::from_secs(stops) {
@@ -274,7 +274,7 @@ impl Rig {
         }
     }
 
-    /// Ends cabinet and drive and starts them again.
+    /// Restarts cabinet and drive.
     pub(super) fn restart(&mut self) -> Result<(), Fault> {
         self.drive = None;
         self.start_cabinet()?;
@@ -283,17 +283,17 @@ impl Rig {
     }
 
     fn describe(&self, status: Option<Value>) -> String {
-        let said = |process: &Option<Process>| process.as_ref().map(Process::said);
+        let stderr = |process: &Option<Process>| process.as_ref().map(Process::stderr);
         format!(
-            "the robot does not become idle: the drive says {}, the arm {}; cabinet: {:?}, drive: {:?}",
+            "the robot does not become idle: status {}, the arm {}; cabinet: {:?}, drive: {:?}",
             status.unwrap_or_default(),
-            if self.witness.stands() { "stands" } else { "moves" },
-            said(&self.cabinet),
-            said(&self.drive),
+            if self.witness.is_at_rest() { "is at rest" } else { "moves" },
+            stderr(&self.cabinet),
+            stderr(&self.drive),
         )
     }
 
-    /// Connects as the twin's page.
+    /// Connects like the page of the twin.
     pub(super) fn open_page(&self) -> Result<WebSocket, Fault> {
         let token = self.page.split_once("token=").ok_or("the twin's address has no token")?.1;
         Ok(WebSocket::connect(self.at.twin, &format!("/live?token={}", token.trim()))?)

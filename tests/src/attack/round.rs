@@ -1,4 +1,4 @@
-//! One attempt to make the arm move after it was stopped.
+//! One attempt to make the arm move after a stop.
 
 use std::{
     fs, thread,
@@ -8,33 +8,33 @@ use std::{
 use fastrand::Rng;
 
 use super::{
-    ask::{Asked, ask, is_ok},
-    patience::within,
+    deadlines::scaled,
     process::Process,
+    request::{PendingRequest, is_ok, request},
     rig::{Fault, Rig},
-    work::{Work, program},
+    tasks::{Task, program},
 };
 
-/// Motion so soon after a reply is a message that was on its way.
+/// Motion within this time after a reply is of a message in transit.
 const IN_FLIGHT: Duration = Duration::from_millis(50);
 
-/// Motion that begins so soon after a stop was asked for could not be prevented: `iiwasim stop` has to
-/// start first.
-const HEARD_WITHIN: Duration = Duration::from_millis(100);
+/// Motion that begins within this time after a stop request cannot be prevented, as `iiwasim stop` has to start
+/// first.
+const STOP_LATENCY: Duration = Duration::from_millis(100);
 
-/// Motion that begins so soon after a client or drive was lost could not be prevented.
-const NOTICED_WITHIN: Duration = Duration::from_millis(250);
+/// Motion that begins within this time after the loss of a client or drive cannot be prevented.
+const LOSS_LATENCY: Duration = Duration::from_millis(250);
 
-/// A stop is answered within so long: half a second, and half a second to brake.
-pub(super) const ANSWERED_WITHIN: Duration = Duration::from_secs(1);
+/// Deadline of the reply to a stop: half a second, and half a second to brake.
+const REPLY_DEADLINE: Duration = Duration::from_secs(1);
 
-/// A stop is answered within so long, be it by an error, when the cabinet is gone.
-const ANSWERED_WITHOUT_CABINET: Duration = Duration::from_secs(6);
+/// Deadline of the reply to a stop without a cabinet, which may be an error.
+const REPLY_DEADLINE_WITHOUT_CABINET: Duration = Duration::from_secs(6);
 
-/// How long a stop may take before it counts as not answered.
-const GIVEN_UP_AFTER: Duration = Duration::from_secs(8);
+/// Time-out of a stop.
+const STOP_TIMEOUT: Duration = Duration::from_secs(8);
 
-/// When, within a run, something happens.
+/// When an attempt is made within a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Phase {
     Request,
@@ -44,28 +44,28 @@ pub(super) enum Phase {
     End,
 }
 
-/// What happens.
+/// What is attempted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Attempt {
     /// A raw request.
     StopRequest(Phase),
     /// `iiwasim stop`.
     StopCommand(Phase),
-    /// SIGINT to `iiwasim run` before it has asked for anything, while its motions are planned by the
-    /// cabinet, or while the arm moves.
+    /// SIGINT to `iiwasim run` before its request, while the cabinet plans its motions, or while the arm
+    /// moves.
     Interrupt(Phase),
-    /// The connection that has asked for a run is closed before the arm moves.
+    /// The connection of a run is closed before the arm moves.
     ConnectionClosed,
     /// `iiwasim run` is killed before the arm moves.
     ClientKilled,
     /// The drive gets a signal before the arm moves.
     DriveEnded(&'static str),
-    /// The cabinet is killed and started again, and a stop is asked for meanwhile.
+    /// The cabinet is killed and restarted, with a stop meanwhile.
     CabinetKilled,
 }
 
 impl Attempt {
-    /// All of them.
+    /// All attempts.
     pub(super) const ALL: [Self; 18] = {
         use Attempt::{
             CabinetKilled, ClientKilled, ConnectionClosed, DriveEnded, Interrupt, StopCommand,
@@ -94,10 +94,10 @@ impl Attempt {
         ]
     };
 
-    /// What it is called in the table.
+    /// Its name in the table.
     pub(super) fn name(self) -> String {
         let phase = |phase| match phase {
-            Phase::Request => "the request is on its way",
+            Phase::Request => "the request is in transit",
             Phase::Planning => "motions are planned",
             Phase::Start => "the arm starts",
             Phase::Motion => "the arm moves",
@@ -116,20 +116,20 @@ impl Attempt {
     }
 }
 
-/// How an attempt went.
+/// The outcome of an attempt.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outcome {
-    /// How long the reply took.
+    /// Latency of the reply.
     pub(super) reply: Option<Duration>,
-    /// The reply came too late, was an error, or never came.
+    /// The reply was late, an error, or missing.
     pub(super) unanswered: bool,
-    /// How long after the reply, or the loss, the arm was first commanded to move.
+    /// Time from the reply, or the loss, to the first motion.
     pub(super) moved_after: Option<Duration>,
-    /// The arm moved before it could be attempted.
+    /// The arm moved before the attempt.
     pub(super) is_void: bool,
 }
 
-/// How long it takes from a request to the motion, in s, and from a request with [`MEASURED`] motions.
+/// Time from a request to the motion, in s, with one and with [`MEASURED`] motions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Planning {
     least_s: [f64; 2],
@@ -140,19 +140,19 @@ pub(super) struct Planning {
 const MEASURED: u32 = 200;
 
 impl Planning {
-    /// Measured on this machine, some times: it may be busy with other things.
+    /// Measures it repeatedly on this machine, which may have other load.
     pub(super) fn measure(rig: &mut Rig, random: &mut Rng) -> Result<Self, Fault> {
         let mut planning = Self { least_s: [f64::INFINITY; 2], most_s: [0.0; 2] };
         for _ in 0..3 {
             for (kind, count) in [1, MEASURED].into_iter().enumerate() {
                 rig.await_idle()?;
-                let work = Work::motions(random, count as usize);
+                let task = Task::motions(random, count as usize);
                 let since = Instant::now();
-                let _run = Asked::send(rig.at.requests, &work.request())?;
+                let _run = PendingRequest::send(rig.at.requests, &task.request())?;
                 let start = rig
                     .witness
                     .await_move(since, Duration::from_secs(30))
-                    .ok_or("the arm does not start, with nothing in its way")?;
+                    .ok_or("the arm does not start")?;
                 let time_s = (start - since).as_secs_f64();
                 planning.least_s[kind] = planning.least_s[kind].min(time_s);
                 planning.most_s[kind] = planning.most_s[kind].max(time_s);
@@ -165,18 +165,18 @@ impl Planning {
         ((long_s - one_s) / f64::from(MEASURED)).max(1e-5)
     }
 
-    /// For so many motions, on a machine with nothing else to do.
+    /// Expected time for a number of motions, in s, on a machine without other load.
     fn expected_s(self, count: usize) -> f64 {
         self.least_s[0] + Self::each_s(self.least_s) * count as f64
     }
 
-    /// The same on one that is as busy as it was, with a margin.
+    /// Maximum time for a number of motions on a machine with other load.
     fn at_most(self, count: usize) -> Duration {
         let time_s = self.most_s[0] + Self::each_s(self.most_s) * count as f64;
         Duration::from_secs_f64(1.5 * time_s + 0.2)
     }
 
-    /// How many motions are planned in so long, in s.
+    /// The number of motions that are planned in a time, in s.
     fn count(self, time_s: f64) -> usize {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
         let count = ((time_s - self.least_s[0]) / Self::each_s(self.least_s)).max(1.0) as usize;
@@ -184,7 +184,7 @@ impl Planning {
     }
 }
 
-/// More motions than these no request has.
+/// Largest number of motions per request.
 const MOST_MOTIONS: usize = 3000;
 
 /// Attempts one after the other.
@@ -192,7 +192,7 @@ pub(super) struct Rounds<'a> {
     pub(super) rig: &'a mut Rig,
     pub(super) random: Rng,
     pub(super) planning: Planning,
-    /// How long planning is to take at most.
+    /// Longest planning time.
     pub(super) longest_planning: Duration,
 }
 
@@ -216,23 +216,23 @@ impl Rounds<'_> {
         stop: fn(&Rig) -> Result<Option<Instant>, Fault>,
     ) -> Result<Outcome, Fault> {
         let duration_s = 0.2 + 0.5 * self.random.f64();
-        let work = match phase {
+        let task = match phase {
             Phase::Planning | Phase::Request => self.long_work(),
             _ => self.short_work(duration_s)?,
         };
         let since = Instant::now();
-        let run = Asked::send(self.rig.at.requests, &work.request())?;
+        let run = PendingRequest::send(self.rig.at.requests, &task.request())?;
         let sent = Instant::now();
         match phase {
             Phase::Request => self.sleep(0.0..0.005),
-            Phase::Planning => self.sleep(0.005..self.planning.expected_s(work.count())),
+            Phase::Planning => self.sleep(0.005..self.planning.expected_s(task.count())),
             Phase::Start if self.random.bool() => {
                 self.sleep(0.0..2.0 * self.planning.expected_s(1));
             }
             phase => {
                 if self.rig.witness.await_move(since, Duration::from_secs(5)).is_none() {
-                    let answer = run.answer(Duration::from_millis(100));
-                    return Err(format!("no motion begins: {answer:?}").into());
+                    let reply = run.reply(Duration::from_millis(100));
+                    return Err(format!("no motion begins: {reply:?}").into());
                 }
                 self.sleep(match phase {
                     Phase::Start => 0.0..0.03,
@@ -244,35 +244,35 @@ impl Rounds<'_> {
         let begin = Instant::now();
         let replied = stop(self.rig)?;
         let reply = replied.map(|at| at - begin);
-        let at_least = sent + self.planning.at_most(work.count());
-        let moved_after = replied.and_then(|at| self.moves_after(at, within(IN_FLIGHT), at_least));
-        // What had not begun must not begin while the reply is waited for, either.
+        let at_least = sent + self.planning.at_most(task.count());
+        let moved_after = replied.and_then(|at| self.moves_after(at, scaled(IN_FLIGHT), at_least));
+        // A run that has not begun must not begin before the reply either.
         let began = self.rig.witness.first_move_after(since);
         let began_after =
-            began.and_then(|at| at.checked_duration_since(begin + within(HEARD_WITHIN)));
-        let moved_after = began_after.map(|after| after + within(HEARD_WITHIN)).or(moved_after);
+            began.and_then(|at| at.checked_duration_since(begin + scaled(STOP_LATENCY)));
+        let moved_after = began_after.map(|after| after + scaled(STOP_LATENCY)).or(moved_after);
         Ok(Outcome {
             reply,
-            unanswered: reply.is_none_or(|reply| reply > within(ANSWERED_WITHIN)),
+            unanswered: reply.is_none_or(|reply| reply > scaled(REPLY_DEADLINE)),
             moved_after,
             is_void: false,
         })
     }
 
     fn interrupt(&mut self, phase: Phase) -> Result<Outcome, Fault> {
-        let work = match phase {
+        let task = match phase {
             Phase::Planning => self.long_motions(),
-            _ => Work::motions(&mut self.random, 3),
+            _ => Task::motions(&mut self.random, 3),
         };
         let since = Instant::now();
-        let mut run = self.start_run(&work)?;
+        let mut run = self.start_run(&task)?;
         if phase == Phase::Request {
             self.sleep(0.0..0.15);
         } else {
-            // It shows its plan before it asks for the run.
+            // It prints its plan before its request.
             await_plan(&run)?;
             if phase == Phase::Planning {
-                self.sleep(0.0..self.planning.expected_s(work.count()));
+                self.sleep(0.0..self.planning.expected_s(task.count()));
             } else {
                 self.rig
                     .witness
@@ -283,60 +283,60 @@ impl Rounds<'_> {
         }
         let begin = Instant::now();
         run.signal("INT");
-        let ended = run.wait(GIVEN_UP_AFTER).map(|ended| ended.at);
+        let ended = run.wait(STOP_TIMEOUT).map(|ended| ended.at);
         let reply = ended.map(|at| at - begin);
-        let late = reply.is_none_or(|reply| reply > within(ANSWERED_WITHIN));
-        // However late it ends: the arm stands when the time for it is over.
+        let late = reply.is_none_or(|reply| reply > scaled(REPLY_DEADLINE));
+        // The arm has to be at rest at the deadline, even if the process ends later.
         let from = ended
-            .map_or(begin + within(ANSWERED_WITHIN), |at| at.min(begin + within(ANSWERED_WITHIN)));
-        let at_least = begin + self.planning.at_most(work.count());
-        let moved_after = self.moves_after(from, within(IN_FLIGHT), at_least);
+            .map_or(begin + scaled(REPLY_DEADLINE), |at| at.min(begin + scaled(REPLY_DEADLINE)));
+        let at_least = begin + self.planning.at_most(task.count());
+        let moved_after = self.moves_after(from, scaled(IN_FLIGHT), at_least);
         Ok(Outcome { reply, unanswered: late, moved_after, is_void: false })
     }
 
     fn close_connection(&mut self) -> Result<Outcome, Fault> {
-        let work = self.long_motions();
+        let task = self.long_motions();
         let sent = Instant::now();
-        let run = Asked::send(self.rig.at.requests, &work.request())?;
-        self.sleep_before_motion(&work);
+        let run = PendingRequest::send(self.rig.at.requests, &task.request())?;
+        self.sleep_before_motion(&task);
         let lost = Instant::now();
         drop(run);
-        Ok(self.judge_loss(sent, lost, work.count()))
+        Ok(self.judge_loss(sent, lost, task.count()))
     }
 
     fn kill_client(&mut self) -> Result<Outcome, Fault> {
-        let work = self.long_motions();
+        let task = self.long_motions();
         let since = Instant::now();
-        let mut run = self.start_run(&work)?;
+        let mut run = self.start_run(&task)?;
         await_plan(&run)?;
-        self.sleep_before_motion(&work);
+        self.sleep_before_motion(&task);
         let lost = Instant::now();
         run.kill();
-        Ok(self.judge_loss(since, lost, work.count()))
+        Ok(self.judge_loss(since, lost, task.count()))
     }
 
     fn end_drive(&mut self, signal: &str) -> Result<Outcome, Fault> {
-        let work = self.long_motions();
+        let task = self.long_motions();
         let sent = Instant::now();
-        let run = Asked::send(self.rig.at.requests, &work.request())?;
-        self.sleep_before_motion(&work);
+        let run = PendingRequest::send(self.rig.at.requests, &task.request())?;
+        self.sleep_before_motion(&task);
         let lost = Instant::now();
         if let Some(drive) = &self.rig.drive {
             drive.signal(signal);
         }
-        let outcome = self.judge_loss(sent, lost, work.count());
+        let outcome = self.judge_loss(sent, lost, task.count());
         drop(run);
-        let ended = self.rig.drive.as_mut().and_then(|drive| drive.wait(GIVEN_UP_AFTER));
+        let ended = self.rig.drive.as_mut().and_then(|drive| drive.wait(STOP_TIMEOUT));
         self.rig.drive = None;
         Ok(Outcome { unanswered: ended.is_none(), ..outcome })
     }
 
     fn kill_cabinet(&mut self) -> Result<Outcome, Fault> {
-        let work = self.long_work();
+        let task = self.long_work();
         let sent = Instant::now();
-        let _run = Asked::send(self.rig.at.requests, &work.request())?;
-        self.sleep(0.0..self.planning.expected_s(work.count()) + 0.5);
-        // The stop comes just before, or just after.
+        let _run = PendingRequest::send(self.rig.at.requests, &task.request())?;
+        self.sleep(0.0..self.planning.expected_s(task.count()) + 0.5);
+        // The stop is sent just before or just after.
         let [stop_after, kill_after] =
             [(); 2].map(|()| Duration::from_secs_f64(0.05 * self.random.f64()));
         let down = Duration::from_secs_f64(0.3 * self.random.f64());
@@ -344,8 +344,8 @@ impl Rounds<'_> {
         let stop = thread::spawn(move || {
             thread::sleep(stop_after);
             let begin = Instant::now();
-            let answer = ask(requests, r#"{"type": "stop"}"#, GIVEN_UP_AFTER);
-            answer.is_ok().then(|| begin.elapsed())
+            let reply = request(requests, r#"{"type": "stop"}"#, STOP_TIMEOUT);
+            reply.is_ok().then(|| begin.elapsed())
         });
         thread::sleep(kill_after);
         self.rig.cabinet = None;
@@ -353,18 +353,18 @@ impl Rounds<'_> {
         let restarted = Instant::now();
         self.rig.start_cabinet()?;
         let reply = stop.join().unwrap_or_default();
-        let at_least = (sent + self.planning.at_most(work.count()))
+        let at_least = (sent + self.planning.at_most(task.count()))
             .max(restarted + Duration::from_millis(1500));
         let moved_after = self.moves_after(restarted, Duration::ZERO, at_least);
-        let late = reply.is_none_or(|reply| reply > within(ANSWERED_WITHOUT_CABINET));
-        // What was lost with the cabinet must not hold up what comes next.
+        let late = reply.is_none_or(|reply| reply > scaled(REPLY_DEADLINE_WITHOUT_CABINET));
+        // Losses with the cabinet must not delay the next stop.
         self.rig.await_ready()?;
-        let motion = Work::one_motion(&self.position()?, 1.0);
-        let _run = Asked::send(self.rig.at.requests, &motion.request())?;
+        let motion = Task::one_motion(&self.position()?, 1.0);
+        let _run = PendingRequest::send(self.rig.at.requests, &motion.request())?;
         self.sleep(0.0..0.3);
         let begin = Instant::now();
         let next = request_stop(self.rig).map(|at| at - begin);
-        let next_late = next.is_none_or(|next| next > within(ANSWERED_WITHIN));
+        let next_late = next.is_none_or(|next| next > scaled(REPLY_DEADLINE));
         Ok(Outcome {
             reply: reply.max(next),
             unanswered: late || next_late,
@@ -373,26 +373,26 @@ impl Rounds<'_> {
         })
     }
 
-    /// A loss before the motion; `lost` is when.
+    /// The outcome of a loss before the motion, at `lost`.
     fn judge_loss(&self, sent: Instant, lost: Instant, count: usize) -> Outcome {
-        let noticed = lost + within(NOTICED_WITHIN);
+        let noticed = lost + scaled(LOSS_LATENCY);
         let at_least = sent.max(lost) + self.planning.at_most(count);
-        let moved_after = self.moves_after(lost, within(NOTICED_WITHIN), at_least);
+        let moved_after = self.moves_after(lost, scaled(LOSS_LATENCY), at_least);
         let first = self.rig.witness.first_move_after(sent);
         let is_void = first.is_some_and(|at| at <= noticed);
         Outcome { moved_after: moved_after.filter(|_| !is_void), is_void, ..Outcome::default() }
     }
 
-    /// Whether the arm moves once a grace is over: how long after `from`. It is looked at until
-    /// `at_least`, and for a moment in any case.
+    /// The time after `from` at which the arm moves, if it does so after a grace period. It is observed until
+    /// `at_least`, and for a minimum time.
     fn moves_after(&self, from: Instant, grace: Duration, at_least: Instant) -> Option<Duration> {
         let until = at_least.max(from + grace + Duration::from_millis(250));
         let left = until.saturating_duration_since(Instant::now());
         self.rig.witness.await_move(from + grace, left).map(|at| at - from)
     }
 
-    fn start_run(&mut self, work: &Work) -> Result<Process, Fault> {
-        let Work::Motions(motions) = work else { return Err("a file holds motions".into()) };
+    fn start_run(&mut self, task: &Task) -> Result<Process, Fault> {
+        let Task::Motions(motions) = task else { return Err("a file holds motions".into()) };
         let file = self.rig.folder.path().join("program.json");
         fs::write(&file, program(&self.position()?, motions))?;
         let file = file.display().to_string();
@@ -403,34 +403,34 @@ impl Rounds<'_> {
         self.rig.witness.position().ok_or_else(|| "the witness has not seen the arm".into())
     }
 
-    /// Motions whose planning takes its time.
-    fn long_motions(&mut self) -> Work {
+    /// Motions with a long planning time.
+    fn long_motions(&mut self) -> Task {
         let share = 0.4 + 0.6 * self.random.f64();
         let count = self.planning.count(share * self.longest_planning.as_secs_f64());
-        Work::motions(&mut self.random, count)
+        Task::motions(&mut self.random, count)
     }
 
-    /// The same, and now and then few motions.
-    fn long_work(&mut self) -> Work {
+    /// Motions with a long planning time, and sometimes few motions.
+    fn long_work(&mut self) -> Task {
         if self.random.f64() < 0.2 {
             let count = self.random.usize(1..=10);
-            return Work::motions(&mut self.random, count);
+            return Task::motions(&mut self.random, count);
         }
         self.long_motions()
     }
 
-    fn short_work(&mut self, duration_s: f64) -> Result<Work, Fault> {
+    fn short_work(&mut self, duration_s: f64) -> Result<Task, Fault> {
         let from = self.position()?;
         Ok(if self.random.bool() {
-            Work::one_motion(&from, duration_s)
+            Task::one_motion(&from, duration_s)
         } else {
-            Work::trajectory(&from, duration_s)
+            Task::trajectory(&from, duration_s)
         })
     }
 
-    /// For a part of the time that it takes to begin.
-    fn sleep_before_motion(&mut self, work: &Work) {
-        self.sleep(0.0..0.5 * self.planning.expected_s(work.count()));
+    /// Sleeps for a part of the time before the motion begins.
+    fn sleep_before_motion(&mut self, task: &Task) {
+        self.sleep(0.0..0.5 * self.planning.expected_s(task.count()));
     }
 
     fn sleep(&mut self, range_s: std::ops::Range<f64>) {
@@ -439,23 +439,23 @@ impl Rounds<'_> {
     }
 }
 
-/// When a raw stop was answered by `ok`.
+/// When a raw stop got the reply `ok`.
 fn request_stop(rig: &Rig) -> Option<Instant> {
-    let answer = ask(rig.at.requests, r#"{"type": "stop"}"#, GIVEN_UP_AFTER);
+    let reply = request(rig.at.requests, r#"{"type": "stop"}"#, STOP_TIMEOUT);
     let at = Instant::now();
-    answer.is_ok_and(|answer| is_ok(&answer)).then_some(at)
+    reply.is_ok_and(|reply| is_ok(&reply)).then_some(at)
 }
 
-/// When `iiwasim stop` has ended well.
+/// When `iiwasim stop` succeeded.
 fn command_stop(rig: &Rig) -> Result<Option<Instant>, Fault> {
     let mut stop = rig.client(&["stop"], false)?;
-    Ok(stop.wait(GIVEN_UP_AFTER).filter(|ended| ended.well).map(|ended| ended.at))
+    Ok(stop.wait(STOP_TIMEOUT).filter(|ended| ended.success).map(|ended| ended.at))
 }
 
-/// Waits until `iiwasim run` shows its plan.
+/// Waits until `iiwasim run` prints its plan.
 fn await_plan(run: &Process) -> Result<(), Fault> {
     run.lines
         .recv_timeout(Duration::from_secs(30))
         .map(drop)
-        .map_err(|_| format!("`iiwasim run` shows no plan: {}", run.said()).into())
+        .map_err(|_| format!("`iiwasim run` prints no plan: {}", run.stderr()).into())
 }

@@ -1,5 +1,5 @@
-//! Stops at random instants of requests, planning, start, motion and end, with clients, drive and
-//! cabinet that are killed: none of them is to be followed by a motion.
+//! Stops at random instants of requests, planning, start, motion and end, and losses of clients, drive and
+//! cabinet: no motion may follow.
 
 use std::{
     collections::BTreeMap,
@@ -10,15 +10,15 @@ use std::{
 use fastrand::Rng;
 
 use super::{
-    patience::within,
+    deadlines::scaled,
+    output::print,
     report::Row,
     rig::{Fault, Parts, Rig},
     round::{Attempt, Outcome, Planning, Rounds},
-    tell::tell,
 };
 
-/// How much is attempted.
-pub(super) struct StopExtent {
+/// The extent of the attempts.
+pub(super) struct Extent {
     pub(super) rounds: usize,
     pub(super) time: Duration,
     pub(super) longest_planning: Duration,
@@ -32,20 +32,20 @@ struct Tally {
     moved: usize,
     worst_reply: Duration,
     worst_move: Duration,
-    /// The harness could not make the attempt.
+    /// Attempts that the harness could not make.
     failed: usize,
 }
 
 /// Makes attempts, each kind in turn.
-pub(super) fn run(binary: &Path, seed: u64, extent: &StopExtent) -> Result<Vec<Row>, Fault> {
+pub(super) fn run(binary: &Path, seed: u64, extent: &Extent) -> Result<Vec<Row>, Fault> {
     let mut random = Rng::with_seed(seed);
     let mut rig = Rig::start(binary, Parts::default())?;
     let planning = Planning::measure(&mut rig, &mut random)?;
-    tell(&format!("from a request to the motion: {planning:?}"));
+    print(&format!("from a request to the motion: {planning:?}"));
     let begin = Instant::now();
     let mut tallies: BTreeMap<usize, Tally> = BTreeMap::new();
     for round in 0..extent.rounds {
-        // However slow it is: each kind once.
+        // Each kind at least once, however slow.
         if begin.elapsed() > extent.time && round >= Attempt::ALL.len() {
             break;
         }
@@ -64,7 +64,7 @@ pub(super) fn run(binary: &Path, seed: u64, extent: &StopExtent) -> Result<Vec<R
             Ok(outcome) => tally.add(round, attempt, outcome),
             Err(fault) => {
                 tally.failed += 1;
-                tell(&format!("round {round}, {}: not attempted: {fault}", attempt.name()));
+                print(&format!("round {round}, {}: not attempted: {fault}", attempt.name()));
                 rig.restart()?;
             }
         }
@@ -81,7 +81,7 @@ impl Tally {
         self.worst_reply = self.worst_reply.max(reply.unwrap_or_default());
         self.worst_move = self.worst_move.max(moved_after.unwrap_or_default());
         if unanswered || moved_after.is_some() {
-            tell(&format!("round {round}, {}: {outcome:?}", attempt.name()));
+            print(&format!("round {round}, {}: {outcome:?}", attempt.name()));
         }
     }
 
@@ -102,10 +102,10 @@ impl Tally {
         if self.failed > 0 {
             parts.push(format!("{} could not be attempted", self.failed));
         }
-        let s = within(Duration::from_secs(1)).as_secs();
+        let s = scaled(Duration::from_secs(1)).as_secs();
         let required = match attempt {
             Attempt::CabinetKilled => {
-                format!("an answer within {} s, no motion; the next stop within {} s", 6 * s, s)
+                format!("a reply within {} s, no motion; the next stop within {} s", 6 * s, s)
             }
             Attempt::ConnectionClosed | Attempt::ClientKilled => "no motion".to_owned(),
             Attempt::DriveEnded(_) => "it ends, no motion".to_owned(),

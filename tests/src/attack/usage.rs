@@ -1,52 +1,52 @@
-//! What the programs take: memory, and room in their logs.
+//! Memory and log volume of the programs.
 
 use std::time::{Duration, Instant};
 
-use super::{process::Process, report::Row, rig::Rig};
+use super::{output::print, process::Process, report::Row, rig::Rig};
 
-/// Most memory of a program, in MB.
-const MOST_MEMORY_MB: f64 = 150.0;
+/// Limit of memory per program, in MB.
+const MAX_MEMORY_MB: f64 = 150.0;
 
-/// Most that all of them say on standard error in a minute, in bytes.
-const MOST_SAID: f64 = 1e6;
+/// Limit of the output of all programs on standard error, in bytes per minute.
+const MAX_LOG_RATE: f64 = 1e6;
 
-/// Over a shorter time, in s, the rate is not judged: the start of anything is told in some lines.
+/// Shortest time over which the rate is computed, in s: each start is logged in some lines.
 const SHORTEST_S: f64 = 10.0;
 
-/// What is taken from an instant on.
+/// Memory and log volume from an instant on.
 pub(super) struct Usage {
     begin: Instant,
-    said: u64,
+    logged: u64,
 }
 
 impl Usage {
-    /// From now on.
+    /// Begins to measure.
     pub(super) fn begin(rig: &Rig) -> Self {
         for (_, process) in processes(rig) {
             process.take_peak_memory_mb();
         }
-        Self { begin: Instant::now(), said: said_bytes(rig) }
+        Self { begin: Instant::now(), logged: logged_bytes(rig) }
     }
 
-    /// What was taken beside an attack.
+    /// The row of an attack.
     pub(super) fn row(self, beside: &str, rig: &mut Rig) -> Row {
         let elapsed = self.begin.elapsed();
-        let said = said_bytes(rig).saturating_sub(self.said);
+        let logged = logged_bytes(rig).saturating_sub(self.logged);
         let mut parts = Vec::new();
         let minutes = elapsed.as_secs_f64().max(SHORTEST_S) / 60.0;
-        let mut met = said as f64 <= MOST_SAID * minutes;
+        let mut met = logged as f64 <= MAX_LOG_RATE * minutes;
         for (name, process) in processes(rig) {
             if let Some(mb) = process.take_peak_memory_mb() {
                 parts.push(format!("{name} {mb:.0} MB"));
-                met &= mb <= MOST_MEMORY_MB;
+                met &= mb <= MAX_MEMORY_MB;
             }
         }
         for (name, why) in ended(rig) {
-            super::tell::tell(&format!("beside {beside}: the {name} has ended: {why}"));
+            print(&format!("beside {beside}: the {name} has ended: {why}"));
             parts.push(format!("the {name} has **ended by itself**"));
             met = false;
         }
-        parts.push(format!("{} in {:.0} s of logs", bytes(said), elapsed.as_secs_f64()));
+        parts.push(format!("{} in {:.0} s of logs", bytes(logged), elapsed.as_secs_f64()));
         Row {
             what: format!("memory and logs beside {beside}"),
             required: "150 MB each, 1 MB a minute".to_owned(),
@@ -55,7 +55,7 @@ impl Usage {
         }
     }
 
-    /// Since when.
+    /// Time since the beginning.
     pub(super) fn elapsed(&self) -> Duration {
         self.begin.elapsed()
     }
@@ -66,11 +66,11 @@ fn processes(rig: &Rig) -> impl Iterator<Item = (&'static str, &Process)> {
     all.into_iter().filter_map(|(name, process)| Some((name, process.as_ref()?)))
 }
 
-fn said_bytes(rig: &Rig) -> u64 {
-    processes(rig).map(|(_, process)| process.said_bytes()).sum()
+fn logged_bytes(rig: &Rig) -> u64 {
+    processes(rig).map(|(_, process)| process.stderr_bytes()).sum()
 }
 
-/// Those that do not run any more, and the last that they said.
+/// Programs that have ended, and their output on standard error.
 fn ended(rig: &mut Rig) -> Vec<(&'static str, String)> {
     let all = [("drive", &mut rig.drive), ("cabinet", &mut rig.cabinet), ("twin", &mut rig.twin)];
     let mut ended = Vec::new();
@@ -78,7 +78,7 @@ fn ended(rig: &mut Rig) -> Vec<(&'static str, String)> {
         if let Some(process) = process
             && !process.runs()
         {
-            ended.push((name, process.said()));
+            ended.push((name, process.stderr()));
         }
     }
     ended

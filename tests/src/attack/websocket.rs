@@ -1,4 +1,4 @@
-//! The twin's page, as far as its stop button goes.
+//! A client of the twin's page that presses its stop button.
 
 use std::{
     io::{self, BufRead, BufReader, Read, Write},
@@ -10,21 +10,21 @@ use std::{
 
 use serde_json::Value;
 
-/// A connection to the twin. What comes in is read at once, as a browser does.
+/// A connection to the twin. Input is read at once, as by a browser.
 pub(super) struct WebSocket {
     stream: TcpStream,
     answers: Receiver<Value>,
-    orders: u64,
+    commands: u64,
 }
 
 impl WebSocket {
-    /// Opens it at a path with the token.
+    /// Connects to a path with a token.
     pub(super) fn connect(at: SocketAddr, path: &str) -> io::Result<Self> {
-        const PATIENCE: Duration = Duration::from_secs(5);
-        let mut stream = TcpStream::connect_timeout(&at, PATIENCE)?;
+        const TIMEOUT: Duration = Duration::from_secs(5);
+        let mut stream = TcpStream::connect_timeout(&at, TIMEOUT)?;
         stream.set_nodelay(true)?;
-        stream.set_read_timeout(Some(PATIENCE))?;
-        stream.set_write_timeout(Some(PATIENCE))?;
+        stream.set_read_timeout(Some(TIMEOUT))?;
+        stream.set_write_timeout(Some(TIMEOUT))?;
         let request = format!(
             "GET {path} HTTP/1.1\r\nHost: {at}\r\nOrigin: http://{at}\r\nConnection: Upgrade\r\n\
              Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
@@ -46,33 +46,33 @@ impl WebSocket {
         let (sender, answers) = mpsc::channel();
         thread::spawn(move || {
             while let Ok(text) = read_frame(&mut reader) {
-                if let Ok(mut word) = serde_json::from_slice::<Value>(&text)
-                    && let Some(answer) = word.get_mut("answer")
+                if let Ok(mut message) = serde_json::from_slice::<Value>(&text)
+                    && let Some(answer) = message.get_mut("answer")
                     && sender.send(answer.take()).is_err()
                 {
                     return;
                 }
             }
         });
-        Ok(Self { stream, answers, orders: 0 })
+        Ok(Self { stream, answers, commands: 0 })
     }
 
-    /// Presses the stop button: when it was answered, and by which error, if it was.
-    pub(super) fn stop(&mut self, patience: Duration) -> io::Result<(Instant, Option<String>)> {
-        let end = Instant::now() + patience;
-        self.orders += 1;
-        let order = serde_json::json!({ "id": self.orders, "do": "stop" }).to_string();
-        self.send(order.as_bytes())?;
+    /// Presses the stop button. Returns when the answer arrived, and its error.
+    pub(super) fn stop(&mut self, timeout: Duration) -> io::Result<(Instant, Option<String>)> {
+        let end = Instant::now() + timeout;
+        self.commands += 1;
+        let command = serde_json::json!({ "id": self.commands, "do": "stop" }).to_string();
+        self.send(command.as_bytes())?;
         loop {
             let left = end.saturating_duration_since(Instant::now());
             let answer = self.answers.recv_timeout(left).map_err(io::Error::other)?;
-            if answer["id"].as_u64() == Some(self.orders) {
+            if answer["id"].as_u64() == Some(self.commands) {
                 return Ok((Instant::now(), answer["error"].as_str().map(str::to_owned)));
             }
         }
     }
 
-    /// A text in one masked frame, with its length in two bytes; the mask is 0, which changes nothing.
+    /// Sends a text in one frame, with a length of two bytes and the mask 0.
     fn send(&mut self, text: &[u8]) -> io::Result<()> {
         let length = u16::try_from(text.len()).map_err(io::Error::other)?;
         let mut frame = vec![0x81, 0xfe];

@@ -1,5 +1,5 @@
-//! Peers that speak ZMTP 3.1 without keys, and no better than an attacker wants: they can fall silent
-//! at any byte, send what they like, and leave unread what they get.
+//! Minimal ZMTP 3.1 peers without keys, for attacks: they can stop at any byte, send arbitrary data, and not read
+//! replies.
 
 use std::{
     io::{self, Read, Write},
@@ -11,11 +11,11 @@ const MORE: u8 = 1;
 const LONG: u8 = 2;
 const COMMAND: u8 = 4;
 
-/// Longest frame that a peer takes, in bytes.
+/// Longest accepted frame, in bytes.
 const LONGEST: u64 = 1 << 30;
 
-/// How long the other side may take for its part of the handshake.
-const HANDSHAKE_WITHIN: Duration = Duration::from_secs(3);
+/// Time-out of the handshake.
+const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// One end of a connection, after the handshake.
 pub(super) struct Peer {
@@ -25,20 +25,20 @@ pub(super) struct Peer {
 impl Peer {
     /// Connects as a socket of a kind (`REQ`, `DEALER`, `SUB` ...).
     pub(super) fn connect(at: SocketAddr, kind: &str) -> io::Result<Self> {
-        let stream = TcpStream::connect_timeout(&at, HANDSHAKE_WITHIN)?;
+        let stream = TcpStream::connect_timeout(&at, HANDSHAKE_TIMEOUT)?;
         Self::shake_hands(stream, kind)
     }
 
     /// The handshake, on either side.
     pub(super) fn shake_hands(mut stream: TcpStream, kind: &str) -> io::Result<Self> {
-        let end = Instant::now() + HANDSHAKE_WITHIN;
+        let end = Instant::now() + HANDSHAKE_TIMEOUT;
         stream.set_nodelay(true)?;
-        stream.set_write_timeout(Some(HANDSHAKE_WITHIN))?;
+        stream.set_write_timeout(Some(HANDSHAKE_TIMEOUT))?;
         stream.write_all(&greeting())?;
         let mut theirs = [0; 64];
         read_until(&mut stream, &mut theirs, end)?;
         if !theirs[12..].starts_with(b"NULL\0") {
-            return Err(io::Error::other("the other side asks for keys"));
+            return Err(io::Error::other("the other side requires keys"));
         }
         let mut ready = b"\x05READY".to_vec();
         for (name, value) in [("Socket-Type", kind), ("Identity", "")] {
@@ -62,10 +62,10 @@ impl Peer {
         self.stream.write_all(&message(frames))
     }
 
-    /// The next message; heartbeats in between are answered. After an error, a time-out too, the
-    /// connection is of no use.
-    pub(super) fn receive(&mut self, patience: Duration) -> io::Result<Vec<Vec<u8>>> {
-        let end = Instant::now() + patience;
+    /// Waits for the next message, and answers heartbeats meanwhile. After an error, including a time-out, the
+    /// connection is unusable.
+    pub(super) fn receive(&mut self, timeout: Duration) -> io::Result<Vec<Vec<u8>>> {
+        let end = Instant::now() + timeout;
         let mut frames = Vec::new();
         loop {
             let (flags, body) = self.frame(end)?;
@@ -96,7 +96,7 @@ impl Peer {
             length = rest.iter().fold(length, |sum, byte| sum << 8 | u64::from(*byte));
         }
         if length > LONGEST {
-            return Err(io::Error::other("the other side sends a frame of absurd length"));
+            return Err(io::Error::other("the other side sends a frame that is too long"));
         }
         let mut body = vec![0; usize::try_from(length).map_err(io::Error::other)?];
         read_until(&mut self.stream, &mut body, end)?;
@@ -115,13 +115,13 @@ pub(super) fn message(frames: &[&[u8]]) -> Vec<u8> {
     bytes
 }
 
-/// A subscription to a topic, as ZMTP 3.1 has it: a command.
+/// A subscription to a topic as a command of ZMTP 3.1.
 pub(super) fn subscription(topic: &[u8]) -> Vec<u8> {
     let body = [b"\x09SUBSCRIBE", topic].concat();
     [frame_head(COMMAND, body.len()), body].concat()
 }
 
-/// What comes before the body of a frame.
+/// The header of a frame.
 pub(super) fn frame_head(flags: u8, length: usize) -> Vec<u8> {
     match u8::try_from(length) {
         Ok(length) => vec![flags, length],
@@ -172,18 +172,18 @@ mod tests {
             scope.spawn(|| {
                 let (stream, _) = listener.accept().unwrap();
                 let mut server = Peer::shake_hands(stream, "ROUTER").unwrap();
-                let frames = server.receive(HANDSHAKE_WITHIN).unwrap();
-                // A heartbeat in between is answered, and is no message.
+                let frames = server.receive(HANDSHAKE_TIMEOUT).unwrap();
+                // A heartbeat in between is answered and is not a message.
                 let ping = b"\x04PING\0\x0acontext";
                 server.stream.write_all(&frame_head(COMMAND, ping.len())).unwrap();
                 server.stream.write_all(ping).unwrap();
                 server.send(&[b"", &frames[1], b"end"]).unwrap();
-                let (flags, pong) = server.frame(Instant::now() + HANDSHAKE_WITHIN).unwrap();
+                let (flags, pong) = server.frame(Instant::now() + HANDSHAKE_TIMEOUT).unwrap();
                 assert_eq!((flags, pong.as_slice()), (COMMAND, b"\x04PONGcontext".as_slice()));
             });
             let mut client = Peer::connect(at, "REQ").unwrap();
             client.send(&[b"", &long]).unwrap();
-            let frames = client.receive(HANDSHAKE_WITHIN).unwrap();
+            let frames = client.receive(HANDSHAKE_TIMEOUT).unwrap();
             assert_eq!(frames, [b"".to_vec(), long.clone(), b"end".to_vec()]);
         });
     }

@@ -1,4 +1,4 @@
-//! The threads of FRI: the controller's clock, and the answers.
+//! The threads of FRI: the controller's clock, and the reception of answers.
 
 use std::{
     net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket},
@@ -11,74 +11,70 @@ use iiwa_link::{
     socket::{Server, is_timeout},
 };
 
-use super::{AWAKE, Shared, lock};
+use super::shared::{POLL_INTERVAL, Shared, lock};
 
-/// The socket that speaks to the client, for either thread.
+/// The UDP socket, for either thread.
 pub(super) fn sockets(client: SocketAddr, security: &Server) -> Result<[UdpSocket; 2], LinkError> {
     let local = match client {
         client if client.ip().is_loopback() => SocketAddr::new(client.ip(), 0),
-        // FRI has no keys: what else leaves this machine has to have them, at least.
+        // FRI is not authenticated: the other sockets have to be, at least.
         _ if !security.has_keys() => {
-            return Err(LinkError::Config {
-                what: format!(
-                    "FRI's client {client} is on another machine: that needs keys (--key, --allow)"
-                ),
-            });
+            return Err(LinkError::FriNeedsKeys { client });
         }
         SocketAddr::V4(_) => SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)),
         SocketAddr::V6(_) => SocketAddr::from((Ipv6Addr::UNSPECIFIED, 0)),
     };
     let bind = || {
         let udp = UdpSocket::bind(local)?;
-        udp.set_read_timeout(Some(AWAKE))?;
+        udp.set_read_timeout(Some(POLL_INTERVAL))?;
         let answers = udp.try_clone()?;
         Ok([udp, answers])
     };
     bind().map_err(|source| LinkError::Udp { address: local.to_string(), source })
 }
 
-/// The controller's clock: a cycle each `period`. When this machine holds it up for more than that, it
-/// waits, as if nothing had been: robot time has no gaps.
+/// The controller's clock: a cycle per `period`. If the machine delays it by more than a period, robot time
+/// waits and has no gaps.
 pub(super) fn run_clock(shared: &Shared, udp: &UdpSocket, client: SocketAddr, period: Duration) {
     let real_time = crate::priority::raise();
-    lock(&shared.line).real_time = real_time;
+    lock(&shared.link).real_time = real_time;
     let mut next = Instant::now() + period;
     let mut message = Vec::with_capacity(1500);
-    while !shared.is_over() {
+    while !shared.is_shut_down() {
         let now = Instant::now();
-        if let Some(left) = next.checked_duration_since(now) {
-            thread::sleep(left);
+        if let Some(remaining) = next.checked_duration_since(now) {
+            thread::sleep(remaining);
         } else if now.duration_since(next) > period {
             next = now;
-            lock(&shared.line).held_up += 1;
+            lock(&shared.link).delayed_cycles += 1;
         }
         next += period;
         let due = lock(&shared.simulation).tick(&mut message);
-        let datagram = lock(&shared.line).send(due.then_some(message.as_slice()));
+        let datagram = lock(&shared.link).send(due.then_some(message.as_slice()));
         if let Some(datagram) = datagram {
-            // Nobody may listen yet.
+            // The client may not listen yet.
             let _ = udp.send_to(&datagram, client);
         }
     }
 }
 
-/// Takes the client's answers.
-pub(super) fn take_answers(shared: &Shared, udp: &UdpSocket, client: SocketAddr) {
+/// Receives the client's answers.
+pub(super) fn receive_answers(shared: &Shared, udp: &UdpSocket, client: SocketAddr) {
     crate::priority::raise();
     let mut buffer = [0; 2048];
-    while !shared.is_over() {
+    while !shared.is_shut_down() {
         let (length, from) = match udp.recv_from(&mut buffer) {
             Ok(received) => received,
             Err(error) if is_timeout(&error) => continue,
             Err(error) => {
                 tracing::warn!("FRI: {error}");
-                thread::sleep(AWAKE);
+                thread::sleep(POLL_INTERVAL);
                 continue;
             }
         };
         let now = Instant::now();
         let datagram = &buffer[..length];
-        if from.ip() != client.ip() || !lock(&shared.line).receive(datagram, now) {
+        if from.ip() != client.ip() || !lock(&shared.link).receive(datagram, now) {
             continue;
         }
         if let Err(error) = lock(&shared.simulation).fri().receive(datagram) {

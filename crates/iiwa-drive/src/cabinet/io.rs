@@ -21,7 +21,7 @@ enum Direction {
 }
 
 impl Default for Ports {
-    /// What a media flange "Touch" has, and one of each kind of number.
+    /// The signals of a media flange "Touch", and one of each numeric type.
     fn default() -> Self {
         use Direction::{Input, Output};
         use IoValue::{Analog, Boolean, Digital};
@@ -48,7 +48,7 @@ impl Ports {
         self.0.get(name).map(|port| port.value).ok_or_else(|| self.unknown(name))
     }
 
-    /// Sets an output, and returns what it is then.
+    /// Sets an output and returns its new value.
     pub(super) fn set(&mut self, name: &str, value: IoValue) -> Result<IoValue, Refusal> {
         use IoValue::{Analog, Boolean, Digital};
         let Some(port) = self.0.get_mut(name) else { return Err(self.unknown(name)) };
@@ -60,12 +60,14 @@ impl Ports {
             #[expect(clippy::cast_precision_loss, reason = "an analog value is a float")]
             (Analog(_), Digital(value)) => Analog(value as f64),
             (Boolean(_), _) => {
-                return Err(Refusal::bad(format!("{name} is true or false, not {value}")));
+                return Err(Refusal::bad(format!("{name} takes true or false, not {value}")));
             }
             (Digital(_), _) => {
-                return Err(Refusal::bad(format!("{name} is a whole number, not {value}")));
+                return Err(Refusal::bad(format!("{name} takes a whole number, not {value}")));
             }
-            (Analog(_), _) => return Err(Refusal::bad(format!("{name} is a number, not {value}"))),
+            (Analog(_), _) => {
+                return Err(Refusal::bad(format!("{name} takes a number, not {value}")));
+            }
         };
         Ok(port.value)
     }
@@ -73,7 +75,7 @@ impl Ports {
     fn unknown(&self, name: &str) -> Refusal {
         let known = self.0.keys().copied().collect::<Vec<_>>().join(", ");
         Refusal::bad(format!(
-            "there is no input or output `{}`; known are {known}",
+            "there is no input or output `{}`; known names are {known}",
             shortened(name)
         ))
     }

@@ -1,8 +1,8 @@
-//! Noise of measurement.
+//! Measurement noise.
 
 use fastrand_contrib::RngExt;
 
-/// Normally distributed numbers: the same ones in each run.
+/// Normally distributed numbers from a fixed seed.
 #[derive(Clone, Debug)]
 pub(super) struct Noise {
     deviation: f64,
@@ -10,7 +10,7 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    /// With this standard deviation.
+    /// Noise with a standard deviation.
     pub(super) fn new(deviation: f64) -> Self {
         Self { deviation, random: fastrand::Rng::with_seed(1) }
     }

@@ -18,109 +18,117 @@ use iiwa_link::{
 use iiwa_path::Motion;
 use iiwa_traj::Trajectory;
 
-use super::{AWAKE, Shared, lock, simulation::plan};
+use super::{
+    shared::{POLL_INTERVAL, Shared, lock},
+    simulation::plan,
+};
 use crate::robot_program::{
     Acknowledgement, BEGIN_WITHIN, Instruction, RunId, STATE_EVERY_MS, StateChange,
 };
 
-/// What the robot program hears of.
-pub(super) enum Input {
+/// Input of the robot program.
+pub(super) enum ProgramInput {
     Socket(Event),
-    Planned(Planned),
+    Planned(PlanningResult),
 }
 
-/// Motions that are to be planned.
-pub(super) struct ToPlan {
+/// Motions to be planned.
+pub(super) struct PlanningJob {
     run: RunId,
     start_rad: Joints,
     motions: Vec<Motion>,
 }
 
-/// What came of them.
-pub(super) struct Planned {
+/// The result of planning.
+pub(super) struct PlanningResult {
     run: RunId,
     result: Result<Trajectory, Refusal>,
 }
 
-/// Plans until nobody asks any more.
-pub(super) fn plan_motions(robot: &Robot, jobs: &Receiver<ToPlan>, done: impl Fn(Planned)) {
-    for ToPlan { run, start_rad, motions } in jobs {
-        done(Planned { run, result: plan(robot, start_rad, motions) });
+/// Plans motions until the sender of jobs is dropped.
+pub(super) fn plan_motions(
+    robot: &Robot,
+    jobs: &Receiver<PlanningJob>,
+    done: impl Fn(PlanningResult),
+) {
+    for PlanningJob { run, start_rad, motions } in jobs {
+        done(PlanningResult { run, result: plan(robot, start_rad, motions) });
     }
 }
 
-/// Carries out iiwaDrive's instructions, and acknowledges them. Motions are planned first, and begin when
-/// the drive says so: what nobody wants any more by then does not begin.
-pub(super) struct Program<'a> {
+/// Carries out the instructions of iiwaDrive and acknowledges them. Motions are planned first and begin with
+/// another instruction, so that they do not begin if they were withdrawn meanwhile.
+pub(super) struct RobotProgram<'a> {
     shared: &'a Shared,
     socket: Listener,
-    planner: Sender<ToPlan>,
-    /// Who is to hear that motions are planned.
-    planning: Option<Planning>,
-    /// Motions that wait to be begun.
-    planned: Option<Waiting>,
+    planner: Sender<PlanningJob>,
+    /// The instruction that is acknowledged when its motions are planned.
+    planning: Option<PendingPlan>,
+    /// Planned motions that wait for their beginning.
+    planned: Option<PlannedMotions>,
 }
 
-struct Planning {
+struct PendingPlan {
     run: RunId,
-    asked: Asked,
+    source: InstructionSource,
     is_withdrawn: bool,
 }
 
-struct Waiting {
+struct PlannedMotions {
     run: RunId,
     trajectory: Trajectory,
     since: Instant,
 }
 
-/// Where an instruction came from.
-struct Asked {
+/// The sender of an instruction, and its number.
+struct InstructionSource {
     peer: PeerId,
     /// The frames before the instruction.
     envelope: Frames,
     seq: Option<u64>,
 }
 
-impl<'a> Program<'a> {
-    pub(super) fn new(shared: &'a Shared, socket: Listener, planner: Sender<ToPlan>) -> Self {
+impl<'a> RobotProgram<'a> {
+    pub(super) fn new(shared: &'a Shared, socket: Listener, planner: Sender<PlanningJob>) -> Self {
         Self { shared, socket, planner, planning: None, planned: None }
     }
 
-    pub(super) fn run(mut self, inputs: &Receiver<Input>) {
-        while !self.shared.is_over() {
-            match inputs.recv_timeout(AWAKE) {
-                Ok(Input::Socket(Event::Message(peer, received))) => {
-                    self.take(peer, received.frames);
+    pub(super) fn run(mut self, inputs: &Receiver<ProgramInput>) {
+        while !self.shared.is_shut_down() {
+            match inputs.recv_timeout(POLL_INTERVAL) {
+                Ok(ProgramInput::Socket(Event::Message(peer, received))) => {
+                    self.receive(peer, received.frames);
                 }
-                // What was planned for a drive that has gone is not begun by another one.
-                Ok(Input::Socket(Event::Gone(_))) | Err(RecvTimeoutError::Timeout) => {}
-                Ok(Input::Planned(planned)) => self.keep(planned),
+                // Motions planned for a disconnected drive expire: another one does not begin them.
+                Ok(ProgramInput::Socket(Event::Disconnected(_)))
+                | Err(RecvTimeoutError::Timeout) => {}
+                Ok(ProgramInput::Planned(result)) => self.planned(result),
                 Err(RecvTimeoutError::Disconnected) => return,
             }
             self.planned.take_if(|waiting| waiting.since.elapsed() > BEGIN_WITHIN);
         }
     }
 
-    fn take(&mut self, peer: PeerId, mut envelope: Frames) {
-        // As REQ sends it: an empty frame and the instruction.
+    fn receive(&mut self, peer: PeerId, mut envelope: Frames) {
+        // An empty frame and the instruction, as from REQ.
         let body = envelope.pop().unwrap_or_default();
         let (seq, instruction) = if envelope.len() <= 1 && envelope.iter().all(Bytes::is_empty) {
             Instruction::from_json(&body)
         } else {
             envelope.truncate(1);
-            (None, Err(Refusal::bad("an instruction is one frame")))
+            (None, Err(Refusal::bad("an instruction has to consist of one frame")))
         };
-        let asked = Asked { peer, envelope, seq };
+        let source = InstructionSource { peer, envelope, seq };
         match instruction.and_then(|instruction| self.carry_out(instruction)) {
-            Ok(Done::Now(answer)) => self.acknowledge(asked, answer),
-            Ok(Done::WhenPlanned(run)) => {
-                self.planning = Some(Planning { run, asked, is_withdrawn: false });
+            Ok(AcknowledgeWhen::Now(answer)) => self.acknowledge(source, answer),
+            Ok(AcknowledgeWhen::Planned(run)) => {
+                self.planning = Some(PendingPlan { run, source, is_withdrawn: false });
             }
-            Err(refusal) => self.refuse(asked, refusal),
+            Err(refusal) => self.refuse(source, refusal),
         }
     }
 
-    fn carry_out(&mut self, instruction: Instruction) -> Result<Done, Refusal> {
+    fn carry_out(&mut self, instruction: Instruction) -> Result<AcknowledgeWhen, Refusal> {
         let mut simulation = lock(&self.shared.simulation);
         match instruction {
             Instruction::RunMotions { run, motions } => {
@@ -130,83 +138,90 @@ impl<'a> Program<'a> {
                 }
                 self.planned = None;
                 let start_rad = *simulation.position();
-                // Its thread ends later.
-                let _ = self.planner.send(ToPlan { run, start_rad, motions });
-                Ok(Done::WhenPlanned(run))
+                // The planner outlives this thread.
+                let _ = self.planner.send(PlanningJob { run, start_rad, motions });
+                Ok(AcknowledgeWhen::Planned(run))
             }
             Instruction::Begin { run } => {
                 let waiting = self.planned.take_if(|waiting| waiting.run == run);
-                let Some(Waiting { trajectory, .. }) = waiting else {
-                    return Err(Refusal::robot("these motions are not planned, or not any more"));
+                let Some(PlannedMotions { trajectory, .. }) = waiting else {
+                    return Err(Refusal::robot(
+                        "these motions are not planned, or their plan has expired",
+                    ));
                 };
-                simulation.begin(run, trajectory).map(|()| Done::Now(Acknowledgement::default()))
+                simulation
+                    .begin(run, trajectory)
+                    .map(|()| AcknowledgeWhen::Now(Acknowledgement::default()))
             }
             Instruction::Stop => {
                 self.planned = None;
                 if let Some(planning) = &mut self.planning {
                     planning.is_withdrawn = true;
                 }
-                simulation.carry_out(Instruction::Stop).map(Done::Now)
+                simulation.carry_out(Instruction::Stop).map(AcknowledgeWhen::Now)
             }
-            instruction => simulation.carry_out(instruction).map(Done::Now),
+            instruction => simulation.carry_out(instruction).map(AcknowledgeWhen::Now),
         }
     }
 
-    /// Motions are planned.
-    fn keep(&mut self, Planned { run, result }: Planned) {
-        let Some(Planning { asked, is_withdrawn, .. }) =
+    /// Motions have been planned.
+    fn planned(&mut self, PlanningResult { run, result }: PlanningResult) {
+        let Some(PendingPlan { source, is_withdrawn, .. }) =
             self.planning.take_if(|planning| planning.run == run)
         else {
             return;
         };
         match result {
             Ok(_) if is_withdrawn => {
-                self.refuse(asked, Refusal::robot("stopped on request, before it was planned"));
+                self.refuse(
+                    source,
+                    Refusal::robot("stopped on request, before the motions were planned"),
+                );
             }
             Ok(trajectory) => {
-                self.planned = Some(Waiting { run, trajectory, since: Instant::now() });
-                self.acknowledge(asked, Acknowledgement::default());
+                self.planned = Some(PlannedMotions { run, trajectory, since: Instant::now() });
+                self.acknowledge(source, Acknowledgement::default());
             }
-            Err(refusal) => self.refuse(asked, refusal),
+            Err(refusal) => self.refuse(source, refusal),
         }
     }
 
-    fn refuse(&self, asked: Asked, refusal: Refusal) {
+    fn refuse(&self, source: InstructionSource, refusal: Refusal) {
         let error = Some(refusal);
-        self.acknowledge(asked, Acknowledgement { error, ..Acknowledgement::default() });
+        self.acknowledge(source, Acknowledgement { error, ..Acknowledgement::default() });
     }
 
-    fn acknowledge(&self, asked: Asked, answer: Acknowledgement) {
-        let Asked { peer, envelope: mut frames, seq } = asked;
+    fn acknowledge(&self, source: InstructionSource, answer: Acknowledgement) {
+        let InstructionSource { peer, envelope: mut frames, seq } = source;
         frames.push(to_json(&Acknowledgement { seq, ..answer }).into());
         self.socket.send(peer, frames, None);
     }
 }
 
 /// When an instruction is acknowledged.
-enum Done {
+enum AcknowledgeWhen {
     Now(Acknowledgement),
-    WhenPlanned(RunId),
+    Planned(RunId),
 }
 
-/// Tells the state when it changes, again until that is acknowledged, and now and then in any case.
-pub(super) fn tell_state(shared: &Shared, socket: &Listener, acknowledged: &AtomicBool) {
-    const LOOK: Duration = Duration::from_millis(2);
+/// Sends the state when it changes, repeatedly until it is acknowledged, and periodically in any case.
+pub(super) fn send_states(shared: &Shared, socket: &Listener, acknowledged: &AtomicBool) {
+    const POLL_INTERVAL: Duration = Duration::from_millis(2);
     let every = Duration::from_millis(STATE_EVERY_MS);
     let again = Duration::from_millis(100);
-    let mut told: Option<(StateChange, Instant)> = None;
-    while !shared.is_over() {
+    let mut sent: Option<(StateChange, Instant)> = None;
+    while !shared.is_shut_down() {
         let change = {
             let mut simulation = lock(&shared.simulation);
             let wait = if acknowledged.load(Ordering::Relaxed) { every } else { again };
-            let due = told.as_ref().is_none_or(|(_, at)| at.elapsed() >= wait);
+            let due = sent.as_ref().is_none_or(|(_, at)| at.elapsed() >= wait);
             simulation.take_change().or_else(|| due.then(|| simulation.state()))
         };
         if let Some(change) = change {
             acknowledged.store(false, Ordering::Relaxed);
             socket.publish(&vec![Bytes::new(), to_json(&change).into()]);
-            told = Some((change, Instant::now()));
+            sent = Some((change, Instant::now()));
         }
-        thread::sleep(LOOK);
+        thread::sleep(POLL_INTERVAL);
     }
 }

@@ -1,17 +1,17 @@
-//! What the simulated robot's sensors say.
+//! Simulated sensors.
 
 use iiwa_kin::{Joints, Robot};
 
 /// Room temperature, in degrees Celsius.
 const ROOM_C: f64 = 25.0;
-/// How much warmer a joint gets that always moves at full speed, in K.
+/// Final temperature rise of a joint that always moves at full speed, in K.
 const HEATING_K: f64 = 25.0;
 /// Time constant of warming up, in s.
 const WARMING_S: f64 = 900.0;
 /// Acceleration of gravity, in m/s^2.
 const GRAVITY: f64 = 9.81;
 
-/// Temperatures of the joints: a plausible model, no measurement. Motion heats them, room air cools them.
+/// Joint temperatures, heated by motion and cooled by the air. The model is plausible, not measured.
 #[derive(Clone, Debug)]
 pub(super) struct Temperatures(Joints);
 
@@ -20,11 +20,11 @@ impl Temperatures {
         Self([ROOM_C; 7])
     }
 
-    /// After `dt_s` at speeds of these shares of the limits.
+    /// Advances by `dt_s` at velocities given as shares of the limits.
     pub(super) fn advance(&mut self, speed_rel: &Joints, dt_s: f64) {
         for (temperature, speed) in self.0.iter_mut().zip(speed_rel) {
-            let towards = ROOM_C + HEATING_K * speed.abs();
-            *temperature += (towards - *temperature) * dt_s / WARMING_S;
+            let target = ROOM_C + HEATING_K * speed.abs();
+            *temperature += (target - *temperature) * dt_s / WARMING_S;
         }
     }
 
@@ -34,8 +34,8 @@ impl Temperatures {
     }
 }
 
-/// The torques with which the joints of an arm that stands on the floor hold its own weight, in Nm. Each
-/// link counts as a point half-way between its ends: an estimate, as the masses are.
+/// Joint torques that hold the weight of a floor-mounted arm, in Nm. Each link is a point mass half-way between
+/// its ends: an estimate, as are the masses.
 pub(super) fn holding_torques(robot: &Robot, joints_rad: &Joints) -> Joints {
     let links = robot.link_poses(joints_rad);
     let masses = robot.link_mass_kg();
@@ -49,7 +49,7 @@ pub(super) fn holding_torques(robot: &Robot, joints_rad: &Joints) -> Joints {
                     0.5 * (links[link].position_m[i] + links[link + 1].position_m[i])
                         - joint.position_m[i]
                 });
-                // How fast a turn about the axis lifts the weight.
+                // Torque of the weight about the axis.
                 masses[link] * GRAVITY * (axis[0] * lever[1] - axis[1] * lever[0])
             })
             .sum()

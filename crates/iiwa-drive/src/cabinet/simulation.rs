@@ -1,5 +1,4 @@
-//! The simulated robot and the program that runs on its cabinet, without sockets and without a clock:
-//! it goes on by one cycle when it is told to.
+//! The simulated robot and robot program, sans I/O: advanced cycle by cycle.
 
 #[cfg(test)]
 mod tests;
@@ -23,17 +22,17 @@ use crate::{
     robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
 };
 
-/// How long the controller waits for the client before a trajectory, in s.
-const COMMANDING_WAIT_S: f64 = 5.0;
+/// How long the controller waits for active commanding, in s.
+const COMMANDING_TIMEOUT_S: f64 = 5.0;
 
-/// Longest time between messages over which the arm can be commanded, in s.
-const COMMANDED_EVERY_S: f64 = 0.010;
+/// Longest send period for commanding, in s.
+const MAX_COMMANDING_PERIOD_S: f64 = 0.010;
 
-/// How much faster than its limit a joint may be told to go by set-points: clocks are not exact, and
-/// positions are rounded.
+/// Permitted velocity of set-points, as a share of the limits: clocks are not exact, and positions are
+/// rounded.
 const SETPOINT_MARGIN: f64 = 1.1;
 
-/// How much harder than its limit of acceleration a joint may brake at the end of its range.
+/// Deceleration of a joint before the end of its range, as a share of the acceleration limits.
 const BRAKING_MARGIN: f64 = 1.25;
 
 /// A robot, its controller and the robot program.
@@ -43,17 +42,17 @@ pub(super) struct Simulation {
     receive_multiplier: u32,
     /// Cycles since the start: the controller's clock.
     cycle: u64,
-    /// Where the arm is told to be, in rad.
+    /// Commanded joint positions, in rad.
     q: Joints,
-    /// How fast it moves, in rad/s.
+    /// Commanded joint velocities, in rad/s.
     dq: Joints,
     activity: Activity,
     outcome: Option<Outcome>,
     boot: u64,
     fri: Controller,
-    /// The emergency stop is pressed up to this cycle.
+    /// The emergency stop is pressed until this cycle.
     pressed_until: Option<u64>,
-    /// Presses it once the next motion is at this share of its time.
+    /// The emergency stop is pressed at this share of the next motion.
     press_at: Option<f64>,
     noise: Noise,
     temperatures: Temperatures,
@@ -61,41 +60,41 @@ pub(super) struct Simulation {
     changed: bool,
 }
 
-/// What the robot program is busy with.
+/// The activity of the robot program.
 enum Activity {
     Nothing,
-    /// Motions that it planned.
+    /// Runs planned motions.
     Motions {
         run: RunId,
         playback: Box<Playback<Trajectory>>,
         from: u64,
         error: Option<Refusal>,
     },
-    /// Set-points of the client.
+    /// Follows the set-points of the client.
     Commanded(Commanded),
-    /// The arm is brought to rest where it happens to be.
-    Braking(Braking),
+    /// Brings the arm to rest, off any path.
+    Braking(JointBraking),
 }
 
 struct Commanded {
     run: RunId,
     /// The cycle of the request.
     since: u64,
-    /// Where the arm was then, in rad.
+    /// Joint positions at the request, in rad.
     at_rad: Joints,
-    /// The cycle in which the client was told to command.
+    /// The cycle in which commanding became active.
     from: Option<u64>,
-    /// The last set-point, and the counter of the message that it answers.
+    /// The last set-point, in rad, and the sequence counter of the message that it answers.
     last: Option<(Joints, u32)>,
-    /// Cycles within which the arm is to be there.
-    left: u32,
+    /// Number of cycles within which the arm has to reach it.
+    cycles_left: u32,
 }
 
-struct Braking {
+struct JointBraking {
     run: RunId,
     state: DriveState,
     from: Option<u64>,
-    /// Where each joint began to brake, in rad, how fast it was, in rad/s, and how long it takes, in s.
+    /// Initial positions, in rad, initial velocities, in rad/s, and braking times, in s, of the joints.
     began_rad: Joints,
     speed_rad_s: Joints,
     takes_s: Joints,
@@ -103,8 +102,8 @@ struct Braking {
     error: Refusal,
 }
 
-impl Braking {
-    /// Where the arm is after so long, in rad: each joint gets slower by the same amount each cycle.
+impl JointBraking {
+    /// The current joint positions, in rad: each joint brakes with constant deceleration.
     fn position(&self) -> Joints {
         std::array::from_fn(|j| {
             let t_s = self.for_s.min(self.takes_s[j]);
@@ -146,7 +145,7 @@ impl Simulation {
         }
     }
 
-    /// The controller's clock.
+    /// The time of the controller's clock, in s.
     fn now_s(&self) -> f64 {
         self.at_s(self.cycle)
     }
@@ -161,12 +160,12 @@ impl Simulation {
         cycles
     }
 
-    /// The state as it is told to iiwaDrive, if it has changed since it was asked for.
+    /// The state as sent to iiwaDrive, if it has changed since the last call.
     pub(super) fn take_change(&mut self) -> Option<StateChange> {
         std::mem::take(&mut self.changed).then(|| self.state())
     }
 
-    /// The state as it is told to iiwaDrive.
+    /// The state as sent to iiwaDrive.
     pub(super) fn state(&self) -> StateChange {
         let (state, run) = match &self.activity {
             Activity::Nothing => (DriveState::Idle, None),
@@ -177,7 +176,7 @@ impl Simulation {
         StateChange { boot: self.boot, state, run, outcome: self.outcome.clone() }
     }
 
-    /// Where the arm is, in rad.
+    /// The current joint positions, in rad.
     pub(super) fn position(&self) -> &Joints {
         &self.q
     }
@@ -186,7 +185,7 @@ impl Simulation {
         &mut self.fri
     }
 
-    /// Presses the emergency stop for so long, in s.
+    /// Presses the emergency stop for a time, in s.
     pub(super) fn press_emergency_stop(&mut self, seconds: f64) {
         self.pressed_until = Some(self.cycle + self.cycles(seconds));
         let error = Refusal::robot("the emergency stop was pressed");
@@ -200,17 +199,17 @@ impl Simulation {
         }
     }
 
-    /// Presses it once the next motion is at this share of its time.
+    /// Presses the emergency stop at this share of the next motion.
     pub(super) fn press_emergency_stop_at(&mut self, share: Option<f64>) {
         self.press_at = share;
     }
 
-    /// Opens FRI anew, after so many seconds without a session.
+    /// Drops the FRI session for a number of seconds.
     pub(super) fn drop_session(&mut self, seconds: f64) {
         self.fri.drop_session(self.cycles(seconds));
     }
 
-    /// Goes on by one cycle, and writes the message of FRI that is due, if one is.
+    /// Advances by one cycle, and encodes the FRI message if one is due.
     pub(super) fn tick(&mut self, message: &mut Vec<u8>) -> bool {
         self.cycle += 1;
         if self.pressed_until.is_some_and(|until| until <= self.cycle) {
@@ -236,8 +235,8 @@ impl Simulation {
         self.fri.message(&reading, message)
     }
 
-    /// Where the controller's own motion has the arm, in rad. Under commands that is one that holds the
-    /// arm where it was: set-points do not change it.
+    /// Interpolated joint positions of the controller's own motion, in rad. While commanded, that motion holds
+    /// the position at the request: set-points do not change it.
     fn ipo_rad(&self) -> Joints {
         match &self.activity {
             Activity::Commanded(commanded) => commanded.at_rad,
@@ -266,7 +265,7 @@ impl Simulation {
             Activity::Braking(mut braking) => {
                 braking.for_s += self.period_s;
                 let range = self.robot.limits().position_rad;
-                // Outside its range no motion could begin any more.
+                // Outside the joint range no motion could begin any more.
                 let q = braking.position();
                 self.q = std::array::from_fn(|j| q[j].clamp(-range[j], range[j]));
                 if braking.is_over() {
@@ -281,17 +280,17 @@ impl Simulation {
     fn follow(&mut self, mut commanded: Commanded) {
         let waited_s = (self.cycle - commanded.since) as f64 * self.period_s;
         let error = match (self.fri.state(), commanded.from) {
-            (SessionState::CommandingActive, _) => self.take_setpoint(&mut commanded).err(),
+            (SessionState::CommandingActive, _) => self.follow_setpoint(&mut commanded).err(),
             (_, Some(_)) => Some(Refusal::robot(format!(
-                "the connection became too bad to command over it: quality {}",
+                "the FRI connection became too bad for commanding: quality {}",
                 self.fri.quality().name()
             ))),
-            (state, None) if waited_s > COMMANDING_WAIT_S => Some(Refusal::robot(format!(
-                "FRI did not come to command within {COMMANDING_WAIT_S} s: session {}, quality {}",
+            (state, None) if waited_s > COMMANDING_TIMEOUT_S => Some(Refusal::robot(format!(
+                "FRI did not reach active commanding within {COMMANDING_TIMEOUT_S} s: session {}, quality {}",
                 state.name(),
                 self.fri.quality().name()
             ))),
-            // Asked for again: the session may have been lost since.
+            // Requested again: the session may have been lost meanwhile.
             (state, None) => {
                 if !state.commands() {
                     self.fri.request_commanding();
@@ -302,22 +301,22 @@ impl Simulation {
         self.activity = Activity::Commanded(commanded);
         if let Some(error) = error {
             self.brake(error);
-            // In this cycle: an arm that waited for the next one would have stopped dead.
+            // In this cycle: waiting for the next one would stop the arm abruptly.
             self.advance();
         }
     }
 
-    fn take_setpoint(&mut self, commanded: &mut Commanded) -> Result<(), Refusal> {
+    fn follow_setpoint(&mut self, commanded: &mut Commanded) -> Result<(), Refusal> {
         commanded.from.get_or_insert(self.cycle);
         let limits = self.robot.limits();
         if let Some(setpoint) = self.fri.setpoint() {
             if let Some(j) = limits.outside(setpoint) {
                 return Err(Refusal::new(
                     Code::Limit,
-                    format!("a set-point was outside the position limit of joint {}", j + 1),
+                    format!("a set-point exceeded the position limit of joint {}", j + 1),
                 ));
             }
-            // By the messages that they answer: some answers take longer than others.
+            // Times by the answered messages: the latency of answers varies.
             let answered = self.fri.answered().unwrap_or_default();
             let first = (self.q, answered.wrapping_sub(self.receive_multiplier));
             let (last, before) = commanded.last.unwrap_or(first);
@@ -326,40 +325,40 @@ impl Simulation {
             if let Some(j) = (0..7).find(|&j| (setpoint[j] - last[j]).abs() > most(j) + 1e-6) {
                 return Err(Refusal::new(
                     Code::Limit,
-                    format!("the set-points moved joint {} faster than its limit", j + 1),
+                    format!("the set-points exceeded the velocity limit of joint {}", j + 1),
                 ));
             }
             if commanded.last.is_none_or(|(last, _)| last != *setpoint) {
                 commanded.last = Some((*setpoint, answered));
-                commanded.left = self.receive_multiplier;
+                commanded.cycles_left = self.receive_multiplier;
             }
-            commanded.left = commanded.left.max(1);
+            commanded.cycles_left = commanded.cycles_left.max(1);
         }
         let Some((target, _)) = commanded.last else { return Ok(()) };
         self.q = std::array::from_fn(|j| {
             let q = self.q[j];
-            // Without a new set-point the arm goes on as it went.
             let range = limits.position_rad[j];
-            let step = match commanded.left {
+            let step = match commanded.cycles_left {
                 0 => {
-                    // As long as it can still stop within its range.
+                    // Without a new set-point, the motion is extrapolated as long as the joint can
+                    // still stop within its range.
                     let stops = |room_rad: f64| {
                         let braking = limits.acceleration_rad_s2[j] * BRAKING_MARGIN;
                         fastest(room_rad, braking, self.period_s)
                     };
                     self.dq[j].clamp(-stops(range + q), stops(range - q)) * self.period_s
                 }
-                left => (target[j] - q) / f64::from(left),
+                cycles => (target[j] - q) / f64::from(cycles),
             };
             let most = limits.velocity_rad_s[j] * SETPOINT_MARGIN * self.period_s;
             (q + step.clamp(-most, most)).clamp(-range, range)
         });
-        commanded.left = commanded.left.saturating_sub(1);
+        commanded.cycles_left = commanded.cycles_left.saturating_sub(1);
         Ok(())
     }
 
-    /// Brings the arm to rest from where the client has left it: in a straight line, but for joints that
-    /// would leave their range.
+    /// Brings the arm to rest on a straight line in joint space, except for joints that would leave their
+    /// range.
     fn brake(&mut self, error: Refusal) {
         if let Activity::Commanded(Commanded { run, from, .. }) = self.activity {
             self.fri.release();
@@ -369,7 +368,7 @@ impl Simulation {
                 let room_rad = (range[j] - self.q[j] * speed.signum()).max(0.0);
                 if speed == 0.0 { 0.0 } else { EMERGENCY_STOP_S.min(2.0 * room_rad / speed.abs()) }
             });
-            self.activity = Activity::Braking(Braking {
+            self.activity = Activity::Braking(JointBraking {
                 run,
                 state: DriveState::RunningTrajectory,
                 from,
@@ -394,7 +393,7 @@ impl Simulation {
         self.changed = true;
     }
 
-    /// Whether a run may begin.
+    /// Checks that a run may begin.
     pub(super) fn check_ready(&self) -> Result<(), Refusal> {
         if self.pressed_until.is_some() {
             return Err(Refusal::robot("the emergency stop is pressed"));
@@ -405,7 +404,7 @@ impl Simulation {
         }
     }
 
-    /// Begins motions that were planned from where the arm is.
+    /// Begins planned motions.
     pub(super) fn begin(&mut self, run: RunId, trajectory: Trajectory) -> Result<(), Refusal> {
         self.check_ready()?;
         let start = trajectory.at(0.0).q;
@@ -418,7 +417,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Carries out an instruction, but for those about motions.
+    /// Carries out an instruction other than those about motions.
     pub(super) fn carry_out(
         &mut self,
         instruction: Instruction,
@@ -428,11 +427,11 @@ impl Simulation {
             Instruction::RunMotions { .. } | Instruction::Begin { .. } => {}
             Instruction::RunTrajectory { run } => {
                 self.check_ready()?;
-                if self.period_s > COMMANDED_EVERY_S {
+                if self.period_s > MAX_COMMANDING_PERIOD_S {
                     return Err(Refusal::robot(format!(
-                        "FRI is open every {} ms; to command, it has to be every 1 to {} ms",
+                        "FRI sends every {} ms; commanding requires every 1 to {} ms",
                         self.period_s * 1e3,
-                        COMMANDED_EVERY_S * 1e3
+                        MAX_COMMANDING_PERIOD_S * 1e3
                     )));
                 }
                 self.fri.request_commanding();
@@ -442,7 +441,7 @@ impl Simulation {
                     at_rad: self.q,
                     from: None,
                     last: None,
-                    left: 0,
+                    cycles_left: 0,
                 });
                 self.changed = true;
             }
@@ -451,7 +450,7 @@ impl Simulation {
                     && commanded.run == run
                 {
                     if self.dq.iter().any(|dq| dq.abs() > REST_RAD_S) {
-                        self.brake(Refusal::robot("the trajectory was ended in motion"));
+                        self.brake(Refusal::robot("the trajectory was ended while the arm moved"));
                     } else {
                         let from = commanded.from;
                         self.end(run, from, None);
@@ -489,10 +488,10 @@ impl Simulation {
 /// How long a simulated emergency stop stays pressed, in s.
 pub(super) const EMERGENCY_STOP_HELD_S: f64 = 2.0;
 
-/// Slower than this is rest, in rad/s.
+/// Velocities below this are rest, in rad/s.
 const REST_RAD_S: f64 = 1e-3;
 
-/// Plans motions from `start_rad`, as the controller does.
+/// Plans motions from `start_rad`, in rad.
 pub(super) fn plan(
     robot: &Robot,
     start_rad: Joints,

@@ -1,5 +1,4 @@
-//! Runs are read and checked by a thread of their own: however long that takes, a stop does not wait for
-//! it.
+//! Parsing and checking of runs. A thread of its own does it, so that it does not delay stops.
 
 use std::sync::mpsc::Receiver;
 
@@ -16,68 +15,69 @@ use iiwa_path::{JointPath, Motion, Program};
 
 use crate::robot_program::RunId;
 
-/// What there is to do. `C` tells clients apart.
-pub(super) enum Job<C> {
-    /// To check a run.
-    Check(Check),
-    /// To refuse one that is long, with its id.
+/// A job of the thread. `C` identifies clients.
+pub(super) enum CheckJob<C> {
+    /// Check a run.
+    Check(UncheckedRun),
+    /// Refuse a long request, with its id in the reply.
     Refuse { client: C, body: Bytes, permit: Option<Permit>, refusal: Refusal },
 }
 
-/// A run as it came in.
-pub(super) struct Check {
+/// A run as received.
+pub(super) struct UncheckedRun {
     pub(super) run: RunId,
     pub(super) body: Bytes,
-    /// Of a long one: the next one is not taken in before this is done.
+    /// The permit of a long request: the next one is not received before this one is checked.
     pub(super) permit: Option<Permit>,
     /// Where the arm is, in rad.
     pub(super) at_rad: Joints,
 }
 
-/// What comes of it.
-pub(super) enum Done<C> {
-    Checked(Checked),
-    /// The reply to one that was refused.
+/// The result of a job.
+pub(super) enum CheckResult<C> {
+    /// A checked run.
+    Checked(CheckedRun),
+    /// The reply to a refused request.
     Refused(C, String),
 }
 
-/// A run that was checked.
-pub(super) struct Checked {
+/// A checked run.
+pub(super) struct CheckedRun {
     pub(super) run: RunId,
     pub(super) id: Option<Id>,
-    pub(super) task: Result<Task, Refusal>,
+    pub(super) task: Result<RunTask, Refusal>,
 }
 
-/// What the robot is to do.
-pub(super) enum Task {
+/// The motions or trajectory of a run.
+pub(super) enum RunTask {
     Motions(Vec<Motion>),
     Trajectory(Box<TimedJoints>),
 }
 
-/// Does what there is to do, until nobody asks any more.
-pub(super) fn check<C>(robot: &Robot, jobs: &Receiver<Job<C>>, done: impl Fn(Done<C>)) {
+/// Carries out jobs until their sender is dropped.
+pub(super) fn check<C>(robot: &Robot, jobs: &Receiver<CheckJob<C>>, done: impl Fn(CheckResult<C>)) {
     for job in jobs {
         done(carry_out(robot, job));
     }
 }
 
-pub(super) fn carry_out<C>(robot: &Robot, job: Job<C>) -> Done<C> {
+pub(super) fn carry_out<C>(robot: &Robot, job: CheckJob<C>) -> CheckResult<C> {
     match job {
-        Job::Check(Check { run, body, permit, at_rad }) => {
+        CheckJob::Check(UncheckedRun { run, body, permit, at_rad }) => {
             let (id, task) = read(&body, robot, &at_rad);
             drop((body, permit));
-            Done::Checked(Checked { run, id, task })
+            CheckResult::Checked(CheckedRun { run, id, task })
         }
-        Job::Refuse { client, body, permit, refusal } => {
+        CheckJob::Refuse { client, body, permit, refusal } => {
             let (id, _) = Request::head(&body);
             drop((body, permit));
             let reply = Reply { id: id.as_ref(), error: Some(&refusal), body: None };
-            Done::Refused(client, reply.to_json())
+            CheckResult::Refused(client, reply.to_json())
         }
     }
 }
 
-fn read(body: &[u8], robot: &Robot, at_rad: &Joints) -> (Option<Id>, Result<Task, Refusal>) {
+fn read(body: &[u8], robot: &Robot, at_rad: &Joints) -> (Option<Id>, Result<RunTask, Refusal>) {
     if body.len() > MAX_MOTIONS_BYTES {
         let (id, name) = Request::head(body);
         if name.as_deref() != Some("run_trajectory") {
@@ -85,7 +85,7 @@ fn read(body: &[u8], robot: &Robot, at_rad: &Joints) -> (Option<Id>, Result<Task
             return (
                 id,
                 Err(Refusal::bad(format!(
-                    "the request is {found} bytes long; {most} are the most for all but a trajectory"
+                    "the request has {found} bytes; at most {most} are allowed, except for a trajectory"
                 ))),
             );
         }
@@ -93,14 +93,14 @@ fn read(body: &[u8], robot: &Robot, at_rad: &Joints) -> (Option<Id>, Result<Task
     let (id, request) = Request::from_json(body);
     let task = request.and_then(|request| match request {
         Request::RunMotions { motions } => {
-            check_motions(&motions, robot, at_rad).map(|()| Task::Motions(motions))
+            check_motions(&motions, robot, at_rad).map(|()| RunTask::Motions(motions))
         }
         Request::RunTrajectory { trajectory } => {
             trajectory.check(robot.limits(), at_rad)?;
-            Ok(Task::Trajectory(Box::new(trajectory)))
+            Ok(RunTask::Trajectory(Box::new(trajectory)))
         }
         _ => Err(Refusal::bad(format!(
-            "the request is too long: only motions and trajectories take more than \
+            "the request is too long: only motions and trajectories may have more than \
              {MAX_SHORT_REQUEST_BYTES} bytes"
         ))),
     });
@@ -110,7 +110,7 @@ fn read(body: &[u8], robot: &Robot, at_rad: &Joints) -> (Option<Id>, Result<Task
 fn check_motions(motions: &[Motion], robot: &Robot, at_rad: &Joints) -> Result<(), Refusal> {
     if motions.len() > MAX_MOTIONS {
         return Err(Refusal::bad(format!(
-            "the request has {} motions, {MAX_MOTIONS} are the most; divide it where the arm stops",
+            "the request has {} motions, at most {MAX_MOTIONS} are allowed; split it where the arm stops",
             motions.len()
         )));
     }

@@ -1,8 +1,7 @@
 //! The thread that answers the controller every cycle.
 //!
-//! Nothing in it waits for anybody else: what it measures goes into a channel without bound, what is to be
-//! published into one that drops what there is no room for; what it is told comes from a channel that it
-//! looks into once a cycle.
+//! It never blocks on other threads: events go into an unbounded channel, publications into a bounded one
+//! that drops what exceeds it, and commands are polled once per cycle.
 
 use std::{
     io::ErrorKind,
@@ -18,100 +17,100 @@ use std::{
 use iiwa_kin::Limits;
 use iiwa_link::{Published, socket::is_timeout};
 
-pub(super) use super::answerer::{Event, Heard, Order};
 use super::{
-    answerer::{Answerer, Outcome},
-    punctuality::Account,
+    answer_latency::LatencyRecorder,
+    events::{FriCommand, FriEvent, Observation},
+    responder::{Reception, Responder},
 };
 
 pub(super) struct FriThread {
     pub(super) udp: UdpSocket,
-    /// Only the cabinet is listened to.
+    /// The address that messages are accepted from.
     pub(super) cabinet: IpAddr,
-    /// The robot's limits, which no set-point exceeds.
+    /// The robot's limits.
     pub(super) limits: Limits,
     pub(super) stream: SyncSender<Published>,
-    pub(super) orders: Receiver<Order>,
-    pub(super) events: Sender<Event>,
-    pub(super) account: Arc<Account>,
-    /// Passed once the thread has the priority that it gets.
+    pub(super) commands: Receiver<FriCommand>,
+    pub(super) events: Sender<FriEvent>,
+    pub(super) latency: Arc<LatencyRecorder>,
+    /// Passed once the priority of the thread is set.
     pub(super) ready: Arc<Barrier>,
 }
 
-/// How often the thread looks for orders while the controller is silent.
-pub(super) const AWAKE: Duration = Duration::from_millis(20);
+/// How often commands are polled while the controller is silent.
+pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
-/// How long an arm that moves may take to stop when the drive ends.
-const LAST_STOP: Duration = Duration::from_secs(1);
+/// Time-out of stopping a trajectory when the drive shuts down.
+const FINAL_STOP_TIMEOUT: Duration = Duration::from_secs(1);
 
 impl FriThread {
-    /// Answers until `over`; a trajectory is stopped on its path then.
-    pub(super) fn run(self, over: &AtomicBool) {
-        self.account.raised(crate::priority::raise());
+    /// Answers messages until `shutdown`, then stops a trajectory on its path.
+    pub(super) fn run(self, shutdown: &AtomicBool) {
+        self.latency.raised(crate::priority::raise());
         self.ready.wait();
-        let mut answerer = Answerer::new(self.cabinet, &self.limits);
+        let mut responder = Responder::new(self.cabinet, &self.limits);
         let mut buffer = [0; 2048];
         let mut answer = Vec::with_capacity(1500);
-        let mut until = None;
+        let mut deadline = None;
         loop {
-            if over.load(Ordering::Relaxed) {
-                answerer.stop(false);
-                let until = *until.get_or_insert_with(|| Instant::now() + LAST_STOP);
-                if !answerer.moves() || Instant::now() >= until {
+            if shutdown.load(Ordering::Relaxed) {
+                responder.stop(false);
+                let deadline = *deadline.get_or_insert_with(|| Instant::now() + FINAL_STOP_TIMEOUT);
+                if !responder.moves() || Instant::now() >= deadline {
                     return;
                 }
             }
-            for order in self.orders.try_iter() {
-                self.take(order, &mut answerer);
+            for command in self.commands.try_iter() {
+                self.carry_out(command, &mut responder);
             }
-            answerer.wait(Instant::now());
-            self.tell(&mut answerer);
+            responder.check_timeouts(Instant::now());
+            self.forward_events(&mut responder);
             let (length, from) = match self.udp.recv_from(&mut buffer) {
                 Ok(received) => received,
                 Err(error) => {
                     if !is_timeout(&error) {
                         tracing::warn!("FRI: {error}");
-                        std::thread::sleep(AWAKE);
+                        std::thread::sleep(POLL_INTERVAL);
                     }
                     continue;
                 }
             };
             let read_at = Instant::now();
-            let outcome = answerer.receive(&buffer[..length], from, read_at, &mut answer);
-            self.account.ignored(answerer.ignored());
-            if outcome == Outcome::Nothing {
+            let reception = responder.receive(&buffer[..length], from, read_at, &mut answer);
+            self.latency.ignored(responder.ignored());
+            if reception == Reception::Ignored {
                 continue;
             }
-            self.account.received();
-            if outcome == Outcome::Answered {
-                // Not asked afterwards: the answer may wake others who run first then.
-                let is_behind = self.is_next_there();
-                // The controller counts what does not arrive.
+            self.latency.received();
+            if reception == Reception::Answered {
+                // Checked before sending: the answer may wake other threads, which may run first.
+                let is_behind = self.has_next_message();
+                // The controller counts missing answers.
                 let _ = self.udp.send_to(&answer, from);
-                self.account.answered(read_at.elapsed(), is_behind);
+                self.latency.answered(read_at.elapsed(), is_behind);
             }
-            // All else comes after the answer.
-            self.tell(&mut answerer);
+            // Everything else follows the answer.
+            self.forward_events(&mut responder);
         }
     }
 
-    fn take(&self, order: Order, answerer: &mut Answerer) {
-        match order {
-            Order::Run(run, trajectory) => answerer.run(run, trajectory, Instant::now()),
-            Order::Stop => answerer.stop(true),
-            Order::Release => answerer.stop(false),
-            Order::Publish(state) => {
-                self.publish(Published::State { t_s: answerer.time_s(), state });
+    fn carry_out(&self, command: FriCommand, responder: &mut Responder) {
+        match command {
+            FriCommand::Run(run, trajectory) => responder.run(run, trajectory, Instant::now()),
+            FriCommand::Stop => responder.stop(true),
+            FriCommand::Release => responder.stop(false),
+            FriCommand::Publish(state) => {
+                self.publish(Published::State { t_s: responder.time_s(), state });
             }
         }
     }
 
-    fn tell(&self, answerer: &mut Answerer) {
-        for event in answerer.take_events() {
-            if let Event::Heard(Heard { t_s, joints_rad, .. }) = event {
+    fn forward_events(&self, responder: &mut Responder) {
+        for event in responder.take_events() {
+            if let FriEvent::Observed(Observation { t_s, joints_rad, .. }) = event {
                 self.publish(Published::Joints { t_s, joints_rad });
             }
-            // The other end goes away last.
+            // The receiver outlives this thread.
             let _ = self.events.send(event);
         }
     }
@@ -120,18 +119,18 @@ impl FriThread {
         let _ = self.stream.try_send(published);
     }
 
-    /// Whether the controller's next message has come in already.
-    fn is_next_there(&self) -> bool {
-        // A moment's look: nobody else uses the socket, which waits otherwise.
+    /// Whether the next message of the controller has arrived already.
+    fn has_next_message(&self) -> bool {
+        // Non-blocking for this call only: no other thread uses the socket.
         if self.udp.set_nonblocking(true).is_err() {
             return false;
         }
-        let is_there = match self.udp.peek_from(&mut [0; 64]) {
+        let has_next = match self.udp.peek_from(&mut [0; 64]) {
             Ok((_, from)) => from.ip() == self.cabinet,
-            // Some systems say so of a message longer than the buffer.
+            // Some systems report an error for a message longer than the buffer.
             Err(error) => !matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted),
         };
         let _ = self.udp.set_nonblocking(false);
-        is_there
+        has_next
     }
 }

@@ -1,14 +1,14 @@
-//! What is measured goes out to subscribers, off the thread that measures.
+//! Publication of measurements and states, outside the FRI thread.
 
 use std::sync::mpsc::Receiver;
 
 use bytes::Bytes;
 use iiwa_link::{Published, message::to_json, transport::Listener};
 
-/// Messages that wait to be published, at most.
+/// Largest number of messages that wait to be published.
 pub(super) const BACKLOG: usize = 4096;
 
-/// Publishes until there is nothing more to come.
+/// Publishes until the sender is dropped.
 pub(super) fn publish(published: &Receiver<Published>, listener: &Listener) {
     for message in published {
         let topic = Bytes::from_static(message.topic().as_bytes());

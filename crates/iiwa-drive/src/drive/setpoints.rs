@@ -1,4 +1,4 @@
-//! The trajectory in hand, set-point by set-point.
+//! Set-points of the current trajectory.
 
 use iiwa_fri::{CommandMode, Monitoring, Safety, SessionState};
 use iiwa_kin::{Joints, Limits};
@@ -9,39 +9,39 @@ use iiwa_link::{
 
 use super::clock::Tick;
 use crate::{
-    playback::{Motion, Playback, STOP_S},
+    playback::{Playback, STOP_S, TimedMotion},
     robot_program::RunId,
 };
 
-/// A trajectory, from where the robot really is: the difference fades within the first half second.
-pub(super) struct Offset {
+/// A trajectory from the actual position of the robot: the difference fades within the first half second.
+pub(super) struct OffsetTrajectory {
     trajectory: Box<TimedJoints>,
     difference_rad: Joints,
-    /// How long the difference takes at full speed, in s. The trajectory falls back by so much meanwhile:
-    /// both together are no faster than the trajectory alone.
-    behind_s: f64,
+    /// Time that the difference takes at full speed, in s. The trajectory is delayed by this time while the
+    /// difference fades, so that both together are no faster than the trajectory alone.
+    delay_s: f64,
 }
 
-/// How long it takes a difference at the start to fade, in s. Half a degree takes 2 % of the acceleration
-/// limits then, and as much again by which the trajectory falls back.
+/// Time in which a difference at the start fades, in s. For half a degree, this takes 2 % of the acceleration
+/// limits, and the delay of the trajectory another 2 %.
 const FADE_S: f64 = 0.5;
 
-/// Less than this is not waited for, in rad.
-const NO_OFFSET_RAD: f64 = 1e-5;
+/// Smaller differences do not prolong a trajectory, in rad.
+const NEGLIGIBLE_RAD: f64 = 1e-5;
 
-impl Offset {
+impl OffsetTrajectory {
     fn new(trajectory: Box<TimedJoints>, difference_rad: Joints, limits: &Limits) -> Self {
         let takes_s = |j: usize| difference_rad[j].abs() / limits.velocity_rad_s[j];
-        let behind_s = (0..7).map(takes_s).fold(0.0, f64::max);
-        Self { trajectory, difference_rad, behind_s }
+        let delay_s = (0..7).map(takes_s).fold(0.0, f64::max);
+        Self { trajectory, difference_rad, delay_s }
     }
 }
 
-impl Motion for Offset {
+impl TimedMotion for OffsetTrajectory {
     fn at(&self, t_s: f64) -> Joints {
         let x = (t_s / FADE_S).clamp(0.0, 1.0);
         let faded = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
-        let mut q = self.trajectory.at(t_s - self.behind_s * faded);
+        let mut q = self.trajectory.at(t_s - self.delay_s * faded);
         for (q, offset) in q.iter_mut().zip(&self.difference_rad) {
             *q += (1.0 - faded) * offset;
         }
@@ -49,48 +49,50 @@ impl Motion for Offset {
     }
 
     fn duration_s(&self) -> f64 {
-        let fades = self.difference_rad.iter().any(|offset| offset.abs() > NO_OFFSET_RAD);
-        (self.trajectory.duration_s() + self.behind_s).max(if fades { FADE_S } else { 0.0 })
+        let fades = self.difference_rad.iter().any(|offset| offset.abs() > NEGLIGIBLE_RAD);
+        (self.trajectory.duration_s() + self.delay_s).max(if fades { FADE_S } else { 0.0 })
     }
 }
 
-/// The trajectory in hand.
+/// The state of the current trajectory.
 #[derive(Default)]
-pub(super) enum Task {
+pub(super) enum TrajectoryTask {
+    /// There is none.
     #[default]
-    Nothing,
-    /// Until the session commands.
-    Waiting {
+    Idle,
+    /// It waits until the session commands.
+    Pending {
         run: RunId,
         trajectory: Box<TimedJoints>,
-        /// Since it was ordered, the session has been in another state: it commands for this trajectory,
-        /// not for the one before.
+        /// The session was in another state meanwhile: it commands for this trajectory, not for the one
+        /// before.
         armed: bool,
     },
+    /// Its set-points are sent.
     Running {
         run: RunId,
-        playback: Box<Playback<Offset>>,
+        playback: Box<Playback<OffsetTrajectory>>,
         start_s: f64,
         parameters: Parameters,
-        /// How long the robot has had to get to the last set-point, in s.
+        /// Time since the last set-point, in s.
         arriving_s: f64,
     },
-    /// It has broken off, and the arm is brought to rest; with what it was, which is freed where time does
-    /// not count.
-    Ending(Over, Box<Task>),
+    /// It was aborted, and the arm is brought to rest; with the state before, which is freed outside the
+    /// real-time thread.
+    Braking(TrajectoryEnd, Box<TrajectoryTask>),
 }
 
-/// How often a controller sends, and how often it expects an answer.
+/// Send period and receive multiplier of a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Parameters {
     period_ms: u32,
     receive_multiplier: u32,
 }
 
-/// Longest time between messages over which the arm can be commanded, in ms: what KUKA says.
+/// Longest time between messages for commanding, in ms, as KUKA specifies.
 const LONGEST_PERIOD_MS: u32 = 10;
 
-/// Longest time between answers, in ms. A joint gets from rest to a quarter of its speed within.
+/// Longest time between answers, in ms. A joint reaches a quarter of its velocity limit in it.
 const LONGEST_STEP_MS: u32 = 50;
 
 impl Parameters {
@@ -101,17 +103,17 @@ impl Parameters {
         }
     }
 
-    /// Time from one expected answer to the next, in s: a set-point is for the end of it.
+    /// Time between expected answers, in s: the horizon of a set-point.
     pub(super) fn step_s(self) -> f64 {
         f64::from(self.period_ms.max(1)) * f64::from(self.receive_multiplier) * 1e-3
     }
 
-    /// Whether the arm can be commanded so.
+    /// Checks that the arm can be commanded.
     fn check(self) -> Result<(), Refusal> {
         let Self { period_ms, receive_multiplier } = self;
         if !(1..=LONGEST_PERIOD_MS).contains(&period_ms) {
             let stated = match period_ms {
-                0 => "does not say how often it sends".to_owned(),
+                0 => "does not state its send period".to_owned(),
                 _ => format!("sends every {period_ms} ms"),
             };
             return Err(Refusal::robot(format!(
@@ -129,52 +131,52 @@ impl Parameters {
     }
 }
 
-/// How a trajectory has ended, on this side.
-pub(super) struct Over {
+/// The end of a trajectory, as seen by the drive.
+pub(super) struct TrajectoryEnd {
     pub(super) run: RunId,
-    /// When it began, in s of the stream.
+    /// Its start on the stream's time scale, in s.
     pub(super) start_s: f64,
-    /// When it ended, in s of the stream.
+    /// Its end on the stream's time scale, in s.
     pub(super) end_s: f64,
-    /// Why it ended early.
+    /// Why it was aborted.
     pub(super) error: Option<Refusal>,
 }
 
-/// As near as this the robot has got the last set-point, in rad.
+/// Tolerance about the last set-point, in rad.
 const ARRIVED_RAD: f64 = 1e-4;
 
-/// How long the robot may take to get there, in s.
-const ARRIVES_WITHIN_S: f64 = 1.0;
+/// How long the robot may take to reach it, in s.
+const ARRIVAL_TIMEOUT_S: f64 = 1.0;
 
-impl Task {
+impl TrajectoryTask {
     /// Whether the trajectory has begun.
     pub(super) fn moves(&self) -> bool {
-        matches!(self, Self::Running { .. } | Self::Ending(..))
+        matches!(self, Self::Running { .. } | Self::Braking(..))
     }
 
-    /// From now on slows down to a stop on the path.
+    /// Begins a stop on the path.
     pub(super) fn stop(&mut self) {
         if let Self::Running { playback, .. } = self {
             playback.stop(STOP_S);
         }
     }
 
-    /// Breaks off the trajectory that is running, or is waited for.
+    /// Aborts the trajectory.
     pub(super) fn fail(&mut self, error: Refusal, t_s: f64) {
         let (run, start_s) = match self {
-            Self::Nothing | Self::Ending(..) => return,
-            Self::Waiting { run, .. } => (*run, t_s),
+            Self::Idle | Self::Braking(..) => return,
+            Self::Pending { run, .. } => (*run, t_s),
             Self::Running { run, start_s, .. } => (*run, *start_s),
         };
-        let over = Over { run, start_s, end_s: t_s, error: Some(error) };
-        let was = Box::new(std::mem::take(self));
-        *self = Self::Ending(over, was);
+        let end = TrajectoryEnd { run, start_s, end_s: t_s, error: Some(error) };
+        let old = Box::new(std::mem::take(self));
+        *self = Self::Braking(end, old);
     }
 
-    /// How the trajectory has ended at `t_s`, if it has broken off, and what it was; it is forgotten.
-    pub(super) fn take_ended(&mut self, t_s: f64) -> Option<(Over, Self)> {
+    /// The end of an aborted trajectory at `t_s`, and its state before; the task is idle afterwards.
+    pub(super) fn take_ended(&mut self, t_s: f64) -> Option<(TrajectoryEnd, Self)> {
         match std::mem::take(self) {
-            Self::Ending(over, was) => Some((Over { end_s: t_s, ..over }, *was)),
+            Self::Braking(end, old) => Some((TrajectoryEnd { end_s: t_s, ..end }, *old)),
             other => {
                 *self = other;
                 None
@@ -182,8 +184,8 @@ impl Task {
         }
     }
 
-    /// Goes on as far as this message goes: gives the set-point, and how the trajectory has ended when it
-    /// has come to its end. One that breaks off is `Ending` afterwards. It begins with an answer that
+    /// Advances to the time of a message. Returns the set-point, in rad, and the end of the trajectory if it
+    /// is complete. An aborted trajectory is `Braking` afterwards. A trajectory begins with an answer that
     /// `is_due`.
     pub(super) fn advance(
         &mut self,
@@ -191,9 +193,9 @@ impl Task {
         tick: &Tick,
         limits: &Limits,
         is_due: bool,
-    ) -> (Option<Joints>, Option<Over>) {
+    ) -> (Option<Joints>, Option<TrajectoryEnd>) {
         let commands = message.session == SessionState::CommandingActive && is_safe(message);
-        if let Self::Waiting { run, trajectory, armed } = self {
+        if let Self::Pending { run, trajectory, armed } = self {
             let run = *run;
             if !(commands && *armed) {
                 *armed = !commands;
@@ -218,7 +220,7 @@ impl Task {
         let Self::Running { run, playback, start_s, parameters, arriving_s } = self else {
             return (None, None);
         };
-        if let Err(error) = goes_on(message, *parameters) {
+        if let Err(error) = check_continuation(message, *parameters) {
             self.fail(error, tick.t_s);
             return (None, None);
         }
@@ -227,9 +229,9 @@ impl Task {
             *arriving_s += tick.elapsed_s;
             let (at_s, of_s) = (playback.at_s(), playback.duration_s());
             let error = match furthest(message, &setpoint) {
-                Some(_) if *arriving_s <= ARRIVES_WITHIN_S => return (Some(setpoint), None),
+                Some(_) if *arriving_s <= ARRIVAL_TIMEOUT_S => return (Some(setpoint), None),
                 Some((j, off_rad)) => Some(Refusal::robot(format!(
-                    "joint {} is still {} deg from the last set-point, {ARRIVES_WITHIN_S} s after it",
+                    "joint {} is still {} deg from the last set-point, {ARRIVAL_TIMEOUT_S} s after it",
                     j + 1,
                     Figures(off_rad.to_degrees(), 3),
                 ))),
@@ -237,16 +239,16 @@ impl Task {
                     Refusal::robot(format!("stopped on request at {at_s:.2} of {of_s:.2} s"))
                 }),
             };
-            let over = Over { run: *run, start_s: *start_s, end_s: tick.t_s, error };
-            return (Some(setpoint), Some(over));
+            let end = TrajectoryEnd { run: *run, start_s: *start_s, end_s: tick.t_s, error };
+            return (Some(setpoint), Some(end));
         }
-        // By the controller's clock: a lost message costs no time.
+        // By the controller's clock: a lost message does not delay the trajectory.
         playback.advance(tick.elapsed_s);
         (Some(playback.position()), None)
     }
 }
 
-/// The joint that is furthest from the last set-point, and by how much in rad, if it has not arrived.
+/// The joint (0 to 6) furthest from the last set-point and its distance in rad, unless it has arrived.
 fn furthest(message: &Monitoring, setpoint: &Joints) -> Option<(usize, f64)> {
     let at = message.commanded_rad?;
     (0..7)
@@ -255,31 +257,31 @@ fn furthest(message: &Monitoring, setpoint: &Joints) -> Option<(usize, f64)> {
         .filter(|(_, off_rad)| *off_rad >= ARRIVED_RAD)
 }
 
-/// Whether no safety stop is on.
+/// Whether no safety stop is active.
 fn is_safe(message: &Monitoring) -> bool {
     message.safety.is_none_or(|safety| safety == Safety::Normal)
 }
 
-/// Whether a trajectory may go on with this message.
-fn goes_on(message: &Monitoring, parameters: Parameters) -> Result<(), Refusal> {
+/// Checks that a trajectory can continue with a message.
+fn check_continuation(message: &Monitoring, parameters: Parameters) -> Result<(), Refusal> {
     if message.session != SessionState::CommandingActive {
         return Err(Refusal::robot(format!(
-            "FRI does not command any more: session {}, quality {}",
+            "FRI commanding has ended: session {}, quality {}",
             message.session.name(),
             message.quality.name()
         )));
     }
     if !is_safe(message) {
-        // The arm stands, or brakes: set-points that went on would run away from it.
-        return Err(Refusal::robot("the robot's safety stop is on"));
+        // The arm is at rest or brakes: further set-points would run away from it.
+        return Err(Refusal::robot("a safety stop of the robot is active"));
     }
     if message.commanded_rad.is_none() {
-        return Err(Refusal::robot("FRI does not say any more where the robot is"));
+        return Err(Refusal::robot("the FRI messages no longer contain the commanded position"));
     }
     if Parameters::of(message) != parameters {
         return Err(Refusal::robot(format!(
-            "FRI's send period changed from {} to {} ms or its receive multiplier from {} to {} in the \
-             middle of the run",
+            "FRI's send period changed from {} to {} ms or its receive multiplier from {} to {} during \
+             the run",
             parameters.period_ms,
             message.send_period_ms,
             parameters.receive_multiplier,
@@ -289,21 +291,21 @@ fn goes_on(message: &Monitoring, parameters: Parameters) -> Result<(), Refusal> 
     Ok(())
 }
 
-/// The trajectory from where the robot is. It has been checked before, but the robot may have moved since.
+/// Starts the trajectory at the position of the robot, which may have moved since the check.
 fn start(
     trajectory: &mut Box<TimedJoints>,
     message: &Monitoring,
     limits: &Limits,
-) -> Result<Box<Playback<Offset>>, Refusal> {
+) -> Result<Box<Playback<OffsetTrajectory>>, Refusal> {
     if message.command_mode.is_some_and(|mode| mode != CommandMode::Position) {
         return Err(Refusal::robot(
-            "the robot program has opened FRI for something else than positions",
+            "the robot program has opened FRI for a command mode other than position",
         ));
     }
     Parameters::of(message).check()?;
     let start = trajectory.at(0.0);
     let Some(robot) = message.commanded_rad else {
-        return Err(Refusal::robot("FRI does not say where the robot is"));
+        return Err(Refusal::robot("the FRI messages do not contain the commanded position"));
     };
     let offset_rad: Joints = std::array::from_fn(|j| robot[j] - start[j]);
     if let Some(j) = (0..7).find(|&j| offset_rad[j].abs() > START_TOLERANCE_RAD) {
@@ -316,7 +318,7 @@ fn start(
             ),
         ));
     }
-    let motion = Offset::new(std::mem::take(trajectory), offset_rad, limits);
+    let motion = OffsetTrajectory::new(std::mem::take(trajectory), offset_rad, limits);
     Ok(Box::new(Playback::new(motion)))
 }
 
@@ -328,7 +330,7 @@ mod tests {
 
     const CYCLE_S: f64 = 0.005;
 
-    /// The `cycle`-th message of a session that commands, with the robot at 0.
+    /// The `cycle`-th message of a commanding session, with the robot at 0.
     fn message(cycle: u32) -> Monitoring {
         Monitoring {
             sequence: cycle,
@@ -339,49 +341,53 @@ mod tests {
         }
     }
 
-    fn advance(task: &mut Task, message: &Monitoring, t_s: f64) -> (Option<Joints>, Option<Over>) {
+    fn advance(
+        task: &mut TrajectoryTask,
+        message: &Monitoring,
+        t_s: f64,
+    ) -> (Option<Joints>, Option<TrajectoryEnd>) {
         let tick = Tick { t_s, elapsed_s: CYCLE_S };
-        let (setpoint, over) = task.advance(message, &tick, Robot::default().limits(), true);
-        (setpoint, over.or_else(|| task.take_ended(t_s).map(|(over, _)| over)))
+        let (setpoint, end) = task.advance(message, &tick, Robot::default().limits(), true);
+        (setpoint, end.or_else(|| task.take_ended(t_s).map(|(end, _)| end)))
     }
 
     /// A trajectory of joint 1 at 0.1 rad/s, in its tenth cycle.
-    fn running(points: u32) -> Task {
+    fn running(points: u32) -> TrajectoryTask {
         let t_s: Vec<f64> = (0..points).map(|i| f64::from(i) * 0.01).collect();
         let joints_rad = t_s.iter().map(|t_s| [0.1 * t_s, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
         let trajectory = Box::new(TimedJoints { t_s, joints_rad });
-        let mut task = Task::Waiting { run: 7, trajectory, armed: true };
+        let mut task = TrajectoryTask::Pending { run: 7, trajectory, armed: true };
         for cycle in 0..10 {
-            let (setpoint, over) = advance(&mut task, &message(cycle), f64::from(cycle) * CYCLE_S);
-            assert!(over.is_none() && setpoint.is_some());
+            let (setpoint, end) = advance(&mut task, &message(cycle), f64::from(cycle) * CYCLE_S);
+            assert!(end.is_none() && setpoint.is_some());
         }
         task
     }
 
     fn assert_ends(message: &Monitoring, why: &str) {
         let mut task = running(1000);
-        let (setpoint, over) = advance(&mut task, message, 10.0 * CYCLE_S);
+        let (setpoint, end) = advance(&mut task, message, 10.0 * CYCLE_S);
         assert_eq!(setpoint, None);
-        let over = over.unwrap();
-        let said = over.error.unwrap().message;
-        assert!(over.run == 7 && said.contains(why), "{said}");
+        let end = end.unwrap();
+        let text = end.error.unwrap().message;
+        assert!(end.run == 7 && text.contains(why), "{text}");
     }
 
     #[test]
-    fn nothing_goes_on_after_a_safety_stop_or_with_other_parameters() {
+    fn a_run_ends_with_a_safety_stop_or_changed_parameters() {
         let message = message(10);
         assert_ends(&Monitoring { safety: Some(Safety::Stop1), ..message.clone() }, "safety stop");
         assert_ends(&Monitoring { send_period_ms: 10, ..message.clone() }, "from 5 to 10 ms");
         assert_ends(&Monitoring { receive_multiplier: 2, ..message.clone() }, "from 1 to 2");
         let session = SessionState::MonitoringWait;
         assert_ends(&Monitoring { session, ..message.clone() }, "monitoring_wait");
-        assert_ends(&Monitoring { commanded_rad: None, ..message }, "where the robot is");
+        assert_ends(&Monitoring { commanded_rad: None, ..message }, "commanded position");
     }
 
     #[test]
-    fn nothing_begins_with_parameters_that_cannot_command() {
+    fn a_run_does_not_begin_with_unsuitable_parameters() {
         for (period_ms, receive_multiplier, why) in [
-            (0, 1, "does not say"),
+            (0, 1, "does not state"),
             (11, 1, "every 11 ms"),
             (1_000_000, 1, "every 1000000 ms"),
             (10, 6, "every 6 messages"),
@@ -389,64 +395,66 @@ mod tests {
             (10, u32::MAX, "every 4294967295 messages"),
         ] {
             let trajectory = TimedJoints { t_s: vec![0.0, 1.0], joints_rad: vec![[0.0; 7]; 2] };
-            let mut task = Task::Waiting { run: 7, trajectory: Box::new(trajectory), armed: true };
+            let mut task =
+                TrajectoryTask::Pending { run: 7, trajectory: Box::new(trajectory), armed: true };
             let opened = Monitoring { send_period_ms: period_ms, receive_multiplier, ..message(0) };
-            let (setpoint, over) = advance(&mut task, &opened, 0.0);
-            let said = over.unwrap().error.unwrap().message;
-            assert!(setpoint.is_none() && said.contains(why), "{said}");
+            let (setpoint, end) = advance(&mut task, &opened, 0.0);
+            let text = end.unwrap().error.unwrap().message;
+            assert!(setpoint.is_none() && text.contains(why), "{text}");
         }
     }
 
     #[test]
-    fn nothing_begins_where_the_robot_is_not_seen() {
+    fn a_run_does_not_begin_at_an_unknown_or_wrong_position() {
         for (commanded_rad, at) in [(None, 0.0), (Some([0.0; 7]), 0.5)] {
             let trajectory = TimedJoints { t_s: vec![0.0, 1.0], joints_rad: vec![[at; 7]; 2] };
-            let mut task = Task::Waiting { run: 7, trajectory: Box::new(trajectory), armed: true };
-            let (setpoint, over) =
+            let mut task =
+                TrajectoryTask::Pending { run: 7, trajectory: Box::new(trajectory), armed: true };
+            let (setpoint, end) =
                 advance(&mut task, &Monitoring { commanded_rad, ..message(0) }, 0.0);
-            assert!(setpoint.is_none() && over.unwrap().error.is_some());
+            assert!(setpoint.is_none() && end.unwrap().error.is_some());
         }
     }
 
-    /// A robot that stays a thousandth of a radian off: stopped or not, the run has an end.
+    /// A robot that stays 0.001 rad off: stopped or not, the run ends.
     #[test]
-    fn an_arm_that_never_arrives_ends_the_run() {
+    fn an_arm_that_does_not_arrive_ends_the_run() {
         for stops in [false, true] {
             let mut task = running(20);
             if stops {
                 task.stop();
             }
             let mut cycle = 10;
-            let over = loop {
+            let end = loop {
                 let mut at = [0.0; 7];
-                if let Task::Running { playback, .. } = &task {
+                if let TrajectoryTask::Running { playback, .. } = &task {
                     at = playback.position();
                 }
                 at[2] += 0.001;
                 let message = Monitoring { commanded_rad: Some(at), ..message(cycle) };
-                if let (_, Some(over)) = advance(&mut task, &message, f64::from(cycle) * CYCLE_S) {
-                    break over;
+                if let (_, Some(end)) = advance(&mut task, &message, f64::from(cycle) * CYCLE_S) {
+                    break end;
                 }
                 cycle += 1;
                 assert!(cycle < 1000, "it never ends");
             };
-            let said = over.error.unwrap().message;
-            assert!(said.contains("joint 3 is still 0.057 deg"), "{said}");
+            let text = end.error.unwrap().message;
+            assert!(text.contains("joint 3 is still 0.057 deg"), "{text}");
         }
     }
 
-    /// However large the difference at the start, with it the arm is no faster than without.
+    /// A difference at the start does not make the arm faster.
     #[test]
     fn a_difference_at_the_start_fades_within_the_limits() {
         let limits = *Robot::default().limits();
         let t_s: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.01).collect();
-        // At full speed from the start: no check would take it, but here speeds add up.
+        // At full speed from the start: not a valid trajectory, but the worst case here.
         let q = |t_s: &f64| limits.velocity_rad_s.map(|speed| speed * t_s);
         let joints_rad: Vec<Joints> = t_s.iter().map(q).collect();
         let trajectory = TimedJoints { t_s, joints_rad };
         for sign in [-1.0, 1.0] {
             let offset_rad = [sign * START_TOLERANCE_RAD; 7];
-            let motion = Offset::new(Box::new(trajectory.clone()), offset_rad, &limits);
+            let motion = OffsetTrajectory::new(Box::new(trajectory.clone()), offset_rad, &limits);
             for i in 5..100 {
                 let [a, b, c] = [-1.0, 0.0, 1.0].map(|k| motion.at((f64::from(i) + k) * 0.01));
                 for j in 0..7 {

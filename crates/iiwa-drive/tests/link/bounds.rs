@@ -1,4 +1,4 @@
-//! Whatever others open, send or leave unread, a stop is served, and nothing piles up.
+//! Stops are served under load, and all resources are bounded.
 
 use std::{
     io::{ErrorKind, Read, Write},
@@ -13,16 +13,16 @@ use crate::{
     rig::{LONG, Rig, wait_for},
 };
 
-/// A peer that speaks ZMTP 3.1 by hand, and only as far as it is told to.
+/// A minimal peer of ZMTP 3.1.
 struct Peer(TcpStream);
 
 impl Peer {
-    /// It says nothing at all.
+    /// It sends nothing.
     fn silent(at: &str) -> Self {
         Self(TcpStream::connect(at.trim_start_matches("tcp://")).unwrap())
     }
 
-    /// It has shaken hands, without keys.
+    /// It has completed the handshake, without keys.
     fn new(at: &str, kind: &str) -> Self {
         let mut peer = Self::silent(at);
         let mut greeting = [0; 64];
@@ -36,7 +36,7 @@ impl Peer {
         ready.extend(u32::try_from(kind.len()).unwrap().to_be_bytes());
         ready.extend(kind.as_bytes());
         peer.send(&frame(0x04, &ready));
-        // Its greeting, and its word that it is ready.
+        // The drive's greeting and READY command.
         let mut answer = [0; 64 + 2];
         peer.0.set_read_timeout(Some(LONG)).unwrap();
         peer.0.read_exact(&mut answer).unwrap();
@@ -46,7 +46,7 @@ impl Peer {
     }
 
     fn send(&mut self, bytes: &[u8]) {
-        // Whoever is cut off cannot send any more.
+        // It may be disconnected.
         let _ = self.0.write_all(bytes);
     }
 
@@ -67,7 +67,7 @@ fn frame(flags: u8, body: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The beginning of a frame.
+/// The header of a frame.
 fn head(flags: u8, length: usize) -> Vec<u8> {
     match u8::try_from(length) {
         Ok(length) => vec![flags, length],
@@ -75,12 +75,12 @@ fn head(flags: u8, length: usize) -> Vec<u8> {
     }
 }
 
-/// An empty frame, and the beginning of a request.
+/// An empty frame, and the header of a request.
 fn request(length: usize) -> Vec<u8> {
     [frame(0x01, b""), head(0, length)].concat()
 }
 
-/// A motion can be begun, seen and stopped.
+/// A motion can be begun, observed and stopped.
 fn assert_stops(rig: &Rig) {
     let mut client = rig.client();
     let to = if rig.cabinet().position()[0] < 0.2 { 40.0 } else { 0.0 };
@@ -88,13 +88,13 @@ fn assert_stops(rig: &Rig) {
     let mut other = rig.client();
     wait_for("motion", || other.state().unwrap().state == DriveState::RunningMotion);
     rig.client().stop().unwrap();
-    let stood = rig.cabinet().position();
+    let at_rest = rig.cabinet().position();
     let error = running.join().unwrap().unwrap_err();
     assert!(error.to_string().contains("stopped on request"), "{error}");
-    assert_eq!(rig.cabinet().position(), stood);
+    assert_eq!(rig.cabinet().position(), at_rest);
 }
 
-/// How many of these are still open, once no more of them are closed.
+/// Number of open connections, once no more of them are closed.
 fn left(peers: &mut Vec<Peer>) -> usize {
     let mut since = Instant::now();
     while since.elapsed() < Duration::from_millis(500) {
@@ -108,7 +108,7 @@ fn left(peers: &mut Vec<Peer>) -> usize {
 }
 
 #[test]
-fn connections_that_say_nothing_take_no_place_for_long() {
+fn silent_connections_are_closed() {
     let rig = Rig::new(5);
     let (requests, stream) = (&rig.drive_config.instructions, &rig.drive_config.stream);
     let cabinet = &rig.cabinet_config.instructions;
@@ -125,7 +125,7 @@ fn connections_that_say_nothing_take_no_place_for_long() {
 }
 
 #[test]
-fn idle_peers_make_room_for_others() {
+fn idle_peers_are_evicted() {
     let rig = Rig::new(5);
     let mut idle: Vec<_> =
         (0..100).map(|_| Peer::new(&rig.drive_config.instructions, "DEALER")).collect();
@@ -135,12 +135,12 @@ fn idle_peers_make_room_for_others() {
 }
 
 #[test]
-fn long_requests_are_taken_one_at_a_time_and_hold_up_no_stop() {
+fn long_requests_are_received_one_at_a_time_and_delay_no_stop() {
     let rig = Rig::new(5);
     let at = &rig.drive_config.instructions;
     let mut senders: Vec<_> = (0..12).map(|_| Peer::new(at, "DEALER")).collect();
     for (i, peer) in senders.iter_mut().enumerate() {
-        // Some are longer than any may be.
+        // Some exceed the limit.
         let length = if i % 2 == 0 { 60_000_000 } else { MAX_MESSAGE_BYTES - 1000 };
         peer.send(&request(length));
         peer.0.set_nonblocking(true).unwrap();
@@ -148,15 +148,15 @@ fn long_requests_are_taken_one_at_a_time_and_hold_up_no_stop() {
         peer.0.set_nonblocking(false).unwrap();
     }
     assert_stops(&rig);
-    // Those that pause are cut off, one after the other.
-    wait_for("the first to be cut off", || {
+    // Those that pause are disconnected, one after the other.
+    wait_for("disconnections", || {
         senders.iter_mut().filter_map(|peer| peer.is_closed().then_some(())).count() > 6
     });
     assert_stops(&rig);
 }
 
 #[test]
-fn a_subscriber_cannot_want_without_end() {
+fn subscriptions_are_bounded() {
     let rig = Rig::new(5);
     let mut stream = rig.stream();
     let mut greedy = Peer::new(&rig.drive_config.stream, "SUB");
@@ -171,12 +171,12 @@ fn a_subscriber_cannot_want_without_end() {
 }
 
 #[test]
-fn what_is_left_unread_is_bounded() {
+fn unread_replies_are_bounded() {
     let rig = Rig::new(5);
     rig.client().run_motions(slowly_to(20.0), Some(LONG)).unwrap();
     let mut lazy = Peer::new(&rig.drive_config.instructions, "DEALER");
     let ask = [frame(0x01, b""), frame(0, br#"{"type": "last_run"}"#)].concat();
-    // It does not read, and so is not read from: at some time it can ask no more.
+    // It does not read, so its requests are not read beyond a limit.
     lazy.0.set_nonblocking(true).unwrap();
     let since = Instant::now();
     while lazy.0.write(&ask).is_ok() && since.elapsed() < LONG {}

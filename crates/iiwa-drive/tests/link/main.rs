@@ -2,19 +2,25 @@
 
 #![expect(
     clippy::unwrap_used,
+    clippy::expect_used,
     clippy::panic,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     clippy::print_stdout,
     clippy::print_stderr,
-    reason = "a failed test is a panic, one that is left out says so, and counts are small"
+    reason = "a failed test panics, a skipped one is reported, and counts are small"
 )]
 
-mod bad_input;
+mod bad_instructions;
+mod bad_requests;
 mod bounds;
+mod corrupted;
 mod faults;
+mod invalid_requests;
 mod peer;
+mod request_socket;
 mod rig;
 mod runs;
+mod scripted_program;
 mod streaming;
 mod wire;

@@ -1,6 +1,6 @@
 //! The simulated cabinet and a client of FRI that shares no code with this crate, in real time: the
 //! script `tests/fri/client.py` of the workspace. It needs a Python with what `tests/requirements.txt`
-//! names, at the path in `IIWASIM_PYTHON`; without it this test is left out.
+//! names, at the path in `IIWASIM_PYTHON`; without it this test is skipped.
 
 use std::{
     env,
@@ -28,7 +28,7 @@ impl Script {
     /// `None` where there is no Python for it.
     fn start() -> Option<Self> {
         let Some(python) = env::var_os("IIWASIM_PYTHON") else {
-            eprintln!("left out: IIWASIM_PYTHON names no Python for client.py");
+            eprintln!("skipped: IIWASIM_PYTHON names no Python for client.py");
             return None;
         };
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fri/client.py");
@@ -47,7 +47,7 @@ impl Script {
         self.lines.recv_timeout(LONG).unwrap()
     }
 
-    /// Waits for the next session state, which is to be this one.
+    /// Waits for the next session state and compares it.
     fn expect(&self, session: &str) {
         assert_eq!(self.line()["session"], session);
     }
@@ -65,23 +65,23 @@ fn read_lines(stdout: ChildStdout) -> Receiver<Value> {
     let (out, lines) = mpsc::channel();
     thread::spawn(move || {
         for line in BufReader::new(stdout).lines() {
-            // Nobody may listen any more.
+            // The receiver may be dropped.
             let _ = out.send(serde_json::from_str(&line.unwrap()).unwrap());
         }
     });
     lines
 }
 
-/// How many times as fast as real time the controller's clock goes.
+/// Speed of the controller's clock, as a multiple of real time.
 const SPEED: f64 = 0.5;
 
-/// The script's offset of joint 1, in rad, after so many seconds of commanding.
+/// The script's offset of joint 1, in rad, after a time of commanding, in s.
 fn offset_rad(t_s: f64) -> f64 {
     let share = (t_s / 2.0).min(1.0);
     0.02 * share * share * (3.0 - 2.0 * share) * (0.5 * std::f64::consts::PI * t_s).sin()
 }
 
-/// Furthest to the plus and to the minus side, and the time in between in s.
+/// Maximum and minimum, and the time between them in s.
 fn extremes(trace: &[(f64, f64)]) -> (f64, f64, f64) {
     let by_position = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
     let (high_s, high) = trace.iter().max_by(by_position).unwrap();
@@ -89,8 +89,8 @@ fn extremes(trace: &[(f64, f64)]) -> (f64, f64, f64) {
     (*high, *low, low_s - high_s)
 }
 
-/// Cross-validated against a client that was written without this crate: it takes the session through
-/// all of its states, and the arm goes where the client says.
+/// Cross-validated against a client that was written without this crate: it takes the session through all
+/// states, and the arm follows its set-points.
 #[test]
 fn an_independent_client_moves_the_arm() {
     let Some(mut script) = Script::start() else { return };

@@ -9,10 +9,10 @@ use iiwa_link::{
 };
 use iiwasim_tests::ports::free_address;
 
-/// How long anything may take.
+/// Time-out of all waits.
 pub(crate) const LONG: Duration = Duration::from_secs(20);
 
-/// Both sides, each of which may be away.
+/// Both sides, each of which may be stopped.
 pub(crate) struct Rig {
     pub(crate) cabinet_config: CabinetConfig,
     pub(crate) drive_config: DriveConfig,
@@ -26,7 +26,7 @@ pub(crate) fn free_tcp() -> String {
 }
 
 impl Rig {
-    /// Nothing runs yet.
+    /// Nothing is started yet.
     pub(crate) fn parts(period_ms: u32) -> Self {
         let fri = free_address();
         let [instructions, state] = [free_tcp(), free_tcp()];
@@ -51,10 +51,10 @@ impl Rig {
         }
     }
 
-    /// Both run, and the connection is good.
+    /// Both are started, and the connection is good.
     pub(crate) fn new(period_ms: u32) -> Self {
         let mut rig = Self::parts(period_ms);
-        // In this order no message is sent before somebody listens.
+        // In this order no message is lost.
         rig.start_drive();
         rig.start_cabinet();
         rig.wait_until_ready();
@@ -84,7 +84,7 @@ impl Rig {
         Stream::new(&Remote::open(), &self.drive_config.stream).unwrap()
     }
 
-    /// Until FRI is ready to command, and requests find the robot program.
+    /// Waits until FRI is ready for commanding and the robot program is connected.
     pub(crate) fn wait_until_ready(&self) {
         let mut client = self.client();
         wait_for("a good connection", || {
@@ -101,7 +101,7 @@ impl Rig {
     }
 }
 
-/// Asks again and again.
+/// Polls a condition.
 pub(crate) fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
     let since = Instant::now();
     while !holds() {

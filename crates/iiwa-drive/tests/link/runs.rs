@@ -1,4 +1,4 @@
-//! Runs through the simulated cabinet take the time and the path that were planned.
+//! Runs through the simulated cabinet keep the planned time and path.
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
@@ -29,7 +29,7 @@ pub(crate) fn planned(motions: Vec<Motion>) -> Trajectory {
     Trajectory::plan(&path, Timing::default()).unwrap()
 }
 
-/// The run took the planned time, but for one cycle, and went the planned way.
+/// The run took the planned time, within a cycle, on the planned path.
 fn assert_as_planned(run: &Run, plan: &Trajectory, period_s: f64) {
     let cycle_time_s = run.cycle_time_s.unwrap();
     let late_s = cycle_time_s - plan.cycle_time_s();
@@ -88,7 +88,7 @@ fn trajectories_take_their_time_and_path() {
     });
 }
 
-/// To the ends of the ranges and back, at full speed: set-points between points do not swing beyond.
+/// To the ends of the ranges and back, at full speed: set-points between points do not overshoot.
 #[test]
 fn trajectories_reach_the_ends_of_the_range() {
     in_real_time(|| {

@@ -1,9 +1,8 @@
-//! Subscribers get every message, and one that sleeps takes nothing from the others.
+//! Subscribers get every message, and one that does not read does not affect the others.
 //!
-//! What waits for a sleeper is bounded: by what its own socket takes, here next to nothing, by the
-//! system's buffers, and by the drive's high-water mark of 2000 messages, about 1 MB. The drive drops what
-//! is published beyond that for this subscriber, and lets go of it and of all that waits when it has
-//! shown no sign of life for some seconds.
+//! The backlog of such a subscriber is bounded: by the buffer of its socket, here nearly zero, by the system's
+//! buffers, and by the drive's limit of 2000 messages, about 1 MB. The drive drops messages beyond that for this
+//! subscriber, and disconnects it after some seconds without progress.
 
 use std::time::{Duration, Instant};
 
@@ -13,13 +12,13 @@ use serde::Deserialize;
 
 use crate::rig::{LONG, Rig, wait_for};
 
-/// Those that keep awake.
+/// Number of subscribers that read.
 const LIVE: usize = 9;
 const PERIOD_S: f64 = 0.001;
-/// Longer than the drive waits for a sign of a subscriber (4 s), and than what it keeps for one (2 s).
+/// Longer than the backlog of a subscriber (2 s).
 const ASLEEP: Duration = Duration::from_secs(6);
 
-/// A subscriber that keeps next to nothing by itself.
+/// A subscriber with a minimal buffer.
 fn sleeper(rig: &Rig) -> zmq::Socket {
     let socket = zmq::Context::new().socket(zmq::SUB).unwrap();
     socket.set_rcvhwm(1).unwrap();
@@ -35,22 +34,22 @@ fn take(sleeper: &zmq::Socket) -> Option<f64> {
     struct Stamp {
         t_s: f64,
     }
-    let patience_ms = i64::try_from(LONG.as_millis()).unwrap();
-    if sleeper.poll(zmq::POLLIN, patience_ms).unwrap() == 0 {
+    let timeout_ms = i64::try_from(LONG.as_millis()).unwrap();
+    if sleeper.poll(zmq::POLLIN, timeout_ms).unwrap() == 0 {
         return None;
     }
     let frames = sleeper.recv_multipart(zmq::DONTWAIT).unwrap();
     Some(serde_json::from_slice::<Stamp>(&frames[1]).unwrap().t_s)
 }
 
-/// Stamps of what is published, until nothing waits or `enough`.
+/// Collects stamps until no message waits or `enough`.
 fn follow(
     stream: &mut Stream,
     stamps: &mut Vec<f64>,
-    patience: Duration,
+    timeout: Duration,
     enough: impl Fn(f64) -> bool,
 ) {
-    while let Some(published) = stream.next(patience).unwrap() {
+    while let Some(published) = stream.next(timeout).unwrap() {
         if let Published::Joints { t_s, .. } = published {
             stamps.push(t_s);
             if enough(t_s) {
@@ -67,24 +66,24 @@ fn count(first_s: f64, last_s: f64) -> u64 {
     periods + 1
 }
 
-/// Every message was answered, but for those that were lost on the way or while the machine held up even
-/// the controller. The controller is silent afterwards.
+/// Every message was answered, except those lost in transit or while the machine delayed even the controller.
+/// The controller is silent afterwards.
 fn assert_answered(rig: &Rig) {
     rig.cabinet().silence(Duration::from_hours(1));
     let drive = rig.drive.as_ref().unwrap();
     wait_for("the last answer", || {
-        let punctuality = drive.punctuality();
-        punctuality.answered == punctuality.received
+        let answer_latency = drive.answer_latency();
+        answer_latency.answered == answer_latency.received
     });
-    let (punctuality, report) = (drive.punctuality(), rig.cabinet().report());
-    let (late, held_up) = (report.late.len(), report.held_up);
+    let (answer_latency, report) = (drive.answer_latency(), rig.cabinet().report());
+    let (late, delayed) = (report.late.len(), report.delayed_cycles);
     let lost = rig.client().state().unwrap().fri.lost;
-    println!("{punctuality:?}; {late} late, {lost} lost, {held_up} held up");
-    assert!(report.unanswered <= lost || held_up > 0, "{} unanswered", report.unanswered);
+    println!("{answer_latency:?}; {late} late, {lost} lost, {delayed} delayed cycles");
+    assert!(report.unanswered <= lost || delayed > 0, "{} unanswered", report.unanswered);
 }
 
 #[test]
-fn a_subscriber_that_sleeps_loses_its_own_messages_only() {
+fn a_subscriber_that_does_not_read_does_not_affect_others() {
     in_real_time(|| {
         let without = Rig::new(1);
         std::thread::sleep(Duration::from_secs(2));
@@ -107,7 +106,7 @@ fn a_subscriber_that_sleeps_loses_its_own_messages_only() {
             std::thread::sleep(Duration::from_millis(1));
         }
 
-        // Awake, it gets what the system's buffers have held, and then what is published now.
+        // It gets the messages in the system's buffers, and then current ones.
         let awake_s = *live[0].1.last().unwrap();
         let mut stamps = vec![first_s];
         while *stamps.last().unwrap() < awake_s + 0.1 {
@@ -117,7 +116,7 @@ fn a_subscriber_that_sleeps_loses_its_own_messages_only() {
         let missed = count(first_s, *stamps.last().unwrap()) - stamps.len() as u64;
         assert!(missed > 100, "it has missed {missed} only");
 
-        // The others have heard all that the drive has, to the last message.
+        // The others have received all messages of the drive, up to the last one.
         assert_answered(&rig);
         let status = rig.client().state().unwrap();
         let last_s = status.t_s.unwrap();

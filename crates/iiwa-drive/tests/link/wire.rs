@@ -1,5 +1,4 @@
-//! What goes over the wire between drive and cabinet, read by a relay in between that loses, doubles and
-//! reorders datagrams.
+//! Traffic between drive and cabinet, read by a relay that loses, duplicates and reorders datagrams.
 
 use std::{
     collections::HashMap,
@@ -23,22 +22,22 @@ use crate::{
     runs::{planned, sampled},
 };
 
-/// Stands between cabinet and drive.
+/// A relay between cabinet and drive.
 struct Relay {
     over: Arc<AtomicBool>,
     thread: Option<JoinHandle<Vec<Answer>>>,
 }
 
-/// An answer in commanding.
+/// An answer in active commanding.
 struct Answer {
     t_s: f64,
     at_rad: Joints,
-    /// Where the arm is by the message that it answers.
+    /// The position of the arm in the answered message.
     arm_rad: Joints,
 }
 
 impl Relay {
-    /// Takes what the cabinet sends to `at`, and passes it on to `drive`.
+    /// Forwards datagrams of the cabinet to `at` to `drive`, and the answers.
     fn start(at: SocketAddr, drive: SocketAddr, seed: u64, loss: f64) -> Self {
         let outer = UdpSocket::bind(at).unwrap();
         let inner = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -50,7 +49,7 @@ impl Relay {
         Self { over, thread: Some(thread) }
     }
 
-    /// What was answered in commanding.
+    /// Stops the relay. Returns the answers in active commanding.
     fn end(mut self) -> Vec<Answer> {
         self.over.store(true, Ordering::Relaxed);
         self.thread.take().unwrap().join().unwrap()
@@ -68,8 +67,8 @@ fn relay(
     let mut random = fastrand::Rng::with_seed(seed);
     let (mut sent, mut answers) = (HashMap::new(), Vec::new());
     let mut buffer = [0; 2048];
-    // The cabinet, and a message that is kept back until the next one has gone.
-    let (mut cabinet, mut kept_back) = (None, None);
+    // The cabinet, and a message that is delayed until after the next one.
+    let (mut cabinet, mut delayed) = (None, None);
     while !over.load(Ordering::Relaxed) {
         if let Ok((length, from)) = outer.recv_from(&mut buffer) {
             cabinet = Some(from);
@@ -81,14 +80,14 @@ fn relay(
             }
             match random.f64() / loss {
                 ..1.0 => {}
-                1.0..2.0 => kept_back = Some(datagram),
+                1.0..2.0 => delayed = Some(datagram),
                 2.0..3.0 => {
                     inner.send_to(&datagram, drive).unwrap();
                     inner.send_to(&datagram, drive).unwrap();
                 }
                 _ => {
                     inner.send_to(&datagram, drive).unwrap();
-                    if let Some(late) = kept_back.take() {
+                    if let Some(late) = delayed.take() {
                         inner.send_to(&late, drive).unwrap();
                     }
                 }
@@ -146,11 +145,11 @@ fn the_wire_keeps_the_limits() {
         for (period_ms, multiplier) in [(5, 1), (10, 3)] {
             let (answers, error) = (0..5)
                 .map(|seed| relayed(&trajectory, period_ms, multiplier, seed))
-                // The machine stood still for so long that the drive began anew from where the arm was.
+                // The machine was suspended for so long that the drive restarted at the position of the arm.
                 .find(|(_, error)| {
                     !error.as_ref().is_some_and(|it| it.contains("from its set-point"))
                 })
-                .expect("a machine that does not stand still again and again");
+                .expect("a machine that is not suspended again and again");
             let step_s = f64::from(period_ms * multiplier) * 1e-3;
             let [velocity, acceleration] = judge(&answers, step_s);
             println!(
@@ -164,7 +163,7 @@ fn the_wire_keeps_the_limits() {
     });
 }
 
-/// Runs the trajectory over a relay that loses, keeps back and doubles one datagram of a hundred each.
+/// Runs the trajectory over a relay that loses, delays and duplicates 1 % of the datagrams each.
 fn relayed(
     trajectory: &TimedJoints,
     period_ms: u32,
@@ -181,7 +180,7 @@ fn relayed(
     rig.wait_until_ready();
     let error = match rig.client().run_trajectory(trajectory.clone(), Some(LONG)) {
         Ok(_) => None,
-        // The network was too bad, or this machine is.
+        // The network, or the machine, was too bad.
         Err(ClientError::Refused { refusal, .. }) => Some(refusal.message),
         Err(error) => panic!("{error}"),
     };

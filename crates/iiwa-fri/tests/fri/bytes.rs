@@ -1,4 +1,4 @@
-//! Round trips, and bytes that are no messages.
+//! Round trips, and bytes that are not messages.
 
 use iiwa_fri::{Client, Controller, Format, MAX_DATAGRAM_BYTES, Reading, SessionState, WireError};
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use crate::messages::{any_command, any_monitoring};
 
 const FORMAT: Format = Format::V1;
 
-/// Bytes that look like a message for a while.
+/// A message with some bytes changed or cut off.
 fn damaged() -> impl Strategy<Value = Vec<u8>> {
     let message = prop_oneof![
         any_monitoring().prop_map(|message| {
@@ -36,7 +36,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
 
     #[test]
-    fn what_the_controller_says_reads_back_as_it_was(message in any_monitoring()) {
+    fn monitoring_messages_round_trip(message in any_monitoring()) {
         let mut bytes = vec![7; 7];
         FORMAT.encode_monitoring(&message, &mut bytes);
         prop_assert!(bytes.len() <= MAX_DATAGRAM_BYTES);
@@ -45,7 +45,7 @@ proptest! {
     }
 
     #[test]
-    fn what_the_client_answers_reads_back_as_it_was(message in any_command()) {
+    fn command_messages_round_trip(message in any_command()) {
         let mut bytes = vec![7; 7];
         FORMAT.encode_command(&message, &mut bytes);
         prop_assert!(bytes.len() <= MAX_DATAGRAM_BYTES);
@@ -53,7 +53,7 @@ proptest! {
         prop_assert!(FORMAT.decode_monitoring(&bytes).is_err());
     }
 
-    /// Garbage is counted and not answered; a message is answered with one that decodes.
+    /// Invalid datagrams are counted and not answered; messages are answered.
     #[test]
     fn any_bytes_are_survived(
         datagrams in prop::collection::vec(

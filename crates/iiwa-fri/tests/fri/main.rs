@@ -1,11 +1,11 @@
-//! The FRI from outside: bytes of any kind, both sides against each other over bad networks, and
-//! an independent codec and client.
+//! Black-box tests of FRI: arbitrary bytes, both sides against each other over bad networks, and an
+//! independent codec and client.
 
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
     clippy::print_stderr,
-    reason = "a failed test is a panic, and one that is left out says so"
+    reason = "a failed test panics, and a skipped one is reported"
 )]
 
 mod bytes;

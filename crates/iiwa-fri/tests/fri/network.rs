@@ -1,20 +1,20 @@
-//! A network that loses, doubles and delays datagrams, the same ones for the same seed.
+//! A network that loses, duplicates and delays datagrams, reproducibly by its seed.
 
 /// One direction.
 pub(crate) struct Network {
     random: Random,
     /// Share of datagrams that are lost.
     pub loss: f64,
-    /// Share that arrives twice.
+    /// Share of datagrams that arrive twice.
     pub doubled: f64,
-    /// Share that is delayed, by up to so many cycles.
+    /// Share of datagrams that are delayed, and by up to how many cycles.
     pub delayed: (f64, u32),
     cycle: u32,
     under_way: Vec<(u32, Vec<u8>)>,
 }
 
 impl Network {
-    /// One that delivers everything at once.
+    /// A perfect network.
     pub(crate) fn new(seed: u64) -> Self {
         let random = Random(seed);
         Self { random, loss: 0.0, doubled: 0.0, delayed: (0.0, 1), cycle: 0, under_way: Vec::new() }
@@ -33,7 +33,7 @@ impl Network {
         }
     }
 
-    /// What has arrived by now.
+    /// The datagrams that have arrived.
     pub(crate) fn receive(&mut self) -> Vec<Vec<u8>> {
         let cycle = self.cycle;
         self.under_way.extract_if(.., |(due, _)| *due <= cycle).map(|(_, bytes)| bytes).collect()

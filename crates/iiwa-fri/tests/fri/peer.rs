@@ -1,6 +1,6 @@
 //! Against protobuf's own codec, and an FRI client that shares no code with this crate: the scripts
 //! in `tests/fri` of the workspace. They need a Python with what `tests/requirements.txt` names, at
-//! the path in `IIWASIM_PYTHON`; without it these tests are left out.
+//! the path in `IIWASIM_PYTHON`; without it these tests are skipped.
 
 use std::{
     env,
@@ -28,7 +28,7 @@ const MESSAGES: usize = 500;
 /// A script, with pipes; `None` where there is no Python for it.
 fn script(name: &str, arguments: &[&str]) -> Option<Child> {
     let Some(python) = env::var_os("IIWASIM_PYTHON") else {
-        eprintln!("left out: IIWASIM_PYTHON names no Python for {name}");
+        eprintln!("skipped: IIWASIM_PYTHON names no Python for {name}");
         return None;
     };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fri");
@@ -43,7 +43,7 @@ fn script(name: &str, arguments: &[&str]) -> Option<Child> {
     Some(child)
 }
 
-/// What the codec makes of `lines`, line by line.
+/// The codec's output for `lines`, line by line.
 fn convert(arguments: &[&str], lines: Vec<String>) -> Option<Vec<String>> {
     let mut child = script("codec.py", arguments)?;
     let mut input = child.stdin.take().unwrap();
@@ -168,7 +168,7 @@ fn both_codecs_agree() {
     assert_eq!(encoded, lines);
 }
 
-/// What this crate has no place for is passed over.
+/// Fields that this crate does not model are ignored.
 #[test]
 fn other_fields_are_passed_over() {
     let io = json!([{ "name": "FlexFellow.Out1", "type": 0, "direction": 1, "digitalValue": "1" }]);

@@ -12,14 +12,14 @@ use crate::network::Network;
 
 const HOME: Joints = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6, 0.7];
 
-/// Both sides, the network between them, and a robot that is where it is told to be.
+/// Both sides, the network between them, and a robot that follows its set-points exactly.
 struct Cell {
     controller: Controller,
     client: Client,
     down: Network,
     up: Network,
     robot: Joints,
-    /// Whether the client answers, and what.
+    /// Whether the client answers, and with which set-point.
     answers: bool,
     setpoint: Option<Joints>,
     cycle: u64,
@@ -84,7 +84,7 @@ impl Cell {
         }
     }
 
-    /// Until the session is in `state`.
+    /// Runs until the session is in `state`.
     fn until(&mut self, state: SessionState) -> u32 {
         for n in 0..10_000 {
             if self.controller.state() == state {
@@ -100,7 +100,7 @@ impl Cell {
 fn goes_through_all_states() {
     let mut cell = Cell::new(1, 0);
     assert_eq!(cell.controller.state(), Idle);
-    // The 50th expected answer, to message 49, is weighed at tick 51, the 52nd.
+    // The 50th expected answer, to message 49, is evaluated at tick 51, the 52nd.
     assert_eq!(cell.until(MonitoringReady), 52);
     assert_eq!(cell.controller.quality(), Quality::Excellent);
     cell.cycles(10);
@@ -144,8 +144,7 @@ fn goes_through_all_states() {
         ]
     );
     let counters = cell.client.counters();
-    // One message says that the session is idle; it is not answered, and the next 19 cycles send
-    // nothing.
+    // One message reports the idle session and is not answered; the next 19 cycles send nothing.
     assert_eq!((counters.received, counters.answered), (cell.cycle - 19, cell.cycle - 20));
     assert_eq!((counters.lost, counters.late, counters.repeated, counters.invalid), (0, 0, 0, 0));
     assert_eq!(cell.controller.counters().accepted, counters.answered);
@@ -194,8 +193,8 @@ fn a_little_loss_and_delay_does_not_end_commanding() {
     }
 }
 
-/// Whatever the network does, nothing breaks, the states follow their table, and a network that is
-/// well again brings the session back.
+/// Whatever the network does, state transitions follow the table, and the session recovers with the
+/// network.
 #[test]
 fn survives_bad_networks() {
     for seed in 0..50 {

@@ -5,21 +5,30 @@ use std::fmt;
 use serde::{Deserialize, Deserializer, Serialize, de::Visitor};
 
 /// The value of an input or output.
+///
+/// ```
+/// use iiwa_link::message::IoValue;
+///
+/// assert_eq!(serde_json::from_str::<IoValue>("7")?, IoValue::Digital(7));
+/// assert_eq!(serde_json::from_str::<IoValue>("-0.5")?, IoValue::Analog(-0.5));
+/// assert_eq!(serde_json::to_string(&IoValue::Boolean(true))?, "true");
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum IoValue {
-    /// On or off.
+    /// A boolean signal.
     Boolean(bool),
-    /// A whole number.
+    /// An unsigned integer.
     Digital(u64),
-    /// A number.
+    /// A floating-point number.
     Analog(f64),
 }
 
 impl<'de> Deserialize<'de> for IoValue {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OfValue;
-        impl Visitor<'_> for OfValue {
+        struct IoValueVisitor;
+        impl Visitor<'_> for IoValueVisitor {
             type Value = IoValue;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("true, false or a number")
@@ -37,7 +46,7 @@ impl<'de> Deserialize<'de> for IoValue {
                 Ok(IoValue::Analog(value))
             }
         }
-        deserializer.deserialize_any(OfValue)
+        deserializer.deserialize_any(IoValueVisitor)
     }
 }
 

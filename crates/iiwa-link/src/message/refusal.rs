@@ -1,15 +1,15 @@
-//! Why something was not done.
+//! Errors in replies.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// The kinds of errors.
+/// Error codes of the protocol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Code {
-    /// The request is not understood, or asks for what there is not.
+    /// The request is malformed, or names something that does not exist.
     BadRequest,
     /// Another motion or trajectory is running.
     NotIdle,
@@ -17,16 +17,16 @@ pub enum Code {
     Limit,
     /// A trajectory does not start where the robot is.
     StartMismatch,
-    /// The robot cannot, or has stopped.
+    /// The robot is not able to, or has stopped.
     Robot,
-    /// No answer in time.
+    /// A deadline has passed.
     Timeout,
-    /// The other side does not know the key.
+    /// The server does not accept the key.
     Unauthorized,
 }
 
 impl Code {
-    /// Its name in messages.
+    /// Its name in JSON, in snake case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -47,13 +47,20 @@ impl fmt::Display for Code {
     }
 }
 
-/// Why a request was not, or not wholly, carried out.
+/// Why a request was not, or not completely, carried out.
+///
+/// ```
+/// use iiwa_link::message::{Code, Refusal};
+///
+/// let refusal = Refusal::new(Code::NotIdle, "a motion is running");
+/// assert_eq!(refusal.to_string(), "a motion is running (not_idle)");
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
 #[error("{message} ({code})")]
 pub struct Refusal {
-    /// The kind of error.
+    /// The error code.
     pub code: Code,
-    /// What is wrong, for people.
+    /// A description for people.
     pub message: String,
 }
 
@@ -64,13 +71,13 @@ impl Refusal {
         Self { code, message: message.into() }
     }
 
-    /// The request makes no sense.
+    /// A refusal with [`Code::BadRequest`].
     #[must_use]
     pub fn bad(message: impl Into<String>) -> Self {
         Self::new(Code::BadRequest, message)
     }
 
-    /// The robot cannot do it.
+    /// A refusal with [`Code::Robot`].
     #[must_use]
     pub fn robot(message: impl Into<String>) -> Self {
         Self::new(Code::Robot, message)

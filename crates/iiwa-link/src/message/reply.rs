@@ -1,27 +1,27 @@
-//! What the drive answers.
+//! Replies of the drive.
 
 use std::fmt;
 
 use iiwa_kin::Joints;
 use serde::{Deserialize, Serialize};
 
-use super::{Id, IoValue, Refusal, to_json};
+use crate::message::{io::IoValue, refusal::Refusal, request::Id, text::to_json};
 
-/// What iiwaDrive and the robot are doing (Larsen 2019, section 3.1.1).
+/// The state of iiwaDrive and the robot (Larsen 2019, section 3.1.1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DriveState {
-    /// Nothing.
+    /// At rest; requests are accepted.
     #[default]
     Idle,
-    /// Motions, planned by the controller.
+    /// Running motions that the controller has planned.
     RunningMotion,
-    /// A trajectory, commanded over FRI.
+    /// Running a trajectory that is commanded over FRI.
     RunningTrajectory,
 }
 
 impl DriveState {
-    /// Its name in messages.
+    /// Its name in JSON, in snake case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -41,117 +41,126 @@ impl fmt::Display for DriveState {
 /// Measured joint positions over time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
-    /// Stamps, in s, as in the stream: time of the controller since iiwaDrive has first heard of it.
+    /// Time stamps, in s, as in the stream: the controller's time since its first message to iiwaDrive.
     pub t_s: Vec<f64>,
-    /// Positions at these times, in rad.
+    /// Positions at these times, in rad; as many as there are time stamps.
     pub joints_rad: Vec<Joints>,
 }
 
-/// What a run measured.
+/// The measurements of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Run {
-    /// From the start to the end, in s; where the robot did not tell, there is none.
+    /// Time from the start to the end of the run, in s, if the robot reported both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycle_time_s: Option<f64>,
-    /// When it started, in s, as stamps are; where the robot did not tell, there is none.
+    /// Start of the run, in s on the time scale of the samples, if the robot reported it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_s: Option<f64>,
-    /// What FRI brought from just before the start to the end.
+    /// Measurements over FRI, from just before the start to the end.
     #[serde(default)]
     pub samples: Samples,
-    /// Samples that were not kept, because the run was too long.
+    /// Number of samples beyond [`MAX_SAMPLES`](super::MAX_SAMPLES), which are not stored.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub samples_left_out: u64,
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde's way of calling")]
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde requires")]
 fn is_zero(count: &u64) -> bool {
     *count == 0
 }
 
-/// The robot's sensors.
+/// Readings of the robot's sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sensors {
     /// Temperatures of the joints, in degrees Celsius.
     pub joint_temperature_c: Joints,
-    /// Torques from outside, in Nm.
+    /// External joint torques, in Nm.
     pub external_torque_nm: Joints,
 }
 
-/// How the connection to the controller is.
+/// Status of the FRI connection to the controller.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FriStatus {
-    /// State of the session, as `monitoring_ready`; `silent` when nothing comes in.
+    /// State of the session, such as `monitoring_ready`; `silent` if no messages arrive.
     pub session: String,
-    /// The controller's verdict on the connection: `poor`, `fair`, `good` or `excellent`.
+    /// The controller's rating of the connection: `poor`, `fair`, `good` or `excellent`.
     pub quality: String,
-    /// Messages of the controller that did not arrive.
+    /// Number of the controller's messages that did not arrive.
     pub lost: u64,
-    /// Messages that came after a younger one.
+    /// Number of messages that arrived after a later one.
     pub late: u64,
 }
 
 impl FriStatus {
-    /// The session of which nothing is heard.
+    /// The `session` of a controller that does not send.
     pub const SILENT: &str = "silent";
 }
 
-/// What the robot does now.
+/// A snapshot of the drive and the robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
-    /// What it is doing.
+    /// The state of the drive.
     pub state: DriveState,
-    /// Measured joint positions, in rad; none before the controller has been heard of.
+    /// Measured joint positions, in rad; `None` before the controller's first message.
     pub joints_rad: Option<Joints>,
-    /// When they were measured, in s.
+    /// Time of that measurement, in s.
     pub t_s: Option<f64>,
-    /// The connection of FRI.
+    /// The FRI connection.
     pub fri: FriStatus,
-    /// Whether the robot program is there.
+    /// Whether the robot program is connected.
     #[serde(default)]
     pub robot_program: Presence,
 }
 
-/// Whether somebody is heard of.
+/// Whether a peer is connected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Presence {
-    /// For some time there was no word.
+    /// No message has arrived for a while.
     #[default]
     Silent,
-    /// There was, a moment ago.
+    /// Messages arrive.
     Connected,
 }
 
-/// What a reply brings.
+/// The content of a reply.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 #[non_exhaustive]
 pub enum Body {
-    /// Of runs, also of those that were broken off, and of `last_run`.
+    /// Of runs, including aborted ones, and of `last_run`.
     Run(Run),
     /// Of `state`.
     Status(Status),
     /// Of `read_sensors`.
     Sensors {
-        /// What they say.
+        /// The readings.
         sensors: Sensors,
     },
     /// Of `get_io` and `set_io`.
     Value {
-        /// What it is now.
+        /// The current value.
         value: IoValue,
     },
 }
 
-/// The answer to a request.
+/// The reply to a request.
+///
+/// ```
+/// use iiwa_link::message::{Refusal, Reply};
+///
+/// assert_eq!(Reply::default().to_json(), r#"{"ok":true}"#);
+/// let refusal = Refusal::robot("the emergency stop is pressed");
+/// let reply = Reply { error: Some(&refusal), ..Reply::default() };
+/// assert!(reply.to_json().starts_with(r#"{"ok":false,"error":{"code":"robot","#));
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reply<'a> {
     /// The request's id.
     pub id: Option<&'a Id>,
-    /// Why it was not, or not wholly, carried out.
+    /// Why the request was not, or not completely, carried out.
     pub error: Option<&'a Refusal>,
-    /// What was asked for.
+    /// The requested content.
     pub body: Option<&'a Body>,
 }
 
@@ -160,7 +169,7 @@ impl Reply<'_> {
     #[must_use]
     pub fn to_json(&self) -> String {
         #[derive(Serialize)]
-        struct Out<'a> {
+        struct ReplyJson<'a> {
             ok: bool,
             #[serde(skip_serializing_if = "Option::is_none")]
             id: Option<&'a Id>,
@@ -170,6 +179,6 @@ impl Reply<'_> {
             body: Option<&'a Body>,
         }
         let Self { id, error, body } = *self;
-        to_json(&Out { ok: error.is_none(), id, error, body })
+        to_json(&ReplyJson { ok: error.is_none(), id, error, body })
     }
 }

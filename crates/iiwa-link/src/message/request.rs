@@ -1,4 +1,4 @@
-//! What clients ask for.
+//! Requests of clients.
 
 use std::str;
 
@@ -7,21 +7,39 @@ use iiwa_path::Motion;
 use serde::{Deserialize, Deserializer, Serialize, de::DeserializeOwned};
 use serde_json::value::RawValue;
 
-use super::{IoValue, Refusal, bad_json, shortened, to_json};
-use crate::timed_joints::TimedJoints;
+use crate::{
+    message::{
+        io::IoValue,
+        refusal::Refusal,
+        text::{bad_json, shortened, to_json},
+    },
+    timed_joints::TimedJoints,
+};
 
-/// What a client asks for.
+/// A request of a client.
+///
+/// ```
+/// use iiwa_link::message::Request;
+///
+/// let (id, request) = Request::from_json(br#"{"type": "get_io", "name": "in1", "id": 7}"#);
+/// assert_eq!(request, Ok(Request::GetIo { name: "in1".to_owned() }));
+/// assert_eq!(id.unwrap().get(), "7");
+/// assert_eq!(Request::Stop.to_json(), r#"{"type":"stop"}"#);
+///
+/// let (_, error) = Request::from_json(br#"{"type": "fly"}"#);
+/// assert!(error.unwrap_err().message.starts_with("unknown type `fly`"));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Request {
-    /// Run motions from where the robot is; answered when they are done.
+    /// Run motions from the current position; replied to when they have ended.
     RunMotions {
-        /// As in a program.
+        /// The motions, as in a program.
         motions: Vec<Motion>,
     },
-    /// Run a trajectory, set-point by set-point; answered when it is done.
+    /// Run a trajectory over FRI; replied to when it has ended.
     RunTrajectory {
-        /// Where the joints are to be, and when.
+        /// The trajectory.
         trajectory: TimedJoints,
     },
     /// Read the robot's sensors.
@@ -35,22 +53,22 @@ pub enum Request {
     SetIo {
         /// Its name.
         name: String,
-        /// What it is to be.
+        /// Its new value.
         value: IoValue,
     },
-    /// What the robot does now.
+    /// Read the state of drive and robot.
     State,
-    /// What the last run measured, for a client whose own request broke off.
+    /// Read the measurements of the last run again, such as after a lost connection.
     LastRun,
     /// Stop the running motion or trajectory, on its path.
     Stop,
 }
 
-/// The `id` of a request, any JSON value, which comes back in its reply.
+/// The `id` of a request: any JSON value, returned in the reply.
 pub type Id = Box<RawValue>;
 
 impl Request {
-    /// The names of all requests.
+    /// The `type` of all requests.
     pub const TYPES: [&'static str; 8] = [
         "run_motions",
         "run_trajectory",
@@ -62,25 +80,26 @@ impl Request {
         "stop",
     ];
 
-    /// Reads a request, with its id.
+    /// Parses a request and its id.
     ///
     /// # Errors
     ///
-    /// [`Code::BadRequest`](super::Code::BadRequest) that says what is wrong and where, with the id as far as it can be read.
+    /// [`Code::BadRequest`](crate::message::Code::BadRequest) with the fault and its place. The id is
+    /// returned if it can be parsed.
     pub fn from_json(bytes: &[u8]) -> (Option<Id>, Result<Self, Refusal>) {
         let Ok(text) = str::from_utf8(bytes) else {
             return (None, Err(Refusal::bad("the request is not text in UTF-8")));
         };
-        let head = match serde_json::from_str::<Object<Head>>(text) {
+        let head = match serde_json::from_str::<Object<RequestHead>>(text) {
             Ok(Object(head)) => head,
             Err(error) => return (id_of(text), Err(bad_json(text, &error))),
         };
         (head.id, Self::of_type(head.r#type.as_deref(), text))
     }
 
-    /// What a request is called, and its id, without reading the rest.
+    /// The id and the `type` of a request, without parsing the rest.
     pub fn head(bytes: &[u8]) -> (Option<Id>, Option<String>) {
-        match str::from_utf8(bytes).map(serde_json::from_str::<Object<Head>>) {
+        match str::from_utf8(bytes).map(serde_json::from_str::<Object<RequestHead>>) {
             Ok(Ok(Object(head))) => (head.id, head.r#type),
             _ => (None, None),
         }
@@ -89,32 +108,32 @@ impl Request {
     fn of_type(name: Option<&str>, text: &str) -> Result<Self, Refusal> {
         match name {
             Some("run_motions") => {
-                // The motions first: their errors say which of them is wrong.
+                // The motions first: their errors contain the index of the motion.
                 let motions = Motion::list_from_json(text)
                     .map_err(|error| Refusal::bad(error.to_string()))?;
-                only::<WithMotions>(text)?;
+                parse::<MotionsRequest>(text)?;
                 Ok(Self::RunMotions { motions })
             }
             Some("run_trajectory") => {
-                let trajectory = only::<WithTrajectory>(text)?.trajectory.0;
+                let trajectory = parse::<TrajectoryRequest>(text)?.trajectory.0;
                 Ok(Self::RunTrajectory { trajectory })
             }
-            Some("get_io") => Ok(Self::GetIo { name: only::<WithName>(text)?.name }),
+            Some("get_io") => Ok(Self::GetIo { name: parse::<NameRequest>(text)?.name }),
             Some("set_io") => {
-                let WithValue { name, value, .. } = only(text)?;
+                let ValueRequest { name, value, .. } = parse(text)?;
                 Ok(Self::SetIo { name, value })
             }
-            Some("read_sensors") => only::<Bare>(text).map(|_| Self::ReadSensors),
-            Some("state") => only::<Bare>(text).map(|_| Self::State),
-            Some("last_run") => only::<Bare>(text).map(|_| Self::LastRun),
-            Some("stop") => only::<Bare>(text).map(|_| Self::Stop),
+            Some("read_sensors") => parse::<BareRequest>(text).map(|_| Self::ReadSensors),
+            Some("state") => parse::<BareRequest>(text).map(|_| Self::State),
+            Some("last_run") => parse::<BareRequest>(text).map(|_| Self::LastRun),
+            Some("stop") => parse::<BareRequest>(text).map(|_| Self::Stop),
             Some(other) => Err(Refusal::bad(format!(
-                "unknown type `{}`; known are {}",
+                "unknown type `{}`; known types are {}",
                 shortened(other),
                 Self::TYPES.join(", ")
             ))),
             None => Err(Refusal::bad(format!(
-                "the request has no `type`; known are {}",
+                "the request has no `type`; known types are {}",
                 Self::TYPES.join(", ")
             ))),
         }
@@ -125,7 +144,7 @@ impl Request {
     pub fn to_json(&self) -> String {
         #[derive(Serialize)]
         #[serde(tag = "type", rename_all = "snake_case")]
-        enum Out<'a> {
+        enum RequestJson<'a> {
             RunMotions { motions: &'a [Motion] },
             RunTrajectory { trajectory: &'a TimedJoints },
             ReadSensors,
@@ -136,20 +155,20 @@ impl Request {
             Stop,
         }
         let out = match self {
-            Self::RunMotions { motions } => Out::RunMotions { motions },
-            Self::RunTrajectory { trajectory } => Out::RunTrajectory { trajectory },
-            Self::ReadSensors => Out::ReadSensors,
-            Self::GetIo { name } => Out::GetIo { name },
-            Self::SetIo { name, value } => Out::SetIo { name, value: *value },
-            Self::State => Out::State,
-            Self::LastRun => Out::LastRun,
-            Self::Stop => Out::Stop,
+            Self::RunMotions { motions } => RequestJson::RunMotions { motions },
+            Self::RunTrajectory { trajectory } => RequestJson::RunTrajectory { trajectory },
+            Self::ReadSensors => RequestJson::ReadSensors,
+            Self::GetIo { name } => RequestJson::GetIo { name },
+            Self::SetIo { name, value } => RequestJson::SetIo { name, value: *value },
+            Self::State => RequestJson::State,
+            Self::LastRun => RequestJson::LastRun,
+            Self::Stop => RequestJson::Stop,
         };
         to_json(&out)
     }
 }
 
-fn only<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
+fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
     match serde_json::from_str::<Object<T>>(text) {
         Ok(Object(request)) => Ok(request),
         Err(error) => Err(bad_json(text, &error)),
@@ -157,19 +176,19 @@ fn only<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
 }
 
 #[derive(Deserialize)]
-struct Head {
+struct RequestHead {
     #[serde(default)]
     r#type: Option<String>,
     #[serde(default, deserialize_with = "given")]
     id: Option<Id>,
 }
 
-/// An id of `null` is one, too.
+/// An id of `null` is an id.
 fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Id>, D::Error> {
     Id::deserialize(deserializer).map(Some)
 }
 
-/// The id of a request in which something else is wrong.
+/// The id of a request that is otherwise malformed.
 fn id_of(text: &str) -> Option<Id> {
     #[derive(Deserialize)]
     struct OnlyId {
@@ -179,7 +198,7 @@ fn id_of(text: &str) -> Option<Id> {
     serde_json::from_str::<Object<OnlyId>>(text).ok().and_then(|Object(only)| only.id)
 }
 
-/// What each request may have beside its own keys.
+/// Declares the JSON object of a request: its own keys, `type` and `id`.
 macro_rules! request {
     ($name:ident { $($field:ident: $type:ty),* }) => {
         #[derive(Deserialize)]
@@ -194,14 +213,14 @@ macro_rules! request {
     };
 }
 
-request!(Bare {});
-request!(WithName { name: String });
-request!(WithValue { name: String, value: IoValue });
-request!(WithTrajectory { trajectory: Object<TimedJoints> });
+request!(BareRequest {});
+request!(NameRequest { name: String });
+request!(ValueRequest { name: String, value: IoValue });
+request!(TrajectoryRequest { trajectory: Object<TimedJoints> });
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WithMotions {
+struct MotionsRequest {
     #[serde(rename = "type")]
     _type: String,
     #[serde(default, rename = "id")]

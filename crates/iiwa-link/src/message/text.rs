@@ -1,33 +1,37 @@
-//! JSON, and pieces of text in messages.
+//! JSON and text for messages.
 
 use std::fmt;
 
 use iiwa_json::{Object, Place, problem};
 use serde::{Serialize, de::DeserializeOwned};
 
-use super::Refusal;
+use crate::message::refusal::Refusal;
 
-/// A value as JSON. Only a map with keys that are no strings could fail.
+/// A value as JSON; empty if it has map keys that are not strings, which none of the messages has.
+#[must_use]
 pub fn to_json(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default()
 }
 
-/// A message that was sent by another program of ours; none if it is not what it should be.
+/// Parses a message of another iiwasim program; `None` if it is malformed.
+#[must_use]
 pub fn from_json<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     serde_json::from_slice::<Object<T>>(bytes).ok().map(|Object(message)| message)
 }
 
-/// Why a text is not the JSON that is asked for, and where.
+/// A refusal of a malformed request, with the fault and its place.
+#[must_use]
 pub fn bad_json(text: &str, error: &serde_json::Error) -> Refusal {
     Refusal::bad(format!("{}, at {}", problem(error), Place::of_error(text, text, error)))
 }
 
-/// The beginning of somebody's text, for messages; what is not ASCII is escaped.
+/// The beginning of a text from elsewhere, for messages; what is not printable ASCII is escaped.
+#[must_use]
 pub fn shortened(text: &str) -> String {
-    const MOST: usize = 60;
+    const MAX_CHARS: usize = 60;
     let mut shown = String::new();
     for letter in text.chars() {
-        if shown.len() >= MOST {
+        if shown.len() >= MAX_CHARS {
             shown.push_str("...");
             break;
         }
@@ -36,7 +40,7 @@ pub fn shortened(text: &str) -> String {
     shown
 }
 
-/// A number in messages, with so many decimals; one of many digits with a power of ten.
+/// A number in messages, with the given number of decimals; large ones in scientific notation.
 pub struct Figures(pub f64, pub usize);
 
 impl fmt::Display for Figures {

@@ -1,21 +1,31 @@
-//! The clients that are let in.
+//! The list of permitted clients.
 
 use std::{collections::BTreeMap, path::Path};
 
-use super::{PublicKey, SecurityError};
+use super::{error::SecurityError, key::PublicKey};
 
-/// Public keys of the clients that are let in, each with a name. An empty list lets nobody in.
+/// Public keys of the permitted clients, each with a name. An empty list permits none.
+///
+/// ```
+/// use iiwa_link::security::{AllowList, KeyPair};
+///
+/// let alice = KeyPair::generate()?.public();
+/// let list = AllowList::from_iter([("alice".to_owned(), alice)]);
+/// assert_eq!(list.name(&alice), Some("alice"));
+/// assert_eq!(list.name(&KeyPair::generate()?.public()), None);
+/// # Ok::<(), iiwa_link::security::SecurityError>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct AllowList {
     names: BTreeMap<PublicKey, String>,
 }
 
 impl AllowList {
-    /// Reads one file with a public key, or all files `*.pub` directly in a folder. A key is called
-    /// by its file's name.
+    /// Reads one public key file, or all files `*.pub` directly in a folder. The name of a key is that of
+    /// its file without extension.
     ///
     /// # Errors
-    /// A file cannot be read or is not one with a public key alone; the folder has none.
+    /// A file cannot be read or is not a public key file; the folder contains none.
     pub fn read(path: &Path) -> Result<Self, SecurityError> {
         let refuse = |source| SecurityError::Read { path: path.to_owned(), source };
         if !path.metadata().map_err(refuse)?.is_dir() {
@@ -29,9 +39,9 @@ impl AllowList {
             }
         }
         if files.is_empty() {
-            return Err(SecurityError::NobodyAllowed { path: path.to_owned() });
+            return Err(SecurityError::NoClientKeys { path: path.to_owned() });
         }
-        // A key in two files has the name of the first one.
+        // A key in two files gets the name of the first one.
         files.sort_unstable();
         files.iter().map(|file| Ok((name(file), PublicKey::read(file)?))).collect()
     }
@@ -42,13 +52,13 @@ impl AllowList {
         self.names.get(key).map(String::as_str)
     }
 
-    /// How many keys are on the list.
+    /// The number of keys.
     #[must_use]
     pub fn len(&self) -> usize {
         self.names.len()
     }
 
-    /// Whether nobody is let in.
+    /// Whether there are no keys.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.names.is_empty()
@@ -65,8 +75,7 @@ impl FromIterator<(String, PublicKey)> for AllowList {
     }
 }
 
-/// What a key is called by its file's name: it goes into logs and replies, so without control
-/// characters.
+/// The name of a key by its file, without control characters, as it is written to logs.
 fn name(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     stem.chars().map(|c| if c.is_control() { '?' } else { c }).take(64).collect()

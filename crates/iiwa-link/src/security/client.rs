@@ -1,22 +1,25 @@
-//! What a client needs to be let in, and to know that the server is the right one.
+//! Security of clients.
 
 use std::path::Path;
 
 use omq_proto::{CurvePublicKey, MechanismSetup};
 
-use super::{KeyPair, PublicKey, SecurityError};
+use super::{
+    error::SecurityError,
+    key::{KeyPair, PublicKey},
+};
 
 /// A client's own keys and its server's public key.
 #[derive(Clone, Debug)]
 pub struct ClientSecurity {
-    /// Its keys.
+    /// Its own keys.
     pub pair: KeyPair,
     /// The server's public key.
     pub server: PublicKey,
 }
 
 impl ClientSecurity {
-    /// Reads a file with a secret key, and one with the server's public key.
+    /// Reads a secret key file and the server's public key file.
     ///
     /// # Errors
     /// As [`KeyPair::read`] and [`PublicKey::read`].
@@ -24,7 +27,7 @@ impl ClientSecurity {
         Ok(Self { pair: KeyPair::read(key)?, server: PublicKey::read(server_key)? })
     }
 
-    /// How the keys are shown.
+    /// The mechanism with these keys.
     pub(crate) fn mechanism(&self) -> MechanismSetup {
         MechanismSetup::CurveClient {
             our_keypair: self.pair.for_curve(),

@@ -1,4 +1,4 @@
-//! Addresses, and which of them other machines reach.
+//! Addresses, and which of them are reachable from other machines.
 
 use std::{
     fmt, io,
@@ -6,14 +6,25 @@ use std::{
     str::FromStr,
 };
 
-use super::SecurityError;
+use super::error::SecurityError;
 
 /// An address `tcp://HOST:PORT`, or `HOST:PORT`. The host is an IPv4 address, an IPv6 address in
-/// brackets, a name, or `*`, which is every interface; the port is 1 to 65535 or, for a socket that
-/// binds, `*`, which is any free one.
+/// brackets, a name, or `*` for all interfaces; the port is 1 to 65535 or, for a listening socket, `*`
+/// for any free one.
 ///
-/// Loopback are 127.0.0.0/8, `[::1]` and `localhost`, which is taken for 127.0.0.1 whatever the
-/// system's tables say. Every other name, interfaces too, may be reached from other machines.
+/// Loopback addresses are 127.0.0.0/8, `[::1]` and `localhost`, which is always 127.0.0.1. Every other
+/// name, including those of interfaces, counts as reachable from other machines.
+///
+/// ```
+/// use iiwa_link::security::Endpoint;
+///
+/// let endpoint: Endpoint = "localhost:5560".parse()?;
+/// assert_eq!(endpoint.to_string(), "tcp://127.0.0.1:5560");
+/// assert!(endpoint.is_loopback() && endpoint.check_bind(false).is_ok());
+/// let endpoint: Endpoint = "*:5560".parse()?;
+/// assert!(endpoint.check_bind(false).is_err() && endpoint.check_bind(true).is_ok());
+/// # Ok::<(), iiwa_link::security::SecurityError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Endpoint {
     host: Host,
@@ -29,7 +40,7 @@ enum Host {
 }
 
 impl Endpoint {
-    /// Whether only this machine reaches it.
+    /// Whether it is reachable from this machine only.
     #[must_use]
     pub fn is_loopback(&self) -> bool {
         match &self.host {
@@ -39,10 +50,10 @@ impl Endpoint {
         }
     }
 
-    /// The address for the system; a name is looked up. A port that may be any is 0.
+    /// The IP address and port; names are resolved. The port `*` becomes 0.
     ///
     /// # Errors
-    /// The name is not known.
+    /// The name cannot be resolved.
     pub fn resolve(&self) -> io::Result<SocketAddr> {
         let port = self.port.unwrap_or(0);
         match &self.host {
@@ -50,13 +61,14 @@ impl Endpoint {
             Host::V6(address) => Ok((*address, port).into()),
             Host::Any => Ok((Ipv4Addr::UNSPECIFIED, port).into()),
             Host::Name(name) => {
-                let unknown = || io::Error::new(io::ErrorKind::NotFound, "the name is not known");
+                let unknown =
+                    || io::Error::new(io::ErrorKind::NotFound, "the name cannot be resolved");
                 (name.as_str(), port).to_socket_addrs()?.next().ok_or_else(unknown)
             }
         }
     }
 
-    /// Fails if a socket must not bind there: without keys it may on loopback only.
+    /// Fails if binding requires keys and there are none: other addresses than loopback do.
     ///
     /// # Errors
     /// [`SecurityError::BindNeedsKeys`].
@@ -67,14 +79,13 @@ impl Endpoint {
         Err(SecurityError::BindNeedsKeys { endpoint: self.to_string() })
     }
 
-    /// Fails if a socket must not or cannot connect there: without keys it may on loopback only, and
-    /// never to `*`.
+    /// Fails if connecting is not possible (`*`), or requires keys and there are none.
     ///
     /// # Errors
-    /// [`SecurityError::Address`] of one that is for binding only, [`SecurityError::ConnectNeedsKeys`].
+    /// [`SecurityError::Address`] or [`SecurityError::ConnectNeedsKeys`].
     pub fn check_connect(&self, has_keys: bool) -> Result<(), SecurityError> {
         if self.host == Host::Any || self.port.is_none() {
-            let what = "to connect, one host and one port are needed";
+            let what = "to connect, a host and a port are required";
             return Err(SecurityError::Address { text: self.to_string(), what });
         }
         if has_keys || self.is_loopback() {
@@ -106,11 +117,11 @@ impl FromStr for Endpoint {
         let refuse = |what| SecurityError::Address { text: text.to_owned(), what };
         let address = match text.split_once("://") {
             Some(("tcp", address)) => address,
-            Some(_) => return Err(refuse("only tcp://HOST:PORT is used")),
+            Some(_) => return Err(refuse("only tcp://HOST:PORT is supported")),
             None => text,
         };
         let Some((host, port)) = address.rsplit_once(':') else {
-            return Err(refuse("HOST:PORT is needed"));
+            return Err(refuse("HOST:PORT is required"));
         };
         let port = match port {
             "*" => None,
@@ -122,7 +133,11 @@ impl FromStr for Endpoint {
         };
         let bracketed = host.strip_prefix('[').and_then(|host| host.strip_suffix(']'));
         let host = if let Some(inside) = bracketed {
-            Host::V6(inside.parse().map_err(|_| refuse("no IPv6 address between the brackets"))?)
+            Host::V6(
+                inside
+                    .parse()
+                    .map_err(|_| refuse("the brackets do not contain an IPv6 address"))?,
+            )
         } else if host == "*" {
             Host::Any
         } else if host.eq_ignore_ascii_case("localhost") {

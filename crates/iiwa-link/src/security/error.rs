@@ -1,4 +1,4 @@
-//! What can go wrong with keys and addresses.
+//! Errors of keys and addresses.
 
 use std::{io, path::PathBuf};
 
@@ -6,39 +6,39 @@ use std::{io, path::PathBuf};
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KeyTextError {
-    /// Too long or too short.
+    /// A wrong number of characters.
     #[error("a key has 40 characters, found {found}")]
     Length {
-        /// How many characters there are.
+        /// The number of characters.
         found: usize,
     },
-    /// A character that Z85 does not know.
+    /// A character that is not one of Z85.
     #[error("character {position} of the key is {character:?}, which is not one of Z85's")]
     Character {
-        /// Its place in the key, from 1.
+        /// Its position in the key, from 1.
         position: usize,
         /// The character.
         character: char,
     },
-    /// Five characters that stand for more than four bytes hold.
-    #[error("characters {position} to {} of the key stand for no four bytes", .position + 4)]
+    /// A group of five characters whose value exceeds four bytes.
+    #[error("characters {position} to {} of the key are out of range", .position + 4)]
     TooLarge {
-        /// Place of the first of them in the key, from 1.
+        /// Position of the first of them in the key, from 1.
         position: usize,
     },
 }
 
-/// Why something cannot be guarded by keys, or must not be done without them.
+/// Why keys or addresses cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SecurityError {
     /// A text that is not a public key.
     #[error("not a public key")]
     KeyText(#[from] KeyTextError),
-    /// A name that key files cannot have.
+    /// A name that is not allowed for key files.
     #[error(
-        "`{}` is no name for a key: 1 to 64 letters, digits, -, _ and ., beginning with a letter \
-         or a digit", .name.escape_debug()
+        "`{}` is not a valid name of a key: use 1 to 64 letters, digits, -, _ and ., beginning with \
+         a letter or a digit", .name.escape_debug()
     )]
     Name {
         /// The refused name.
@@ -47,31 +47,31 @@ pub enum SecurityError {
     /// A file or folder could not be read.
     #[error("cannot read {}", .path.display())]
     Read {
-        /// Which one.
+        /// Its path.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         #[source]
         source: io::Error,
     },
     /// A file or folder could not be written.
     #[error("cannot write {}", .path.display())]
     Write {
-        /// Which one.
+        /// Its path.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         #[source]
         source: io::Error,
     },
-    /// A key file that is there already. It is never overwritten: its key may be in use.
+    /// A key file that exists already. It is never overwritten: its key may be in use.
     #[error("{} exists already and is not overwritten", .path.display())]
     Exists {
         /// The file.
         path: PathBuf,
     },
-    /// A file with a secret key that others may read.
+    /// A secret key file that other users may access.
     #[error(
-        "{} holds a secret key and others may read it (mode {mode:04o}): `chmod 600` it, and if \
-         somebody may have read it, make a new one", .path.display()
+        "{} contains a secret key and is accessible to other users (mode {mode:04o}): `chmod 600` \
+         it, and replace the key if it may have been read", .path.display()
     )]
     Exposed {
         /// The file.
@@ -79,65 +79,60 @@ pub enum SecurityError {
         /// Its permissions.
         mode: u32,
     },
-    /// A key file with a line that does not belong there.
+    /// A key file with an invalid line.
     #[error("{}, line {line}: {what}", .path.display())]
     KeyLine {
         /// The file.
         path: PathBuf,
         /// The line, from 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
-    /// A file that is no key file, or not the right one.
+    /// A file that is not a key file, or not of the required kind.
     #[error("{}: {what}", .path.display())]
     KeyFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         what: &'static str,
     },
-    /// A folder of clients' keys without any: nobody could connect.
-    #[error(
-        "no file *.pub in {}: nobody could connect. Put the clients' public keys there, which \
-         `iiwasim keygen` makes", .path.display()
-    )]
-    NobodyAllowed {
+    /// A folder of clients' keys without any.
+    #[error("no client can connect: {} contains no public key files (*.pub)", .path.display())]
+    NoClientKeys {
         /// The folder.
         path: PathBuf,
     },
-    /// A text that is not an address, or one of a kind that is not used.
+    /// A text that is not a supported address.
     #[error("`{}` is not an address: {what}", .text.escape_debug())]
     Address {
         /// The text.
         text: String,
-        /// What is wrong.
+        /// The fault.
         what: &'static str,
     },
-    /// An address that other machines reach, without keys.
+    /// Binding an address that other machines can reach, without keys.
     #[error(
-        "{endpoint} can be reached from other machines, so keys are needed: make them with \
-         `iiwasim keygen drive`, then give --key drive.key and --allow with the clients' .pub \
-         files. Without keys, only loopback addresses are bound, such as tcp://127.0.0.1:5560"
+        "{endpoint} can be reached from other machines, so CURVE keys are required; without keys, \
+         only loopback addresses are bound, such as tcp://127.0.0.1:5560"
     )]
     BindNeedsKeys {
         /// The address.
         endpoint: String,
     },
-    /// An address on another machine, without keys.
+    /// Connecting to another machine, without keys.
     #[error(
-        "{endpoint} may be another machine, so keys are needed: make them with `iiwasim keygen \
-         NAME`, then give --key NAME.key and --server-key (a drive: --cabinet-key) with the other \
-         side's .pub file. Without keys, only loopback addresses are used, such as tcp://127.0.0.1:5560"
+        "{endpoint} may be another machine, so CURVE keys are required; without keys, only loopback \
+         addresses are connected to, such as tcp://127.0.0.1:5560"
     )]
     ConnectNeedsKeys {
         /// The address.
         endpoint: String,
     },
-    /// The system has no random numbers.
-    #[error("cannot make keys")]
+    /// The system's random number generator has failed.
+    #[error("the system provides no random numbers")]
     Random {
-        /// What the system says.
+        /// The system's error.
         #[source]
         source: getrandom::Error,
     },

@@ -1,7 +1,7 @@
-//! Key files: `NAME.key` with a secret and a public key, `NAME.pub` with the public key alone.
+//! Key files: `NAME.key` with a secret and a public key, `NAME.pub` with the public key only.
 //!
-//! Their format is that of CZMQ's and `pyzmq`'s certificates, so that
-//! `zmq.auth.load_certificate("NAME.key")` returns both keys:
+//! The format is that of the certificates of CZMQ and `pyzmq`:
+//! `zmq.auth.load_certificate("NAME.key")` returns both keys.
 //!
 //! ```text
 //! # Public key `NAME` of iiwasim
@@ -18,22 +18,26 @@ use std::{
 
 use tempfile::NamedTempFile;
 
-use super::{KeyPair, KeyTextError, PublicKey, SecurityError, z85};
+use super::{
+    error::{KeyTextError, SecurityError},
+    key::{KeyPair, PublicKey},
+    z85,
+};
 
-/// Far more than a key file has; a recording given by mistake is not read to its end.
-const LONGEST: u64 = 1 << 16;
+/// Far longer than a key file; a large file given by mistake is not read to its end.
+const MAX_BYTES: u64 = 1 << 16;
 
 impl KeyPair {
-    /// Writes `NAME.key`, which only its owner may read, and `NAME.pub` into a folder: both or none.
+    /// Writes `NAME.key`, readable by its owner only, and `NAME.pub` into a folder: both or none.
     /// Returns their paths, that of the secret key first.
     ///
     /// # Errors
-    /// The name is none for a key, one of the files exists, they cannot be written.
+    /// The name is invalid, one of the files exists, or they cannot be written.
     pub fn write(&self, folder: &Path, name: &str) -> Result<(PathBuf, PathBuf), SecurityError> {
         check_name(name)?;
         let paths = (folder.join(format!("{name}.key")), folder.join(format!("{name}.pub")));
         for path in [&paths.0, &paths.1] {
-            // A link that leads nowhere counts too.
+            // A dangling link counts as existing.
             if path.symlink_metadata().is_ok() {
                 return Err(SecurityError::Exists { path: path.clone() });
             }
@@ -47,8 +51,8 @@ impl KeyPair {
             format!("# Public key `{name}` of iiwasim\ncurve\n    public-key = \"{public}\"\n");
         let secret_file = prepare(folder, &paths.0, &secret_text, 0o600)?;
         let public_file = prepare(folder, &paths.1, &public_text, 0o644)?;
-        place(secret_file, &paths.0)?;
-        if let Err(error) = place(public_file, &paths.1) {
+        persist(secret_file, &paths.0)?;
+        if let Err(error) = persist(public_file, &paths.1) {
             let _ = fs::remove_file(&paths.0);
             return Err(error);
         }
@@ -58,12 +62,12 @@ impl KeyPair {
     /// Reads a file with a secret key.
     ///
     /// # Errors
-    /// It cannot be read, others may read it, it is not a key file or one without a secret key.
+    /// It cannot be read, is accessible to others, is not a key file, or has no secret key.
     pub fn read(path: &Path) -> Result<Self, SecurityError> {
         let keys = Keys::read(path)?;
         let (Some(public), Some(secret)) = (keys.public, keys.secret) else {
             let what = if keys.public.is_some() {
-                "it holds a public key alone; the .key file is needed"
+                "it contains a public key only; the .key file is required"
             } else {
                 "not a key file: it has no line `public-key = \"...\"`"
             };
@@ -77,18 +81,17 @@ impl KeyPair {
 }
 
 impl PublicKey {
-    /// Reads a file with a public key alone. One with a secret key is refused: it should not be
-    /// where public ones are.
+    /// Reads a public key file. A secret key file is refused: it should not be shared.
     ///
     /// # Errors
-    /// It cannot be read, it is not a key file, it holds a secret key.
+    /// It cannot be read, is not a key file, or contains a secret key.
     pub fn read(path: &Path) -> Result<Self, SecurityError> {
         let keys = Keys::read(path)?;
         match (keys.public, keys.secret) {
             (Some(public), None) => Ok(Self::from(public)),
             (_, Some(_)) => Err(SecurityError::KeyFile {
                 path: path.to_owned(),
-                what: "it holds a secret key, which belongs to its owner; the .pub file is needed",
+                what: "it contains a secret key, which only its owner should have; the .pub file is required",
             }),
             (None, None) => Err(SecurityError::KeyFile {
                 path: path.to_owned(),
@@ -98,7 +101,7 @@ impl PublicKey {
     }
 }
 
-/// Fails unless key files can be called so.
+/// Fails if the name is not allowed for key files.
 fn check_name(name: &str) -> Result<(), SecurityError> {
     let inside = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let begins = name.starts_with(|c: char| c.is_ascii_alphanumeric());
@@ -108,7 +111,7 @@ fn check_name(name: &str) -> Result<(), SecurityError> {
     Err(SecurityError::Name { name: name.to_owned() })
 }
 
-/// What is in a key file.
+/// The content of a key file.
 struct Keys {
     public: Option<[u8; 32]>,
     secret: Option<[u8; 32]>,
@@ -121,7 +124,7 @@ impl Keys {
         let file = File::open(path).map_err(refuse)?;
         let mode = mode(&file.metadata().map_err(refuse)?);
         let mut bytes = Vec::new();
-        file.take(LONGEST).read_to_end(&mut bytes).map_err(refuse)?;
+        file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(refuse)?;
         let text = String::from_utf8(bytes).map_err(|_| SecurityError::KeyFile {
             path: path.to_owned(),
             what: "not a key file: it is not text",
@@ -135,7 +138,7 @@ impl Keys {
         Ok(keys)
     }
 
-    /// Takes the keys from a text; an error comes with its line.
+    /// Parses a text. Errors have a line, from 1.
     fn parse(&mut self, text: &str) -> Result<(), (usize, String)> {
         let mut in_metadata = false;
         for (i, line) in text.lines().enumerate() {
@@ -162,16 +165,16 @@ impl Keys {
             if key.is_some() {
                 return refuse("a second key of the same kind");
             }
-            let decoded = bare.ok_or("a key goes between double quotes".to_owned());
-            let decoded = decoded.and_then(|text| z85::decode(text).map_err(|e| told(&e)));
+            let decoded = bare.ok_or("a key has to be in double quotes".to_owned());
+            let decoded = decoded.and_then(|text| z85::decode(text).map_err(|e| redacted(&e)));
             *key = Some(decoded.map_err(|what| (i + 1, what))?);
         }
         Ok(())
     }
 }
 
-/// The error, without a character of what may be a secret key.
-fn told(error: &KeyTextError) -> String {
+/// The error without the offending character, which may be part of a secret key.
+fn redacted(error: &KeyTextError) -> String {
     match error {
         KeyTextError::Character { position, .. } => {
             format!("character {position} of the key is not one of Z85's")
@@ -180,7 +183,7 @@ fn told(error: &KeyTextError) -> String {
     }
 }
 
-/// A file beside its place, with all that will be in it.
+/// A temporary file in the same folder with the whole content.
 fn prepare(
     folder: &Path,
     path: &Path,
@@ -197,15 +200,15 @@ fn prepare(
     }
     #[cfg(not(unix))]
     let _ = mode;
-    // Without the name of the temporary file.
+    // The error is reported without the name of the temporary file.
     let file = builder.tempfile_in(folder).map_err(|error| refuse(error.kind().into()));
     let mut file = file?;
     file.write_all(text.as_bytes()).and_then(|()| file.as_file().sync_all()).map_err(refuse)?;
     Ok(file)
 }
 
-/// Puts a file in its place, if that is still free.
-fn place(file: NamedTempFile, path: &Path) -> Result<(), SecurityError> {
+/// Moves a file to its final path, unless that exists.
+fn persist(file: NamedTempFile, path: &Path) -> Result<(), SecurityError> {
     let path = path.to_owned();
     match file.persist_noclobber(&path) {
         Ok(_) => Ok(()),
@@ -227,7 +230,7 @@ fn mode(_: &fs::Metadata) -> u32 {
     0
 }
 
-/// The mode, if it lets others than the owner in.
+/// The mode, if it grants access to others than the owner.
 fn exposed(mode: u32) -> Option<u32> {
     (mode & 0o077 != 0).then_some(mode)
 }

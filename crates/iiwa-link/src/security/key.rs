@@ -1,12 +1,24 @@
-//! Keys.
+//! CURVE keys.
 
 use std::{fmt, str::FromStr};
 
 use omq_proto::{CurveKeypair, CurvePublicKey, CurveSecretKey};
 
-use super::{KeyTextError, SecurityError, z85};
+use super::{
+    error::{KeyTextError, SecurityError},
+    z85,
+};
 
-/// A public key; as text, 40 characters of Z85.
+/// A public key of 32 bytes; as text, 40 characters of Z85.
+///
+/// ```
+/// use iiwa_link::security::PublicKey;
+///
+/// let key: PublicKey = "rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7".parse()?;
+/// assert_eq!(key.to_string().len(), 40);
+/// assert!("too short".parse::<PublicKey>().is_err());
+/// # Ok::<(), iiwa_link::security::KeyTextError>(())
+/// ```
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PublicKey([u8; 32]);
 
@@ -44,7 +56,18 @@ impl FromStr for PublicKey {
     }
 }
 
-/// A secret key with its public key. Printing it does not show the secret.
+/// A secret key with its public key. `Debug` does not print the secret.
+///
+/// ```
+/// use iiwa_link::security::{KeyPair, PublicKey};
+///
+/// let folder = tempfile::tempdir()?;
+/// let pair = KeyPair::generate()?;
+/// let (secret, public) = pair.write(folder.path(), "alice")?;
+/// assert_eq!(KeyPair::read(&secret)?.public(), pair.public());
+/// assert_eq!(PublicKey::read(&public)?, pair.public());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 pub struct KeyPair {
     public: PublicKey,
@@ -52,10 +75,10 @@ pub struct KeyPair {
 }
 
 impl KeyPair {
-    /// A new pair.
+    /// Generates a pair.
     ///
     /// # Errors
-    /// The system has no random numbers.
+    /// The system's random number generator fails.
     pub fn generate() -> Result<Self, SecurityError> {
         let mut secret = [0; 32];
         getrandom::fill(&mut secret).map_err(|source| SecurityError::Random { source })?;
@@ -63,7 +86,7 @@ impl KeyPair {
         Ok(Self { public: PublicKey(*public.as_bytes()), secret })
     }
 
-    /// A pair of a key file. Whether the two belong together shows when they are used.
+    /// A pair from a key file. A mismatch of the two shows in the handshake.
     pub(super) fn new(public: PublicKey, secret: [u8; 32]) -> Self {
         Self { public, secret }
     }
@@ -78,7 +101,7 @@ impl KeyPair {
         &self.secret
     }
 
-    /// As the protocol takes it.
+    /// The pair as `omq-proto` takes it.
     pub(super) fn for_curve(&self) -> CurveKeypair {
         CurveKeypair {
             public: CurvePublicKey::from_bytes(self.public.0),

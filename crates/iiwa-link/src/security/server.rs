@@ -1,4 +1,4 @@
-//! What a server needs to check its clients.
+//! Security of servers.
 
 use std::{
     path::Path,
@@ -9,19 +9,24 @@ use omq_proto::{
     AuthenticationResult, Authenticator, CurveServerOptions, MechanismPeerInfo, MechanismSetup,
 };
 
-use super::{AllowList, KeyPair, PublicKey, SecurityError, refusals::Refusals};
+use super::{
+    allow::AllowList,
+    error::SecurityError,
+    key::{KeyPair, PublicKey},
+    refusal_log::RefusalLog,
+};
 
-/// A server's own keys and the clients that it lets in.
+/// A server's own keys and its permitted clients.
 #[derive(Clone, Debug)]
 pub struct ServerSecurity {
-    /// Its keys.
+    /// Its own keys.
     pub pair: KeyPair,
-    /// Its clients.
+    /// The permitted clients.
     pub allowed: AllowList,
 }
 
 impl ServerSecurity {
-    /// Reads a file with a secret key, and the clients' public keys: a file or a folder of them.
+    /// Reads a secret key file, and the clients' public keys from a file or a folder.
     ///
     /// # Errors
     /// As [`KeyPair::read`] and [`AllowList::read`].
@@ -29,11 +34,11 @@ impl ServerSecurity {
         Ok(Self { pair: KeyPair::read(key)?, allowed: AllowList::read(allow)? })
     }
 
-    /// How clients are checked: those with a key on the list are let in, under its name; all others get
-    /// nothing. Clients that are refused are named in warnings.
+    /// The mechanism that accepts clients with a key on the list, under its name. Refused clients are
+    /// logged as warnings.
     pub(crate) fn mechanism(&self) -> MechanismSetup {
         let allowed = self.allowed.clone();
-        let refusals = Mutex::new(Refusals::default());
+        let refusals = Mutex::new(RefusalLog::default());
         let check = move |peer: &MechanismPeerInfo| {
             let key = PublicKey::from(peer.public_key);
             let address = peer.peer_address.as_deref().unwrap_or_default();
@@ -41,10 +46,10 @@ impl ServerSecurity {
                 tracing::info!(client = name, address, "admitted");
                 return AuthenticationResult::allow().with_user_id(name.as_bytes().to_vec());
             }
-            // Each attempt comes from another port.
+            // Each attempt has another port.
             let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
             let mut refusals = refusals.lock().unwrap_or_else(PoisonError::into_inner);
-            if refusals.is_news(host, Some(key)) {
+            if refusals.record(host, Some(key)) {
                 tracing::warn!(address, key = %key, "refused: its key is not allowed");
             }
             AuthenticationResult::deny()

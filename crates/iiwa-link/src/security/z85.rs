@@ -1,7 +1,7 @@
-//! Z85 (RFC 32 of `ZeroMQ`): 4 bytes as 5 printable characters. libzmq's own decoder takes any character
-//! for one of the 85.
+//! Z85 (`ZeroMQ` RFC 32): 4 bytes as 5 printable characters. Unlike libzmq's decoder, this one refuses
+//! other characters.
 
-use super::KeyTextError;
+use super::error::KeyTextError;
 
 const DIGITS: &[u8; 85] =
     b"0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&<>()[]{}@%$#";
@@ -18,10 +18,10 @@ pub(super) fn encode(key: &[u8; 32]) -> String {
     text
 }
 
-/// The key that 40 characters stand for.
+/// Decodes a key of 40 characters.
 ///
 /// # Errors
-/// Another number of characters, one that is not of the 85, five that stand for too large a number.
+/// A wrong number of characters, a character that is not one of the 85, or a group out of range.
 pub(super) fn decode(text: &str) -> Result<[u8; 32], KeyTextError> {
     let found = text.chars().count();
     if found != 40 {

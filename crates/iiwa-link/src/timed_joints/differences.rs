@@ -1,37 +1,46 @@
-//! Whether points keep the limits of velocity, acceleration and jerk, from rest to rest.
+//! Checks the limits of velocity, acceleration and jerk, from rest to rest, by divided differences.
 //!
 //! A divided difference is a mean of the derivative: if a motion keeps its limits, so do all differences
-//! of its points, at whatever stamps they were taken. From each point they are taken over several
-//! times, chosen so that neither dense nor uneven stamps hide anything.
+//! of its points, whatever their stamps. From each point, differences are taken over several time spans,
+//! chosen so that neither dense nor uneven stamps conceal an excess.
 
 use iiwa_kin::{Joints, Limits};
 
-use super::{MARGINS, TimedJoints};
-use crate::message::{Code, Figures, Refusal};
+use super::points::TimedJoints;
+use crate::message::{
+    refusal::{Code, Refusal},
+    text::Figures,
+};
 
-/// Times from one point of a difference to the next, in s. A difference of third order goes three times
-/// as far, and jerk is seldom at its limit for longer than 30 to 60 ms: what takes the joints of an LBR
-/// iiwa to their acceleration limits. Over shorter times rounding explains more.
+/// Permitted excess over the robot's limits of velocity, acceleration and jerk, as a share of the limits.
+///
+/// Planners keep limits exactly at sampling points and approximately in between; an excess beyond these
+/// margins is not a rounding error.
+pub const MARGINS: [f64; 3] = [0.02, 0.05, 0.10];
+
+/// Times from one point of a difference to the next, in s. A difference of third order spans three times
+/// as much, and jerk is seldom at its limit for longer than 30 to 60 ms, the time in which the joints of
+/// an LBR iiwa reach their acceleration limits. Over shorter times, rounding has more effect.
 const SPANS_S: [f64; 6] = [0.001, 0.003, 0.006, 0.009, 0.012, 0.024];
 
-/// Positions may be rounded to six decimals, in rad: a difference that this explains is no fault.
+/// Positions may be rounded to six decimals, in rad: the error that this causes is tolerated.
 const ROUNDING_RAD: f64 = 0.5e-6;
 
-/// Stamps likewise, in s.
+/// The same for stamps, in s.
 const ROUNDING_S: f64 = 0.5e-6;
 
-/// The derivatives, with their units in messages.
+/// Names and units of the derivatives in messages.
 const KINDS: [(&str, &str); 3] =
     [("velocity", "deg/s"), ("acceleration", "deg/s^2"), ("jerk", "deg/s^3")];
 
-/// Finds the first excess: of velocity, else of acceleration, else of jerk. There have to be two points
-/// or more, with stamps that increase.
+/// Refuses the first excess of velocity, else of acceleration, else of jerk. Requires at least two points
+/// with increasing stamps.
 pub(super) fn check(trajectory: &TimedJoints, limits: &Limits) -> Result<(), Refusal> {
     let points = Points::new(trajectory);
     let mut excesses = [None; 3];
     let limits = [limits.velocity_rad_s, limits.acceleration_rad_s2, limits.jerk_rad_s3];
     for span_s in SPANS_S {
-        points.look(span_s, &limits, &mut excesses);
+        points.find_excesses(span_s, &limits, &mut excesses);
     }
     let first = excesses.iter().enumerate().find_map(|(order, excess)| Some((order, (*excess)?)));
     match first {
@@ -48,14 +57,14 @@ struct Excess {
     found: f64,
 }
 
-/// The points, with some of rest before and after.
+/// The points, extended by points at rest before and after.
 struct Points {
     /// From the start, in s.
     t_s: Vec<f64>,
     joints_rad: Vec<Joints>,
-    /// How many come before the first one.
+    /// Number of added points before the first one.
     before: usize,
-    /// How many come after the last one.
+    /// Number of added points after the last one.
     after: usize,
 }
 
@@ -83,11 +92,11 @@ impl Points {
         points
     }
 
-    /// Looks at the differences over `span_s` from each point, and keeps the first excess of each order.
-    fn look(&self, span_s: f64, limits: &[Joints; 3], excesses: &mut [Option<Excess>; 3]) {
-        // Stamps are sums: a step of 1 ms may be a little less.
+    /// Takes the differences over `span_s` from each point, and stores the first excess of each order.
+    fn find_excesses(&self, span_s: f64, limits: &[Joints; 3], excesses: &mut [Option<Excess>; 3]) {
+        // Stamps are sums: a step of 1 ms may be slightly shorter.
         let at_least_s = 0.999 * span_s;
-        let mosts: [Joints; 3] =
+        let maxima: [Joints; 3] =
             std::array::from_fn(|order| limits[order].map(|limit| limit * (1.0 + MARGINS[order])));
         let rounding_rad = limits[0].map(|speed| ROUNDING_RAD + speed * ROUNDING_S);
         let mut place = [0; 4];
@@ -100,13 +109,13 @@ impl Points {
                     place[k] += 1;
                 }
                 if place[k] >= self.t_s.len() {
-                    // All that follows is rest.
+                    // All further points are at rest.
                     return;
                 }
             }
             let t = place.map(|i| self.t_s[i]);
             let q = place.map(|i| &self.joints_rad[i]);
-            // What a rounding of one makes of each order, at most.
+            // The largest effect of a rounding error of 1 on each order.
             let (h, g) = ([t[1] - t[0], t[2] - t[1], t[3] - t[2]], [t[2] - t[0], t[3] - t[1]]);
             let e1 = h.map(|h| 2.0 / h);
             let e2 = [2.0 * (e1[0] + e1[1]) / g[0], 2.0 * (e1[1] + e1[2]) / g[1]];
@@ -118,8 +127,9 @@ impl Points {
                 [d1[0], d2[0], divided(&d2[0], &d2[1], 3.0 / (t[3] - t[0]))]
             };
             for order in 0..3 {
-                let (difference, most, error) = (&differences[order], &mosts[order], errors[order]);
-                // Not `>`: what is no number is no answer.
+                let (difference, most, error) =
+                    (&differences[order], &maxima[order], errors[order]);
+                // Not `>`: a difference that is not a number is an excess.
                 let fits = |j: usize| difference[j].abs() <= most[j] + rounding_rad[j] * error;
                 if excesses[order].is_none() && !(0..7).all(fits) {
                     let joint = (0..7).find(|j| !fits(*j)).unwrap_or_default();
@@ -135,9 +145,9 @@ impl Points {
         let Excess { ends: [from, to], joint, found } = excess;
         let last = self.t_s.len() - 1 - self.after;
         let hint = if from < self.before {
-            "; it has to start at rest"
+            "; a trajectory has to start at rest"
         } else if to > last {
-            "; it has to end at rest"
+            "; a trajectory has to end at rest"
         } else {
             ""
         };
@@ -159,7 +169,7 @@ impl Points {
     }
 }
 
-/// Times of rest after a last step, in s: so many that all differences from the last point have ended.
+/// Times of the points at rest after a last step, in s: enough for all differences from the last point.
 fn rest(step_s: f64) -> Vec<f64> {
     let [shortest_s, .., longest_s] = SPANS_S;
     let step_s = step_s.clamp(shortest_s, longest_s);

@@ -1,76 +1,79 @@
-//! Who makes room for a newcomer when all places are taken.
+//! Admission of connections: which one is evicted for a new one when the quota is exhausted.
 //!
-//! Strangers, whose handshake is not complete, and peers have places of their own, so that strangers take
-//! none from those who are known. The address that holds most of the places gives one up: whoever opens
-//! many connections from one machine, loses those.
+//! Connections with an incomplete handshake and established ones have separate quotas, so that clients
+//! without keys cannot displace those with keys. The victim is one of the address with the most
+//! connections: a machine that opens many of them loses its own.
 
 use std::{cmp::Reverse, collections::BTreeMap, net::IpAddr, time::Instant};
 
-/// A connection's number.
+/// The identifier of a connection.
 pub type PeerId = u64;
 
-/// Most connections whose handshake is not complete.
-pub(super) const STRANGERS: usize = 64;
+/// Quota of connections with an incomplete handshake.
+pub(super) const HANDSHAKE_QUOTA: usize = 64;
 
-/// Most connections whose handshake is.
-pub(super) const PEERS: usize = 64;
+/// Quota of established connections.
+pub(super) const PEER_QUOTA: usize = 64;
 
-/// What is known of a connection.
+/// The status of a connection.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Standing {
+pub(super) struct ConnectionStatus {
     pub(super) address: IpAddr,
     pub(super) stage: Stage,
-    /// Since when it is at this stage.
+    /// When it entered this stage.
     pub(super) since: Instant,
 }
 
-/// How far a connection has come. The least goes first.
+/// The stage of a connection. Earlier ones are evicted first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Stage {
-    /// It has sent nothing so far.
+    /// Nothing was received yet.
     Silent,
-    /// It shakes hands.
-    Greeting,
-    /// It does not read what is sent to it.
-    Clogged,
-    /// It has been answered, or has not asked yet.
+    /// The handshake is in progress.
+    Handshake,
+    /// The peer does not read its messages.
+    Stalled,
+    /// No request is pending.
     Idle,
-    /// It waits for an answer, or follows what is published.
+    /// A request is pending, or the peer is a subscriber.
     Served,
 }
 
 impl Stage {
-    fn is_stranger(self) -> bool {
-        self < Self::Clogged
+    fn is_handshake(self) -> bool {
+        self < Self::Stalled
     }
 }
 
-/// Who goes, if one has to, for a connection that comes to this stage. Who is served never does: then
-/// there is no place.
-pub(super) enum Room {
-    Enough,
-    For(PeerId),
-    None,
+/// The decision on a new connection. Connections being served are never evicted.
+pub(super) enum Admission {
+    /// The quota is not exhausted.
+    Free,
+    /// This connection has to be evicted.
+    Evict(PeerId),
+    /// The connection cannot be admitted.
+    Full,
 }
 
-/// Whether there is room for one more stranger, or for one more peer.
-pub(super) fn room<'a>(
-    taken: impl Iterator<Item = (&'a PeerId, &'a Standing)>,
-    stranger: bool,
-) -> Room {
-    let taken: Vec<_> = taken.filter(|(_, it)| it.stage.is_stranger() == stranger).collect();
-    if taken.len() < if stranger { STRANGERS } else { PEERS } {
-        return Room::Enough;
+/// Decides on one more handshake, or on one more established connection.
+pub(super) fn admit<'a>(
+    connections: impl Iterator<Item = (&'a PeerId, &'a ConnectionStatus)>,
+    is_handshake: bool,
+) -> Admission {
+    let connections: Vec<_> =
+        connections.filter(|(_, it)| it.stage.is_handshake() == is_handshake).collect();
+    if connections.len() < if is_handshake { HANDSHAKE_QUOTA } else { PEER_QUOTA } {
+        return Admission::Free;
     }
-    let mut of_address = BTreeMap::<IpAddr, usize>::new();
-    for (_, it) in &taken {
-        *of_address.entry(it.address).or_default() += 1;
+    let mut per_address = BTreeMap::<IpAddr, usize>::new();
+    for (_, it) in &connections {
+        *per_address.entry(it.address).or_default() += 1;
     }
-    let first = taken
+    let victim = connections
         .into_iter()
         .filter(|(_, it)| it.stage != Stage::Served)
-        .min_by_key(|(_, it)| (Reverse(of_address[&it.address]), it.stage, it.since));
-    first.map_or(Room::None, |(id, _)| Room::For(*id))
+        .min_by_key(|(_, it)| (Reverse(per_address[&it.address]), it.stage, it.since));
+    victim.map_or(Admission::Full, |(id, _)| Admission::Evict(*id))
 }
 
 #[cfg(test)]
@@ -81,13 +84,13 @@ mod tests {
 
     struct Scene {
         from: Instant,
-        taken: HashMap<PeerId, Standing>,
+        connections: HashMap<PeerId, ConnectionStatus>,
     }
 
     impl Scene {
-        /// All of one stage and address, each a second after the one before.
+        /// Connections of one stage and address, each a second after the one before.
         fn of(stage: Stage, count: usize) -> Self {
-            let mut scene = Self { from: Instant::now(), taken: HashMap::new() };
+            let mut scene = Self { from: Instant::now(), connections: HashMap::new() };
             (0..count).for_each(|id| scene.put(id as u64, stage, 1, id as u64));
             scene
         }
@@ -95,48 +98,48 @@ mod tests {
         fn put(&mut self, id: PeerId, stage: Stage, address: u8, second: u64) {
             let since = self.from + Duration::from_secs(second);
             let address = IpAddr::from([10, 0, 0, address]);
-            self.taken.insert(id, Standing { address, stage, since });
+            self.connections.insert(id, ConnectionStatus { address, stage, since });
         }
 
-        fn goes(&self, stranger: bool) -> Option<PeerId> {
-            match room(self.taken.iter(), stranger) {
-                Room::For(id) => Some(id),
-                Room::Enough | Room::None => None,
+        fn evicted(&self, is_handshake: bool) -> Option<PeerId> {
+            match admit(self.connections.iter(), is_handshake) {
+                Admission::Evict(id) => Some(id),
+                Admission::Free | Admission::Full => None,
             }
         }
     }
 
     #[test]
-    fn who_has_sent_nothing_goes_first() {
-        let mut scene = Scene::of(Stage::Greeting, STRANGERS - 1);
-        assert!(matches!(room(scene.taken.iter(), true), Room::Enough));
+    fn silent_connections_are_evicted_first() {
+        let mut scene = Scene::of(Stage::Handshake, HANDSHAKE_QUOTA - 1);
+        assert!(matches!(admit(scene.connections.iter(), true), Admission::Free));
         scene.put(1000, Stage::Silent, 1, 1000);
-        assert_eq!(scene.goes(true), Some(1000));
-        scene.put(1000, Stage::Greeting, 1, 1000);
-        assert_eq!(scene.goes(true), Some(0));
-        // Peers have places of their own.
-        assert!(matches!(room(scene.taken.iter(), false), Room::Enough));
+        assert_eq!(scene.evicted(true), Some(1000));
+        scene.put(1000, Stage::Handshake, 1, 1000);
+        assert_eq!(scene.evicted(true), Some(0));
+        // Established connections have a quota of their own.
+        assert!(matches!(admit(scene.connections.iter(), false), Admission::Free));
     }
 
     #[test]
     fn the_address_with_most_connections_loses_one() {
-        let mut scene = Scene::of(Stage::Greeting, STRANGERS);
+        let mut scene = Scene::of(Stage::Handshake, HANDSHAKE_QUOTA);
         scene.put(0, Stage::Silent, 2, 0);
-        assert_eq!(scene.goes(true), Some(1));
+        assert_eq!(scene.evicted(true), Some(1));
     }
 
     #[test]
-    fn who_is_served_keeps_its_place() {
-        let mut scene = Scene::of(Stage::Served, PEERS);
-        assert!(matches!(room(scene.taken.iter(), false), Room::None));
+    fn served_connections_are_not_evicted() {
+        let mut scene = Scene::of(Stage::Served, PEER_QUOTA);
+        assert!(matches!(admit(scene.connections.iter(), false), Admission::Full));
         scene.put(30, Stage::Idle, 1, 30);
         scene.put(40, Stage::Idle, 1, 20);
-        assert_eq!(scene.goes(false), Some(40));
-        scene.put(50, Stage::Clogged, 1, 1000);
-        assert_eq!(scene.goes(false), Some(50));
-        // Of another address, if need be.
-        let mut scene = Scene::of(Stage::Served, PEERS - 1);
+        assert_eq!(scene.evicted(false), Some(40));
+        scene.put(50, Stage::Stalled, 1, 1000);
+        assert_eq!(scene.evicted(false), Some(50));
+        // A single idle connection of another address.
+        let mut scene = Scene::of(Stage::Served, PEER_QUOTA - 1);
         scene.put(1000, Stage::Idle, 2, 1000);
-        assert_eq!(scene.goes(false), Some(1000));
+        assert_eq!(scene.evicted(false), Some(1000));
     }
 }

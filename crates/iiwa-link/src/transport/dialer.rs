@@ -1,4 +1,4 @@
-//! A connection to one other socket that comes back whenever it was lost.
+//! A persistent connection to another socket, with reconnection.
 
 use std::{
     pin::pin,
@@ -11,16 +11,19 @@ use tokio::{
     time::{sleep, timeout},
 };
 
-use super::wire::{Frames, Incoming, Wire, WireConfig, WireError};
+use super::{
+    runtime::runtime,
+    wire::{Frames, Incoming, Wire, WireConfig, WireError},
+};
 use crate::{error::LinkError, security::Endpoint};
 
-/// How long after a connection was lost another one is tried.
-const AGAIN: Duration = Duration::from_millis(50);
+/// Time between attempts to connect.
+const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
-/// How long a connection may take to come about, and a message to be taken.
-const WITHIN: Duration = Duration::from_secs(2);
+/// Time-out of connecting and of sending.
+const TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Keeps up a connection, in a thread of its own. It ends when it is dropped.
+/// Maintains a connection in a thread of its own, until it is dropped.
 #[derive(Debug)]
 pub struct Dialer {
     commands: Option<UnboundedSender<Command>>,
@@ -34,11 +37,11 @@ enum Command {
 }
 
 impl Dialer {
-    /// Starts to connect. `take` gets what comes in, and says what is answered.
+    /// Starts to connect. `take` receives messages and returns replies.
     ///
     /// # Errors
     ///
-    /// The system starts no thread.
+    /// No thread can be started.
     pub(crate) fn start(
         name: &'static str,
         config: WireConfig,
@@ -46,26 +49,26 @@ impl Dialer {
         take: impl FnMut(Frames) -> Option<Frames> + Send + 'static,
     ) -> Result<Self, LinkError> {
         let refuse = |source| LinkError::Thread { source };
-        let runtime = super::runtime().map_err(refuse)?;
-        let (commands, orders) = mpsc::unbounded_channel();
-        let run = move || runtime.block_on(keep(&config, &to, orders, take));
+        let runtime = runtime().map_err(refuse)?;
+        let (commands, command_queue) = mpsc::unbounded_channel();
+        let run = move || runtime.block_on(maintain(&config, &to, command_queue, take));
         let thread = thread::Builder::new().name(name.to_owned()).spawn(run).map_err(refuse)?;
         Ok(Self { commands: Some(commands), thread: Some(thread) })
     }
 
-    /// Sends a message, once there is a connection. The newest one counts.
+    /// Sends a message, once connected. While disconnected, only the latest one is kept.
     pub fn send(&self, frames: Frames) {
         self.command(Command::Send(frames));
     }
 
-    /// Takes another connection. What was not sent so far is dropped.
+    /// Replaces the connection. Messages that were not sent yet are dropped.
     pub fn reconnect(&self) {
         self.command(Command::Reconnect);
     }
 
     fn command(&self, command: Command) {
         if let Some(commands) = &self.commands {
-            // Its thread ends last.
+            // The thread outlives the sender.
             let _ = commands.send(command);
         }
     }
@@ -80,83 +83,83 @@ impl Drop for Dialer {
     }
 }
 
-/// Connects, and connects again, until there is nobody left who commands.
-async fn keep(
+/// Connects and reconnects until the commands end.
+async fn maintain(
     config: &WireConfig,
     to: &Endpoint,
-    mut orders: UnboundedReceiver<Command>,
+    mut command_queue: UnboundedReceiver<Command>,
     mut take: impl FnMut(Frames) -> Option<Frames>,
 ) {
-    let mut waiting = None;
+    let mut pending = None;
     loop {
         let wire = {
             let mut connection = pin!(connect(config, to));
             loop {
                 tokio::select! {
                     wire = &mut connection => break wire,
-                    order = orders.recv() => match order {
-                        Some(Command::Send(frames)) => waiting = Some(frames),
-                        Some(Command::Reconnect) => waiting = None,
+                    command = command_queue.recv() => match command {
+                        Some(Command::Send(frames)) => pending = Some(frames),
+                        Some(Command::Reconnect) => pending = None,
                         None => return,
                     },
                 }
             }
         };
-        match exchange(wire, waiting.take(), &mut orders, &mut take).await {
-            Ok(Next::Reconnect) => {}
-            Ok(Next::End) => return,
+        match exchange(wire, pending.take(), &mut command_queue, &mut take).await {
+            Ok(ExchangeEnd::Reconnect) => {}
+            Ok(ExchangeEnd::End) => return,
             Err(error) => tracing::debug!("{to}: {error}"),
         }
     }
 }
 
-enum Next {
+enum ExchangeEnd {
     Reconnect,
     End,
 }
 
-/// Sends and receives as long as the connection lasts.
+/// Sends and receives until the connection is lost or replaced.
 async fn exchange(
     mut wire: Wire,
     first: Option<Frames>,
-    orders: &mut UnboundedReceiver<Command>,
+    command_queue: &mut UnboundedReceiver<Command>,
     take: &mut impl FnMut(Frames) -> Option<Frames>,
-) -> Result<Next, WireError> {
+) -> Result<ExchangeEnd, WireError> {
     if let Some(frames) = first {
         wire.queue(&frames)?;
     }
     loop {
-        timeout(WITHIN, wire.flush()).await.map_err(|_| WireError::Stalled(WITHIN))??;
+        timeout(TIMEOUT, wire.flush()).await.map_err(|_| WireError::Stalled(TIMEOUT))??;
         tokio::select! {
-            order = orders.recv() => match order {
+            command = command_queue.recv() => match command {
                 Some(Command::Send(frames)) => wire.queue(&frames)?,
-                Some(Command::Reconnect) => return Ok(Next::Reconnect),
-                None => return Ok(Next::End),
+                Some(Command::Reconnect) => return Ok(ExchangeEnd::Reconnect),
+                None => return Ok(ExchangeEnd::End),
             },
             incoming = wire.receive() => {
                 if let Incoming::Message(received) = incoming?
-                    && let Some(answer) = take(received.frames)
+                    && let Some(reply) = take(received.frames)
                 {
-                    wire.queue(&answer)?;
+                    wire.queue(&reply)?;
                 }
             }
         }
     }
 }
 
-/// Tries until there is a connection.
+/// Connects, with retries.
 async fn connect(config: &WireConfig, to: &Endpoint) -> Wire {
-    let mut told = None;
+    let mut logged = None;
     loop {
-        match timeout(WITHIN, Wire::connect(to, config)).await {
+        match timeout(TIMEOUT, Wire::connect(to, config)).await {
             Ok(Ok(wire)) => return wire,
-            Ok(Err(WireError::Refused(why))) if told != Some(why) => {
-                tracing::warn!("{to} does not let this drive in: {}", why.what());
-                told = Some(why);
+            Ok(Err(WireError::Refused(why))) if logged != Some(why) => {
+                tracing::warn!("{to} refused the connection: {}", why.reason());
+                logged = Some(why);
             }
             Ok(Err(error)) => tracing::trace!("{to}: {error}"),
             Err(_) => tracing::trace!("{to}: no answer"),
         }
-        sleep(AGAIN).await;
+        sleep(RETRY_INTERVAL).await;
     }
 }

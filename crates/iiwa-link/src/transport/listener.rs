@@ -1,8 +1,7 @@
-//! A socket that others connect to: it accepts connections, keeps within its bounds, and hands over
-//! messages.
+//! Listening sockets: accept connections within their bounds and deliver messages.
 //!
-//! Each has a thread of its own, so that what is asked of one socket does not hold up another, and in it
-//! a task a connection.
+//! Each socket has a thread of its own, so that the load of one does not delay another, with one task
+//! per connection.
 
 use std::{
     collections::HashMap,
@@ -24,26 +23,27 @@ use tokio::{
 };
 
 use super::{
-    admission::{PeerId, Room, Stage, Standing, room},
+    admission::{Admission, ConnectionStatus, PeerId, Stage, admit},
+    runtime::runtime,
     subscriptions::Subscriptions,
     wire::{Frames, Incoming, Received, Wire, WireConfig, WireError},
 };
 use crate::error::LinkError;
 
-/// What a socket is for.
+/// The type of a listening socket.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Requests come in, each of which is answered.
+pub enum SocketKind {
+    /// ROUTER: receives requests and sends replies.
     Router,
-    /// The same; peers are told that it answers one after the other.
+    /// REP: the same, announced as a socket that replies in order.
     Rep,
-    /// Subscribers hear what is published.
+    /// PUB: publishes to subscribers.
     Pub,
-    /// All peers are told everything, and acknowledge it.
+    /// DEALER: sends messages to all peers, which acknowledge them.
     Dealer,
 }
 
-impl Kind {
+impl SocketKind {
     fn socket_type(self) -> SocketType {
         match self {
             Self::Router => SocketType::Router,
@@ -53,54 +53,54 @@ impl Kind {
         }
     }
 
-    fn answers(self) -> bool {
+    fn replies(self) -> bool {
         matches!(self, Self::Router | Self::Rep)
     }
 }
 
-/// How a socket is set up.
+/// Configuration of a listening socket.
 #[derive(Clone, Copy, Debug)]
 pub struct ListenerConfig {
-    /// The thread's name.
+    /// Name of its thread.
     pub name: &'static str,
-    /// What the socket is for.
-    pub kind: Kind,
-    /// Longest message that is taken, in bytes: a peer that sends a longer one is disconnected.
-    pub most_bytes: usize,
-    /// Most messages that wait for a peer that does not take them: it misses those beyond.
+    /// Type of the socket.
+    pub kind: SocketKind,
+    /// Longest message, in bytes: a peer that sends a longer one is disconnected.
+    pub max_bytes: usize,
+    /// Largest number of messages that wait for a peer; it misses those beyond.
     pub backlog: usize,
 }
 
-/// What a socket tells.
+/// An event of a socket.
 pub enum Event {
-    /// A message of a peer.
+    /// A message from a peer.
     Message(PeerId, Received),
-    /// The peer has gone, or was cut off.
-    Gone(PeerId),
+    /// The peer has disconnected, or was disconnected.
+    Disconnected(PeerId),
 }
 
-/// Where it tells it.
+/// Receives the events of a socket.
 type Sink = Arc<dyn Fn(Event) + Send + Sync>;
 
-/// How long a handshake may take.
-const HANDSHAKE: Duration = Duration::from_secs(2);
+/// Time-out of a handshake.
+const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// How long a peer may take nothing of what is sent to it.
-const STALL: Duration = Duration::from_secs(5);
+/// A peer that reads nothing for so long is disconnected.
+const STALL_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Who takes nothing for so long makes room for others first.
-const CLOGGED: Duration = Duration::from_millis(100);
+/// A peer that reads nothing for so long may be evicted.
+const STALL_GRACE: Duration = Duration::from_millis(100);
 
-/// Requests of a peer that are handed over before their answers.
-const OUTSTANDING: usize = 8;
+/// Largest number of pending requests per peer.
+const REQUEST_QUOTA: usize = 8;
 
-/// What the system keeps of what is sent to a subscriber, in bytes: about a second at 1 ms.
+/// Size of the system's send buffer for a subscriber, in bytes: about a second at 1 ms.
 const SEND_BUFFER: usize = 128 << 10;
 
-/// Connections that the system keeps until they are accepted.
-const PENDING: u32 = 1024;
+/// The system's queue of connections to be accepted.
+const ACCEPT_BACKLOG: u32 = 1024;
 
-/// A socket that others connect to. It ends when it is dropped.
+/// A listening socket. It is closed when it is dropped.
 pub struct Listener {
     at: String,
     shared: Arc<Shared>,
@@ -112,7 +112,7 @@ impl Listener {
     ///
     /// # Errors
     ///
-    /// The address cannot be had, or the system starts no thread.
+    /// The address cannot be bound, or no thread can be started.
     pub(crate) fn start(
         config: ListenerConfig,
         mechanism: MechanismSetup,
@@ -120,7 +120,7 @@ impl Listener {
         sink: impl Fn(Event) + Send + Sync + 'static,
     ) -> Result<Self, LinkError> {
         let refuse = |source| LinkError::Bind { at: format!("tcp://{at}"), source };
-        let runtime = super::runtime().map_err(|source| LinkError::Thread { source })?;
+        let runtime = runtime().map_err(|source| LinkError::Thread { source })?;
         let listener = {
             let _in_runtime = runtime.enter();
             bind(at).map_err(refuse)?
@@ -134,12 +134,12 @@ impl Listener {
                 role: Role::Server,
                 kind: config.kind.socket_type(),
                 mechanism,
-                most_bytes: config.most_bytes,
+                max_bytes: config.max_bytes,
                 long: Some(Arc::new(Semaphore::new(1))),
             },
             sink: Arc::new(sink),
             peers: Mutex::default(),
-            over: Notify::new(),
+            shutdown: Notify::new(),
         });
         let thread = {
             let shared = shared.clone();
@@ -150,15 +150,16 @@ impl Listener {
         Ok(Self { at, shared, thread })
     }
 
-    /// Where it is bound, as `tcp://127.0.0.1:5560`.
+    /// Its address, such as `tcp://127.0.0.1:5560`.
+    #[must_use]
     pub fn at(&self) -> &str {
         &self.at
     }
 
-    /// Sends a message to a peer, or nothing if it has gone. `hold` is kept until it is sent.
+    /// Sends a message to a peer, unless it has disconnected. `hold` is dropped when it is sent.
     pub fn send(&self, to: PeerId, frames: Frames, hold: Option<Box<dyn Send>>) {
         if let Some(peer) = self.shared.peers().connected.get(&to) {
-            // Where there is no room, it does not read what it asked for.
+            // Without space, the peer does not read the replies to its requests: they are dropped.
             let _ = peer.inbox.try_send(Outgoing { frames, hold });
         }
     }
@@ -166,8 +167,8 @@ impl Listener {
     /// Sends a message to all peers; to subscribers if they want its topic, the first frame.
     pub fn publish(&self, frames: &Frames) {
         for peer in self.shared.peers().connected.values() {
-            if peer.standing.stage >= Stage::Clogged {
-                // Who does not keep up misses it.
+            if peer.status.stage >= Stage::Stalled {
+                // A peer that does not keep up misses it.
                 let _ = peer.inbox.try_send(Outgoing { frames: frames.clone(), hold: None });
             }
         }
@@ -176,7 +177,7 @@ impl Listener {
 
 impl Drop for Listener {
     fn drop(&mut self) {
-        self.shared.over.notify_one();
+        self.shared.shutdown.notify_one();
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -185,20 +186,20 @@ impl Drop for Listener {
 
 fn bind(at: SocketAddr) -> io::Result<TcpListener> {
     let socket = if at.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
-    // What is left of connections that were closed does not count.
+    // Connections in TIME_WAIT do not block the address.
     #[cfg(unix)]
     socket.set_reuseaddr(true)?;
     socket.bind(at)?;
-    socket.listen(PENDING)
+    socket.listen(ACCEPT_BACKLOG)
 }
 
 struct Shared {
-    kind: Kind,
+    kind: SocketKind,
     backlog: usize,
     wire: WireConfig,
     sink: Sink,
     peers: Mutex<Peers>,
-    over: Notify,
+    shutdown: Notify,
 }
 
 #[derive(Default)]
@@ -208,7 +209,7 @@ struct Peers {
 }
 
 struct Peer {
-    standing: Standing,
+    status: ConnectionStatus,
     inbox: mpsc::Sender<Outgoing>,
     task: Option<AbortHandle>,
 }
@@ -220,27 +221,27 @@ struct Outgoing {
 
 impl Shared {
     fn peers(&self) -> MutexGuard<'_, Peers> {
-        // A task that panicked has left a table that is whole.
+        // A panic does not leave the table inconsistent.
         self.peers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A connection has come to another stage.
+    /// Sets the stage of a connection.
     fn set_stage(&self, id: PeerId, stage: Stage) {
         if let Some(peer) = self.peers().connected.get_mut(&id) {
-            peer.standing.stage = stage;
-            peer.standing.since = Instant::now();
+            peer.status.stage = stage;
+            peer.status.since = Instant::now();
         }
     }
 
-    /// Makes room for one more stranger or peer. `false` if there is none.
-    fn make_room(&self, stranger: bool) -> bool {
+    /// Admits one more handshake or established connection, evicting another one if necessary.
+    fn make_room(&self, is_handshake: bool) -> bool {
         let mut peers = self.peers();
-        let standings = peers.connected.iter().map(|(id, peer)| (id, &peer.standing));
-        match room(standings, stranger) {
-            Room::Enough => true,
-            Room::None => false,
-            Room::For(id) => {
-                // Its task ends later; its place is free from now on.
+        let statuses = peers.connected.iter().map(|(id, peer)| (id, &peer.status));
+        match admit(statuses, is_handshake) {
+            Admission::Free => true,
+            Admission::Full => false,
+            Admission::Evict(id) => {
+                // Its task ends later; it does not count from now on.
                 if let Some(task) = peers.connected.remove(&id).and_then(|peer| peer.task) {
                     task.abort();
                 }
@@ -250,14 +251,14 @@ impl Shared {
     }
 }
 
-/// Accepts connections until it is over.
+/// Accepts connections until the listener is dropped.
 fn run(runtime: &Runtime, shared: &Arc<Shared>, listener: &TcpListener) {
     let accept = async {
         loop {
             match listener.accept().await {
-                Ok((stream, from)) => admit(shared, stream, from.ip()),
+                Ok((stream, from)) => self::accept(shared, stream, from.ip()),
                 Err(error) => {
-                    // As a rule, too many files are open: somebody has to go.
+                    // Usually, too many files are open: evict a connection.
                     tracing::debug!("cannot accept a connection: {error}");
                     shared.make_room(true);
                     sleep(Duration::from_millis(10)).await;
@@ -268,31 +269,31 @@ fn run(runtime: &Runtime, shared: &Arc<Shared>, listener: &TcpListener) {
     runtime.block_on(async {
         tokio::select! {
             () = accept => {}
-            () = shared.over.notified() => {}
+            () = shared.shutdown.notified() => {}
         }
     });
 }
 
-fn admit(shared: &Arc<Shared>, stream: TcpStream, address: IpAddr) {
+fn accept(shared: &Arc<Shared>, stream: TcpStream, address: IpAddr) {
     if !shared.make_room(true) {
         return;
     }
-    if shared.kind == Kind::Pub {
-        // Who does not keep up misses messages here, rather than later all at once.
+    if shared.kind == SocketKind::Pub {
+        // A small buffer: a subscriber that does not keep up misses messages early, rather than all at once.
         let _ = SockRef::from(&stream).set_send_buffer_size(SEND_BUFFER);
     }
-    let (inbox, outgoing) = mpsc::channel(shared.backlog.max(2 * OUTSTANDING));
+    let (inbox, outgoing) = mpsc::channel(shared.backlog.max(2 * REQUEST_QUOTA));
     let id = {
         let mut peers = shared.peers();
         peers.next += 1;
         let id = peers.next;
-        let standing = Standing { address, stage: Stage::Silent, since: Instant::now() };
-        peers.connected.insert(id, Peer { standing, inbox, task: None });
+        let status = ConnectionStatus { address, stage: Stage::Silent, since: Instant::now() };
+        peers.connected.insert(id, Peer { status, inbox, task: None });
         id
     };
-    let seat = Seat { id, shared: shared.clone(), admitted: false };
+    let guard = ConnectionGuard { id, shared: shared.clone(), established: false };
     let task = tokio::spawn(async move {
-        if let Err(error) = attend(seat, stream, outgoing).await {
+        if let Err(error) = serve(guard, stream, outgoing).await {
             tracing::debug!("connection of {address}: {error}");
         }
     });
@@ -301,77 +302,78 @@ fn admit(shared: &Arc<Shared>, stream: TcpStream, address: IpAddr) {
     }
 }
 
-/// A connection's place, which is free when this is dropped.
-struct Seat {
+/// Unregisters a connection when it is dropped.
+struct ConnectionGuard {
     id: PeerId,
     shared: Arc<Shared>,
-    admitted: bool,
+    /// Whether the handshake is complete.
+    established: bool,
 }
 
-impl Drop for Seat {
+impl Drop for ConnectionGuard {
     fn drop(&mut self) {
         self.shared.peers().connected.remove(&self.id);
-        if self.admitted {
-            (self.shared.sink)(Event::Gone(self.id));
+        if self.established {
+            (self.shared.sink)(Event::Disconnected(self.id));
         }
     }
 }
 
 /// Serves a connection until it ends.
-async fn attend(
-    mut seat: Seat,
+async fn serve(
+    mut guard: ConnectionGuard,
     stream: TcpStream,
     mut outgoing: mpsc::Receiver<Outgoing>,
 ) -> Result<(), WireError> {
-    let shared = seat.shared.clone();
-    let mut wire = timeout(HANDSHAKE, async {
-        // Who sends nothing costs nothing.
+    let shared = guard.shared.clone();
+    let mut wire = timeout(HANDSHAKE_TIMEOUT, async {
+        // A peer that sends nothing gets no protocol state.
         stream.readable().await?;
-        shared.set_stage(seat.id, Stage::Greeting);
+        shared.set_stage(guard.id, Stage::Handshake);
         let mut wire = Wire::new(stream, shared.wire.clone());
         wire.shake_hands().await.map(|_| wire)
     })
     .await
-    .map_err(|_| WireError::Stalled(HANDSHAKE))??;
+    .map_err(|_| WireError::Stalled(HANDSHAKE_TIMEOUT))??;
     if !shared.make_room(false) {
         return Ok(());
     }
-    seat.admitted = true;
+    guard.established = true;
     let mut topics = Subscriptions::default();
-    // Requests without an answer so far.
-    let mut open = 0;
-    // What is kept until all is sent.
+    // Pending requests.
+    let mut pending = 0;
+    // Dropped when all is sent.
     let mut holds = Vec::new();
     loop {
         let stage = match shared.kind {
-            Kind::Pub => Stage::Served,
-            _ if open > 0 => Stage::Served,
+            SocketKind::Pub => Stage::Served,
+            _ if pending > 0 => Stage::Served,
             _ => Stage::Idle,
         };
-        shared.set_stage(seat.id, stage);
-        while wire.has_to_send() {
-            if let Ok(sent) = timeout(CLOGGED, wire.send_some()).await {
+        shared.set_stage(guard.id, stage);
+        while wire.has_output() {
+            if let Ok(sent) = timeout(STALL_GRACE, wire.send_some()).await {
                 sent?;
             } else {
-                shared.set_stage(seat.id, Stage::Clogged);
-                let sent = timeout(STALL, wire.send_some()).await;
-                sent.map_err(|_| WireError::Stalled(STALL))??;
+                shared.set_stage(guard.id, Stage::Stalled);
+                let sent = timeout(STALL_TIMEOUT, wire.send_some()).await;
+                sent.map_err(|_| WireError::Stalled(STALL_TIMEOUT))??;
             }
         }
         holds.clear();
         tokio::select! {
             biased;
             Some(Outgoing { frames, hold }) = outgoing.recv() => {
-                open = usize::saturating_sub(open, usize::from(shared.kind.answers()));
-                if shared.kind != Kind::Pub || topics.want(&frames[0]) {
+                pending = usize::saturating_sub(pending, usize::from(shared.kind.replies()));
+                if shared.kind != SocketKind::Pub || topics.matches(&frames[0]) {
                     wire.queue(&frames)?;
                     holds.extend(hold);
                 }
             }
-            incoming = wire.receive(), if open < OUTSTANDING => match incoming? {
+            incoming = wire.receive(), if pending < REQUEST_QUOTA => match incoming? {
                 Incoming::Message(received) => {
-                    open += usize::from(shared.kind.answers());
-                    (shared.sink)(Event::Message(seat.id, received));
+                    pending += usize::from(shared.kind.replies());
+                    (shared.sink)(Event::Message(guard.id, received));
                 }
                 Incoming::Subscribe(topic) if !topics.add(&topic) => {
                     tracing::warn!("a subscriber with too many topics is disconnected");

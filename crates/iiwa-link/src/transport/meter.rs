@@ -1,45 +1,46 @@
-//! How long the message is that is coming in, before it has come in.
+//! The announced length of an incoming message.
 //!
-//! Frames of ZMTP (RFC 23) begin with flags and a length, in clear even with CURVE.
+//! Frames of ZMTP (RFC 23) begin with flags and a length, unencrypted even with CURVE.
 
 /// Bits of a frame's flags.
 const MORE: u8 = 0x01;
 const LONG: u8 = 0x02;
 const COMMAND: u8 = 0x04;
 
-/// What a frame takes beside its bytes, however short it is.
+/// Overhead of a frame in memory, in bytes.
 const FRAME_BYTES: u64 = 64;
 
-/// Reads along.
+/// Parses the frame headers of a byte stream.
 #[derive(Debug, Default)]
 pub(super) struct Meter {
     header: Vec<u8>,
-    /// Bytes of this frame that are still to come.
-    left: u64,
-    /// Bytes of the message, as far as its frames have been announced.
+    /// Missing bytes of the current frame.
+    missing: u64,
+    /// Bytes of all frames announced so far.
     announced: u64,
 }
 
 impl Meter {
-    /// The next bytes of the stream.
+    /// Parses the next bytes of the stream.
     pub(super) fn read(&mut self, mut bytes: &[u8]) {
         while !bytes.is_empty() {
-            if self.left > 0 {
-                let count = usize::try_from(self.left).map_or(bytes.len(), |l| l.min(bytes.len()));
-                self.left -= count as u64;
+            if self.missing > 0 {
+                let count =
+                    usize::try_from(self.missing).map_or(bytes.len(), |l| l.min(bytes.len()));
+                self.missing -= count as u64;
                 bytes = &bytes[count..];
             } else if let [byte, rest @ ..] = bytes {
                 self.header.push(*byte);
                 bytes = rest;
                 self.begin_frame();
             }
-            if self.left == 0 && self.frame_has_begun() {
+            if self.missing == 0 && self.frame_has_begun() {
                 self.end_frame();
             }
         }
     }
 
-    /// How long the message that is coming in will be at least, in bytes; 0 between messages.
+    /// Minimum length of the incoming message, in bytes; 0 between messages.
     pub(super) fn announced(&self) -> u64 {
         self.announced
     }
@@ -53,7 +54,7 @@ impl Meter {
     fn begin_frame(&mut self) {
         if self.frame_has_begun() {
             let length = self.header[1..].iter().fold(0, |sum, byte| sum << 8 | u64::from(*byte));
-            self.left = length;
+            self.missing = length;
             self.announced = self.announced.saturating_add(length).saturating_add(FRAME_BYTES);
         }
     }
@@ -83,7 +84,7 @@ mod tests {
         assert_eq!(after(&[0, 3, b'a']), 64 + 67);
         assert_eq!(after(b"b"), 64 + 67);
         assert_eq!(after(b"c"), 0);
-        // A long one is known by its header, and so is a command.
+        // A long frame is announced by its header, and so is a command.
         assert_eq!(after(&[LONG, 0, 0, 0, 0, 4, 0, 0, 0]), (4 << 24) + 64);
         assert_eq!(after(&vec![0; (4 << 24) - 1]), (4 << 24) + 64);
         assert_eq!(after(&[0, COMMAND, 200]), 264);
@@ -93,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn cuts_between_reads_do_not_matter() {
+    fn fragmentation_does_not_matter() {
         let mut stream = Vec::new();
         for length in [0_u8, 1, 7, 255] {
             stream.extend([MORE, length]);

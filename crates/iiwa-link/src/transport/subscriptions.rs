@@ -1,36 +1,36 @@
-//! What a subscriber wants to hear.
+//! The subscriptions of a subscriber.
 
 use bytes::Bytes;
 
-/// Most topics of a subscriber. The drive has two.
-const MOST: usize = 32;
+/// Largest number of subscriptions. The drive has two topics.
+const MAX_TOPICS: usize = 32;
 
-/// Longest topic that is kept, in bytes: a longer one is the beginning of none.
-const LONGEST: usize = 64;
+/// Longest subscription that is stored, in bytes: a longer one is a prefix of no topic.
+const MAX_TOPIC_BYTES: usize = 64;
 
-/// Beginnings of topics.
+/// Prefixes of topics.
 #[derive(Debug, Default)]
 pub(super) struct Subscriptions(Vec<Bytes>);
 
 impl Subscriptions {
-    /// Wants topics that begin so. `false` if these are too many.
+    /// Subscribes to topics with a prefix. Returns `false` if there are too many subscriptions.
     pub(super) fn add(&mut self, topic: &[u8]) -> bool {
-        if topic.len() > LONGEST || self.0.iter().any(|known| known == topic) {
+        if topic.len() > MAX_TOPIC_BYTES || self.0.iter().any(|known| known == topic) {
             return true;
         }
-        // Not a slice of what it came in, which would be kept with it.
+        // A copy: a slice would keep the whole received buffer alive.
         self.0.push(Bytes::copy_from_slice(topic));
-        self.0.len() <= MOST
+        self.0.len() <= MAX_TOPICS
     }
 
-    /// Wants them no longer.
+    /// Cancels a subscription.
     pub(super) fn remove(&mut self, topic: &[u8]) {
         self.0.retain(|known| known != topic);
     }
 
-    /// Whether this topic is wanted.
-    pub(super) fn want(&self, topic: &[u8]) -> bool {
-        self.0.iter().any(|beginning| topic.starts_with(beginning))
+    /// Whether a topic is subscribed to.
+    pub(super) fn matches(&self, topic: &[u8]) -> bool {
+        self.0.iter().any(|prefix| topic.starts_with(prefix))
     }
 }
 
@@ -39,20 +39,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn topics_are_wanted_by_their_beginnings() {
+    fn topics_are_matched_by_prefix() {
         let mut topics = Subscriptions::default();
-        assert!(!topics.want(b"joints"));
+        assert!(!topics.matches(b"joints"));
         assert!(topics.add(b"jo") && topics.add(b"state") && topics.add(&[b'j'; 1000]));
-        assert!(topics.want(b"joints") && topics.want(b"state") && !topics.want(b"stat"));
+        assert!(topics.matches(b"joints") && topics.matches(b"state") && !topics.matches(b"stat"));
         topics.remove(b"jo");
-        assert!(!topics.want(b"joints"));
-        assert!(topics.add(b"") && topics.want(b"joints"));
+        assert!(!topics.matches(b"joints"));
+        assert!(topics.add(b"") && topics.matches(b"joints"));
     }
 
     #[test]
-    fn there_is_an_end_to_them() {
+    fn the_number_of_subscriptions_is_bounded() {
         let mut topics = Subscriptions::default();
-        assert!((0..MOST).all(|i| topics.add(i.to_string().as_bytes())));
+        assert!((0..MAX_TOPICS).all(|i| topics.add(i.to_string().as_bytes())));
         assert!(topics.add(b"0"));
         assert!(!topics.add(b"one too many"));
     }

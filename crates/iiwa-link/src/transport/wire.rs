@@ -1,4 +1,4 @@
-//! One connection: bytes of a TCP stream in and out of the protocol's state machine.
+//! One connection: a TCP stream and the state machine of the protocol.
 
 use std::{
     io,
@@ -19,24 +19,24 @@ use tokio::{
 };
 
 use super::meter::Meter;
-use crate::security::{Endpoint, Refused};
+use crate::security::{ConnectionRefusal, Endpoint};
 
 /// The frames of a message.
 pub type Frames = Vec<Bytes>;
 
-/// The right to have a long message on its way, until it is dropped.
+/// The permission to have a long message in transit, until it is dropped.
 pub type Permit = OwnedSemaphorePermit;
 
-/// How a connection is set up.
+/// Configuration of a connection.
 #[derive(Clone)]
 pub(crate) struct WireConfig {
     pub(crate) role: Role,
     pub(crate) kind: SocketType,
     pub(crate) mechanism: MechanismSetup,
-    /// Longest message that is taken, in bytes.
-    pub(crate) most_bytes: usize,
-    /// Where the right to send a long message is had; without it, messages are short, or only one peer
-    /// that is trusted sends them.
+    /// Longest message, in bytes.
+    pub(crate) max_bytes: usize,
+    /// Limits the number of long messages in transit; `None` if messages are short or from one trusted
+    /// peer only.
     pub(crate) long: Option<Arc<Semaphore>>,
 }
 
@@ -46,16 +46,16 @@ pub(crate) enum WireError {
     /// The other side has closed it.
     #[error("the connection was closed")]
     Closed,
-    /// The system closed it.
+    /// An I/O error.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// One side does not admit the other one.
-    #[error("{}", .0.what())]
-    Refused(Refused),
-    /// The other side does not speak the protocol.
+    /// One side has refused the other one.
+    #[error("{}", .0.reason())]
+    Refused(ConnectionRefusal),
+    /// The other side has violated the protocol.
     #[error("{0}")]
     Protocol(ProtocolError),
-    /// The other side took too long.
+    /// The other side has made no progress.
     #[error("no progress within {} s", .0.as_secs_f64())]
     Stalled(Duration),
 }
@@ -63,58 +63,58 @@ pub(crate) enum WireError {
 impl From<ProtocolError> for WireError {
     fn from(error: ProtocolError) -> Self {
         match error {
-            ProtocolError::HandshakeRefused(_) => Self::Refused(Refused::NotAllowed),
+            ProtocolError::HandshakeRefused(_) => Self::Refused(ConnectionRefusal::NotAllowed),
             ProtocolError::Closed => Self::Closed,
             error => Self::Protocol(error),
         }
     }
 }
 
-/// A message that came in.
+/// A received message.
 #[derive(Debug)]
 pub struct Received {
-    /// Its parts.
+    /// Its frames.
     pub frames: Frames,
-    /// Of a long one: as long as it is kept, no other long one comes in.
+    /// The permit of a long message: until it is dropped, no other long message is received.
     pub permit: Option<Permit>,
-    /// When its first bytes came.
+    /// When its first bytes arrived.
     pub began: Instant,
 }
 
-/// What comes in.
+/// Input of a connection.
 #[derive(Debug)]
 pub(crate) enum Incoming {
     Message(Received),
-    /// A subscriber wants topics that begin so.
+    /// A subscription to topics with a prefix.
     Subscribe(Bytes),
-    /// And no longer.
+    /// The end of a subscription.
     Cancel(Bytes),
 }
 
-/// Longer messages than this are long ones, in bytes.
+/// Longest message that counts as short, in bytes.
 pub const SHORT_BYTES: usize = 64 << 10;
 
-/// A handshake takes less, in bytes.
+/// Longest handshake, in bytes.
 const HANDSHAKE_BYTES: usize = 4 << 10;
 
-/// How long a long message may pause.
-const PAUSE: Duration = Duration::from_secs(2);
+/// Longest pause within a long message.
+const MAX_PAUSE: Duration = Duration::from_secs(2);
 
 const GREETING_BYTES: usize = 64;
 
-/// The part of a greeting that says how the other side keeps strangers out.
+/// The security mechanism within a greeting.
 const MECHANISM: std::ops::Range<usize> = 12..32;
 
-/// Messages are short, and count as soon as they are sent; and a machine that was switched off does not say
-/// so: the system asks now and then. A connection works without either.
-fn set_up(stream: &TcpStream) {
+/// Disables Nagle's algorithm, as messages are short and urgent, and enables keep-alive probes, as a
+/// machine that was switched off does not close its connections. Both are optional.
+fn set_options(stream: &TcpStream) {
     let socket = SockRef::from(stream);
     let _ = socket.set_tcp_nodelay(true);
-    let often = TcpKeepalive::new()
+    let keep_alive = TcpKeepalive::new()
         .with_time(Duration::from_secs(5))
         .with_interval(Duration::from_secs(1))
         .with_retries(3);
-    let _ = socket.set_tcp_keepalive(&often);
+    let _ = socket.set_tcp_keepalive(&keep_alive);
     #[cfg(target_os = "linux")]
     let _ = socket.set_tcp_user_timeout(Some(Duration::from_secs(10)));
 }
@@ -124,26 +124,26 @@ pub(crate) struct Wire {
     stream: TcpStream,
     codec: Connection,
     config: WireConfig,
-    /// The greeting, as far as it has come.
+    /// The received part of the greeting.
     greeting: Vec<u8>,
-    /// How long the message is that is coming in.
+    /// Length of the incoming message.
     meter: Meter,
-    /// When it began.
+    /// When its first bytes arrived.
     began: Instant,
     permit: Option<Permit>,
-    /// The payload of a long frame, and how much of it is there.
+    /// The payload of a long frame, and the number of bytes received.
     payload: Option<(Vec<u8>, usize)>,
     buffer: BytesMut,
 }
 
 impl Wire {
     pub(crate) fn new(stream: TcpStream, config: WireConfig) -> Self {
-        set_up(&stream);
+        set_options(&stream);
         let address = stream.peer_addr().map(|at| at.to_string()).unwrap_or_default();
         let codec = Connection::new(
             ConnectionConfig::new(config.role, config.kind)
                 .mechanism(config.mechanism.clone())
-                .max_message_size(config.most_bytes)
+                .max_message_size(config.max_bytes)
                 .peer_address(address),
         );
         Self {
@@ -159,7 +159,7 @@ impl Wire {
         }
     }
 
-    /// Connects with another socket, and shakes hands.
+    /// Connects to another socket and completes the handshake.
     ///
     /// # Errors
     ///
@@ -171,11 +171,11 @@ impl Wire {
         Ok(wire)
     }
 
-    /// Completes the handshake; says what the peer's key is called, if it has one.
+    /// Completes the handshake. Returns the name of the peer's key, if it has one.
     ///
     /// # Errors
     ///
-    /// Any [`WireError`]. To be called again after a time-out, it is not.
+    /// Any [`WireError`]. It must not be called again after a time-out.
     pub(crate) async fn shake_hands(&mut self) -> Result<Option<String>, WireError> {
         let mut bytes = 0;
         loop {
@@ -186,32 +186,34 @@ impl Wire {
                     return Ok(user.map(|user| String::from_utf8_lossy(user).into_owned()));
                 }
             }
-            // The first message may have come with the end of it.
+            // The first message may have arrived together with the end of the handshake.
             if bytes > HANDSHAKE_BYTES {
                 return Err(WireError::Protocol(ProtocolError::Protocol(
-                    "a long handshake".into(),
+                    "the handshake is too long".into(),
                 )));
             }
             let chunk = match self.read().await {
                 Ok(chunk) => chunk,
-                // Whoever has the wrong keys is left without a word.
-                Err(WireError::Closed) => return Err(WireError::Refused(Refused::HungUp)),
+                // A server closes the connection of a client with wrong keys without an error message.
+                Err(WireError::Closed) => {
+                    return Err(WireError::Refused(ConnectionRefusal::Closed));
+                }
                 Err(error) => return Err(error),
             };
-            // What follows the greeting are frames; the last of them may be those of a message already.
+            // Frames follow the greeting; the last of them may already belong to a message.
             let greeting = GREETING_BYTES.saturating_sub(bytes).min(chunk.len());
             self.meter.read(&chunk[greeting..]);
             bytes += chunk.len();
             self.check_greeting(&chunk)?;
             if let Err(error) = self.codec.handle_input(chunk) {
-                // It may hold why.
-                let _ = timeout(PAUSE, self.flush()).await;
+                // The pending output may tell the peer the reason.
+                let _ = timeout(MAX_PAUSE, self.flush()).await;
                 return Err(error.into());
             }
         }
     }
 
-    /// Whether keys are on one side only shows in the greetings.
+    /// Fails if only one side has keys, by comparing the mechanisms of the greetings.
     fn check_greeting(&mut self, chunk: &[u8]) -> Result<(), WireError> {
         let missing = MECHANISM.end.saturating_sub(self.greeting.len());
         if missing == 0 {
@@ -222,10 +224,10 @@ impl Wire {
         let name = self.config.mechanism.wire_name();
         let ours = name.as_str().unwrap_or_default().as_bytes();
         let same = theirs.starts_with(ours) && theirs[ours.len()..].iter().all(|byte| *byte == 0);
-        if same { Ok(()) } else { Err(WireError::Refused(Refused::KeysOnOneSide)) }
+        if same { Ok(()) } else { Err(WireError::Refused(ConnectionRefusal::KeysOnOneSide)) }
     }
 
-    /// The next thing that comes in. Nothing is lost if it is dropped before.
+    /// Waits for the next input. Cancellation-safe.
     ///
     /// # Errors
     ///
@@ -253,20 +255,20 @@ impl Wire {
                 None => {}
             }
             if self.meter.announced() == 0 {
-                // It was a long command.
+                // It was a long command, not a message.
                 self.permit = None;
             }
-            // Answers to heartbeats.
+            // Replies to heartbeats.
             self.flush().await?;
             if self.codec.has_pending_input() {
                 self.codec.resume_input()?;
                 continue;
             }
-            self.read_on().await?;
+            self.read_more().await?;
         }
     }
 
-    /// Before ZMTP 3.1, subscriptions are messages.
+    /// The subscription in a message, as peers before ZMTP 3.1 send it.
     fn subscription(&self, frames: &[Bytes]) -> Option<Incoming> {
         let [frame] = frames else { return None };
         if !matches!(self.config.kind, SocketType::Pub | SocketType::XPub) {
@@ -279,8 +281,8 @@ impl Wire {
         }
     }
 
-    /// Reads on in the message that is coming in.
-    async fn read_on(&mut self) -> Result<(), WireError> {
+    /// Continues to read the incoming message.
+    async fn read_more(&mut self) -> Result<(), WireError> {
         if self.meter.announced() <= SHORT_BYTES as u64 {
             let chunk = self.read().await?;
             if self.meter.announced() == 0 {
@@ -292,11 +294,11 @@ impl Wire {
         if self.permit.is_none()
             && let Some(long) = &self.config.long
         {
-            // Until then the sender waits, and what it has sent is in the system's buffers.
+            // Until then, the sender is blocked by the system's buffers.
             let permit = long.clone().acquire_owned().await;
             self.permit = Some(permit.map_err(|_| WireError::Closed)?);
         }
-        timeout(PAUSE, self.read_long()).await.map_err(|_| WireError::Stalled(PAUSE))?
+        timeout(MAX_PAUSE, self.read_long()).await.map_err(|_| WireError::Stalled(MAX_PAUSE))?
     }
 
     async fn read_long(&mut self) -> Result<(), WireError> {
@@ -315,7 +317,7 @@ impl Wire {
         Ok(())
     }
 
-    /// A long frame is read right into its place.
+    /// Allocates the payload of a long frame, which is read without copying.
     fn begin_payload(&mut self) -> Result<(), WireError> {
         if self.payload.is_some() {
             return Ok(());
@@ -348,7 +350,7 @@ impl Wire {
         Ok(())
     }
 
-    /// Some bytes.
+    /// Reads the available bytes.
     async fn read(&mut self) -> Result<Bytes, WireError> {
         loop {
             self.stream.readable().await?;
@@ -362,7 +364,7 @@ impl Wire {
         }
     }
 
-    /// Puts a message into the queue of what is to be sent.
+    /// Queues a message for sending.
     ///
     /// # Errors
     ///
@@ -371,7 +373,7 @@ impl Wire {
         Ok(self.codec.send_message(&Message::multipart(frames.iter().cloned()))?)
     }
 
-    /// Subscribes to topics that begin so.
+    /// Subscribes to topics with a prefix.
     ///
     /// # Errors
     ///
@@ -380,12 +382,12 @@ impl Wire {
         Ok(self.codec.send_command(&Command::Subscribe(Bytes::from_static(topic.as_bytes())))?)
     }
 
-    /// Whether something is still to be sent.
-    pub(crate) fn has_to_send(&self) -> bool {
+    /// Whether output is pending.
+    pub(crate) fn has_output(&self) -> bool {
         self.codec.has_pending_transmit()
     }
 
-    /// Sends what is queued. Nothing is lost if it is dropped before.
+    /// Sends all pending output. Cancellation-safe.
     ///
     /// # Errors
     ///
@@ -397,7 +399,7 @@ impl Wire {
         Ok(())
     }
 
-    /// Sends some of what is queued.
+    /// Sends a part of the pending output.
     ///
     /// # Errors
     ///

@@ -1,10 +1,10 @@
-//! However set-points end, the arm brakes: on the commanded positions, cycle by cycle.
+//! The arm brakes however set-points end, checked on the commanded positions of each cycle.
 
 #![expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     clippy::needless_range_loop,
-    reason = "counts are small, and seven joints go along in several arrays"
+    reason = "counts are small, and joints index several arrays"
 )]
 
 use iiwa_fri::{Client, Format};
@@ -12,7 +12,7 @@ use iiwa_fri::{Client, Format};
 use super::*;
 
 /// A cabinet with a client whose set-points move joint 1 at full speed, and joint 7 at half.
-struct Scene {
+struct SimulationScene {
     simulation: Simulation,
     client: Client,
     at_rad: Joints,
@@ -26,8 +26,8 @@ struct Scene {
 
 const RUN: RunId = 4;
 
-impl Scene {
-    /// The arm stands at `start_rad`, and the session commands.
+impl SimulationScene {
+    /// The arm is at rest at `start_rad`, and the session commands.
     fn new(period_ms: u32, receive_multiplier: u32, start_rad: Joints) -> Self {
         let config = ControllerConfig { period_ms, receive_multiplier, format: Format::V1 };
         let mut scene = Self {
@@ -73,7 +73,7 @@ impl Scene {
         }
     }
 
-    /// Up to full speed, and on for a while.
+    /// Accelerates to full speed and continues for a while.
     fn speed_up(&mut self) {
         let limits = *Robot::default().limits();
         let cycles = (0.3 / self.period_s).round() as u32;
@@ -90,8 +90,8 @@ impl Scene {
         matches!(self.simulation.activity, Activity::Braking(_))
     }
 
-    /// Goes on until the robot program has ended the run; asserts that the arm came to rest gently and in
-    /// time, and within its range.
+    /// Runs until the robot program has ended the run; asserts that the arm came to rest smoothly, in time and
+    /// within its range.
     fn assert_brakes(&mut self, how: &str) {
         let limits = *Robot::default().limits();
         let begin = self.trace.len() - 3;
@@ -122,7 +122,7 @@ impl Scene {
     }
 }
 
-type End = fn(&mut Scene);
+type End = fn(&mut SimulationScene);
 
 /// All ways in which set-points end while the arm moves.
 const ENDS: [(&str, End); 7] = [
@@ -142,7 +142,7 @@ fn the_arm_brakes_however_set_points_end() {
     let full = Robot::default().limits().velocity_rad_s[0];
     for (period_ms, multiplier) in [(1, 1), (5, 1), (10, 1), (5, 4)] {
         for (how, end) in ENDS {
-            let mut scene = Scene::new(period_ms, multiplier, [0.0; 7]);
+            let mut scene = SimulationScene::new(period_ms, multiplier, [0.0; 7]);
             scene.speed_up();
             let speed = (scene.trace.last().unwrap()[0] - scene.trace[scene.trace.len() - 2][0])
                 / scene.period_s;
@@ -153,7 +153,7 @@ fn the_arm_brakes_however_set_points_end() {
     }
 }
 
-/// Towards the end of its range, a joint brakes harder, and stays within.
+/// Close to the end of its range, a joint brakes harder and stays within.
 #[test]
 fn the_arm_brakes_within_its_range() {
     let limits = *Robot::default().limits();
@@ -162,10 +162,10 @@ fn the_arm_brakes_within_its_range() {
             continue;
         }
         let mut start_rad = [0.0; 7];
-        // At full speed for 0.25 s, and then as much room as braking at the limit takes.
+        // At full speed for 0.25 s, and then the distance of braking at the limit.
         let room = limits.velocity_rad_s[0].powi(2) / limits.acceleration_rad_s2[0] / 2.0;
         start_rad[0] = limits.position_rad[0] - limits.velocity_rad_s[0] * 0.26 - room;
-        let mut scene = Scene::new(5, 1, start_rad);
+        let mut scene = SimulationScene::new(5, 1, start_rad);
         scene.speed_up();
         end(&mut scene);
         scene.assert_brakes(&format!("{how}, at the end of the range"));

@@ -1,0 +1,230 @@
+//! The state of the dispatcher.
+
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use bytes::Bytes;
+use iiwa_fri::{Quality, Safety};
+use iiwa_link::{
+    message::{Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Status},
+    transport::Permit,
+};
+
+use crate::{
+    drive::{
+        checks::CheckJob,
+        events::{FriCommand, Observation},
+        instruction_queue::InstructionQueue,
+        run::Running,
+        run_replies::{RunRecord, RunReply},
+    },
+    robot_program::{Instruction, RunId, StateChange},
+};
+
+/// An output of the dispatcher.
+pub(in crate::drive) enum Output<C> {
+    /// A reply to a client.
+    Reply(C, String),
+    /// A reply to a client that another thread writes, as it may be long.
+    RunReply(RunReply<C>),
+    /// A request that another thread parses and checks.
+    Check(CheckJob<C>),
+    /// An instruction to the robot program.
+    Instruct(String),
+    /// The robot program does not answer: instructions in transit must not arrive later.
+    Reconnect,
+    /// A command to the FRI thread.
+    Fri(FriCommand),
+}
+
+/// A request as received.
+pub(in crate::drive) struct IncomingRequest {
+    pub(in crate::drive) body: Bytes,
+    /// The permit of a long request.
+    pub(in crate::drive) permit: Option<Permit>,
+    /// When its first bytes arrived.
+    pub(in crate::drive) began: Instant,
+}
+
+/// The client that a reply goes to, and the id of its request.
+pub(in crate::drive) struct Requester<C> {
+    pub(super) client: C,
+    pub(super) id: Option<Id>,
+}
+
+/// The dispatcher. `C` identifies clients.
+pub(in crate::drive) struct Dispatcher<C> {
+    pub(super) stage: RunStage<C>,
+    /// The latest FRI message.
+    pub(super) observation: Option<Observation>,
+    /// The latest state of the robot program, and when it was received.
+    pub(super) program: Option<(StateChange, Instant)>,
+    /// The silence of the robot program is logged.
+    pub(super) program_lost: bool,
+    pub(super) first_run: RunId,
+    pub(super) next_run: RunId,
+    pub(super) instructions: InstructionQueue<Purpose<C>>,
+    /// Runs that were withdrawn while they were checked, and why.
+    pub(super) withdrawn: Vec<(RunId, Requester<C>, Refusal)>,
+    /// When the last stop was received.
+    pub(super) stopped: Option<Instant>,
+    /// Clients that wait for the arm to come to rest, and since when.
+    pub(super) stoppers: Vec<(Requester<C>, Instant)>,
+    /// When a run was abandoned that the robot program may have begun.
+    pub(super) abandoned: Option<Instant>,
+    pub(super) last_run: Option<Arc<RunRecord>>,
+    pub(super) outputs: Vec<Output<C>>,
+}
+
+pub(super) enum RunStage<C> {
+    Idle,
+    /// A run is parsed and checked.
+    Checking(RunId, Requester<C>),
+    Running(Box<Running<Requester<C>>>),
+}
+
+/// The purpose of an instruction.
+pub(super) enum Purpose<C> {
+    /// To query a value for a client.
+    Query(Requester<C>, QueryKind),
+    /// To plan the motions of a run.
+    Plan(RunId),
+    /// To begin a run.
+    Begin(RunId),
+    /// To stop or end a run.
+    End,
+}
+
+/// The value that an acknowledgement has to contain.
+#[derive(Clone, Copy)]
+pub(super) enum QueryKind {
+    Value,
+    Sensors,
+}
+
+/// The robot program counts as disconnected after so much silence; it sends its state twice a second.
+const PROGRAM_TIMEOUT: Duration = Duration::from_secs(3);
+
+/// FRI counts as silent after so long without a message.
+const FRI_TIMEOUT: Duration = Duration::from_millis(500);
+
+impl<C> Dispatcher<C> {
+    /// `first_run` has to differ with each start of a drive.
+    pub(in crate::drive) fn new(first_run: RunId) -> Self {
+        Self {
+            stage: RunStage::Idle,
+            observation: None,
+            program: None,
+            program_lost: false,
+            first_run,
+            next_run: first_run,
+            instructions: InstructionQueue::new(),
+            withdrawn: Vec::new(),
+            stopped: None,
+            stoppers: Vec::new(),
+            abandoned: None,
+            last_run: None,
+            outputs: Vec::new(),
+        }
+    }
+
+    /// Takes the outputs since the last call.
+    pub(in crate::drive) fn take_outputs(&mut self) -> Vec<Output<C>> {
+        std::mem::take(&mut self.outputs)
+    }
+
+    /// The state of this drive, or that of a robot program that still runs without it.
+    pub(super) fn drive_state(&self, now: Instant) -> DriveState {
+        match &self.stage {
+            RunStage::Running(running) => running.kind,
+            _ => self.program_at(now).map_or(DriveState::Idle, |program| program.state),
+        }
+    }
+
+    pub(super) fn status(&self, now: Instant) -> Status {
+        let state = self.drive_state(now);
+        let fresh =
+            self.observation.filter(|it| now.saturating_duration_since(it.at) <= FRI_TIMEOUT);
+        let fri = FriStatus {
+            session: fresh.map_or(FriStatus::SILENT, |it| it.session.name()).to_owned(),
+            quality: fresh.map_or(Quality::Poor, |it| it.quality).name().to_owned(),
+            lost: self.observation.map_or(0, |it| it.lost),
+            late: self.observation.map_or(0, |it| it.late),
+        };
+        let robot_program = match self.program_at(now) {
+            Some(_) => Presence::Connected,
+            None => Presence::Silent,
+        };
+        Status {
+            state,
+            joints_rad: self.observation.map(|it| it.joints_rad),
+            t_s: self.observation.map(|it| it.t_s),
+            fri,
+            robot_program,
+        }
+    }
+
+    /// The latest state of the robot program, unless it is disconnected.
+    pub(super) fn program_at(&self, now: Instant) -> Option<&StateChange> {
+        let (state, at) = self.program.as_ref()?;
+        (now.saturating_duration_since(*at) <= PROGRAM_TIMEOUT).then_some(state)
+    }
+
+    pub(super) fn check_idle(&self, now: Instant) -> Result<(), Refusal> {
+        match self.drive_state(now) {
+            DriveState::Idle => Ok(()),
+            state => Err(Refusal::new(
+                Code::NotIdle,
+                format!("the robot is busy: {state}; wait for its end, or send `stop`"),
+            )),
+        }
+    }
+
+    /// Checks that the robot program and FRI are connected and no safety stop is active.
+    pub(super) fn check_connected(&self, now: Instant) -> Result<Observation, Refusal> {
+        if self.program_at(now).is_none() {
+            return Err(Refusal::robot(
+                "the robot program does not answer; is the cabinet running?",
+            ));
+        }
+        match self.observation {
+            Some(it) if now.saturating_duration_since(it.at) <= FRI_TIMEOUT => {
+                if it.safety == Safety::Normal {
+                    Ok(it)
+                } else {
+                    Err(Refusal::robot("a safety stop of the robot is active"))
+                }
+            }
+            _ => Err(Refusal::robot("no FRI messages arrive: the robot's position is unknown")),
+        }
+    }
+
+    pub(super) fn instruct(&mut self, instruction: Instruction, purpose: Purpose<C>, now: Instant) {
+        self.instructions.add(instruction, purpose, now);
+        self.send_next(now);
+    }
+
+    pub(super) fn send_next(&mut self, now: Instant) {
+        if let Some(instruction) = self.instructions.next(now) {
+            self.outputs.push(Output::Instruct(instruction));
+        }
+    }
+
+    pub(super) fn reply(&mut self, requester: Requester<C>, result: Result<Option<Body>, Refusal>) {
+        let (error, body) = match result {
+            Ok(body) => (None, body),
+            Err(error) => (Some(error), None),
+        };
+        let Requester { client, id } = requester;
+        let reply = Reply { id: id.as_ref(), error: error.as_ref(), body: body.as_ref() };
+        let text = reply.to_json();
+        self.outputs.push(Output::Reply(client, text));
+    }
+
+    pub(super) fn reply_run(&mut self, requester: Requester<C>, record: Arc<RunRecord>) {
+        let Requester { client, id } = requester;
+        self.outputs.push(Output::RunReply(RunReply { client, id, record }));
+    }
+}

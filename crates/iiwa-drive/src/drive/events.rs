@@ -1,0 +1,54 @@
+//! Messages between the FRI thread and the dispatcher.
+
+use std::time::Instant;
+
+use iiwa_fri::{Quality, Safety, SessionState};
+use iiwa_kin::Joints;
+use iiwa_link::{TimedJoints, message::DriveState};
+
+use super::setpoints::{TrajectoryEnd, TrajectoryTask};
+use crate::robot_program::RunId;
+
+/// A command to the FRI thread.
+pub(super) enum FriCommand {
+    /// Run this trajectory as soon as the session commands.
+    Run(RunId, Box<TimedJoints>),
+    /// Stop the trajectory on its path.
+    Stop,
+    /// Discard the trajectory; if the arm moves, after a stop on its path.
+    Release,
+    /// Publish a state.
+    Publish(DriveState),
+}
+
+/// An event of the FRI thread.
+pub(super) enum FriEvent {
+    /// A message of the controller has arrived.
+    Observed(Observation),
+    /// The trajectory has ended.
+    Ended(TrajectoryEnd),
+    /// The trajectory was to be stopped, but had not begun.
+    Discarded,
+    /// A task that is no longer needed, to be freed outside the real-time thread.
+    Freed(#[expect(dead_code, reason = "it is freed")] TrajectoryTask),
+}
+
+/// The state of the robot and the connection in a message of the controller.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Observation {
+    /// Time of the stream, in s.
+    pub(super) t_s: f64,
+    /// How far the controller's clock is ahead of the stream's, in s.
+    pub(super) clock_ahead_s: f64,
+    /// Measured joint positions, in rad.
+    pub(super) joints_rad: Joints,
+    pub(super) session: SessionState,
+    pub(super) quality: Quality,
+    pub(super) safety: Safety,
+    /// Number of lost messages so far.
+    pub(super) lost: u64,
+    /// Number of late messages so far.
+    pub(super) late: u64,
+    /// When the message arrived.
+    pub(super) at: Instant,
+}

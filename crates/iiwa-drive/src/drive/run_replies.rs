@@ -1,0 +1,92 @@
+//! Replies with the measurements of runs. A thread of its own writes them: they may be long, and clients may
+//! read them slowly.
+
+use std::{
+    collections::VecDeque,
+    sync::{
+        Arc,
+        mpsc::{Receiver, RecvTimeoutError},
+    },
+    time::Duration,
+};
+
+use bytes::Bytes;
+use iiwa_link::message::{Body, Id, MAX_REPLY_BYTES, Refusal, Reply, Run};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+
+/// The stored measurements of a run.
+pub(super) struct RunRecord {
+    body: Body,
+    error: Option<Refusal>,
+    samples: usize,
+}
+
+impl RunRecord {
+    pub(super) fn new(run: Run, error: Option<Refusal>) -> Self {
+        Self { samples: run.samples.t_s.len(), body: Body::Run(run), error }
+    }
+
+    /// The memory of a reply, in units of [`UNIT_BYTES`].
+    fn units(&self) -> u32 {
+        let units = (self.samples * SAMPLE_BYTES).div_ceil(UNIT_BYTES).clamp(1, UNITS);
+        u32::try_from(units).unwrap_or(u32::MAX)
+    }
+}
+
+/// A reply to be written. `C` identifies clients.
+pub(super) struct RunReply<C> {
+    pub(super) client: C,
+    pub(super) id: Option<Id>,
+    pub(super) record: Arc<RunRecord>,
+}
+
+impl<C> RunReply<C> {
+    /// The reply as JSON.
+    pub(super) fn to_json(&self) -> String {
+        let Self { id, record, .. } = self;
+        let RunRecord { body, error, .. } = &**record;
+        Reply { id: id.as_ref(), error: error.as_ref(), body: Some(body) }.to_json()
+    }
+}
+
+/// Size of a sample in a reply, in bytes: eight numbers of up to 20 digits.
+const SAMPLE_BYTES: usize = 8 * 21;
+
+/// Memory is accounted in units of this size.
+const UNIT_BYTES: usize = 64 << 10;
+const UNITS: usize = MAX_REPLY_BYTES / UNIT_BYTES;
+
+/// How often the quota is checked again.
+const POLL_INTERVAL: Duration = Duration::from_millis(5);
+
+/// Writes replies and sends each with a permit to be held until it is sent. All replies in transit take no
+/// more memory than the longest one.
+pub(super) fn write_replies<C>(
+    queue: &Receiver<RunReply<C>>,
+    send: impl Fn(C, Bytes, OwnedSemaphorePermit),
+) {
+    let quota = Arc::new(Semaphore::new(UNITS));
+    let mut backlog = VecDeque::new();
+    loop {
+        let next = if backlog.is_empty() {
+            queue.recv().map_err(|_| RecvTimeoutError::Disconnected)
+        } else {
+            queue.recv_timeout(POLL_INTERVAL)
+        };
+        match next {
+            Ok(reply) => backlog.push_back(reply),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return,
+        }
+        // A long reply does not delay those behind it.
+        for reply in std::mem::take(&mut backlog) {
+            match quota.clone().try_acquire_many_owned(reply.record.units()) {
+                Err(_) => backlog.push_back(reply),
+                Ok(permit) => {
+                    let text = reply.to_json();
+                    send(reply.client, text.into(), permit);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Valid messages, and versions of them with an invalid field.
+
+use iiwa_link::TimedJoints;
+use serde_json::{Value, json};
+
+use crate::runs::{planned, sampled};
+
+/// Values that are wrong for nearly all fields.
+pub(crate) fn wrong_values() -> [Value; 8] {
+    [
+        Value::Null,
+        json!(true),
+        json!(3),
+        json!(-0.5),
+        json!("x"),
+        json!([]),
+        json!({}),
+        json!([[[]]]),
+    ]
+}
+
+/// A field of a message: its JSON pointer, whether it is optional, and those of [`wrong_values`] that are valid
+/// for it.
+pub(crate) struct Field(
+    pub(crate) &'static str,
+    pub(crate) Requirement,
+    pub(crate) &'static [&'static str],
+);
+
+#[derive(PartialEq)]
+pub(crate) enum Requirement {
+    Optional,
+    Required,
+}
+
+pub(crate) const NUMBER: &[&str] = &["3", "-0.5"];
+
+/// Messages in which each of these fields in turn is invalid or missing, and the name of the field.
+pub(crate) fn corrupted(good: &Value, fields: &[Field]) -> Vec<(String, String)> {
+    let mut messages = Vec::new();
+    for Field(path, requirement, valid) in fields {
+        let (parent, name) = path.rsplit_once('/').unwrap();
+        for value in wrong_values() {
+            if !valid.contains(&value.to_string().as_str()) {
+                let mut message = good.clone();
+                *message.pointer_mut(path).expect(path) = value;
+                messages.push((message.to_string(), name.to_owned()));
+            }
+        }
+        if *requirement == Requirement::Required {
+            let mut message = good.clone();
+            match message.pointer_mut(parent).unwrap() {
+                Value::Object(object) => drop(object.remove(name)),
+                Value::Array(list) => drop(list.remove(name.parse().unwrap())),
+                _ => unreachable!(),
+            }
+            messages.push((message.to_string(), name.to_owned()));
+        }
+    }
+    messages
+}
+
+/// A trajectory of joint 1 to `deg`.
+pub(crate) fn trajectory_to(deg: f64) -> TimedJoints {
+    let mut target = [0.0; 7];
+    target[0] = deg.to_radians();
+    let motion = iiwa_path::Motion::Ptp(iiwa_path::Ptp::to(target));
+    sampled(&planned(vec![motion]), 0.004)
+}
+
+/// A valid request of each type.
+pub(crate) fn good_requests() -> Vec<Value> {
+    let trajectory = trajectory_to(0.1);
+    vec![
+        json!({"type": "run_motions", "motions": [
+            {"type": "ptp", "joints_deg": [1, 0, 0, 0, 0, 0, 0], "velocity_rel": 0.5,
+             "acceleration_rel": 0.5, "jerk_rel": 0.5, "blend": {"fraction": 0.1}},
+            {"type": "ptp", "joints_rad": [0, 0, 0, 0, 0, 0, 0]},
+            {"type": "wait", "seconds": 0.01},
+        ]}),
+        json!({"type": "run_trajectory", "trajectory": trajectory}),
+        json!({"type": "read_sensors"}),
+        json!({"type": "get_io", "name": "MediaFlange.UserButton"}),
+        json!({"type": "set_io", "name": "MediaFlange.LEDBlue", "value": true}),
+        json!({"type": "state"}),
+        json!({"type": "last_run"}),
+        json!({"type": "stop"}),
+    ]
+}
+
+pub(crate) fn fields_of(name: &str) -> Vec<Field> {
+    use Requirement::{Optional, Required};
+    let own = match name {
+        "run_motions" => vec![
+            Field("/motions", Required, &[]),
+            Field("/motions/0", Optional, &[]),
+            Field("/motions/0/type", Required, &[]),
+            Field("/motions/0/joints_deg", Required, &[]),
+            Field("/motions/0/joints_deg/3", Required, NUMBER),
+            Field("/motions/0/velocity_rel", Optional, &[]),
+            Field("/motions/0/acceleration_rel", Optional, &[]),
+            Field("/motions/0/jerk_rel", Optional, &[]),
+            Field("/motions/0/blend", Optional, &["null"]),
+            Field("/motions/0/blend/fraction", Required, &[]),
+            Field("/motions/1/joints_rad", Required, &[]),
+            Field("/motions/2/type", Required, &[]),
+            Field("/motions/2/seconds", Required, &["3"]),
+        ],
+        "run_trajectory" => vec![
+            Field("/trajectory", Required, &[]),
+            Field("/trajectory/t_s", Required, &[]),
+            Field("/trajectory/t_s/2", Required, NUMBER),
+            Field("/trajectory/joints_rad", Required, &[]),
+            Field("/trajectory/joints_rad/2", Required, &[]),
+            Field("/trajectory/joints_rad/2/6", Required, NUMBER),
+        ],
+        "get_io" => vec![Field("/name", Required, &[])],
+        "set_io" => vec![Field("/name", Required, &[]), Field("/value", Required, &["true"])],
+        _ => Vec::new(),
+    };
+    [Field("/type", Required, &[])].into_iter().chain(own).collect()
+}

@@ -1,0 +1,312 @@
+//! A drive with a faulty robot program: malformed states, wrong and missing acknowledgements, unknown runs.
+
+use std::{
+    thread::{self, JoinHandle},
+    time::{Duration, Instant},
+};
+
+use iiwa_link::{
+    Client, ClientError,
+    message::{Code, DriveState, IoValue, Presence, Run},
+};
+use serde_json::{Value, json};
+
+use crate::{
+    corrupted::{Field, NUMBER, corrupted, trajectory_to},
+    rig::{LONG, Rig, free_tcp, wait_for},
+};
+
+/// A robot program that sends scripted states and acknowledgements, beside a regular controller.
+struct ScriptedProgram {
+    instructions: zmq::Socket,
+    state: zmq::Socket,
+}
+
+/// The envelope and body of an instruction.
+type ReceivedInstruction = (Vec<Vec<u8>>, Value);
+
+impl ScriptedProgram {
+    /// Connected to a drive, in the state idle.
+    fn new() -> (Rig, Self) {
+        let mut rig = Rig::parts(5);
+        rig.cabinet_config.instructions = free_tcp();
+        rig.cabinet_config.state = free_tcp();
+        rig.start_cabinet();
+        let context = zmq::Context::new();
+        let bound = |kind, at: &str| {
+            let socket = context.socket(kind).unwrap();
+            socket.set_linger(0).unwrap();
+            socket.set_rcvtimeo(10_000).unwrap();
+            socket.set_sndtimeo(10_000).unwrap();
+            socket.bind(at).unwrap();
+            socket
+        };
+        let program = Self {
+            instructions: bound(zmq::ROUTER, &rig.drive_config.cabinet_instructions),
+            state: bound(zmq::DEALER, &rig.drive_config.cabinet_state),
+        };
+        rig.start_drive();
+        program.send_idle();
+        rig.wait_until_ready();
+        (rig, program)
+    }
+
+    /// Sends a state and waits for its acknowledgement.
+    fn send(&self, state: &[u8]) {
+        self.state.send_multipart([b"".as_slice(), state], 0).unwrap();
+        let answer = self.state.recv_multipart(0).expect("an acknowledgement");
+        assert_eq!(answer, [b"".as_slice(), br#"{"ok":true}"#]);
+    }
+
+    fn send_idle(&self) {
+        self.send(br#"{"boot": 1, "state": "idle"}"#);
+    }
+
+    /// The next instruction, if it arrives within `timeout` milliseconds.
+    fn receive_within(&self, timeout: i64) -> Option<ReceivedInstruction> {
+        (self.instructions.poll(zmq::POLLIN, timeout).unwrap() > 0).then(|| self.receive())
+    }
+
+    /// The next instruction.
+    fn receive(&self) -> ReceivedInstruction {
+        let mut frames = self.instructions.recv_multipart(0).expect("an instruction");
+        let body = frames.pop().unwrap();
+        (frames, serde_json::from_slice(&body).unwrap())
+    }
+
+    fn answer(&self, (route, _): &ReceivedInstruction, answer: &str) {
+        let frames = route.iter().map(Vec::as_slice).chain([answer.as_bytes()]);
+        self.instructions.send_multipart(frames, 0).unwrap();
+    }
+
+    /// Acknowledges an instruction, with more fields.
+    fn acknowledge(&self, instruction: &ReceivedInstruction, more: &str) {
+        let seq = &instruction.1["seq"];
+        self.answer(instruction, &format!("{{\"seq\": {seq}{more}}}"));
+    }
+}
+
+fn ask<T: Send + 'static>(
+    rig: &Rig,
+    what: impl FnOnce(&mut Client) -> Result<T, ClientError> + Send + 'static,
+) -> JoinHandle<Result<T, ClientError>> {
+    let mut client = rig.client();
+    thread::spawn(move || what(&mut client))
+}
+
+fn get_io(rig: &Rig) -> JoinHandle<Result<IoValue, ClientError>> {
+    ask(rig, |client| client.get_io("x"))
+}
+
+fn run(rig: &Rig) -> JoinHandle<Result<Run, ClientError>> {
+    ask(rig, |client| {
+        loop {
+            match client.run_trajectory(trajectory_to(5.0), Some(LONG)) {
+                // The machine was suspended for some cycles.
+                Err(error) if error.to_string().contains("not good enough") => {
+                    thread::sleep(Duration::from_millis(50));
+                }
+                other => return other,
+            }
+        }
+    })
+}
+
+#[test]
+fn malformed_states_are_ignored() {
+    use crate::corrupted::Requirement::{Optional, Required};
+
+    let (rig, program) = ScriptedProgram::new();
+    let good = json!({"boot": 1, "state": "idle", "run": 3, "outcome":
+        {"run": 2, "start_s": 1.0, "end_s": 2.0, "error": {"code": "robot", "message": "m"}}});
+    let fields = [
+        Field("/boot", Required, &["3"]),
+        Field("/state", Required, &[]),
+        Field("/run", Optional, &["3", "null"]),
+        Field("/outcome", Optional, &["null"]),
+        Field("/outcome/run", Required, &["3"]),
+        Field("/outcome/start_s", Optional, &["3", "-0.5", "null"]),
+        Field("/outcome/end_s", Required, NUMBER),
+        Field("/outcome/error", Optional, &["null"]),
+        Field("/outcome/error/code", Required, &[]),
+        Field("/outcome/error/message", Required, &["\"x\""]),
+    ];
+    let mut garbage: Vec<_> =
+        corrupted(&good, &fields).into_iter().map(|(state, _)| state.into_bytes()).collect();
+    garbage.extend(["", "{}", "[1, \"running_motion\"]", "null"].map(Into::into));
+    garbage.push(vec![b'['; 50_000]);
+    garbage.push(vec![0xff; 10]);
+    garbage.push(br#"{"boot": 1, "state": "running_motion", "state": "idle"}"#.to_vec());
+    for state in &garbage {
+        program.send(state);
+    }
+    program.state.send_multipart(["", "{}", "{}"], 0).unwrap();
+    program.state.recv_multipart(0).expect("an acknowledgement");
+    // Well-formed outcomes of unknown runs, at impossible times.
+    program.send(good.to_string().as_bytes());
+    program.send(br#"{"boot": 1, "state": "idle", "outcome": {"run": 9, "start_s": 1e308, "end_s": -1e308}}"#);
+    let status = rig.client().state().unwrap();
+    assert_eq!((status.state, status.robot_program), (DriveState::Idle, Presence::Connected));
+    // Malformed states do not keep the connection alive.
+    let silent = || {
+        program.send(b"{}");
+        rig.client().state().unwrap().robot_program == Presence::Silent
+    };
+    wait_for("silence", silent);
+    program.send(br#"{"boot": 1, "state": "running_motion", "run": 5}"#);
+    let state = || rig.client().state().unwrap().state;
+    wait_for("the state", || state() == DriveState::RunningMotion);
+    assert_eq!(rig.client().get_io("x").unwrap_err().code(), Code::NotIdle);
+    program.send_idle();
+    wait_for("the state", || state() == DriveState::Idle);
+}
+
+#[test]
+fn only_matching_acknowledgements_count() {
+    let (rig, program) = ScriptedProgram::new();
+    let client = get_io(&rig);
+    let instruction = program.receive();
+    assert_eq!((&instruction.1["type"], &instruction.1["name"]), (&json!("get_io"), &json!("x")));
+    let seq = instruction.1["seq"].as_u64().unwrap();
+    for wrong in [
+        String::new(),
+        "{}".to_owned(),
+        "[]".to_owned(),
+        "x".repeat(50_000),
+        format!(r#"{{"seq": {}, "value": 1}}"#, seq + 1),
+        format!(r#"{{"seq": {}, "value": 1}}"#, seq - 1),
+        format!(r#"{{"seq": "{seq}", "value": 1}}"#),
+        format!(r#"{{"seq": {seq}.0, "value": 1}}"#),
+        format!(r#"{{"seq": {seq}, "value": "1"}}"#),
+        format!(r#"{{"seq": {seq}, "value": [1]}}"#),
+        format!(r#"{{"seq": {seq}, "seq": {seq}, "value": 1}}"#),
+        format!(r#"{{"seq": {seq}, "error": {{"code": "odd", "message": ""}}}}"#),
+        format!(r#"{{"seq": {seq}, "error": true}}"#),
+        format!(r#"{{"seq": {seq}, "sensors": {{}}}}"#),
+        r#"{"seq": null, "value": 1}"#.to_owned(),
+    ] {
+        program.answer(&instruction, &wrong);
+    }
+    program.acknowledge(&instruction, r#", "value": 7, "more": 1"#);
+    // A second acknowledgement is ignored.
+    program.acknowledge(&instruction, r#", "value": 8"#);
+    assert_eq!(client.join().unwrap().unwrap(), IoValue::Digital(7));
+
+    // An acknowledgement without the requested value is an error.
+    for more in ["", r#", "sensors": null"#] {
+        let client = get_io(&rig);
+        program.acknowledge(&program.receive(), more);
+        let error = client.join().unwrap().unwrap_err();
+        assert_eq!(error.code(), Code::Robot, "{error}");
+    }
+    let client = get_io(&rig);
+    program.acknowledge(&program.receive(), r#", "error": {"code": "limit", "message": "so"}"#);
+    assert_eq!(client.join().unwrap().unwrap_err().to_string(), "so (limit)");
+}
+
+#[test]
+fn missing_acknowledgements_are_reported_in_time() {
+    let (rig, program) = ScriptedProgram::new();
+    let first = get_io(&rig);
+    let late = program.receive();
+    // These wait in the backlog.
+    let others = [get_io(&rig), get_io(&rig), get_io(&rig)];
+    for client in others.into_iter().chain([first]) {
+        let error = client.join().unwrap().unwrap_err();
+        let ClientError::Refused { refusal, .. } = error else { panic!("{error}") };
+        assert_eq!(refusal.code, Code::Timeout);
+    }
+    // One of them was sent; the others are withdrawn.
+    let second = program.receive();
+    // Late acknowledgements do not arrive over the new connection.
+    let client = get_io(&rig);
+    let instruction = program.receive();
+    for late in [late, second] {
+        assert_ne!(instruction.0[0], late.0[0]);
+        program.acknowledge(&late, r#", "value": 1"#);
+    }
+    program.acknowledge(&instruction, r#", "value": 2"#);
+    assert_eq!(client.join().unwrap().unwrap(), IoValue::Digital(2));
+    let nothing = program.instructions.poll(zmq::POLLIN, 300).unwrap();
+    assert_eq!(nothing, 0);
+}
+
+#[test]
+fn a_run_that_is_not_acknowledged_is_ended_if_it_begins() {
+    let (rig, program) = ScriptedProgram::new();
+    let client = run(&rig);
+    let late = program.receive();
+    assert_eq!(late.1["type"], "run_trajectory");
+    let error = client.join().unwrap().unwrap_err();
+    assert_eq!(error.code(), Code::Timeout, "{error}");
+    program.send_idle();
+    program.acknowledge(&late, "");
+    assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
+    // It has begun after all: it is ended, repeatedly until that is done.
+    let run = &late.1["run"];
+    let running = format!(r#"{{"boot": 1, "state": "running_trajectory", "run": {run}}}"#);
+    for _ in 0..2 {
+        // A state may overtake the acknowledgement before it and is not new then.
+        let instruction = (0..20).find_map(|_| {
+            program.send(running.as_bytes());
+            program.receive_within(500)
+        });
+        let instruction = instruction.expect("an instruction");
+        assert_eq!(instruction.1["type"], "end_trajectory");
+        program.acknowledge(&instruction, "");
+    }
+    assert_eq!(rig.cabinet().position(), [0.0; 7]);
+}
+
+/// The run waited behind a query when the robot program became silent.
+#[test]
+fn an_abandoned_run_in_the_backlog_does_not_begin() {
+    let (rig, program) = ScriptedProgram::new();
+    program.send_idle();
+    thread::sleep(Duration::from_millis(1500));
+    let asked = get_io(&rig);
+    assert_eq!(program.receive().1["type"], "get_io");
+    let error = run(&rig).join().unwrap().unwrap_err();
+    assert_eq!(error.code(), Code::Robot, "{error}");
+    assert_eq!(asked.join().unwrap().unwrap_err().code(), Code::Timeout);
+    program.send_idle();
+    assert_eq!(program.instructions.poll(zmq::POLLIN, 500).unwrap(), 0);
+}
+
+/// The robot program acknowledges a run and then does not know it: the run ends with an error.
+#[test]
+fn a_run_unknown_to_the_robot_program_ends() {
+    let (rig, program) = ScriptedProgram::new();
+    let client = run(&rig);
+    program.acknowledge(&program.receive(), "");
+    let since = Instant::now();
+    while !client.is_finished() {
+        assert!(since.elapsed() < LONG);
+        program.send(br#"{"boot": 1, "state": "idle", "outcome": {"run": 0, "end_s": 1.0}}"#);
+        thread::sleep(Duration::from_millis(100));
+    }
+    let error = client.join().unwrap().unwrap_err();
+    assert_eq!(error.code(), Code::Robot, "{error}");
+    assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
+}
+
+/// A foreign run that does not end: the drive repeats the instruction, and continues to serve requests.
+#[test]
+fn a_disobedient_robot_program_does_not_block_the_drive() {
+    let (rig, program) = ScriptedProgram::new();
+    for _ in 0..20 {
+        program.send(br#"{"boot": 1, "state": "running_trajectory", "run": 77}"#);
+    }
+    let instruction = program.receive();
+    assert_eq!(
+        (&instruction.1["type"], &instruction.1["run"]),
+        (&json!("end_trajectory"), &json!(77))
+    );
+    program.send_idle();
+    wait_for("the state", || rig.client().state().unwrap().state == DriveState::Idle);
+    let client = get_io(&rig);
+    let instruction = program.receive();
+    assert_eq!(instruction.1["type"], "get_io");
+    program.acknowledge(&instruction, r#", "value": true"#);
+    assert_eq!(client.join().unwrap().unwrap(), IoValue::Boolean(true));
+}

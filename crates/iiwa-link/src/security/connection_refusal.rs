@@ -1,0 +1,28 @@
+//! Why a connection is refused.
+
+/// Why the other side refuses a connection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ConnectionRefusal {
+    /// The server does not know the key.
+    NotAllowed,
+    /// Only one of the two sides has keys.
+    KeysOnOneSide,
+    /// The server closed the connection during the handshake. It does so if the client has the wrong server
+    /// key or a key pair that does not match, but also when it shuts down.
+    Closed,
+}
+
+impl ConnectionRefusal {
+    /// The reason in words, for the client.
+    #[must_use]
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::NotAllowed => "its key is not on the drive's list",
+            Self::KeysOnOneSide => "one side has keys and the other one has none",
+            Self::Closed => {
+                "the drive closed the connection; is the drive's public key the right one?"
+            }
+        }
+    }
+}
