@@ -76,7 +76,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
         }
         None => None,
     };
-    let figures = Report::new(&plan, &measured, failure.is_none(), samples.len(), file);
+    let figures = RunReport::new(&plan, &measured, failure.is_none(), samples.len(), file);
     if options.json {
         output::print_json(&figures)?;
     } else {
@@ -137,7 +137,7 @@ fn sampled(plan: &Trajectory) -> Result<TimedJoints, Failure> {
 
 /// The `--json` object.
 #[derive(Serialize)]
-struct Report {
+struct RunReport {
     planned_cycle_time_s: f64,
     measured_cycle_time_s: Option<f64>,
     error_s: Option<f64>,
@@ -148,7 +148,7 @@ struct Report {
     output: Option<String>,
 }
 
-impl Report {
+impl RunReport {
     fn new(
         plan: &Trajectory,
         measured: &Measured,

@@ -9,9 +9,10 @@ use std::{
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{Client, Remote, Stream};
-use iiwa_path::{Path as RobotPath, Program};
+use iiwa_log::PlanOptions;
+use iiwa_path::Program;
 use iiwa_scene::{ArmInScene, Clearance};
-use iiwa_traj::{Timing, Trajectory};
+use iiwa_traj::Trajectory;
 use iiwa_view::{Extent, Page, PageOptions, TwinRobot, TwinSetup};
 use serde::Serialize;
 use tempfile::TempDir;
@@ -125,8 +126,7 @@ impl Setup {
 
     /// Plans a program for this robot. Errors are for people.
     pub(super) fn plan(&self, program: &Program) -> Result<Trajectory, String> {
-        let path = RobotPath::new(program, &self.robot).map_err(|fault| fault.to_string())?;
-        Trajectory::plan(&path, Timing::default()).map_err(|error| error.to_string())
+        PlanOptions::default().plan(program, &self.robot).map_err(|error| error.to_string())
     }
 
     /// The page of a plan, and of what was measured, for this robot.

@@ -31,7 +31,7 @@ use crate::vector::{add_scaled, norm, sub};
 
 pub use deviation::{Deviation, TracePoint, Whereabouts};
 pub use error::CompareError;
-pub use plan::{Plan, PlanFileError};
+pub use plan::Plan;
 
 /// What came of holding a recording against a plan.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,11 +9,16 @@ use plotters::prelude::{RGBColor, SeriesLabelPosition};
 
 use crate::{
     ViewError,
-    experiment::{Bench, Chapter, TrialRun, plan},
     picture::{
         COLOURS,
         plot::{Plot, Point, draw},
     },
+};
+
+use super::{
+    bench::{Bench, TrialRun},
+    chapter::Chapter,
+    evaluation::planned,
 };
 
 /// Colours of the timings: acceleration, jerk.
@@ -169,9 +174,10 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
 
 fn evaluate(bench: &Bench, runs: &[TrialRun]) -> Result<Vec<Case>, ViewError> {
     let measured = runs.iter().map(|TrialRun { trial, log }| {
-        let jerk = plan(bench, trial, Timing::default())?;
+        let jerk = planned(&bench.model, trial, Timing::default())?;
         let acceleration =
-            plan(bench, trial, Timing::Acceleration(SweepOptions::default()))?.cycle_time_s();
+            planned(&bench.model, trial, Timing::Acceleration(SweepOptions::default()))?
+                .cycle_time_s();
         let compared = compare(&Plan::from_trajectory(&jerk), log)
             .map_err(|source| ViewError::Compare { name: trial.name.clone(), source })?;
         let real_s = compared.cycle_time.real_s;

@@ -5,13 +5,13 @@ use iiwa_eval::{
     experiment::{CycleTime, Trial},
     identify::{Recording, identify},
 };
-use iiwa_kin::Robot;
-use iiwa_path::Path;
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
-use crate::{
-    ViewError,
-    experiment::{Bench, Chapter, ExperimentKind, VirtualArm},
+use crate::ViewError;
+
+use super::{
+    bench::Bench, chapter::Chapter, evaluation::planned, kind::ExperimentKind,
+    virtual_arm::VirtualArm,
 };
 
 /// Shares of the model's limits, joint by joint.
@@ -71,13 +71,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ViewError
         .into_iter()
         .map(|(name, trial)| {
             let log = arm.run(&trial)?;
-            let planned = |robot: &Robot, timing: Timing| {
-                let path = Path::new(&trial.program, robot)
-                    .map_err(|source| ViewError::Path { name: trial.name.clone(), source })?;
-                Trajectory::plan(&path, timing)
-                    .map_err(|source| ViewError::Timing { name: trial.name.clone(), source })
-            };
-            let by_identified = planned(&identified, Timing::default())?;
+            let by_identified = planned(&identified, &trial, Timing::default())?;
             let compared = compare(&Plan::from_trajectory(&by_identified), &log)
                 .map_err(|source| ViewError::Compare { name: trial.name.clone(), source })?;
             // From departure to arrival: how long it stands at its end, the recording does not tell.
@@ -91,8 +85,8 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ViewError
             Ok(vec![
                 name,
                 format!("{real_s:.3}"),
-                error(&planned(&bench.model, acceleration)?, model_s),
-                error(&planned(&bench.model, Timing::default())?, model_s),
+                error(&planned(&bench.model, &trial, acceleration)?, model_s),
+                error(&planned(&bench.model, &trial, Timing::default())?, model_s),
                 error(&by_identified, identified.settle_time_s()),
                 format!("{:.3}", compared.joints_rad.max.to_degrees()),
             ])
