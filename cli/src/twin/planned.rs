@@ -5,16 +5,12 @@ use std::{fs, path::PathBuf};
 use iiwa_log::{PlanConfig, PlanOptions, PlanSize, write_plan};
 use iiwa_path::Program;
 use iiwa_traj::Trajectory;
-use iiwa_view::{Extent, long_duration};
+use iiwa_view::{Extent, Nearest, long_duration};
 use serde::Serialize;
 
 use crate::{failure::Failure, output::Output};
 
-use super::{
-    Setup, Word,
-    setup::{Nearest, stem_of},
-    word,
-};
+use super::{Setup, Word, setup::stem_of, word};
 
 /// A plan, and the files of it.
 #[derive(Debug)]

@@ -6,6 +6,7 @@ mod error;
 mod loss;
 mod recording;
 mod samples;
+mod shown;
 mod table;
 
 use std::fmt;

@@ -35,10 +35,11 @@ fn everything_is_read_back() {
         let mut planning = Planning::new(&program, &slow(), &options).unwrap();
         let stream = Cursor::new(Vec::new());
         let mut writer = PlanWriter::new(stream, &slow(), PlanConfig::default()).unwrap();
-        let (mut states, mut pieces) = (Vec::new(), Vec::new());
+        let (mut states, mut pieces, mut end) = (Vec::new(), Vec::new(), None);
         while let Some(stretch) = planning.next() {
             let stretch = stretch.unwrap();
             states.extend(stretch.states());
+            end = Some(stretch.at(stretch.end_s()));
             pieces.extend(stretch.pieces().iter().filter(|piece| piece.duration_s > 0.0).cloned());
             writer.stretch(&stretch).unwrap();
         }
@@ -63,6 +64,7 @@ fn everything_is_read_back() {
             assert!((read.start_s - piece.start_s).abs() < 1e-9);
             assert!((read.end_s - piece.end_s).abs() < 1e-8, "{read:?} {piece:?}");
         }
+        states.extend(end);
         assert_eq!(record.nodes[0].q, states[0].q);
         for node in &record.nodes {
             let near = |t_s: f64| (t_s - node.t_s).abs() < 1e-9;

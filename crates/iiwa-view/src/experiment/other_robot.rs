@@ -2,7 +2,7 @@
 
 use iiwa_eval::{
     Plan, compare,
-    experiment::{CycleTime, Trial},
+    experiment::{CycleTimeCase, Trial},
     identify::{Recording, identify},
 };
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
@@ -130,7 +130,7 @@ fn prediction_trials(bench: &Bench) -> Vec<(String, Trial)> {
     for (velocity_rel, blend, length_deg) in
         [(1.0, 0.25, 200.0), (1.0, 0.0, 100.0), (0.4, 0.25, 50.0)]
     {
-        let case = CycleTime { path: 0, velocity_rel, blend, length_deg };
+        let case = CycleTimeCase { path: 0, velocity_rel, blend, length_deg };
         let name =
             format!("ten motions, velocity {velocity_rel}, blend {blend}, lambda {length_deg}");
         trials.push((name, case.trial(&bench.model, bench.seed)));
