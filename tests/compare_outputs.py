@@ -4,8 +4,9 @@
     compare_outputs.py OLD_BINARY NEW_BINARY
 
 Both binaries plan every program (with both timings), draw its picture, make its report and compare the two
-plans; do all experiments on a virtual robot, and identify it. One line a file says `equal` or what differs. MCAP files are compared by their messages, metadata and attachments. Differences
-in EXPECTED are named as such. Exits with 1 on any other difference.
+plans; do all experiments on a virtual robot, and identify it. One line a file says `equal` or what differs.
+MCAP files are compared by their messages, metadata and attachments. Differences in EXPECTED are named as
+such. Exits with 1 on any other difference.
 
 Needs the Python package `mcap` (tests/requirements.txt).
 """
@@ -23,6 +24,8 @@ FIXTURES = Path(__file__).resolve().parent.parent / "fixtures"
 # Differences that a change is meant to make: (kind of file, what differs).
 EXPECTED = {
     ("mcap", "attachment robot.json is new"),
+    ("mcap", "metadata iiwasim.samples is gone"),
+    ("mcap", "metadata iiwasim.sample_count is new"),
 }
 
 

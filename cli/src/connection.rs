@@ -47,7 +47,9 @@ pub(crate) fn refused(error: &LinkError) -> Failure {
         LinkError::Security(cause @ SecurityError::Random { .. }) => {
             Failure::run("cannot connect", cause)
         }
-        LinkError::Security(cause) => Failure::input(format!("{}{}", with_causes(cause), hint(error))),
+        LinkError::Security(cause) => {
+            Failure::input(format!("{}{}", with_causes(cause), hint(error)))
+        }
         error => Failure::run("cannot connect", error),
     }
 }

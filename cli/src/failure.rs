@@ -3,6 +3,7 @@
 use std::{error::Error, io::Write as _, path::Path};
 
 use iiwa_json::Place;
+use iiwa_traj::{PlanError, TimingError};
 use iiwa_view::{ViewError, printable, with_causes};
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 
@@ -31,6 +32,19 @@ impl Failure {
             text: excerpt(text, place).then(|| NamedSource::new(printable(name), text.to_owned())),
             place: Some(place.clone()),
         }))
+    }
+
+    /// A program, called `name`, that cannot be planned.
+    pub(crate) fn plan(error: PlanError, name: &str, text: &str) -> Self {
+        match error {
+            PlanError::Fault(fault) => {
+                Self::in_text(&fault.to_string(), &fault.place_in(text), name, text)
+            }
+            PlanError::Timing(error @ TimingError::CurvatureJumps { .. }) => {
+                Self::input(format!("{error} (--blend-shape iiwa, or --timing acceleration)"))
+            }
+            error => Self::run("cannot plan the program", &error),
+        }
     }
 
     /// Something that went wrong on the way, and why.
@@ -86,7 +100,7 @@ impl Failure {
 impl From<ViewError> for Failure {
     fn from(error: ViewError) -> Self {
         let hint = match &error {
-            ViewError::UnknownRobot { .. } => "; name it with --robot",
+            ViewError::UnknownRobot { .. } => "; name its profile with --robot",
             ViewError::Recording { name, .. }
                 if Path::new(name).extension().is_some_and(|extension| extension == "json") =>
             {

@@ -14,6 +14,7 @@ mod log;
 mod output;
 mod progress;
 mod runner;
+mod start;
 mod twin;
 
 use std::process::ExitCode;

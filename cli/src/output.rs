@@ -114,8 +114,24 @@ impl Seek for Stream {
 }
 
 /// Whether two paths lead to one file.
-pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
+fn same_file(a: &Path, b: &Path) -> bool {
     a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
+}
+
+/// Refuses to write `what` to `target` over one of the files that are `read`, each with what it is.
+pub(crate) fn keep_inputs<'a>(
+    what: &str,
+    target: &Path,
+    read: impl IntoIterator<Item = (&'a str, &'a Path)>,
+    option: &str,
+) -> Result<(), Failure> {
+    match read.into_iter().find(|(_, path)| same_file(target, path)) {
+        None => Ok(()),
+        Some((other, path)) => Err(Failure::input(format!(
+            "the {what} would be written over the {other}, {}; name another file with {option}",
+            path.display()
+        ))),
+    }
 }
 
 /// Prints to standard output. A reader that has gone away, as `head` does, is no failure.

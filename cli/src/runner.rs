@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, io::Cursor, thread, time::Duration};
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
-    Client, ClientError, LinkError, Published, START_TOLERANCE_RAD, Stream, TimedJoints,
+    Client, ClientError, LinkError, Published, Stream, TimedJoints,
     message::{DriveState, FriStatus, Run as Measured, Samples},
     security::Endpoint,
 };
@@ -18,6 +18,7 @@ use crate::{
     failure::{Failure, tell},
     output,
     progress::Progress,
+    start::StartOffset,
 };
 
 /// How long the stream is waited for before the connection is looked at again.
@@ -178,20 +179,13 @@ pub(crate) fn go_to_start(
             cause: None,
         });
     };
-    let off = |j: &usize| (joints_rad[*j] - start_rad[*j]).abs();
-    let worst = (0..7).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
-    if off(&worst) <= START_TOLERANCE_RAD && (move_to_start.is_none() || off(&worst) < 1e-6) {
+    let offset = StartOffset::new(&joints_rad, start_rad);
+    if offset.is_within_tolerance() && (move_to_start.is_none() || offset.rad() < 1e-6) {
         return Ok(());
     }
     let Some(percent) = move_to_start else {
         return Err(Failure::Run {
-            what: format!(
-                "the robot is not at the program's start: joint {} is at {:.3} deg, the program starts at \
-                 {:.3} deg; --move-to-start moves it there first",
-                worst + 1,
-                joints_rad[worst].to_degrees(),
-                start_rad[worst].to_degrees()
-            ),
+            what: format!("{offset}; --move-to-start moves it there first"),
             cause: None,
         });
     };
@@ -226,7 +220,7 @@ pub(crate) fn recording(
     for (t, q) in samples {
         recorder.sample(*t, q).map_err(refuse)?;
     }
-    let mut metadata = BTreeMap::from([("samples".to_owned(), samples.len().to_string())]);
+    let mut metadata = BTreeMap::from([("sample_count".to_owned(), samples.len().to_string())]);
     if let Some(cycle_time_s) = cycle_time_s {
         metadata.insert("cycle_time_s".to_owned(), cycle_time_s.to_string());
     }

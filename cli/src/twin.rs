@@ -29,7 +29,7 @@ pub(crate) use guard::Token;
 pub(crate) use health::watch_health;
 pub(crate) use server::serve;
 pub(crate) use setup::Setup;
-pub(crate) use shared::Twin;
+pub(crate) use shared::Shared;
 
 use std::sync::Arc;
 

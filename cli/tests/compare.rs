@@ -52,7 +52,7 @@ fn milliseconds_are_not_seconds() {
     fs::write(folder.path().join("ms.csv"), table).unwrap();
     iiwasim(&folder, &["compare", "plan.mcap", "ms.csv"])
         .code(2)
-        .stderr(contains("1.000 samples a second"));
+        .stderr(contains("implausible sample rate: 1.000 Hz"));
 }
 
 #[test]

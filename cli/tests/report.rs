@@ -260,7 +260,7 @@ fn what_is_no_plan_beside_its_recording_is_told() {
         .stderr(contains("a plan, too: nothing in it was measured"));
     iiwasim(&folder, &["report", "real.mcap", "real.mcap", "-o", "x.html"])
         .success()
-        .stderr(contains("not compared").and(contains("no whole plan")));
+        .stderr(contains("not compared").and(contains("not a whole plan")));
     // Of another robot.
     let program = fs::read_to_string(fixture("appendix-b.json")).unwrap();
     let program = program.replace("lbr_iiwa_7_r800", "lbr_iiwa_14_r820");

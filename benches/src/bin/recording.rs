@@ -22,9 +22,8 @@ use iiwa_eval::{
     identify::{Recording, identify},
 };
 use iiwa_kin::Robot;
-use iiwa_log::{JointLog, PlanConfig, PlanWriter, Recorder, RecorderConfig};
-use iiwa_path::{JointPath, Program};
-use iiwa_traj::{Timing, Trajectory};
+use iiwa_log::{JointLog, PlanOptions, Recorder, RecorderConfig, write_plan};
+use iiwa_path::Program;
 use iiwasim_benches::{
     Result,
     long_program::{self, Kind},
@@ -111,13 +110,9 @@ fn write(minutes: usize, folder: &FilePath) -> Result<()> {
     let text = long_program::text(Kind::Stops, minutes * MOTIONS_A_MINUTE);
     fs::write(folder.join(PROGRAM), &text)?;
     let program = Program::from_json(&text)?;
-    let trajectory = Trajectory::plan(&JointPath::new(&program, &robot)?, Timing::default())?;
-    let mut writer = PlanWriter::new(BufWriter::new(create(PLAN)?), &robot, PlanConfig::default())?;
-    for section in trajectory.sections() {
-        writer.section(section)?;
-    }
-    let metadata = BTreeMap::from([("robot".to_owned(), robot.name().to_owned())]);
-    writer.finish(&metadata, &[])?;
+    let options = PlanOptions::default();
+    let trajectory = options.plan(&program, &robot)?;
+    write_plan(BufWriter::new(create(PLAN)?), &trajectory, &options, &text)?;
 
     // The fewer periods, the sooner it is written; it makes no difference for what is read.
     let config = RecorderConfig { period: Duration::from_secs(10), ..RecorderConfig::default() };

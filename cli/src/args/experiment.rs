@@ -84,7 +84,7 @@ pub(crate) struct Experiment {
     pub(crate) move_to_start: Option<f64>,
 
     /// Where the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5561")]
+    #[arg(long, value_name = "HOST:PORT", default_value = link::STREAM)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]

@@ -7,6 +7,12 @@ use iiwa_link::{message::IoValue, security::Endpoint};
 
 use super::{EXIT_CODES, number, seconds, seven};
 
+/// Where a drive takes requests by default ([`iiwa_link::INSTRUCTIONS_PORT`]).
+const DRIVE: &str = "127.0.0.1:5560";
+
+/// Where a drive publishes by default ([`iiwa_link::STREAM_PORT`]).
+pub(super) const STREAM: &str = "127.0.0.1:5561";
+
 /// Make keys for connections that leave this machine: NAME.key, which is secret, and NAME.pub.
 ///
 /// Each side makes its own, and gives its .pub file to the other one. Existing files are never
@@ -35,11 +41,11 @@ pub(crate) struct Keygen {
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct Drive {
     /// Where clients send requests to
-    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5560")]
+    #[arg(long, value_name = "HOST:PORT", default_value = DRIVE)]
     pub(crate) instructions: Endpoint,
 
     /// Where clients subscribe to what is measured
-    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5561")]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
     /// Where the controller's FRI messages come in, over UDP; KUKA's ports are 30200 to 30209
@@ -164,7 +170,7 @@ pub(crate) struct CabinetFaults {
 #[derive(Args, Debug)]
 pub(crate) struct DriveAddress {
     /// Where the drive takes requests
-    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5560")]
+    #[arg(long, value_name = "HOST:PORT", default_value = DRIVE)]
     pub(crate) drive: Endpoint,
 
     #[command(flatten)]
@@ -222,7 +228,7 @@ pub(crate) struct Run {
     pub(crate) robot: Option<String>,
 
     /// Where the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5561")]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]
@@ -248,7 +254,7 @@ pub(crate) struct Record {
     pub(crate) robot: String,
 
     /// Where the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5561")]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]
@@ -279,7 +285,7 @@ pub(crate) struct Status {
     pub(crate) watch: bool,
 
     /// Where the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5561")]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]

@@ -5,7 +5,7 @@ use std::{net::SocketAddr, path::PathBuf};
 use clap::Args;
 use iiwa_link::security::Endpoint;
 
-use super::{DriveAddress, EXIT_CODES, millimetres};
+use super::{DriveAddress, EXIT_CODES, link, millimetres};
 
 /// Follow the robot on a page: see it move, save positions, plan, send and replay programs.
 ///
@@ -52,7 +52,7 @@ pub(crate) struct Twin {
     pub(crate) robot: String,
 
     /// Where the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5561")]
+    #[arg(long, value_name = "HOST:PORT", default_value = link::STREAM)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]

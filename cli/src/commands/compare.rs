@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use iiwa_eval::{Plan, PlanFileError};
+use iiwa_eval::Plan;
+use iiwa_log::PlanRecordError;
 use iiwa_view::{ComparisonReport, draw_comparison, with_causes};
 
 use crate::{
@@ -16,21 +17,14 @@ use crate::{
 pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     let Compare { plan: plan_file, measured: measured_file, .. } = options;
     if let Some(picture) = &options.picture {
-        for (what, read) in [("plan", plan_file), ("recording", measured_file)] {
-            if output::same_file(picture, read) {
-                return Err(Failure::input(format!(
-                    "the picture would be written over the {what}, {}; name another file with \
-                     --picture",
-                    picture.display()
-                )));
-            }
-        }
+        let read = [("plan", plan_file.as_path()), ("recording", measured_file.as_path())];
+        output::keep_inputs("picture", picture, read, "--picture")?;
     }
     let robot = options.robot.as_deref();
     let robot = robot.map(|name| input::find_robot(name, Path::new("."))).transpose()?;
     let plan = Plan::read_mcap(input::open(plan_file)?, robot).map_err(|error| {
         let hint = match error {
-            PlanFileError::UnknownRobot { .. } => "; name it with --robot",
+            PlanRecordError::Robot(_) => "; name its profile with --robot",
             _ => "",
         };
         Failure::input(format!("{}: {}{hint}", plan_file.display(), with_causes(&error)))

@@ -5,13 +5,12 @@ mod folder;
 
 use std::{
     env,
-    fmt::Write as _,
     path::{Path, PathBuf},
 };
 
-use iiwa_eval::experiment::Trial;
-use iiwa_path::Motion;
-use iiwa_view::{Bench, ExperimentKind, TrialRun, VirtualArm, other_robot, wrapped};
+use iiwa_view::{
+    Bench, ExperimentKind, TrialRun, VirtualArm, motion_warning, other_robot, preface,
+};
 
 use crate::{
     args::{DriveAddress, Experiment, ExperimentName},
@@ -66,7 +65,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
             let keys = options.keys.clone();
             let address = DriveAddress { drive: drive.clone(), keys };
             let line = Box::new(Line::new(&address, &options.stream)?);
-            tell(&warning(programs.iter().flat_map(|(_, trials)| trials), count));
+            tell(&motion_warning(programs.iter().flat_map(|(_, trials)| trials), count));
             Arm::Real { line, to_start }
         }
         _ => Arm::Virtual(Box::new(VirtualArm {
@@ -77,7 +76,12 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         })),
     };
 
-    let mut text = heading(options, &bench, &arm);
+    let command: Vec<_> = env::args().skip(1).collect();
+    let virtual_arm = match &arm {
+        Arm::Virtual(arm) => Some((&**arm, options.virtual_robot.as_deref())),
+        Arm::Real { .. } => None,
+    };
+    let mut text = preface(&format!("iiwasim {}", command.join(" ")), &bench, virtual_arm);
     let mut progress = Progress::of_experiment(count);
     let mut done = 0;
     for (kind, trials) in programs {
@@ -130,82 +134,4 @@ fn report_path(options: &Experiment, folder: &Path) -> Result<(PathBuf, String),
     let parts: Vec<_> = between.iter().map(|part| part.to_string_lossy().into_owned()).collect();
     let link = parts.iter().fold(String::new(), |link, part| format!("{link}{part}/"));
     Ok((report.clone(), link))
-}
-
-/// How far the arm will move.
-fn warning<'a>(trials: impl Iterator<Item = &'a Trial>, count: usize) -> String {
-    let mut range = [(f64::INFINITY, f64::NEG_INFINITY); 7];
-    for trial in trials {
-        let targets = trial.program.motions.iter().filter_map(|motion| match motion {
-            Motion::Ptp(ptp) => Some(ptp.target_rad),
-            _ => None,
-        });
-        for target in targets.chain([trial.program.start_rad]) {
-            for (range, q) in range.iter_mut().zip(target) {
-                *range = (range.0.min(q), range.1.max(q));
-            }
-        }
-    }
-    let mut text =
-        format!("The arm will run programs: {count}. Joints will move between, in deg:\n");
-    for (j, (low, high)) in range.iter().enumerate() {
-        let _ =
-            writeln!(text, "  A{} {:7.1} and {:6.1}", j + 1, low.to_degrees(), high.to_degrees());
-    }
-    text.push_str(
-        "All that its links can reach there has to be free. Ctrl-C stops it on its path.\n",
-    );
-    text
-}
-
-/// What stands above all chapters.
-fn heading(options: &Experiment, bench: &Bench, arm: &Arm) -> String {
-    let mut text = String::from("# The thesis's experiments, done again\n\n");
-    let command: Vec<_> = env::args().skip(1).collect();
-    let _ = writeln!(text, "Made by\n\n```sh\niiwasim {}\n```", command.join(" "));
-    let mut paragraph = |words: &str| {
-        let _ = writeln!(text, "\n{}", wrapped(words));
-    };
-    let model = bench.model.name();
-    match arm {
-        Arm::Virtual(arm) => {
-            let robot = match &options.virtual_robot {
-                None => format!("the model itself, {model}"),
-                Some(name) => format!("`{name}`, while the model is {model}"),
-            };
-            paragraph(&format!(
-                "**Everything measured here was measured on a virtual robot, not on a real one.** It is a \
-                 simulation inside the program that plans under limits of velocity, acceleration and jerk, \
-                 and is sampled with noise of {:e} rad. It is {robot}. What agrees with the model shows \
-                 that the methods find what is there; whether a real robot is like that, only a real one \
-                 can show: the same command with `--drive` runs the same programs there.",
-                arm.noise_rad
-            ));
-        }
-        Arm::Real { .. } => paragraph(&format!(
-            "Measured {}; the model is {model}. Whether that was a real robot or a simulated cabinet, the \
-             drive does not tell.",
-            bench.on
-        )),
-    }
-    paragraph(
-        "\"The thesis\" is C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing \
-         Systems* (Chalmers 2019); numbers of figures, tables and equations are its own. Its figures are \
-         not shown here: what it reports is told in words or numbers. In pictures, what is calculated is \
-         blue, what was measured is red.",
-    );
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_warning_tells_the_joints_ranges() {
-        let trial = iiwa_eval::experiment::zone_velocity();
-        let text = warning([&trial].into_iter(), 1);
-        assert!(text.contains("A2   -27.2 and   63.6"), "{text}");
-        assert!(text.contains("A1     0.0 and    0.0"), "{text}");
-    }
 }

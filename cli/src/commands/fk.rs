@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::{args::Fk, failure::Failure, input::find_robot, output};
 
 #[derive(Serialize)]
-struct Answer<'a> {
+struct PoseAnswer<'a> {
     position_m: [f64; 3],
     rotation: [[f64; 3]; 3],
     robot: &'a str,
@@ -27,8 +27,11 @@ pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     }
     let pose = robot.flange_pose(&joints);
     if options.json {
-        let answer =
-            Answer { position_m: pose.position_m, rotation: pose.rotation, robot: robot.name() };
+        let answer = PoseAnswer {
+            position_m: pose.position_m,
+            rotation: pose.rotation,
+            robot: robot.name(),
+        };
         let json = serde_json::to_string(&answer)
             .map_err(|error| Failure::run("cannot write the answer", &error))?;
         return output::print(&format!("{json}\n"));

@@ -1,6 +1,6 @@
 //! `iiwasim identify`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use iiwa_eval::identify::{Recording, identify};
 use iiwa_kin::Robot;
@@ -26,18 +26,11 @@ struct Source {
 pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
     let target = (!options.no_output).then_some(options.output.as_path());
     if let Some(target) = target {
-        let robot = options.robot.as_deref().map(Path::new);
-        let read = options.recordings.iter().map(PathBuf::as_path);
-        if read
-            .chain(options.program.as_deref())
-            .chain(robot)
-            .any(|read| output::same_file(read, target))
-        {
-            return Err(Failure::input(format!(
-                "the profile would be written over what is read, {}; name another file with --output",
-                target.display()
-            )));
-        }
+        let recordings = options.recordings.iter().map(|path| ("recording", path.as_path()));
+        let program = options.program.as_deref().map(|path| ("program", path));
+        let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
+        let read = recordings.chain(program).chain(robot);
+        output::keep_inputs("profile", target, read, "--output")?;
     }
     let (sources, model) = read(options)?;
     let recordings: Vec<_> =
@@ -95,13 +88,17 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
             }
         };
         if model.is_none() {
-            let named = [log.robot.as_deref(), program.robot.as_deref()];
-            let named = named.into_iter().flatten().next();
-            model = Some(match named {
-                None => Robot::default(),
-                Some(robot) => Robot::built_in(robot).ok_or_else(|| {
+            let recorded = log.recorded_robot().map_err(|error| {
+                let why = with_causes(&error);
+                Failure::input(format!("{name}: {why}; name its profile with --robot"))
+            })?;
+            model = Some(match (recorded, program.robot.as_deref()) {
+                (Some(robot), _) => robot,
+                (None, None) => Robot::default(),
+                (None, Some(robot)) => Robot::built_in(robot).ok_or_else(|| {
                     Failure::input(format!(
-                        "{name} is of the robot {robot}; name its profile with --robot"
+                        "{name}: the robot `{robot}` of its program is not built in; name its profile \
+                         with --robot"
                     ))
                 })?,
             });

@@ -105,7 +105,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
         }
     }
     progress.clear();
-    let metadata = [("samples".to_owned(), samples.to_string())].into();
+    let metadata = [("sample_count".to_owned(), samples.to_string())].into();
     recorder.finish(&metadata, &[]).map_err(refuse)?;
     if samples == 0 {
         discard(path);

@@ -14,14 +14,9 @@ use crate::{
 /// Makes the page, and says where it is.
 pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let target = options.output.clone().unwrap_or_else(|| file_name(&options.file));
-    for read in [Some(&options.file), options.measured.as_ref()].into_iter().flatten() {
-        if output::same_file(&target, read) {
-            return Err(Failure::input(format!(
-                "the page would be written over {}; name another file with --output",
-                read.display()
-            )));
-        }
-    }
+    let measured = options.measured.as_deref().map(|path| ("recording", path));
+    let read = [("file", options.file.as_path())].into_iter().chain(measured);
+    output::keep_inputs("page", &target, read, "--output")?;
     output::catch_interrupts();
     let robot = options.robot.as_deref();
     let robot = robot.map(|name| find_robot(name, Path::new("."))).transpose()?;

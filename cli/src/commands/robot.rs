@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, path::Path};
 
 use iiwa_kin::Robot;
-use iiwa_view::{robot_sheet, table};
+use iiwa_view::{robot_sheet, robots_table, rounded};
 
 use crate::{
     args,
@@ -14,7 +14,7 @@ use crate::{
 
 /// Prints a model, or the names of the built-in ones.
 pub(crate) fn run(options: &args::Robot) -> Result<(), Failure> {
-    let Some(name) = &options.model else { return output::print(&built_in()) };
+    let Some(name) = &options.model else { return output::print(&robots_table()) };
     let robot = find_robot(name, Path::new("."))?;
     if options.json {
         return output::print(&format!("{}\n", robot.to_profile().trim_end()));
@@ -26,28 +26,6 @@ pub(crate) fn run(options: &args::Robot) -> Result<(), Failure> {
         return check(&robot, path, options.tip.as_deref());
     }
     output::print(&robot_sheet(&robot))
-}
-
-fn built_in() -> String {
-    let mut table = table(&["robot", "reach m", "flange m", "assumed"]);
-    for robot in Robot::BUILT_IN.iter().filter_map(|name| Robot::built_in(name)) {
-        let assumed: Vec<_> = robot.assumptions().iter().map(|a| a.what.as_str()).collect();
-        let lengths = robot.lengths();
-        table.add_row([
-            robot.name().to_owned(),
-            format!("{:.3}", lengths.upper_arm_m + lengths.forearm_m),
-            format!("{:.3}", lengths.flange_m),
-            assumed.join(", "),
-        ]);
-    }
-    format!("{table}\n")
-}
-
-/// Three places at most, and no zeros behind the point.
-fn round(value: f64) -> String {
-    let value = (value * 1000.0).round() / 1000.0;
-    // No negative zero.
-    format!("{}", value + 0.0)
 }
 
 fn check(robot: &Robot, path: &Path, tip: Option<&str>) -> Result<(), Failure> {
@@ -68,9 +46,9 @@ fn check(robot: &Robot, path: &Path, tip: Option<&str>) -> Result<(), Failure> {
     );
     for difference in &report.limits {
         let show = |value: f64| match difference.limit {
-            "effort" => format!("{} Nm", round(value)),
-            "velocity" => format!("{} deg/s", round(value.to_degrees())),
-            _ => format!("{} deg", round(value.to_degrees())),
+            "effort" => format!("{} Nm", rounded(value)),
+            "velocity" => format!("{} deg/s", rounded(value.to_degrees())),
+            _ => format!("{} deg", rounded(value.to_degrees())),
         };
         let _ = writeln!(
             out,

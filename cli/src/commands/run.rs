@@ -1,17 +1,13 @@
 //! `iiwasim run`.
 
-use std::{
-    fmt::Write as _,
-    path::{Path as FilePath, PathBuf},
-};
+use std::path::{Path as FilePath, PathBuf};
 
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, MAX_POINTS, TimedJoints, message::Run as Measured};
 use iiwa_log::PlanFigures;
 use iiwa_path::{JointPath, Program};
 use iiwa_traj::{Timing, Trajectory};
-use iiwa_view::plan_table;
-use serde::Serialize;
+use iiwa_view::{RunReport, plan_table};
 
 use crate::{
     args::Run,
@@ -76,7 +72,13 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
         }
         None => None,
     };
-    let figures = Report::new(&plan, &measured, failure.is_none(), samples.len(), file);
+    let figures = RunReport::new(
+        plan.cycle_time_s(),
+        measured.cycle_time_s,
+        failure.is_none(),
+        samples.len(),
+        file,
+    );
     if options.json {
         output::print_json(&figures)?;
     } else {
@@ -133,64 +135,4 @@ fn sampled(plan: &Trajectory) -> Result<TimedJoints, Failure> {
         .collect();
     let joints_rad = t_s.iter().map(|t_s| plan.at(*t_s).q).collect();
     Ok(TimedJoints { t_s, joints_rad })
-}
-
-/// The `--json` object.
-#[derive(Serialize)]
-struct Report {
-    planned_cycle_time_s: f64,
-    measured_cycle_time_s: Option<f64>,
-    error_s: Option<f64>,
-    error_percent: Option<f64>,
-    /// When a run that broke off did so.
-    ended_after_s: Option<f64>,
-    samples: usize,
-    output: Option<String>,
-}
-
-impl Report {
-    fn new(
-        plan: &Trajectory,
-        measured: &Measured,
-        complete: bool,
-        samples: usize,
-        file: Option<&FilePath>,
-    ) -> Self {
-        let planned_s = plan.cycle_time_s();
-        let measured_s = measured.cycle_time_s.filter(|_| complete);
-        // As Eq. 40 of the thesis has it: of the measured time.
-        let error_s = measured_s.map(|measured_s| planned_s - measured_s);
-        Self {
-            planned_cycle_time_s: planned_s,
-            measured_cycle_time_s: measured_s,
-            error_s,
-            error_percent: error_s
-                .zip(measured_s)
-                .map(|(error, measured)| 100.0 * error / measured),
-            ended_after_s: measured.cycle_time_s.filter(|_| !complete),
-            samples,
-            output: file.map(|file| file.display().to_string()),
-        }
-    }
-
-    fn text(&self) -> String {
-        let mut text = String::new();
-        let planned_s = self.planned_cycle_time_s;
-        if let (Some(measured_s), Some(error_s), Some(percent)) =
-            (self.measured_cycle_time_s, self.error_s, self.error_percent)
-        {
-            let _ = writeln!(
-                text,
-                "Measured   {measured_s:.3} s, planned {planned_s:.3} s: the plan is off by \
-                 {error_s:+.3} s, {percent:+.2} %"
-            );
-        }
-        if let Some(after_s) = self.ended_after_s {
-            let _ = writeln!(text, "Ended after {after_s:.3} s of {planned_s:.3} s");
-        }
-        if let Some(file) = &self.output {
-            let _ = writeln!(text, "{} samples of what the robot did in {file}", self.samples);
-        }
-        text
-    }
 }

@@ -10,7 +10,7 @@ use crate::{
     args,
     failure::{Failure, tell},
     output,
-    twin::{Desk, Live, Setup, Token, Twin, Viewers, Words, follow, serve, watch_health},
+    twin::{Desk, Live, Setup, Shared, Token, Viewers, Words, follow, serve, watch_health},
 };
 
 /// Follows the robot, and serves its page, until it is interrupted.
@@ -29,7 +29,7 @@ pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     let desk = Arc::new(Desk::new(setup.clone(), live.clone()));
     let (live_words, health_words) = (Words::new("{}".into()), Words::new("{}".into()));
     let words = [live_words.subscribe(), health_words.subscribe()];
-    let twin = Twin::new(setup.clone(), words, desk.clone());
+    let twin = Shared::new(setup.clone(), words, desk.clone());
     output::print(&format!("http://{address}/?token={}\n", token.text()))?;
     tell("The twin is at this address, for this machine only. Ctrl-C ends it.\n");
     if let Some(viewers) = &viewers {

@@ -123,7 +123,7 @@ impl Connections {
         let close = Arc::new(Notify::new());
         self.strangers().insert(number, close.clone());
         let place = OnceLock::new();
-        Connection(Arc::new(State {
+        Connection(Arc::new(ConnectionState {
             number,
             peer,
             close,
@@ -144,10 +144,10 @@ impl Connections {
 
 /// A connection. Its place is free again when all clones are dropped.
 #[derive(Clone, Debug)]
-pub(super) struct Connection(Arc<State>);
+pub(super) struct Connection(Arc<ConnectionState>);
 
 #[derive(Debug)]
-struct State {
+struct ConnectionState {
     number: u64,
     peer: SocketAddr,
     close: Arc<Notify>,
@@ -171,7 +171,7 @@ impl Connection {
 
     /// Gives a connection that has shown the token a place that no stranger can take.
     pub(super) fn admit(&self, is_page: bool) -> Result<(), Full> {
-        let State { number, place, connections, .. } = &*self.0;
+        let ConnectionState { number, place, connections, .. } = &*self.0;
         let (free, places) =
             if is_page { (&connections.pages, PAGES) } else { (&connections.requests, REQUESTS) };
         let taken = free.clone().try_acquire_owned().map_err(|_| Full { places })?;
@@ -195,7 +195,7 @@ impl Connection {
     }
 }
 
-impl Drop for State {
+impl Drop for ConnectionState {
     fn drop(&mut self) {
         self.connections.strangers().remove(&self.number);
     }

@@ -21,7 +21,7 @@ use super::{
     Live, Setup, Words,
     order::Order,
     planned::Planned,
-    run::{Outcome, Run},
+    run::{ProgramRun, RunOutcome},
     stop::Stopper,
     word,
 };
@@ -30,7 +30,7 @@ use super::{
 pub(crate) struct Desk {
     setup: Arc<Setup>,
     live: Arc<Live>,
-    state: Mutex<State>,
+    state: Mutex<DeskState>,
     stopper: Stopper,
     pub(super) positions: Words,
     pub(super) plan: Words,
@@ -38,7 +38,7 @@ pub(crate) struct Desk {
 }
 
 #[derive(Default)]
-struct State {
+struct DeskState {
     positions: Vec<Position>,
     /// How many were saved so far.
     saved: u64,
@@ -84,7 +84,7 @@ impl Desk {
         }
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, DeskState> {
         // What is kept is whole at any time.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -140,7 +140,7 @@ impl Desk {
         Ok(())
     }
 
-    fn tell_positions(&self, state: &State) {
+    fn tell_positions(&self, state: &DeskState) {
         self.positions.send_replace(word("positions", &state.positions));
     }
 
@@ -186,13 +186,13 @@ impl Desk {
         Ok(())
     }
 
-    fn forget_run(&self, state: &mut State) {
+    fn forget_run(&self, state: &mut DeskState) {
         state.measured = None;
         self.run.send_replace(word("run", &None::<()>));
     }
 
     fn send(self: &Arc<Self>, id: u64, move_to_start: bool) -> Result<(), String> {
-        let shown = |state: &State| {
+        let shown = |state: &DeskState| {
             not_running(state)?;
             let plan = state.plan.clone().filter(|plan| plan.id == id);
             plan.ok_or("this is not the plan that is shown now: look at it again".to_owned())
@@ -202,7 +202,7 @@ impl Desk {
             (shown(&state)?, state.stops)
         };
         // The drive is asked meanwhile: a stop must not wait for that.
-        let run = Run::new(plan, move_to_start, &self.setup)?;
+        let run = ProgramRun::new(plan, move_to_start, &self.setup)?;
         let mut state = self.state();
         shown(&state)?;
         if state.stops != stops || state.ends {
@@ -212,7 +212,7 @@ impl Desk {
         let stopped = run.stopped();
         let desk = self.clone();
         let thread = thread::spawn(move || {
-            let Outcome { word, mcap } =
+            let RunOutcome { word, mcap } =
                 run.carry_out(&desk.setup, |word| drop(desk.run.send_replace(word)));
             let mut state = desk.state();
             state.measured = mcap;
@@ -274,7 +274,7 @@ impl Desk {
     }
 }
 
-fn not_running(state: &State) -> Result<(), String> {
+fn not_running(state: &DeskState) -> Result<(), String> {
     match state.running {
         Some(_) => Err("a run is under way: wait for its end, or stop it".into()),
         None => Ok(()),

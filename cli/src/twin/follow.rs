@@ -8,11 +8,12 @@ use std::{
 
 use iiwa_kin::Joints;
 use iiwa_link::Published;
+use iiwa_view::Nearest;
 use serde::Serialize;
 
 use crate::{failure::Failure, output};
 
-use super::{Setup, Viewers, Words, setup::Nearest, word};
+use super::{Setup, Viewers, Words, word};
 
 /// Pages are told so often at most: more often than any screen shows it.
 const EVERY: Duration = Duration::from_millis(10);

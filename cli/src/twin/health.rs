@@ -29,7 +29,7 @@ pub(crate) struct Health {
     /// Why there is no status.
     error: Option<String>,
     sensors: Option<Sensors>,
-    io: Vec<Io>,
+    io: Vec<NamedIo>,
     /// Whether sensors, inputs and outputs are of before a motion: while there is one, the robot program
     /// answers nobody.
     is_old: bool,
@@ -37,7 +37,7 @@ pub(crate) struct Health {
 
 /// An input or output.
 #[derive(Debug, Serialize)]
-struct Io {
+struct NamedIo {
     name: String,
     value: Option<IoValue>,
     /// Why there is no value.
@@ -96,7 +96,7 @@ impl Health {
                 // The next one would wait in vain, too.
                 Err(error) => return self.forget(&error),
             };
-            all.push(Io { name: name.clone(), value, error });
+            all.push(NamedIo { name: name.clone(), value, error });
         }
         self.io = all;
     }

@@ -2,19 +2,15 @@
 
 use std::{fs, path::PathBuf};
 
-use iiwa_log::{PlanConfig, PlanFigures, PlanSize, PlanWriter, WriteError};
-use iiwa_path::{JointPath, Program};
-use iiwa_traj::{Timing, Trajectory};
-use iiwa_view::{Extent, long_duration, with_causes};
+use iiwa_log::{PlanConfig, PlanOptions, PlanSize, write_plan};
+use iiwa_path::Program;
+use iiwa_traj::Trajectory;
+use iiwa_view::{Extent, Nearest, long_duration};
 use serde::Serialize;
 
 use crate::{failure::Failure, output::Output};
 
-use super::{
-    Setup, Word,
-    setup::{Nearest, stem_of},
-    word,
-};
+use super::{Setup, Word, setup::stem_of, word};
 
 /// A plan, and the files of it.
 #[derive(Debug)]
@@ -48,11 +44,10 @@ impl Planned {
         if let Some(other) = program.robot.as_deref().filter(|other| !own.contains(other)) {
             return Err(format!("{name} is for the robot `{other}`, this one is `{}`", own[0]));
         }
-        let path = JointPath::new(&program, &setup.robot).map_err(|fault| {
-            what(Failure::in_text(&fault.to_string(), &fault.place_in(&text), name, &text))
-        })?;
-        let timing = Timing::default();
-        let plan = Trajectory::plan(&path, timing).map_err(|error| with_causes(&error))?;
+        let how = PlanOptions::default();
+        let plan = how
+            .plan(&program, &setup.robot)
+            .map_err(|error| what(Failure::plan(error, name, &text)))?;
         check_size(&plan)?;
         let nearest = setup.nearest_of(&plan);
         let refused = setup.too_near(nearest.as_ref());
@@ -66,7 +61,10 @@ impl Planned {
         };
         let write_plan = || {
             let file = Output::new(&mcap)?;
-            write_mcap(&file, &plan, timing, &text, setup)?;
+            write_plan(file.stream()?, &plan, &how, &text)
+                .map_err(|error| file.failure(&error))?
+                .into_inner()
+                .map_err(|error| file.failure(error.error()))?;
             file.complete_always()
         };
         write_program()
@@ -76,11 +74,11 @@ impl Planned {
             .map_err(what)?;
         let cycle_time_s = plan.cycle_time_s();
         // All that is needed of it now is in the file.
-        drop((plan, path));
+        drop(plan);
         let page = setup.page(&mcap, None, Extent::Sketch).map_err(what)?;
         let word = word(
             "plan",
-            &ForPage {
+            &PlanForPage {
                 id,
                 name: &stem,
                 cycle_time_s,
@@ -97,7 +95,7 @@ impl Planned {
 
 /// The word for pages.
 #[derive(Serialize)]
-struct ForPage<'a, S> {
+struct PlanForPage<'a, S> {
     id: u64,
     name: &'a str,
     cycle_time_s: f64,
@@ -117,8 +115,7 @@ const SAMPLES: u64 = 100_000;
 /// Refuses a plan that is too long to be shown.
 fn check_size(plan: &Trajectory) -> Result<(), String> {
     let rate_hz = PlanConfig::default().rate_hz;
-    let mut size = PlanSize::new(rate_hz);
-    plan.sections().iter().for_each(|section| size.add(section));
+    let size = PlanSize::of(plan, rate_hz);
     if size.samples() <= SAMPLES {
         return Ok(());
     }
@@ -128,25 +125,4 @@ fn check_size(plan: &Trajectory) -> Result<(), String> {
         long_duration(size.duration_s()),
         long_duration(SAMPLES as f64 / rate_hz)
     ))
-}
-
-/// Writes the plan as `iiwasim plan` does.
-fn write_mcap(
-    file: &Output,
-    plan: &Trajectory,
-    timing: Timing,
-    program: &str,
-    setup: &Setup,
-) -> Result<(), Failure> {
-    let refuse = |error: WriteError| file.failure(&error);
-    let mut figures = PlanFigures::new(timing, &setup.robot, 0);
-    let mut writer =
-        PlanWriter::new(file.stream()?, &setup.robot, PlanConfig::default()).map_err(refuse)?;
-    for section in plan.sections() {
-        figures.add(section);
-        writer.section(section).map_err(refuse)?;
-    }
-    let program = ("program.json", "application/json", program.as_bytes());
-    let stream = writer.finish(&figures.to_metadata(), &[program]).map_err(refuse)?;
-    stream.into_inner().map(drop).map_err(|error| file.failure(error.error()))
 }

@@ -12,7 +12,7 @@ use std::{
 
 use iiwa_kin::Joints;
 use iiwa_link::{
-    ClientError, START_TOLERANCE_RAD,
+    ClientError,
     message::{DriveState, FriStatus, Run as Measured, Status},
 };
 use iiwa_path::{Motion, Program, Ptp};
@@ -23,6 +23,7 @@ use crate::{
     failure::Failure,
     output::Output,
     runner::{self, Line, Task, Watched},
+    start::StartOffset,
 };
 
 use super::{Setup, Word, planned::Planned, word};
@@ -43,7 +44,7 @@ pub(super) enum Phase {
 }
 
 /// A run that may begin.
-pub(super) struct Run {
+pub(super) struct ProgramRun {
     plan: Arc<Planned>,
     to_start: Option<Motion>,
     line: Line,
@@ -52,13 +53,13 @@ pub(super) struct Run {
 }
 
 /// What a run brought.
-pub(super) struct Outcome {
+pub(super) struct RunOutcome {
     pub(super) word: Word,
     /// What the robot did.
     pub(super) mcap: Option<PathBuf>,
 }
 
-impl Run {
+impl ProgramRun {
     /// Holds a plan against where the robot is and what stands around it. Errors are for people.
     pub(super) fn new(
         plan: Arc<Planned>,
@@ -75,20 +76,13 @@ impl Run {
             .map_err(|error| format!("cannot ask where the robot is: {error}"))?;
         let joints_rad = standing(&status)?;
         let start_rad = plan.program.start_rad;
-        let off = |j: &usize| (joints_rad[*j] - start_rad[*j]).abs();
-        let worst = (0..7).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
-        let to_start = if off(&worst) <= START_TOLERANCE_RAD {
+        let offset = StartOffset::new(&joints_rad, &start_rad);
+        let to_start = if offset.is_within_tolerance() {
             None
         } else if move_to_start {
             Some(way_to(start_rad, joints_rad, setup)?)
         } else {
-            return Err(format!(
-                "the robot is not at the program's start: joint {} is at {:.3} deg, the program \
-                 starts at {:.3} deg; have it move there first",
-                worst + 1,
-                joints_rad[worst].to_degrees(),
-                start_rad[worst].to_degrees()
-            ));
+            return Err(format!("{offset}; have it move there first"));
         };
         Ok(Self { plan, to_start, line, stopped: Arc::default() })
     }
@@ -99,16 +93,17 @@ impl Run {
     }
 
     /// Has the robot run it, and returns when that is over.
-    pub(super) fn carry_out(mut self, setup: &Setup, mut tell: impl FnMut(Word)) -> Outcome {
+    pub(super) fn carry_out(mut self, setup: &Setup, mut tell: impl FnMut(Word)) -> RunOutcome {
         let plan = self.plan.clone();
         let begun = |phase| plain(&plan, phase, None);
-        let stopped = || Outcome { word: plain(&plan, Phase::Failed, Some("stopped")), mcap: None };
+        let stopped =
+            || RunOutcome { word: plain(&plan, Phase::Failed, Some("stopped")), mcap: None };
         if let Some(motion) = self.to_start.take() {
             tell(begun(Phase::ToStart));
             let Some(Watched { result, .. }) = self.attend(vec![motion]) else { return stopped() };
             if let Err(error) = result {
                 let why = format!("the robot did not move to the start: {error}");
-                return Outcome { word: plain(&plan, Phase::Failed, Some(&why)), mcap: None };
+                return RunOutcome { word: plain(&plan, Phase::Failed, Some(&why)), mcap: None };
             }
         }
         tell(begun(Phase::Running));
@@ -159,12 +154,12 @@ fn way_to(start_rad: Joints, joints_rad: Joints, setup: &Setup) -> Result<Motion
 
 /// A run of which there is nothing to see.
 fn plain(plan: &Planned, phase: Phase, error: Option<&str>) -> Word {
-    word("run", &ForPage { plan: plan.id, phase, error, cycle_time_s: None, sketch: None::<()> })
+    word("run", &RunForPage { plan: plan.id, phase, error, cycle_time_s: None, sketch: None::<()> })
 }
 
 /// The word for pages.
 #[derive(Serialize)]
-struct ForPage<'a, S> {
+struct RunForPage<'a, S> {
     /// Which plan it runs.
     plan: u64,
     phase: Phase,
@@ -175,11 +170,16 @@ struct ForPage<'a, S> {
 }
 
 /// Writes down what the robot did, and shows it beside the plan.
-fn finished(plan: &Planned, measured: &Measured, error: Option<String>, setup: &Setup) -> Outcome {
+fn finished(
+    plan: &Planned,
+    measured: &Measured,
+    error: Option<String>,
+    setup: &Setup,
+) -> RunOutcome {
     let phase = if error.is_some() { Phase::Failed } else { Phase::Done };
     let samples = runner::since_start(measured);
     if samples.is_empty() {
-        return Outcome { word: plain(plan, phase, error.as_deref()), mcap: None };
+        return RunOutcome { word: plain(plan, phase, error.as_deref()), mcap: None };
     }
     let kept = runner::recording(&samples, measured.cycle_time_s, &setup.robot, &plan.text)
         .and_then(|bytes| kept(&bytes, plan, setup));
@@ -196,7 +196,7 @@ fn finished(plan: &Planned, measured: &Measured, error: Option<String>, setup: &
     let errors: Vec<String> = [error, elsewhere, unseen].into_iter().flatten().collect();
     let word = word(
         "run",
-        &ForPage {
+        &RunForPage {
             plan: plan.id,
             phase,
             error: (!errors.is_empty()).then(|| errors.join("; ")).as_deref(),
@@ -204,7 +204,7 @@ fn finished(plan: &Planned, measured: &Measured, error: Option<String>, setup: &
             sketch: page.as_ref().map(Page::sketch),
         },
     );
-    Outcome { word, mcap }
+    RunOutcome { word, mcap }
 }
 
 /// Where a recording was written, and why not in the folder, if it was not: there is no other.

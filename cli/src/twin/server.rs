@@ -27,7 +27,7 @@ use super::{
     Token,
     connections::{self, Connection},
     guard::{LIVE, guard},
-    shared::{Twin, interrupted},
+    shared::{Shared, interrupted},
     talk::{LONGEST_ORDER, talk},
     word,
 };
@@ -39,7 +39,7 @@ const LONGEST_PROGRAM: usize = 4 << 20;
 const UPLOAD: Duration = Duration::from_secs(20);
 
 /// Serves the page until an interrupt comes.
-pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Twin) -> Result<(), Failure> {
+pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Result<(), Failure> {
     let refuse = |error: std::io::Error| Failure::run("cannot serve the page", &error);
     listener.set_nonblocking(true).map_err(refuse)?;
     let router = Router::new()
@@ -89,7 +89,7 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
                       img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; \
                       frame-ancestors 'none'";
 
-async fn page(State(twin): State<Twin>) -> Response {
+async fn page(State(twin): State<Shared>) -> Response {
     twin_page(&twin.setup.for_page())
         .map_or_else(|error| failed(&error.into()), |text| html(text, POLICY))
 }
@@ -102,7 +102,7 @@ struct Named {
 
 /// Plans a program. Its text is taken when it is its turn: texts are long, and plans longer.
 async fn program(
-    State(twin): State<Twin>,
+    State(twin): State<Shared>,
     Query(Named { name }): Query<Named>,
     request: Request,
 ) -> Response {
@@ -134,7 +134,7 @@ async fn program(
     }
 }
 
-async fn report(State(twin): State<Twin>) -> Response {
+async fn report(State(twin): State<Shared>) -> Response {
     let Ok(turn) = twin.heavy.acquire_owned().await else { return ending() };
     let made = task::spawn_blocking(move || {
         let _turn = turn;
@@ -153,7 +153,7 @@ fn ending() -> Response {
 }
 
 /// A file, as it is read: never all of it at once.
-async fn file(State(twin): State<Twin>, Path(name): Path<String>) -> Response {
+async fn file(State(twin): State<Shared>, Path(name): Path<String>) -> Response {
     let missing = || (StatusCode::NOT_FOUND, "there is no such file\n").into_response();
     let Some(path) = twin.desk.file(&name) else { return missing() };
     let Ok(file) = fs::File::open(&path).await else { return missing() };
@@ -172,7 +172,7 @@ async fn file(State(twin): State<Twin>, Path(name): Path<String>) -> Response {
 }
 
 async fn connect(
-    State(twin): State<Twin>,
+    State(twin): State<Shared>,
     Extension(connection): Extension<Connection>,
     upgrade: WebSocketUpgrade,
 ) -> Response {

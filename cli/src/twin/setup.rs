@@ -9,11 +9,11 @@ use std::{
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{Client, Remote, Stream};
-use iiwa_path::{JointPath, Program};
-use iiwa_scene::{ArmInScene, Clearance};
-use iiwa_traj::{Timing, Trajectory};
-use iiwa_view::{Extent, Page, PageOptions, TwinRobot, TwinSetup};
-use serde::Serialize;
+use iiwa_log::PlanOptions;
+use iiwa_path::Program;
+use iiwa_scene::ArmInScene;
+use iiwa_traj::Trajectory;
+use iiwa_view::{Extent, Nearest, Page, PageOptions, TwinRobot, TwinSetup};
 use tempfile::TempDir;
 
 use crate::{args, connection, failure::Failure, input, leftovers::Name, output, runner::Line};
@@ -125,8 +125,7 @@ impl Setup {
 
     /// Plans a program for this robot. Errors are for people.
     pub(super) fn plan(&self, program: &Program) -> Result<Trajectory, String> {
-        let path = JointPath::new(program, &self.robot).map_err(|fault| fault.to_string())?;
-        Trajectory::plan(&path, Timing::default()).map_err(|error| error.to_string())
+        PlanOptions::default().plan(program, &self.robot).map_err(|error| error.to_string())
     }
 
     /// The page of a plan, and of what was measured, for this robot.
@@ -209,32 +208,4 @@ pub(super) fn stem_of(name: &str) -> String {
     let mut stem: String = stem.trim_start_matches('.').chars().map(plain).collect();
     stem.truncate(stem.floor_char_boundary(LONGEST));
     if stem.is_empty() { "program".to_owned() } else { stem }
-}
-
-/// Where the arm is nearest to what stands around it.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct Nearest {
-    pub(super) distance_mm: f64,
-    link: usize,
-    obstacle: String,
-    on_arm_m: [f64; 3],
-    on_obstacle_m: [f64; 3],
-    /// When, in a plan.
-    at_s: Option<f64>,
-}
-
-impl Nearest {
-    fn new(arm: &ArmInScene, clearance: &Clearance, at_s: Option<f64>) -> Self {
-        let obstacles = arm.scene().obstacles();
-        Self {
-            distance_mm: 1e3 * clearance.distance_m,
-            link: clearance.link,
-            obstacle: obstacles
-                .get(clearance.obstacle)
-                .map_or_else(String::new, |it| it.name.clone()),
-            on_arm_m: clearance.on_arm_m,
-            on_obstacle_m: clearance.on_obstacle_m,
-            at_s,
-        }
-    }
 }

@@ -16,7 +16,7 @@ const ORDERS: usize = 8;
 
 /// What pages hear of, and what carries out their orders.
 #[derive(Clone)]
-pub(crate) struct Twin {
+pub(crate) struct Shared {
     pub(super) setup: Arc<Setup>,
     pub(super) live: watch::Receiver<Word>,
     pub(super) health: watch::Receiver<Word>,
@@ -27,7 +27,7 @@ pub(crate) struct Twin {
     pub(super) heavy: Arc<Semaphore>,
 }
 
-impl Twin {
+impl Shared {
     /// With the newest words of where the arm is and of how it is.
     pub(crate) fn new(
         setup: Arc<Setup>,

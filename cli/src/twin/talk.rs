@@ -16,7 +16,7 @@ use tokio::{
 use super::{
     Word,
     order::{Numbered, Order},
-    shared::{Twin, interrupted},
+    shared::{Shared, interrupted},
     word,
 };
 
@@ -34,7 +34,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Passes on each newest word, and takes orders, until the page is closed. While a word is on its way, and
 /// while orders are carried out, the page is listened to: it may want the robot to stop.
-pub(super) async fn talk(socket: WebSocket, twin: Twin) {
+pub(super) async fn talk(socket: WebSocket, twin: Shared) {
     let (mut to_page, from_page) = socket.split();
     let (answered, answers) = mpsc::channel(ANSWERS);
     tokio::select! {
@@ -50,7 +50,7 @@ pub(super) async fn talk(socket: WebSocket, twin: Twin) {
 /// Passes on each newest word, and the answers, until the page takes no more.
 async fn tell(
     page: &mut SplitSink<WebSocket, Message>,
-    twin: &Twin,
+    twin: &Shared,
     mut answers: mpsc::Receiver<Word>,
 ) {
     let desk = &twin.desk;
@@ -81,17 +81,17 @@ async fn tell(
 
 /// The answer to an order.
 #[derive(Serialize)]
-struct Answer {
+struct OrderAnswer {
     id: u64,
     error: Option<String>,
 }
 
 fn answer(id: u64, error: Option<String>) -> Word {
-    word("answer", &Answer { id, error })
+    word("answer", &OrderAnswer { id, error })
 }
 
 /// Has orders carried out, beside everything else, until the page is closed or does not take its answers.
-async fn listen(mut page: SplitStream<WebSocket>, twin: &Twin, answered: mpsc::Sender<Word>) {
+async fn listen(mut page: SplitStream<WebSocket>, twin: &Shared, answered: mpsc::Sender<Word>) {
     let places = Arc::new(Semaphore::new(ORDERS));
     let stops = Arc::new(Semaphore::new(ORDERS));
     while let Some(Ok(message)) = page.next().await {
@@ -133,7 +133,7 @@ async fn listen(mut page: SplitStream<WebSocket>, twin: &Twin, answered: mpsc::S
 }
 
 /// Carries out an order when it is its turn.
-async fn carry_out(order: Order, twin: Twin) -> Result<(), String> {
+async fn carry_out(order: Order, twin: Shared) -> Result<(), String> {
     let turns = if order.is_heavy() { twin.heavy } else { twin.orders };
     let ended = |_| "the twin ends".to_owned();
     let turn = turns.acquire_owned().await.map_err(ended)?;

@@ -31,7 +31,7 @@ use crate::vector::{add_scaled, norm, sub};
 
 pub use deviation::{Deviation, TracePoint, Whereabouts};
 pub use error::CompareError;
-pub use plan::{Plan, PlanFileError};
+pub use plan::Plan;
 
 /// What came of holding a recording against a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -190,7 +190,7 @@ fn check(plan: &Plan, log: &JointLog) -> Result<(), CompareError> {
     for (i, (t_s, q)) in log.t_s.iter().zip(&log.q_rad).enumerate() {
         let bad = |what| CompareError::BadSample { index: i + 1, what };
         if !t_s.is_finite() || q.iter().any(|v| !v.is_finite()) {
-            return Err(bad("has a number that is none"));
+            return Err(bad("contains a value that is not finite"));
         }
         if *t_s <= before {
             return Err(bad("is not later than the one before"));

@@ -142,7 +142,7 @@ pub enum Sweep {
 
 /// One of the programs of section 5.1.2: ten motions in random directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CycleTime {
+pub struct CycleTimeCase {
     /// Which of the random paths, from 0.
     pub path: u64,
     /// `v_%`: share of full speed.
@@ -161,18 +161,18 @@ impl Sweep {
     /// What the programs are made with: of each of the five random paths one for each value. What is not
     /// varied is as in the thesis: velocity 0.4, blend 0.25, length 200.
     #[must_use]
-    pub fn cases(self) -> Vec<CycleTime> {
+    pub fn cases(self) -> Vec<CycleTimeCase> {
         let values: &[f64] = match self {
             Self::Velocity => &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0],
             Self::Blend => &[0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5],
             Self::Length => &[25.0, 50.0, 75.0, 100.0, 125.0, 150.0, 175.0, 200.0],
         };
         let case = |path: u64, value: f64| {
-            let thesis = CycleTime { path, velocity_rel: 0.4, blend: 0.25, length_deg: 200.0 };
+            let thesis = CycleTimeCase { path, velocity_rel: 0.4, blend: 0.25, length_deg: 200.0 };
             match self {
-                Self::Velocity => CycleTime { velocity_rel: value, ..thesis },
-                Self::Blend => CycleTime { blend: value, ..thesis },
-                Self::Length => CycleTime { length_deg: value, ..thesis },
+                Self::Velocity => CycleTimeCase { velocity_rel: value, ..thesis },
+                Self::Blend => CycleTimeCase { blend: value, ..thesis },
+                Self::Length => CycleTimeCase { length_deg: value, ..thesis },
             }
         };
         let of_value = |value: &f64| (0..5).map(|path| case(path, *value)).collect::<Vec<_>>();
@@ -180,7 +180,7 @@ impl Sweep {
     }
 }
 
-impl CycleTime {
+impl CycleTimeCase {
     /// The program.
     #[must_use]
     pub fn trial(&self, robot: &Robot, seed: u64) -> Trial {
@@ -283,7 +283,7 @@ mod tests {
 
     #[test]
     fn lengths_are_as_asked_for() {
-        let case = CycleTime { path: 3, velocity_rel: 0.4, blend: 0.25, length_deg: 200.0 };
+        let case = CycleTimeCase { path: 3, velocity_rel: 0.4, blend: 0.25, length_deg: 200.0 };
         let Trial { name, program } = case.trial(&Robot::default(), 1);
         assert_eq!(name, "path-4-velocity-040-blend-25-length-200");
         let mut at = program.start_rad;

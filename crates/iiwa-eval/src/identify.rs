@@ -26,10 +26,10 @@ use iiwa_path::{BlendSearch, Fault, JointPath, Motion, Program, Step};
 use crate::{
     estimate::{Estimate, Linear, Row},
     identify::{
-        blends::{Corner, Curve},
+        blends::{BlendCurve, Corner},
         limits::Bound,
         ramps::{Observed, Ramps},
-        stops::{Followed, Passage},
+        stops::{FollowedStops, Passage},
     },
     vector::{distance, dot, norm, sub, unit},
 };
@@ -283,7 +283,7 @@ pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identifie
         found.period_s = found.period_s.max(log.period_s().unwrap_or_default());
         // The program may have been run again and again.
         loop {
-            let Followed { passages, lost_in } = &followed;
+            let FollowedStops { passages, lost_in } = &followed;
             Observer { recording, program, path: &path, log, found: &mut found }.observe(passages);
             if let Some(motion) = *lost_in {
                 found.known.left_out.push(LeftOut { recording, motion, why: Why::NotFollowed });
@@ -492,7 +492,9 @@ impl Observer<'_> {
                 self.leave_out(motion, Why::TooFewSamples);
                 continue;
             }
-            let Some(curve) = Curve::fit(&corner, &samples, kappa, reach_rad) else { continue };
+            let Some(curve) = BlendCurve::fit(&corner, &samples, kappa, reach_rad) else {
+                continue;
+            };
             if curve.residual_rad > LEFT_RAD + 5.0 * LEFT_SHARE * reach_rad {
                 self.leave_out(motion, Why::NoBlend(curve.residual_rad));
                 continue;
@@ -513,7 +515,7 @@ impl Observer<'_> {
     }
 
     /// Where the blend would begin and end without Algorithm 3, against where it does.
-    fn observe_reach(&mut self, motion: usize, corner: [&Joints; 3], curve: &Curve) {
+    fn observe_reach(&mut self, motion: usize, corner: [&Joints; 3], curve: &BlendCurve) {
         let [before, target, after] = corner;
         let (Some([found_before, found_after]), Motion::Ptp(ptp)) =
             (curve.reach_rad, &self.program.motions[motion])

@@ -2,9 +2,9 @@
 
 use fastrand_contrib::RngExt;
 use iiwa_kin::Robot;
-use iiwa_log::JointLog;
-use iiwa_path::{Fault, JointPath, Program};
-use iiwa_traj::{Timing, TimingError, Trajectory};
+use iiwa_log::{JointLog, PlanOptions};
+use iiwa_path::Program;
+use iiwa_traj::PlanError;
 
 /// A robot whose limits, kappa and time to settle may differ from the model's.
 #[derive(Clone, Debug)]
@@ -27,9 +27,9 @@ const MAX_SAMPLES: f64 = 1e7;
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VirtualRobotError {
-    /// The program asks for something that the robot cannot do.
+    /// The program cannot be planned for the robot.
     #[error(transparent)]
-    Program(#[from] Fault),
+    Plan(#[from] PlanError),
     /// It takes too long to be sampled.
     #[error(
         "it takes {seconds:.0} s, which is {samples:.0} samples, and {MAX_SAMPLES:.0} are kept: sample more \
@@ -41,9 +41,6 @@ pub enum VirtualRobotError {
         /// How many samples that would be.
         samples: f64,
     },
-    /// No stamps were found for it.
-    #[error(transparent)]
-    Timing(#[from] TimingError),
 }
 
 impl VirtualRobot {
@@ -60,8 +57,7 @@ impl VirtualRobot {
     ///
     /// If the program asks for something that the robot cannot do.
     pub fn run(&mut self, program: &Program) -> Result<JointLog, VirtualRobotError> {
-        let path = JointPath::new(program, &self.robot)?;
-        let trajectory = Trajectory::plan(&path, Timing::default())?;
+        let trajectory = PlanOptions::default().plan(program, &self.robot)?;
         // It does not begin just at a sample.
         let begin_s = self.standing_s + self.random.f64() * self.period_s;
         let whole_s = begin_s + trajectory.cycle_time_s() + self.standing_s;

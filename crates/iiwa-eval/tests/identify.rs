@@ -5,7 +5,7 @@
 use fastrand::Rng;
 use iiwa_eval::{
     Estimate, VirtualRobot,
-    experiment::{self, CycleTime, Trial},
+    experiment::{self, CycleTimeCase, Trial},
     identify::{Identified, IdentifyError, Recording, Why, identify},
 };
 use iiwa_kin::{Joints, Robot};
@@ -214,7 +214,7 @@ fn fifty_unseen_programs() {
             (0.1, 0.1, 80.0),
         ];
         for (path, (velocity_rel, blend, length_deg)) in (0..).zip(cases) {
-            let case = CycleTime { path, velocity_rel, blend, length_deg };
+            let case = CycleTimeCase { path, velocity_rel, blend, length_deg };
             let program = case.trial(&Robot::default(), 100 + seed).program;
             let [predicted, happened] =
                 [&found, &truth].map(|robot| JointPath::new(&program, robot).unwrap());

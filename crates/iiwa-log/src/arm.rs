@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use iiwa_kin::{DhRow, Joints, Robot};
 
+use crate::recorded_robot::PROFILE;
 use crate::{Frame, WriteError, Writer};
 
 /// The links' names in messages, from the base to the flange, as in the robot's URDF.
@@ -95,8 +96,8 @@ impl Arm {
         writer.tcp_pose(t, parent, translation_m, rotation_xyzw)
     }
 
-    /// Writes the `attachments` (name, media type, content), the URDF and the `metadata` record
-    /// `iiwasim`, and completes the file.
+    /// Writes the `attachments` (name, media type, content), the robot's profile and URDF, and the
+    /// `metadata` record `iiwasim`, and completes the file.
     pub(crate) fn finish<W: Write + Seek>(
         &self,
         mut writer: Writer<W>,
@@ -106,6 +107,7 @@ impl Arm {
         for (name, media_type, bytes) in attachments {
             writer.attach(name, media_type, bytes)?;
         }
+        writer.attach(PROFILE, "application/json", self.robot.to_profile().as_bytes())?;
         writer.attach("robot.urdf", "application/xml", self.urdf.as_bytes())?;
         writer.metadata("iiwasim", metadata)?;
         writer.finish()

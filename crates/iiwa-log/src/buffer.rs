@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// A stream that holds what was written since it was [emptied](Self::empty) last, at the offsets
 /// that it has in the file. Clones share it.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Buffer(Arc<Mutex<Content>>);
+pub(crate) struct Buffer(Arc<Mutex<BufferContent>>);
 
 #[derive(Debug, Default)]
-struct Content {
+struct BufferContent {
     /// The offset of the first byte.
     start: u64,
     bytes: Vec<u8>,
@@ -33,7 +33,7 @@ impl Buffer {
         bytes
     }
 
-    fn content(&self) -> MutexGuard<'_, Content> {
+    fn content(&self) -> MutexGuard<'_, BufferContent> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

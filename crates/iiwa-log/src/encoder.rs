@@ -7,8 +7,7 @@ use serde::{Serialize, Serializer};
 
 use crate::error::WriteError;
 use crate::ros::{
-    Header, JointState, Joints, Motion as MotionMessage, Names, PoseStamped, Text, Time,
-    TransformStamped,
+    Header, JointState, Joints, MotionMessage, Names, PoseStamped, Text, Time, TransformStamped,
 };
 use crate::{Motion, Topic, cdr};
 

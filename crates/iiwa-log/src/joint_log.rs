@@ -6,15 +6,20 @@ mod error;
 mod loss;
 mod recording;
 mod samples;
+mod shown;
 mod table;
 
 use std::fmt;
 use std::io::{Cursor, Read, Write};
 
+use iiwa_kin::Robot;
+
 pub use error::JointLogError;
 pub use loss::{Loss, Place};
 
+use crate::RecordedRobotError;
 use crate::reader::read as read_once;
+use crate::recorded_robot::recorded_robot;
 
 /// How much of a file is looked at to tell what it is, bytes. A header line that is longer is none.
 const HEAD_BYTES: usize = 64 * 1024;
@@ -74,6 +79,8 @@ pub struct JointLog {
     pub is_plan: bool,
     /// The robot's name, if the recording has it.
     pub robot: Option<String>,
+    /// The robot's profile, if the recording has it: JSON.
+    pub profile: Option<String>,
     /// The cycle time that the recording states, as the robot program measured it, in s.
     pub cycle_time_s: Option<f64>,
     /// Where the positions were read; `None` if they were not read.
@@ -162,6 +169,16 @@ impl JointLog {
             stream.write_all(b"\n")?;
         }
         stream.flush()
+    }
+
+    /// The robot of the recording's profile, or the built-in one that it names; none if it tells neither.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordedRobotError`] if it names a robot that is not built in and has no profile of it, or its
+    /// profile cannot be read.
+    pub fn recorded_robot(&self) -> Result<Option<Robot>, RecordedRobotError> {
+        recorded_robot(self.robot.as_deref(), self.profile.as_deref())
     }
 
     /// From the first sample to the last, s.

@@ -2,9 +2,9 @@
 //!
 //! A [`Writer`] takes joint states, transforms, poses, motions and a trajectory by the time since
 //! the start of the motion and writes them, compressed, into anything that is [`Write`] and
-//! [`Seek`]; a [`PlanWriter`] does it for a plan. A [`Recorder`] writes what the robot did, as it
-//! happens, into a file that is whole at every moment. [`Recording`] reads such a file back, and
-//! [`Reader`] does it entry by entry. The topics and their types are those of [`Topic`]. For messages
+//! [`Seek`]. A [`Recorder`] writes what the robot did, as it happens, into a file that is whole at every
+//! moment. [`Recording`] reads such a file back, and [`Reader`] does it entry by entry. [`Planning`] plans
+//! a program, a [`PlanWriter`] writes the plan, and a [`PlanRecord`] is what is read back. The topics and their types are those of [`Topic`]. For messages
 //! that go elsewhere than into a file, an [`Encoder`] gives their bytes, and an [`Arm`] what they say.
 //!
 //! [`JointLog`] is what the joints did and nothing else, from such a file, from CSV or from a log of
@@ -46,8 +46,12 @@ mod error;
 mod joint_log;
 mod plan;
 mod plan_figures;
+mod plan_options;
+mod plan_record;
 mod plan_size;
+mod planning;
 mod reader;
+mod recorded_robot;
 mod recorder;
 mod recording;
 mod ros;
@@ -66,8 +70,12 @@ pub use plan::{PlanConfig, PlanWriter};
 pub use plan_figures::{
     BlendRecord, ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord, PlanFigures,
 };
+pub use plan_options::PlanOptions;
+pub use plan_record::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};
 pub use plan_size::PlanSize;
+pub use planning::{Planning, write_plan};
 pub use reader::{Entry, Reader};
+pub use recorded_robot::RecordedRobotError;
 pub use recorder::{Recorder, RecorderConfig};
 pub use recording::{Attachment, JointSample, Motion, MotionSample, PoseSample, Recording};
 pub use storage::Storage;

@@ -1,7 +1,6 @@
 //! Writing a planned trajectory, section by section.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 use std::time::Duration;
 
@@ -9,7 +8,7 @@ use iiwa_kin::Robot;
 use iiwa_traj::{Section, State};
 
 use crate::arm::Arm;
-use crate::{Config, Motion, TrajectoryMessage, TrajectoryPoint, WriteError, Writer};
+use crate::{Config, Motion, PlanFigures, TrajectoryMessage, TrajectoryPoint, WriteError, Writer};
 
 /// How a plan is written.
 #[derive(Clone, Debug)]
@@ -107,17 +106,13 @@ impl<W: Write + Seek> PlanWriter<W> {
         Ok(())
     }
 
-    /// Writes the end, the `metadata` record `iiwasim`, the URDF and the `attachments` (name, media
-    /// type, content), and completes the file.
+    /// Writes the end, the figures, the robot's profile and URDF, and the program's text if there is one;
+    /// completes the file and gives the stream back.
     ///
     /// # Errors
     ///
     /// Any [`WriteError`].
-    pub fn finish(
-        mut self,
-        metadata: &BTreeMap<String, String>,
-        attachments: &[(&str, &str, &[u8])],
-    ) -> Result<W, WriteError> {
+    pub fn finish(mut self, figures: &PlanFigures, program: Option<&str>) -> Result<W, WriteError> {
         if let Some(end) = self.last {
             // The last tick may be the end already, but for rounding.
             let last_tick = self.ticks.checked_sub(1).map(|k| k as f64 / self.rate_hz);
@@ -127,7 +122,8 @@ impl<W: Write + Seek> PlanWriter<W> {
             self.node(&end)?;
         }
         self.writer.joint_trajectory(self.part_start, self.part)?;
-        self.arm.finish(self.writer, metadata, attachments)
+        let program = program.map(|text| ("program.json", "application/json", text.as_bytes()));
+        self.arm.finish(self.writer, &figures.to_metadata(), program.as_slice())
     }
 
     /// One instant on `/joint_states`, `/tf` and `/tcp_pose`.

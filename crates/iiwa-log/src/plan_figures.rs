@@ -4,9 +4,11 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use iiwa_kin::Robot;
-use iiwa_traj::{BlendFigures, Limit, MotionFigures, Section, Timing, Totals};
+use iiwa_traj::{BlendFigures, Limit, MotionFigures, Section, Timing, Totals, Trajectory};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+
+use crate::PlanOptions;
 
 /// The figures of a plan. As JSON, this is the object of `iiwasim plan --json`; in a file, each key is an
 /// entry of the metadata record `iiwasim`.
@@ -138,6 +140,14 @@ impl PlanFigures {
         }
     }
 
+    /// The figures of a whole trajectory, which was planned with `options`.
+    #[must_use]
+    pub fn of(trajectory: &Trajectory, options: &PlanOptions) -> Self {
+        let mut figures = Self::new(options.timing, trajectory.path().robot(), options.samples);
+        trajectory.sections().iter().for_each(|section| figures.add(section));
+        figures
+    }
+
     /// Adds the next section of the trajectory.
     pub fn add(&mut self, section: &Section) {
         let mut totals = Totals {
@@ -163,8 +173,7 @@ impl PlanFigures {
     }
 
     /// An entry for each key: texts as they are, everything else as JSON.
-    #[must_use]
-    pub fn to_metadata(&self) -> BTreeMap<String, String> {
+    pub(crate) fn to_metadata(&self) -> BTreeMap<String, String> {
         let Ok(Value::Object(object)) = serde_json::to_value(self) else {
             return BTreeMap::new();
         };

@@ -2,7 +2,7 @@
 
 use std::iter::zip;
 
-use iiwa_traj::Section;
+use iiwa_traj::{Section, Trajectory};
 
 /// An estimate of the file that [`PlanWriter`](crate::PlanWriter) makes of a trajectory, from its duration
 /// and its nodes: nothing is sampled for it, however long the trajectory takes.
@@ -42,6 +42,14 @@ impl PlanSize {
     #[must_use]
     pub fn new(rate_hz: f64) -> Self {
         Self { rate_hz, moving_s: 0.0, turning_s: 0.0, resting_s: 0.0, turning_nodes: 0.0 }
+    }
+
+    /// Of a whole trajectory.
+    #[must_use]
+    pub fn of(trajectory: &Trajectory, rate_hz: f64) -> Self {
+        let mut size = Self::new(rate_hz);
+        trajectory.sections().iter().for_each(|section| size.add(section));
+        size
     }
 
     /// Takes in the next section of the trajectory.

@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 use crate::error::ReadError;
 use crate::ros::{
-    JointState, JointTrajectory, Joints, Motion as MotionMessage, Names, PoseStamped, Text, Time,
+    JointState, JointTrajectory, Joints, MotionMessage, Names, PoseStamped, Text, Time,
 };
 use crate::{
     Attachment, JOINT_NAMES, JointSample, Motion, MotionSample, PoseSample, Topic, TrajectoryPoint,

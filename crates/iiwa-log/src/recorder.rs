@@ -167,8 +167,8 @@ impl<S: Storage> Recorder<S> {
         self.save()
     }
 
-    /// Writes the end, the `metadata` record `iiwasim`, the URDF and the `attachments` (name, media
-    /// type, content), and completes the file: the checksum of its data section is the only thing
+    /// Writes the end, the `metadata` record `iiwasim`, the robot's profile and URDF and the `attachments`
+    /// (name, media type, content), and completes the file: the checksum of its data section is the only thing
     /// that it did not have before.
     ///
     /// # Errors

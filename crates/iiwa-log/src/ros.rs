@@ -90,7 +90,7 @@ pub(crate) struct JointTrajectoryPoint {
 
 /// `iiwasim_msgs/msg/Motion`.
 #[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Motion<'a> {
+pub(crate) struct MotionMessage<'a> {
     pub(crate) header: Header<'a>,
     pub(crate) index: u32,
     pub(crate) kind: Cow<'a, str>,

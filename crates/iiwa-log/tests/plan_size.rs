@@ -2,10 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-use std::{collections::BTreeMap, fs, io::Cursor, path::Path as FilePath};
+use std::{fs, io::Cursor, path::Path as FilePath};
 
 use iiwa_kin::Robot;
-use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
+use iiwa_log::{PlanConfig, PlanFigures, PlanSize, PlanWriter};
 use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 
@@ -15,9 +15,7 @@ fn planned(program: &Program) -> Trajectory {
 }
 
 fn size(plan: &Trajectory, rate_hz: f64) -> PlanSize {
-    let mut size = PlanSize::new(rate_hz);
-    plan.sections().iter().for_each(|section| size.add(section));
-    size
+    PlanSize::of(plan, rate_hz)
 }
 
 /// The bytes of the file.
@@ -28,7 +26,9 @@ fn written(plan: &Trajectory, rate_hz: f64) -> usize {
     for section in plan.sections() {
         writer.section(section).unwrap();
     }
-    writer.finish(&BTreeMap::new(), &[]).unwrap().into_inner().len()
+    // The figures are not part of the estimate.
+    let figures = PlanFigures::new(Timing::default(), plan.path().robot(), 0);
+    writer.finish(&figures, None).unwrap().into_inner().len()
 }
 
 /// Some motions of so many joints at this share of their speed.

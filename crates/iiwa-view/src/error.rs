@@ -3,9 +3,9 @@
 use std::{error::Error, fmt::Write as _, io};
 
 use iiwa_eval::{CompareError, VirtualRobotError, identify::IdentifyError};
-use iiwa_log::{JointLogError, ReadError, WriteError};
+use iiwa_log::{JointLogError, ReadError, RecordedRobotError, WriteError};
 use iiwa_path::Fault;
-use iiwa_traj::TimingError;
+use iiwa_traj::PlanError;
 
 /// Why a page, a picture or a report cannot be made.
 ///
@@ -37,13 +37,13 @@ pub enum ViewError {
         /// What is wrong with it.
         source: ReadError,
     },
-    /// A file names a robot that is not built in, and no other one was given.
-    #[error("{name}: the robot `{robot}` is not built in: its profile is needed")]
+    /// The robot that a file was made with is unknown, and no other one was given.
+    #[error("{name}")]
     UnknownRobot {
         /// The file's name.
         name: String,
-        /// The robot's name.
-        robot: String,
+        /// Why it is unknown.
+        source: RecordedRobotError,
     },
     /// A plan was given as what was measured, and a recording as the plan.
     #[error("{recording} is a recording and {plan} a plan: name the plan first")]
@@ -69,11 +69,11 @@ pub enum ViewError {
     },
     /// A program cannot be planned.
     #[error("cannot plan {name}")]
-    Timing {
+    Planning {
         /// The program's name.
         name: String,
         /// Why not.
-        source: TimingError,
+        source: PlanError,
     },
     /// A plan is too long to be drawn.
     #[error("it takes {duration} or more, too long to be drawn")]
@@ -85,6 +85,7 @@ pub enum ViewError {
     #[error("cannot store the plan of the recorded program")]
     Write {
         /// Why not.
+        #[from]
         source: WriteError,
     },
     /// A virtual robot cannot run a program.
@@ -138,8 +139,9 @@ impl ViewError {
             | Self::Swapped { .. }
             | Self::Program { .. }
             | Self::Path { .. }
+            | Self::Planning { source: PlanError::Fault(_), .. }
             | Self::TooLong { .. } => true,
-            Self::Timing { .. }
+            Self::Planning { .. }
             | Self::Write { .. }
             | Self::VirtualRobot { .. }
             | Self::Identify { .. }

@@ -17,11 +17,13 @@ mod duration;
 mod error;
 mod experiment;
 mod identification_report;
+mod nearest;
 mod page;
 mod picture;
 mod printable;
 mod report;
 mod robot_sheet;
+mod run_report;
 mod summary;
 mod table;
 mod twin;
@@ -29,12 +31,17 @@ mod twin;
 pub use comparison_report::ComparisonReport;
 pub use duration::long_duration;
 pub use error::{ViewError, with_causes};
-pub use experiment::{Bench, Chapter, ExperimentKind, TrialRun, VirtualArm, other_robot, wrapped};
+pub use experiment::{
+    Bench, Chapter, ExperimentKind, TrialRun, VirtualArm, motion_warning, other_robot, preface,
+    wrapped,
+};
 pub use identification_report::IdentificationReport;
+pub use nearest::Nearest;
 pub use picture::{PlanPicture, draw_comparison};
 pub use printable::printable;
 pub use report::{Extent, Page, PageOptions};
-pub use robot_sheet::robot_sheet;
+pub use robot_sheet::{robot_sheet, robots_table, rounded};
+pub use run_report::RunReport;
 pub use summary::{PlannedTimes, Summary, SummaryRow};
 pub use table::{plan_table, table};
 pub use twin::{TwinRobot, TwinSetup, twin_page};

@@ -15,9 +15,9 @@ pub fn robot_sheet(robot: &Robot) -> String {
     for (joint, row) in robot.dh().iter().enumerate() {
         dh.add_row([
             format!("A{}", joint + 1),
-            round(row.a_m * 1e3),
-            round(row.alpha_rad.to_degrees()),
-            round(row.d_m * 1e3),
+            rounded(row.a_m * 1e3),
+            rounded(row.alpha_rad.to_degrees()),
+            rounded(row.d_m * 1e3),
         ]);
     }
     let _ = writeln!(text, "{dh}\n");
@@ -34,7 +34,7 @@ pub fn robot_sheet(robot: &Robot) -> String {
         ("torque", "Nm", limits.torque_nm),
     ] {
         let mut row = vec![format!("{what}{}", mark(what)), unit.to_owned()];
-        row.extend(values.map(round));
+        row.extend(values.map(rounded));
         rows.add_row(row);
     }
     let _ = writeln!(text, "{rows}\n");
@@ -44,7 +44,7 @@ pub fn robot_sheet(robot: &Robot) -> String {
     let _ =
         writeln!(text, "Settles for {} s after a motion without a blend", robot.settle_time_s());
 
-    let masses = robot.link_mass_kg().map(round).join(", ");
+    let masses = robot.link_mass_kg().map(rounded).join(", ");
     let _ = writeln!(text, "Link masses 0 to 7{}: {masses} kg", mark("masses"));
     for assumption in robot.assumptions() {
         let _ = writeln!(text, "* {} assumed: {}", assumption.what, assumption.basis);
@@ -53,8 +53,25 @@ pub fn robot_sheet(robot: &Robot) -> String {
 }
 
 /// Three places at most, and no zeros behind the point.
-fn round(value: f64) -> String {
+pub fn rounded(value: f64) -> String {
     let value = (value * 1000.0).round() / 1000.0;
     // No negative zero.
     format!("{}", value + 0.0)
+}
+
+/// A table of the built-in robots.
+#[must_use]
+pub fn robots_table() -> String {
+    let mut table = table(&["robot", "reach m", "flange m", "assumed"]);
+    for robot in Robot::BUILT_IN.iter().filter_map(|name| Robot::built_in(name)) {
+        let assumed: Vec<_> = robot.assumptions().iter().map(|a| a.what.as_str()).collect();
+        let lengths = robot.lengths();
+        table.add_row([
+            robot.name().to_owned(),
+            format!("{:.3}", lengths.upper_arm_m + lengths.forearm_m),
+            format!("{:.3}", lengths.flange_m),
+            assumed.join(", "),
+        ]);
+    }
+    format!("{table}\n")
 }

@@ -18,9 +18,10 @@ use rayon::{
 use serde::Serialize;
 
 use super::{
-    Gates, Report,
+    answer::PlanAnswer,
+    gates::Gates,
     programs::{self, Job},
-    scene, write,
+    work::{scene, write},
 };
 use crate::{
     args::Plan,
@@ -83,7 +84,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 }
 
 /// Plans one of the programs.
-fn plan(options: &Plan, scene: Option<&Scene>, job: &Job, told: &Mutex<Told>) -> Outcome {
+fn plan(options: &Plan, scene: Option<&Scene>, job: &Job, told: &Mutex<Told>) -> ProgramOutcome {
     let name = job.program.display().to_string();
     let alive = |_| {
         // Whoever holds it is about to show the progress.
@@ -93,12 +94,12 @@ fn plan(options: &Plan, scene: Option<&Scene>, job: &Job, told: &Mutex<Told>) ->
     };
     let planned = input::program(&job.program, options.robot.as_deref())
         .and_then(|input| write(options, scene, input, job.target.as_deref(), alive))
-        .and_then(|figures| Outcome::planned(options, job, &name, &figures));
-    planned.unwrap_or_else(|failure| Outcome::failed(options, name, failure))
+        .and_then(|figures| ProgramOutcome::planned(options, job, &name, &figures));
+    planned.unwrap_or_else(|failure| ProgramOutcome::failed(options, name, failure))
 }
 
 /// What there is to say about a program; nothing that grows with its length but `line`.
-struct Outcome {
+struct ProgramOutcome {
     /// For standard output.
     line: Option<String>,
     /// For standard error.
@@ -113,7 +114,7 @@ struct Refusal<'a> {
     error: String,
 }
 
-impl Outcome {
+impl ProgramOutcome {
     fn planned(
         options: &Plan,
         job: &Job,
@@ -122,7 +123,7 @@ impl Outcome {
     ) -> Result<Self, Failure> {
         let line = || {
             let output = job.target.as_deref().map(|file| file.display().to_string());
-            output::json_line(&Report { program: Some(name), figures, output })
+            output::json_line(&PlanAnswer { program: Some(name), figures, output })
         };
         let gates = Gates::new(options, figures);
         let complain = |how| Failure::Gate(format!("{} {how}", printable(name))).text();
@@ -154,8 +155,8 @@ impl Outcome {
 struct Told {
     progress: Progress,
     summary: Summary,
-    /// Outcomes that came before their turn.
-    waiting: BTreeMap<usize, Outcome>,
+    /// ProgramOutcomes that came before their turn.
+    waiting: BTreeMap<usize, ProgramOutcome>,
 }
 
 impl Told {
@@ -168,10 +169,10 @@ impl Told {
     }
 
     /// Says what came of the program at `index`, when all before it have had their turn.
-    fn tell(&mut self, index: usize, outcome: Outcome) -> Result<(), Failure> {
+    fn tell(&mut self, index: usize, outcome: ProgramOutcome) -> Result<(), Failure> {
         self.waiting.insert(index, outcome);
         while let Some(outcome) = self.waiting.remove(&self.summary.programs()) {
-            let Outcome { line, complaint, row } = outcome;
+            let ProgramOutcome { line, complaint, row } = outcome;
             self.progress.aside(|| {
                 if let Some(complaint) = complaint {
                     failure::tell(&complaint);

@@ -12,6 +12,8 @@ use iiwa_scene::Scene;
 
 use crate::{args::Plan, failure::Failure};
 
+use super::target::{file_name, is_stdin};
+
 /// A program, and where its trajectory goes, if anywhere.
 pub(super) struct Job {
     pub(super) program: PathBuf,
@@ -23,7 +25,7 @@ pub(super) struct Job {
 pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<Job>, Failure> {
     let mut programs = Vec::new();
     for path in given {
-        if super::is_stdin(path) {
+        if is_stdin(path) {
             return Err(Failure::input("-, standard input, can only be planned alone"));
         }
         if path.is_dir() {
@@ -35,7 +37,7 @@ pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<Job>, Failur
     each_once(&programs)?;
     let target = |program: &Path| {
         let folder = options.output.clone().unwrap_or_default();
-        (!options.no_output).then(|| folder.join(super::file_name(program)))
+        (!options.no_output).then(|| folder.join(file_name(program)))
     };
     let jobs: Vec<_> =
         programs.into_iter().map(|program| Job { target: target(&program), program }).collect();

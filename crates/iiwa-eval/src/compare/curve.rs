@@ -1,23 +1,15 @@
 //! The planned path as a curve through the nodes of its trajectory.
 
 use iiwa_kin::Joints;
+use iiwa_log::PlanNode;
 
 use crate::vector::{add_scaled, dot, norm, scale, sub};
-
-/// Where the arm is to be at a time, and how fast.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Knot {
-    pub(crate) t_s: f64,
-    pub(crate) q: Joints,
-    pub(crate) dq: Joints,
-    pub(crate) ddq: Joints,
-}
 
 /// A polynomial between each two nodes: of degree five, which meets position, velocity and acceleration at
 /// both, as plans with limits on jerk have it; or a cubic without the acceleration, where that jumps.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
-    knots: Vec<Knot>,
+    knots: Vec<PlanNode>,
     /// Length of the chords up to each node, in rad.
     arc_rad: Vec<f64>,
     smooth: bool,
@@ -42,7 +34,7 @@ const STEPS: usize = 80;
 impl Curve {
     /// The curve through some nodes, of which there are at least two, later and later; `smooth` if
     /// the acceleration never jumps.
-    pub(crate) fn new(knots: Vec<Knot>, smooth: bool) -> Self {
+    pub(crate) fn new(knots: Vec<PlanNode>, smooth: bool) -> Self {
         let mut arc = 0.0;
         let mut arc_rad = Vec::with_capacity(knots.len());
         arc_rad.push(0.0);
@@ -53,7 +45,7 @@ impl Curve {
         Self { knots, arc_rad, smooth }
     }
 
-    pub(crate) fn knots(&self) -> &[Knot] {
+    pub(crate) fn knots(&self) -> &[PlanNode] {
         &self.knots
     }
 

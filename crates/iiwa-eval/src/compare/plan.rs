@@ -1,13 +1,12 @@
 //! The plan that a recording is held against.
 
-use std::collections::BTreeMap;
 use std::io::Read;
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_log::{Entry, ReadError, Reader, Topic};
+use iiwa_log::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};
 use iiwa_traj::Trajectory;
 
-use super::curve::{Curve, Knot};
+use super::curve::Curve;
 
 /// A planned trajectory: where the arm is to be, when, and for which motion of the program.
 #[derive(Clone, Debug)]
@@ -57,40 +56,13 @@ pub(crate) struct Leg {
     pub(crate) end_s: f64,
 }
 
-/// Why a file is no plan.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PlanFileError {
-    /// The file cannot be read.
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    /// A part of a plan is not in the file.
-    #[error("it has no {what}: it is not a plan as `iiwasim plan` writes it")]
-    Missing {
-        /// What is missing.
-        what: &'static str,
-    },
-    /// The parts do not fit together, or hold numbers that no plan has.
-    #[error("its trajectory is damaged: {what}")]
-    Damaged {
-        /// What is wrong.
-        what: String,
-    },
-    /// The robot is not a built-in one, and none was given.
-    #[error("it is a plan for the robot `{name}`, which is not built in: its profile is needed")]
-    UnknownRobot {
-        /// The robot's name in the file.
-        name: String,
-    },
-}
-
 impl Plan {
     /// A plan that was just made.
     #[must_use]
     pub fn from_trajectory(trajectory: &Trajectory) -> Self {
-        let mut knots: Vec<Knot> = Vec::new();
+        let mut knots: Vec<PlanNode> = Vec::new();
         for state in trajectory.states() {
-            let knot = Knot { t_s: state.t_s, q: state.q, dq: state.dq, ddq: state.ddq };
+            let knot = PlanNode { t_s: state.t_s, q: state.q, dq: state.dq, ddq: state.ddq };
             if knots.last().is_none_or(|last| knot.t_s > last.t_s) {
                 knots.push(knot);
             }
@@ -111,77 +83,51 @@ impl Plan {
     }
 
     /// Reads a plan from an MCAP file as [`PlanWriter`](iiwa_log::PlanWriter) writes it. The robot is the
-    /// built-in one that the file names, unless `robot` is another one.
+    /// one that the file was made with, unless `robot` is another one.
     ///
     /// # Errors
     ///
-    /// [`PlanFileError`] if the file is damaged or no plan, or its robot is unknown.
-    pub fn read_mcap<R: Read>(stream: R, robot: Option<Robot>) -> Result<Self, PlanFileError> {
-        let mut knots: Vec<Knot> = Vec::new();
-        let mut starts: Vec<(f64, usize, PieceKind)> = Vec::new();
-        let mut metadata = BTreeMap::new();
-        let topics = [Topic::JointTrajectory, Topic::Motion];
-        for entry in Reader::new(stream).only(&topics) {
-            match entry? {
-                Entry::Trajectory { t_s, points } => {
-                    // A part of a long trajectory begins with the last point of the part before.
-                    let last = knots.last().map_or(f64::NEG_INFINITY, |last| last.t_s);
-                    let points = points.into_iter().map(|point| Knot {
-                        t_s: t_s + point.time_from_start.as_secs_f64(),
-                        q: point.positions,
-                        dq: point.velocities,
-                        ddq: point.accelerations,
-                    });
-                    knots.extend(points.filter(|knot| knot.t_s > last + 1e-10));
-                }
-                Entry::Motion(sample) => {
-                    let name = &sample.motion.kind;
-                    let kind = PieceKind::from_name(name).ok_or_else(|| {
-                        let what = format!("a piece of the unknown kind `{name}`");
-                        PlanFileError::Damaged { what }
-                    })?;
-                    starts.push((sample.t_s, sample.motion.index as usize, kind));
-                }
-                Entry::Metadata { name, entries } if name == "iiwasim" => metadata.extend(entries),
-                _ => {}
-            }
-        }
-        let Some(end_s) = knots.last().map(|last| last.t_s).filter(|_| knots.len() > 1) else {
-            return Err(PlanFileError::Missing { what: "/joint_trajectory" });
-        };
-        check(&knots)?;
-        if starts.is_empty() {
-            return Err(PlanFileError::Missing { what: "/motion" });
-        }
-        let robot = match (robot, metadata.get("robot")) {
-            (Some(robot), _) => robot,
-            (None, None) => return Err(PlanFileError::Missing { what: "robot's name" }),
-            (None, Some(name)) => Robot::built_in(name)
-                .ok_or_else(|| PlanFileError::UnknownRobot { name: name.clone() })?,
-        };
-        let ends = starts.iter().skip(1).map(|next| next.0).chain([end_s]);
-        let pieces: Vec<_> = starts
-            .iter()
-            .zip(ends)
-            .map(|(&(start_s, motion, kind), end_s)| Piece { motion, kind, start_s, end_s })
-            .collect();
-        if pieces.iter().any(|piece| !piece.start_s.is_finite() || piece.end_s < piece.start_s) {
-            let what = "its pieces are not in the order of time".to_owned();
-            return Err(PlanFileError::Damaged { what });
-        }
-        Ok(Self::of(robot, knots, pieces))
+    /// [`PlanRecordError`] if the file is damaged or no plan, or its robot is unknown.
+    pub fn read_mcap<R: Read>(stream: R, robot: Option<Robot>) -> Result<Self, PlanRecordError> {
+        Self::from_record(PlanRecord::read(stream)?, robot)
     }
 
-    fn of(robot: Robot, mut knots: Vec<Knot>, pieces: Vec<Piece>) -> Self {
+    /// The plan of a file that was read. The robot is the one that the file was made with, unless `robot`
+    /// is another one.
+    ///
+    /// # Errors
+    ///
+    /// [`PlanRecordError`] if it is not a whole plan, or its robot is unknown.
+    pub fn from_record(record: PlanRecord, robot: Option<Robot>) -> Result<Self, PlanRecordError> {
+        record.check()?;
+        let robot = match robot {
+            Some(robot) => robot,
+            None => {
+                record.robot()?.ok_or(PlanRecordError::Missing { what: "name of the robot" })?
+            }
+        };
+        let piece = |piece: &PlanPiece| {
+            let kind = PieceKind::from_name(&piece.kind).ok_or_else(|| {
+                let what = format!("a piece of the unknown kind `{}`", piece.kind);
+                PlanRecordError::Damaged { what }
+            })?;
+            let &PlanPiece { motion, start_s, end_s, .. } = piece;
+            Ok(Piece { motion: motion as usize, kind, start_s, end_s })
+        };
+        let pieces = record.pieces.iter().map(piece).collect::<Result<_, PlanRecordError>>()?;
+        Ok(Self::of(robot, record.nodes, pieces))
+    }
+
+    fn of(robot: Robot, mut knots: Vec<PlanNode>, pieces: Vec<Piece>) -> Self {
         // A program without motions has a single state.
         if knots.is_empty() {
-            knots.push(Knot { t_s: 0.0, q: [0.0; 7], dq: [0.0; 7], ddq: [0.0; 7] });
+            knots.push(PlanNode { t_s: 0.0, q: [0.0; 7], dq: [0.0; 7], ddq: [0.0; 7] });
         }
         if let [only] = knots[..] {
-            knots.push(Knot { t_s: only.t_s + 1e-9, ..only });
+            knots.push(PlanNode { t_s: only.t_s + 1e-9, ..only });
         }
         // With limits on jerk, the arm leaves its stops without acceleration.
-        let leaves = |pair: &&[Knot]| pair[0].dq == [0.0; 7] && pair[1].dq != [0.0; 7];
+        let leaves = |pair: &&[PlanNode]| pair[0].dq == [0.0; 7] && pair[1].dq != [0.0; 7];
         let smooth = knots
             .windows(2)
             .filter(leaves)
@@ -221,23 +167,5 @@ impl Plan {
             .filter(|pieces| pieces[0].kind.moves())
             .map(|pieces| Leg { start_s: pieces[0].start_s, end_s: pieces[pieces.len() - 1].end_s })
             .collect()
-    }
-}
-
-/// Whether these are nodes of a trajectory.
-fn check(knots: &[Knot]) -> Result<(), PlanFileError> {
-    let finite = |q: &Joints| q.iter().all(|v| v.is_finite());
-    for knot in knots {
-        if !finite(&knot.q) || !finite(&knot.dq) || !finite(&knot.ddq) {
-            let what = format!("a number that is none at {:.3} s", knot.t_s);
-            return Err(PlanFileError::Damaged { what });
-        }
-    }
-    match knots.windows(2).find(|pair| pair[1].t_s <= pair[0].t_s) {
-        Some(pair) => {
-            let what = format!("time does not go on after {:.3} s", pair[0].t_s);
-            Err(PlanFileError::Damaged { what })
-        }
-        None => Ok(()),
     }
 }

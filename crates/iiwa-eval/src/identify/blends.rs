@@ -141,7 +141,7 @@ impl Model<3> for Bend<'_> {
 
 /// A blend as it was observed.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Curve {
+pub(super) struct BlendCurve {
     /// kappa and its standard deviation, the blend beginning and ending where it should.
     pub(super) kappa: (f64, f64),
     /// How far before the target it begins, and how far behind it ends, in rad, each with its standard
@@ -153,7 +153,7 @@ pub(super) struct Curve {
     pub(super) residual_rad: f64,
 }
 
-impl Curve {
+impl BlendCurve {
     /// Fits the curve of a blend that should have about this `kappa` and reach `reach_rad` on either side;
     /// none if the samples do not determine it.
     pub(super) fn fit(

@@ -49,7 +49,7 @@ pub(super) struct Ramps {
 }
 
 /// Samples of the way over time.
-struct Line<'a> {
+struct RampLine<'a> {
     t_s: &'a [f64],
     way: &'a [f64],
 }
@@ -79,7 +79,7 @@ fn shape(t: f64, [jerk_s, push_s, cruise_s]: [f64; 3]) -> f64 {
     if t < 0.0 { way } else { 1.0 - way }
 }
 
-impl Model<COUNT> for Line<'_> {
+impl Model<COUNT> for RampLine<'_> {
     fn samples(&self, p: &[f64; COUNT], mut each: impl FnMut(f64, [f64; COUNT])) {
         const STEP_S: f64 = 1e-6;
         let durations = [p[JERK], p[PUSH], p[CRUISE]];
@@ -108,7 +108,7 @@ impl Ramps {
     /// Fits the phases to a way of about `length` from rest to rest; none if it has another form than
     /// could be fitted.
     pub(super) fn fit(t_s: &[f64], way: &[f64], length: f64) -> Option<Self> {
-        let line = Line { t_s, way };
+        let line = RampLine { t_s, way };
         let start = line.guess(length)?;
         let mut held = [false; COUNT];
         let free = least_squares::fit(&line, start, held)?;
@@ -164,7 +164,7 @@ impl Ramps {
     }
 }
 
-impl Line<'_> {
+impl RampLine<'_> {
     /// Parameters to begin with: from when the arm is at some shares of its way.
     fn guess(&self, length: f64) -> Option<[f64; COUNT]> {
         let first_beyond = |share: f64| {

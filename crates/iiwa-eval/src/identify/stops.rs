@@ -34,7 +34,7 @@ pub(super) struct Passage {
 
 /// The sections of a path, as far as the recording follows it.
 #[derive(Debug)]
-pub(super) struct Followed {
+pub(super) struct FollowedStops {
     pub(super) passages: Vec<Passage>,
     /// The motion, from 0, in which the recording is not where the path is any more.
     pub(super) lost_in: Option<usize>,
@@ -90,7 +90,7 @@ fn planned(path: &JointPath) -> Vec<Planned> {
 
 /// Finds the sections of `path` in `log`, from the sample `from` on; none if the arm is never where the
 /// path begins.
-pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Followed> {
+pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<FollowedStops> {
     let q = &log.q_rad;
     let find = |from: usize, holds: &dyn Fn(&Joints) -> bool| {
         q[from..].iter().position(holds).map(|at| from + at)
@@ -145,7 +145,7 @@ pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Fo
         passages.push(Passage { steps, from, to, samples, arrives, settles, waits_s });
         begin = end;
     }
-    Some(Followed { passages, lost_in })
+    Some(FollowedStops { passages, lost_in })
 }
 
 /// The distance from the line through two points.

@@ -5,7 +5,7 @@ use iiwa_link::{
     TimedJoints,
     message::{Code, Refusal},
 };
-use iiwa_path::{Blend, Motion, JointPath, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 use proptest::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use iiwa_kin::Robot;
 
-use super::table::shown;
+use super::shown::shown;
 use super::{JointLogError, Source};
 
 /// What a column is.

@@ -152,9 +152,9 @@ pub enum JointLogError {
         /// The most that is accepted, rad/s.
         most_rad_s: f64,
     },
-    /// Samples that follow each other as slowly or as fast as nobody records a motion.
+    /// A sample rate at which no motion of a robot is recorded.
     #[error(
-        "{:.3} samples a second: nobody records a robot's motion so; is the time in seconds?",
+        "implausible sample rate: {:.3} Hz; is the time column in seconds?",
         .period_s.recip()
     )]
     Rate {

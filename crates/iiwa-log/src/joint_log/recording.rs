@@ -6,6 +6,7 @@ use mcap::{MAGIC, McapError};
 
 use super::samples::Samples;
 use super::{JointLog, JointLogError, Loss, Place, Source};
+use crate::recorded_robot::PROFILE;
 use crate::{Entry, ReadError, Reader, Topic};
 
 /// Whether a file begins as an MCAP file does; it may be cut off within the magic.
@@ -29,6 +30,9 @@ pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
             Ok(Entry::RobotDescription { urdf, .. }) => described = robot_of(&urdf),
             Ok(Entry::Attachment(attachment)) if attachment.name == "program.json" => {
                 samples.log().program = String::from_utf8(attachment.bytes).ok();
+            }
+            Ok(Entry::Attachment(attachment)) if attachment.name == PROFILE => {
+                samples.log().profile = String::from_utf8(attachment.bytes).ok();
             }
             Ok(Entry::Metadata { name, mut entries }) if name == "iiwasim" => {
                 let log = samples.log();

@@ -6,11 +6,9 @@ use csv::{ByteRecord, ErrorKind, ReaderBuilder};
 
 use super::columns::{Columns, Role};
 use super::samples::Samples;
+use super::shown::{MAX_NAME, shown};
 use super::{JointLog, JointLogError, Loss, Place};
 use crate::reader::read as read_once;
-
-/// The most characters of a file's content that an error repeats.
-const SHOWN: usize = 40;
 
 /// Reads a table that begins with `head` and goes on in `stream`.
 pub(super) fn read<R: Read>(head: &[u8], stream: R) -> Result<JointLog, JointLogError> {
@@ -75,7 +73,7 @@ fn names(header: &[u8], delimiter: u8, layout: Layout) -> Result<Vec<String>, Jo
     read_line(&mut table, &mut line)?;
     let names = layout.fields(&line).map(bare).map(|name| match name {
         // Long names are none that are known, and `shown` keeps the known ones as they are.
-        name if name.len() > 4 * SHOWN => String::new(),
+        name if name.len() > MAX_NAME => String::new(),
         name => name.iter().map(|byte| char::from(*byte)).flat_map(char::escape_debug).collect(),
     });
     let mut names: Vec<String> = names.collect();
@@ -208,17 +206,6 @@ fn bare(field: &[u8]) -> &[u8] {
 fn number(field: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(bare(field)).ok()?;
     text.parse().ok().filter(|value: &f64| value.is_finite())
-}
-
-/// The beginning of a piece of a file, without characters that a terminal would obey.
-pub(super) fn shown(bytes: &[u8]) -> String {
-    let start = &bytes[..bytes.len().min(4 * SHOWN)];
-    let text = String::from_utf8_lossy(start);
-    let mut shown: String = text.chars().take(SHOWN).flat_map(char::escape_debug).collect();
-    if bytes.len() > start.len() || text.chars().count() > SHOWN {
-        shown.push_str("...");
-    }
-    shown
 }
 
 /// A stream that keeps the last byte that was read.

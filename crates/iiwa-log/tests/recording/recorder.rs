@@ -55,7 +55,7 @@ fn everything_comes_back() {
     }
     assert_eq!(recording.metadata["iiwasim"], metadata);
     let names: Vec<_> = recording.attachments.iter().map(|a| a.name.as_str()).collect();
-    assert_eq!(names, ["program.json", "robot.urdf"]);
+    assert_eq!(names, ["program.json", "robot.json", "robot.urdf"]);
 
     // A hundred poses a second, and one at the end.
     let times = by_index(&file);

@@ -7,11 +7,16 @@ use plotters::prelude::SeriesLabelPosition;
 
 use crate::{
     ViewError,
-    experiment::{Bench, Chapter, TrialRun, identified, left_out, path},
     picture::{
         COLOURS, INK, MEASURED, PLANNED,
         plot::{Plot, Point, draw},
     },
+};
+
+use super::{
+    bench::{Bench, TrialRun},
+    chapter::Chapter,
+    evaluation::{identified, left_out, path},
 };
 
 /// Each corner is three motions: to the corner, on to a target of the circle, and back to the start.

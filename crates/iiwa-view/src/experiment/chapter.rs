@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Write as _};
 
-use crate::experiment::Bench;
+use super::bench::Bench;
 
 /// A part of a report.
 #[derive(Clone, Debug, Default)]

@@ -2,18 +2,23 @@
 
 use iiwa_eval::{
     Plan, compare,
-    experiment::{CycleTime, Sweep, Trial},
+    experiment::{CycleTimeCase, Sweep, Trial},
 };
 use iiwa_traj::{SweepOptions, Timing};
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
 
 use crate::{
     ViewError,
-    experiment::{Bench, Chapter, TrialRun, plan},
     picture::{
         COLOURS,
         plot::{Plot, Point, draw},
     },
+};
+
+use super::{
+    bench::{Bench, TrialRun},
+    chapter::Chapter,
+    evaluation::planned,
 };
 
 /// Colours of the timings: acceleration, jerk.
@@ -36,17 +41,17 @@ impl Over {
         Self::LengthAtFullSpeed,
     ];
 
-    fn cases(self) -> Vec<CycleTime> {
+    fn cases(self) -> Vec<CycleTimeCase> {
         match self {
             Self::Thesis(sweep) => sweep.cases(),
             Self::LengthAtFullSpeed => {
-                let at_full_speed = |case| CycleTime { velocity_rel: 1.0, ..case };
+                let at_full_speed = |case| CycleTimeCase { velocity_rel: 1.0, ..case };
                 Sweep::Length.cases().into_iter().map(at_full_speed).collect()
             }
         }
     }
 
-    fn value(self, case: &CycleTime) -> f64 {
+    fn value(self, case: &CycleTimeCase) -> f64 {
         match self {
             Self::Thesis(Sweep::Velocity) => case.velocity_rel,
             Self::Thesis(Sweep::Blend) => case.blend,
@@ -56,7 +61,7 @@ impl Over {
 }
 
 /// All cases: of each of the first paths, one for each value.
-fn cases(paths: usize) -> Vec<(Over, CycleTime)> {
+fn cases(paths: usize) -> Vec<(Over, CycleTimeCase)> {
     let of = |over: Over| {
         let cases = over.cases().into_iter();
         cases.filter(move |case| case.path < paths as u64).map(move |case| (over, case))
@@ -169,9 +174,10 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
 
 fn evaluate(bench: &Bench, runs: &[TrialRun]) -> Result<Vec<Case>, ViewError> {
     let measured = runs.iter().map(|TrialRun { trial, log }| {
-        let jerk = plan(bench, trial, Timing::default())?;
+        let jerk = planned(&bench.model, trial, Timing::default())?;
         let acceleration =
-            plan(bench, trial, Timing::Acceleration(SweepOptions::default()))?.cycle_time_s();
+            planned(&bench.model, trial, Timing::Acceleration(SweepOptions::default()))?
+                .cycle_time_s();
         let compared = compare(&Plan::from_trajectory(&jerk), log)
             .map_err(|source| ViewError::Compare { name: trial.name.clone(), source })?;
         let real_s = compared.cycle_time.real_s;

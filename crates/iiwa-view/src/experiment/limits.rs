@@ -11,11 +11,16 @@ use iiwa_traj::{Timing, Trajectory};
 
 use crate::{
     ViewError,
-    experiment::{Bench, Chapter, TrialRun, identified, left_out, plan, spread},
     picture::{
         MEASURED, PLANNED,
         plot::{Plot, Point, draw},
     },
+};
+
+use super::{
+    bench::{Bench, TrialRun},
+    chapter::Chapter,
+    evaluation::{identified, left_out, planned, spread},
 };
 
 /// Means and standard deviations of Table 4, in deg/s^2, and Table 5, in deg/s^3.
@@ -147,7 +152,7 @@ fn figure(bench: &Bench, run: &TrialRun, line: &LineObservation) -> Result<Strin
         motions: vec![Motion::Ptp(Ptp::to(line.to_rad))],
     };
     let trial = Trial { name: run.trial.name.clone(), program };
-    let planned: Trajectory = plan(bench, &trial, Timing::default())?;
+    let planned: Trajectory = planned(&bench.model, &trial, Timing::default())?;
     let middle_deg = 0.5 * (line.from_rad[joint] + line.to_rad[joint]).to_degrees();
     let around_s = 0.04;
     let whole_s = end_s - start_s + 2.0 * around_s;

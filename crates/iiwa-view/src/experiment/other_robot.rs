@@ -2,16 +2,16 @@
 
 use iiwa_eval::{
     Plan, compare,
-    experiment::{CycleTime, Trial},
+    experiment::{CycleTimeCase, Trial},
     identify::{Recording, identify},
 };
-use iiwa_kin::Robot;
-use iiwa_path::JointPath;
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
-use crate::{
-    ViewError,
-    experiment::{Bench, Chapter, ExperimentKind, VirtualArm},
+use crate::ViewError;
+
+use super::{
+    bench::Bench, chapter::Chapter, evaluation::planned, kind::ExperimentKind,
+    virtual_arm::VirtualArm,
 };
 
 /// Shares of the model's limits, joint by joint.
@@ -71,13 +71,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ViewError
         .into_iter()
         .map(|(name, trial)| {
             let log = arm.run(&trial)?;
-            let planned = |robot: &Robot, timing: Timing| {
-                let path = JointPath::new(&trial.program, robot)
-                    .map_err(|source| ViewError::Path { name: trial.name.clone(), source })?;
-                Trajectory::plan(&path, timing)
-                    .map_err(|source| ViewError::Timing { name: trial.name.clone(), source })
-            };
-            let by_identified = planned(&identified, Timing::default())?;
+            let by_identified = planned(&identified, &trial, Timing::default())?;
             let compared = compare(&Plan::from_trajectory(&by_identified), &log)
                 .map_err(|source| ViewError::Compare { name: trial.name.clone(), source })?;
             // From departure to arrival: how long it stands at its end, the recording does not tell.
@@ -91,8 +85,8 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ViewError
             Ok(vec![
                 name,
                 format!("{real_s:.3}"),
-                error(&planned(&bench.model, acceleration)?, model_s),
-                error(&planned(&bench.model, Timing::default())?, model_s),
+                error(&planned(&bench.model, &trial, acceleration)?, model_s),
+                error(&planned(&bench.model, &trial, Timing::default())?, model_s),
                 error(&by_identified, identified.settle_time_s()),
                 format!("{:.3}", compared.joints_rad.max.to_degrees()),
             ])
@@ -136,7 +130,7 @@ fn prediction_trials(bench: &Bench) -> Vec<(String, Trial)> {
     for (velocity_rel, blend, length_deg) in
         [(1.0, 0.25, 200.0), (1.0, 0.0, 100.0), (0.4, 0.25, 50.0)]
     {
-        let case = CycleTime { path: 0, velocity_rel, blend, length_deg };
+        let case = CycleTimeCase { path: 0, velocity_rel, blend, length_deg };
         let name =
             format!("ten motions, velocity {velocity_rel}, blend {blend}, lambda {length_deg}");
         trials.push((name, case.trial(&bench.model, bench.seed)));

@@ -1,8 +1,11 @@
 //! The time to settle (Larsen 2019, Appendix C, Table 6).
 
-use crate::{
-    ViewError,
-    experiment::{Bench, Chapter, TrialRun, identified, left_out},
+use crate::ViewError;
+
+use super::{
+    bench::{Bench, TrialRun},
+    chapter::Chapter,
+    evaluation::{identified, left_out},
 };
 
 /// Mean and standard deviation, in s (Table 6).

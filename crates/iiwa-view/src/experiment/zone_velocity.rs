@@ -10,12 +10,17 @@ use plotters::prelude::SeriesLabelPosition;
 
 use crate::{
     ViewError,
-    experiment::{Bench, Chapter, TrialRun, path},
     picture::{
         INK,
         plot::{Plot, Point, draw},
         shade,
     },
+};
+
+use super::{
+    bench::{Bench, TrialRun},
+    chapter::Chapter,
+    evaluation::path,
 };
 
 /// Half of the window in which samples are differentiated, in s.

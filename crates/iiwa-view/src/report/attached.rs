@@ -3,9 +3,9 @@
 use std::io::Cursor;
 
 use iiwa_kin::Robot;
-use iiwa_log::{PlanConfig, PlanFigures, PlanSize, PlanWriter, WriteError};
-use iiwa_path::{JointPath, Program};
-use iiwa_traj::{Planner, Timing};
+use iiwa_log::{PlanConfig, PlanOptions, PlanWriter, Planning};
+use iiwa_path::Program;
+use iiwa_traj::PlanError;
 
 use crate::{ViewError, long_duration};
 
@@ -25,31 +25,24 @@ pub(crate) fn plan(
 }
 
 fn made(text: &str, robot: &Robot, interrupted: fn() -> bool) -> Result<Source, ViewError> {
-    let name = || "program.json".to_owned();
+    let refuse = |source: PlanError| ViewError::Planning { name: "program.json".into(), source };
     let program =
         Program::from_json(text).map_err(|error| ViewError::Program { what: error.what() })?;
-    let path = JointPath::new(&program, robot)
-        .map_err(|source| ViewError::Path { name: name(), source })?;
-    let refuse = |source: WriteError| ViewError::Write { source };
-    let timing = Timing::default();
-    let mut figures = PlanFigures::new(timing, robot, 0);
-    let storage = Cursor::new(Vec::new());
-    let config = PlanConfig::default();
-    let mut size = PlanSize::new(config.rate_hz);
-    let mut writer = PlanWriter::new(storage, robot, config).map_err(refuse)?;
-    for section in Planner::new(&path, timing) {
+    let mut planning = Planning::new(&program, robot, &PlanOptions::default())
+        .map_err(|fault| refuse(fault.into()))?;
+    let stream = Cursor::new(Vec::new());
+    let mut writer = PlanWriter::new(stream, robot, PlanConfig::default())?;
+    while let Some(section) = planning.next() {
         if interrupted() {
             return Err(ViewError::Interrupted);
         }
-        let section = section.map_err(|source| ViewError::Timing { name: name(), source })?;
-        size.add(&section);
-        if size.bytes() > MOST_BYTES {
-            return Err(ViewError::TooLong { duration: long_duration(size.duration_s()) });
+        let section = section.map_err(|error| refuse(error.into()))?;
+        if planning.size().bytes() > MOST_BYTES {
+            let duration = long_duration(planning.size().duration_s());
+            return Err(ViewError::TooLong { duration });
         }
-        figures.add(&section);
-        writer.section(&section).map_err(refuse)?;
+        writer.section(&section)?;
     }
-    let attached = ("program.json", "application/json", text.as_bytes());
-    let storage = writer.finish(&figures.to_metadata(), &[attached]).map_err(refuse)?;
-    Source::made("plan of its program", storage.into_inner())
+    let stream = writer.finish(planning.figures(), Some(text))?;
+    Source::made("plan of its program", stream.get_ref())
 }

@@ -7,10 +7,10 @@ use std::{
 
 use iiwa_eval::{Comparison, Plan};
 use iiwa_kin::{Joints, Robot};
-use iiwa_log::Loss;
+use iiwa_log::{Loss, PlanPiece};
 use iiwa_path::{Blend, Motion, Ptp};
 use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::{
     ComparisonReport, ViewError,
@@ -23,7 +23,7 @@ use super::{
     curve::{Curve, Samples},
     measured::Measured,
     planned::Planned,
-    source::{Piece, Role, Source},
+    source::{Role, Source},
 };
 
 /// Parts of this page alone.
@@ -40,12 +40,12 @@ pub struct Page {
     /// The arm of FILE, then the one of MEASURED.
     arms: Vec<Arm>,
     /// Lines, blends, settles and waits, in the order of time.
-    pieces: Vec<Piece>,
+    pieces: Vec<PlanPiece>,
     corners: Vec<Corner>,
     /// Of the motions that have any below 1; motions count from 1.
     shares: BTreeMap<usize, Shares>,
     /// As `iiwasim plan --json` has them.
-    figures: Map<String, Value>,
+    figures: Value,
     compared: Option<Compared>,
     /// What is missing or taken for granted, for people.
     notes: Vec<String>,
@@ -124,7 +124,7 @@ impl Default for PageOptions {
 #[derive(Serialize)]
 struct Sketch<'a> {
     arms: Vec<Outline<'a>>,
-    pieces: &'a [Piece],
+    pieces: &'a [PlanPiece],
     corners: &'a [Corner],
     compared: Option<&'a ComparisonReport>,
     notes: &'a [String],
@@ -237,10 +237,10 @@ impl Page {
         Ok(Self {
             robot: Model::from(&robot),
             arms,
-            corners: corners(&first.pieces, motions, &robot),
+            corners: corners(&first.record.pieces, motions, &robot),
             shares: shares(motions),
-            pieces: first.pieces,
-            figures: first.figures,
+            figures: first.record.to_json(),
+            pieces: first.record.pieces,
             compared,
             notes,
             title,
@@ -325,16 +325,15 @@ fn from_start(source: &Source) -> f64 {
 /// The recording held against the plan, and what takes its times to the plan's; or why not.
 fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compared, f64), String> {
     let not = |why: String| format!("not compared, both start at 0: {why}");
-    if first.role() != Role::Plan {
-        return Err(not(format!("{} is no whole plan", first.name)));
+    if first.role() != Role::Plan || first.is_broken_off() {
+        return Err(not(format!("{} is not a whole plan", first.name)));
     }
-    let stream = first.open().map_err(|error| not(with_causes(&error)))?;
-    let plan =
-        Plan::read_mcap(stream, Some(robot.clone())).map_err(|error| not(with_causes(&error)))?;
+    let plan = Plan::from_record(first.record.clone(), Some(robot.clone()))
+        .map_err(|error| not(with_causes(&error)))?;
     let comparison: Comparison = iiwa_eval::compare(&plan, &second.log)
         .map_err(|error| not(format!("{}: {}", second.name, with_causes(&error))))?;
-    let moves = |piece: &&Piece| piece.kind == "line" || piece.kind == "blend";
-    let start_s = first.pieces.iter().find(moves).map_or(0.0, |piece| piece.start_s);
+    let moves = |piece: &&PlanPiece| piece.kind == "line" || piece.kind == "blend";
+    let start_s = first.record.pieces.iter().find(moves).map_or(0.0, |piece| piece.start_s);
     let names = [Path::new(&first.name), Path::new(&second.name)];
     let compared = Compared {
         report: ComparisonReport::new(names, None, &plan, &second.log, &comparison),
@@ -359,7 +358,7 @@ fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
 }
 
 /// The targets that are blended away.
-fn corners(pieces: &[Piece], motions: &[Motion], robot: &Robot) -> Vec<Corner> {
+fn corners(pieces: &[PlanPiece], motions: &[Motion], robot: &Robot) -> Vec<Corner> {
     let blended: BTreeSet<usize> = pieces
         .iter()
         .filter(|piece| piece.kind == "blend")
@@ -390,9 +389,8 @@ impl Arm {
         let (poses, curves) = match (extent, role) {
             (Extent::Sketch, _) => (Poses::new(&log.t_s, &log.q_rad, shift_s), None),
             (Extent::Whole, Role::Plan) => {
-                let smooth =
-                    source.figures.get("timing").and_then(Value::as_str) != Some("acceleration");
-                let planned = Planned::new(&source.nodes, smooth);
+                let smooth = source.record.timing() != Some("acceleration");
+                let planned = Planned::new(&source.record.nodes, smooth);
                 let poses = Poses::new(&planned.position.t_s, &planned.position.rows, shift_s);
                 (poses, Some(Curves::of_plan(planned, smooth, shift_s)))
             }

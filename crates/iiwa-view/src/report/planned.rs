@@ -1,8 +1,9 @@
 //! The curves of a plan, from the nodes of its trajectory.
 
 use iiwa_kin::Joints;
+use iiwa_log::PlanNode;
 
-use super::{curve::Samples, source::Node};
+use super::curve::Samples;
 
 /// The longest step between two samples, in s, unless there would be too many.
 const STEP_S: f64 = 0.004;
@@ -26,7 +27,7 @@ impl Planned {
     /// Under limits of jerk (`smooth`), acceleration is linear between nodes, so that jerk is its mean
     /// there: exact on lines, whose jerk is constant from node to node. Without them, acceleration is
     /// constant from a node on, and jumps.
-    pub(crate) fn new(nodes: &[Node], smooth: bool) -> Self {
+    pub(crate) fn new(nodes: &[PlanNode], smooth: bool) -> Self {
         let ends = nodes.first().zip(nodes.last());
         let whole_s = ends.map_or(0.0, |(first, last)| last.t_s - first.t_s);
         let step_s = STEP_S.max(whole_s / SAMPLES);
@@ -104,7 +105,7 @@ mod tests {
     /// A motion at a millionth of its speed takes months from one node to the next.
     #[test]
     fn long_plans_have_no_more_samples() {
-        let node = |t_s: f64| Node { t_s, q: [t_s * 1e-7; 7], dq: [1e-7; 7], ddq: [0.0; 7] };
+        let node = |t_s: f64| PlanNode { t_s, q: [t_s * 1e-7; 7], dq: [1e-7; 7], ddq: [0.0; 7] };
         let planned = Planned::new(&[node(0.0), node(0.1), node(1e7)], true);
         let count = planned.position.t_s.len();
         assert!((100_000..=450_100).contains(&count), "{count}");
@@ -114,7 +115,7 @@ mod tests {
     #[test]
     fn cubics_are_met() {
         // q = t^3 + t: all derivatives are known.
-        let node = |t: f64| Node {
+        let node = |t: f64| PlanNode {
             t_s: t,
             q: [t.powi(3) + t; 7],
             dq: [3.0 * t * t + 1.0; 7],

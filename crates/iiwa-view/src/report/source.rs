@@ -1,17 +1,15 @@
 //! What a file has for the page.
 
 use std::{
-    collections::BTreeMap,
     fs::File,
-    io::{self, Cursor, Read},
-    path::{Path, PathBuf},
+    io::{self, Read},
+    path::Path,
 };
 
-use iiwa_kin::{Joints, Robot};
-use iiwa_log::{Entry, JointLog, Loss, Reader, Source as Format, Topic};
+use iiwa_kin::Robot;
+use iiwa_log::{JointLog, Loss, PlanRecord, Source as Format};
 use iiwa_path::Program;
 use serde::Serialize;
-use serde_json::{Map, Value};
 
 use crate::ViewError;
 
@@ -24,21 +22,8 @@ pub(crate) struct Source {
     pub(crate) file: String,
     /// Where the joints were.
     pub(crate) log: JointLog,
-    /// The trajectory's nodes; none of a recording.
-    pub(crate) nodes: Vec<Node>,
-    /// Lines, blends, settles and waits; none of a recording.
-    pub(crate) pieces: Vec<Piece>,
-    /// The figures of a plan, as `iiwasim plan --json` has them.
-    pub(crate) figures: Map<String, Value>,
-    content: Content,
-}
-
-/// Where a file's bytes are.
-#[derive(Debug)]
-enum Content {
-    Stored(PathBuf),
-    /// It was made for the page.
-    Made(Vec<u8>),
+    /// What a plan has beside them; of a recording, nothing but its metadata.
+    pub(crate) record: PlanRecord,
 }
 
 /// What a file says of the arm.
@@ -53,28 +38,6 @@ pub(crate) enum Role {
     Recording,
 }
 
-/// A node of a trajectory, in rad and s.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Node {
-    pub(crate) t_s: f64,
-    pub(crate) q: Joints,
-    pub(crate) dq: Joints,
-    pub(crate) ddq: Joints,
-}
-
-/// A piece of a plan.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Piece {
-    /// The motion, from 1.
-    pub(crate) motion: u32,
-    pub(crate) kind: String,
-    pub(crate) start_s: f64,
-    pub(crate) end_s: f64,
-    /// From 1.
-    pub(crate) joint: Option<u8>,
-    pub(crate) limit: String,
-}
-
 impl Source {
     /// Reads a file, as far as it is whole.
     pub(crate) fn read(path: &Path) -> Result<Self, ViewError> {
@@ -82,44 +45,20 @@ impl Source {
         let log = JointLog::read(open(path)?)
             .and_then(|log| log.check_rate().map(|()| log))
             .map_err(|source| ViewError::Recording { name: name.clone(), source })?;
-        Self {
-            name,
-            log,
-            file: path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
-            nodes: Vec::new(),
-            pieces: Vec::new(),
-            figures: Map::new(),
-            content: Content::Stored(path.to_owned()),
-        }
-        .with_plan()
+        let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        Self { name, file, log, record: PlanRecord::default() }.with_record(|| open(path))
     }
 
     /// Takes an MCAP file that was made for the page, under a name for people.
-    pub(crate) fn made(name: &str, content: Vec<u8>) -> Result<Self, ViewError> {
-        let log = JointLog::read(content.as_slice())
+    pub(crate) fn made(name: &str, content: &[u8]) -> Result<Self, ViewError> {
+        let log = JointLog::read(content)
             .map_err(|source| ViewError::Recording { name: name.to_owned(), source })?;
-        Self {
-            name: name.to_owned(),
-            file: name.to_owned(),
-            log,
-            nodes: Vec::new(),
-            pieces: Vec::new(),
-            figures: Map::new(),
-            content: Content::Made(content),
-        }
-        .with_plan()
-    }
-
-    /// The file from its start.
-    pub(crate) fn open(&self) -> Result<Box<dyn Read + '_>, ViewError> {
-        Ok(match &self.content {
-            Content::Stored(path) => Box::new(open(path)?),
-            Content::Made(bytes) => Box::new(Cursor::new(bytes)),
-        })
+        let [name, file] = [name, name].map(str::to_owned);
+        Self { name, file, log, record: PlanRecord::default() }.with_record(|| Ok(content))
     }
 
     pub(crate) fn role(&self) -> Role {
-        match (self.nodes.len(), self.pieces.is_empty()) {
+        match (self.record.nodes.len(), self.record.pieces.is_empty()) {
             (2.., false) => Role::Plan,
             (_, false) => Role::Part,
             (_, true) => Role::Recording,
@@ -131,67 +70,38 @@ impl Source {
         self.log.program.as_deref().and_then(|text| Program::from_json(text).ok())
     }
 
-    /// What a plan has beside joint states, up to where the file breaks off: the joint states have
+    /// With what a plan has beside joint states, up to where the file breaks off: the joint states have
     /// told that it does.
-    fn with_plan(self) -> Result<Self, ViewError> {
+    fn with_record<R: Read>(
+        mut self,
+        open: impl FnOnce() -> Result<R, ViewError>,
+    ) -> Result<Self, ViewError> {
         if self.log.source != Some(Format::Mcap) {
             return Ok(self);
         }
-        let topics = [Topic::JointTrajectory, Topic::Motion];
-        let (mut nodes, mut pieces) = (Vec::<Node>::new(), Vec::<Piece>::new());
-        let mut metadata = BTreeMap::new();
-        for entry in Reader::new(self.open()?).only(&topics) {
-            let entry = match entry {
-                Ok(entry) => entry,
-                Err(_) if self.broken_off() => break,
-                Err(source) => {
-                    return Err(ViewError::Plan { name: self.name.clone(), source });
-                }
-            };
-            match entry {
-                Entry::Trajectory { t_s, points } => {
-                    // A part of a long trajectory begins with the last point of the part before.
-                    let last_s = nodes.last().map_or(f64::NEG_INFINITY, |last| last.t_s);
-                    let more = points.iter().map(|point| Node {
-                        t_s: t_s + point.time_from_start.as_secs_f64(),
-                        q: point.positions,
-                        dq: point.velocities,
-                        ddq: point.accelerations,
-                    });
-                    nodes.extend(more.filter(|node| node.t_s > last_s + 1e-10));
-                }
-                Entry::Motion(sample) => {
-                    if let Some(before) = pieces.last_mut() {
-                        before.end_s = sample.t_s;
-                    }
-                    pieces.push(Piece {
-                        motion: sample.motion.index,
-                        kind: sample.motion.kind.into_owned(),
-                        start_s: sample.t_s,
-                        end_s: sample.t_s,
-                        joint: sample.motion.limiting_joint,
-                        limit: sample.motion.limiting_kind.into_owned(),
-                    });
-                }
-                Entry::Metadata { name, entries } if name == "iiwasim" => metadata.extend(entries),
-                _ => {}
+        let (record, end) = PlanRecord::read_part(open()?);
+        match end {
+            Some(source) if !self.is_broken_off() => {
+                return Err(ViewError::Plan { name: self.name, source });
             }
+            _ => self.record = record,
         }
-        if let (Some(last), Some(end_s)) = (pieces.last_mut(), self.log.t_s.last()) {
+        // Without nodes, the joint states tell how long the last piece takes.
+        if let (true, Some(last), Some(end_s)) =
+            (self.record.nodes.is_empty(), self.record.pieces.last_mut(), self.log.t_s.last())
+        {
             last.end_s = last.start_s.max(*end_s);
         }
-        // A number or a list is JSON in the record, a text is as it is.
-        let value = |text: String| serde_json::from_str(&text).unwrap_or(Value::String(text));
-        let figures = metadata.into_iter().map(|(key, text)| (key, value(text))).collect();
-        Ok(Self { nodes, pieces, figures, ..self })
+        Ok(self)
     }
 
     /// Whether the file is cut off or damaged.
-    fn broken_off(&self) -> bool {
+    pub(crate) fn is_broken_off(&self) -> bool {
         self.log.losses.iter().any(|loss| matches!(loss, Loss::BrokenOff { .. }))
     }
 
-    /// The robot that was asked for, or the file's, or the default one; and what is assumed.
+    /// The robot that was asked for, or the one that the file was made with, or the default one; and what
+    /// is assumed.
     pub(crate) fn robot(
         &self,
         asked: Option<&Robot>,
@@ -199,16 +109,16 @@ impl Source {
         if let Some(robot) = asked {
             return Ok((robot.clone(), None));
         }
-        let Some(name) = &self.log.robot else {
-            let robot = Robot::default();
-            let note = format!("{} names no robot: taken for {}", self.name, robot.name());
-            return Ok((robot, Some(note)));
-        };
-        let robot = Robot::built_in(name).ok_or_else(|| ViewError::UnknownRobot {
-            name: self.name.clone(),
-            robot: name.clone(),
-        })?;
-        Ok((robot, None))
+        let recorded = self
+            .log
+            .recorded_robot()
+            .map_err(|source| ViewError::UnknownRobot { name: self.name.clone(), source })?;
+        if let Some(robot) = recorded {
+            return Ok((robot, None));
+        }
+        let robot = Robot::default();
+        let note = format!("{} names no robot: taken for {}", self.name, robot.name());
+        Ok((robot, Some(note)))
     }
 
     /// Refuses positions that the robot does not have.

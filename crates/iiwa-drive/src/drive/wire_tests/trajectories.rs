@@ -3,7 +3,7 @@
 use fastrand::Rng;
 use iiwa_kin::Robot;
 use iiwa_link::TimedJoints;
-use iiwa_path::{Blend, Motion, JointPath, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 
 /// Motions at full speed between positions anywhere in the range, including its ends.

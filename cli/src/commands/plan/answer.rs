@@ -1,0 +1,15 @@
+//! The `--json` object of a plan.
+
+use iiwa_log::PlanFigures;
+use serde::Serialize;
+
+/// The figures, and where the file is.
+#[derive(Serialize)]
+pub(super) struct PlanAnswer<'a> {
+    /// Which of many programs it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) program: Option<&'a str>,
+    #[serde(flatten)]
+    pub(super) figures: &'a PlanFigures,
+    pub(super) output: Option<String>,
+}

@@ -1,0 +1,74 @@
+//! One program.
+
+use std::{
+    fmt::Write as _,
+    iter,
+    path::{Path, PathBuf},
+};
+
+use iiwa_log::PlanFigures;
+use iiwa_view::plan_table;
+
+use crate::{args::Plan, failure::Failure, input, output, progress::Progress};
+
+use super::{
+    answer::PlanAnswer,
+    gates::Gates,
+    target::file_name,
+    work::{scene, write},
+};
+
+/// Plans one program.
+pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
+    let target = output_path(options, program);
+    distinct(options, program, target.as_deref())?;
+    let scene = scene(options)?;
+    let input = input::program(program, options.robot.as_deref())?;
+    output::catch_interrupts();
+    let mut progress = Progress::of_program();
+    let show = |share| progress.show_share(share);
+    let figures = write(options, scene.as_ref(), input, target.as_deref(), show);
+    progress.clear();
+    let figures = figures?;
+    report(options, &figures, target.as_deref())?;
+    match Gates::new(options, &figures).complaint() {
+        Some(how) => Err(Failure::Gate(format!("the program {how}"))),
+        None => Ok(()),
+    }
+}
+
+/// Where the MCAP file goes, if anywhere.
+fn output_path(options: &Plan, program: &Path) -> Option<PathBuf> {
+    if options.no_output {
+        return None;
+    }
+    Some(options.output.clone().unwrap_or_else(|| file_name(program)))
+}
+
+/// Refuses to write over what is read, or one file twice.
+fn distinct(options: &Plan, program: &Path, target: Option<&Path>) -> Result<(), Failure> {
+    let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
+    let scene = options.scene.as_deref().map(|path| ("scene", path));
+    let read: Vec<_> = iter::once(("program", program)).chain(robot).chain(scene).collect();
+    if let Some(target) = target {
+        output::keep_inputs("trajectory", target, read.iter().copied(), "--output")?;
+    }
+    if let Some(picture) = &options.picture {
+        let trajectory = target.map(|path| ("trajectory", path));
+        let others = read.iter().copied().chain(trajectory);
+        output::keep_inputs("picture", picture, others, "--picture")?;
+    }
+    Ok(())
+}
+
+fn report(options: &Plan, figures: &PlanFigures, file: Option<&Path>) -> Result<(), Failure> {
+    if !options.json {
+        let mut text = plan_table(figures);
+        if let Some(file) = file {
+            let _ = writeln!(text, "Trajectory in {}", file.display());
+        }
+        return output::print(&text);
+    }
+    let output = file.map(|file| file.display().to_string());
+    output::print_json(&PlanAnswer { program: None, figures, output })
+}

@@ -1,0 +1,19 @@
+//! Where a program's trajectory goes.
+
+use std::path::{Path, PathBuf};
+
+/// Whether a program is read from standard input.
+pub(super) fn is_stdin(program: &Path) -> bool {
+    program == Path::new("-")
+}
+
+/// How the MCAP file of a program is called.
+pub(super) fn file_name(program: &Path) -> PathBuf {
+    let stem = match program.file_stem() {
+        Some(stem) if !is_stdin(program) => stem.to_owned(),
+        _ => "program".into(),
+    };
+    let mut name = stem;
+    name.push(".mcap");
+    PathBuf::from(name)
+}

@@ -1,0 +1,129 @@
+//! Planning one program, with its file and its picture.
+
+use std::path::Path;
+
+use bytesize::ByteSize;
+use iiwa_kin::Robot;
+use iiwa_log::{ClearanceRecord, PlanConfig, PlanFigures, PlanOptions, PlanWriter, Planning};
+use iiwa_path::{PathOptions, Program};
+use iiwa_scene::{ArmInScene, PlannedClearance, Scene};
+use iiwa_traj::{JerkOptions, Section, SweepOptions, Timing};
+use iiwa_view::{PlanPicture, long_duration};
+
+use crate::{
+    args::{self, Plan},
+    failure::Failure,
+    input::{self, Text},
+    output::{self, Output},
+};
+
+/// The scene that the arm is to be held against, if any.
+pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
+    options.scene.as_deref().map(input::scene).transpose()
+}
+
+/// Plans a program and writes its trajectory to `target`. What is written appears when all of it is
+/// done; `progress` hears of the share that is.
+pub(super) fn write(
+    options: &Plan,
+    scene: Option<&Scene>,
+    (text, program, robot): (Text, Program, Robot),
+    target: Option<&Path>,
+    mut progress: impl FnMut(f64),
+) -> Result<PlanFigures, Failure> {
+    let refuse = |error| Failure::plan(error, &text.name, &text.text);
+    let mut planning = Planning::new(&program, &robot, &plan_options(options))
+        .map_err(|fault| refuse(fault.into()))?
+        .with_rate(options.rate);
+    drop(program);
+    let arm = scene.map(|scene| ArmInScene::new(&robot, scene));
+
+    let output = target.map(Output::new).transpose()?;
+    let drawing = options.picture.as_deref().map(Output::new).transpose()?;
+    let mut writer = match &output {
+        None => None,
+        Some(output) => {
+            let mut config = PlanConfig { rate_hz: options.rate, ..PlanConfig::default() };
+            if let Some(epoch) = options.epoch {
+                config.file.epoch = epoch;
+            }
+            let writer = PlanWriter::new(output.stream()?, &robot, config);
+            Some(writer.map_err(|error| output.failure(&error))?)
+        }
+    };
+    let mut picture = drawing.as_ref().map(|_| PlanPicture::new(&robot));
+
+    while let Some(section) = planning.next() {
+        output::check_interrupt()?;
+        let section = section.map_err(|error| refuse(error.into()))?;
+        if let Some(nearest) = arm.as_ref().and_then(|arm| clearance(arm, &section)) {
+            planning.figures_mut().add_clearance(nearest);
+        }
+        if let (Some(writer), Some(output)) = (&mut writer, &output) {
+            if planning.size().bytes() > options.max_file_size.as_u64() {
+                return Err(too_large(options, planning));
+            }
+            writer.section(&section).map_err(|error| output.failure(&error))?;
+        }
+        if let Some(picture) = &mut picture {
+            picture.add(&section);
+        }
+        progress(planning.progress());
+    }
+
+    if let (Some(writer), Some(output)) = (writer, &output) {
+        writer
+            .finish(planning.figures(), Some(&text.text))
+            .map_err(|error| output.failure(&error))?
+            .into_inner()
+            .map_err(|error| output.failure(error.error()))?;
+    }
+    if let (Some(picture), Some(drawing)) = (picture, &drawing) {
+        drawing.write(picture.draw()?.as_bytes())?;
+    }
+    for whole in output.into_iter().chain(drawing) {
+        whole.complete()?;
+    }
+    Ok(planning.into_figures())
+}
+
+fn plan_options(options: &Plan) -> PlanOptions {
+    PlanOptions {
+        path: PathOptions {
+            blend_shape: options.blend_shape.into(),
+            blend_search: options.blend_search.into(),
+        },
+        timing: match options.timing {
+            args::Timing::Acceleration => {
+                Timing::Acceleration(SweepOptions { samples: options.samples as usize })
+            }
+            args::Timing::Jerk => Timing::Jerk(JerkOptions::default()),
+        },
+        samples: options.samples,
+    }
+}
+
+/// How near the arm comes to its scene in a section.
+fn clearance(arm: &ArmInScene, section: &Section) -> Option<ClearanceRecord> {
+    let PlannedClearance { clearance, at_s, .. } = arm.clearance_of_section(section)?;
+    Some(ClearanceRecord {
+        distance_mm: 1e3 * clearance.distance_m,
+        link: clearance.link,
+        obstacle: arm.scene().obstacles()[clearance.obstacle].name.clone(),
+        at_s,
+    })
+}
+
+/// A program whose file would be too large, with all that it would need; `planning` has the rest of it.
+fn too_large(options: &Plan, mut planning: Planning) -> Failure {
+    planning.by_ref().take_while(|_| !output::interrupted()).for_each(drop);
+    let size = planning.size();
+    Failure::input(format!(
+        "the program takes {}: at {} Hz its file would have about {}, more than the {} of --max-file-size; \
+         lower --rate, raise --max-file-size, or have the figures alone with --no-output",
+        long_duration(size.duration_s()),
+        options.rate,
+        ByteSize::b(size.bytes()).display().si(),
+        options.max_file_size.display().si()
+    ))
+}

@@ -1,0 +1,44 @@
+//! How far the robot is from where a program starts.
+
+use std::fmt;
+
+use iiwa_kin::Joints;
+use iiwa_link::START_TOLERANCE_RAD;
+
+/// The joint that is farthest from where a program starts.
+pub(crate) struct StartOffset {
+    /// From 0.
+    joint: usize,
+    at_rad: f64,
+    start_rad: f64,
+}
+
+impl StartOffset {
+    pub(crate) fn new(joints_rad: &Joints, start_rad: &Joints) -> Self {
+        let off = |j: &usize| (joints_rad[*j] - start_rad[*j]).abs();
+        let joint = (0..7).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+        Self { joint, at_rad: joints_rad[joint], start_rad: start_rad[joint] }
+    }
+
+    pub(crate) fn rad(&self) -> f64 {
+        (self.at_rad - self.start_rad).abs()
+    }
+
+    /// Whether a drive lets the program start.
+    pub(crate) fn is_within_tolerance(&self) -> bool {
+        self.rad() <= START_TOLERANCE_RAD
+    }
+}
+
+impl fmt::Display for StartOffset {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the robot is not at the program's start: joint {} is at {:.3} deg, the program starts at {:.3} \
+             deg",
+            self.joint + 1,
+            self.at_rad.to_degrees(),
+            self.start_rad.to_degrees()
+        )
+    }
+}

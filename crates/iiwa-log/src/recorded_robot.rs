@@ -1,0 +1,40 @@
+//! The robot that a file was made with.
+
+use iiwa_kin::Robot;
+
+/// The attachment with the robot's profile.
+pub(crate) const PROFILE: &str = "robot.json";
+
+/// Why a file does not tell its robot.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordedRobotError {
+    /// The file names a robot that is not built in, and holds no profile of it.
+    #[error("the robot `{name}` is not built in, and the file has no profile of it")]
+    Unknown {
+        /// The robot's name in the file.
+        name: String,
+    },
+    /// The attachment `robot.json` is not a robot profile.
+    #[error("the attachment `{PROFILE}` is not a robot profile: {what}")]
+    Profile {
+        /// What is wrong with it.
+        what: String,
+    },
+}
+
+/// The robot of the `profile` in a file, or the built-in one that the file names; none if it has neither.
+pub(crate) fn recorded_robot(
+    name: Option<&str>,
+    profile: Option<&str>,
+) -> Result<Option<Robot>, RecordedRobotError> {
+    if let Some(profile) = profile {
+        return Robot::from_profile(profile)
+            .map(Some)
+            .map_err(|error| RecordedRobotError::Profile { what: error.what() });
+    }
+    let Some(name) = name else { return Ok(None) };
+    Robot::built_in(name)
+        .map(Some)
+        .ok_or_else(|| RecordedRobotError::Unknown { name: name.to_owned() })
+}

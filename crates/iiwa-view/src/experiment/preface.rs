@@ -1,0 +1,92 @@
+//! What a report on experiments begins with, and a warning before they are run.
+
+use std::fmt::Write as _;
+
+use iiwa_eval::experiment::Trial;
+use iiwa_path::Motion;
+
+use super::{bench::Bench, chapter::wrapped, virtual_arm::VirtualArm};
+
+/// How far each joint moves in `count` programs, for people beside the arm.
+#[must_use]
+pub fn motion_warning<'a>(trials: impl Iterator<Item = &'a Trial>, count: usize) -> String {
+    let mut range = [(f64::INFINITY, f64::NEG_INFINITY); 7];
+    for trial in trials {
+        let targets = trial.program.motions.iter().filter_map(|motion| match motion {
+            Motion::Ptp(ptp) => Some(ptp.target_rad),
+            _ => None,
+        });
+        for target in targets.chain([trial.program.start_rad]) {
+            for (range, q) in range.iter_mut().zip(target) {
+                *range = (range.0.min(q), range.1.max(q));
+            }
+        }
+    }
+    let mut text =
+        format!("The arm will run programs: {count}. Joints will move between, in deg:\n");
+    for (j, (low, high)) in range.iter().enumerate() {
+        let _ =
+            writeln!(text, "  A{} {:7.1} and {:6.1}", j + 1, low.to_degrees(), high.to_degrees());
+    }
+    text.push_str(
+        "All that its links can reach there has to be free. Ctrl-C stops it on its path.\n",
+    );
+    text
+}
+
+/// What comes before all chapters of a report that `command` made. Of a virtual arm, with the name of its
+/// robot, unless that is the model.
+#[must_use]
+pub fn preface(
+    command: &str,
+    bench: &Bench,
+    virtual_arm: Option<(&VirtualArm, Option<&str>)>,
+) -> String {
+    let mut text = String::from("# The thesis's experiments, done again\n\n");
+    let _ = writeln!(text, "Made by\n\n```sh\n{command}\n```");
+    let mut paragraph = |words: &str| {
+        let _ = writeln!(text, "\n{}", wrapped(words));
+    };
+    let model = bench.model.name();
+    match virtual_arm {
+        Some((arm, name)) => {
+            let robot = match name {
+                None => format!("the model itself, {model}"),
+                Some(name) => format!("`{name}`, while the model is {model}"),
+            };
+            paragraph(&format!(
+                "**Everything measured here was measured on a virtual robot, not on a real one.** It is a \
+                 simulation inside the program that plans under limits of velocity, acceleration and jerk, \
+                 and is sampled with noise of {:e} rad. It is {robot}. What agrees with the model shows \
+                 that the methods find what is there; whether a real robot is like that, only a real one \
+                 can show: the same command with `--drive` runs the same programs there.",
+                arm.noise_rad
+            ));
+        }
+        None => paragraph(&format!(
+            "Measured {}; the model is {model}. Whether that was a real robot or a simulated cabinet, the \
+             drive does not tell.",
+            bench.on
+        )),
+    }
+    paragraph(
+        "\"The thesis\" is C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing \
+         Systems* (Chalmers 2019); numbers of figures, tables and equations are its own. Its figures are \
+         not shown here: what it reports is told in words or numbers. In pictures, what is calculated is \
+         blue, what was measured is red.",
+    );
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_warning_tells_the_joints_ranges() {
+        let trial = iiwa_eval::experiment::zone_velocity();
+        let text = motion_warning([&trial].into_iter(), 1);
+        assert!(text.contains("A2   -27.2 and   63.6"), "{text}");
+        assert!(text.contains("A1     0.0 and    0.0"), "{text}");
+    }
+}
