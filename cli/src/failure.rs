@@ -1,4 +1,4 @@
-//! How a command can fail, and how that is told.
+//! How a command can fail, and how the failure is reported.
 
 use std::{error::Error, io::Write as _, path::Path};
 
@@ -81,7 +81,7 @@ impl Failure {
         }
     }
 
-    /// As it is told to people.
+    /// As it is reported on standard error.
     pub(crate) fn text(&self) -> String {
         let text = match self {
             Self::Input(report) => format!("{report:?}"),
@@ -117,7 +117,7 @@ impl From<ViewError> for Failure {
     }
 }
 
-/// Writes to standard error. If that is closed, there is nobody to tell.
+/// Writes to standard error; if that is closed, nothing is written.
 pub(crate) fn tell(text: &str) {
     let _ = anstream::stderr().write_all(text.as_bytes());
 }

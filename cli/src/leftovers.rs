@@ -1,7 +1,7 @@
 //! What a process that was killed has left behind, and how it is told from what is in use.
 //!
 //! Temporary files and folders are locked for as long as their process lives: the system gives the lock
-//! back however it ends. What bears the name of one and is not locked belongs to nobody.
+//! back however it ends. A file with such a name that is not locked is left over.
 
 use std::{
     collections::HashSet,
@@ -51,7 +51,7 @@ impl Name {
                 return;
             }
         }
-        // What cannot be read or removed stays: it is in nobody's way.
+        // What cannot be read or removed stays: it does no harm.
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();

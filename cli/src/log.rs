@@ -10,7 +10,7 @@ use std::{
 use tracing::{Metadata, callsite::Identifier};
 use tracing_subscriber::fmt::MakeWriter;
 
-/// From now on, what happens is told there.
+/// Starts to log to standard error.
 pub(crate) fn start() {
     let told = tracing_subscriber::fmt()
         .with_writer(Limited::default())
@@ -18,7 +18,7 @@ pub(crate) fn start() {
         .with_target(false)
         .with_ansi(false)
         .try_init();
-    // Somebody else tells it already.
+    // A log that was started before goes on.
     drop(told);
 }
 

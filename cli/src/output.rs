@@ -139,7 +139,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     print_if_read(text).map(drop)
 }
 
-/// The same, and says whether somebody still reads.
+/// The same; false if the reader has gone away.
 pub(crate) fn print_if_read(text: &str) -> Result<bool, Failure> {
     let mut out = anstream::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

@@ -14,8 +14,8 @@ use super::EXIT_CODES;
 /// file, both arms and the errors that `iiwasim compare` finds.
 ///
 /// A recording of `iiwasim run` holds its program: alone, it is shown beside the plan of that. Other
-/// recordings have no motions: then the page has what there is. Of a file that is cut off, the page
-/// has all up to the break, and says so. Long files are thinned out for the screen: each column of a
+/// recordings have no motions: then the page has the rest. Of a file that is cut off, the page
+/// has all up to the break, and states where it is. Long files are thinned out for the screen: each column of a
 /// curve spans from its lowest to its highest value.
 #[derive(Args, Debug)]
 #[command(after_help = EXIT_CODES)]

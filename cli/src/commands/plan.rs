@@ -1,7 +1,6 @@
 //! `iiwasim plan`.
 
 mod answer;
-mod gates;
 mod many;
 mod one;
 mod programs;

@@ -22,7 +22,7 @@ use crate::{
 /// How long nothing may come before the file is brought up to date all the same.
 const PAUSE: Duration = Duration::from_millis(200);
 
-/// How long nothing may come at first before that is told.
+/// How long nothing may come at first before that is reported.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// Records until it is interrupted.
@@ -122,6 +122,6 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
 
 /// Takes away a file in which there is nothing: it would be in the way of the next recording.
 fn discard(path: &Path) {
-    // Whoever took it away before has done the same.
+    // It may be gone already.
     let _ = fs::remove_file(path);
 }

@@ -45,7 +45,7 @@ struct DeskState {
     plans: u64,
     plan: Option<Arc<Planned>>,
     running: Option<Running>,
-    /// How often somebody wanted the robot to stop: what was sent before that does not begin.
+    /// How often a stop was asked for: what was sent before that does not begin.
     stops: u64,
     /// Whether the twin ends: nothing begins any more.
     ends: bool,
@@ -53,7 +53,7 @@ struct DeskState {
     measured: Option<PathBuf>,
 }
 
-/// A place of the arm that somebody wanted to keep.
+/// A position of the arm that was saved.
 #[derive(Clone, Serialize)]
 struct Position {
     /// Another one for each: places in the list change while others look at it.
@@ -107,7 +107,7 @@ impl Desk {
                 let mut state = self.state();
                 not_running(&state)?;
                 state.plan = None;
-                self.forget_run(&mut state);
+                self.discard_run(&mut state);
                 self.plan.send_replace(word("plan", &None::<()>));
                 Ok(())
             }
@@ -181,12 +181,12 @@ impl Desk {
         if state.plan.as_ref().is_none_or(|shown| shown.id < id) {
             self.plan.send_replace(plan.word.clone());
             state.plan = Some(Arc::new(plan));
-            self.forget_run(&mut state);
+            self.discard_run(&mut state);
         }
         Ok(())
     }
 
-    fn forget_run(&self, state: &mut DeskState) {
+    fn discard_run(&self, state: &mut DeskState) {
         state.measured = None;
         self.run.send_replace(word("run", &None::<()>));
     }
@@ -208,7 +208,7 @@ impl Desk {
         if state.stops != stops || state.ends {
             return Err("the program is not sent: the robot was to be stopped meanwhile".into());
         }
-        self.forget_run(&mut state);
+        self.discard_run(&mut state);
         let stopped = run.stopped();
         let desk = self.clone();
         let thread = thread::spawn(move || {
@@ -223,7 +223,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Has the robot stop, whoever made it move, and nothing begin that was sent before. The answer comes
+    /// Has the robot stop, whatever client made it move, and nothing begin that was sent before. The answer comes
     /// when the drive has given it.
     pub(super) fn stop(&self) -> impl Future<Output = Result<(), String>> + use<> {
         {
@@ -245,7 +245,7 @@ impl Desk {
         };
         let Some(Running { thread, stopped }) = running else { return };
         stopped.store(true, Ordering::Relaxed);
-        // Whoever asked for the run hears of it.
+        // The page that asked for the run is told.
         if let Ok(mut client) = self.setup.client()
             && client.stop().is_ok()
         {

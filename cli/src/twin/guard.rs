@@ -71,7 +71,7 @@ pub(super) async fn guard(
         },
         Err(why) => (StatusCode::FORBIDDEN, format!("{why}\n")).into_response(),
     };
-    // What is shown here is nobody else's business, and the address holds the token.
+    // What is shown here is confidential, and the address holds the token.
     let headers = response.headers_mut();
     headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));

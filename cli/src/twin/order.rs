@@ -28,7 +28,7 @@ pub(super) enum Order {
     ClearProgram,
     /// Has the robot run the plan, the one that was looked at.
     Send { plan: u64, move_to_start: bool },
-    /// Stops the robot on its path, whoever made it move.
+    /// Stops the robot on its path, whatever client made it move.
     Stop,
     /// Sets an output.
     SetIo { name: String, value: IoValue },

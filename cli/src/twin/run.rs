@@ -60,7 +60,7 @@ pub(super) struct RunOutcome {
 }
 
 impl ProgramRun {
-    /// Holds a plan against where the robot is and what stands around it. Errors are for people.
+    /// Checks a plan against where the robot is and its obstacles. Errors are for people.
     pub(super) fn new(
         plan: Arc<Planned>,
         move_to_start: bool,

@@ -1,4 +1,4 @@
-//! The page, and the connection over which it hears of the robot and gives orders.
+//! The page, and the connection over which it receives the state of the robot and gives orders.
 
 use std::{net::TcpListener, time::Duration};
 

@@ -18,7 +18,7 @@ use tempfile::TempDir;
 
 use crate::{args, connection, failure::Failure, input, leftovers::Name, output, runner::Line};
 
-/// The robot, what stands around it, and the way to its drive.
+/// The robot, its obstacles, and the connection to its drive.
 pub(crate) struct Setup {
     pub(crate) robot: Robot,
     /// The robot's name, or its profile's.
@@ -110,7 +110,7 @@ impl Setup {
         Ok(Line::of([self.client()?, self.client()?], self.stream()?))
     }
 
-    /// How near the arm is to what stands around it; none without a scene.
+    /// How near the arm is to an obstacle; none without a scene.
     pub(super) fn nearest(&self, joints_rad: &Joints) -> Option<Nearest> {
         let arm = self.arm.as_ref()?;
         Some(Nearest::new(arm, &arm.clearance(joints_rad)?, None))
@@ -158,7 +158,7 @@ impl Setup {
     }
 
     /// Paths in the folder of new files that are called the same but for their endings. The first one is
-    /// there, and empty, so that nobody else takes the name; none of the others is.
+    /// there, and empty, so that no other process takes the name; none of the others is.
     pub(super) fn new_files<const N: usize>(
         &self,
         stem: &str,
@@ -177,7 +177,7 @@ impl Setup {
             let Some(first) = paths.first() else { return Ok(paths) };
             match File::create_new(first) {
                 Ok(_) => return Ok(paths),
-                // Somebody was faster.
+                // Another process was faster.
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) => {
                     return Err(Failure::run(format!("cannot write {}", first.display()), &error));

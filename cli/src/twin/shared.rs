@@ -14,7 +14,7 @@ use super::{Desk, Setup, Word};
 /// Orders that are carried out at one time, of all pages. Each has a connection to the drive of its own.
 const ORDERS: usize = 8;
 
-/// What pages hear of, and what carries out their orders.
+/// What pages receive, and what carries out their orders.
 #[derive(Clone)]
 pub(crate) struct Shared {
     pub(super) setup: Arc<Setup>,

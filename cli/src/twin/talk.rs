@@ -1,4 +1,4 @@
-//! An open page: it hears of the robot, and gives orders.
+//! An open page: it receives the state of the robot, and gives orders.
 
 use std::{sync::Arc, time::Duration};
 

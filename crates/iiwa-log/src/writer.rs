@@ -62,7 +62,7 @@ impl Default for Config {
 /// bytes a chunk, that is for every megabyte of messages.
 ///
 /// The bytes depend on the calls and on [`Config`] alone. Call [`finish`](Self::finish): a writer
-/// that is dropped ends the file as well, but nobody hears of errors.
+/// that is dropped ends the file as well, but errors are lost.
 pub struct Writer<W: Write + Seek> {
     encoder: Encoder,
     file: File<W>,

@@ -1,4 +1,4 @@
-//! What stands around the arm.
+//! The obstacles around the arm.
 
 use std::collections::HashMap;
 

@@ -16,6 +16,7 @@ mod comparison_report;
 mod duration;
 mod error;
 mod experiment;
+mod gates;
 mod identification_report;
 mod nearest;
 mod page;
@@ -35,6 +36,7 @@ pub use experiment::{
     Bench, Chapter, ExperimentKind, TrialRun, VirtualArm, motion_warning, other_robot, preface,
     wrapped,
 };
+pub use gates::{PlanGates, UnmetGates};
 pub use identification_report::IdentificationReport;
 pub use nearest::Nearest;
 pub use picture::{PlanPicture, draw_comparison};

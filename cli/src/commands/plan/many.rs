@@ -19,9 +19,8 @@ use serde::Serialize;
 
 use super::{
     answer::PlanAnswer,
-    gates::Gates,
     programs::{self, Job},
-    work::{scene, write},
+    work::{gates, scene, write},
 };
 use crate::{
     args::Plan,
@@ -87,7 +86,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 fn plan(options: &Plan, scene: Option<&Scene>, job: &Job, told: &Mutex<Told>) -> ProgramOutcome {
     let name = job.program.display().to_string();
     let alive = |_| {
-        // Whoever holds it is about to show the progress.
+        // The thread that holds it is about to show the progress.
         if let Ok(mut told) = told.try_lock() {
             told.progress.alive();
         }
@@ -98,7 +97,7 @@ fn plan(options: &Plan, scene: Option<&Scene>, job: &Job, told: &Mutex<Told>) ->
     planned.unwrap_or_else(|failure| ProgramOutcome::failed(options, name, failure))
 }
 
-/// What there is to say about a program; nothing that grows with its length but `line`.
+/// The result of a program; only `line` grows with its length.
 struct ProgramOutcome {
     /// For standard output.
     line: Option<String>,
@@ -125,7 +124,7 @@ impl ProgramOutcome {
             let output = job.target.as_deref().map(|file| file.display().to_string());
             output::json_line(&PlanAnswer { program: Some(name), figures, output })
         };
-        let gates = Gates::new(options, figures);
+        let gates = gates(options).judge(figures);
         let complain = |how| Failure::Gate(format!("{} {how}", printable(name))).text();
         Ok(Self {
             line: options.json.then(line).transpose()?,

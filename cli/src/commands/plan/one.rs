@@ -13,9 +13,8 @@ use crate::{args::Plan, failure::Failure, input, output, progress::Progress};
 
 use super::{
     answer::PlanAnswer,
-    gates::Gates,
     target::file_name,
-    work::{scene, write},
+    work::{gates, scene, write},
 };
 
 /// Plans one program.
@@ -31,7 +30,7 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
     progress.clear();
     let figures = figures?;
     report(options, &figures, target.as_deref())?;
-    match Gates::new(options, &figures).complaint() {
+    match gates(options).judge(&figures).complaint() {
         Some(how) => Err(Failure::Gate(format!("the program {how}"))),
         None => Ok(()),
     }

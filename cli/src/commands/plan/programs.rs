@@ -57,7 +57,7 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         let name = entry.map_err(refuse)?.file_name();
         let hidden = name.as_encoded_bytes().starts_with(b".");
         let path = folder.join(&name);
-        // A link that leads nowhere is kept: that it cannot be read is told when it is its turn.
+        // A link that leads nowhere is kept: that it cannot be read is reported when it is its turn.
         let is_file = path.metadata().map_or(true, |kind| kind.is_file());
         if !hidden && path.extension() == Some(OsStr::new("json")) && is_file && !is_other(&path) {
             names.push(name);

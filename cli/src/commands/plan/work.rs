@@ -8,7 +8,7 @@ use iiwa_log::{ClearanceRecord, PlanConfig, PlanFigures, PlanOptions, PlanWriter
 use iiwa_path::{PathOptions, Program};
 use iiwa_scene::{ArmInScene, PlannedClearance, Scene};
 use iiwa_traj::{JerkOptions, Section, SweepOptions, Timing};
-use iiwa_view::{PlanPicture, long_duration};
+use iiwa_view::{PlanGates, PlanPicture, long_duration};
 
 use crate::{
     args::{self, Plan},
@@ -23,7 +23,7 @@ pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
 }
 
 /// Plans a program and writes its trajectory to `target`. What is written appears when all of it is
-/// done; `progress` hears of the share that is.
+/// done; `progress` is called with the share that is.
 pub(super) fn write(
     options: &Plan,
     scene: Option<&Scene>,
@@ -85,6 +85,11 @@ pub(super) fn write(
         whole.complete()?;
     }
     Ok(planning.into_figures())
+}
+
+/// The gates that the options set.
+pub(super) fn gates(options: &Plan) -> PlanGates {
+    PlanGates { max_cycle_time_s: options.max_cycle_time, min_clearance_mm: options.min_clearance }
 }
 
 fn plan_options(options: &Plan) -> PlanOptions {

@@ -1,32 +1,48 @@
 //! Gates of a plan: how long it may take, how near the arm may come to obstacles.
 
 use iiwa_log::{ClearanceRecord, PlanFigures};
-use iiwa_view::printable;
 
-use crate::args::Plan;
+use crate::printable;
 
-/// Which gates a program does not meet, and how.
-pub(super) struct Gates {
-    pub(super) too_long: Option<String>,
-    pub(super) too_near: Option<String>,
+/// What a plan may take at most, and how near the arm may come to obstacles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlanGates {
+    /// Longest cycle time, in s.
+    pub max_cycle_time_s: Option<f64>,
+    /// Smallest clearance, in mm. An arm that touches an obstacle does not meet any.
+    pub min_clearance_mm: Option<f64>,
 }
 
-impl Gates {
-    pub(super) fn new(options: &Plan, figures: &PlanFigures) -> Self {
+/// Which gates a plan does not meet, and how.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct UnmetGates {
+    /// How it takes too long.
+    pub too_long: Option<String>,
+    /// How the arm comes too near to an obstacle.
+    pub too_near: Option<String>,
+}
+
+impl PlanGates {
+    /// Judges a plan by its figures.
+    #[must_use]
+    pub fn judge(&self, figures: &PlanFigures) -> UnmetGates {
         let cycle_time_s = figures.cycle_time_s;
-        let too_long = options
-            .max_cycle_time
+        let too_long = self
+            .max_cycle_time_s
             .filter(|limit| cycle_time_s > *limit)
             .map(|limit| format!("takes {cycle_time_s:.3} s, more than {limit} s"));
-        let too_near = options
-            .min_clearance
+        let too_near = self
+            .min_clearance_mm
             .zip(figures.clearance.as_ref())
             .and_then(|(limit_mm, nearest)| too_near(limit_mm, nearest));
-        Self { too_long, too_near }
+        UnmetGates { too_long, too_near }
     }
+}
 
+impl UnmetGates {
     /// All that is not met, if anything.
-    pub(super) fn complaint(&self) -> Option<String> {
+    #[must_use]
+    pub fn complaint(&self) -> Option<String> {
         match (&self.too_long, &self.too_near) {
             (Some(long), Some(near)) => Some(format!("{long}, and {near}")),
             (long, near) => long.as_ref().or(near.as_ref()).cloned(),
