@@ -243,5 +243,5 @@ impl<C> Dispatcher<C> {
 }
 
 fn timed_out() -> Refusal {
-    Refusal::new(Code::Timeout, "the robot program did not acknowledgement in time")
+    Refusal::new(Code::Timeout, "the robot program did not answer in time")
 }
