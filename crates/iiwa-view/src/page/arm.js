@@ -18,10 +18,22 @@ function placed([x, y, z], [roll, pitch, yaw]) {
   const [sr, cr, sp, cp] = [Math.sin(roll), Math.cos(roll), Math.sin(pitch), Math.cos(pitch)];
   const [sy, cy] = [Math.sin(yaw), Math.cos(yaw)];
   return new Float32Array([
-    cy * cp, sy * cp, -sp, 0,
-    cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr, 0,
-    cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr, 0,
-    x, y, z, 1,
+    cy * cp,
+    sy * cp,
+    -sp,
+    0,
+    cy * sp * sr - sy * cr,
+    sy * sp * sr + cy * cr,
+    cp * sr,
+    0,
+    cy * sp * cr + sy * sr,
+    sy * sp * cr - cy * sr,
+    cp * cr,
+    0,
+    x,
+    y,
+    z,
+    1,
   ]);
 }
 
@@ -32,7 +44,7 @@ function transformed(m, [x, y, z], w = 1) {
 const model = (() => {
   const xml = new DOMParser().parseFromString(robot.urdf, "application/xml");
   const numbers = (element, name) => {
-    const text = element && element.getAttribute(name);
+    const text = element?.getAttribute(name);
     return text ? text.trim().split(/\s+/).map(Number) : [0, 0, 0];
   };
   const origin = (element) => {
@@ -54,7 +66,8 @@ const model = (() => {
         origin: origin(visual),
         colour: numbers(visual.querySelector("color"), "rgba").slice(0, 3),
       };
-    }));
+    }),
+  );
   return { joints, links };
 })();
 
@@ -80,7 +93,10 @@ function flangePath(arm, from = -Infinity, to = Infinity) {
   const APART_M = 5e-4;
   const places = [];
   const times = [];
-  const add = (t, place) => { places.push(place); times.push(t); };
+  const add = (t, place) => {
+    places.push(place);
+    times.push(t);
+  };
   let before;
   for (let i = 0; i < arm.poses.count; i++) {
     const t = arm.poses.t_s[i];
@@ -129,11 +145,13 @@ function turned(profile, sides = 24) {
 }
 
 function sphere(radius, steps = 12) {
-  return turned(Array.from({ length: steps + 1 }, (_, i) => {
-    const angle = Math.PI * (i / steps - 0.5);
-    const [s, c] = [Math.sin(angle), Math.cos(angle)];
-    return [radius * c, radius * s, c, s];
-  }));
+  return turned(
+    Array.from({ length: steps + 1 }, (_, i) => {
+      const angle = Math.PI * (i / steps - 0.5);
+      const [s, c] = [Math.sin(angle), Math.cos(angle)];
+      return [radius * c, radius * s, c, s];
+    }),
+  );
 }
 
 /** A cylinder about its middle, with rounded edges. */
@@ -168,7 +186,12 @@ function cuboid(size) {
       const normal = [0, 0, 0];
       normal[axis] = side;
       const first = shape.positions.length;
-      for (const [u, v] of [[-1, -1], [1, -1], [1, 1], [-1, 1]]) {
+      for (const [u, v] of [
+        [-1, -1],
+        [1, -1],
+        [1, 1],
+        [-1, 1],
+      ]) {
         shape.positions.push(at(axis, side, u, v));
         shape.normals.push(normal);
       }
@@ -182,7 +205,12 @@ function cuboid(size) {
 /** A part of a plane, square to z: it goes on, so that the view need not take it in. */
 function sheet(size) {
   const h = size / 2;
-  const positions = [[-h, -h, 0], [h, -h, 0], [h, h, 0], [-h, h, 0]];
+  const positions = [
+    [-h, -h, 0],
+    [h, -h, 0],
+    [h, h, 0],
+    [-h, h, 0],
+  ];
   return {
     positions,
     normals: Array(4).fill([0, 0, 1]),

@@ -17,13 +17,15 @@ function figure(list, name, text) {
 }
 
 function legend(target, entries) {
-  target.replaceChildren(...entries.map(([colour, text]) => {
-    const entry = element("span");
-    const swatch = element("i", "", `swatch ${colour}`);
-    swatch.style.background = `var(--${colour})`;
-    entry.append(swatch, text);
-    return entry;
-  }));
+  target.replaceChildren(
+    ...entries.map(([colour, text]) => {
+      const entry = element("span");
+      const swatch = element("i", "", `swatch ${colour}`);
+      swatch.style.background = `var(--${colour})`;
+      entry.append(swatch, text);
+      return entry;
+    }),
+  );
 }
 
 /** Degrees of a radian. */
@@ -40,11 +42,28 @@ function number(value, decimals) {
 function theme() {
   const style = getComputedStyle(document.documentElement);
   const css = (name) => style.getPropertyValue(`--${name}`).trim();
-  const names = ["paper", "ground", "ink", "soft", "rule", "accent", "line", "blend", "settle", "wait", "measured", "beyond", "own"];
+  const names = [
+    "paper",
+    "ground",
+    "ink",
+    "soft",
+    "rule",
+    "accent",
+    "line",
+    "blend",
+    "settle",
+    "wait",
+    "measured",
+    "beyond",
+    "own",
+  ];
   const flat = Object.fromEntries(names.map((name) => [name, css(name)]));
   flat.joints = Array.from({ length: 7 }, (_, j) => css(`a${j + 1}`));
-  const solid = Object.fromEntries(names.filter((name) => flat[name].startsWith("#"))
-    .map((name) => [name, [1, 3, 5].map((i) => parseInt(flat[name].slice(i, i + 2), 16) / 255)]));
+  const solid = Object.fromEntries(
+    names
+      .filter((name) => flat[name].startsWith("#"))
+      .map((name) => [name, [1, 3, 5].map((i) => parseInt(flat[name].slice(i, i + 2), 16) / 255)]),
+  );
   solid.shadow = Number(css("shadow"));
   return { flat, solid };
 }

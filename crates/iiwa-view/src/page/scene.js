@@ -77,7 +77,10 @@ function makeScene(canvas) {
 
   const compiled = (vertex, fragment) => {
     const program = gl.createProgram();
-    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+    for (const [kind, text] of [
+      [gl.VERTEX_SHADER, vertex],
+      [gl.FRAGMENT_SHADER, fragment],
+    ]) {
       const shader = gl.createShader(kind);
       gl.shaderSource(shader, text.replace("[LINKS]", `[${model.links.length}]`));
       gl.compileShader(shader);
@@ -120,7 +123,12 @@ function makeScene(canvas) {
     gl.deleteBuffer(corners);
     if (triangles) gl.deleteBuffer(triangles);
   };
-  const SOLID = [["position", 3], ["normal", 3], ["colour", 3], ["link", 1]];
+  const SOLID = [
+    ["position", 3],
+    ["normal", 3],
+    ["colour", 3],
+    ["link", 1],
+  ];
   const solid = (parts) => {
     const floats = [];
     const triangles = [];
@@ -159,8 +167,20 @@ function makeScene(canvas) {
     // Its buffers may be gone when something else is drawn.
     for (const place of Object.values(program.places)) gl.disableVertexAttribArray(place);
   };
-  const LINE = [["from", 3], ["to", 3], ["corner", 2], ["colour", 4]];
-  const CORNERS = [[0, -1], [1, -1], [1, 1], [0, -1], [1, 1], [0, 1]];
+  const LINE = [
+    ["from", 3],
+    ["to", 3],
+    ["corner", 2],
+    ["colour", 4],
+  ];
+  const CORNERS = [
+    [0, -1],
+    [1, -1],
+    [1, 1],
+    [0, -1],
+    [1, 1],
+    [0, 1],
+  ];
   /** Segments: from, to, colour. */
   const strip = (segments) => {
     const floats = [];
@@ -172,12 +192,16 @@ function makeScene(canvas) {
 
   const still = placed([0, 0, 0], [0, 0, 0]);
   // All links at once: what is asked of a graphics card takes time, too.
-  const arm = solid(model.links.flatMap((shapes, link) => shapes.map((shape) => ({
-    shape: shape.round ? sphere(shape.radius) : cylinder(shape.radius, shape.length),
-    origin: shape.origin,
-    colour: shape.colour,
-    link,
-  }))));
+  const arm = solid(
+    model.links.flatMap((shapes, link) =>
+      shapes.map((shape) => ({
+        shape: shape.round ? sphere(shape.radius) : cylinder(shape.radius, shape.length),
+        origin: shape.origin,
+        colour: shape.colour,
+        link,
+      })),
+    ),
+  );
   const ball = solid([{ shape: sphere(1), origin: still, colour: [1, 1, 1] }]);
 
   /** What stands beside the arm: ways of the flange, blended targets, obstacles. */
@@ -188,7 +212,10 @@ function makeScene(canvas) {
   /** The view takes in the foot, the arm's height, all of the way, and what is near of the obstacles. */
   function aim() {
     const NEAR_M = 1;
-    const box = [[-0.2, -0.2, 0], [0.2, 0.2, 0.75]];
+    const box = [
+      [-0.2, -0.2, 0],
+      [0.2, 0.2, 0.75],
+    ];
     const take = (place) => {
       for (let i = 0; i < 3; i++) {
         box[0][i] = Math.min(box[0][i], place[i]);
@@ -198,7 +225,8 @@ function makeScene(canvas) {
     for (const { places } of contents.ways) places.forEach(take);
     for (const { shape, origin } of contents.obstacles) {
       if (shape.endless) continue;
-      for (const corner of shape.positions) take(transformed(origin, corner).map((v) => Math.min(Math.max(v, -NEAR_M), NEAR_M)));
+      for (const corner of shape.positions)
+        take(transformed(origin, corner).map((v) => Math.min(Math.max(v, -NEAR_M), NEAR_M)));
     }
     middle = [0, 1, 2].map((i) => (box[0][i] + box[1][i]) / 2);
     reach = Math.hypot(...box[1].map((v, i) => v - box[0][i])) / 2;
@@ -261,15 +289,31 @@ function makeScene(canvas) {
     const eye = middle.map((v, i) => v + far * back[i]);
     const look = new Float32Array(16);
     [right, up, back].forEach((axis, row) => {
-      axis.forEach((v, column) => { look[4 * column + row] = v; });
+      axis.forEach((v, column) => {
+        look[4 * column + row] = v;
+      });
       look[12 + row] = -axis.reduce((sum, v, i) => sum + v * eye[i], 0);
     });
     look[15] = 1;
     const f = 1 / Math.tan(field / 2);
     const [near, end] = [0.02 * far, far + 6];
     const lens = new Float32Array([
-      f / aspect, 0, 0, 0, 0, f, 0, 0,
-      0, 0, (near + end) / (near - end), -1, 0, 0, (2 * near * end) / (near - end), 0,
+      f / aspect,
+      0,
+      0,
+      0,
+      0,
+      f,
+      0,
+      0,
+      0,
+      0,
+      (near + end) / (near - end),
+      -1,
+      0,
+      0,
+      (2 * near * end) / (near - end),
+      0,
     ]);
     return { matrix: product(lens, look), eye };
   }
@@ -289,7 +333,7 @@ function makeScene(canvas) {
   const place = (matrix) => gl.uniformMatrix4fv(program.uniforms["links[0]"], false, matrix);
   const drawArm = (poses) => {
     const all = new Float32Array(16 * model.links.length);
-    model.links.forEach((_, link) => all.set(poses[link], 16 * link));
+    for (let link = 0; link < model.links.length; link++) all.set(poses[link], 16 * link);
     place(all);
     draw(arm);
   };
@@ -405,7 +449,9 @@ function makeScene(canvas) {
   }
   const reset = () => Object.assign(view, beginning);
   /** Draws fewer pixels than the screen has, for machines that are slow at it. */
-  const sharpen = (share) => { sharpness = share; };
+  const sharpen = (share) => {
+    sharpness = share;
+  };
   aim();
   return { show, paint, fill, turn, reset, sharpen };
 }

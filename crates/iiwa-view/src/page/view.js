@@ -23,13 +23,24 @@ function makeTurnable(canvas, scene, changed) {
   for (const end of ["pointerup", "pointercancel"]) {
     canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
   }
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    scene.turn(0, 0, Math.exp(-event.deltaY / 600));
-    changed();
-  }, { passive: false });
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      scene.turn(0, 0, Math.exp(-event.deltaY / 600));
+      changed();
+    },
+    { passive: false },
+  );
   canvas.addEventListener("keydown", (event) => {
-    const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1], "+": [0, 0, 1.15], "-": [0, 0, 1 / 1.15] };
+    const turns = {
+      ArrowLeft: [-0.1, 0],
+      ArrowRight: [0.1, 0],
+      ArrowUp: [0, 0.1],
+      ArrowDown: [0, -0.1],
+      "+": [0, 0, 1.15],
+      "-": [0, 0, 1 / 1.15],
+    };
     if (!turns[event.key]) return;
     event.preventDefault();
     scene.turn(...turns[event.key]);

@@ -97,7 +97,7 @@ function axes(context, size, window_, range, theme, withTimes) {
   context.textBaseline = "middle";
   const line = (...points) => {
     context.beginPath();
-    points.forEach(([px, py], i) => (i ? context.lineTo(px, py) : context.moveTo(px, py)));
+    for (const [px, py] of points) context.lineTo(px, py);
     context.stroke();
   };
   for (const { value, text } of ticks(...range, 4)) {

@@ -5,7 +5,9 @@ const isPlan = first.role === "plan";
 /** What an arm is called where both are shown. */
 const called = (arm) => (arm.role === "recording" ? "measured" : arm === second ? "other plan" : "plan");
 /** At first the page shows the plan, or everything there is. */
-const whole = isPlan ? { from: first.start_s, to: Math.max(first.end_s, first.start_s + 1e-3) } : { from: startS, to: endS };
+const whole = isPlan
+  ? { from: first.start_s, to: Math.max(first.end_s, first.start_s + 1e-3) }
+  : { from: startS, to: endS };
 const state = {
   time: whole.from,
   playing: false,
@@ -36,7 +38,7 @@ function writeHead() {
     figure(list, "settling", seconds(figures.settle_time_s));
     figure(list, "waiting", seconds(figures.wait_time_s));
   }
-  const cycle = report.compared && report.compared.report.cycle_time;
+  const cycle = report.compared?.report.cycle_time;
   if (cycle) {
     figure(list, "measured", seconds(cycle.real_s));
     figure(list, "off by", `${number(cycle.error_s, 4)} s, ${number(cycle.error_percent, 2)} %`);
@@ -44,14 +46,16 @@ function writeHead() {
   for (const note of report.notes) $("notes").append(element("li", note));
   const methods = report.arms.map((it) => {
     const columns = Math.max(it.position.samples_a_column, it.velocity.samples_a_column);
-    const thinned = columns > 1 ? `; thinned out: each column spans from the lowest to the highest of ${columns} samples` : "";
+    const thinned =
+      columns > 1 ? `; thinned out: each column spans from the lowest to the highest of ${columns} samples` : "";
     return `${it.file}: ${it.method}${thinned}.`;
   });
   if (second) methods.unshift(`Broad and pale: ${first.file}; thin: ${second.file}.`);
   $("method").textContent = methods.join(" ");
   const assumed = report.robot.assumptions.filter((text) => !text.startsWith("masses"));
-  $("footer").textContent = `${report.robot.name}. Made by iiwasim report.`
-    + (assumed.length ? ` Assumed, not from a source: ${assumed.join("; ")}.` : "");
+  $("footer").textContent =
+    `${report.robot.name}. Made by iiwasim report.` +
+    (assumed.length ? ` Assumed, not from a source: ${assumed.join("; ")}.` : "");
 }
 
 // ---- the 3D view
@@ -71,12 +75,19 @@ try {
   console.warn(error);
 }
 if (!scene) {
-  document.querySelector(".view").replaceChildren(element("p", "The 3D view needs WebGL, which this browser does not have. All else is here.", "notes"));
+  document
+    .querySelector(".view")
+    .replaceChildren(
+      element("p", "The 3D view needs WebGL, which this browser does not have. All else is here.", "notes"),
+    );
 }
 
 function drawScene() {
   if (!scene) return;
-  const arms = report.arms.map((arm, i) => ({ q: jointsAt(arm, state.time), ghost: second && i === 0 ? "accent" : null }));
+  const arms = report.arms.map((arm, i) => ({
+    q: jointsAt(arm, state.time),
+    ghost: second && i === 0 ? "accent" : null,
+  }));
   scene.show(arms);
 }
 
@@ -88,11 +99,23 @@ function writeLegends() {
     if (report.corners.some((corner) => corner.radius_m)) marks.push("spheres: their radii");
     parts.push(["blend", `blends, ${marks.join("; ")}`]);
   }
-  if (second) parts.push(["accent", `see-through arm: ${called(first)}`], ["measured", `solid arm and thin line: ${called(second)}`]);
+  if (second)
+    parts.push(
+      ["accent", `see-through arm: ${called(first)}`],
+      ["measured", `solid arm and thin line: ${called(second)}`],
+    );
   if (scene) legend($("legend"), parts);
-  const kinds = [["line", "line"], ["blend", "blend"], ["settle", "settling"], ["wait", "waiting"]];
+  const kinds = [
+    ["line", "line"],
+    ["blend", "blend"],
+    ["settle", "settling"],
+    ["wait", "waiting"],
+  ];
   const there = new Set(report.pieces.map((piece) => piece.kind));
-  legend($("kinds"), kinds.filter(([kind]) => there.has(kind)));
+  legend(
+    $("kinds"),
+    kinds.filter(([kind]) => there.has(kind)),
+  );
   document.querySelector(".track").hidden = report.pieces.length === 0;
   const bands = [["beyond", "beyond the robot's limits"]];
   if (Object.keys(report.shares).length) bands.push(["own", "beyond the motion's own limits, if narrower"]);
@@ -112,22 +135,28 @@ function chart(parent, title, height) {
   return canvas;
 }
 
-const charts = QUANTITIES.filter(({ key }) => report.arms.some((arm) => arm[key].columns > 0)).map((quantity, i, all) => {
-  const title = element("h3");
-  const last = i + 1 === all.length;
-  const canvas = chart($("charts"), title, last ? 166 : 0);
-  canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", `${quantity.title} of the joints over time`);
-  const draw = (colours) => {
-    const largest = drawQuantity(canvas, quantity, state, colours, last);
-    const beyond = state.percent && largest > MOST_PERCENT ? `, up to ${number(largest, 0)}, drawn up to ${MOST_PERCENT}` : "";
-    title.textContent = `${quantity.title}, ${state.percent ? "% of the limit" : quantity.unit}${beyond}`;
-  };
-  return { canvas, draw };
-});
+const charts = QUANTITIES.filter(({ key }) => report.arms.some((arm) => arm[key].columns > 0)).map(
+  (quantity, i, all) => {
+    const title = element("h3");
+    const last = i + 1 === all.length;
+    const canvas = chart($("charts"), title, last ? 166 : 0);
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", `${quantity.title} of the joints over time`);
+    const draw = (colours) => {
+      const largest = drawQuantity(canvas, quantity, state, colours, last);
+      const beyond =
+        state.percent && largest > MOST_PERCENT ? `, up to ${number(largest, 0)}, drawn up to ${MOST_PERCENT}` : "";
+      title.textContent = `${quantity.title}, ${state.percent ? "% of the limit" : quantity.unit}${beyond}`;
+    };
+    return { canvas, draw };
+  },
+);
 charts.push({ canvas: $("timeline"), draw: (colours) => drawTimeline($("timeline"), state, colours) });
 if (report.compared) {
-  for (const [values, title, last] of [["tcp_mm", "Flange off its path, mm", false], ["joints_mrad", "Joints off their path, mrad", true]]) {
+  for (const [values, title, last] of [
+    ["tcp_mm", "Flange off its path, mm", false],
+    ["joints_mrad", "Joints off their path, mrad", true],
+  ]) {
     const canvas = chart($("deviations"), element("h3", title), last ? 126 : 110);
     charts.push({ canvas, draw: (colours) => drawDeviation(canvas, report.compared[values], state, colours, last) });
   }
@@ -186,7 +215,9 @@ function writeNow() {
     mark.style.left = `${50 + (50 * q[j]) / report.robot.position_rad[j]}%`;
   });
   report.arms.forEach((it, i) => {
-    flangeAt(jointsAt(it, t)).forEach((v, k) => { cells.flange[i][k].textContent = number(1000 * v, 1); });
+    flangeAt(jointsAt(it, t)).forEach((v, k) => {
+      cells.flange[i][k].textContent = number(1000 * v, 1);
+    });
   });
   const piece = report.pieces.length ? pieceAt(t) : null;
   const words = { line: "on its line", blend: "blending in", settle: "settling", wait: "waiting" };
@@ -247,17 +278,23 @@ function writeMotions() {
       add(or(real.error_s, 4));
       add(or(real.error_percent, 2));
     }
-    const shares = (motion.limits || []).filter(({ share }) => share >= 0.005).slice(0, 4).map(({ joint, kind, share }) => `A${joint} ${kind} ${number(100 * share, 0)} %`);
+    const shares = (motion.limits || [])
+      .filter(({ share }) => share >= 0.005)
+      .slice(0, 4)
+      .map(({ joint, kind, share }) => `A${joint} ${kind} ${number(100 * share, 0)} %`);
     if (!shares.length && motion.limited_by) shares.push(`A${motion.limited_by.joint} ${motion.limited_by.kind}`);
     add(shares.join(", "), "word");
-    row.addEventListener("click", () => { seek(motion.start_s); });
+    row.addEventListener("click", () => {
+      seek(motion.start_s);
+    });
     body.append(row);
     cells.rows.push({ row, motion: motion.index });
   }
   $("table").append(headed, body);
   const hidden = rows.length - Math.min(rows.length, SHOWN);
-  $("more").textContent = "A motion lasts from the start of the blend that leads into it to the start of the blend that leads out of it, or to its stop; the shares are of its time."
-    + (hidden ? ` ${hidden} more motions: iiwasim plan --json has them.` : "");
+  $("more").textContent =
+    "A motion lasts from the start of the blend that leads into it to the start of the blend that leads out of it, or to its stop; the shares are of its time." +
+    (hidden ? ` ${hidden} more motions: iiwasim plan --json has them.` : "");
 }
 
 function writeCompared() {
@@ -275,7 +312,10 @@ function writeCompared() {
     `Each sample is held against the nearest place of the planned path, whenever the arm is there; noise of the recording (${rest.noise_rad.toExponential(1)} rad) counts as distance.`,
     ...rest.losses,
   ];
-  if (rest.again_s !== null) notes.push(`The program is in the recording again, from ${number(rest.again_s, 3)} s of it on: the first time counts.`);
+  if (rest.again_s !== null)
+    notes.push(
+      `The program is in the recording again, from ${number(rest.again_s, 3)} s of it on: the first time counts.`,
+    );
   const sentence = (text) => text[0].toUpperCase() + text.slice(1) + (text.endsWith(".") ? "" : ".");
   $("compared-notes").textContent = notes.map(sentence).join(" ");
 }
@@ -350,7 +390,10 @@ function tick(now) {
 function listen() {
   const scrub = $("scrub");
   [scrub.min, scrub.max] = [startS, endS];
-  scrub.addEventListener("input", () => { play(false); seek(Number(scrub.value)); });
+  scrub.addEventListener("input", () => {
+    play(false);
+    seek(Number(scrub.value));
+  });
   $("play").addEventListener("click", () => play(!state.playing));
   const speeds = [0.1, 0.25, 0.5, 1, 2, 5, 10];
   if (whole.to - whole.from > 120) speeds.push(60);
@@ -360,7 +403,9 @@ function listen() {
     option.selected = speed === 1;
     $("speed").append(option);
   }
-  $("speed").addEventListener("change", () => { state.speed = Number($("speed").value); });
+  $("speed").addEventListener("change", () => {
+    state.speed = Number($("speed").value);
+  });
 
   state.joints.forEach((_, j) => {
     const label = element("label");
@@ -371,7 +416,10 @@ function listen() {
     swatch.style.background = `var(--a${j + 1})`;
     swatch.style.marginRight = "0";
     label.append(box, swatch, `A${j + 1}`);
-    box.addEventListener("change", () => { state.joints[j] = box.checked; drawCharts(); });
+    box.addEventListener("change", () => {
+      state.joints[j] = box.checked;
+      drawCharts();
+    });
     $("chips").append(label);
   });
   $("units").addEventListener("click", () => {
@@ -393,13 +441,21 @@ function listen() {
       play(false);
       seek(from + Math.min(Math.max(share, 0), 1) * (end - from));
     };
-    canvas.addEventListener("pointerdown", (event) => { canvas.setPointerCapture(event.pointerId); to(event); });
-    canvas.addEventListener("pointermove", (event) => { if (event.buttons) to(event); });
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      to(event);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons) to(event);
+    });
   }
 
   if (scene) {
     makeTurnable($("scene"), scene, update);
-    $("look").addEventListener("click", () => { scene.reset(); update(); });
+    $("look").addEventListener("click", () => {
+      scene.reset();
+      update();
+    });
   } else {
     $("look")?.remove();
   }
@@ -414,7 +470,10 @@ function listen() {
   window.addEventListener("resize", () => {
     if (resized) return;
     resized = true;
-    requestAnimationFrame(() => { resized = false; draw(); });
+    requestAnimationFrame(() => {
+      resized = false;
+      draw();
+    });
   });
   // Printers take no WebGL, but a copy of its picture.
   const onPaper = (on) => {

@@ -14,7 +14,9 @@ function connect() {
   at.search = location.search;
   const socket = new WebSocket(at);
   link.socket = socket;
-  socket.addEventListener("open", () => { link.open = true; });
+  socket.addEventListener("open", () => {
+    link.open = true;
+  });
   socket.addEventListener("message", ({ data }) => {
     for (const [kind, value] of Object.entries(JSON.parse(data))) {
       if (kind === "answer") answered(value);
@@ -36,7 +38,9 @@ function order(what, parameters = {}) {
   const id = link.count;
   const text = JSON.stringify({ id, do: what, ...parameters });
   link.socket.send(text);
-  return new Promise((done, refuse) => { link.orders.set(id, { done, refuse }); });
+  return new Promise((done, refuse) => {
+    link.orders.set(id, { done, refuse });
+  });
 }
 
 function answered({ id, error }) {
@@ -52,7 +56,9 @@ async function handOver(name, text) {
   const at = new URL("program", location.href);
   at.search = location.search;
   at.searchParams.set("name", name);
-  const answer = await fetch(at, { method: "POST", body: text }).catch(() => { throw new Error("the twin cannot be reached"); });
+  const answer = await fetch(at, { method: "POST", body: text }).catch(() => {
+    throw new Error("the twin cannot be reached");
+  });
   if (!answer.ok) throw new Error((await answer.text()).trim() || answer.statusText);
   const { error } = await answer.json();
   if (error !== null) throw new Error(error);

@@ -17,7 +17,7 @@ function compareClocks(at_ms) {
 }
 
 link.takes.live = (where) => {
-  if (!where || !where.joints_rad) return;
+  if (!where?.joints_rad) return;
   compareClocks(where.at_ms);
   live.newest = where;
   live.fresh = true;
@@ -64,7 +64,9 @@ function writeJoints(q) {
     position.textContent = number(q[j] * DEG, 2);
     mark.style.left = `${50 + (50 * q[j]) / robot.position_rad[j]}%`;
   });
-  flangeAt(q).forEach((v, k) => { $("flange").children[k + 1].textContent = number(1000 * v, 1); });
+  flangeAt(q).forEach((v, k) => {
+    $("flange").children[k + 1].textContent = number(1000 * v, 1);
+  });
 }
 
 /** What is nearest to the arm, in words. */
@@ -75,7 +77,7 @@ function nearestText({ distance_mm: mm, link: linkNumber, obstacle, at_s }) {
 }
 
 function writeNearest() {
-  const nearest = live.newest && live.newest.nearest;
+  const nearest = live.newest?.nearest;
   $("nearest").hidden = !nearest;
   if (!nearest) return;
   $("nearest").textContent = `Nearest: ${nearestText(nearest)}`;
@@ -87,11 +89,11 @@ function writeHealth() {
   $("state").replaceChildren();
   const known = (value) => (value === undefined || value === null ? "\u2013" : String(value).replaceAll("_", " "));
   const fri = status ? status.fri : {};
-  figure($("state"), "robot", known(status && status.state));
+  figure($("state"), "robot", known(status?.state));
   figure($("state"), "FRI session", known(fri.session));
   figure($("state"), "FRI quality", known(fri.quality));
   figure($("state"), "messages lost, late", status ? `${fri.lost}, ${fri.late}` : "\u2013");
-  figure($("state"), "robot program", known(status && status.robot_program));
+  figure($("state"), "robot program", known(status?.robot_program));
   jointCells.forEach(({ temperature, torque }, j) => {
     temperature.textContent = sensors ? number(sensors.joint_temperature_c[j], 1) : "";
     torque.textContent = sensors ? number(sensors.external_torque_nm[j], 1) : "";
@@ -107,15 +109,17 @@ function writeIo(io) {
   const names = io.map(({ name }) => name).join("\n");
   if (body.dataset.names !== names) {
     body.dataset.names = names;
-    body.replaceChildren(...io.map(({ name }) => {
-      const row = element("tr");
-      row.append(element("td", name, "word"), element("td"), element("td"));
-      const button = element("button", "Switch");
-      button.type = "button";
-      button.addEventListener("click", () => switchIo(name));
-      row.lastChild.append(button);
-      return row;
-    }));
+    body.replaceChildren(
+      ...io.map(({ name }) => {
+        const row = element("tr");
+        row.append(element("td", name, "word"), element("td"), element("td"));
+        const button = element("button", "Switch");
+        button.type = "button";
+        button.addEventListener("click", () => switchIo(name));
+        row.lastChild.append(button);
+        return row;
+      }),
+    );
   }
   io.forEach(({ value, error }, i) => {
     const row = body.children[i];
@@ -127,15 +131,21 @@ function writeIo(io) {
 async function switchIo(name) {
   const io = live.health.io.find((it) => it.name === name);
   if (!io || typeof io.value !== "boolean") return;
-  const sure = await confirmed(`Switch ${name} ${io.value ? "off" : "on"}?`, ["The robot takes it for outputs only."], "Switch it");
+  const sure = await confirmed(
+    `Switch ${name} ${io.value ? "off" : "on"}?`,
+    ["The robot takes it for outputs only."],
+    "Switch it",
+  );
   if (sure) await ask("io-said", "set_io", { name, value: !io.value });
 }
 
 /** What is wrong with the connection, if something is. */
 function trouble() {
-  if (!link.open) return "The twin cannot be reached; this page tries again by itself. If it was started again, open the address that it printed then.";
+  if (!link.open)
+    return "The twin cannot be reached; this page tries again by itself. If it was started again, open the address that it printed then.";
   if (live.health.error) return `It is tried again all the time: ${live.health.error}`;
-  if (live.health.status && live.health.status.fri.session === "silent") return "The drive does not hear the controller; it is tried again all the time.";
+  if (live.health.status && live.health.status.fri.session === "silent")
+    return "The drive does not hear the controller; it is tried again all the time.";
   if (isStale() && live.health.status) return "Nothing comes from the drive's stream; it is tried again all the time.";
   return "";
 }

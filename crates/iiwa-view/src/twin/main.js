@@ -3,7 +3,8 @@
 const shown = { mode: "live", time: 0, playing: false, frame: null };
 
 $("title").textContent = `Twin of ${robot.name}`;
-$("footer").textContent = `Follows ${setup.drive}. ${setup.folder ? `Programs, plans and recordings are kept in ${setup.folder}.` : "Programs, plans and recordings are kept until the twin ends (--output keeps them)."} The button that stops the robot is no emergency stop: it needs this page, the network, the drive and the robot program.`;
+$("footer").textContent =
+  `Follows ${setup.drive}. ${setup.folder ? `Programs, plans and recordings are kept in ${setup.folder}.` : "Programs, plans and recordings are kept until the twin ends (--output keeps them)."} The button that stops the robot is no emergency stop: it needs this page, the network, the drive and the robot program.`;
 
 let scene = null;
 try {
@@ -18,21 +19,46 @@ if (scene) {
   paint();
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
 } else {
-  document.querySelector(".view").replaceChildren(element("p", "The 3D view needs WebGL, which this browser does not have. All else is here.", "notes"));
+  document
+    .querySelector(".view")
+    .replaceChildren(
+      element("p", "The 3D view needs WebGL, which this browser does not have. All else is here.", "notes"),
+    );
 }
 
 /** What stands around the arm, as the 3D view takes it. */
 const obstacles = (setup.scene ? setup.scene.obstacles : []).map((obstacle) => {
   if (obstacle.type === "box") {
     const [x, y, z] = obstacle.rotation;
-    const origin = new Float32Array([x[0], y[0], z[0], 0, x[1], y[1], z[1], 0, x[2], y[2], z[2], 0, ...obstacle.center_m, 1]);
+    const origin = new Float32Array([
+      x[0],
+      y[0],
+      z[0],
+      0,
+      x[1],
+      y[1],
+      z[1],
+      0,
+      x[2],
+      y[2],
+      z[2],
+      0,
+      ...obstacle.center_m,
+      1,
+    ]);
     return { shape: cuboid(obstacle.size_m), origin };
   }
   // The part of a plane that is nearest to the base.
   const n = obstacle.normal;
   const away = n.reduce((sum, v, i) => sum + v * obstacle.point_m[i], 0);
   const turn = placed([0, 0, 0], [0, Math.acos(Math.min(Math.max(n[2], -1), 1)), Math.atan2(n[1], n[0])]);
-  const origin = product(placed(n.map((v) => v * away), [0, 0, 0]), turn);
+  const origin = product(
+    placed(
+      n.map((v) => v * away),
+      [0, 0, 0],
+    ),
+    turn,
+  );
   return { shape: sheet(2.4), origin };
 });
 
@@ -69,7 +95,8 @@ function show(mode) {
   writeMode();
   const parts = [];
   if (mode === "simulation") parts.push(["accent", "see-through arm: the plan"]);
-  if (mode === "replay") parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: what the robot did"]);
+  if (mode === "replay")
+    parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: what the robot did"]);
   if (desk.plan) parts.push(["line", "planned way of the flange"], ["blend", "its blends"]);
   if (canReplay()) parts.push(["measured", "measured way"]);
   if (setup.scene) parts.push(["soft", "what stands around"]);
@@ -104,10 +131,16 @@ function advance(now) {
 }
 
 for (const mode of ["live", "simulation", "replay"]) {
-  $(mode).addEventListener("click", () => { show(mode); if (mode !== "live") play(true); });
+  $(mode).addEventListener("click", () => {
+    show(mode);
+    if (mode !== "live") play(true);
+  });
 }
 $("play").addEventListener("click", () => play(!shown.playing));
-$("scrub").addEventListener("input", () => { play(false); shown.time = Number($("scrub").value); });
+$("scrub").addEventListener("input", () => {
+  play(false);
+  shown.time = Number($("scrub").value);
+});
 
 // ---- every frame
 
@@ -118,7 +151,7 @@ function drawArms() {
   const drawn = poses.map((q, i) => ({ q, ghost: isReplay && i === 1 ? null : "accent" }));
   const where = live.newest;
   if (where && !isReplay) drawn.push({ q: where.joints_rad, ghost: isStale() ? "settle" : null });
-  const nearest = shown.mode === "live" ? where && where.nearest : shown.mode === "simulation" ? desk.plan.nearest : null;
+  const nearest = shown.mode === "live" ? where?.nearest : shown.mode === "simulation" ? desk.plan.nearest : null;
   if (scene) scene.show(drawn, nearest ? [nearest.on_arm_m, nearest.on_obstacle_m] : null);
   $("clock").textContent = arms.length ? `${number(shown.time, 2)} s` : "\u2013";
   if (arms.length) $("scrub").value = shown.time;

@@ -7,15 +7,21 @@ const unpackArms = (sketch) => sketch.arms.map((arm) => ({ ...arm, poses: unpack
 
 link.takes.positions = (positions) => {
   desk.positions = positions;
-  $("positions").replaceChildren(...positions.map(({ id, name, joints_rad: q }) => {
-    const row = element("tr");
-    const remove = element("button", "Remove");
-    remove.type = "button";
-    remove.addEventListener("click", () => ask("positions-said", "remove_position", { position: id }));
-    row.append(element("td", name, "word"), element("td", q.map((v) => number(v * DEG, 1)).join(", "), "word small"), element("td"));
-    row.lastChild.append(remove);
-    return row;
-  }));
+  $("positions").replaceChildren(
+    ...positions.map(({ id, name, joints_rad: q }) => {
+      const row = element("tr");
+      const remove = element("button", "Remove");
+      remove.type = "button";
+      remove.addEventListener("click", () => ask("positions-said", "remove_position", { position: id }));
+      row.append(
+        element("td", name, "word"),
+        element("td", q.map((v) => number(v * DEG, 1)).join(", "), "word small"),
+        element("td"),
+      );
+      row.lastChild.append(remove);
+      return row;
+    }),
+  );
   $("make").hidden = positions.length < 2;
 };
 
@@ -25,7 +31,10 @@ link.takes.plan = (plan) => {
   writePlan();
   fillScene();
   if (!plan) show("live");
-  else if (isNew) { show("simulation"); play(true); }
+  else if (isNew) {
+    show("simulation");
+    play(true);
+  }
 };
 
 link.takes.run = (run) => {
@@ -38,7 +47,7 @@ link.takes.run = (run) => {
 };
 
 const isRunning = () => Boolean(desk.run) && (desk.run.phase === "running" || desk.run.phase === "to_start");
-const canReplay = () => Boolean(desk.run && desk.run.arms && desk.run.arms.length > 1);
+const canReplay = () => Boolean(desk.run?.arms && desk.run.arms.length > 1);
 
 function writePlan() {
   const { plan } = desk;
@@ -48,7 +57,11 @@ function writePlan() {
   figure($("plan-figures"), "program", plan.name);
   figure($("plan-figures"), "cycle time", `${number(plan.cycle_time_s, 3)} s`);
   figure($("plan-figures"), "motions", String(plan.motions));
-  $("plan-nearest").textContent = plan.nearest ? `Nearest on its way: ${nearestText(plan.nearest)}.` : setup.scene ? "" : "Without a scene (--scene) nothing is known of what stands around the arm.";
+  $("plan-nearest").textContent = plan.nearest
+    ? `Nearest on its way: ${nearestText(plan.nearest)}.`
+    : setup.scene
+      ? ""
+      : "Without a scene (--scene) nothing is known of what stands around the arm.";
   $("plan-refused").hidden = plan.refused === null;
   $("plan-refused").textContent = plan.refused === null ? "" : `It cannot be sent: ${plan.refused}.`;
   writeRun();
@@ -58,28 +71,41 @@ function writeRun() {
   const { plan, run } = desk;
   $("send").disabled = !plan || plan.refused !== null || isRunning();
   $("clear").disabled = isRunning();
-  const words = { to_start: "The robot moves to the start", running: "The robot runs the program", done: "The robot has run the program", failed: "The robot has not finished the program" };
+  const words = {
+    to_start: "The robot moves to the start",
+    running: "The robot runs the program",
+    done: "The robot has run the program",
+    failed: "The robot has not finished the program",
+  };
   $("run").textContent = run ? words[run.phase] + (run.error ? `: ${run.error}` : ".") : "";
   const notes = [];
   if (run && run.phase === "done" && run.cycle_time_s !== null && plan) {
     const off = plan.cycle_time_s - run.cycle_time_s;
-    notes.push(`It took ${number(run.cycle_time_s, 3)} s, planned were ${number(plan.cycle_time_s, 3)} s: off by ${number(off, 3)} s, ${number((100 * off) / run.cycle_time_s, 2)} %.`);
+    notes.push(
+      `It took ${number(run.cycle_time_s, 3)} s, planned were ${number(plan.cycle_time_s, 3)} s: off by ${number(off, 3)} s, ${number((100 * off) / run.cycle_time_s, 2)} %.`,
+    );
   }
-  if (run && run.sketch) {
+  if (run?.sketch) {
     const { compared } = run.sketch;
     if (compared) notes.push(`The flange was off its path by ${number(compared.tcp_deviation.max_mm, 2)} mm at most.`);
     notes.push(...run.sketch.notes);
   }
   $("run-notes").textContent = notes.join(" ");
-  const files = [["report.html", "Report"], ["files/program.json", "Program"], ["files/plan.mcap", "Plan"]];
-  if (run && run.sketch) files.push(["files/measured.mcap", "What the robot did"]);
-  $("files").replaceChildren(...(plan ? files : []).map(([path, name]) => {
-    const to = element("a", name);
-    to.href = path + location.search;
-    if (path === "report.html") [to.target, to.rel] = ["_blank", "noopener"];
-    else to.download = "";
-    return to;
-  }));
+  const files = [
+    ["report.html", "Report"],
+    ["files/program.json", "Program"],
+    ["files/plan.mcap", "Plan"],
+  ];
+  if (run?.sketch) files.push(["files/measured.mcap", "What the robot did"]);
+  $("files").replaceChildren(
+    ...(plan ? files : []).map(([path, name]) => {
+      const to = element("a", name);
+      to.href = path + location.search;
+      if (path === "report.html") [to.target, to.rel] = ["_blank", "noopener"];
+      else to.download = "";
+      return to;
+    }),
+  );
 }
 
 // ---- what is asked first
@@ -93,7 +119,9 @@ function confirmed(title, lines, yes, start = null) {
   $("confirm-start").hidden = start === null;
   $("confirm-start").querySelector("span").textContent = start || "";
   $("move-to-start").checked = false;
-  const allow = () => { $("confirm-yes").disabled = start !== null && !$("move-to-start").checked; };
+  const allow = () => {
+    $("confirm-yes").disabled = start !== null && !$("move-to-start").checked;
+  };
   $("move-to-start").onchange = allow;
   allow();
   dialog.returnValue = "";
@@ -107,14 +135,18 @@ async function send() {
   const { plan } = desk;
   const lines = [
     `${plan.name}: ${plan.motions} motion${plan.motions === 1 ? "" : "s"}, ${number(plan.cycle_time_s, 3)} s.`,
-    plan.nearest ? `Nearest on its way: ${nearestText(plan.nearest)}.` : "What stands around the arm is not known: nothing has been checked against it.",
+    plan.nearest
+      ? `Nearest on its way: ${nearestText(plan.nearest)}.`
+      : "What stands around the arm is not known: nothing has been checked against it.",
     "The robot will move. See that nobody is in its reach, and have the emergency stop at hand.",
   ];
   const q = live.newest ? live.newest.joints_rad : plan.start_rad;
   const off = q.map((v, j) => Math.abs(v - plan.start_rad[j]));
   const far = off.indexOf(Math.max(...off));
   const away = off[far] > 1e-3;
-  const start = away ? `First move to the program's start, at 10 % of the speed: joint ${far + 1} has ${number(off[far] * DEG, 1)} degrees to go, the others less` : null;
+  const start = away
+    ? `First move to the program's start, at 10 % of the speed: joint ${far + 1} has ${number(off[far] * DEG, 1)} degrees to go, the others less`
+    : null;
   if (await confirmed("Send the program to the robot?", lines, "Send it", start)) {
     await ask("program-said", "send", { plan: plan.id, move_to_start: away });
   }
@@ -123,7 +155,8 @@ async function send() {
 async function loadFile(file) {
   if (!file) return;
   if (file.size > 4 * 2 ** 20) {
-    $("program-said").textContent = `${file.name} is longer than any program that is planned here: iiwasim plan takes it.`;
+    $("program-said").textContent =
+      `${file.name} is longer than any program that is planned here: iiwasim plan takes it.`;
     return;
   }
   await attempt("program-said", async () => handOver(file.name, await file.text()));
@@ -148,5 +181,8 @@ $("save").addEventListener("submit", async (event) => {
 });
 $("make").addEventListener("submit", (event) => {
   event.preventDefault();
-  ask("positions-said", "make_program", { velocity_percent: Number($("velocity").value), blend_mm: Number($("blend").value) });
+  ask("positions-said", "make_program", {
+    velocity_percent: Number($("velocity").value),
+    blend_mm: Number($("blend").value),
+  });
 });
