@@ -29,6 +29,7 @@
 //! | `fri` | `fri` | KUKA's Fast Robot Interface |
 //! | `link` | `link` | the client of a drive |
 //! | `drive` | `drive` | the drive, and a simulated cabinet |
+//! | `view` | `view` | pages, pictures and reports as text |
 //! | `full` | all | |
 //!
 //! Units are SI and radians unless a name ends in another one.
@@ -59,3 +60,5 @@ pub mod prelude;
 #[cfg(all(doctest, feature = "plan"))]
 #[doc = include_str!("../../../README.md")]
 pub struct Readme;
+#[cfg(feature = "view")]
+pub use iiwa_view as view;
