@@ -15,7 +15,6 @@ use crate::{Encoder, Frame, Motion, Topic, TrajectoryMessage};
 ///
 /// A fixed instant, so that the same program gives the same bytes, and late enough for viewers
 /// that take early stamps for durations.
-#[expect(clippy::duration_suboptimal_units, reason = "Unix time is in seconds")]
 pub const DEFAULT_EPOCH: Duration = Duration::from_secs(1_577_836_800);
 
 /// Bytes of a chunk before compression. The writer holds a chunk's index, never its messages.

@@ -36,7 +36,7 @@ fn everything_is_read_back() {
         let stream = Cursor::new(Vec::new());
         let mut writer = PlanWriter::new(stream, &slow(), PlanConfig::default()).unwrap();
         let (mut states, mut pieces, mut end) = (Vec::new(), Vec::new(), None);
-        while let Some(section) = planning.next() {
+        for section in planning.by_ref() {
             let section = section.unwrap();
             states.extend(section.states());
             end = Some(section.at(section.end_s()));
@@ -79,8 +79,8 @@ fn everything_is_read_back() {
 fn a_file_that_is_cut_off_is_no_plan_but_has_parts_of_one() {
     let whole = file(&Robot::default(), &PlanOptions::default());
     let all = PlanRecord::read(&*whole).unwrap();
-    for share in [0.3, 0.6, 0.9, 0.99] {
-        let part = &whole[..(share * whole.len() as f64) as usize];
+    for percent in [30, 60, 90, 99] {
+        let part = &whole[..whole.len() * percent / 100];
         let error = PlanRecord::read(part).unwrap_err();
         assert!(matches!(error, PlanRecordError::Read(_)), "{error}");
         let (record, end) = PlanRecord::read_part(part);

@@ -7,26 +7,26 @@ use std::{f64::consts::PI, sync::Arc};
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{Derivatives, JoinError, JointPath, Line, MotionLimits, Segment, Step};
-use iiwa_traj::{PieceKind, SweepOptions, Timing, Trajectory};
+use iiwa_traj::{PieceKind, Section, SweepOptions, Timing, Trajectory};
 
 /// Joint 1 moves evenly while joint 4 swings out and back as `a sin(pi s)^4`: three derivatives of it vanish
-/// at both ends, so that lines of joint 1 go on from there.
+/// at both ends, so that lines of joint 1 go on from there. All in rad.
 #[derive(Debug)]
 struct Swing {
-    from_rad: f64,
-    length_rad: f64,
-    amplitude_rad: f64,
+    from: f64,
+    length: f64,
+    amplitude: f64,
 }
 
 impl Segment for Swing {
     fn at(&self, s: f64) -> Derivatives {
         let (sin, cos) = (PI * s).sin_cos();
-        let a = self.amplitude_rad;
+        let a = self.amplitude;
         let joint_1_and_4 =
             |one: f64, four: f64| -> Joints { [one, 0.0, 0.0, four, 0.0, 0.0, 0.0] };
         Derivatives {
-            q: joint_1_and_4(self.from_rad + self.length_rad * s, a * sin.powi(4)),
-            dq: joint_1_and_4(self.length_rad, a * 4.0 * PI * sin.powi(3) * cos),
+            q: joint_1_and_4(self.from + self.length * s, a * sin.powi(4)),
+            dq: joint_1_and_4(self.length, a * 4.0 * PI * sin.powi(3) * cos),
             ddq: joint_1_and_4(
                 0.0,
                 a * 4.0 * PI.powi(2) * sin.powi(2) * (3.0 * cos * cos - sin * sin),
@@ -39,7 +39,7 @@ impl Segment for Swing {
     }
 
     fn bend_bound_rad(&self) -> Joints {
-        [0.0, 0.0, 0.0, 12.0 * PI * PI * self.amplitude_rad, 0.0, 0.0, 0.0]
+        [0.0, 0.0, 0.0, 12.0 * PI * PI * self.amplitude, 0.0, 0.0, 0.0]
     }
 }
 
@@ -49,7 +49,7 @@ fn path() -> JointPath {
     let joint_1 = |q: f64| [q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     let segments: [Arc<dyn Segment>; 3] = [
         Arc::new(Line::new(joint_1(-1.0), joint_1(-0.4))),
-        Arc::new(Swing { from_rad: -0.4, length_rad: 0.8, amplitude_rad: 0.3 }),
+        Arc::new(Swing { from: -0.4, length: 0.8, amplitude: 0.3 }),
         Arc::new(Line::new(joint_1(0.4), joint_1(1.0))),
     ];
     let steps = segments.into_iter().map(|segment| Step::Move { motion: 0, segment, blend: None });
@@ -65,7 +65,7 @@ fn a_shape_of_ones_own_is_planned_within_the_limits() {
         [(Timing::Acceleration(SweepOptions::default()), f64::INFINITY), (Timing::default(), 1.05)]
     {
         let trajectory = Trajectory::plan(&path, timing).unwrap();
-        let pieces: Vec<_> = trajectory.sections().iter().flat_map(|it| it.pieces()).collect();
+        let pieces: Vec<_> = trajectory.sections().iter().flat_map(Section::pieces).collect();
         assert!(pieces.iter().take(3).all(|piece| piece.kind != PieceKind::Settle));
         // It bends on the way.
         let middle = trajectory.at(0.5 * trajectory.motion_time_s());

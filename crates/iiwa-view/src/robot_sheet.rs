@@ -53,6 +53,7 @@ pub fn robot_sheet(robot: &Robot) -> String {
 }
 
 /// Three places at most, and no zeros behind the point.
+#[must_use]
 pub fn rounded(value: f64) -> String {
     let value = (value * 1000.0).round() / 1000.0;
     // No negative zero.

@@ -154,7 +154,7 @@ impl ProgramOutcome {
 struct Told {
     progress: Progress,
     summary: Summary,
-    /// ProgramOutcomes that came before their turn.
+    /// Outcomes that came before their turn.
     waiting: BTreeMap<usize, ProgramOutcome>,
 }
 

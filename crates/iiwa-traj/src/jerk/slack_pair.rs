@@ -44,7 +44,7 @@ pub(crate) struct SlackPair {
     z: Lanes,
     /// One over the slack: dividing is slow.
     inverse: Lanes,
-    /// InteriorStep of the slack, which the dual's follows from.
+    /// Step of the slack, which the dual's follows from.
     ds: Lanes,
 }
 
