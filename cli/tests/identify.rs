@@ -108,7 +108,10 @@ fn says_what_is_missing_or_wrong() {
         (&["wide.csv", "--program", "other.json"], "never where the program starts"),
         (&["wide.csv", "--program", "wide.json", "--robot", "r2d2"], "no robot is called"),
         (&["wide.csv", "--program", "wide.json", "--name", "\u{1}"], "--name"),
-        (&["wide.csv", "--program", "wide.json", "-o", "wide.json"], "written over what is read"),
+        (
+            &["wide.csv", "--program", "wide.json", "-o", "wide.json"],
+            "would be written over the program",
+        ),
         (&[], "required"),
     ] {
         let before = files(&folder);

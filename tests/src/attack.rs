@@ -97,7 +97,7 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
     print(&format!("seed {seed}"));
     let mut rows = Vec::new();
     if includes(Part::Stop) {
-        let extent = stop::Extent {
+        let extent = stop::StopExtent {
             rounds: 1000,
             time: seconds(35, 2 * 3600),
             longest_planning: if *long {
@@ -109,7 +109,7 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
         rows.extend(stop::run(binary, *seed, &extent)?);
     }
     if includes(Part::Load) {
-        let extent = load::Extent {
+        let extent = load::LoadExtent {
             size: size(if *long { 60_000_000 } else { 5_000_000 }),
             time: seconds(3, 60),
             together: seconds(6, 300),
@@ -117,7 +117,7 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
         rows.extend(load::run(binary, *seed, *keys, &extent)?);
     }
     if includes(Part::Memory) {
-        let extent = memory::Extent {
+        let extent = memory::MemoryExtent {
             size: size(60_000_000),
             time: seconds(3, 60),
             last_run: seconds(6, 60),

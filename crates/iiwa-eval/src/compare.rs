@@ -29,7 +29,7 @@ use plan::{Leg, Piece, PieceKind};
 
 use crate::vector::{add_scaled, norm, sub};
 
-pub use deviation::{Deviation, TracePoint, Whereabouts};
+pub use deviation::{Deviation, Location, TracePoint};
 pub use error::CompareError;
 pub use plan::Plan;
 

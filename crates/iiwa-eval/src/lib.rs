@@ -17,8 +17,8 @@ mod vector;
 mod virtual_robot;
 
 pub use compare::{
-    CompareError, Comparison, CycleTime, Deviation, MotionTime, Plan, StopTime, TracePoint,
-    Whereabouts, compare,
+    CompareError, Comparison, CycleTime, Deviation, Location, MotionTime, Plan, StopTime,
+    TracePoint, compare,
 };
 pub use estimate::Estimate;
 pub use local_cubic::local_cubic;

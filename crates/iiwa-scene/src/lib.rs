@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use iiwa_kin::Robot;
-//! use iiwa_path::{Path, Program};
+//! use iiwa_path::{JointPath, Program};
 //! use iiwa_scene::{ArmInScene, Scene};
 //! use iiwa_traj::{Timing, Trajectory};
 //!
@@ -25,7 +25,7 @@
 //!
 //! # let text = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
 //! #     "motions": [{ "type": "ptp", "joints_deg": [0, 60, 0, -80, 0, 40, 0] }] }"#;
-//! let path = Path::new(&Program::from_json(text)?, &robot)?;
+//! let path = JointPath::new(&Program::from_json(text)?, &robot)?;
 //! let trajectory = Trajectory::plan(&path, Timing::default())?;
 //! let smallest = arm.clearance_of(&trajectory).expect("there are obstacles");
 //! println!("{:.1} mm at {:.3} s", 1e3 * smallest.clearance.distance_m, smallest.at_s);

@@ -9,7 +9,7 @@
 //! # let text = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
 //! #     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;
 //! let program = Program::from_json(text)?;
-//! let path = Path::new(&program, &Robot::lbr_iiwa_7_r800())?;
+//! let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
 //! let trajectory = Trajectory::plan(&path, Timing::default())?;
 //!
 //! // Joint 1 by 40 deg at 98 deg/s, 490 deg/s^2 and 10384.86 deg/s^3; then it settles.

@@ -28,7 +28,7 @@ const REPLY_DEADLINE: Duration = Duration::from_millis(300);
 const STOP_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// The extent of the attacks.
-pub(super) struct Extent {
+pub(super) struct LoadExtent {
     pub(super) size: Size,
     /// Duration of each kind of attack.
     pub(super) time: Duration,
@@ -41,7 +41,7 @@ pub(super) fn run(
     binary: &Path,
     seed: u64,
     keys: bool,
-    extent: &Extent,
+    extent: &LoadExtent,
 ) -> Result<Vec<Row>, Fault> {
     let mut random = Rng::with_seed(seed);
     let mut rows = Vec::new();
@@ -57,14 +57,14 @@ pub(super) fn run(
         }
         // New programs, so that attacks do not affect each other.
         let mut rig = Rig::start(binary, Parts { twin: true, keys })?;
-        let mut phase = Phase { rig: &mut rig, random: random.fork(), name: &name };
+        let mut phase = LoadPhase { rig: &mut rig, random: random.fork(), name: &name };
         rows.extend(phase.run(&kinds, &extent.size, time)?);
     }
     Ok(rows)
 }
 
 /// Stops under attacks of some kinds.
-struct Phase<'a> {
+struct LoadPhase<'a> {
     rig: &'a mut Rig,
     random: Rng,
     name: &'a str,
@@ -78,7 +78,7 @@ struct Stops {
     worst: Duration,
 }
 
-impl Phase<'_> {
+impl LoadPhase<'_> {
     fn run(&mut self, kinds: &[Kind], size: &Size, time: Duration) -> Result<Vec<Row>, Fault> {
         let name = self.name;
         let mut rows = Vec::new();

@@ -17,7 +17,7 @@ use super::{
 };
 
 /// The extent of the attacks.
-pub(super) struct Extent {
+pub(super) struct MemoryExtent {
     pub(super) size: Size,
     /// Duration of each attack.
     pub(super) time: Duration,
@@ -26,7 +26,7 @@ pub(super) struct Extent {
 }
 
 /// Attacks that take memory, and those that fill logs.
-pub(super) fn run(binary: &Path, keys: bool, extent: &Extent) -> Result<Vec<Row>, Fault> {
+pub(super) fn run(binary: &Path, keys: bool, extent: &MemoryExtent) -> Result<Vec<Row>, Fault> {
     let mut rows = Vec::new();
     for kind in [Kind::UnreadReplies, Kind::Topics, Kind::LongRequests] {
         // New programs, so that attacks do not affect each other.

@@ -18,7 +18,7 @@ use super::{
 };
 
 /// The extent of the attempts.
-pub(super) struct Extent {
+pub(super) struct StopExtent {
     pub(super) rounds: usize,
     pub(super) time: Duration,
     pub(super) longest_planning: Duration,
@@ -37,7 +37,7 @@ struct Tally {
 }
 
 /// Makes attempts, each kind in turn.
-pub(super) fn run(binary: &Path, seed: u64, extent: &Extent) -> Result<Vec<Row>, Fault> {
+pub(super) fn run(binary: &Path, seed: u64, extent: &StopExtent) -> Result<Vec<Row>, Fault> {
     let mut random = Rng::with_seed(seed);
     let mut rig = Rig::start(binary, Parts::default())?;
     let planning = Planning::measure(&mut rig, &mut random)?;

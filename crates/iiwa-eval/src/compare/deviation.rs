@@ -14,12 +14,12 @@ pub struct Deviation {
     /// The largest one.
     pub max: f64,
     /// Where it is the largest.
-    pub at: Whereabouts,
+    pub at: Location,
 }
 
 /// A place on both paths.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Whereabouts {
+pub struct Location {
     /// The motion of the program, from 1.
     pub motion: usize,
     /// When the plan is there, in s from the program's start.
@@ -152,7 +152,7 @@ impl Sum {
         Deviation {
             mean: if self.way > 0.0 { self.integral / self.way } else { self.max },
             max: self.max,
-            at: Whereabouts {
+            at: Location {
                 motion: plan.motion_at(plan_s),
                 plan_s,
                 recording_s: log.t_s[i],
