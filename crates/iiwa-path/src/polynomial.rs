@@ -126,6 +126,16 @@ impl Segment for PolynomialBlend {
         newton(|s| self.sigma(s), sigma, near)
     }
 
+    fn derivatives(&self, s: f64) -> ([Joints; 3], [f64; 4]) {
+        let basis = Basis::at(self.continuity, s);
+        let derivatives = std::array::from_fn(|n| {
+            let along = basis.along[n + 1];
+            let across = basis.across[n + 1] - self.kappa * basis.bulge[n + 1];
+            std::array::from_fn(|j| along * self.d0[j] + across * self.turn[j])
+        });
+        (derivatives, basis.along)
+    }
+
     /// The grid holds the polynomials: this costs six multiplications a joint.
     fn rates(&self, grid: &Grid, scale: &Joints, dq: &mut [[f64; 8]], ddq: &mut [[f64; 8]]) {
         pulp::Arch::new().dispatch(Rates { blend: self, grid, scale, dq, ddq });

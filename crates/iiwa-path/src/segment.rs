@@ -99,6 +99,13 @@ pub trait Segment: fmt::Debug + Send + Sync {
         newton(|s| self.sigma(s), sigma, (sigma / end).clamp(0.0, 1.0))
     }
 
+    /// First to third derivative of q by s at `s`, in rad, and [`sigma`](Self::sigma) there: what the
+    /// jerk-limited solver asks for, again and again. A shape may save what both share.
+    fn derivatives(&self, s: f64) -> ([Joints; 3], [f64; 4]) {
+        let Derivatives { dq, ddq, dddq, .. } = self.at(s);
+        ([dq, ddq, dddq], self.sigma(s))
+    }
+
     /// First and second derivatives at every node of `grid`, each joint times its `scale`.
     ///
     /// The eighth number of each row is zero: rows of eight fill vector registers.

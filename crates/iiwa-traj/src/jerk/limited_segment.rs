@@ -6,7 +6,7 @@
 //! well: the solver would have to make the speed's own second derivative jump against it.
 
 use iiwa_kin::Joints;
-use iiwa_path::{Derivatives, MotionLimits, Segment};
+use iiwa_path::{MotionLimits, Segment};
 
 use crate::{node::Node, profile::along};
 
@@ -72,8 +72,7 @@ impl<'a> LimitedSegment<'a> {
         if let Some(direction) = self.direction {
             return [direction, [0.0; 7], [0.0; 7]];
         }
-        let Derivatives { dq, ddq, dddq, .. } = self.shape.at(s);
-        let [_, p, r, w] = self.shape.sigma(s);
+        let ([dq, ddq, dddq], [_, p, r, w]) = self.shape.derivatives(s);
         // Derivatives of s by sigma.
         let one = 1.0 / (p * self.unit);
         let two = -r * one * one / p;
