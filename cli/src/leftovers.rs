@@ -1,4 +1,4 @@
-//! What a process that was killed has left behind, and how it is told from what is in use.
+//! Temporary files left behind by a killed process, told apart by their locks from those in use.
 //!
 //! Temporary files and folders are locked for as long as their process lives: the system gives the lock
 //! back however it ends. A file with such a name that is not locked is left over.

@@ -245,7 +245,7 @@ impl Desk {
         };
         let Some(Running { thread, stopped }) = running else { return };
         stopped.store(true, Ordering::Relaxed);
-        // The page that asked for the run is told.
+        // Notify the page that asked for the run.
         if let Ok(mut client) = self.setup.client()
             && client.stop().is_ok()
         {

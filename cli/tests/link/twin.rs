@@ -97,7 +97,7 @@ fn only_the_page_itself_gets_in() {
         }
         address.connect(&live, Some(&own)).unwrap();
 
-        // At any other address of this machine nobody listens.
+        // Other addresses of this machine are closed.
         let socket = UdpSocket::bind("0.0.0.0:0").unwrap();
         if socket.connect("192.0.2.1:9").is_ok() {
             let port: u16 = host.rsplit(':').next().unwrap().parse().unwrap();
@@ -274,7 +274,7 @@ fn what_cannot_be_sent_is_not() {
             robot("lbr_iiwa_14_r820"),
             "for the robot `lbr_iiwa_14_r820`, this one is `lbr_iiwa_7_r800`",
         );
-        // Of a file, nothing is told.
+        // The error does not reveal a file's content.
         let secret = address.load(&robot("/etc/passwd")).unwrap_err();
         assert!(
             secret.contains("for the robot `/etc/passwd`") && !secret.contains("root:"),
@@ -315,7 +315,7 @@ fn what_cannot_be_sent_is_not() {
 fn a_way_to_the_start_that_is_too_near_is_not_taken() {
     in_real_time(|| {
         let mut rig = Rig::parts();
-        // Just above the table on one side; the program starts upright, where all is well, but for joint 1.
+        // Just above the table on one side; the program starts upright and clear of it, but for joint 1.
         rig.start_cabinet(&["--start-deg", "-60,88,0,0,0,0,0"]);
         rig.start_drive(&[]);
         rig.wait_until_ready(&[]);

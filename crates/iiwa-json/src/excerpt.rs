@@ -1,7 +1,7 @@
-//! Text of others in messages.
+//! Excerpts of foreign text in messages.
 
-/// The beginning of somebody's text as a message repeats it: not too long, and without what would do
-/// something to a terminal.
+/// The beginning of a foreign text, for a message: shortened, its control characters escaped, so that it
+/// cannot steer a terminal.
 #[must_use]
 pub fn excerpt(text: &str) -> String {
     let mut shown = String::with_capacity(text.len().min(4 * MAX_SHOWN));
@@ -19,5 +19,5 @@ pub fn excerpt(text: &str) -> String {
     shown
 }
 
-/// Longest piece of somebody's text that a message repeats, in characters.
+/// Longest excerpt, in characters.
 const MAX_SHOWN: usize = 60;

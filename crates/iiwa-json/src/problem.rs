@@ -1,8 +1,8 @@
-//! What is wrong with a JSON text, in words for whoever wrote it.
+//! Errors of `serde_json` as messages for the author of the text.
 
 use crate::excerpt::excerpt;
 
-/// What `error` says, in words for whoever wrote the JSON, and without the place.
+/// The message of `error` for the author of the JSON, without the place.
 #[must_use]
 pub fn problem(error: &serde_json::Error) -> String {
     let message = error.to_string();
