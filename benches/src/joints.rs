@@ -25,7 +25,7 @@ impl Numbers {
 
     /// The next joint positions in rad, evenly spread over `share` of the robot's ranges.
     pub fn joints(&mut self, robot: &Robot, share: f64) -> Joints {
-        robot.limits().position_rad.map(|limit| share * limit * self.signed())
+        robot.limits().upper_rad.map(|limit| share * limit * self.signed())
     }
 }
 

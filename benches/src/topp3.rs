@@ -118,7 +118,8 @@ impl Samples {
         let mut start = 0.0;
         for (k, step) in moves.iter().enumerate() {
             let Step::Move { motion, segment, .. } = step else { continue };
-            let piece = Piece { start, segment: segment.as_ref(), limits: &path.limits()[*motion] };
+            let piece =
+                Piece { start, segment: segment.as_ref(), limits: &path.limits()[motion.index()] };
             let gap = JOIN_GAP / intervals as f64;
             let from = if k == 0 { piece.ramp(0.0) } else { gap };
             let to = 1.0 - if k + 1 == count { piece.ramp(1.0) } else { gap };

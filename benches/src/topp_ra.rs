@@ -38,7 +38,7 @@ impl Samples {
         let mut start = 0.0;
         for step in moves {
             let Step::Move { motion, segment, .. } = step else { continue };
-            let limits = &path.limits()[*motion];
+            let limits = &path.limits()[motion.index()];
             let length = segment.tangent_lengths_rad()[0];
             for i in 0..=intervals {
                 let s = i as f64 / intervals as f64;

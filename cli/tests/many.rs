@@ -166,7 +166,7 @@ fn a_bad_program_does_not_stop_the_others() {
     let assert = iiwasim(&folder, &arguments).code(3);
     let message = stderr(&assert);
     for words in [
-        "cell/bad.json, line 5, column 37: motion 1: joint 1 is at 171 deg, its limit is +-170 deg",
+        "cell/bad.json, line 5, column 37: motion 1: joint A1 is at 171 deg; its range is -170 to 170 deg",
         "cell/empty.json, line 1, column 1",
         "cell/latin.json is not text in UTF-8",
         "cell/profiled.json: cell/profiles/broken.json, line 1",

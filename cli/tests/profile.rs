@@ -66,7 +66,7 @@ fn a_profile_without_a_name_is_not_taken_for_the_built_in_robot() {
         let [velocity, position] =
             ["velocity_rad_s", "position_rad"].map(|key| data["robot"][key][0].as_f64().unwrap());
         assert_eq!(velocity, robot.limits().velocity_rad_s[0]);
-        assert_eq!(position, robot.limits().position_rad[0]);
+        assert_eq!(position, robot.limits().upper_rad[0]);
         assert_eq!(data["notes"].as_array().unwrap().len(), 0, "{}", data["notes"]);
         assert_eq!(data["compared"].is_null(), files.len() == 1);
     }

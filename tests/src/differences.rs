@@ -27,8 +27,8 @@ pub fn ratios(trajectory: &Trajectory, rate_hz: f64) -> [f64; 3] {
         .collect();
     let largest = |states: &[State], of: fn(&MotionLimits) -> &Joints| -> Joints {
         std::array::from_fn(|j| {
-            let (first, last) = (states[0].motion, states[states.len() - 1].motion);
-            (first..=last).map(|motion| of(&limits[motion])[j]).fold(0.0, f64::max)
+            let [first, last] = [0, states.len() - 1].map(|i| states[i].motion.index());
+            limits[first..=last].iter().map(|limits| of(limits)[j]).fold(0.0, f64::max)
         })
     };
     let of: [fn(&MotionLimits) -> &Joints; 3] =

@@ -105,7 +105,7 @@ pub fn programs(most: usize) -> impl Strategy<Value = Program> {
 }
 
 fn program(start_rad: Joints, drafts: &[Draft]) -> Program {
-    let limits = Robot::default().limits().position_rad;
+    let limits = Robot::default().limits().upper_rad;
     let inside = |q: Joints| std::array::from_fn(|j| q[j].clamp(-limits[j], limits[j]));
     let (mut before, mut at) = (start_rad, start_rad);
     let mut motions: Vec<_> = drafts

@@ -6,7 +6,8 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{
-    Blend, BlendShape, Continuity, JointPath, Motion, PathOptions, Program, Ptp, Segment, Step,
+    Blend, BlendShape, Continuity, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp,
+    Segment, Step,
 };
 use iiwa_traj::{State, SweepOptions, Timing, TimingError, Trajectory};
 use iiwasim_tests::differences::ratios;
@@ -37,7 +38,7 @@ fn path(start: Joints, motions: &[Ptp], shape: BlendShape) -> JointPath {
 }
 
 /// The first motion whose blend starts with a jump in curvature, from 0.
-fn first_kink(path: &JointPath) -> Option<usize> {
+fn first_kink(path: &JointPath) -> Option<MotionIndex> {
     let mut blends = path.blends();
     let kink = blends.find(|(_, segment)| !segment.has_continuous_curvature());
     kink.map(|(corner, _)| corner.motion)
@@ -88,7 +89,7 @@ fn check(trajectory: &Trajectory) {
     let path = trajectory.path();
     let mut last: Option<State> = None;
     for state in trajectory.states() {
-        let limits = &path.limits()[state.motion];
+        let limits = &path.limits()[state.motion.index()];
         for j in 0..7 {
             let v = state.dq[j].abs() / limits.velocity_rad_s[j];
             let a = state.ddq[j].abs() / limits.acceleration_rad_s2[j];
@@ -473,7 +474,11 @@ fn curvature_that_jumps_is_named() {
         let path = JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap();
         let kinks = matches!(shape, BlendShape::Alpha(Continuity::First) | BlendShape::Circle);
         let error = Trajectory::plan(&path, Timing::default()).err();
-        assert_eq!(error, kinks.then_some(TimingError::CurvatureJumps { motion: 4 }), "{shape:?}");
+        assert_eq!(
+            error,
+            kinks.then_some(TimingError::CurvatureJumps { motion: MotionIndex::new(4) }),
+            "{shape:?}"
+        );
         if let Some(error) = error {
             assert!(error.to_string().starts_with("motion 5: "), "{error}");
         }

@@ -59,7 +59,7 @@ fn keeps(trajectory: &Trajectory, rate_hz: f64, allowed: &[f64]) -> Result<(), T
 fn check_acceleration(program: &Program) -> Result<(), TestCaseError> {
     let trajectory = plan(program, Timing::Acceleration(SweepOptions::default()))?;
     for state in trajectory.states() {
-        let limits = &trajectory.path().limits()[state.motion];
+        let limits = &trajectory.path().limits()[state.motion.index()];
         let v = ratio(&state.dq, &limits.velocity_rad_s);
         let a = ratio(&state.ddq, &limits.acceleration_rad_s2);
         prop_assert!(v <= 1.0 + 1e-6, "velocity ratio {v} at {} s", state.t_s);
@@ -89,7 +89,9 @@ fn acceleration_continues(trajectory: &Trajectory) -> Result<(), TestCaseError> 
     for node in trajectory.states() {
         let [before, after] = [-JUST, JUST].map(|just| trajectory.at(node.t_s + just));
         let larger = |of: fn(&MotionLimits) -> &Joints| -> Joints {
-            std::array::from_fn(|j| of(&all[before.motion])[j].max(of(&all[after.motion])[j]))
+            std::array::from_fn(|j| {
+                of(&all[before.motion.index()])[j].max(of(&all[after.motion.index()])[j])
+            })
         };
         let acceleration = larger(|limits| &limits.acceleration_rad_s2);
         let jerk = larger(|limits| &limits.jerk_rad_s3);

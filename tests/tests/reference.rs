@@ -28,7 +28,7 @@ fn blends() {
         let robot = path.robot();
         assert_eq!(path.blends().count(), case.answers.blends.len(), "program {}", case.id);
         for ((corner, blend), answer) in path.blends().zip(&case.answers.blends) {
-            let what = format!("program {}, blend after motion {}", case.id, corner.motion + 1);
+            let what = format!("program {}, blend after motion {}", case.id, corner.motion);
             close([corner.gamma_deg], [answer.gamma_deg], &what);
             close(blend.at(0.0).q, answer.start_rad, &what);
             close(blend.at(0.5).q, answer.mid_rad, &what);

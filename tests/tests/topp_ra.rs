@@ -90,7 +90,7 @@ fn topp_ra_s(path: &JointPath, intervals: usize) -> f64 {
     for step in path.steps() {
         match step {
             Step::Move { motion, segment, .. } => {
-                grid.add(segment.as_ref(), &path.limits()[*motion], intervals);
+                grid.add(segment.as_ref(), &path.limits()[motion.index()], intervals);
             }
             _ => total += std::mem::take(&mut grid).duration_s(),
         }

@@ -17,14 +17,7 @@ struct PoseAnswer<'a> {
 pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     let robot = find_robot(&options.robot, Path::new("."))?;
     let joints = options.joints.rad();
-    if let Some(j) = robot.limits().outside(&joints) {
-        return Err(Failure::input(format!(
-            "joint {} is at {} deg, its limit is +-{} deg",
-            j + 1,
-            degrees(joints[j]),
-            degrees(robot.limits().position_rad[j])
-        )));
-    }
+    robot.limits().check(&joints).map_err(|outside| Failure::input(outside.to_string()))?;
     let pose = robot.flange_pose(&joints);
     if options.json {
         let answer = PoseAnswer {
@@ -48,11 +41,4 @@ pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     let [a, b, c] = [a, b, c].map(f64::to_degrees);
     let _ = writeln!(text, "A, B, C    {a:10.3} {b:10.3} {c:10.3}  deg");
     output::print(&text)
-}
-
-/// Degrees with as many places as tell a value from its limit, and no more.
-fn degrees(rad: f64) -> f64 {
-    let degrees = rad.to_degrees();
-    let rounded = (degrees * 1e7).round() / 1e7;
-    if rounded.is_finite() { rounded } else { degrees }
 }

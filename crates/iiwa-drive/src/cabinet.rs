@@ -82,16 +82,11 @@ impl Cabinet {
     /// An address is invalid, requires keys or cannot be bound, the initial position is outside the joint
     /// ranges, or a thread cannot be started.
     pub fn start(config: CabinetConfig, security: &Server) -> Result<Self, LinkError> {
-        if let Some(j) = config.robot.limits().outside(&config.start_rad) {
-            return Err(LinkError::Config {
-                what: format!(
-                    "start position: joint {} is at {} deg, its limit is +-{:.3} deg",
-                    j + 1,
-                    config.start_rad[j].to_degrees(),
-                    config.robot.limits().position_rad[j].to_degrees()
-                ),
-            });
-        }
+        config
+            .robot
+            .limits()
+            .check(&config.start_rad)
+            .map_err(|outside| LinkError::Config { what: format!("start position: {outside}") })?;
         let (inputs, inputs_in) = mpsc::channel();
         let instructions = {
             let socket = ListenerConfig {

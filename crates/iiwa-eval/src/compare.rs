@@ -19,6 +19,7 @@ mod noise;
 mod plan;
 
 use iiwa_log::JointLog;
+use iiwa_path::MotionIndex;
 
 use crate::vector;
 
@@ -87,8 +88,8 @@ pub struct CycleTime {
 /// The time of a motion, or of a wait.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionTime {
-    /// Its place in the program, from 1.
-    pub motion: usize,
+    /// Its place in the program.
+    pub motion: MotionIndex,
     /// Whether it is a wait.
     pub waits: bool,
     /// When the plan starts it, in s.
@@ -109,8 +110,8 @@ pub struct MotionTime {
 /// The time of standing between motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopTime {
-    /// The motion after which the arm stands, from 1.
-    pub after_motion: usize,
+    /// The motion after which the arm stands.
+    pub after_motion: MotionIndex,
     /// Planned: to settle and to wait, in s.
     pub planned_s: f64,
     /// From arrival to departure, in s; none if the recording does not tell.

@@ -120,8 +120,8 @@ pub fn settle(robot: &Robot, count: usize, seed: u64) -> Trial {
     let motions: Vec<_> = (0..count)
         .map(|_| {
             at = random_target(robot, &mut random, &at, |random| {
-                let range = robot.limits().position_rad;
-                std::array::from_fn(|j| 0.6 * range[j] * symmetric(random))
+                let (middle, half) = ranges(robot);
+                std::array::from_fn(|j| middle[j] + 0.6 * half[j] * symmetric(random))
             });
             Ptp::to(at).velocity(0.1 + 0.9 * random.f64())
         })
@@ -231,17 +231,27 @@ fn random_target(
 ) -> Joints {
     loop {
         let to = draw(random);
-        let range = robot.limits().position_rad;
+        let (middle, half) = ranges(robot);
         let way = sub(&to, from);
         let above = |i: u32| {
             let share = f64::from(i) / 16.0;
             let q: Joints = std::array::from_fn(|j| from[j] + share * way[j]);
             robot.flange_position(&q)[2] > CLEARANCE_M
         };
-        if (0..7).all(|j| to[j].abs() <= RANGE_SHARE * range[j]) && (1..=16).all(above) {
+        if (0..7).all(|j| (to[j] - middle[j]).abs() <= RANGE_SHARE * half[j]) && (1..=16).all(above)
+        {
             return to;
         }
     }
+}
+
+/// The middle and the half of each joint's range, in rad.
+fn ranges(robot: &Robot) -> (Joints, Joints) {
+    let limits = robot.limits();
+    let of = |sign: f64| {
+        std::array::from_fn(|j| 0.5 * (limits.upper_rad[j] + sign * limits.lower_rad[j]))
+    };
+    (of(1.0), of(-1.0))
 }
 
 /// Evenly between -1 and 1.

@@ -19,9 +19,9 @@ mod stops;
 
 use std::f64::consts::SQRT_2;
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joint, Joints, Robot};
 use iiwa_log::JointLog;
-use iiwa_path::{BlendSearch, Fault, JointPath, Motion, Program, Step};
+use iiwa_path::{BlendSearch, Fault, JointPath, Motion, MotionIndex, Program, Step};
 
 use crate::{
     estimate::{Estimate, Linear, Row},
@@ -160,10 +160,10 @@ fn powers(gamma_deg: f64) -> [f64; 3] {
 pub struct LineObservation {
     /// The recording, from 0.
     pub recording: usize,
-    /// The motion, from 0.
-    pub motion: usize,
-    /// The joint, from 0, if only one moves.
-    pub joint: Option<usize>,
+    /// The motion.
+    pub motion: MotionIndex,
+    /// The joint, if only one moves.
+    pub joint: Option<Joint>,
     /// The way, in rad.
     pub from_rad: Joints,
     /// The way, in rad.
@@ -186,8 +186,8 @@ pub struct LineObservation {
 pub struct BlendObservation {
     /// The recording, from 0.
     pub recording: usize,
-    /// The motion whose target is blended away, from 0.
-    pub motion: usize,
+    /// The motion whose target is blended away.
+    pub motion: MotionIndex,
     /// Angle of the corner, in degrees.
     pub gamma_deg: f64,
     /// kappa and its standard deviation.
@@ -205,8 +205,8 @@ pub struct BlendObservation {
 pub struct LeftOut {
     /// The recording, from 0.
     pub recording: usize,
-    /// The motion, from 0.
-    pub motion: usize,
+    /// The motion.
+    pub motion: MotionIndex,
     /// Why.
     pub why: Why,
 }
@@ -395,12 +395,12 @@ impl Observer<'_> {
         }
     }
 
-    fn leave_out(&mut self, motion: usize, why: Why) {
+    fn leave_out(&mut self, motion: MotionIndex, why: Why) {
         let recording = self.recording;
         self.found.known.left_out.push(LeftOut { recording, motion, why });
     }
 
-    fn observe_line(&mut self, motion: usize, passage: &Passage) -> Option<Ramps> {
+    fn observe_line(&mut self, motion: MotionIndex, passage: &Passage) -> Option<Ramps> {
         let Passage { from, to, samples, .. } = passage;
         let way = sub(to, from);
         let (length, direction) = (norm(&way), unit(&way));
@@ -427,7 +427,7 @@ impl Observer<'_> {
             self.leave_out(motion, Why::NoLine(left));
             return None;
         };
-        let Motion::Ptp(ptp) = &self.program.motions[motion] else { return None };
+        let Motion::Ptp(ptp) = &self.program.motions[motion.index()] else { return None };
         let shares = [&ptp.velocity_rel, &ptp.acceleration_rel, &ptp.jerk_rel];
         let figures = [ramps.speed, ramps.acceleration, ramps.jerk];
         for ((bounds, along), shares) in self.found.bounds.iter_mut().zip(figures).zip(shares) {
@@ -437,7 +437,7 @@ impl Observer<'_> {
         self.found.known.lines.push(LineObservation {
             recording: self.recording,
             motion,
-            joint: limits::only(moving),
+            joint: limits::only(moving).and_then(Joint::from_index),
             from_rad: *from,
             to_rad: *to,
             time_s: [ramps.start_s.0, ramps.end_s.0],
@@ -515,10 +515,10 @@ impl Observer<'_> {
     }
 
     /// Where the blend would begin and end without Algorithm 3, against where it does.
-    fn observe_reach(&mut self, motion: usize, corner: [&Joints; 3], curve: &BlendCurve) {
+    fn observe_reach(&mut self, motion: MotionIndex, corner: [&Joints; 3], curve: &BlendCurve) {
         let [before, target, after] = corner;
         let (Some([found_before, found_after]), Motion::Ptp(ptp)) =
-            (curve.reach_rad, &self.program.motions[motion])
+            (curve.reach_rad, &self.program.motions[motion.index()])
         else {
             return;
         };
@@ -537,13 +537,14 @@ impl Observer<'_> {
     }
 
     /// The targets before, at and after a corner.
-    fn corner(&self, motion: usize) -> Option<[Joints; 3]> {
-        let target = |motion: usize| match self.program.motions.get(motion)? {
+    fn corner(&self, motion: MotionIndex) -> Option<[Joints; 3]> {
+        let target = |index: usize| match self.program.motions.get(index)? {
             Motion::Ptp(ptp) => Some(ptp.target_rad),
             _ => None,
         };
-        let before = (0..motion).rev().find_map(target).unwrap_or(self.program.start_rad);
-        Some([before, target(motion)?, target(motion + 1)?])
+        let index = motion.index();
+        let before = (0..index).rev().find_map(target).unwrap_or(self.program.start_rad);
+        Some([before, target(index)?, target(index + 1)?])
     }
 }
 

@@ -340,7 +340,7 @@ fn another_program_is_refused() {
     let recording = Recording { program: &longer, log: &log };
     let found = identify(&[recording], &Robot::default()).unwrap();
     assert!(found.velocity_rad_s[0].is_some());
-    assert_eq!((found.left_out[0].motion, found.left_out[0].why), (1, Why::NotFollowed));
+    assert_eq!((found.left_out[0].motion.index(), found.left_out[0].why), (1, Why::NotFollowed));
 }
 
 /// Joint 2 of the recording is the program's joint 4: where they part, nothing more is found.
@@ -356,7 +356,7 @@ fn what_goes_astray_is_left_out() {
     let shown = found.velocity_rad_s.map(|limit| limit.is_some());
     assert_eq!(shown, [true, false, false, false, false, false, false]);
     let last = found.left_out.last().unwrap();
-    assert_eq!((last.motion, last.why), (2, Why::NotFollowed));
+    assert_eq!((last.motion.index(), last.why), (2, Why::NotFollowed));
 }
 
 /// Noise may hide a phase of a motion. What is told all the same is not certain, and says so.

@@ -21,6 +21,7 @@
 mod batch;
 mod dh;
 mod forward;
+mod joint;
 mod limits;
 mod pose;
 #[cfg(feature = "profile")]
@@ -32,7 +33,8 @@ mod trig;
 mod urdf;
 
 pub use dh::DhRow;
-pub use limits::Limits;
+pub use joint::Joint;
+pub use limits::{Limits, OutsideRange};
 pub use pose::Pose;
 #[cfg(feature = "profile")]
 pub use profile::ProfileError;

@@ -1,13 +1,15 @@
 //! What each joint may do.
 
-use crate::Joints;
+use crate::{Joint, Joints};
 
-/// Limits of the seven joints. Each holds in both directions.
+/// Limits of the seven joints. Those of velocity, acceleration, jerk and torque hold in both directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Limits {
-    /// Largest distance from zero, in rad.
-    pub position_rad: Joints,
+    /// The least position, in rad.
+    pub lower_rad: Joints,
+    /// The greatest position, in rad.
+    pub upper_rad: Joints,
     /// Speed, in rad/s.
     pub velocity_rad_s: Joints,
     /// Acceleration, in rad/s^2.
@@ -18,19 +20,83 @@ pub struct Limits {
     pub torque_nm: Joints,
 }
 
+/// A joint outside its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "joint {joint} is at {} deg; its range is {} to {} deg",
+    degrees(*.found_rad), degrees(.range_rad[0]), degrees(.range_rad[1])
+)]
+#[non_exhaustive]
+pub struct OutsideRange {
+    /// The joint.
+    pub joint: Joint,
+    /// Its position, in rad; maybe not a number.
+    pub found_rad: f64,
+    /// Its least and its greatest position, in rad.
+    pub range_rad: [f64; 2],
+}
+
+/// How far outside its range a joint may be, in rad. A thousandth of an arc second: a limit typed in degrees
+/// must not fail by rounding.
+const ROUNDING_RAD: f64 = 5e-9;
+
 impl Limits {
-    /// The first joint (0 to 6) of `joints_rad` that is outside its position limit or not a number.
+    /// The least and the greatest position of a joint, in rad.
+    #[must_use]
+    pub fn range_rad(&self, joint: Joint) -> [f64; 2] {
+        [self.lower_rad[joint.index()], self.upper_rad[joint.index()]]
+    }
+
+    /// Checks that all joints are within their ranges.
+    ///
+    /// # Errors
+    ///
+    /// The first joint that is outside, or not a number.
     ///
     /// ```
-    /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
+    /// use iiwa_kin::{Joint, Robot};
+    ///
     /// let degrees = [0.0, 0.0, 0.0, -130.0, 0.0, 0.0, 0.0];
-    /// assert_eq!(robot.limits().outside(&degrees.map(f64::to_radians)), Some(3));
+    /// let outside = Robot::lbr_iiwa_7_r800().limits().check(&degrees.map(f64::to_radians)).unwrap_err();
+    /// assert_eq!(outside.joint, Joint::A4);
+    /// assert_eq!(outside.to_string(), "joint A4 is at -130 deg; its range is -120 to 120 deg");
     /// ```
-    #[must_use]
-    pub fn outside(&self, joints_rad: &Joints) -> Option<usize> {
-        // A thousandth of an arc second: a limit typed in degrees must not fail by rounding.
-        const ROUNDING_RAD: f64 = 5e-9;
-        let range_rad = self.position_rad.map(|limit| limit + ROUNDING_RAD);
-        (0..7).find(|&j| !(-range_rad[j]..=range_rad[j]).contains(&joints_rad[j]))
+    pub fn check(&self, joints_rad: &Joints) -> Result<(), OutsideRange> {
+        for joint in Joint::ALL {
+            let [lower, upper] = self.range_rad(joint);
+            let found_rad = joints_rad[joint.index()];
+            if !(lower - ROUNDING_RAD..=upper + ROUNDING_RAD).contains(&found_rad) {
+                return Err(self.outside(joint, found_rad));
+            }
+        }
+        Ok(())
     }
+
+    /// That `joint` is at `found_rad`, outside its range.
+    #[must_use]
+    pub fn outside(&self, joint: Joint, found_rad: f64) -> OutsideRange {
+        OutsideRange { joint, found_rad, range_rad: self.range_rad(joint) }
+    }
+
+    /// The position within the ranges that is nearest in each joint, in rad.
+    #[must_use]
+    pub fn clamp(&self, joints_rad: &Joints) -> Joints {
+        std::array::from_fn(|j| joints_rad[j].clamp(self.lower_rad[j], self.upper_rad[j]))
+    }
+
+    /// The positions at shares of the ranges: -1 is the lower limit of a joint, 1 the upper.
+    #[must_use]
+    pub fn at_shares(&self, shares: &Joints) -> Joints {
+        std::array::from_fn(|j| {
+            let [lower, upper] = [self.lower_rad[j], self.upper_rad[j]];
+            0.5 * ((upper + lower) + shares[j] * (upper - lower))
+        })
+    }
+}
+
+/// Degrees with as many places as tell a value from its limit, and no more.
+fn degrees(rad: f64) -> f64 {
+    let degrees = rad.to_degrees();
+    let rounded = (degrees * 1e7).round() / 1e7;
+    if rounded.is_finite() { rounded } else { degrees }
 }

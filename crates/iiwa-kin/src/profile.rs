@@ -1,5 +1,8 @@
 //! The robot profile: a JSON file that overrides parts of a built-in model.
 
+mod bounds;
+mod error;
+
 use iiwa_json::{
     Object, Place,
     Step::{self, Index, Key},
@@ -8,131 +11,13 @@ use iiwa_json::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::{Joints, Lengths, Robot, robot::MAX_LENGTH_M};
-
-/// The version of the profile format that this library reads and writes.
-const VERSION: u64 = 1;
-
-/// Longest profile that is read, in bytes; a full one has about two thousand.
-const MAX_BYTES: usize = 1 << 20;
-
-/// Largest number of a profile whose key has no closer bound, in the key's unit.
-const MAX_NUMBER: f64 = 1e9;
-
-/// Why a text is no robot profile.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ProfileError {
-    /// The text is not JSON, or not the JSON that is asked for.
-    #[error("{problem}, at {at}")]
-    Json {
-        /// Where.
-        at: Place,
-        /// What was found, and what was expected.
-        problem: String,
-    },
-    /// The text is too long to be a profile.
-    #[error("this is {found} bytes long; a robot profile has at most {MAX_BYTES}, at {at}")]
-    TooLong {
-        /// Where: the start of the text.
-        at: Place,
-        /// Its length in bytes.
-        found: usize,
-    },
-    /// The profile is of another version.
-    #[error("this is a robot profile of version {found}; write version {VERSION}, at {at}")]
-    Version {
-        /// Where.
-        at: Place,
-        /// The version found.
-        found: u64,
-    },
-    /// The profile builds on a model that is not built in.
-    #[error("no built-in model is called {found:?}; choose one of {}, at {at}", Robot::BUILT_IN.join(", "))]
-    UnknownBase {
-        /// Where.
-        at: Place,
-        /// The name found.
-        found: String,
-    },
-    /// The name is empty, too long or has control characters.
-    #[error(
-        "the name {found:?} cannot be used; write 1 to {MAX_NAME} characters, none of them a \
-         control character, at {at}"
-    )]
-    Name {
-        /// Where.
-        at: Place,
-        /// The name found.
-        found: String,
-    },
-    /// A list has too many or too few numbers.
-    #[error("{key} has {found} numbers; write {expected}, {}, at {at}", owner(.key))]
-    Count {
-        /// Where.
-        at: Place,
-        /// The list.
-        key: &'static str,
-        /// How many numbers it has.
-        found: usize,
-        /// How many it must have.
-        expected: usize,
-    },
-    /// A number is outside its range.
-    #[error("{what} is {found:?}; it must be at least {min:?} and at most {max:?}, at {at}")]
-    Range {
-        /// Where.
-        at: Place,
-        /// The key, and the place in a list.
-        what: String,
-        /// What it is.
-        found: f64,
-        /// The least that it may be.
-        min: f64,
-        /// The most that it may be.
-        max: f64,
-    },
-    /// A number is not above 0, or too large.
-    #[error("{what} is {found:?}; it must be above 0 and at most {max:?}, at {at}")]
-    Number {
-        /// Where.
-        at: Place,
-        /// The key, and the joint (from 1) or the link (from 0).
-        what: String,
-        /// What it is, in the key's unit.
-        found: f64,
-        /// What it may be, in the key's unit.
-        max: f64,
-    },
-}
-
-/// Longest name of a robot, in characters.
-const MAX_NAME: usize = 100;
-
-impl ProfileError {
-    /// Where in the text.
-    #[must_use]
-    pub fn place(&self) -> &Place {
-        match self {
-            Self::Json { at, .. }
-            | Self::TooLong { at, .. }
-            | Self::Version { at, .. }
-            | Self::UnknownBase { at, .. }
-            | Self::Name { at, .. }
-            | Self::Count { at, .. }
-            | Self::Range { at, .. }
-            | Self::Number { at, .. } => at,
-        }
-    }
-
-    /// What is wrong, without the place.
-    #[must_use]
-    pub fn what(&self) -> String {
-        let message = self.to_string();
-        let place = format!(", at {}", self.place());
-        message.strip_suffix(&place).unwrap_or(&message).to_owned()
-    }
-}
+use self::bounds::{
+    ACCELERATIONS, JERKS, KAPPA, KAPPA_RANGE, LEAST_RANGE_DEG, MASSES, MAX_BYTES, MAX_NAME,
+    MAX_NUMBER, MAX_POSITION_DEG, POSITIONS, RANGES, SETTLE, SETTLE_RANGE_S, TORQUES, VELOCITIES,
+    VERSION,
+};
+pub use self::error::ProfileError;
+use crate::{Joint, Joints, Lengths, Limits, Robot, robot::MAX_LENGTH_M};
 
 /// A robot model for iiwasim: a built-in model and what is different from it.
 #[derive(Default, Deserialize, Serialize, JsonSchema)]
@@ -159,8 +44,13 @@ struct Wire {
     lengths_mm: Option<LengthsWire>,
     /// Largest distance of joints A1 to A7 from zero, in degrees.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(360.0)))]
+    #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_POSITION_DEG)))]
     position_limit_deg: Option<Vec<f64>>,
+    /// Least and greatest positions of joints A1 to A7, in degrees, in place of `position_limit_deg` where the two
+    /// differ by more than the sign.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<[f64; 2]>", length(equal = 7), extend("items" = position_range()))]
+    position_range_deg: Option<Vec<[f64; 2]>>,
     /// Largest speeds, in degrees/s.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_NUMBER)))]
@@ -231,34 +121,16 @@ fn positive(max: f64) -> serde_json::Value {
     serde_json::json!({ "type": "number", "exclusiveMinimum": 0, "maximum": max })
 }
 
+/// JSON Schema of a joint's lower and upper limit, in degrees.
+fn position_range() -> serde_json::Value {
+    let limit = range([-MAX_POSITION_DEG, MAX_POSITION_DEG]);
+    serde_json::json!({ "type": "array", "items": limit, "minItems": 2, "maxItems": 2 })
+}
+
 /// JSON Schema of a number within a range.
 fn range([min, max]: [f64; 2]) -> serde_json::Value {
     serde_json::json!({ "type": "number", "minimum": min, "maximum": max })
 }
-
-/// What the numbers of the list `key` belong to.
-fn owner(key: &str) -> &'static str {
-    match key {
-        MASSES => "one for each link, the base included",
-        KAPPA => "the constant first, then the factors of gamma and gamma^2",
-        _ => "one for each joint",
-    }
-}
-
-const POSITIONS: &str = "position_limit_deg";
-const VELOCITIES: &str = "velocity_limit_deg_s";
-const ACCELERATIONS: &str = "acceleration_limit_deg_s2";
-const JERKS: &str = "jerk_limit_deg_s3";
-const TORQUES: &str = "torque_limit_nm";
-const MASSES: &str = "link_mass_kg";
-const KAPPA: &str = "blend_kappa";
-const SETTLE: &str = "settle_time_s";
-
-/// Coefficients of kappa: the arm's are below 4.
-const KAPPA_RANGE: [f64; 2] = [-100.0, 100.0];
-
-/// Times to settle, in s.
-const SETTLE_RANGE_S: [f64; 2] = [0.001, 10.0];
 
 impl Robot {
     /// Reads a robot profile (version 1): a built-in model, and what is different from it.
@@ -362,7 +234,7 @@ impl Wire {
         }
         let limits = &mut robot.limits;
         for (key, numbers, max, unit, field) in [
-            (POSITIONS, &self.position_limit_deg, 360.0, DEG, &mut limits.position_rad),
+            (POSITIONS, &self.position_limit_deg, MAX_POSITION_DEG, DEG, &mut limits.upper_rad),
             (VELOCITIES, &self.velocity_limit_deg_s, MAX_NUMBER, DEG, &mut limits.velocity_rad_s),
             (
                 ACCELERATIONS,
@@ -377,6 +249,12 @@ impl Wire {
             if let Some(numbers) = numbers {
                 *field = list(text, key, numbers, max, unit)?;
             }
+        }
+        if self.position_limit_deg.is_some() {
+            limits.lower_rad = limits.upper_rad.map(|upper| -upper);
+        }
+        if let Some(ranges) = &self.position_range_deg {
+            self.set_ranges(text, ranges, limits)?;
         }
         if let Some(numbers) = &self.link_mass_kg {
             robot.link_mass_kg = list(text, MASSES, numbers, MAX_NUMBER, SAME)?;
@@ -406,6 +284,38 @@ impl Wire {
         Ok(robot)
     }
 
+    /// Takes over the ranges of positions.
+    fn set_ranges(
+        &self,
+        text: &str,
+        ranges: &[[f64; 2]],
+        limits: &mut Limits,
+    ) -> Result<(), ProfileError> {
+        let at = || locate(text, &[Key(RANGES)]);
+        if self.position_limit_deg.is_some() {
+            return Err(ProfileError::Both { at: at(), keys: [POSITIONS, RANGES] });
+        }
+        if ranges.len() != 7 {
+            return Err(ProfileError::Count {
+                at: at(),
+                key: RANGES,
+                found: ranges.len(),
+                expected: 7,
+            });
+        }
+        for (joint, &[lower, upper]) in Joint::ALL.into_iter().zip(ranges) {
+            let path = |side| [Key(RANGES), Index(joint.index()), Index(side)];
+            let what = |side| move || format!("{RANGES}: {side} limit of joint {joint}");
+            let greatest = MAX_POSITION_DEG - LEAST_RANGE_DEG;
+            within(text, &path(0), lower, [-MAX_POSITION_DEG, greatest], what("lower"))?;
+            let least = lower + LEAST_RANGE_DEG;
+            within(text, &path(1), upper, [least, MAX_POSITION_DEG], what("upper"))?;
+            limits.lower_rad[joint.index()] = lower.to_radians();
+            limits.upper_rad[joint.index()] = upper.to_radians();
+        }
+        Ok(())
+    }
+
     /// What `robot` has that `base` has not.
     fn of(robot: &Robot, base: &Robot) -> Self {
         let deg = |values: &Joints, of_base: &Joints, what: &str| {
@@ -413,6 +323,7 @@ impl Wire {
             (known || differ(values, of_base)).then(|| values.map(|v| unconvert(v, DEG)).to_vec())
         };
         let (limits, of_base) = (robot.limits(), base.limits());
+        let is_symmetric = !differ(&limits.lower_rad.map(|lower| -lower), &limits.upper_rad);
         let mm = |value: f64, of_base: f64| {
             differ(&[value], &[of_base]).then(|| unconvert(value, from_mm))
         };
@@ -428,7 +339,13 @@ impl Wire {
                 forearm: mm(l.forearm_m, b.forearm_m),
                 flange: mm(l.flange_m, b.flange_m),
             }),
-            position_limit_deg: deg(&limits.position_rad, &of_base.position_rad, ""),
+            position_limit_deg: is_symmetric
+                .then(|| deg(&limits.upper_rad, &of_base.upper_rad, ""))
+                .flatten(),
+            position_range_deg: (!is_symmetric).then(|| {
+                let side = |values: &Joints, j: usize| unconvert(values[j], DEG);
+                (0..7).map(|j| [side(&limits.lower_rad, j), side(&limits.upper_rad, j)]).collect()
+            }),
             velocity_limit_deg_s: deg(&limits.velocity_rad_s, &of_base.velocity_rad_s, ""),
             acceleration_limit_deg_s2: deg(
                 &limits.acceleration_rad_s2,
@@ -456,6 +373,7 @@ impl Wire {
             + [
                 self.name.is_some(),
                 self.position_limit_deg.is_some(),
+                self.position_range_deg.is_some(),
                 self.velocity_limit_deg_s.is_some(),
                 self.acceleration_limit_deg_s2.is_some(),
                 self.jerk_limit_deg_s3.is_some(),
@@ -520,7 +438,7 @@ fn list<const N: usize>(
             if key == MASSES {
                 format!("{key}: link {index}")
             } else {
-                format!("{key}: joint {}", index + 1)
+                format!("{key}: joint A{}", index + 1)
             }
         };
         *value = checked(text, &[Key(key), Index(index)], numbers[index], max, what, to_si)?;

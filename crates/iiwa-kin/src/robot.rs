@@ -90,7 +90,8 @@ impl Robot {
                 flange_m: 0.152,
             },
             limits: Limits {
-                position_rad: rad([170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0]),
+                lower_rad: rad(POSITION_DEG).map(|limit| -limit),
+                upper_rad: rad(POSITION_DEG),
                 velocity_rad_s: rad([98.0, 98.0, 100.0, 130.0, 140.0, 180.0, 180.0]),
                 acceleration_rad_s2: rad([490.0, 490.0, 500.0, 650.0, 700.0, 900.0, 900.0]),
                 jerk_rad_s3: rad(IIWA_7_JERK_DEG_S3),
@@ -325,6 +326,8 @@ const KAPPA: [f64; 3] = [-3.974_264_71, 0.006_260_16, 0.000_284_72];
 const SETTLE_TIME_S: f64 = 0.05;
 
 /// Means of Larsen 2019, Table 5.
+/// Positions at which both models end, to either side.
+const POSITION_DEG: Joints = [170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0];
 const IIWA_7_JERK_DEG_S3: Joints =
     [10_384.86, 7_757.85, 9_986.65, 9_700.18, 19_406.08, 32_260.39, 33_028.15];
 

@@ -18,7 +18,6 @@ const LIMITS: [&str; 4] = ["lower", "upper", "effort", "velocity"];
 impl crate::Limits {
     /// The figures of joint `j` (from 0), in the order of [`LIMITS`].
     fn of_urdf(&self, j: usize) -> [f64; 4] {
-        let position_rad = self.position_rad[j];
-        [-position_rad, position_rad, self.torque_nm[j], self.velocity_rad_s[j]]
+        [self.lower_rad[j], self.upper_rad[j], self.torque_nm[j], self.velocity_rad_s[j]]
     }
 }

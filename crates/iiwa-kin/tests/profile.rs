@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use iiwa_kin::{BadLength, ProfileError, Robot};
+use iiwa_kin::{BadLength, Joint, ProfileError, Robot};
 use proptest::prelude::*;
 
 fn refused(text: &str) -> ProfileError {
@@ -42,8 +42,8 @@ fn every_part_can_be_overridden() {
     let l = robot.lengths();
     assert_eq!([l.base_m, l.upper_arm_m, l.forearm_m, l.flange_m], [0.361, 0.4195, 0.402, 0.126]);
     let limits = robot.limits();
-    assert_eq!(limits.position_rad[0], 160_f64.to_radians());
-    assert_eq!(limits.position_rad[6], std::f64::consts::TAU);
+    assert_eq!(limits.upper_rad[0], 160_f64.to_radians());
+    assert_eq!(limits.upper_rad[6], std::f64::consts::TAU);
     assert_eq!(limits.velocity_rad_s[6], 7_f64.to_radians());
     assert_eq!(limits.acceleration_rad_s2[0], 10_f64.to_radians());
     assert_eq!(limits.jerk_rad_s3[3], 400_f64.to_radians());
@@ -53,6 +53,47 @@ fn every_part_can_be_overridden() {
     assert_eq!(robot.settle_time_s(), 0.04);
     assert!(robot.assumptions().is_empty());
     assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
+}
+
+#[test]
+fn ranges_need_not_be_symmetric() {
+    let ranges =
+        "[-170, 100], [-10, 90], [-170, 170], [-120, 0], [10, 20], [-120, 120], [-360, 360]";
+    let text = |keys: &str| format!(r#"{{ "version": 1, {keys} }}"#);
+    let range = |ranges: &str| format!(r#""position_range_deg": [{ranges}]"#);
+    let robot = Robot::from_profile(&text(&range(ranges))).unwrap();
+    let limits = robot.limits();
+    assert_eq!(limits.range_rad(Joint::A2), [-10.0, 90.0].map(f64::to_radians));
+    assert_eq!(limits.range_rad(Joint::A5), [10.0, 20.0].map(f64::to_radians));
+    assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
+    let outside = limits.check(&[0.0; 7]).unwrap_err();
+    assert_eq!(outside.to_string(), "joint A5 is at 0 deg; its range is 10 to 20 deg");
+    assert!(limits.check(&limits.clamp(&[0.0; 7])).is_ok());
+    for (share, expected) in [(-1.0, limits.lower_rad), (1.0, limits.upper_rad)] {
+        let found = limits.at_shares(&[share; 7]);
+        assert!((0..7).all(|j| (found[j] - expected[j]).abs() < 1e-15), "{found:?}");
+    }
+    // The URDF has them, too.
+    assert!(robot.to_urdf().contains(&format!("lower=\"{}\"", 10_f64.to_radians())));
+
+    let symmetric = ranges.replace("[-170, 170]", "[170, -170]");
+    for (keys, what) in [
+        (
+            range(&symmetric),
+            "position_range_deg: upper limit of joint A3 is -170.0; it must be at least 170.001 and at most 360.0",
+        ),
+        (range("[-1, 1]"), "position_range_deg has 1 numbers; write 7, one pair for each joint"),
+        (
+            range(&ranges.replace("[-360", "[-361")),
+            "position_range_deg: lower limit of joint A7 is -361.0; it must be at least -360.0 and at most 359.999",
+        ),
+        (
+            format!(r#"{}, "position_limit_deg": [1, 1, 1, 1, 1, 1, 1]"#, range(ranges)),
+            "both position_limit_deg and position_range_deg are given; keep one of them",
+        ),
+    ] {
+        assert_eq!(refused(&text(&keys)).what(), what);
+    }
 }
 
 #[test]
@@ -184,14 +225,14 @@ fn says_what_is_wrong_and_where() {
             2,
             40,
             "361",
-            "position_limit_deg: joint 6 is 361.0; it must be above 0 and at most 360.0",
+            "position_limit_deg: joint A6 is 361.0; it must be above 0 and at most 360.0",
         ),
         (
             "{ \"version\": 1, \"name\": \"ü\", \"torque_limit_nm\": [1, 2, 3, -4, 5, 6, 7] }",
             1,
             59,
             "-4",
-            "torque_limit_nm: joint 4 is -4.0",
+            "torque_limit_nm: joint A4 is -4.0",
         ),
         ("{ \"version\": 1, \"torque_limit_nm\": [NaN] }", 1, 37, "NaN", "not JSON"),
         ("{ \"version\": 1, \"torque_limit_nm\": [1e400] }", 1, 37, "1e400", "number is too large"),
@@ -248,7 +289,7 @@ fn a_flange_has_a_length() {
 fn the_schema_has_every_key() {
     let schema = Robot::profile_schema();
     let keys = schema["properties"].as_object().unwrap();
-    assert_eq!(keys.len(), 12);
+    assert_eq!(keys.len(), 13);
     assert_eq!(schema["additionalProperties"], false);
     assert_eq!(schema["required"], serde_json::json!(["version"]));
     assert_eq!(keys["version"]["const"], 1);

@@ -33,7 +33,7 @@ fn poses(robot: &Robot, count: usize) -> Vec<Joints> {
             state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
     };
-    (0..count).map(|_| robot.limits().position_rad.map(|limit| 0.999 * limit * random())).collect()
+    (0..count).map(|_| robot.limits().upper_rad.map(|limit| 0.999 * limit * random())).collect()
 }
 
 fn link_name(link: usize) -> String {
@@ -75,8 +75,8 @@ fn numbers_read_back_exactly() {
         assert_eq!(read.name, robot.name());
         for (j, joint) in read.joints.iter().take(7).enumerate() {
             assert_eq!(joint.name, format!("iiwa_joint_{}", j + 1));
-            assert_eq!(joint.limit.upper.to_bits(), robot.limits().position_rad[j].to_bits());
-            assert_eq!(joint.limit.lower.to_bits(), (-robot.limits().position_rad[j]).to_bits());
+            assert_eq!(joint.limit.upper.to_bits(), robot.limits().upper_rad[j].to_bits());
+            assert_eq!(joint.limit.lower.to_bits(), robot.limits().lower_rad[j].to_bits());
             assert_eq!(joint.limit.velocity.to_bits(), robot.limits().velocity_rad_s[j].to_bits());
             assert_eq!(joint.limit.effort.to_bits(), robot.limits().torque_nm[j].to_bits());
         }

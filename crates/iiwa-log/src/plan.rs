@@ -86,9 +86,11 @@ impl<W: Write + Seek> PlanWriter<W> {
                 pieces.next_if(|piece| piece.start_s <= t_s || t_s >= section.end_s())
             {
                 let motion = Motion {
-                    index: u32::try_from(piece.motion + 1).unwrap_or(u32::MAX),
+                    index: u32::try_from(piece.motion.number()).unwrap_or(u32::MAX),
                     kind: Cow::Borrowed(piece.kind.name()),
-                    limiting_joint: piece.limited_by.and_then(|l| u8::try_from(l.joint).ok()),
+                    limiting_joint: piece
+                        .limited_by
+                        .and_then(|l| u8::try_from(l.joint.number()).ok()),
                     limiting_kind: Cow::Borrowed(piece.limited_by.map_or("", |l| l.kind.name())),
                 };
                 self.writer.motion(duration(piece.start_s), &motion)?;

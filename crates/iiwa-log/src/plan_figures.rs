@@ -199,14 +199,14 @@ pub(crate) fn to_json(entries: &BTreeMap<String, String>) -> Value {
 
 impl From<Limit> for LimitRecord {
     fn from(limit: Limit) -> Self {
-        Self { joint: limit.joint, kind: limit.kind.name().into() }
+        Self { joint: limit.joint.number(), kind: limit.kind.name().into() }
     }
 }
 
 impl From<&MotionFigures> for MotionRecord {
     fn from(figures: &MotionFigures) -> Self {
         Self {
-            index: figures.motion + 1,
+            index: figures.motion.number(),
             r#type: figures.kind.name().into(),
             start_s: figures.start_s,
             end_s: figures.end_s,
@@ -224,7 +224,7 @@ impl From<&MotionFigures> for MotionRecord {
 impl From<&BlendFigures> for BlendRecord {
     fn from(figures: &BlendFigures) -> Self {
         Self {
-            after_motion: figures.motion + 1,
+            after_motion: figures.motion.number(),
             gamma_deg: figures.gamma_deg,
             start_rad: figures.start_rad,
             end_rad: figures.end_rad,

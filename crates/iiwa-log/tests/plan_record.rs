@@ -60,7 +60,10 @@ fn everything_is_read_back() {
         assert_eq!(record.program.as_deref(), Some(TEXT));
         assert_eq!(record.pieces.len(), pieces.len());
         for (read, piece) in record.pieces.iter().zip(&pieces) {
-            assert_eq!((read.motion as usize, &*read.kind), (piece.motion + 1, piece.kind.name()));
+            assert_eq!(
+                (read.motion as usize, &*read.kind),
+                (piece.motion.number(), piece.kind.name())
+            );
             assert!((read.start_s - piece.start_s).abs() < 1e-9);
             assert!((read.end_s - piece.end_s).abs() < 1e-8, "{read:?} {piece:?}");
         }

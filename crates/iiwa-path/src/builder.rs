@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joint, Joints, Robot};
 
 use crate::{
     circle::CircularBlend,
@@ -10,6 +10,7 @@ use crate::{
     crossing::BlendSearch,
     fault::Fault,
     line::Line,
+    motion_index::MotionIndex,
     options::{BlendShape, PathOptions},
     polynomial::{KAPPA_MIN_ACCELERATION, PolynomialBlend},
     program::{Motion, Program, Ptp},
@@ -33,7 +34,7 @@ pub(crate) fn steps(
     let mut from = program.start_rad;
     // The target before, blended away or not: directions are taken between targets.
     let mut last_target = program.start_rad;
-    for (motion, entry) in program.motions.iter().enumerate() {
+    for (motion, entry) in program.entries() {
         let ptp = match entry {
             Motion::Ptp(ptp) => ptp,
             Motion::Wait { seconds } => {
@@ -42,7 +43,7 @@ pub(crate) fn steps(
             }
         };
         let corner = RoundedCorner::new(robot, options.blend_search, &last_target, ptp, || {
-            match program.motions.get(motion + 1) {
+            match program.motions.get(motion.index() + 1) {
                 Some(Motion::Ptp(next)) => Some(next.target_rad),
                 _ => None,
             }
@@ -72,7 +73,7 @@ impl Builder<'_> {
         self.steps.push(step);
     }
 
-    fn push_line(&mut self, motion: usize, from: Joints, to: Joints) {
+    fn push_line(&mut self, motion: MotionIndex, from: Joints, to: Joints) {
         let line = Line::new(from, to);
         if line.length_rad() > NO_MOTION_RAD {
             self.push(Step::Move { motion, segment: Arc::new(line), blend: None });
@@ -81,7 +82,7 @@ impl Builder<'_> {
 
     fn push_blend(
         &mut self,
-        motion: usize,
+        motion: MotionIndex,
         corner: &RoundedCorner,
         shape: BlendShape,
     ) -> Result<(), Fault> {
@@ -112,40 +113,43 @@ impl Builder<'_> {
             return Ok(());
         }
         let blend = Some(Corner { motion, gamma_deg });
-        self.push(Step::Move { motion: motion + 1, segment, blend });
+        self.push(Step::Move { motion: motion.next(), segment, blend });
         Ok(())
     }
 
     /// A blend may overshoot its ends: finds the joint that leaves its position limits.
     fn check_position_limits(
         &self,
-        motion: usize,
+        motion: MotionIndex,
         corner: &RoundedCorner,
         blend: &PolynomialBlend,
     ) -> Result<(), Fault> {
         let limits = self.robot.limits();
         let corners = [corner.start(), corner.target, corner.end()];
-        let at_risk = (0..7).any(|j| {
-            let farthest = corners.iter().map(|q| q[j].abs()).fold(0.0, f64::max);
-            farthest + blend.overshoot_bound(j) > limits.position_rad[j]
+        let at_risk = Joint::ALL.into_iter().any(|joint| {
+            let j = joint.index();
+            let [least, greatest] =
+                corners.iter().fold([f64::MAX, f64::MIN], |[least, greatest], q| {
+                    [least.min(q[j]), greatest.max(q[j])]
+                });
+            let bound = blend.overshoot_bound(j);
+            least - bound < limits.lower_rad[j] || greatest + bound > limits.upper_rad[j]
         });
         if !at_risk {
             return Ok(());
         }
+        let at = |i| blend.at(f64::from(i) / f64::from(OVERSHOOT_SAMPLES)).q;
         for i in 0..=OVERSHOOT_SAMPLES {
-            let q = blend.at(f64::from(i) / f64::from(OVERSHOOT_SAMPLES)).q;
-            if let Some(j) = limits.outside(&q) {
-                let farthest = |farthest: f64, i| {
-                    let q = blend.at(f64::from(i) / f64::from(OVERSHOOT_SAMPLES)).q[j];
-                    if q.abs() > farthest.abs() { q } else { farthest }
-                };
-                return Err(Fault::BlendOutside {
-                    motion,
-                    joint: j + 1,
-                    found_rad: (0..=OVERSHOOT_SAMPLES).fold(0.0, farthest),
-                    limit_rad: limits.position_rad[j],
-                });
-            }
+            let Err(outside) = limits.check(&at(i)) else { continue };
+            let j = outside.joint.index();
+            let excess = |q: f64| (limits.lower_rad[j] - q).max(q - limits.upper_rad[j]);
+            let farthest = (0..=OVERSHOOT_SAMPLES)
+                .map(|i| at(i)[j])
+                .fold(outside.found_rad, |a, b| if excess(b) > excess(a) { b } else { a });
+            return Err(Fault::BlendOutside {
+                motion,
+                outside: limits.outside(outside.joint, farthest),
+            });
         }
         Ok(())
     }
@@ -158,8 +162,11 @@ const OVERSHOOT_SAMPLES: u32 = 1024;
 /// A corner that is to be rounded off, and how far on either side.
 struct RoundedCorner {
     target: Joints,
+    /// Unit vector of the motion into the corner (Larsen 2019, Eq. 27).
     y0: Joints,
+    /// Unit vector of the motion out of the corner.
     y1: Joints,
+    /// Distance in joint space from the corner to both ends of the blend, in rad.
     reach: f64,
 }
 

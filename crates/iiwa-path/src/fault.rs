@@ -3,99 +3,82 @@
 use std::fmt;
 
 use iiwa_json::{Place, Step, locate};
+use iiwa_kin::{Joint, OutsideRange};
 
-use crate::blend::Blend;
+use crate::{blend::Blend, motion_index::MotionIndex};
 
-/// Something in a motion program that cannot be planned. Motions count from 0 here and from 1 in
-/// the message.
+/// Something in a motion program that cannot be planned.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
     /// The list of motions is empty.
     #[error("the program has no motions; add at least one")]
     NoMotions,
-    /// A joint is outside its limit, or not a number.
-    #[error(
-        "{}: joint {joint} is at {} deg, its limit is +-{} deg",
-        place_name(*.motion), degrees(*.found_rad), degrees(*.limit_rad)
-    )]
+    /// A joint is outside its range, or not a number.
+    #[error("{}: {outside}", place_name(*.motion))]
     JointOutside {
         /// The motion, or none for the start pose.
-        motion: Option<usize>,
-        /// The joint, from 1.
-        joint: usize,
-        /// Where it is, in rad.
-        found_rad: f64,
-        /// Where it may be, in rad.
-        limit_rad: f64,
+        motion: Option<MotionIndex>,
+        /// Which joint, and its range.
+        outside: OutsideRange,
     },
     /// A relative speed, acceleration or jerk is not in (0, 1], or next to nothing.
     #[error(
-        "motion {}: {field}{} is {found}; it must be {} and at most 1",
-        .motion + 1,
+        "motion {motion}: {field}{} is {found}; it must be {} and at most 1",
         .joint.map(|joint| format!(" of joint {joint}")).unwrap_or_default(),
         if *.found > 0.0 && *.found < *.min { format!("at least {min}") } else { "above 0".to_owned() }
     )]
     Share {
         /// The motion.
-        motion: usize,
+        motion: MotionIndex,
         /// Which of the three.
         field: Field,
-        /// The joint, from 1; none if it is the same for all.
-        joint: Option<usize>,
+        /// The joint; none if it is the same for all.
+        joint: Option<Joint>,
         /// What it is.
         found: f64,
         /// What it has to be at least.
         min: f64,
     },
     /// A wait is negative, longer than a day, or not a number.
-    #[error("motion {}: a wait of {found} s; it must be from 0 to {max_s} s", .motion + 1)]
+    #[error("motion {motion}: a wait of {found} s; it must be from 0 to {max_s} s")]
     Wait {
         /// The motion.
-        motion: usize,
+        motion: MotionIndex,
         /// What it is, in s.
         found: f64,
         /// What it may be, in s.
         max_s: f64,
     },
     /// A blend's size is out of range.
-    #[error("motion {}: {}", .motion + 1, blend_range(*.blend))]
+    #[error("motion {motion}: {}", blend_range(*.blend))]
     Blend {
         /// The motion.
-        motion: usize,
+        motion: MotionIndex,
         /// What it is.
         blend: Blend,
     },
     /// The last motion has a blend.
-    #[error("motion {} is the last one and has nothing to blend into; remove its blend", .motion + 1)]
+    #[error("motion {motion} is the last one and has nothing to blend into; remove its blend")]
     BlendAtTheEnd {
         /// The motion.
-        motion: usize,
+        motion: MotionIndex,
     },
     /// A motion before a wait has a blend.
     #[error(
-        "motion {} is followed by a wait and has nothing to blend into; remove its blend",
-        .motion + 1
+        "motion {motion} is followed by a wait and has nothing to blend into; remove its blend"
     )]
     BlendBeforeWait {
         /// The motion.
-        motion: usize,
+        motion: MotionIndex,
     },
-    /// A blend carries the path outside the position limits.
-    #[error(
-        "motion {}: its blend carries joint {joint} to {} deg, its limit is +-{} deg; \
-         choose a smaller blend or move the target",
-        .motion + 1, degrees(*.found_rad), degrees(*.limit_rad)
-    )]
+    /// A blend carries the path outside the joint ranges.
+    #[error("motion {motion}: on its blend, {outside}; choose a smaller blend or move the target")]
     BlendOutside {
         /// The motion that is blended away.
-        motion: usize,
-        /// The joint, from 1.
-        joint: usize,
-        /// Where it goes, in rad.
-        found_rad: f64,
-        /// Where it may go, in rad.
-        limit_rad: f64,
+        motion: MotionIndex,
+        /// Which joint, where it is farthest outside, and its range.
+        outside: OutsideRange,
     },
 }
 
@@ -135,42 +118,41 @@ impl Fault {
         let motions = Key("motions");
         match *self {
             Self::NoMotions => locate(text, &[motions]),
-            Self::JointOutside { motion, joint, .. } => {
+            Self::JointOutside { motion, outside } => {
                 let owner = match motion {
                     None => vec![Key("start")],
-                    Some(index) => vec![motions, Index(index)],
+                    Some(motion) => vec![motions, Index(motion.index())],
                 };
                 // The joints are under one of two keys: the longer way down is the right one.
                 ["joints_rad", "joints_deg"]
-                    .map(|key| [owner.as_slice(), &[Key(key), Index(joint - 1)]].concat())
+                    .map(|key| {
+                        [owner.as_slice(), &[Key(key), Index(outside.joint.index())]].concat()
+                    })
                     .map(|path| locate(text, &path))
                     .into_iter()
                     .min_by_key(|place| place.span.len())
                     .unwrap_or_else(|| locate(text, &owner))
             }
             Self::Share { motion, field, joint, .. } => {
-                let mut path = vec![motions, Index(motion), Key(field.key())];
-                path.extend(joint.map(|joint| Index(joint - 1)));
+                let mut path = vec![motions, Index(motion.index()), Key(field.key())];
+                path.extend(joint.map(|joint| Index(joint.index())));
                 locate(text, &path)
             }
-            Self::Wait { motion, .. } => locate(text, &[motions, Index(motion), Key("seconds")]),
+            Self::Wait { motion, .. } => {
+                locate(text, &[motions, Index(motion.index()), Key("seconds")])
+            }
             Self::Blend { motion, .. }
             | Self::BlendAtTheEnd { motion }
             | Self::BlendBeforeWait { motion }
             | Self::BlendOutside { motion, .. } => {
-                locate(text, &[motions, Index(motion), Key("blend")])
+                locate(text, &[motions, Index(motion.index()), Key("blend")])
             }
         }
     }
 }
 
-fn place_name(motion: Option<usize>) -> String {
-    motion.map_or_else(|| "the start pose".to_owned(), |index| format!("motion {}", index + 1))
-}
-
-/// Degrees with as many places as tell a value from its limit, and no more.
-fn degrees(rad: f64) -> f64 {
-    (rad.to_degrees() * 1e7).round() / 1e7
+fn place_name(motion: Option<MotionIndex>) -> String {
+    motion.map_or_else(|| "the start pose".to_owned(), |motion| format!("motion {motion}"))
 }
 
 fn blend_range(blend: Blend) -> String {

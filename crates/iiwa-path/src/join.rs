@@ -2,7 +2,7 @@
 
 use iiwa_kin::Joints;
 
-use crate::{step::Step, vector};
+use crate::{motion_index::MotionIndex, step::Step, vector};
 
 /// How far the end of a segment may be from the start of the next, in rad.
 const GAP_RAD: f64 = 1e-9;
@@ -19,8 +19,8 @@ pub enum JoinError {
     NoLimits {
         /// The step, from 0.
         step: usize,
-        /// The motion, from 0.
-        motion: usize,
+        /// The motion.
+        motion: MotionIndex,
     },
     /// A segment does not start where the arm is.
     #[error("step {step} starts {gap_rad} rad from the end of the step before")]
@@ -52,7 +52,7 @@ pub(crate) fn check_joins(
             direction = None;
             continue;
         };
-        if *motion >= motions {
+        if motion.index() >= motions {
             return Err(JoinError::NoLimits { step, motion: *motion });
         }
         let [from, to] = [segment.at(0.0), segment.at(1.0)];

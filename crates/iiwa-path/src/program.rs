@@ -1,10 +1,11 @@
 //! The motion program: what the robot is told to do.
 
-use iiwa_kin::{Joints, Limits};
+use iiwa_kin::{Joint, Joints, Limits};
 
 use crate::{
     blend::Blend,
     fault::{Fault, Field},
+    motion_index::MotionIndex,
 };
 
 /// A motion program (version 1).
@@ -84,7 +85,8 @@ impl Program {
     ///
     /// let program = Program::from_deg([0.0; 7]).ptp_deg([0.0, 0.0, 0.0, -130.0, 0.0, 0.0, 0.0]).build();
     /// let fault = program.check(Robot::default().limits()).unwrap_err();
-    /// assert!(matches!(fault, Fault::JointOutside { motion: Some(0), joint: 4, .. }));
+    /// assert!(matches!(fault, Fault::JointOutside { motion: Some(_), .. }));
+    /// assert_eq!(fault.to_string(), "motion 1: joint A4 is at -130 deg; its range is -120 to 120 deg");
     /// ```
     ///
     /// # Errors
@@ -93,9 +95,9 @@ impl Program {
     pub fn check(&self, limits: &Limits) -> Result<(), Fault> {
         self.check_numbers()?;
         check_joints(None, &self.start_rad, limits)?;
-        for (index, motion) in self.motions.iter().enumerate() {
-            if let Motion::Ptp(ptp) = motion {
-                check_joints(Some(index), &ptp.target_rad, limits)?;
+        for (motion, entry) in self.entries() {
+            if let Motion::Ptp(ptp) = entry {
+                check_joints(Some(motion), &ptp.target_rad, limits)?;
             }
         }
         Ok(())
@@ -106,7 +108,7 @@ impl Program {
         if self.motions.is_empty() {
             return Err(Fault::NoMotions);
         }
-        for (motion, entry) in self.motions.iter().enumerate() {
+        for (motion, entry) in self.entries() {
             match entry {
                 Motion::Ptp(ptp) => self.check_ptp(motion, ptp)?,
                 Motion::Wait { seconds } if !(0.0..=MAX_WAIT_S).contains(seconds) => {
@@ -118,16 +120,21 @@ impl Program {
         Ok(())
     }
 
-    fn check_ptp(&self, motion: usize, ptp: &Ptp) -> Result<(), Fault> {
+    /// The motions with their places.
+    pub(crate) fn entries(&self) -> impl Iterator<Item = (MotionIndex, &Motion)> {
+        (0..).map(MotionIndex::new).zip(&self.motions)
+    }
+
+    fn check_ptp(&self, motion: MotionIndex, ptp: &Ptp) -> Result<(), Fault> {
         let shares = [
             (Field::Velocity, &ptp.velocity_rel),
             (Field::Acceleration, &ptp.acceleration_rel),
             (Field::Jerk, &ptp.jerk_rel),
         ];
         for (field, values) in shares {
-            let wrong = |(_, share): &(usize, &f64)| !(MIN_SHARE..=1.0).contains(*share);
-            if let Some((j, &found)) = values.iter().enumerate().find(wrong) {
-                let joint = values.iter().any(|v| v.to_bits() != found.to_bits()).then_some(j + 1);
+            let wrong = |(_, share): &(Joint, &f64)| !(MIN_SHARE..=1.0).contains(*share);
+            if let Some((joint, &found)) = Joint::ALL.into_iter().zip(values).find(wrong) {
+                let joint = values.iter().any(|v| v.to_bits() != found.to_bits()).then_some(joint);
                 return Err(Fault::Share { motion, field, joint, found, min: MIN_SHARE });
             }
         }
@@ -140,7 +147,7 @@ impl Program {
         if !(0.0..=max).contains(&found) {
             return Err(Fault::Blend { motion, blend });
         }
-        match self.motions.get(motion + 1) {
+        match self.motions.get(motion.index() + 1) {
             _ if !blend.has_effect() => Ok(()),
             None => Err(Fault::BlendAtTheEnd { motion }),
             Some(Motion::Wait { .. }) => Err(Fault::BlendBeforeWait { motion }),
@@ -155,14 +162,10 @@ const MIN_SHARE: f64 = 1e-6;
 /// A wait above a day is a slip of the pen, and would fill a disk with samples.
 const MAX_WAIT_S: f64 = 24.0 * 3600.0;
 
-fn check_joints(motion: Option<usize>, joints: &Joints, limits: &Limits) -> Result<(), Fault> {
-    match limits.outside(joints) {
-        None => Ok(()),
-        Some(j) => Err(Fault::JointOutside {
-            motion,
-            joint: j + 1,
-            found_rad: joints[j],
-            limit_rad: limits.position_rad[j],
-        }),
-    }
+fn check_joints(
+    motion: Option<MotionIndex>,
+    joints: &Joints,
+    limits: &Limits,
+) -> Result<(), Fault> {
+    limits.check(joints).map_err(|outside| Fault::JointOutside { motion, outside })
 }

@@ -2,17 +2,17 @@
 
 use std::sync::Arc;
 
-use crate::segment::Segment;
+use crate::{motion_index::MotionIndex, segment::Segment};
 
-/// One thing that the arm does. Motions count from 0.
+/// One thing that the arm does.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Step {
     /// It moves, within the limits of `motion`.
     Move {
-        /// The motion whose limits hold. In a blend it is the following one: so it is for speed
-        /// (Larsen 2019, Appendix B), and taken to be for the others.
-        motion: usize,
+        /// The motion whose limits hold. In a blend it is the following one: measured for speed
+        /// (Larsen 2019, Appendix B), assumed for acceleration and jerk.
+        motion: MotionIndex,
         /// Where it moves.
         segment: Arc<dyn Segment>,
         /// The corner, if this is a blend.
@@ -23,12 +23,12 @@ pub enum Step {
     /// It stands until it has settled, at the end of `motion` (Larsen 2019, Appendix C).
     Settle {
         /// The motion that has ended.
-        motion: usize,
+        motion: MotionIndex,
     },
     /// It waits.
     Wait {
         /// The wait's place in the program.
-        motion: usize,
+        motion: MotionIndex,
         /// For how long, in s.
         seconds: f64,
     },
@@ -37,8 +37,8 @@ pub enum Step {
 /// What a blend rounds off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
-    /// The motion whose target is blended away, from 0.
-    pub motion: usize,
+    /// The motion whose target is blended away.
+    pub motion: MotionIndex,
     /// Angle between the two directions in joint space, in degrees: 0 straight on, 180 turned back
     /// (Larsen 2019, Eq. 28).
     pub gamma_deg: f64,

@@ -18,6 +18,7 @@ use serde_json::value::RawValue;
 use crate::{
     blend::Blend,
     fault::Fault,
+    motion_index::MotionIndex,
     program::{Motion, Program, Ptp},
 };
 
@@ -33,8 +34,8 @@ pub enum ProgramError {
     Json {
         /// What was found, and what was expected.
         what: String,
-        /// The motion, from 0, if it is in one.
-        motion: Option<usize>,
+        /// The motion, if it is in one.
+        motion: Option<MotionIndex>,
         /// Where.
         place: Place,
     },
@@ -80,8 +81,8 @@ impl ProgramError {
     }
 }
 
-fn motion_prefix(motion: Option<usize>) -> String {
-    motion.map_or_else(String::new, |index| format!("motion {}: ", index + 1))
+fn motion_prefix(motion: Option<MotionIndex>) -> String {
+    motion.map_or_else(String::new, |motion| format!("motion {motion}: "))
 }
 
 impl Program {
@@ -179,11 +180,12 @@ fn checked(
 }
 
 fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
-    let fail = |error: serde_json::Error| json_error(text, raw, Some(index), &error);
+    let motion = Some(MotionIndex::new(index));
+    let fail = |error: serde_json::Error| json_error(text, raw, motion, &error);
     let wrong = |what: String, key: Option<&str>| {
         let path = [Step::Key("motions"), Step::Index(index)].into_iter().chain(key.map(Step::Key));
         let place = locate(text, &path.collect::<Vec<_>>());
-        ProgramError::Json { what, motion: Some(index), place }
+        ProgramError::Json { what, motion, place }
     };
     match tag(raw).map_err(fail)?.as_deref() {
         Some("ptp") => {
@@ -205,12 +207,13 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
 fn json_error(
     text: &str,
     part: &str,
-    motion: Option<usize>,
+    motion: Option<MotionIndex>,
     error: &serde_json::Error,
 ) -> ProgramError {
     let place = Place::of_error(text, part, error);
     // What is no JSON at all is found before the text is taken apart.
-    let motion = motion.or_else(|| element_at(text, "motions", place.span.start));
+    let motion =
+        motion.or_else(|| element_at(text, "motions", place.span.start).map(MotionIndex::new));
     ProgramError::Json { what: problem(error), motion, place }
 }
 

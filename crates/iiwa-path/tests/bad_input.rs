@@ -244,18 +244,20 @@ fn a_joint_outside_its_limits() {
             let found = format!("{}.001", sign * limit);
             assert_eq!(
                 what,
-                format!("motion 4: joint {joint} is at {found} deg, its limit is +-{limit} deg")
+                format!(
+                    "motion 4: joint A{joint} is at {found} deg; its range is -{limit} to {limit} deg"
+                )
             );
             assert_eq!((place.line, place.column), (8, 37 + 3 * (joint - 1)));
             assert_eq!(&text[place.span], found);
         }
     }
-    let what = "the start pose: joint 2 is at -120.001 deg, its limit is +-120 deg";
+    let what = "the start pose: joint A2 is at -120.001 deg; its range is -120 to 120 deg";
     check("[0, 0,", "[0, -120.001,", (3, 32), "-120.001", what);
-    let what = "motion 2: joint 4 is at -171.8873385 deg, its limit is +-120 deg";
+    let what = "motion 2: joint A4 is at -171.8873385 deg; its range is -120 to 120 deg";
     check("0.5, 0, -1,", "0.5, 0, -3,", (6, 48), "-3", what);
     // A million and more is no reason to print nonsense.
-    let what = "motion 1: joint 1 is at 100000000000000000000 deg, its limit is +-170 deg";
+    let what = "motion 1: joint A1 is at 100000000000000000000 deg; its range is -170 to 170 deg";
     check("[0, 30,", "[1e20, 30,", (5, 37), "1e20", what);
 }
 
@@ -269,7 +271,7 @@ fn a_limit_typed_in_rad() {
     }
     // One that is barely outside is not said to be at its limit.
     let (what, _) = refused(&text(limit + 6e-9));
-    assert_eq!(what, "motion 2: joint 1 is at 170.0000003 deg, its limit is +-170 deg");
+    assert_eq!(what, "motion 2: joint A1 is at 170.0000003 deg; its range is -170 to 170 deg");
 }
 
 #[test]
@@ -280,7 +282,8 @@ fn not_a_number_in_a_program_made_in_code() {
         let motions = vec![Motion::Ptp(Ptp::to([0.0; 7])), Motion::Ptp(Ptp::to(target))];
         let program = Program { robot: None, start_rad: [0.0; 7], motions };
         let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
-        let expected = format!("motion 2: joint 3 is at {wrong} deg, its limit is +-170 deg");
+        let expected =
+            format!("motion 2: joint A3 is at {wrong} deg; its range is -170 to 170 deg");
         assert_eq!(fault.to_string(), expected);
         let program = Program { start_rad: target, ..program };
         let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();

@@ -170,7 +170,7 @@ fn distance(robot: &Robot, point: &Joints, other: &Joints, u: f64) -> f64 {
 }
 
 fn anywhere() -> impl Strategy<Value = Joints> {
-    let limits = Robot::lbr_iiwa_7_r800().limits().position_rad;
+    let limits = Robot::lbr_iiwa_7_r800().limits().upper_rad;
     prop::array::uniform7(-1.0..=1.0_f64)
         .prop_map(move |share| std::array::from_fn(|j| share[j] * limits[j]))
 }

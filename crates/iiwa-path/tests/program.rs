@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Step};
+use iiwa_path::{Blend, JointPath, Motion, MotionIndex, Program, Ptp, Step};
 use proptest::prelude::*;
 
 fn read(motions: &str) -> Program {
@@ -206,8 +206,8 @@ fn a_repeated_target_only_settles() {
             .steps()
             .iter()
             .map(|step| match step {
-                Step::Move { motion, .. } => ("move", *motion),
-                Step::Settle { motion } => ("settle", *motion),
+                Step::Move { motion, .. } => ("move", motion.index()),
+                Step::Settle { motion } => ("settle", motion.index()),
                 _ => panic!("{step:?}"),
             })
             .collect();
@@ -224,14 +224,19 @@ fn a_wait_stands_after_settling() {
     );
     let path = path(&program);
     let steps = path.steps();
-    assert_eq!(shown(&steps[..1]), shown(&[Step::Wait { motion: 0, seconds: 1.0 }]));
-    assert!(matches!(steps[1], Step::Move { motion: 1, blend: None, .. }));
+    assert_eq!(
+        shown(&steps[..1]),
+        shown(&[Step::Wait { motion: MotionIndex::new(0), seconds: 1.0 }])
+    );
+    assert!(
+        matches!(steps[1], Step::Move { motion, blend: None, .. } if motion == MotionIndex::new(1))
+    );
     assert_eq!(
         shown(&steps[2..]),
         shown(&[
-            Step::Settle { motion: 1 },
-            Step::Wait { motion: 2, seconds: 0.0 },
-            Step::Wait { motion: 3, seconds: 2.5 }
+            Step::Settle { motion: MotionIndex::new(1) },
+            Step::Wait { motion: MotionIndex::new(2), seconds: 0.0 },
+            Step::Wait { motion: MotionIndex::new(3), seconds: 2.5 }
         ])
     );
 }

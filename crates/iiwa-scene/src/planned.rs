@@ -2,9 +2,8 @@
 
 use std::ops::Range;
 
-use iiwa_path::Segment;
+use iiwa_path::{MotionIndex, Segment};
 use iiwa_traj::{Piece, Section, Trajectory};
-use serde::Serialize;
 
 use crate::{
     clearance::{ArmInScene, Clearance, Pair},
@@ -13,7 +12,7 @@ use crate::{
 };
 
 /// The smallest clearance of a planned motion, and when it is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlannedClearance {
     /// How near the arm comes, and to what. It is that of a pose of the motion, and no pose of it is nearer
     /// by more than 0.1 mm.
@@ -21,8 +20,8 @@ pub struct PlannedClearance {
     /// When, in s from the start of the program. If the arm touches an obstacle, the first time that it
     /// does: before, it touches none, or by less than 0.1 mm.
     pub at_s: f64,
-    /// In which entry of the program's list of motions, from 0.
-    pub motion: usize,
+    /// In which motion of the program.
+    pub motion: MotionIndex,
 }
 
 /// How much nearer than what is found the arm may come, in m.

@@ -146,7 +146,7 @@ fn the_first_touch_is_told() {
     let arm = ArmInScene::new(&Robot::default(), &scene);
     let trajectory = plan(&program, PathOptions::default(), Timing::default());
     let found = arm.clearance_of(&trajectory).unwrap();
-    assert_eq!((found.clearance.distance_m, found.motion), (0.0, 0));
+    assert_eq!((found.clearance.distance_m, found.motion.index()), (0.0, 0));
     let just_before = arm.clearance(&trajectory.at(found.at_s - 1e-3).q).unwrap();
     assert!(just_before.distance_m > 0.0 && just_before.distance_m < 5e-3);
 }

@@ -129,7 +129,7 @@ fn a_thousand_poses_are_as_near_as_their_points() {
         let robot =
             if round % 2 == 0 { Robot::lbr_iiwa_7_r800() } else { Robot::lbr_iiwa_14_r820() };
         let scene = common::scene(&mut random, 3);
-        let limits = robot.limits().position_rad;
+        let limits = robot.limits().upper_rad;
         let mut q = limits.map(|limit| limit * (2.0 * random.f64() - 1.0));
         if round % 5 == 0 {
             // As in life: by quarters of a turn.

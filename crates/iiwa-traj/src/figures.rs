@@ -1,7 +1,7 @@
 //! The figures of a trajectory: how long each motion takes and what limits it.
 
 use iiwa_kin::Joints;
-use iiwa_path::Step;
+use iiwa_path::{MotionIndex, Step};
 
 use crate::{
     limit::{Limit, LimitShare},
@@ -47,8 +47,8 @@ impl Totals {
 /// the stop is not part of it. A motion that takes no time at all, as a wait of 0 s, has no figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionFigures {
-    /// Its place in the program, from 0.
-    pub motion: usize,
+    /// Its place in the program.
+    pub motion: MotionIndex,
     /// What it is.
     pub kind: MotionType,
     /// When it starts, in s.
@@ -87,8 +87,8 @@ impl MotionType {
 /// The figures of one blend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlendFigures {
-    /// The motion whose target is blended away, from 0.
-    pub motion: usize,
+    /// The motion whose target is blended away.
+    pub motion: MotionIndex,
     /// Angle of the corner, in degrees: 0 straight on, 180 turned back.
     pub gamma_deg: f64,
     /// Where it starts, in rad.

@@ -40,11 +40,12 @@ pub(crate) fn limit(section: &mut Section, options: JerkOptions) -> Result<(), T
     let path = section.path.clone();
     let mut segments = Vec::with_capacity(section.pieces.len());
     for piece in &section.pieces {
-        let Step::Move { segment, .. } = &path.steps()[piece.step] else { continue };
-        let limits = &path.limits()[piece.motion];
+        let Step::Move { segment, blend, .. } = &path.steps()[piece.step] else { continue };
+        let limits = &path.limits()[piece.motion.index()];
         let swept = &section.nodes[piece.nodes.clone()];
         let Some(segment) = LimitedSegment::new(segment.as_ref(), limits, swept) else {
-            return Err(TimingError::CurvatureJumps { motion: piece.motion.max(1) - 1 });
+            let motion = blend.map_or(piece.motion, |corner| corner.motion);
+            return Err(TimingError::CurvatureJumps { motion });
         };
         segments.push(segment);
     }
@@ -426,7 +427,7 @@ impl Section {
             let from = self.nodes.len();
             let [start, end] = [nodes[0].t_s, nodes[nodes.len() - 1].t_s];
             self.nodes.append(&mut nodes);
-            let limits = &self.path.limits()[piece.motion];
+            let limits = &self.path.limits()[piece.motion.index()];
             let full = &self.path.robot().limits().velocity_rad_s;
             piece.nodes = from..self.nodes.len();
             piece.start_s = self.start_s + start;

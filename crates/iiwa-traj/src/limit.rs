@@ -2,11 +2,13 @@
 
 use std::fmt;
 
+use iiwa_kin::Joint;
+
 /// A joint's limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limit {
-    /// The joint, from 1.
-    pub joint: usize,
+    /// The joint.
+    pub joint: Joint,
     /// Which of its limits.
     pub kind: LimitKind,
 }

@@ -1,5 +1,7 @@
 //! How close a piece comes to its limits, and for how long it is at each.
 
+use iiwa_kin::Joint;
+
 use crate::{
     limit::{Limit, LimitKind, LimitShare},
     node::Node,
@@ -126,9 +128,9 @@ impl LimitUsage {
             .flat_map(|(kind, shares)| {
                 // A wait is at none, and may take no time.
                 let kept =
-                    shares.time_s[..7].iter().enumerate().filter(|(_, time_s)| **time_s > 0.0);
-                kept.map(move |(j, time_s)| LimitShare {
-                    limit: Limit { joint: j + 1, kind },
+                    Joint::ALL.into_iter().zip(&shares.time_s).filter(|(_, time_s)| **time_s > 0.0);
+                kept.map(move |(joint, time_s)| LimitShare {
+                    limit: Limit { joint, kind },
                     share: (time_s / total_s).min(1.0),
                 })
             })
@@ -146,11 +148,11 @@ impl LimitUsage {
     }
 
     fn largest(&self, value: impl Fn(&Shares) -> &[f64; 8]) -> (Limit, f64) {
-        let mut best = (Limit { joint: 1, kind: LimitKind::Velocity }, 0.0);
+        let mut best = (Limit { joint: Joint::A1, kind: LimitKind::Velocity }, 0.0);
         for (kind, shares) in self.kinds() {
-            for (j, &value) in value(shares)[..7].iter().enumerate() {
+            for (joint, &value) in Joint::ALL.into_iter().zip(value(shares)) {
                 if value > best.1 {
-                    best = (Limit { joint: j + 1, kind }, value);
+                    best = (Limit { joint, kind }, value);
                 }
             }
         }

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use iiwa_kin::Joints;
-use iiwa_path::{Grid, JointPath, Segment, Step};
+use iiwa_path::{Grid, JointPath, MotionIndex, Segment, Step};
 use pulp::Simd;
 
 use crate::{
@@ -237,7 +237,7 @@ struct SectionSweep<'a, S> {
 /// A segment and its limits, in the form that the sweep takes.
 struct SweepSegment<'a> {
     shape: &'a dyn Segment,
-    motion: usize,
+    motion: MotionIndex,
     is_blend: bool,
     /// One over each acceleration limit.
     scale: Joints,
@@ -251,7 +251,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
     fn segment(&self, step: usize) -> Option<SweepSegment<'a>> {
         let path: &'a JointPath = self.path;
         let Step::Move { motion, segment, blend } = &path.steps()[step] else { return None };
-        let limits = &path.limits()[*motion];
+        let limits = &path.limits()[motion.index()];
         let acceleration = &limits.acceleration_rad_s2;
         let mut velocity = [0.0; 8];
         for j in 0..7 {
@@ -300,7 +300,8 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
             section.nodes.clear();
         }
         if section.pieces.is_empty() && !steps.is_empty() {
-            let motion = self.segment(steps.start).map_or(0, |segment| segment.motion);
+            let motion =
+                self.segment(steps.start).map_or(MotionIndex::default(), |segment| segment.motion);
             return Err(TimingError::Stuck { motion });
         }
         self.scratch.samples = samples;
@@ -426,7 +427,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
             return Err(TimingError::LimitExceeded { motion, joint, kind, ratio });
         }
         // Shares of the motion's limits become shares of the robot's.
-        let own = &self.path.limits()[motion].velocity_rad_s;
+        let own = &self.path.limits()[motion.index()].velocity_rad_s;
         let full = &self.path.robot().limits().velocity_rad_s;
         let peak_velocity_rel = usage.peak_velocity_rel(own, full);
         section.pieces.push(Piece {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use iiwa_kin::Joints;
-use iiwa_path::{JointPath, Segment, Step};
+use iiwa_path::{JointPath, MotionIndex, Segment, Step};
 
 use crate::{
     interval::{self, Progress},
@@ -34,8 +34,8 @@ pub struct Section {
 pub struct Piece {
     /// What it is.
     pub kind: PieceKind,
-    /// The motion whose limits hold, from 0.
-    pub motion: usize,
+    /// The motion whose limits hold.
+    pub motion: MotionIndex,
     /// When it starts, in s.
     pub start_s: f64,
     /// When it ends, in s.
@@ -143,7 +143,7 @@ impl Section {
         let t_s = t_s.clamp(self.start_s, self.end_s());
         let next = self.pieces.partition_point(|piece| piece.end_s <= t_s);
         let Some(piece) = self.pieces.get(next).or(self.pieces.last()) else {
-            return self.rest(t_s, 0);
+            return self.rest(t_s, MotionIndex::default());
         };
         let Some(segment) = self.segment(piece) else { return self.rest(t_s, piece.motion) };
         let nodes = self.nodes(piece);
@@ -210,7 +210,7 @@ impl Section {
         })
     }
 
-    fn rest(&self, t_s: f64, motion: usize) -> State {
+    fn rest(&self, t_s: f64, motion: MotionIndex) -> State {
         State { t_s, q: self.rest_rad, dq: [0.0; 7], ddq: [0.0; 7], dddq: [0.0; 7], motion }
     }
 

@@ -1,6 +1,7 @@
 //! What the arm does at one instant.
 
 use iiwa_kin::Joints;
+use iiwa_path::MotionIndex;
 
 /// What the arm does at one instant.
 ///
@@ -32,6 +33,6 @@ pub struct State {
     pub ddq: Joints,
     /// Jerk, in rad/s^3. Where it jumps, the value after the jump.
     pub dddq: Joints,
-    /// The motion, from 0.
-    pub motion: usize,
+    /// The motion.
+    pub motion: MotionIndex,
 }

@@ -1,5 +1,8 @@
 //! What limits the stamps.
 
+use iiwa_kin::Joint;
+use iiwa_path::MotionIndex;
+
 use crate::limit::LimitKind;
 
 /// The limits that a trajectory keeps, and how its stamps are found.
@@ -90,15 +93,14 @@ impl Default for JerkOptions {
 pub enum TimingError {
     /// The stamps that were found do not keep the limits. A trajectory is never handed out then.
     #[error(
-        "motion {}: the stamps found for it take joint {joint} to {ratio} times its {kind} limit; \
-         this is a fault of the planner, please report the program",
-        .motion + 1
+        "motion {motion}: the stamps found for it take joint {joint} to {ratio} times its {kind} limit; \
+         this is a fault of the planner, please report the program"
     )]
     LimitExceeded {
-        /// The motion, from 0.
-        motion: usize,
-        /// The joint, from 1.
-        joint: usize,
+        /// The motion.
+        motion: MotionIndex,
+        /// The joint.
+        joint: Joint,
         /// Which limit.
         kind: LimitKind,
         /// Value over limit.
@@ -106,29 +108,27 @@ pub enum TimingError {
     },
     /// A blend of this shape starts and ends with a jump in curvature, at which jerk would be infinite.
     #[error(
-        "motion {}: the blend at its end begins with a jump in acceleration, which no limit of jerk \
-         allows; choose another shape of blends, or timing without jerk",
-        .motion + 1
+        "motion {motion}: the blend at its end begins with a jump in acceleration, which no limit of jerk \
+         allows; choose another shape of blends, or timing without jerk"
     )]
     CurvatureJumps {
-        /// The motion whose target is blended away, from 0.
-        motion: usize,
+        /// The motion whose target is blended away.
+        motion: MotionIndex,
     },
     /// The jerk-limited solver did not converge.
     #[error(
-        "motion {}: no jerk-limited stamps were found for what starts with it; please report the \
-         program",
-        .motion + 1
+        "motion {motion}: no jerk-limited stamps were found for what starts with it; please report the \
+         program"
     )]
     NotConverged {
-        /// The first motion of a section without a stop, from 0.
-        motion: usize,
+        /// The first motion of a section without a stop.
+        motion: MotionIndex,
     },
     /// No stamps were found: the arm would stop on the way, or intervals had to be tightened again and
     /// again.
-    #[error("motion {}: no way was found to move through it; please report the program", .motion + 1)]
+    #[error("motion {motion}: no way was found to move through it; please report the program")]
     Stuck {
-        /// The motion, from 0, or the first one of a section without a stop.
-        motion: usize,
+        /// The motion, or the first one of a section without a stop.
+        motion: MotionIndex,
     },
 }

@@ -1,6 +1,6 @@
 //! A whole trajectory.
 
-use iiwa_path::JointPath;
+use iiwa_path::{JointPath, MotionIndex};
 
 use crate::{
     figures::{BlendFigures, MotionFigures, Totals},
@@ -94,7 +94,7 @@ impl Trajectory {
                 dq: [0.0; 7],
                 ddq: [0.0; 7],
                 dddq: [0.0; 7],
-                motion: 0,
+                motion: MotionIndex::default(),
             },
         }
     }

@@ -6,7 +6,9 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Derivatives, JoinError, JointPath, Line, MotionLimits, Segment, Step};
+use iiwa_path::{
+    Derivatives, JoinError, JointPath, Line, MotionIndex, MotionLimits, Segment, Step,
+};
 use iiwa_traj::{PieceKind, Section, SweepOptions, Timing, Trajectory};
 
 /// Joint 1 moves evenly while joint 4 swings out and back as `a sin(pi s)^4`: three derivatives of it vanish
@@ -52,7 +54,11 @@ fn path() -> JointPath {
         Arc::new(Swing { from: -0.4, length: 0.8, amplitude: 0.3 }),
         Arc::new(Line::new(joint_1(0.4), joint_1(1.0))),
     ];
-    let steps = segments.into_iter().map(|segment| Step::Move { motion: 0, segment, blend: None });
+    let steps = segments.into_iter().map(|segment| Step::Move {
+        motion: MotionIndex::default(),
+        segment,
+        blend: None,
+    });
     let limits = MotionLimits::full(&robot);
     JointPath::from_steps(&robot, joint_1(-1.0), steps.collect(), vec![limits]).unwrap()
 }
@@ -92,7 +98,7 @@ fn a_shape_of_ones_own_is_planned_within_the_limits() {
 fn steps_have_to_join() {
     let robot = Robot::default();
     let line = |from: Joints, to: Joints| Step::Move {
-        motion: 0,
+        motion: MotionIndex::default(),
         segment: Arc::new(Line::new(from, to)),
         blend: None,
     };
@@ -111,7 +117,10 @@ fn steps_have_to_join() {
     assert_eq!(stops, None);
     let mut other = first();
     if let Step::Move { motion, .. } = &mut other {
-        *motion = 3;
+        *motion = MotionIndex::new(3);
     }
-    assert_eq!(made(vec![other]), Some(JoinError::NoLimits { step: 0, motion: 3 }));
+    assert_eq!(
+        made(vec![other]),
+        Some(JoinError::NoLimits { step: 0, motion: MotionIndex::new(3) })
+    );
 }

@@ -30,7 +30,7 @@ fn a_wait_of_no_time_has_no_stamp() {
     let pieces = plan.sections().iter().flat_map(iiwa_traj::Section::pieces);
     assert!(pieces.clone().all(|piece| piece.start_s < piece.end_s));
     assert_eq!(pieces.count(), 4);
-    let motions: Vec<_> = plan.motions().iter().map(|figures| figures.motion).collect();
+    let motions: Vec<_> = plan.motions().iter().map(|figures| figures.motion.index()).collect();
     assert_eq!(motions, [1, 3, 5]);
     assert_eq!(plan.totals().wait_time_s, 0.5);
 }

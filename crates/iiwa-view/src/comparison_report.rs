@@ -98,7 +98,7 @@ struct TcpRow {
 impl From<&MotionTime> for MotionTimeRow {
     fn from(motion: &MotionTime) -> Self {
         Self {
-            index: motion.motion,
+            index: motion.motion.number(),
             r#type: if motion.waits { "wait" } else { "ptp" },
             planned_start_s: motion.planned_start_s,
             planned_s: motion.planned_s,
@@ -113,7 +113,7 @@ impl From<&MotionTime> for MotionTimeRow {
 impl From<&StopTime> for StopTimeRow {
     fn from(stop: &StopTime) -> Self {
         let StopTime { after_motion, planned_s, real_s } = *stop;
-        Self { after_motion, planned_s, real_s }
+        Self { after_motion: after_motion.number(), planned_s, real_s }
     }
 }
 
@@ -123,7 +123,7 @@ impl From<&Deviation> for JointRow {
         Self {
             mean_rad: deviation.mean,
             max_rad: deviation.max,
-            motion: at.motion,
+            motion: at.motion.number(),
             plan_s: at.plan_s,
             recording_s: at.recording_s,
             planned_rad: at.planned_rad,
@@ -138,7 +138,7 @@ impl From<&Deviation> for TcpRow {
         Self {
             mean_mm: 1e3 * deviation.mean,
             max_mm: 1e3 * deviation.max,
-            motion: at.motion,
+            motion: at.motion.number(),
             plan_s: at.plan_s,
             recording_s: at.recording_s,
             planned_m: at.planned_tcp_m,

@@ -6,7 +6,7 @@ use iiwa_eval::{
     Estimate,
     identify::{BlendObservation, Identified, LineObservation},
 };
-use iiwa_kin::Robot;
+use iiwa_kin::{Joint, Robot};
 use iiwa_log::{JointLog, Loss};
 use serde::Serialize;
 
@@ -94,8 +94,8 @@ impl From<&LineObservation> for LineRow {
     fn from(line: &LineObservation) -> Self {
         Self {
             recording: line.recording + 1,
-            motion: line.motion + 1,
-            joint: line.joint.map(|joint| joint + 1),
+            motion: line.motion.number(),
+            joint: line.joint.map(Joint::number),
             start_s: line.time_s[0],
             end_s: line.time_s[1],
             velocity_deg_s: line.speed_rad_s.map(f64::to_degrees),
@@ -125,7 +125,7 @@ impl From<&BlendObservation> for BlendRow {
     fn from(blend: &BlendObservation) -> Self {
         Self {
             recording: blend.recording + 1,
-            motion: blend.motion + 1,
+            motion: blend.motion.number(),
             gamma_deg: blend.gamma_deg,
             kappa: blend.kappa.0,
             deviation: blend.kappa.1,
@@ -168,7 +168,7 @@ impl IdentificationReport {
             losses(log).into_iter().map(move |loss| format!("{name}: {loss}"))
         });
         let left_out = found.left_out.iter().map(|left| {
-            format!("{}, motion {}: {}", recordings[left.recording].0, left.motion + 1, left.why)
+            format!("{}, motion {}: {}", recordings[left.recording].0, left.motion, left.why)
         });
         Self {
             robot: robot.to_owned(),

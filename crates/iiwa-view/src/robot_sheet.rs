@@ -27,7 +27,8 @@ pub fn robot_sheet(robot: &Robot) -> String {
     let mark = |what: &str| if robot.assumes(what) { " *" } else { "" };
     let degrees = |values: [f64; 7]| values.map(f64::to_degrees);
     for (what, unit, values) in [
-        ("position +-", "deg", degrees(limits.position_rad)),
+        ("position from", "deg", degrees(limits.lower_rad)),
+        ("position to", "deg", degrees(limits.upper_rad)),
         ("velocity", "deg/s", degrees(limits.velocity_rad_s)),
         ("acceleration", "deg/s^2", degrees(limits.acceleration_rad_s2)),
         ("jerk", "deg/s^3", degrees(limits.jerk_rad_s3)),

@@ -38,7 +38,8 @@ pub struct TwinSetup<'a> {
 pub struct TwinRobot<'a> {
     name: &'a str,
     urdf: String,
-    position_rad: Joints,
+    lower_rad: Joints,
+    upper_rad: Joints,
 }
 
 impl<'a> From<&'a Robot> for TwinRobot<'a> {
@@ -46,7 +47,8 @@ impl<'a> From<&'a Robot> for TwinRobot<'a> {
         Self {
             name: robot.name(),
             urdf: robot.to_urdf(),
-            position_rad: robot.limits().position_rad,
+            lower_rad: robot.limits().lower_rad,
+            upper_rad: robot.limits().upper_rad,
         }
     }
 }

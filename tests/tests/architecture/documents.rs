@@ -166,3 +166,57 @@ fn add_public_names(module: &Module, names: &mut BTreeSet<String>) {
         }
     }
 }
+
+/// What a table names in front of the link to a file, as in `` `Limits::check` ([limits.rs](..)) ``, is in it.
+#[test]
+fn items_are_in_the_files_that_documents_name_beside_them() {
+    let mut wrong = BTreeMap::new();
+    for document in documents() {
+        let folder = document.parent().expect("a file is in a folder");
+        for line in text(&document).lines() {
+            let mut parts = line.split("](").peekable();
+            while let (Some(before), Some(after)) = (parts.next(), parts.peek()) {
+                let Some((target, _)) = after.split_once(')') else { continue };
+                if !target.ends_with(".rs") || !folder.join(target).exists() {
+                    continue;
+                }
+                let source = text(&folder.join(target));
+                // After the link before this one, and within a cell of a table.
+                let before = before.split_once(')').map_or(before, |(_, rest)| rest);
+                let cell = before.rsplit('|').next().unwrap_or_default();
+                for name in cell.split('`').skip(1).step_by(2) {
+                    let item = name.rsplit("::").next().unwrap_or_default();
+                    let is_name =
+                        !item.is_empty() && item.chars().all(|c| c.is_alphanumeric() || c == '_');
+                    // A module is in the file of its name.
+                    let is_module = folder.join(target).with_extension("").ends_with(item);
+                    if is_name
+                        && !is_module
+                        && !defines(&source, item)
+                        && !name.starts_with("iiwa_fri")
+                    {
+                        wrong.insert(
+                            format!("{}: {name}", shown(&document)),
+                            format!("{target} does not define {item}"),
+                        );
+                    }
+                }
+            }
+        }
+    }
+    hold("place", &wrong, "Point to the file that defines it.");
+}
+
+/// Whether a source defines an item, a field or a variant of this name.
+fn defines(source: &str, name: &str) -> bool {
+    let keywords = ["fn", "struct", "enum", "trait", "const", "type", "static"];
+    source.lines().any(|line| {
+        let words: Vec<&str> = line
+            .split(|c: char| !(c.is_alphanumeric() || c == '_'))
+            .filter(|w| !w.is_empty())
+            .collect();
+        words.windows(2).any(|pair| keywords.contains(&pair[0]) && pair[1] == name)
+            || words.first() == Some(&name)
+            || (words.first() == Some(&"pub") && words.get(1) == Some(&name))
+    })
+}

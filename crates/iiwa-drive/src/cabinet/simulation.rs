@@ -264,10 +264,8 @@ impl Simulation {
             Activity::Commanded(commanded) => self.follow(commanded),
             Activity::Braking(mut braking) => {
                 braking.for_s += self.period_s;
-                let range = self.robot.limits().position_rad;
                 // Outside the joint range no motion could begin any more.
-                let q = braking.position();
-                self.q = std::array::from_fn(|j| q[j].clamp(-range[j], range[j]));
+                self.q = self.robot.limits().clamp(&braking.position());
                 if braking.is_over() {
                     return self.end(braking.run, braking.from, Some(braking.error));
                 }
@@ -310,10 +308,10 @@ impl Simulation {
         commanded.from.get_or_insert(self.cycle);
         let limits = self.robot.limits();
         if let Some(setpoint) = self.fri.setpoint() {
-            if let Some(j) = limits.outside(setpoint) {
+            if let Err(outside) = limits.check(setpoint) {
                 return Err(Refusal::new(
                     Code::Limit,
-                    format!("a set-point exceeded the position limit of joint {}", j + 1),
+                    format!("a set-point is outside a range: {outside}"),
                 ));
             }
             // Times by the answered messages: the latency of answers varies.
@@ -337,7 +335,7 @@ impl Simulation {
         let Some((target, _)) = commanded.last else { return Ok(()) };
         self.q = std::array::from_fn(|j| {
             let q = self.q[j];
-            let range = limits.position_rad[j];
+            let (lower, upper) = (limits.lower_rad[j], limits.upper_rad[j]);
             let step = match commanded.cycles_left {
                 0 => {
                     // Without a new set-point, the motion is extrapolated as long as the joint can
@@ -346,12 +344,12 @@ impl Simulation {
                         let braking = limits.acceleration_rad_s2[j] * BRAKING_MARGIN;
                         fastest(room_rad, braking, self.period_s)
                     };
-                    self.dq[j].clamp(-stops(range + q), stops(range - q)) * self.period_s
+                    self.dq[j].clamp(-stops(q - lower), stops(upper - q)) * self.period_s
                 }
                 cycles => (target[j] - q) / f64::from(cycles),
             };
             let most = limits.velocity_rad_s[j] * SETPOINT_MARGIN * self.period_s;
-            (q + step.clamp(-most, most)).clamp(-range, range)
+            (q + step.clamp(-most, most)).clamp(lower, upper)
         });
         commanded.cycles_left = commanded.cycles_left.saturating_sub(1);
         Ok(())
@@ -362,10 +360,11 @@ impl Simulation {
     fn brake(&mut self, error: Refusal) {
         if let Activity::Commanded(Commanded { run, from, .. }) = self.activity {
             self.fri.release();
-            let range = self.robot.limits().position_rad;
+            let limits = self.robot.limits();
             let takes_s = std::array::from_fn(|j| {
                 let speed = self.dq[j];
-                let room_rad = (range[j] - self.q[j] * speed.signum()).max(0.0);
+                let end_rad = if speed > 0.0 { limits.upper_rad[j] } else { limits.lower_rad[j] };
+                let room_rad = ((end_rad - self.q[j]) * speed.signum()).max(0.0);
                 if speed == 0.0 { 0.0 } else { EMERGENCY_STOP_S.min(2.0 * room_rad / speed.abs()) }
             });
             self.activity = Activity::Braking(JointBraking {

@@ -114,8 +114,7 @@ fn check_motions(motions: &[Motion], robot: &Robot, at_rad: &Joints) -> Result<(
             motions.len()
         )));
     }
-    let range = robot.limits().position_rad;
-    let start_rad = std::array::from_fn(|j| at_rad[j].clamp(-range[j], range[j]));
+    let start_rad = robot.limits().clamp(at_rad);
     let program = Program { robot: None, start_rad, motions: motions.to_vec() };
     JointPath::new(&program, robot)
         .map(drop)

@@ -153,7 +153,8 @@ impl Governor {
         let mut speed = [0.0; 7];
         let joints_rad = std::array::from_fn(|j| {
             let (at, before) = (last.at_rad[j], last.speed[j]);
-            let (most, range) = (VELOCITY * limits.velocity_rad_s[j], limits.position_rad[j]);
+            let most = VELOCITY * limits.velocity_rad_s[j];
+            let (lower, upper) = (limits.lower_rad[j], limits.upper_rad[j]);
             let acceleration = limits.acceleration_rad_s2[j];
             let target_speed = match requested {
                 Some(requested) => (requested[j] - at) / step_s,
@@ -165,16 +166,16 @@ impl Governor {
                 .clamp(before - change, before + change)
                 .clamp(-most, most)
                 // The range last: it has priority over the acceleration.
-                .clamp(-stops(range + at), stops(range - at));
+                .clamp(-stops(at - lower), stops(upper - at));
             if let Some(requested) = requested
                 && speed[j] == target_speed
-                && requested[j].abs() <= range
+                && (lower..=upper).contains(&requested[j])
             {
                 // Exactly: a sum would be rounded.
                 return requested[j];
             }
             let limited = if speed[j] == 0.0 { at } else { at + speed[j] * step_s };
-            let limited = limited.clamp(-range.max(at.abs()), range.max(at.abs()));
+            let limited = limited.clamp(lower.min(at), upper.max(at));
             if let Some(requested) = requested {
                 let by = (limited - requested[j]).abs();
                 if moved.is_none_or(|(_, most)| by > most) {
@@ -208,7 +209,7 @@ mod tests {
     #[test]
     fn the_output_keeps_the_bounds() {
         let limits = *Robot::default().limits();
-        let Limits { position_rad, velocity_rad_s, acceleration_rad_s2, .. } = limits;
+        let Limits { lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2, .. } = limits;
         let mut random = Rng::with_seed(5);
         for step_s in [0.001, 0.005, 0.05] {
             let mut governor = Governor::new(&limits);
@@ -226,7 +227,7 @@ mod tests {
                         2 => Some([f64::INFINITY; 7]),
                         3 => Some([1e300; 7]),
                         4 => Some([-1e300; 7]),
-                        _ => Some(position_rad.map(|q| q * (3.0 * random.f64() - 1.5))),
+                        _ => Some(upper_rad.map(|q| q * (3.0 * random.f64() - 1.5))),
                     };
                 }
                 left -= 1;
@@ -235,7 +236,7 @@ mod tests {
                 for j in 0..7 {
                     let now = (sent[j] - at[j]) / step_s;
                     let bend = (now - speed[j]) / (0.5 * (step_s + before_s));
-                    assert!(sent[j].abs() <= position_rad[j]);
+                    assert!((lower_rad[j]..=upper_rad[j]).contains(&sent[j]));
                     assert!(now.abs() <= 1.02 * velocity_rad_s[j], "{now}");
                     assert!(bend.abs() <= 1.3 * acceleration_rad_s2[j] + 1e-6, "{bend}");
                     speed[j] = now;

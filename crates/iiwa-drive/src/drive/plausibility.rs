@@ -207,10 +207,10 @@ impl Plausibility {
         before: &Joints,
         by_s: f64,
     ) -> Result<(), &'static str> {
-        let Limits { velocity_rad_s, position_rad, .. } = &self.limits;
+        let Limits { velocity_rad_s, lower_rad, upper_rad, .. } = &self.limits;
         for j in 0..7 {
-            let range = position_rad[j] + RANGE_RAD;
-            if joints_rad[j].abs() > range && before[j].abs() <= range {
+            let range = lower_rad[j] - RANGE_RAD..=upper_rad[j] + RANGE_RAD;
+            if !range.contains(&joints_rad[j]) && range.contains(&before[j]) {
                 return Err("a joint is outside its range");
             }
             let most = VELOCITY * velocity_rad_s[j] * by_s + JUMP_RAD;

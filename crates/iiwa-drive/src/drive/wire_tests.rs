@@ -65,7 +65,7 @@ fn run(seed: u64, trajectory: &TimedJoints, tally: &mut Tally) {
     let missing = [Missing::Extrapolate, Missing::Stop][random.usize(0..2)];
     let mut start = trajectory.joints_rad[0];
     if random.bool() {
-        let range = Robot::default().limits().position_rad;
+        let range = Robot::default().limits().upper_rad;
         for j in 0..7 {
             start[j] = (start[j] + 0.008 * (2.0 * random.f64() - 1.0)).clamp(-range[j], range[j]);
         }

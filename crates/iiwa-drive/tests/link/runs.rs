@@ -92,7 +92,7 @@ fn trajectories_take_their_time_and_path() {
 #[test]
 fn trajectories_reach_the_ends_of_the_range() {
     in_real_time(|| {
-        let range = Robot::default().limits().position_rad;
+        let range = Robot::default().limits().upper_rad;
         let mut far = [0.0; 7];
         (far[0], far[3], far[6]) = (range[0], -range[3], range[6]);
         let plan = planned(vec![Motion::Ptp(Ptp::to(far)), Motion::Ptp(Ptp::to([0.0; 7]))]);

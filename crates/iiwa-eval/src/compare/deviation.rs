@@ -2,6 +2,7 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
+use iiwa_path::MotionIndex;
 
 use super::plan::Plan;
 use crate::vector::distance;
@@ -20,8 +21,8 @@ pub struct Deviation {
 /// A place on both paths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Location {
-    /// The motion of the program, from 1.
-    pub motion: usize,
+    /// The motion of the program.
+    pub motion: MotionIndex,
     /// When the plan is there, in s from the program's start.
     pub plan_s: f64,
     /// When the arm was there, in s of the recording.

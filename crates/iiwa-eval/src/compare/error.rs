@@ -1,5 +1,7 @@
 //! Why a recording cannot be held against a plan.
 
+use iiwa_path::MotionIndex;
+
 /// Why there are no figures. A figure that would be wrong is not given.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -67,8 +69,8 @@ pub enum CompareError {
         distance_rad: f64,
         /// When, in s of the recording.
         t_s: f64,
-        /// The motion in the plan, from 1.
-        motion: usize,
+        /// The motion in the plan.
+        motion: MotionIndex,
     },
     /// The arm is off the path all along.
     #[error(
@@ -86,8 +88,8 @@ pub enum CompareError {
     EndsEarly {
         /// The last sample, in s of the recording.
         t_s: f64,
-        /// The motion in the plan, from 1.
-        motion: usize,
+        /// The motion in the plan.
+        motion: MotionIndex,
         /// What is left of the path, in rad.
         left_rad: f64,
     },

@@ -4,6 +4,7 @@ use std::io::Read;
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};
+use iiwa_path::MotionIndex;
 use iiwa_traj::Trajectory;
 
 use super::curve::Curve;
@@ -20,7 +21,7 @@ pub struct Plan {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Piece {
     /// The motion, from 1.
-    pub(crate) motion: usize,
+    pub(crate) motion: MotionIndex,
     pub(crate) kind: PieceKind,
     pub(crate) start_s: f64,
     pub(crate) end_s: f64,
@@ -72,7 +73,7 @@ impl Plan {
             .filter(|piece| piece.end_s > piece.start_s)
             .filter_map(|piece| {
                 Some(Piece {
-                    motion: piece.motion + 1,
+                    motion: piece.motion,
                     kind: PieceKind::from_name(piece.kind.name())?,
                     start_s: piece.start_s,
                     end_s: piece.end_s,
@@ -112,7 +113,12 @@ impl Plan {
                 PlanRecordError::Damaged { what }
             })?;
             let &PlanPiece { motion, start_s, end_s, .. } = piece;
-            Ok(Piece { motion: motion as usize, kind, start_s, end_s })
+            let motion = MotionIndex::from_number(motion as usize).ok_or_else(|| {
+                PlanRecordError::Damaged {
+                    what: "a piece of motion 0; motions count from 1".to_owned(),
+                }
+            })?;
+            Ok(Piece { motion, kind, start_s, end_s })
         };
         let pieces = record.pieces.iter().map(piece).collect::<Result<_, PlanRecordError>>()?;
         Ok(Self::of(robot, record.nodes, pieces))
@@ -153,11 +159,14 @@ impl Plan {
         self.curve.at(t_s).0
     }
 
-    /// The motion at `t_s`, from 1.
+    /// The motion at `t_s`.
     #[must_use]
-    pub fn motion_at(&self, t_s: f64) -> usize {
+    pub fn motion_at(&self, t_s: f64) -> MotionIndex {
         let next = self.pieces.partition_point(|piece| piece.end_s <= t_s);
-        self.pieces.get(next).or(self.pieces.last()).map_or(1, |piece| piece.motion)
+        self.pieces
+            .get(next)
+            .or(self.pieces.last())
+            .map_or_else(MotionIndex::default, |piece| piece.motion)
     }
 
     /// The parts from stop to stop, in order.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use iiwa_kin::Joints;
 use iiwa_log::JointLog;
-use iiwa_path::{JointPath, Step};
+use iiwa_path::{JointPath, MotionIndex, Step};
 
 use crate::vector::{add_scaled, distance, dot, norm, sub};
 
@@ -37,7 +37,7 @@ pub(super) struct Passage {
 pub(super) struct FollowedStops {
     pub(super) passages: Vec<Passage>,
     /// The motion, from 0, in which the recording is not where the path is any more.
-    pub(super) lost_in: Option<usize>,
+    pub(super) lost_in: Option<MotionIndex>,
 }
 
 /// A section as it is planned.
@@ -125,7 +125,7 @@ pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Fo
         let Some(core) = core else {
             lost_in = Some(match &path.steps()[section.steps.start] {
                 Step::Move { motion, .. } => *motion,
-                _ => 0,
+                _ => MotionIndex::default(),
             });
             break;
         };

@@ -4,20 +4,20 @@ use std::collections::HashMap;
 
 use nalgebra::{Isometry3, UnitQuaternion};
 
-use super::{Listed, UrdfError, joint::Joint, read::Description};
+use super::{Listed, UrdfError, joint::UrdfJoint, read::Description};
 use crate::Joints;
 
 /// Seven revolute joints and the fixed ones between and behind them.
 pub(super) struct Chain<'a> {
     pub(super) base: &'a str,
     pub(super) tip: &'a str,
-    pub(super) joints: Vec<&'a Joint<'a>>,
+    pub(super) joints: Vec<&'a UrdfJoint<'a>>,
     /// Which of the joints are revolute.
     moving: [usize; 7],
 }
 
 impl<'a> Chain<'a> {
-    pub(super) fn revolute(&self) -> [&'a Joint<'a>; 7] {
+    pub(super) fn revolute(&self) -> [&'a UrdfJoint<'a>; 7] {
         self.moving.map(|index| self.joints[index])
     }
 
@@ -43,14 +43,14 @@ impl<'t> Description<'t> {
     pub(super) fn chain(&self, tip: Option<&str>) -> Result<Chain<'_>, UrdfError> {
         let index_of: HashMap<&str, usize> =
             self.links.iter().enumerate().map(|(i, name)| (name.as_str(), i)).collect();
-        let find = |joint: &Joint<'_>, link: &str| {
+        let find = |joint: &UrdfJoint<'_>, link: &str| {
             index_of.get(link).copied().ok_or_else(|| UrdfError::UnknownLink {
                 at: joint.at.place(),
                 joint: joint.name.clone(),
                 link: link.to_owned(),
             })
         };
-        let mut above: Vec<Option<(&Joint<'_>, usize)>> = vec![None; self.links.len()];
+        let mut above: Vec<Option<(&UrdfJoint<'_>, usize)>> = vec![None; self.links.len()];
         let mut below: Vec<Vec<usize>> = vec![Vec::new(); self.links.len()];
         for joint in &self.joints {
             let (parent, child) = (find(joint, &joint.parent)?, find(joint, &joint.child)?);
@@ -91,7 +91,7 @@ impl<'t> Description<'t> {
     /// The chain without its mounting, if it has seven revolute joints and fixed ones.
     fn seven<'a>(
         &'a self,
-        mut joints: Vec<&'a Joint<'t>>,
+        mut joints: Vec<&'a UrdfJoint<'t>>,
         tip: &'a str,
     ) -> Result<Chain<'a>, UrdfError> {
         if let Some(joint) = joints.iter().find(|joint| !joint.is_revolute() && !joint.is_fixed()) {
@@ -119,7 +119,7 @@ impl<'t> Description<'t> {
     /// fixed ones; if there is none, the link at the end of the longest chain.
     fn default_tip(
         &self,
-        above: &[Option<(&Joint<'_>, usize)>],
+        above: &[Option<(&UrdfJoint<'_>, usize)>],
         below: &[Vec<usize>],
     ) -> Result<usize, UrdfError> {
         // Per link, from the roots down: joints above it, and how many of them are revolute, if

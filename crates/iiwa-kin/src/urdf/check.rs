@@ -38,8 +38,8 @@ impl UrdfReport {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LimitDifference {
-    /// The joint, from 1.
-    pub joint: usize,
+    /// The joint.
+    pub joint: crate::Joint,
     /// Which limit, as the URDF calls it: `lower` (rad), `upper` (rad), `effort` (Nm) or
     /// `velocity` (rad/s).
     pub limit: &'static str,
@@ -110,10 +110,8 @@ impl Robot {
     fn test_pose(&self, index: usize) -> Joints {
         // Multiples of the square roots of primes, each wrapped around.
         const PRIMES: Joints = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0];
-        std::array::from_fn(|j| {
-            let share = (index as f64 * PRIMES[j].sqrt()).fract();
-            (2.0 * share - 1.0) * self.limits().position_rad[j]
-        })
+        let shares = PRIMES.map(|prime| 2.0 * (index as f64 * prime.sqrt()).fract() - 1.0);
+        self.limits().at_shares(&shares)
     }
 
     /// The first axis that is off, or the tip.
@@ -160,12 +158,12 @@ impl Robot {
 
     fn limit_differences(&self, chain: &Chain<'_>) -> Vec<LimitDifference> {
         let mut differences = Vec::new();
-        for (j, joint) in chain.revolute().into_iter().enumerate() {
-            let model = self.limits().of_urdf(j);
-            for ((limit, urdf), model) in LIMITS.into_iter().zip(joint.limits).zip(model) {
+        for (joint, found) in crate::Joint::ALL.into_iter().zip(chain.revolute()) {
+            let model = self.limits().of_urdf(joint.index());
+            for ((limit, urdf), model) in LIMITS.into_iter().zip(found.limits).zip(model) {
                 let same = urdf.is_some_and(|urdf| (urdf - model).abs() <= 1e-3 * model.abs());
                 if !same {
-                    differences.push(LimitDifference { joint: j + 1, limit, urdf, model });
+                    differences.push(LimitDifference { joint, limit, urdf, model });
                 }
             }
         }

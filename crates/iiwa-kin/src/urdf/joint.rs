@@ -8,7 +8,7 @@ use super::{
 };
 
 /// A joint of a URDF.
-pub(super) struct Joint<'t> {
+pub(super) struct UrdfJoint<'t> {
     pub(super) name: String,
     pub(super) at: At<'t>,
     pub(super) kind: String,
@@ -21,7 +21,7 @@ pub(super) struct Joint<'t> {
     pub(super) limits: [Option<f64>; 4],
 }
 
-impl Joint<'_> {
+impl UrdfJoint<'_> {
     pub(super) fn is_revolute(&self) -> bool {
         self.kind == "revolute" && !self.mimics
     }
@@ -33,7 +33,7 @@ impl Joint<'_> {
 
 /// A joint while its parts are read.
 pub(super) struct Draft<'t> {
-    pub(super) joint: Joint<'t>,
+    pub(super) joint: UrdfJoint<'t>,
     /// The parts that were there.
     parts: Vec<String>,
 }
@@ -41,7 +41,7 @@ pub(super) struct Draft<'t> {
 impl<'t> Draft<'t> {
     pub(super) fn new(tag: &Tag<'_, 't>) -> Result<Self, UrdfError> {
         let name = tag.required("name", "a joint")?;
-        let joint = Joint {
+        let joint = UrdfJoint {
             at: tag.at,
             kind: tag.required("type", &format!("joint {name:?}"))?,
             name,
@@ -91,7 +91,7 @@ impl<'t> Draft<'t> {
         Ok(())
     }
 
-    pub(super) fn finish(self) -> Result<Joint<'t>, UrdfError> {
+    pub(super) fn finish(self) -> Result<UrdfJoint<'t>, UrdfError> {
         for (part, missing) in [("parent", "<parent>"), ("child", "<child>")] {
             if !self.parts.iter().any(|known| known == part) {
                 let owner = format!("joint {:?}", self.joint.name);

@@ -7,7 +7,7 @@ use quick_xml::{Reader, events::Event};
 
 use super::{
     UrdfError,
-    joint::{Draft, Joint},
+    joint::{Draft, UrdfJoint},
     tag::{At, Tag},
 };
 
@@ -16,7 +16,7 @@ pub(super) struct Description<'t> {
     /// Where the root element is.
     pub(super) at: At<'t>,
     pub(super) links: Vec<String>,
-    pub(super) joints: Vec<Joint<'t>>,
+    pub(super) joints: Vec<UrdfJoint<'t>>,
 }
 
 impl<'t> Description<'t> {

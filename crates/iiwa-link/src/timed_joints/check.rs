@@ -65,17 +65,8 @@ impl TimedJoints {
             ));
         }
         for (i, q) in self.joints_rad.iter().enumerate() {
-            if let Some(j) = limits.outside(q) {
-                return Err(Refusal::new(
-                    Code::Limit,
-                    format!(
-                        "point {}: joint {} is at {} deg, its limit is +-{:.3} deg",
-                        i + 1,
-                        j + 1,
-                        Figures(q[j].to_degrees(), 3),
-                        limits.position_rad[j].to_degrees()
-                    ),
-                ));
+            if let Err(outside) = limits.check(q) {
+                return Err(Refusal::new(Code::Limit, format!("point {}: {outside}", i + 1)));
             }
         }
         self.check_steps()?;

@@ -49,7 +49,7 @@ proptest! {
 
 /// Programs without blends, with stops anywhere within the joint ranges and at their ends.
 fn programs_to_the_limits() -> impl Strategy<Value = Program> {
-    let range = Robot::default().limits().position_rad;
+    let range = Robot::default().limits().upper_rad;
     let place = move |share: [f64; 7]| -> Joints {
         std::array::from_fn(|j| (1.5 * share[j]).clamp(-1.0, 1.0) * range[j])
     };

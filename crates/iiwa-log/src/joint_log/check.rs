@@ -1,6 +1,6 @@
 //! Whether positions can be those of a robot.
 
-use iiwa_kin::Robot;
+use iiwa_kin::{Joint, Robot};
 
 use super::{JointLog, JointLogError};
 
@@ -44,16 +44,16 @@ impl JointLog {
         }
         let limits = robot.limits();
         for (&t_s, q_rad) in self.t_s.iter().zip(&self.q_rad) {
-            for ((joint, &found_rad), limit_rad) in (1..).zip(q_rad).zip(limits.position_rad) {
-                let most_rad = limit_rad + OUTSIDE_RAD;
+            for (joint, &found_rad) in Joint::ALL.into_iter().zip(q_rad) {
+                let [lower, upper] = limits.range_rad(joint);
                 // What is not a number is in no range.
-                if !(-most_rad..=most_rad).contains(&found_rad) {
+                if !(lower - OUTSIDE_RAD..=upper + OUTSIDE_RAD).contains(&found_rad) {
                     return Err(JointLogError::OutsideLimits {
                         robot: robot.name().to_owned(),
-                        joint,
+                        joint: joint.number(),
                         t_s,
                         found_rad,
-                        limit_rad: limit_rad.copysign(found_rad),
+                        limit_rad: if found_rad < lower { lower } else { upper },
                     });
                 }
             }

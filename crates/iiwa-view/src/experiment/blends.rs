@@ -189,7 +189,9 @@ fn corners(
     let mut corners = Vec::new();
     for index in 0..run.trial.program.motions.len() / MOTIONS {
         let back = MOTIONS * index + 2;
-        let Some(line) = found.lines.iter().find(|line| line.motion == back) else { continue };
+        let Some(line) = found.lines.iter().find(|line| line.motion.index() == back) else {
+            continue;
+        };
         let [to_s, next_s] = line.time_s;
         let first = log.t_s.partition_point(|t_s| *t_s < from_s);
         let last = log.t_s.partition_point(|t_s| *t_s <= to_s);
@@ -202,7 +204,7 @@ fn corners(
         let (Some(target_rad), Some(after_rad)) = (target(back - 2), target(back - 1)) else {
             continue;
         };
-        let of_blend = path.blends().find(|(corner, _)| corner.motion == back - 2);
+        let of_blend = path.blends().find(|(corner, _)| corner.motion.index() == back - 2);
         let (a, b) = (in_plane(&target_rad), of_blend.map(|(_, segment)| segment.at(0.0).q));
         let b = in_plane(&b.unwrap_or(target_rad));
         corners.push(MeasuredCorner {
@@ -225,7 +227,7 @@ impl MeasuredCorner {
         let mut points = Vec::new();
         for step in path.steps() {
             let Step::Move { motion, segment, .. } = step else { continue };
-            if !(first..first + 2).contains(motion) {
+            if !(first..first + 2).contains(&motion.index()) {
                 continue;
             }
             let count = if segment.is_straight() { 60 } else { 200 };

@@ -28,9 +28,8 @@ pub(super) fn left_out(runs: &[TrialRun], left_out: &[LeftOut]) -> String {
             let LeftOut { recording, motion, why, .. } = first;
             let name = runs.get(*recording).map_or("", |run| run.trial.name.as_str());
             format!(
-                "Not used: {} motions; the first of them is motion {} of `{name}`: {why}.",
-                left_out.len(),
-                motion + 1
+                "Not used: {} motions; the first of them is motion {motion} of `{name}`: {why}.",
+                left_out.len()
             )
         }
     }

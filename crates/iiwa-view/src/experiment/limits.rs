@@ -6,6 +6,7 @@ use iiwa_eval::{
     identify::{Identified, LineObservation},
     local_cubic,
 };
+use iiwa_kin::Joint;
 use iiwa_path::{Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 
@@ -107,7 +108,9 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
 /// The motion of a joint from -20 to +20 deg: the second of its three.
 fn swing(found: &Identified, recording: usize, joint: usize) -> Option<&LineObservation> {
     let its = |line: &&LineObservation| {
-        line.recording == recording && line.joint == Some(joint) && line.motion == 3 * joint + 1
+        line.recording == recording
+            && line.joint.map(Joint::index) == Some(joint)
+            && line.motion.index() == 3 * joint + 1
     };
     found.lines.iter().find(its)
 }
@@ -143,7 +146,7 @@ fn table(
 }
 
 fn figure(bench: &Bench, run: &TrialRun, line: &LineObservation) -> Result<String, ViewError> {
-    let Some(joint) = line.joint else { return Ok(String::new()) };
+    let Some(joint) = line.joint.map(Joint::index) else { return Ok(String::new()) };
     let [start_s, end_s] = line.time_s;
     // What the model plans for this motion by itself.
     let program = Program {

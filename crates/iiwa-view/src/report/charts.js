@@ -1,7 +1,7 @@
 // Curves over time and the timeline, on canvases with two dimensions.
 
 const QUANTITIES = [
-  { key: "position", title: "Position", unit: "deg", limit: "position_rad" },
+  { key: "position", title: "Position", unit: "deg", limit: "upper_rad" },
   { key: "velocity", title: "Velocity", unit: "deg/s", limit: "velocity_rad_s" },
   { key: "acceleration", title: "Acceleration", unit: "deg/s\u00b2", limit: "acceleration_rad_s2" },
   { key: "jerk", title: "Jerk", unit: "deg/s\u00b3", limit: "jerk_rad_s3" },
@@ -138,9 +138,14 @@ const MOST_PERCENT = 300;
 function drawQuantity(canvas, quantity, state, theme, withTimes) {
   const size = cleared(canvas);
   const { context } = size;
-  const limits = report.robot[quantity.limit];
+  const upper = report.robot[quantity.limit];
+  const lower = quantity.key === "position" ? report.robot.lower_rad : upper.map((limit) => -limit);
   const shown = state.joints.flatMap((on, j) => (on ? [j] : []));
-  const scale = (j) => (state.percent ? 100 / limits[j] : DEG);
+  // In per cent, the middle of a range is 0.
+  const scale = (j) => (state.percent ? 200 / (upper[j] - lower[j]) : DEG);
+  const offset = (j) => (state.percent ? (-100 * (upper[j] + lower[j])) / (upper[j] - lower[j]) : 0);
+  const highest = (j) => scale(j) * upper[j] + offset(j);
+  const lowest = (j) => scale(j) * lower[j] + offset(j);
   // What is drawn: at least the band of the limits in per cent, at most three times as much.
   let most = state.percent ? 108 : 0;
   for (const arm of report.arms) {
@@ -148,8 +153,10 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
     const from = Math.max(countUpTo(curve.t_s, state.window.from) - 1, 0);
     const to = countUpTo(curve.t_s, state.window.to);
     for (const j of shown) {
+      const [factor, shift] = [scale(j), offset(j)];
       for (let i = from; i < to; i++) {
-        const value = Math.max(Math.abs(curve.low[7 * i + j]), Math.abs(curve.high[7 * i + j])) * scale(j);
+        const [low, high] = [curve.low[7 * i + j] * factor + shift, curve.high[7 * i + j] * factor + shift];
+        const value = Math.max(Math.abs(low), Math.abs(high));
         if (value * 1.06 > most) most = value * 1.06;
       }
     }
@@ -164,16 +171,17 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
   context.rect(left, top, right - left, bottom - top);
   context.clip();
   // Beyond the limits: of all joints in per cent, else of the joint that may go farthest.
-  const farthest = state.percent ? 100 : Math.max(...shown.map((j) => limits[j] * DEG), 0);
+  const farthest = state.percent ? 100 : Math.max(...shown.map(highest), 0);
+  const deepest = state.percent ? -100 : Math.min(...shown.map(lowest), 0);
   context.fillStyle = theme.beyond;
   context.fillRect(left, top, right - left, Math.max(0, y(farthest) - top));
-  context.fillRect(left, y(-farthest), right - left, Math.max(0, bottom - y(-farthest)));
+  context.fillRect(left, y(deepest), right - left, Math.max(0, bottom - y(deepest)));
   context.setLineDash([5, 4]);
   context.lineWidth = 1;
   for (const j of state.percent ? [-1] : shown) {
     context.strokeStyle = state.percent ? theme.blend : theme.joints[j];
-    for (const sign of [-1, 1]) {
-      const at = Math.round(y(sign * (state.percent ? 100 : limits[j] * DEG))) + 0.5;
+    for (const limit of state.percent ? [-100, 100] : [lowest(j), highest(j)]) {
+      const at = Math.round(y(limit)) + 0.5;
       context.beginPath();
       context.moveTo(left, at);
       context.lineTo(right, at);
@@ -185,7 +193,7 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
   for (const { from, to, shares } of quantity.own) {
     const [a, b] = [Math.max(x(from), left), Math.min(x(to), right)];
     if (a >= b) continue;
-    const own = (j) => shares[j] * (state.percent ? 100 : limits[j] * DEG);
+    const own = (j) => shares[j] * highest(j);
     const widest = Math.max(...shown.map(own), 0);
     context.fillStyle = theme.own;
     context.fillRect(a, y(farthest), b - a, y(widest) - y(farthest));
@@ -212,7 +220,7 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
     const curve = arm[quantity.key];
     for (const j of shown) {
       context.strokeStyle = theme.joints[j];
-      trace(context, curve.t_s, curve.low, curve.high, 7, j, state.window, x, (v) => y(v * scale(j)));
+      trace(context, curve.t_s, curve.low, curve.high, 7, j, state.window, x, (v) => y(v * scale(j) + offset(j)));
     }
   });
   context.globalAlpha = 1;

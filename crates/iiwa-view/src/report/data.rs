@@ -60,7 +60,8 @@ struct Model {
     name: String,
     /// Shapes and joints.
     urdf: String,
-    position_rad: Joints,
+    lower_rad: Joints,
+    upper_rad: Joints,
     velocity_rad_s: Joints,
     acceleration_rad_s2: Joints,
     jerk_rad_s3: Joints,
@@ -450,7 +451,8 @@ impl From<&Robot> for Model {
         Self {
             name: robot.name().to_owned(),
             urdf: robot.to_urdf(),
-            position_rad: limits.position_rad,
+            lower_rad: limits.lower_rad,
+            upper_rad: limits.upper_rad,
             velocity_rad_s: limits.velocity_rad_s,
             acceleration_rad_s2: limits.acceleration_rad_s2,
             jerk_rad_s3: limits.jerk_rad_s3,

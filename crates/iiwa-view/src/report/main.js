@@ -212,7 +212,8 @@ function writeNow() {
   cells.joints.forEach(({ position, velocity, mark }, j) => {
     position.textContent = number(q[j] * DEG, 2);
     velocity.textContent = arm.velocity.columns ? number(valueAt(arm.velocity, t, j) * DEG, 1) : "";
-    mark.style.left = `${50 + (50 * q[j]) / report.robot.position_rad[j]}%`;
+    const { lower_rad: lower, upper_rad: upper } = report.robot;
+    mark.style.left = `${(100 * (q[j] - lower[j])) / (upper[j] - lower[j])}%`;
   });
   report.arms.forEach((it, i) => {
     flangeAt(jointsAt(it, t)).forEach((v, k) => {

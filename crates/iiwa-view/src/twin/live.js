@@ -62,7 +62,8 @@ const jointCells = Array.from({ length: 7 }, (_, j) => {
 function writeJoints(q) {
   jointCells.forEach(({ position, mark }, j) => {
     position.textContent = number(q[j] * DEG, 2);
-    mark.style.left = `${50 + (50 * q[j]) / robot.position_rad[j]}%`;
+    const { lower_rad: lower, upper_rad: upper } = robot;
+    mark.style.left = `${(100 * (q[j] - lower[j])) / (upper[j] - lower[j])}%`;
   });
   flangeAt(q).forEach((v, k) => {
     $("flange").children[k + 1].textContent = number(1000 * v, 1);

@@ -112,7 +112,7 @@ impl SimulationScene {
             for j in 0..7 {
                 let bend = (three[2][j] - 2.0 * three[1][j] + three[0][j]) / self.period_s.powi(2);
                 worst = worst.max(bend.abs() / limits.acceleration_rad_s2[j]);
-                assert!(three[2][j].abs() <= limits.position_rad[j], "{how}: joint {}", j + 1);
+                assert!(three[2][j].abs() <= limits.upper_rad[j], "{how}: joint {}", j + 1);
             }
         }
         println!("{how}: {braked_s:.3} s, {worst:.3} of the acceleration limits");
@@ -164,7 +164,7 @@ fn the_arm_brakes_within_its_range() {
         let mut start_rad = [0.0; 7];
         // At full speed for 0.25 s, and then the distance of braking at the limit.
         let room = limits.velocity_rad_s[0].powi(2) / limits.acceleration_rad_s2[0] / 2.0;
-        start_rad[0] = limits.position_rad[0] - limits.velocity_rad_s[0] * 0.26 - room;
+        start_rad[0] = limits.upper_rad[0] - limits.velocity_rad_s[0] * 0.26 - room;
         let mut scene = SimulationScene::new(5, 1, start_rad);
         scene.speed_up();
         end(&mut scene);

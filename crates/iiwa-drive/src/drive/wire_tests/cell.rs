@@ -144,10 +144,10 @@ impl Cell {
         if setpoint.is_none() {
             self.alone = self.cycle;
         }
-        let Limits { velocity_rad_s, position_rad, .. } = self.limits;
+        let Limits { velocity_rad_s, lower_rad, upper_rad, .. } = self.limits;
         self.q = std::array::from_fn(|j| {
             let most = 1.1 * velocity_rad_s[j] * period_s;
-            (before[j] + step[j].clamp(-most, most)).clamp(-position_rad[j], position_rad[j])
+            (before[j] + step[j].clamp(-most, most)).clamp(lower_rad[j], upper_rad[j])
         });
         self.dq = std::array::from_fn(|j| (self.q[j] - before[j]) / period_s);
     }

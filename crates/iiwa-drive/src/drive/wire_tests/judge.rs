@@ -8,7 +8,7 @@ impl Cell {
     /// The largest velocity, acceleration and jump, each as a share of its bound, and the number of restarts at
     /// the position of the arm.
     pub(super) fn judge(&self) -> ([f64; 3], u32) {
-        let Limits { velocity_rad_s, acceleration_rad_s2, position_rad, .. } = self.limits;
+        let Limits { velocity_rad_s, acceleration_rad_s2, upper_rad, .. } = self.limits;
         let step_s = f64::from(self.config.receive_multiplier) * self.period_s();
         let away = velocity_rad_s.map(|speed| speed * (0.03 + 3.0 * step_s));
         let (mut worst, mut restarts) = ([0.0_f64; 3], 0);
@@ -38,7 +38,7 @@ impl Cell {
             let found = [found[0], found[1], jump.fold(0.0, f64::max)];
             worst = std::array::from_fn(|i| worst[i].max(found[i]));
             for j in 0..7 {
-                assert!(answer.at_rad[j].abs() <= position_rad[j] + 1e-9, "joint {}", j + 1);
+                assert!(answer.at_rad[j].abs() <= upper_rad[j] + 1e-9, "joint {}", j + 1);
             }
             before = next;
         }

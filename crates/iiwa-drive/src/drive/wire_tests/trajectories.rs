@@ -8,7 +8,7 @@ use iiwa_traj::{Timing, Trajectory};
 
 /// Motions at full speed between positions anywhere in the range, including its ends.
 pub(super) fn program(random: &mut Rng) -> Program {
-    let range = Robot::default().limits().position_rad;
+    let range = Robot::default().limits().upper_rad;
     loop {
         let mut place = || range.map(|q| q * (2.6 * random.f64() - 1.3).clamp(-1.0, 1.0));
         let start_rad = place();
