@@ -226,10 +226,11 @@ impl Client {
 
     /// Encodes the answer to the latest message into `out`, whose content is replaced.
     ///
-    /// While monitoring, it echoes the commanded joint positions. In the commanding states, it sends
-    /// `setpoint_rad`, in rad. Without a finite set-point, it holds the position: it repeats the last
-    /// set-point since commanding became active, or else the commanded position of the message. Before
-    /// commanding is active, it sends the interpolated position, as the protocol requires.
+    /// | session state | with a finite `setpoint_rad` (rad) | without |
+    /// |---|---|---|
+    /// | monitoring | the commanded position of the message | the same |
+    /// | commanding, waiting | the set-point | the interpolated position, or else the commanded one |
+    /// | commanding, active | the set-point | the last set-point since it became active, or else the commanded position |
     ///
     /// Returns `false` and leaves `out` empty if no answer [is due](Self::is_due).
     pub fn answer(&mut self, setpoint_rad: Option<&Joints>, out: &mut Vec<u8>) -> bool {

@@ -78,8 +78,11 @@ pub(crate) fn evaluate(polynomial: &Polynomial, s: f64) -> [f64; 4] {
 /// of `s + alpha`, `s alpha` and `beta`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Basis {
+    /// s + alpha.
     pub(crate) along: [f64; 4],
+    /// s alpha.
     pub(crate) across: [f64; 4],
+    /// beta.
     pub(crate) bulge: [f64; 4],
 }
 

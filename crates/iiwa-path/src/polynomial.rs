@@ -35,14 +35,18 @@ pub const KAPPA_MIN_ACCELERATION: f64 = 7.5;
 pub struct PolynomialBlend {
     start: Joints,
     d0: Joints,
+    /// d1 - d0, in rad.
     turn: Joints,
+    /// Length of d0 and of d1, in rad.
     reach: f64,
+    /// Weight of beta; dimensionless.
     kappa: f64,
     continuity: Continuity,
 }
 
 impl PolynomialBlend {
-    /// The blend that arrives by `d0_rad` at `target_rad` and leaves by `d1_rad`; both equally long.
+    /// The blend that arrives by `d0_rad` at `target_rad` and leaves by `d1_rad`. Both have to be
+    /// equally long: where they are not, dq/ds jumps at one end.
     ///
     /// Taking the ways rather than the points keeps all digits of blends that are tiny.
     #[must_use]

@@ -21,8 +21,8 @@ pub struct Derivatives {
 
 /// A smooth segment of a path, with its path parameter s in [0, 1].
 ///
-/// A shape is one type that implements this trait. Time stamps are found through the trait alone: what
-/// it does not ask for, no planner knows of a shape.
+/// A shape is one type that implements this trait. Planners
+/// use nothing else of a shape.
 ///
 /// ```
 /// use iiwa_kin::Joints;
@@ -55,7 +55,7 @@ pub trait Segment: fmt::Debug + Send + Sync {
 
     /// For each joint, a bound of `|d2q/ds2|` on all of [0, 1], in rad.
     ///
-    /// With it, q at s is at most half of it times `(s - m)^2` away from the tangent at m.
+    /// Each joint of q at s is at most `bound (s - m)^2 / 2` away from the tangent at m.
     fn bend_bound_rad(&self) -> Joints;
 
     /// Length of the tangent dq/ds at the start and at the end, in rad.
@@ -112,10 +112,11 @@ pub trait Segment: fmt::Debug + Send + Sync {
     ///
     /// # Panics
     ///
-    /// If `dq` or `ddq` is shorter than the grid.
+    /// If `dq` or `ddq` has fewer rows than the grid has nodes.
     fn rates(&self, grid: &Grid, scale: &Joints, dq: &mut [[f64; 8]], ddq: &mut [[f64; 8]]) {
         let intervals = grid.intervals() as f64;
-        for (i, (dq, ddq)) in dq[..=grid.intervals()].iter_mut().zip(ddq).enumerate() {
+        let nodes = ..=grid.intervals();
+        for (i, (dq, ddq)) in dq[nodes].iter_mut().zip(&mut ddq[nodes]).enumerate() {
             let at = self.at(i as f64 / intervals);
             for j in 0..7 {
                 dq[j] = at.dq[j] * scale[j];

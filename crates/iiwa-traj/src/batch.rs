@@ -26,7 +26,7 @@ pub enum PlanError {
 /// same as from [`Trajectory::plan`]. A program that cannot be planned has its error there and does
 /// not stop the others.
 ///
-/// It runs on the current rayon pool. That is the global one, as a rule of a thread a core, unless the call is
+/// It runs on the current rayon pool. That is the global one, usually one thread per core, unless the call is
 /// made inside of another: `pool.install(|| plan_all(...))` plans on the threads of `pool` only.
 ///
 /// ```

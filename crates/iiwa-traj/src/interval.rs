@@ -46,7 +46,8 @@ pub(crate) fn durations<S: Simd>(
     times
 }
 
-/// ds and rate at `t` after the start of an interval of `ds`.
+/// The change of s, and ds/dt in 1/s, at `t` (s) after the start of an interval of length `ds`; ds/dt is `from`
+/// (1/s) at its start, and d2s/dt2 (1/s^2) goes from `u[0]` to `u[1]` linearly with s.
 #[inline]
 pub(crate) fn at(t: f64, ds: f64, from: f64, u: [f64; 2]) -> (f64, f64) {
     let k = (u[1] - u[0]) / ds;

@@ -21,7 +21,7 @@ use crate::{
     interval::later,
     limit_usage::LimitUsage,
     node::Node,
-    phases::{Instant, phases},
+    phases::{ProfilePoint, phases},
     section::{PieceKind, Section},
     timing::{JerkOptions, TimingError},
 };
@@ -156,7 +156,7 @@ fn straight(segment: &LimitedSegment<'_>) -> Vec<SegmentStamps> {
         let dt = to.t_s - from.t_s;
         let jerk = (to.acceleration - from.acceleration) / dt;
         // Where the phase is half over, and for the peaks also at its end.
-        let half = Instant {
+        let half = ProfilePoint {
             speed: from.speed + 0.5 * dt * (from.acceleration + 0.25 * dt * jerk),
             acceleration: 0.5 * (from.acceleration + to.acceleration),
             ..from

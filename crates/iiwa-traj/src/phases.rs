@@ -1,9 +1,9 @@
 //! From rest to rest along a straight line under limits of speed, acceleration and jerk: the profile
 //! of at most seven phases, in closed form.
 
-/// An instant of the profile: time in s, way, speed and acceleration.
+/// The state between two phases of the profile. Lengths are in the unit of the line's parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Instant {
+pub(crate) struct ProfilePoint {
     pub(crate) t_s: f64,
     pub(crate) way: f64,
     pub(crate) speed: f64,
@@ -14,7 +14,7 @@ pub(crate) struct Instant {
 /// take no time are left out.
 ///
 /// Three ways to go, as far as the limits bite: jerk alone, jerk and acceleration, and all three.
-pub(crate) fn phases(way: f64, [speed, acceleration, jerk]: [f64; 3]) -> Vec<Instant> {
+pub(crate) fn phases(way: f64, [speed, acceleration, jerk]: [f64; 3]) -> Vec<ProfilePoint> {
     // Half of the profile: jerk up for `ramp`, constant acceleration for `push`, jerk down for `ramp`,
     // then half of the cruise.
     let full = acceleration / jerk;
@@ -42,13 +42,13 @@ pub(crate) fn phases(way: f64, [speed, acceleration, jerk]: [f64; 3]) -> Vec<Ins
     } else {
         ((0.5 * way / jerk).cbrt(), 0.0, 0.0)
     };
-    let mut at = Instant::default();
+    let mut at = ProfilePoint::default();
     let mut instants = vec![at];
     let durations = [ramp, push, ramp, cruise, ramp, push, ramp];
     let jerks = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0].map(|sign| sign * jerk);
     for (t, jerk) in std::iter::zip(durations, jerks) {
         if t > 0.0 {
-            at = Instant {
+            at = ProfilePoint {
                 t_s: at.t_s + t,
                 way: at.way + t * (at.speed + t * (at.acceleration / 2.0 + t * jerk / 6.0)),
                 speed: at.speed + t * (at.acceleration + t * jerk / 2.0),
@@ -59,7 +59,7 @@ pub(crate) fn phases(way: f64, [speed, acceleration, jerk]: [f64; 3]) -> Vec<Ins
     }
     // Exactly there and exactly at rest, not but for rounding.
     if let Some(last) = instants.last_mut() {
-        *last = Instant { t_s: last.t_s, way, ..Instant::default() };
+        *last = ProfilePoint { t_s: last.t_s, way, ..ProfilePoint::default() };
     }
     instants
 }

@@ -9,8 +9,8 @@ use pulp::Simd;
 use crate::{
     interval, jerk,
     limit_usage::{LimitUsage, TOLERANCE},
+    line_limits::LineLimits,
     node::Node,
-    profile::LineLimits,
     section::{Piece, PieceKind, Section},
     sweep::{self, Bounds, Nodes, Sample},
     timing::{JerkOptions, Timing, TimingError},
@@ -354,7 +354,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
                 samples[1].x = x1;
                 stamp(self.simd, line.fastest(x0, x1), &mut t_s, &mut section.nodes);
             } else {
-                tightened |= !sweep::settle(self.curve(&segment, step), start, samples);
+                tightened |= !sweep::sweep_until_valid(self.curve(&segment, step), start, samples);
                 let n = (samples.len() - 1) as f64;
                 let nodes = samples.iter().enumerate().map(|(i, &sample)| (i as f64 / n, sample));
                 stamp(self.simd, nodes, &mut t_s, &mut section.nodes);

@@ -5,8 +5,8 @@
 //! `x[i+1] = x[i] + h (u_start + u_end)`. The acceleration of joint j is `q'_j u + q''_j x`; its
 //! limit leaves u a band at each node, which depends on x there. A sweep backwards finds how fast
 //! the arm may be at each node and still slow down in time for all that follows; a sweep forwards
-//! then goes as fast as that allows. "At least one joint is always running in saturation" is what comes
-//! out: the fastest stamps on this grid.
+//! then goes as fast as that allows. The fastest stamps on this grid come out: at least one joint is always at
+//! a limit (Larsen 2019, section 2.4).
 //!
 //! The two passes are those of TOPP-RA (Pham and Pham 2018). There u is constant in an interval and
 //! both ends have to keep the limits, which wastes half of what the bounds change from node to node
@@ -366,19 +366,19 @@ pub(crate) fn backward<S: Simd>(nodes: Nodes<'_, S>, end: f64, samples: &mut [Sa
         let interval = |even| Interval { h, even, start, end: next };
         let end = x;
         let brake = end - h * next_least;
-        // Arriving at `end` while speeding up is strange: arriving slower may allow for more.
-        let strange = even || brake < 0.5 * end;
+        // Where the arm speeds up although it has to arrive at `end`, a lower speed at the start may allow for more.
+        let needs_search = even || brake < 0.5 * end;
         let brakes = [&start.fall, &start.half];
         let brake_most;
         (x, brake_most) = largest(simd, brakes, h, brake, cap, &mut lines);
         let mut least = -brake_most;
         let mut most = start.most(simd, x);
-        if least > most && !strange {
+        if least > most && !needs_search {
             x = start.possible(simd, x, &mut pair);
             (least, most) = (start.least(simd, x), start.most(simd, x));
         }
         let drive = x + h * most;
-        let found = if strange || x < 0.0 {
+        let found = if needs_search || x < 0.0 {
             Some(interval(even).search(end, cap))
         } else if end - h * next_most > drive {
             // Out of reach: it will arrive slower, and has to be able to.
@@ -534,7 +534,11 @@ impl<S: Simd> Nodes<'_, S> {
 /// Sweeps forwards until no interval of the segment has to be tightened, and backwards in between.
 /// False if that makes what came before the segment too fast: then all has to be swept again.
 #[inline(always)]
-pub(crate) fn settle<S: Simd>(nodes: Nodes<'_, S>, start: f64, samples: &mut [Sample]) -> bool {
+pub(crate) fn sweep_until_valid<S: Simd>(
+    nodes: Nodes<'_, S>,
+    start: f64,
+    samples: &mut [Sample],
+) -> bool {
     const ROUNDS: usize = 30;
     let end = samples[samples.len() - 1].x;
     for _ in 0..ROUNDS {

@@ -53,7 +53,7 @@ impl Timing {
 /// How fine the sweep is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SweepOptions {
-    /// Intervals a blend, close to N of Larsen 2019, section 2.4.1; 100 by default, at least 2.
+    /// Intervals per blend, close to N of Larsen 2019, section 2.4.1; 100 by default, at least 2.
     ///
     /// Lines need none: limits do not change along them, so that the fastest way over a line is to
     /// speed up, to keep the speed and to slow down, at instants that are found in closed form.
@@ -74,10 +74,10 @@ impl Default for SweepOptions {
 /// the lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JerkOptions {
-    /// How many times as fine as usual the cells are; 1 by default.
+    /// How many times as fine as usual the cells are; above 0, 1 by default.
     pub refinement: f64,
-    /// Whether all goes through the general solver as a whole: straight lines from rest to rest, which have
-    /// a closed form, and long sections, which are solved part by part. No by default; for tests.
+    /// Skip the closed form of straight lines from rest to rest, and the receding horizon of long sections;
+    /// off by default, for tests.
     pub general: bool,
 }
 

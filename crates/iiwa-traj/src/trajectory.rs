@@ -25,7 +25,8 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// If no stamps were found that keep the limits. This would be a fault of the planner.
+    /// [`TimingError::CurvatureJumps`] for jerk-limited timing of blends whose curvature jumps at their ends; any
+    /// other error is a fault of the planner.
     pub fn plan(path: &JointPath, timing: Timing) -> Result<Self, TimingError> {
         let sections: Vec<_> = Planner::new(path, timing).collect::<Result<_, _>>()?;
         let mut totals = Totals::default();

@@ -11,7 +11,7 @@ use iiwa::link::message::{DriveState, Presence};
 use iiwa::link::{Client, Remote, Server};
 use iiwa::prelude::*;
 
-/// A port of the loopback interface that the system has to spare.
+/// A free port of the loopback interface.
 fn free() -> std::io::Result<SocketAddr> {
     let tcp = TcpListener::bind("127.0.0.1:0")?;
     UdpSocket::bind(tcp.local_addr()?)?.local_addr()

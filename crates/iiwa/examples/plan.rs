@@ -28,8 +28,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let trajectory = Trajectory::plan(&path, Timing::default())?;
 
     let mut out = stdout();
-    for (number, motion) in (1..).zip(trajectory.motions()) {
-        writeln!(out, "motion {number}: {:.3} s to {:.3} s", motion.start_s, motion.end_s)?;
+    for figures in trajectory.motions() {
+        let (start_s, end_s) = (figures.start_s, figures.end_s);
+        writeln!(out, "motion {}: {start_s:.3} s to {end_s:.3} s", figures.motion)?;
     }
     writeln!(out, "cycle time {:.3} s", trajectory.cycle_time_s())?;
     Ok(())

@@ -8,7 +8,7 @@
 use iiwa_kin::Joints;
 use iiwa_path::{MotionLimits, Segment};
 
-use crate::{node::Node, profile::along};
+use crate::{line_limits::along, node::Node};
 
 /// A segment and its limits.
 pub(crate) struct LimitedSegment<'a> {
