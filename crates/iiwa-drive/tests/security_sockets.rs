@@ -36,14 +36,12 @@ fn remote(pair: &KeyPair, server: PublicKey) -> Remote {
 
 /// A drive without a robot.
 fn drive(server: &Server) -> Drive {
-    let config = DriveConfig {
-        instructions: "tcp://127.0.0.1:*".to_owned(),
-        stream: "tcp://127.0.0.1:*".to_owned(),
-        fri: "127.0.0.1:0".parse().unwrap(),
-        cabinet_instructions: "tcp://127.0.0.1:9".to_owned(),
-        cabinet_state: "tcp://127.0.0.1:9".to_owned(),
-        ..DriveConfig::default()
-    };
+    let mut config = DriveConfig::default();
+    config.instructions = "tcp://127.0.0.1:*".into();
+    config.stream = "tcp://127.0.0.1:*".into();
+    config.fri = "127.0.0.1:0".parse().unwrap();
+    config.cabinet_instructions = "tcp://127.0.0.1:9".into();
+    config.cabinet_state = "tcp://127.0.0.1:9".into();
     Drive::start(config, server, &Remote::open()).unwrap()
 }
 

@@ -30,6 +30,7 @@
 #![expect(clippy::needless_range_loop, reason = "rows of eight numbers are indexed together")]
 
 mod batch;
+pub mod braking;
 mod figures;
 mod interval;
 mod jerk;
@@ -39,6 +40,7 @@ mod limit_usage;
 mod node;
 mod phases;
 mod planner;
+pub mod playback;
 mod profile;
 mod section;
 mod state;

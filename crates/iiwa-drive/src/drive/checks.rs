@@ -9,11 +9,10 @@ use iiwa_link::{
     message::{
         Code, Id, MAX_MOTIONS, MAX_MOTIONS_BYTES, MAX_SHORT_REQUEST_BYTES, Refusal, Reply, Request,
     },
+    robot_program::RunId,
     transport::Permit,
 };
 use iiwa_path::{JointPath, Motion, Program};
-
-use crate::robot_program::RunId;
 
 /// A job of the thread. `C` identifies clients.
 pub(super) enum CheckJob<C> {

@@ -2,10 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use iiwa_link::message::{DriveState, MAX_SAMPLES, Refusal, Run, Samples};
+use iiwa_link::{
+    message::{DriveState, MAX_SAMPLES, Refusal, Run, Samples},
+    robot_program::{Instruction, Outcome, RunId},
+};
 
 use super::{events::Observation, setpoints::TrajectoryEnd};
-use crate::robot_program::{Instruction, Outcome, RunId};
 
 /// A run in progress. `A` is its requester.
 pub(super) struct Running<A> {

@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use iiwa_drive::Faults;
+use iiwa_cabinet::Faults;
 use iiwa_link::{
     ClientError, Remote, Server, TimedJoints,
     message::{Code, DriveState, MAX_SHORT_REQUEST_BYTES, Presence, Refusal, Run},
@@ -191,7 +191,7 @@ fn a_client_that_is_killed_leaves_the_run_and_its_samples() {
 fn packet_loss_costs_samples_but_no_motion() {
     in_real_time(|| {
         let rig = Rig::new(5);
-        rig.set_faults(Faults { packet_loss: 0.1, ..Faults::default() });
+        rig.set_faults(Faults::default().with_packet_loss(0.1));
         let run = rig.client().run_motions(slowly_to(40.0), Some(LONG)).unwrap();
         let planned = planned(slowly_to(40.0));
         assert!((run.cycle_time_s.unwrap() - planned.cycle_time_s()).abs() < 0.0051);
@@ -214,7 +214,7 @@ fn packet_loss_stops_a_trajectory_smoothly() {
     in_real_time(|| {
         let rig = Rig::new(5);
         let running = begin_trajectory(&rig);
-        rig.set_faults(Faults { packet_loss: 0.1, ..Faults::default() });
+        rig.set_faults(Faults::default().with_packet_loss(0.1));
         let (refusal, run) = refused(running.join().unwrap());
         assert_eq!(refusal.code, Code::Robot);
         assert!(refusal.message.contains("quality"), "{refusal}");
@@ -228,7 +228,7 @@ fn packet_loss_stops_a_trajectory_smoothly() {
 fn delayed_messages_prevent_commanding() {
     in_real_time(|| {
         let rig = Rig::new(5);
-        rig.set_faults(Faults { delay_cycles: 3, ..Faults::default() });
+        rig.set_faults(Faults::default().with_delay_cycles(3));
         let mut client = rig.client();
         wait_for("poor quality", || client.state().unwrap().fri.quality == "poor");
         let run = client.run_motions(slowly_to(40.0), Some(LONG)).unwrap();

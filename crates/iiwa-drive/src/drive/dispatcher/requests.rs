@@ -3,16 +3,16 @@
 use std::time::Instant;
 
 use iiwa_fri::{Quality, SessionState};
-use iiwa_link::message::{Body, Code, DriveState, MAX_SHORT_REQUEST_BYTES, Refusal, Request};
+use iiwa_link::{
+    message::{Body, Code, DriveState, MAX_SHORT_REQUEST_BYTES, Refusal, Request},
+    robot_program::{Instruction, RunId},
+};
 
 use super::state::{Dispatcher, IncomingRequest, Output, Purpose, QueryKind, Requester, RunStage};
-use crate::{
-    drive::{
-        checks::{CheckJob, CheckedRun, RunTask, UncheckedRun},
-        events::{FriCommand, Observation},
-        run::{Phase, Running},
-    },
-    robot_program::{Instruction, RunId},
+use crate::drive::{
+    checks::{CheckJob, CheckedRun, RunTask, UncheckedRun},
+    events::{FriCommand, Observation},
+    run::{Phase, Running},
 };
 
 impl<C> Dispatcher<C> {

@@ -9,18 +9,16 @@ use bytes::Bytes;
 use iiwa_fri::{Quality, Safety};
 use iiwa_link::{
     message::{Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Status},
+    robot_program::{Instruction, RunId, StateChange},
     transport::Permit,
 };
 
-use crate::{
-    drive::{
-        checks::CheckJob,
-        events::{FriCommand, Observation},
-        instruction_queue::InstructionQueue,
-        run::Running,
-        run_replies::{RunRecord, RunReply},
-    },
-    robot_program::{Instruction, RunId, StateChange},
+use crate::drive::{
+    checks::CheckJob,
+    events::{FriCommand, Observation},
+    instruction_queue::InstructionQueue,
+    run::Running,
+    run_replies::{RunRecord, RunReply},
 };
 
 /// An output of the dispatcher.

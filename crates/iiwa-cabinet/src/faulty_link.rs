@@ -5,26 +5,26 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{config::Faults, latency::LatencyMonitor};
+use crate::{config::Faults, latency::LatencyMonitor};
 
 /// The link, and statistics of its datagrams.
-pub(super) struct FaultyLink {
-    pub(super) faults: Faults,
+pub(crate) struct FaultyLink {
+    pub(crate) faults: Faults,
     random: fastrand::Rng,
     /// Messages of the last cycles, kept for a delay; empty for cycles without a message.
     delayed: VecDeque<Vec<u8>>,
     /// Until when all datagrams are dropped.
     silent_until: Option<Instant>,
     /// Number of messages to be sent.
-    pub(super) cycles: u64,
+    pub(crate) cycles: u64,
     /// Number of cycles in which the machine delayed the clock.
-    pub(super) delayed_cycles: u64,
-    pub(super) real_time: bool,
-    pub(super) monitor: LatencyMonitor,
+    pub(crate) delayed_cycles: u64,
+    pub(crate) real_time: bool,
+    pub(crate) monitor: LatencyMonitor,
 }
 
 impl FaultyLink {
-    pub(super) fn new(faults: Faults, period: Duration) -> Self {
+    pub(crate) fn new(faults: Faults, period: Duration) -> Self {
         Self {
             faults,
             random: fastrand::Rng::with_seed(2),
@@ -38,12 +38,12 @@ impl FaultyLink {
     }
 
     /// Drops all datagrams for a time.
-    pub(super) fn silence(&mut self, duration: Duration) {
+    pub(crate) fn silence(&mut self, duration: Duration) {
         self.silent_until = Some(Instant::now() + duration);
     }
 
     /// The datagram that leaves the link in this cycle when `message` enters it.
-    pub(super) fn send(&mut self, message: Option<&[u8]>) -> Option<Vec<u8>> {
+    pub(crate) fn send(&mut self, message: Option<&[u8]>) -> Option<Vec<u8>> {
         self.cycles += u64::from(message.is_some());
         self.delayed.push_back(message.map(<[u8]>::to_vec).unwrap_or_default());
         let delay = self.faults.delay_cycles as usize;
@@ -59,7 +59,7 @@ impl FaultyLink {
     }
 
     /// Whether a received answer passes the link.
-    pub(super) fn receive(&mut self, datagram: &[u8], now: Instant) -> bool {
+    pub(crate) fn receive(&mut self, datagram: &[u8], now: Instant) -> bool {
         if self.loses() {
             return false;
         }

@@ -8,38 +8,62 @@
 use std::time::Duration;
 
 use iiwa_json::Object;
-use iiwa_link::message::{DriveState, IoValue, Refusal, Sensors, bad_json, shortened, to_json};
 use iiwa_path::Motion;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
+use crate::message::{DriveState, IoValue, Refusal, Sensors, bad_json, shortened, to_json};
+
 /// The number of a run.
-pub(crate) type RunId = u64;
+pub type RunId = u64;
 
 /// An instruction to the robot program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-pub(crate) enum Instruction {
+pub enum Instruction {
     /// Plan motions from the position of the arm. They wait for [`Begin`](Self::Begin).
-    RunMotions { run: RunId, motions: Vec<Motion> },
+    RunMotions {
+        /// Their run.
+        run: RunId,
+        /// The motions.
+        motions: Vec<Motion>,
+    },
     /// Begin the planned motions.
-    Begin { run: RunId },
+    Begin {
+        /// Their run.
+        run: RunId,
+    },
     /// Enable commanding over FRI.
-    RunTrajectory { run: RunId },
+    RunTrajectory {
+        /// The run of the trajectory.
+        run: RunId,
+    },
     /// End commanding over FRI.
-    EndTrajectory { run: RunId },
+    EndTrajectory {
+        /// The run of the trajectory.
+        run: RunId,
+    },
     /// Stop the current run, and discard planned motions.
     Stop,
     /// Read the sensors.
     ReadSensors,
     /// Read an input or output.
-    GetIo { name: String },
+    GetIo {
+        /// Its name.
+        name: String,
+    },
     /// Set an output.
-    SetIo { name: String, value: IoValue },
+    SetIo {
+        /// Its name.
+        name: String,
+        /// Its new value.
+        value: IoValue,
+    },
 }
 
 impl Instruction {
     /// The instruction as JSON, with its number.
-    pub(crate) fn to_json(&self, seq: u64) -> String {
+    #[must_use]
+    pub fn to_json(&self, seq: u64) -> String {
         #[derive(Serialize)]
         struct NumberedInstruction<'a> {
             seq: u64,
@@ -49,8 +73,12 @@ impl Instruction {
         to_json(&NumberedInstruction { seq, instruction: self })
     }
 
-    /// Parses an instruction and its number.
-    pub(crate) fn from_json(bytes: &[u8]) -> (Option<u64>, Result<Self, Refusal>) {
+    /// Parses an instruction and its number, which is `None` if there is none.
+    ///
+    /// # Errors
+    ///
+    /// A [`Refusal`] with what is wrong in the JSON.
+    pub fn from_json(bytes: &[u8]) -> (Option<u64>, Result<Self, Refusal>) {
         #[derive(Deserialize)]
         struct InstructionHead {
             seq: u64,
@@ -108,55 +136,57 @@ impl Instruction {
 
 /// The acknowledgement of an instruction.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Acknowledgement {
+pub struct Acknowledgement {
     /// The number of the instruction; `None` if it could not be parsed.
-    pub(crate) seq: Option<u64>,
+    pub seq: Option<u64>,
     /// Why it was not carried out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) error: Option<Refusal>,
+    pub error: Option<Refusal>,
+    /// The sensors, if they were read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) sensors: Option<Sensors>,
+    pub sensors: Option<Sensors>,
+    /// The value of the input or output that was read or set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) value: Option<IoValue>,
+    pub value: Option<IoValue>,
 }
 
 /// The state of the robot program: sent when it changes, repeated until it is acknowledged, and twice a second
 /// in any case.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct StateChange {
+pub struct StateChange {
     /// A number that differs with each start of the robot program.
-    pub(crate) boot: u64,
+    pub boot: u64,
     /// The state.
-    pub(crate) state: DriveState,
+    pub state: DriveState,
     /// The current run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) run: Option<RunId>,
+    pub run: Option<RunId>,
     /// The outcome of the last run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) outcome: Option<Outcome>,
+    pub outcome: Option<Outcome>,
 }
 
 /// The outcome of a run. Times are of the controller's clock, as are the time stamps of FRI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Outcome {
+pub struct Outcome {
     /// The run.
-    pub(crate) run: RunId,
+    pub run: RunId,
     /// Its start, in s; `None` if it did not start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) start_s: Option<f64>,
+    pub start_s: Option<f64>,
     /// Its end, in s.
-    pub(crate) end_s: f64,
+    pub end_s: f64,
     /// Why it was aborted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) error: Option<Refusal>,
+    pub error: Option<Refusal>,
 }
 
 /// The acknowledgement of a state change.
-pub(crate) const RECEIVED: &str = r#"{"ok":true}"#;
+pub const RECEIVED: &str = r#"{"ok":true}"#;
 
 /// How long planned motions may wait for [`Instruction::Begin`]. A robot program discards them afterwards, as
 /// the drive or its client may be gone.
-pub(crate) const BEGIN_WITHIN: Duration = Duration::from_secs(2);
+pub const BEGIN_WITHIN: Duration = Duration::from_secs(2);
 
 /// Interval at which the robot program sends its state even if it does not change, in ms.
-pub(crate) const STATE_EVERY_MS: u64 = 500;
+pub const STATE_EVERY_MS: u64 = 500;

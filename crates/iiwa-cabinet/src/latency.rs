@@ -47,7 +47,7 @@ const MAX_LATE: usize = 10_000;
 
 /// Matches answers with their messages.
 #[derive(Debug)]
-pub(super) struct LatencyMonitor {
+pub(crate) struct LatencyMonitor {
     /// The last messages without an answer, indexed by their counters.
     sent: Box<[Option<SentMessage>]>,
     /// An answer that takes longer is late.
@@ -68,19 +68,19 @@ struct SentMessage {
 const WINDOW: u32 = 1024;
 
 impl LatencyMonitor {
-    pub(super) fn new(cycle: Duration) -> Self {
+    pub(crate) fn new(cycle: Duration) -> Self {
         let sent = vec![None; WINDOW as usize].into();
         Self { sent, cycle, late: Vec::new(), unanswered: 0, latency: Latency::default() }
     }
 
-    pub(super) fn sent(&mut self, datagram: &[u8], now: Instant) {
+    pub(crate) fn sent(&mut self, datagram: &[u8], now: Instant) {
         let Ok(message) = Format::V1.decode_monitoring(datagram) else { return };
         let sent = SentMessage { sequence: message.sequence, at: now };
         let before = self.slot(message.sequence).replace(sent);
         self.unanswered += u64::from(before.is_some());
     }
 
-    pub(super) fn answered(&mut self, datagram: &[u8], now: Instant) {
+    pub(crate) fn answered(&mut self, datagram: &[u8], now: Instant) {
         let Ok(answer) = Format::V1.decode_command(datagram) else { return };
         let slot = self.slot(answer.reflected);
         let Some(sent) = slot.take_if(|sent| sent.sequence == answer.reflected) else { return };
@@ -98,15 +98,15 @@ impl LatencyMonitor {
         &mut self.sent[(sequence % WINDOW) as usize]
     }
 
-    pub(super) fn latency(&self) -> &Latency {
+    pub(crate) fn latency(&self) -> &Latency {
         &self.latency
     }
 
-    pub(super) fn late(&self) -> &[LateAnswer] {
+    pub(crate) fn late(&self) -> &[LateAnswer] {
         &self.late
     }
 
-    pub(super) fn unanswered(&self) -> u64 {
+    pub(crate) fn unanswered(&self) -> u64 {
         self.unanswered
     }
 }

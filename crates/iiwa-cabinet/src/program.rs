@@ -13,40 +13,40 @@ use bytes::Bytes;
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     message::{Code, Refusal, to_json},
+    robot_program::{
+        Acknowledgement, BEGIN_WITHIN, Instruction, RunId, STATE_EVERY_MS, StateChange,
+    },
     transport::{Event, Frames, Listener, PeerId},
 };
 use iiwa_path::Motion;
 use iiwa_traj::Trajectory;
 
-use super::{
+use crate::{
     shared::{POLL_INTERVAL, Shared, lock},
     simulation::plan,
 };
-use crate::robot_program::{
-    Acknowledgement, BEGIN_WITHIN, Instruction, RunId, STATE_EVERY_MS, StateChange,
-};
 
 /// Input of the robot program.
-pub(super) enum ProgramInput {
+pub(crate) enum ProgramInput {
     Socket(Event),
     Planned(PlanningResult),
 }
 
 /// Motions to be planned.
-pub(super) struct PlanningJob {
+pub(crate) struct PlanningJob {
     run: RunId,
     start_rad: Joints,
     motions: Vec<Motion>,
 }
 
 /// The result of planning.
-pub(super) struct PlanningResult {
+pub(crate) struct PlanningResult {
     run: RunId,
     result: Result<Trajectory, Refusal>,
 }
 
 /// Plans motions until the sender of jobs is dropped.
-pub(super) fn plan_motions(
+pub(crate) fn plan_motions(
     robot: &Robot,
     jobs: &Receiver<PlanningJob>,
     done: impl Fn(PlanningResult),
@@ -58,7 +58,7 @@ pub(super) fn plan_motions(
 
 /// Carries out the instructions of iiwaDrive and acknowledges them. Motions are planned first and begin with
 /// another instruction, so that they do not begin if they were withdrawn meanwhile.
-pub(super) struct RobotProgram<'a> {
+pub(crate) struct RobotProgram<'a> {
     shared: &'a Shared,
     socket: Listener,
     planner: Sender<PlanningJob>,
@@ -89,12 +89,13 @@ struct InstructionSource {
 }
 
 impl<'a> RobotProgram<'a> {
-    pub(super) fn new(shared: &'a Shared, socket: Listener, planner: Sender<PlanningJob>) -> Self {
+    pub(crate) fn new(shared: &'a Shared, socket: Listener, planner: Sender<PlanningJob>) -> Self {
         Self { shared, socket, planner, planning: None, planned: None }
     }
 
-    pub(super) fn run(mut self, inputs: &Receiver<ProgramInput>) {
-        while !self.shared.is_shut_down() {
+    /// Serves instructions until `shutdown`.
+    pub(crate) fn run(mut self, inputs: &Receiver<ProgramInput>, shutdown: &AtomicBool) {
+        while !shutdown.load(Ordering::Relaxed) {
             match inputs.recv_timeout(POLL_INTERVAL) {
                 Ok(ProgramInput::Socket(Event::Message(peer, received))) => {
                     self.receive(peer, received.frames);
@@ -205,12 +206,17 @@ enum AcknowledgeWhen {
 }
 
 /// Sends the state when it changes, repeatedly until it is acknowledged, and periodically in any case.
-pub(super) fn send_states(shared: &Shared, socket: &Listener, acknowledged: &AtomicBool) {
+pub(crate) fn send_states(
+    shared: &Shared,
+    socket: &Listener,
+    acknowledged: &AtomicBool,
+    shutdown: &AtomicBool,
+) {
     const POLL_INTERVAL: Duration = Duration::from_millis(2);
     let every = Duration::from_millis(STATE_EVERY_MS);
     let again = Duration::from_millis(100);
     let mut sent: Option<(StateChange, Instant)> = None;
-    while !shared.is_shut_down() {
+    while !shutdown.load(Ordering::Relaxed) {
         let change = {
             let mut simulation = lock(&shared.simulation);
             let wait = if acknowledged.load(Ordering::Relaxed) { every } else { again };

@@ -2,7 +2,7 @@
 
 use iiwa_fri::{Quality, SessionState};
 
-use super::latency::{LateAnswer, Latency};
+use crate::latency::{LateAnswer, Latency};
 
 /// Statistics of the FRI connection, as measured by the controller.
 #[derive(Clone, Debug)]

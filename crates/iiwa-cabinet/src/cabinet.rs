@@ -9,43 +9,31 @@
 //! | planner | plans motions |
 //! | state | sends state changes to iiwaDrive until they are acknowledged |
 
-mod config;
-mod faulty_link;
-mod fri;
-mod io;
-mod latency;
-mod noise;
-mod program;
-mod report;
-mod sensors;
-mod shared;
-mod simulation;
-
 use std::{
     sync::{
         Arc, Mutex,
         atomic::{AtomicBool, Ordering},
         mpsc,
     },
-    thread::{self, JoinHandle},
     time::Duration,
 };
 
-pub use config::{CabinetConfig, Faults};
 use iiwa_fri::{ControllerConfig, Format};
 use iiwa_kin::Joints;
 use iiwa_link::{
     LinkError,
     message::MAX_MOTIONS_BYTES,
     socket::{SHORT_MESSAGE_BYTES, Server, random_id},
+    threads::ThreadGroup,
     transport::{Event, ListenerConfig, SocketKind},
 };
-pub use latency::{LateAnswer, Latency};
-pub use report::Report;
 
-use crate::cabinet::{
+use crate::{
+    config::{CabinetConfig, Faults},
     faulty_link::FaultyLink,
-    program::ProgramInput,
+    fri,
+    program::{self, ProgramInput},
+    report::Report,
     shared::{Shared, lock},
     simulation::{EMERGENCY_STOP_HELD_S, Simulation},
 };
@@ -53,15 +41,13 @@ use crate::cabinet::{
 /// A running simulated cabinet. It shuts down when it is dropped.
 ///
 /// ```
-/// use iiwa_drive::{Cabinet, CabinetConfig};
+/// use iiwa_cabinet::{Cabinet, CabinetConfig};
 /// use iiwa_link::Server;
 ///
-/// let config = CabinetConfig {
-///     start_rad: [0.1; 7],
-///     instructions: "tcp://127.0.0.1:*".to_owned(),
-///     state: "tcp://127.0.0.1:*".to_owned(),
-///     ..CabinetConfig::default()
-/// };
+/// let mut config = CabinetConfig::default();
+/// config.start_rad = [0.1; 7];
+/// config.instructions = "tcp://127.0.0.1:*".into();
+/// config.state = "tcp://127.0.0.1:*".into();
 /// let cabinet = Cabinet::start(config, &Server::open())?;
 /// assert_eq!(cabinet.position(), [0.1; 7]);
 /// # Ok::<(), iiwa_link::LinkError>(())
@@ -71,7 +57,7 @@ pub struct Cabinet {
     shared: Arc<Shared>,
     instructions: String,
     state: String,
-    threads: Vec<JoinHandle<()>>,
+    _threads: ThreadGroup,
 }
 
 impl Cabinet {
@@ -137,43 +123,35 @@ impl Cabinet {
         let shared = Arc::new(Shared {
             simulation: Mutex::new(simulation),
             link: Mutex::new(FaultyLink::new(config.faults, period)),
-            shutdown: AtomicBool::new(false),
         });
         let client = config.fri_client;
-        let mut cabinet = Self {
-            instructions: instructions.at().to_owned(),
-            state: state.at().to_owned(),
-            shared,
-            threads: Vec::new(),
-        };
-        cabinet
-            .spawn("cabinet clock", move |shared| fri::run_clock(shared, &udp, client, period))?;
-        cabinet
-            .spawn("cabinet FRI", move |shared| fri::receive_answers(shared, &answers, client))?;
+        let at = [instructions.at(), state.at()].map(str::to_owned);
+        let mut threads = ThreadGroup::default();
+        let robot_state = Arc::clone(&shared);
+        threads.spawn("cabinet clock", move |shutdown| {
+            fri::run_clock(&robot_state, &udp, client, period, shutdown);
+        })?;
+        let robot_state = Arc::clone(&shared);
+        threads.spawn("cabinet FRI", move |shutdown| {
+            fri::receive_answers(&robot_state, &answers, client, shutdown);
+        })?;
         let (jobs, jobs_in) = mpsc::channel();
-        cabinet.spawn("cabinet planner", move |_| {
+        // It ends with the thread of instructions, which sends its jobs.
+        threads.spawn("cabinet planner", move |_| {
             program::plan_motions(&robot, &jobs_in, |planned| {
                 let _ = inputs.send(ProgramInput::Planned(planned));
             });
         })?;
-        cabinet.spawn("cabinet instructions", move |shared| {
-            program::RobotProgram::new(shared, instructions, jobs).run(&inputs_in);
+        let robot_state = Arc::clone(&shared);
+        threads.spawn("cabinet instructions", move |shutdown| {
+            program::RobotProgram::new(&robot_state, instructions, jobs).run(&inputs_in, shutdown);
         })?;
-        cabinet.spawn("cabinet state", move |shared| {
-            program::send_states(shared, &state, &acknowledged);
+        let robot_state = Arc::clone(&shared);
+        threads.spawn("cabinet state", move |shutdown| {
+            program::send_states(&robot_state, &state, &acknowledged, shutdown);
         })?;
-        Ok(cabinet)
-    }
-
-    fn spawn(
-        &mut self,
-        name: &str,
-        work: impl FnOnce(&Shared) + Send + 'static,
-    ) -> Result<(), LinkError> {
-        let shared = Arc::clone(&self.shared);
-        let thread = thread::Builder::new().name(name.to_owned()).spawn(move || work(&shared));
-        self.threads.push(thread.map_err(|source| LinkError::Thread { source })?);
-        Ok(())
+        let [instructions, state] = at;
+        Ok(Self { shared, instructions, state, _threads: threads })
     }
 
     /// The bound address for instructions, such as `tcp://127.0.0.1:30001`.
@@ -232,15 +210,6 @@ impl Cabinet {
             unanswered: link.monitor.unanswered(),
             session,
             quality,
-        }
-    }
-}
-
-impl Drop for Cabinet {
-    fn drop(&mut self) {
-        self.shared.shutdown.store(true, Ordering::Relaxed);
-        for thread in self.threads.drain(..) {
-            let _ = thread.join();
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::{
     net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket},
+    sync::atomic::{AtomicBool, Ordering},
     thread,
     time::{Duration, Instant},
 };
@@ -9,12 +10,13 @@ use std::{
 use iiwa_link::{
     LinkError,
     socket::{Server, is_timeout},
+    threads::raise_priority,
 };
 
-use super::shared::{POLL_INTERVAL, Shared, lock};
+use crate::shared::{POLL_INTERVAL, Shared, lock};
 
 /// The UDP socket, for either thread.
-pub(super) fn sockets(client: SocketAddr, security: &Server) -> Result<[UdpSocket; 2], LinkError> {
+pub(crate) fn sockets(client: SocketAddr, security: &Server) -> Result<[UdpSocket; 2], LinkError> {
     let local = match client {
         client if client.ip().is_loopback() => SocketAddr::new(client.ip(), 0),
         // FRI is not authenticated: the other sockets have to be, at least.
@@ -35,12 +37,18 @@ pub(super) fn sockets(client: SocketAddr, security: &Server) -> Result<[UdpSocke
 
 /// The controller's clock: a cycle per `period`. If the machine delays it by more than a period, robot time
 /// waits and has no gaps.
-pub(super) fn run_clock(shared: &Shared, udp: &UdpSocket, client: SocketAddr, period: Duration) {
-    let real_time = crate::priority::raise();
+pub(crate) fn run_clock(
+    shared: &Shared,
+    udp: &UdpSocket,
+    client: SocketAddr,
+    period: Duration,
+    shutdown: &AtomicBool,
+) {
+    let real_time = raise_priority();
     lock(&shared.link).real_time = real_time;
     let mut next = Instant::now() + period;
     let mut message = Vec::with_capacity(1500);
-    while !shared.is_shut_down() {
+    while !shutdown.load(Ordering::Relaxed) {
         let now = Instant::now();
         if let Some(remaining) = next.checked_duration_since(now) {
             thread::sleep(remaining);
@@ -59,10 +67,16 @@ pub(super) fn run_clock(shared: &Shared, udp: &UdpSocket, client: SocketAddr, pe
 }
 
 /// Receives the client's answers.
-pub(super) fn receive_answers(shared: &Shared, udp: &UdpSocket, client: SocketAddr) {
-    crate::priority::raise();
+pub(crate) fn receive_answers(
+    shared: &Shared,
+    udp: &UdpSocket,
+    client: SocketAddr,
+    shutdown: &AtomicBool,
+) {
+    // At ordinary priority it works, too.
+    let _ = raise_priority();
     let mut buffer = [0; 2048];
-    while !shared.is_shut_down() {
+    while !shutdown.load(Ordering::Relaxed) {
         let (length, from) = match udp.recv_from(&mut buffer) {
             Ok(received) => received,
             Err(error) if is_timeout(&error) => continue,

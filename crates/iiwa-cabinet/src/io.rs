@@ -6,7 +6,7 @@ use iiwa_link::message::{IoValue, Refusal, shortened};
 
 /// Inputs and outputs, by name.
 #[derive(Clone, Debug)]
-pub(super) struct Ports(BTreeMap<&'static str, Port>);
+pub(crate) struct Ports(BTreeMap<&'static str, Port>);
 
 #[derive(Clone, Copy, Debug)]
 struct Port {
@@ -44,12 +44,12 @@ impl Default for Ports {
 }
 
 impl Ports {
-    pub(super) fn get(&self, name: &str) -> Result<IoValue, Refusal> {
+    pub(crate) fn get(&self, name: &str) -> Result<IoValue, Refusal> {
         self.0.get(name).map(|port| port.value).ok_or_else(|| self.unknown(name))
     }
 
     /// Sets an output and returns its new value.
-    pub(super) fn set(&mut self, name: &str, value: IoValue) -> Result<IoValue, Refusal> {
+    pub(crate) fn set(&mut self, name: &str, value: IoValue) -> Result<IoValue, Refusal> {
         use IoValue::{Analog, Boolean, Digital};
         let Some(port) = self.0.get_mut(name) else { return Err(self.unknown(name)) };
         if port.direction == Direction::Input {

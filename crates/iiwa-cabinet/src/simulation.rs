@@ -7,19 +7,21 @@ use std::time::Duration;
 
 use iiwa_fri::{Controller, ControllerConfig, Reading, Safety, SessionState};
 use iiwa_kin::{Joints, Robot};
-use iiwa_link::message::{Code, DriveState, Refusal, Sensors};
+use iiwa_link::{
+    message::{Code, DriveState, Refusal, Sensors},
+    robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
+};
 use iiwa_path::{JointPath, Motion, Program};
-use iiwa_traj::{Timing, Trajectory};
+use iiwa_traj::{
+    Timing, Trajectory,
+    braking::fastest,
+    playback::{EMERGENCY_STOP_S, Playback, STOP_S},
+};
 
 use crate::{
-    braking::fastest,
-    cabinet::{
-        io::Ports,
-        noise::Noise,
-        sensors::{Temperatures, holding_torques},
-    },
-    playback::{EMERGENCY_STOP_S, Playback, STOP_S},
-    robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
+    io::Ports,
+    noise::Noise,
+    sensors::{Temperatures, holding_torques},
 };
 
 /// How long the controller waits for active commanding, in s.
@@ -36,7 +38,7 @@ const SETPOINT_MARGIN: f64 = 1.1;
 const BRAKING_MARGIN: f64 = 1.25;
 
 /// A robot, its controller and the robot program.
-pub(super) struct Simulation {
+pub(crate) struct Simulation {
     robot: Robot,
     period_s: f64,
     receive_multiplier: u32,
@@ -118,7 +120,7 @@ impl JointBraking {
 }
 
 impl Simulation {
-    pub(super) fn new(
+    pub(crate) fn new(
         robot: Robot,
         start_rad: Joints,
         fri: ControllerConfig,
@@ -161,12 +163,12 @@ impl Simulation {
     }
 
     /// The state as sent to iiwaDrive, if it has changed since the last call.
-    pub(super) fn take_change(&mut self) -> Option<StateChange> {
+    pub(crate) fn take_change(&mut self) -> Option<StateChange> {
         std::mem::take(&mut self.changed).then(|| self.state())
     }
 
     /// The state as sent to iiwaDrive.
-    pub(super) fn state(&self) -> StateChange {
+    pub(crate) fn state(&self) -> StateChange {
         let (state, run) = match &self.activity {
             Activity::Nothing => (DriveState::Idle, None),
             Activity::Motions { run, .. } => (DriveState::RunningMotion, Some(*run)),
@@ -177,16 +179,16 @@ impl Simulation {
     }
 
     /// The current joint positions, in rad.
-    pub(super) fn position(&self) -> &Joints {
+    pub(crate) fn position(&self) -> &Joints {
         &self.q
     }
 
-    pub(super) fn fri(&mut self) -> &mut Controller {
+    pub(crate) fn fri(&mut self) -> &mut Controller {
         &mut self.fri
     }
 
     /// Presses the emergency stop for a time, in s.
-    pub(super) fn press_emergency_stop(&mut self, seconds: f64) {
+    pub(crate) fn press_emergency_stop(&mut self, seconds: f64) {
         self.pressed_until = Some(self.cycle + self.cycles(seconds));
         let error = Refusal::robot("the emergency stop was pressed");
         match &mut self.activity {
@@ -200,17 +202,17 @@ impl Simulation {
     }
 
     /// Presses the emergency stop at this share of the next motion.
-    pub(super) fn press_emergency_stop_at(&mut self, share: Option<f64>) {
+    pub(crate) fn press_emergency_stop_at(&mut self, share: Option<f64>) {
         self.press_at = share;
     }
 
     /// Drops the FRI session for a number of seconds.
-    pub(super) fn drop_session(&mut self, seconds: f64) {
+    pub(crate) fn drop_session(&mut self, seconds: f64) {
         self.fri.drop_session(self.cycles(seconds));
     }
 
     /// Advances by one cycle, and encodes the FRI message if one is due.
-    pub(super) fn tick(&mut self, message: &mut Vec<u8>) -> bool {
+    pub(crate) fn tick(&mut self, message: &mut Vec<u8>) -> bool {
         self.cycle += 1;
         if self.pressed_until.is_some_and(|until| until <= self.cycle) {
             self.pressed_until = None;
@@ -394,7 +396,7 @@ impl Simulation {
     }
 
     /// Checks that a run may begin.
-    pub(super) fn check_ready(&self) -> Result<(), Refusal> {
+    pub(crate) fn check_ready(&self) -> Result<(), Refusal> {
         if self.pressed_until.is_some() {
             return Err(Refusal::robot("the emergency stop is pressed"));
         }
@@ -405,7 +407,7 @@ impl Simulation {
     }
 
     /// Begins planned motions.
-    pub(super) fn begin(&mut self, run: RunId, trajectory: Trajectory) -> Result<(), Refusal> {
+    pub(crate) fn begin(&mut self, run: RunId, trajectory: Trajectory) -> Result<(), Refusal> {
         self.check_ready()?;
         let start = trajectory.at(0.0).q;
         if (0..7).any(|j| (start[j] - self.q[j]).abs() > 1e-9) {
@@ -418,7 +420,7 @@ impl Simulation {
     }
 
     /// Carries out an instruction other than those about motions.
-    pub(super) fn carry_out(
+    pub(crate) fn carry_out(
         &mut self,
         instruction: Instruction,
     ) -> Result<Acknowledgement, Refusal> {
@@ -486,13 +488,13 @@ impl Simulation {
 }
 
 /// How long a simulated emergency stop stays pressed, in s.
-pub(super) const EMERGENCY_STOP_HELD_S: f64 = 2.0;
+pub(crate) const EMERGENCY_STOP_HELD_S: f64 = 2.0;
 
 /// Velocities below this are rest, in rad/s.
 const REST_RAD_S: f64 = 1e-3;
 
 /// Plans motions from `start_rad`, in rad.
-pub(super) fn plan(
+pub(crate) fn plan(
     robot: &Robot,
     start_rad: Joints,
     motions: Vec<Motion>,

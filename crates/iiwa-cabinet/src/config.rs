@@ -3,22 +3,20 @@
 use std::net::SocketAddr;
 
 use iiwa_kin::{Joints, Robot};
+use iiwa_link::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};
 
-use crate::ports::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};
-
-/// Configuration of a simulated cabinet.
+/// Configuration of a simulated cabinet. Set what differs from the default:
 ///
 /// ```
-/// use iiwa_drive::{CabinetConfig, Faults};
+/// use iiwa_cabinet::{CabinetConfig, Faults};
 ///
-/// let config = CabinetConfig {
-///     period_ms: 10,
-///     faults: Faults { packet_loss: 0.01, ..Faults::default() },
-///     ..CabinetConfig::default()
-/// };
+/// let mut config = CabinetConfig::default();
+/// config.period_ms = 10;
+/// config.faults = Faults::default().with_packet_loss(0.01);
 /// assert_eq!(config.receive_multiplier, 1);
 /// ```
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct CabinetConfig {
     /// The robot.
     pub robot: Robot,
@@ -59,8 +57,9 @@ impl Default for CabinetConfig {
     }
 }
 
-/// Simulated faults.
+/// Simulated faults; the default has none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Faults {
     /// Share of lost FRI datagrams in either direction, 0 to 1.
     pub packet_loss: f64,
@@ -68,4 +67,24 @@ pub struct Faults {
     pub delay_cycles: u32,
     /// Presses the emergency stop for two seconds after this share of the next motion, 0 to 1.
     pub emergency_stop_at: Option<f64>,
+}
+
+impl Faults {
+    /// With this share of lost FRI datagrams, 0 to 1.
+    #[must_use]
+    pub fn with_packet_loss(self, packet_loss: f64) -> Self {
+        Self { packet_loss, ..self }
+    }
+
+    /// With FRI messages that are delayed by so many cycles.
+    #[must_use]
+    pub fn with_delay_cycles(self, delay_cycles: u32) -> Self {
+        Self { delay_cycles, ..self }
+    }
+
+    /// With the emergency stop pressed after this share of the next motion, 0 to 1.
+    #[must_use]
+    pub fn with_emergency_stop_at(self, share: f64) -> Self {
+        Self { emergency_stop_at: Some(share), ..self }
+    }
 }

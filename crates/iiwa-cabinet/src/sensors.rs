@@ -13,15 +13,15 @@ const GRAVITY: f64 = 9.81;
 
 /// Joint temperatures, heated by motion and cooled by the air. The model is plausible, not measured.
 #[derive(Clone, Debug)]
-pub(super) struct Temperatures(Joints);
+pub(crate) struct Temperatures(Joints);
 
 impl Temperatures {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self([ROOM_C; 7])
     }
 
     /// Advances by `dt_s` at velocities given as shares of the limits.
-    pub(super) fn advance(&mut self, speed_rel: &Joints, dt_s: f64) {
+    pub(crate) fn advance(&mut self, speed_rel: &Joints, dt_s: f64) {
         for (temperature, speed) in self.0.iter_mut().zip(speed_rel) {
             let target = ROOM_C + HEATING_K * speed.abs();
             *temperature += (target - *temperature) * dt_s / WARMING_S;
@@ -29,14 +29,14 @@ impl Temperatures {
     }
 
     /// In degrees Celsius.
-    pub(super) fn celsius(&self) -> Joints {
+    pub(crate) fn celsius(&self) -> Joints {
         self.0
     }
 }
 
 /// Joint torques that hold the weight of a floor-mounted arm, in Nm. Each link is a point mass half-way between
 /// its ends: an estimate, as are the masses.
-pub(super) fn holding_torques(robot: &Robot, joints_rad: &Joints) -> Joints {
+pub(crate) fn holding_torques(robot: &Robot, joints_rad: &Joints) -> Joints {
     let links = robot.link_poses(joints_rad);
     let masses = robot.link_mass_kg();
     std::array::from_fn(|j| {

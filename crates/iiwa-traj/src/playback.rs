@@ -3,14 +3,14 @@
 use iiwa_kin::Joints;
 
 /// Joint positions over time, from rest to rest.
-pub(crate) trait TimedMotion {
+pub trait TimedMotion {
     /// Joint positions `t_s` after the start, in rad; after the end, those of the end.
     fn at(&self, t_s: f64) -> Joints;
     /// Its duration, in s.
     fn duration_s(&self) -> f64;
 }
 
-impl TimedMotion for iiwa_traj::Trajectory {
+impl TimedMotion for crate::Trajectory {
     fn at(&self, t_s: f64) -> Joints {
         Self::at(self, t_s).q
     }
@@ -26,14 +26,14 @@ impl TimedMotion for iiwa_traj::Trajectory {
 /// time within half a second takes a deceleration of at most 3.75/s times the velocity, at half the velocity,
 /// where the acceleration of the path itself has decreased to a quarter. Together, they are at most 1.24 times
 /// the acceleration limits if both are at their limits when the stop begins.
-pub(crate) const STOP_S: f64 = 0.5;
+pub const STOP_S: f64 = 0.5;
 
 /// Duration of an emergency stop on the path, in s, which may exceed the acceleration limits.
-pub(crate) const EMERGENCY_STOP_S: f64 = 0.25;
+pub const EMERGENCY_STOP_S: f64 = 0.25;
 
 /// Plays back a motion cycle by cycle.
 #[derive(Debug)]
-pub(crate) struct Playback<M> {
+pub struct Playback<M> {
     motion: M,
     /// Time along the motion, in s.
     at_s: f64,
@@ -52,12 +52,13 @@ struct PathStop {
 }
 
 impl<M: TimedMotion> Playback<M> {
-    pub(crate) fn new(motion: M) -> Self {
+    /// Begins at the start of a motion.
+    pub fn new(motion: M) -> Self {
         Self { motion, at_s: 0.0, stop_on_path: None }
     }
 
     /// Advances by `dt_s`.
-    pub(crate) fn advance(&mut self, dt_s: f64) {
+    pub fn advance(&mut self, dt_s: f64) {
         match &mut self.stop_on_path {
             None => self.at_s += dt_s,
             Some(stop_on_path) => {
@@ -71,19 +72,19 @@ impl<M: TimedMotion> Playback<M> {
     }
 
     /// Begins a stop that takes `duration_s`.
-    pub(crate) fn stop(&mut self, duration_s: f64) {
+    pub fn stop(&mut self, duration_s: f64) {
         if self.stop_on_path.is_none() {
             self.stop_on_path = Some(PathStop { began_at_s: self.at_s, lasted_s: 0.0, duration_s });
         }
     }
 
     /// The current joint positions, in rad.
-    pub(crate) fn position(&self) -> Joints {
+    pub fn position(&self) -> Joints {
         self.motion.at(self.at_s)
     }
 
     /// Whether the arm is at rest, at the end of the motion or before.
-    pub(crate) fn is_over(&self) -> bool {
+    pub fn is_over(&self) -> bool {
         let is_stopped = self
             .stop_on_path
             .is_some_and(|stop_on_path| stop_on_path.lasted_s >= stop_on_path.duration_s);
@@ -91,28 +92,27 @@ impl<M: TimedMotion> Playback<M> {
     }
 
     /// Whether it stops, or has stopped, before the end of the motion.
-    pub(crate) fn is_cut_short(&self) -> bool {
+    pub fn is_cut_short(&self) -> bool {
         self.stop_on_path.is_some() && self.at_s < self.motion.duration_s()
     }
 
     /// Time along the motion, in s.
-    pub(crate) fn at_s(&self) -> f64 {
+    pub fn at_s(&self) -> f64 {
         self.at_s.min(self.motion.duration_s())
     }
 
     /// Duration of the motion, in s.
-    pub(crate) fn duration_s(&self) -> f64 {
+    pub fn duration_s(&self) -> f64 {
         self.motion.duration_s()
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+    use crate::{Timing, Trajectory};
     use iiwa_kin::Robot;
     use iiwa_path::{Blend, JointPath, Motion as Entry, Program, Ptp};
-    use iiwa_traj::{Timing, Trajectory};
-
-    use super::*;
 
     fn planned() -> Trajectory {
         let targets = [

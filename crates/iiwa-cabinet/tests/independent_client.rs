@@ -2,6 +2,12 @@
 //! script `tests/fri/client.py` of the workspace. It needs a Python with what `tests/requirements.txt`
 //! names, at the path in `IIWASIM_PYTHON`; without it this test is skipped.
 
+#![expect(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a failed test panics, and a skipped one is reported"
+)]
+
 use std::{
     env,
     io::{BufRead, BufReader},
@@ -12,11 +18,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use iiwa_drive::{Cabinet, CabinetConfig};
+use iiwa_cabinet::{Cabinet, CabinetConfig};
 use iiwa_link::Server;
 use serde_json::{Value, json};
 
-use crate::rig::LONG;
+/// Time-out of all waits.
+const LONG: Duration = Duration::from_secs(20);
 
 /// The script; it ends with this value.
 struct Script {
@@ -94,15 +101,13 @@ fn extremes(trace: &[(f64, f64)]) -> (f64, f64, f64) {
 #[test]
 fn an_independent_client_moves_the_arm() {
     let Some(mut script) = Script::start() else { return };
-    let config = CabinetConfig {
-        fri_client: script.line()["bound"].as_str().unwrap().parse().unwrap(),
-        // A cycle every 20 ms: a script has no real-time priority.
-        period_ms: 10,
-        speed: SPEED,
-        instructions: "tcp://127.0.0.1:*".to_owned(),
-        state: "tcp://127.0.0.1:*".to_owned(),
-        ..CabinetConfig::default()
-    };
+    let mut config = CabinetConfig::default();
+    config.fri_client = script.line()["bound"].as_str().unwrap().parse().unwrap();
+    // A cycle every 20 ms: a script has no real-time priority.
+    config.period_ms = 10;
+    config.speed = SPEED;
+    config.instructions = "tcp://127.0.0.1:*".into();
+    config.state = "tcp://127.0.0.1:*".into();
     let cabinet = Cabinet::start(config, &Server::open()).unwrap();
     let context = zmq::Context::new();
     let program = context.socket(zmq::REQ).unwrap();

@@ -1,0 +1,93 @@
+//! Threads that end together, and their real-time priority.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread::{self, JoinHandle},
+};
+
+use thread_priority::{ThreadPriority, ThreadPriorityValue};
+
+use crate::LinkError;
+
+/// The threads of a drive or a cabinet. When the group is dropped, it tells them to shut down and waits for
+/// them.
+///
+/// ```
+/// use std::sync::{atomic::Ordering, mpsc};
+///
+/// use iiwa_link::threads::ThreadGroup;
+///
+/// let (sender, receiver) = mpsc::channel();
+/// let mut threads = ThreadGroup::default();
+/// threads.spawn("clock", move |shutdown| {
+///     while !shutdown.load(Ordering::Relaxed) {
+///         std::thread::yield_now();
+///     }
+///     sender.send("over").unwrap();
+/// })?;
+/// drop(threads);
+/// assert_eq!(receiver.try_recv(), Ok("over"));
+/// # Ok::<(), iiwa_link::LinkError>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct ThreadGroup {
+    shutdown: Arc<AtomicBool>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl ThreadGroup {
+    /// Starts a thread. Its work has to end soon after the flag that it receives has become true.
+    ///
+    /// # Errors
+    ///
+    /// [`LinkError::Thread`] if the system does not start it.
+    pub fn spawn(
+        &mut self,
+        name: &str,
+        work: impl FnOnce(&AtomicBool) + Send + 'static,
+    ) -> Result<(), LinkError> {
+        let shutdown = Arc::clone(&self.shutdown);
+        let thread = thread::Builder::new().name(name.to_owned()).spawn(move || work(&shutdown));
+        self.threads.push(thread.map_err(|source| LinkError::Thread { source })?);
+        Ok(())
+    }
+}
+
+impl Drop for ThreadGroup {
+    fn drop(&mut self) {
+        self.shutdown.store(true, Ordering::Relaxed);
+        for thread in self.threads.drain(..) {
+            // A thread that has panicked has ended, too.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Gives this thread real-time priority. Returns `false` if the system does not permit it.
+#[must_use]
+pub fn raise_priority() -> bool {
+    // Above ordinary threads, below critical threads of the system.
+    const PRIORITY: u8 = 40;
+    ThreadPriorityValue::try_from(PRIORITY).is_ok_and(|value| {
+        let priority = ThreadPriority::Crossplatform(value);
+        set(priority).inspect_err(|error| tracing::debug!("ordinary priority: {error}")).is_ok()
+    })
+}
+
+#[cfg(unix)]
+fn set(priority: ThreadPriority) -> Result<(), thread_priority::Error> {
+    use thread_priority::{
+        RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy,
+        thread_native_id,
+    };
+    let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+    set_thread_priority_and_policy(thread_native_id(), priority, policy)
+}
+
+#[cfg(not(unix))]
+fn set(priority: ThreadPriority) -> Result<(), thread_priority::Error> {
+    thread_priority::set_current_thread_priority(priority)
+}
