@@ -80,12 +80,8 @@ impl Cabinet {
         }
         let (inputs, inputs_in) = mpsc::channel();
         let instructions = {
-            let socket = ListenerConfig {
-                name: "cabinet requests",
-                kind: SocketKind::Rep,
-                max_bytes: MAX_MOTIONS_BYTES + SHORT_MESSAGE_BYTES,
-                backlog: 0,
-            };
+            let max_bytes = MAX_MOTIONS_BYTES + SHORT_MESSAGE_BYTES;
+            let socket = ListenerConfig::new("cabinet requests", SocketKind::Rep, max_bytes);
             let inputs = inputs.clone();
             security.listen(&config.instructions, socket, move |event| {
                 // The receiver outlives the socket.
@@ -94,13 +90,9 @@ impl Cabinet {
         };
         let acknowledged = Arc::new(AtomicBool::new(false));
         let state = {
-            let socket = ListenerConfig {
-                name: "cabinet state",
-                kind: SocketKind::Dealer,
-                max_bytes: SHORT_MESSAGE_BYTES,
-                // Only the latest state matters.
-                backlog: 0,
-            };
+            // Without a backlog: only the latest state matters.
+            let socket =
+                ListenerConfig::new("cabinet state", SocketKind::Dealer, SHORT_MESSAGE_BYTES);
             let acknowledged = acknowledged.clone();
             security.listen(&config.state, socket, move |event| {
                 if matches!(event, Event::Message(..)) {

@@ -35,6 +35,7 @@ impl Latency {
 
 /// An answer more than a cycle after its message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct LateAnswer {
     /// When the message was sent.
     pub sent: Instant,

@@ -473,10 +473,7 @@ impl Simulation {
                 }
             },
             Instruction::ReadSensors => {
-                answer.sensors = Some(Sensors {
-                    joint_temperature_c: self.temperatures.celsius(),
-                    external_torque_nm: [0.0; 7],
-                });
+                answer.sensors = Some(Sensors::new(self.temperatures.celsius(), [0.0; 7]));
             }
             Instruction::GetIo { name } => answer.value = Some(self.ports.get(&name)?),
             Instruction::SetIo { name, value } => {

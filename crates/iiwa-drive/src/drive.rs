@@ -108,13 +108,9 @@ impl Drive {
         }
         let (inputs, inputs_in) = mpsc::channel();
         let requests = listen(clients, &config.instructions, inputs.clone())?;
-        let socket = ListenerConfig {
-            name: "drive stream",
-            kind: SocketKind::Pub,
-            // Subscribers send topics only.
-            max_bytes: SHORT_MESSAGE_BYTES,
-            backlog: STREAM_BACKLOG,
-        };
+        // Subscribers send topics only.
+        let socket = ListenerConfig::new("drive stream", SocketKind::Pub, SHORT_MESSAGE_BYTES)
+            .with_backlog(STREAM_BACKLOG);
         let stream = clients.listen(&config.stream, socket, drop)?;
         let state = receive_states(cabinet, &config.cabinet_state, inputs.clone())?;
         let program = instruct(cabinet, &config.cabinet_instructions, inputs.clone())?;
@@ -206,12 +202,7 @@ fn listen(
     at: &str,
     inputs: Sender<DispatcherInput>,
 ) -> Result<Listener, LinkError> {
-    let socket = ListenerConfig {
-        name: "drive requests",
-        kind: SocketKind::Router,
-        max_bytes: MAX_MESSAGE_BYTES,
-        backlog: 0,
-    };
+    let socket = ListenerConfig::new("drive requests", SocketKind::Router, MAX_MESSAGE_BYTES);
     clients.listen(at, socket, move |event| {
         // The receiver outlives the socket.
         let _ = inputs.send(DispatcherInput::of(event));

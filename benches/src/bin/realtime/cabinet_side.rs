@@ -52,7 +52,7 @@ pub(crate) fn be_cabinet(period_ms: u32, sockets: &Sockets) -> Result<()> {
         });
         let clock = SystemClock::new();
         let late = report.late.iter();
-        let late_us = late.map(|LateAnswer { sent, answered }| Answer {
+        let late_us = late.map(|LateAnswer { sent, answered, .. }| Answer {
             sent: clock.us(*sent),
             answered: clock.us(*answered),
         });

@@ -1,5 +1,4 @@
-//! Minimal ZMTP 3.1 peers without keys, for attacks: they can stop at any byte, send arbitrary data, and not read
-//! replies.
+//! Minimal ZMTP 3.1 peers without keys: they can stop at any byte, send arbitrary data, and not read replies.
 
 use std::{
     io::{self, Read, Write},
@@ -7,33 +6,54 @@ use std::{
     time::{Duration, Instant},
 };
 
-const MORE: u8 = 1;
+/// Flag of a frame that is not the last one of its message.
+pub const MORE: u8 = 1;
+/// Flag of a frame whose length has eight bytes.
 const LONG: u8 = 2;
-const COMMAND: u8 = 4;
+/// Flag of a command.
+pub const COMMAND: u8 = 4;
 
 /// Longest accepted frame, in bytes.
 const LONGEST: u64 = 1 << 30;
 
-/// Time-out of the handshake.
-const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(3);
+/// Time that a handshake on an idle machine never takes.
+pub const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// One end of a connection, after the handshake.
-pub(super) struct Peer {
-    pub(super) stream: TcpStream,
+/// One end of a connection.
+#[derive(Debug)]
+pub struct Peer {
+    /// The connection, for what is not a message.
+    pub stream: TcpStream,
 }
 
 impl Peer {
-    /// Connects as a socket of a kind (`REQ`, `DEALER`, `SUB` ...).
-    pub(super) fn connect(at: SocketAddr, kind: &str) -> io::Result<Self> {
-        let stream = TcpStream::connect_timeout(&at, HANDSHAKE_TIMEOUT)?;
-        Self::shake_hands(stream, kind)
+    /// Connects, and sends nothing.
+    ///
+    /// # Errors
+    ///
+    /// If the connection is not accepted within `timeout`.
+    pub fn silent(at: SocketAddr, timeout: Duration) -> io::Result<Self> {
+        Ok(Self { stream: TcpStream::connect_timeout(&at, timeout)? })
     }
 
-    /// The handshake, on either side.
-    pub(super) fn shake_hands(mut stream: TcpStream, kind: &str) -> io::Result<Self> {
-        let end = Instant::now() + HANDSHAKE_TIMEOUT;
+    /// Connects as a socket of a kind (`REQ`, `DEALER`, `SUB` ...).
+    ///
+    /// # Errors
+    ///
+    /// As [`silent`](Self::silent) and [`shake_hands`](Self::shake_hands).
+    pub fn connect(at: SocketAddr, kind: &str, timeout: Duration) -> io::Result<Self> {
+        Self::shake_hands(Self::silent(at, timeout)?.stream, kind, timeout)
+    }
+
+    /// The handshake, on either side. Later writes have this time-out, too.
+    ///
+    /// # Errors
+    ///
+    /// If the connection fails, the handshake takes longer than `timeout`, or the other side requires keys.
+    pub fn shake_hands(mut stream: TcpStream, kind: &str, timeout: Duration) -> io::Result<Self> {
+        let end = Instant::now() + timeout;
         stream.set_nodelay(true)?;
-        stream.set_write_timeout(Some(HANDSHAKE_TIMEOUT))?;
+        stream.set_write_timeout(Some(timeout))?;
         stream.write_all(&greeting())?;
         let mut theirs = [0; 64];
         read_until(&mut stream, &mut theirs, end)?;
@@ -58,13 +78,21 @@ impl Peer {
     }
 
     /// Sends a message.
-    pub(super) fn send(&mut self, frames: &[&[u8]]) -> io::Result<()> {
+    ///
+    /// # Errors
+    ///
+    /// If the connection fails.
+    pub fn send(&mut self, frames: &[&[u8]]) -> io::Result<()> {
         self.stream.write_all(&message(frames))
     }
 
     /// Waits for the next message, and answers heartbeats meanwhile. After an error, including a time-out, the
     /// connection is unusable.
-    pub(super) fn receive(&mut self, timeout: Duration) -> io::Result<Vec<Vec<u8>>> {
+    ///
+    /// # Errors
+    ///
+    /// If the connection fails, or no message arrives within `timeout`.
+    pub fn receive(&mut self, timeout: Duration) -> io::Result<Vec<Vec<u8>>> {
         let end = Instant::now() + timeout;
         let mut frames = Vec::new();
         loop {
@@ -86,6 +114,21 @@ impl Peer {
         }
     }
 
+    /// Whether the other side has closed the connection. What it has sent meanwhile is dropped.
+    ///
+    /// # Errors
+    ///
+    /// If the time-out of the connection cannot be set.
+    pub fn is_closed(&mut self) -> io::Result<bool> {
+        self.stream.set_read_timeout(Some(Duration::from_millis(1)))?;
+        Ok(match self.stream.read(&mut [0; 1 << 12]) {
+            Ok(count) => count == 0,
+            Err(error) => {
+                !matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut)
+            }
+        })
+    }
+
     fn frame(&mut self, end: Instant) -> io::Result<(u8, Vec<u8>)> {
         let mut head = [0; 2];
         read_until(&mut self.stream, &mut head, end)?;
@@ -105,7 +148,8 @@ impl Peer {
 }
 
 /// A message as bytes.
-pub(super) fn message(frames: &[&[u8]]) -> Vec<u8> {
+#[must_use]
+pub fn message(frames: &[&[u8]]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for (i, frame) in frames.iter().enumerate() {
         let more = if i + 1 < frames.len() { MORE } else { 0 };
@@ -116,13 +160,15 @@ pub(super) fn message(frames: &[&[u8]]) -> Vec<u8> {
 }
 
 /// A subscription to a topic as a command of ZMTP 3.1.
-pub(super) fn subscription(topic: &[u8]) -> Vec<u8> {
+#[must_use]
+pub fn subscription(topic: &[u8]) -> Vec<u8> {
     let body = [b"\x09SUBSCRIBE", topic].concat();
     [frame_head(COMMAND, body.len()), body].concat()
 }
 
 /// The header of a frame.
-pub(super) fn frame_head(flags: u8, length: usize) -> Vec<u8> {
+#[must_use]
+pub fn frame_head(flags: u8, length: usize) -> Vec<u8> {
     match u8::try_from(length) {
         Ok(length) => vec![flags, length],
         Err(_) => [vec![flags | LONG], (length as u64).to_be_bytes().to_vec()].concat(),
@@ -171,7 +217,7 @@ mod tests {
         std::thread::scope(|scope| {
             scope.spawn(|| {
                 let (stream, _) = listener.accept().unwrap();
-                let mut server = Peer::shake_hands(stream, "ROUTER").unwrap();
+                let mut server = Peer::shake_hands(stream, "ROUTER", HANDSHAKE_TIMEOUT).unwrap();
                 let frames = server.receive(HANDSHAKE_TIMEOUT).unwrap();
                 // A heartbeat in between is answered and is not a message.
                 let ping = b"\x04PING\0\x0acontext";
@@ -181,7 +227,7 @@ mod tests {
                 let (flags, pong) = server.frame(Instant::now() + HANDSHAKE_TIMEOUT).unwrap();
                 assert_eq!((flags, pong.as_slice()), (COMMAND, b"\x04PONGcontext".as_slice()));
             });
-            let mut client = Peer::connect(at, "REQ").unwrap();
+            let mut client = Peer::connect(at, "REQ", HANDSHAKE_TIMEOUT).unwrap();
             client.send(&[b"", &long]).unwrap();
             let frames = client.receive(HANDSHAKE_TIMEOUT).unwrap();
             assert_eq!(frames, [b"".to_vec(), long.clone(), b"end".to_vec()]);
