@@ -177,7 +177,8 @@ fn a_client_that_is_killed_leaves_the_run_and_its_samples() {
     socket.connect(&rig.drive_config.instructions).unwrap();
     let request = iiwa_link::message::Request::RunMotions { motions: slowly_to(20.0) };
     socket.send(&request.to_json(), 0).unwrap();
-    wait_for_state(&rig, DriveState::RunningMotion);
+    // While motions are planned, the loss of their client would withdraw them.
+    wait_for("motion", || rig.cabinet().position()[0].abs() > 0.01);
     drop(socket);
     wait_for_state(&rig, DriveState::Idle);
     let run = rig.client().last_run().unwrap();
