@@ -15,7 +15,7 @@ use iiwasim_benches::{
     Result,
     long_program::{Kind, text},
     reference,
-    topp3::{PEERS, Samples},
+    topp3::{JerkSamples, PEERS},
 };
 
 fn jerk(criterion: &mut Criterion) {
@@ -40,7 +40,7 @@ fn against_peers(criterion: &mut Criterion) -> Result<()> {
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
     group.warm_up_time(Duration::from_millis(1)).measurement_time(Duration::from_secs(1));
     for peer in PEERS.iter().filter(|peer| peer.timed) {
-        let samples = Samples::new(&path, peer.intervals)?;
+        let samples = JerkSamples::new(&path, peer.intervals)?;
         // Once beforehand: a solver that fails would fail fast.
         let theirs_s = samples.solve(peer.solver)?.duration_s;
         eprintln!("stamps, jerk/{}: {theirs_s:.6} s in motion", peer.name);

@@ -11,7 +11,7 @@ use iiwasim_benches::{
     Result,
     long_program::{Kind, text},
     reference,
-    topp_ra::Samples,
+    topp_ra::AccelerationSamples,
 };
 
 fn sweep(criterion: &mut Criterion) {
@@ -32,7 +32,7 @@ fn run(criterion: &mut Criterion) -> Result<()> {
     let program = Program::from_json(&ten)?;
     let path = JointPath::new(&program, &robot)?;
     let long_path = JointPath::new(&Program::from_json(&text(Kind::Stops, 1000))?, &robot)?;
-    let samples = Samples::new(&path, SweepOptions::default().samples)?;
+    let samples = AccelerationSamples::new(&path, SweepOptions::default().samples)?;
     let problem = samples.problem()?;
 
     let mut group = criterion.benchmark_group("stamps");
@@ -57,7 +57,8 @@ fn run(criterion: &mut Criterion) -> Result<()> {
     });
     group.bench_function("copp topp2_ra, from the path", |bencher| {
         bencher.iter(|| {
-            let samples = Samples::new(black_box(&path), SweepOptions::default().samples)?;
+            let samples =
+                AccelerationSamples::new(black_box(&path), SweepOptions::default().samples)?;
             Ok::<_, Box<dyn std::error::Error>>(samples.problem()?.solve()?)
         });
     });

@@ -7,12 +7,11 @@ use copp::{
     robot::Robot,
     solver::{topp2_ra as ra, topp3_lp as lp, topp3_socp as socp},
 };
+use iiwa_kin::Joints;
 use iiwa_path::{JointPath, MotionLimits, Segment, Step};
 use nalgebra::DMatrix;
 
 use crate::Result;
-
-type Row = [f64; 7];
 
 /// The distance of the nodes next to a join from it, as a share of an interval.
 ///
@@ -90,17 +89,17 @@ pub struct Solution {
 /// A path from its start to its first stop, sampled: derivatives by the distance along it, and
 /// limits.
 #[derive(Debug, Default)]
-pub struct Samples {
+pub struct JerkSamples {
     distance: Vec<f64>,
-    first: Vec<Row>,
-    second: Vec<Row>,
-    third: Vec<Row>,
-    velocity: Vec<Row>,
-    acceleration: Vec<Row>,
-    jerk: Vec<Row>,
+    first: Vec<Joints>,
+    second: Vec<Joints>,
+    third: Vec<Joints>,
+    velocity: Vec<Joints>,
+    acceleration: Vec<Joints>,
+    jerk: Vec<Joints>,
 }
 
-impl Samples {
+impl JerkSamples {
     /// Samples `path` at `intervals` even intervals a segment, but for narrow ones at the joins and
     /// one of its own at each stop.
     ///
@@ -194,8 +193,9 @@ impl Samples {
     /// The solver's problem, in its units.
     fn robot(&self) -> std::result::Result<Robot<usize>, CoppError> {
         let n = self.nodes();
-        let matrix =
-            |rows: &[Row], unit: f64| DMatrix::from_column_slice(7, n, rows.as_flattened()) / unit;
+        let matrix = |rows: &[Joints], unit: f64| {
+            DMatrix::from_column_slice(7, n, rows.as_flattened()) / unit
+        };
         let first = matrix(&self.first, 1.0);
         let second = matrix(&self.second, 1.0 / UNIT_RAD);
         let third = matrix(&self.third, 1.0 / UNIT_RAD.powi(2));
@@ -265,7 +265,7 @@ impl Piece<'_> {
     }
 
     /// First three derivatives by the distance.
-    fn derivatives(&self, s: f64) -> [Row; 3] {
+    fn derivatives(&self, s: f64) -> [Joints; 3] {
         let tangent = self.segment.tangent_lengths_rad()[0];
         let [_, bend1, bend2, bend3] = self.bend(s);
         let (p, r, w) = (1.0 + bend1, bend2, bend3);
@@ -290,7 +290,7 @@ impl Piece<'_> {
     /// shorter one, since the jerk falls short within the next few intervals.
     fn ramp(&self, s: f64) -> f64 {
         let [first, ..] = self.derivatives(s);
-        let along = |limits: &Row| {
+        let along = |limits: &Joints| {
             limits.iter().zip(&first).map(|(l, v)| l / v.abs()).fold(f64::INFINITY, f64::min)
         };
         let acceleration = along(&self.limits.acceleration_rad_s2);
@@ -316,7 +316,7 @@ mod tests {
         let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
         let expected = reference::ten_motions_jerk_s().unwrap();
         for (intervals, most) in [(20, 0.035), (50, 0.015)] {
-            let samples = Samples::new(&path, intervals).unwrap();
+            let samples = JerkSamples::new(&path, intervals).unwrap();
             let conic = samples.solve(Solver::Conic).unwrap();
             let linear = samples.solve(Solver::Linear).unwrap();
             println!(

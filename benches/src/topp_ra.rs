@@ -2,26 +2,25 @@
 //! `copp`, a TOPP-RA (Pham and Pham 2018) with the limits kept at both ends of each interval.
 
 use copp::{diag::CoppError, robot::Robot, solver::topp2_ra as ra};
+use iiwa_kin::Joints;
 use iiwa_path::{JointPath, Step};
 use nalgebra::DMatrix;
 
 use crate::Result;
 
-type Row = [f64; 7];
-
 /// A path from its start to its first stop, sampled: derivatives by the distance in joint space,
 /// and limits.
 #[derive(Debug, Default)]
-pub struct Samples {
+pub struct AccelerationSamples {
     /// Distance from the start, as long as the tangents of the pieces, in rad.
     distance: Vec<f64>,
-    first: Vec<Row>,
-    second: Vec<Row>,
-    velocity: Vec<Row>,
-    acceleration: Vec<Row>,
+    first: Vec<Joints>,
+    second: Vec<Joints>,
+    velocity: Vec<Joints>,
+    acceleration: Vec<Joints>,
 }
 
-impl Samples {
+impl AccelerationSamples {
     /// Samples `path` at `intervals` even intervals a segment.
     ///
     /// # Errors
@@ -75,7 +74,7 @@ impl Samples {
     /// If the solver does not take them.
     pub fn problem(&self) -> std::result::Result<Problem, CoppError> {
         let n = self.nodes();
-        let matrix = |rows: &[Row]| DMatrix::from_column_slice(7, n, rows.as_flattened());
+        let matrix = |rows: &[Joints]| DMatrix::from_column_slice(7, n, rows.as_flattened());
         let (first, second) = (matrix(&self.first), matrix(&self.second));
         let (velocity, acceleration) = (matrix(&self.velocity), matrix(&self.acceleration));
         // Positions matter to limits of torque alone.
@@ -90,7 +89,7 @@ impl Samples {
     }
 }
 
-fn least(values: &mut Row, others: &Row) {
+fn least(values: &mut Joints, others: &Joints) {
     for (value, other) in values.iter_mut().zip(others) {
         *value = value.min(*other);
     }

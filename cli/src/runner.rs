@@ -199,7 +199,7 @@ pub(crate) fn go_to_start(
 
 /// The samples from the start of a run on, each with its time since then.
 pub(crate) fn since_start(measured: &Measured) -> Vec<(Duration, &Joints)> {
-    let Samples { t_s, joints_rad } = &measured.samples;
+    let Samples { t_s, joints_rad, .. } = &measured.samples;
     let from_s = measured.start_s.or(t_s.first().copied()).unwrap_or_default();
     // Stamps are sums: the first sample may come out next to nothing before the start.
     let since = |t_s: f64| (t_s - from_s > -1e-6).then(|| (t_s - from_s).max(0.0));

@@ -25,7 +25,6 @@ mod tasks;
 mod usage;
 mod websocket;
 mod witness;
-mod zmtp;
 
 use std::{path::PathBuf, process::ExitCode, time::Duration};
 

@@ -1,5 +1,5 @@
 //! What the end-to-end tests share: the reference programs, random programs, an eye for limits, free
-//! ports, and the attacks from outside.
+//! ports, bare peers of ZMTP, and the attacks from outside.
 
 #[cfg(unix)]
 pub mod attack;
@@ -8,6 +8,7 @@ pub mod differences;
 pub mod ports;
 pub mod random;
 pub mod reference;
+pub mod zmtp;
 
 use std::path::PathBuf;
 

@@ -15,7 +15,7 @@ use iiwa_path::{BlendSearch, JointPath, Program};
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 use iiwasim_benches::{
     Result, machine, reference,
-    topp_ra::Samples,
+    topp_ra::AccelerationSamples,
     topp3::{self, PEERS},
 };
 use serde_json::Value;
@@ -188,7 +188,7 @@ impl Durations {
         let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
         let timing = Timing::Jerk(JerkOptions::default());
         let solve = |peer: &topp3::Peer| -> Result<_> {
-            let samples = topp3::Samples::new(&path, peer.intervals)?;
+            let samples = topp3::JerkSamples::new(&path, peer.intervals)?;
             Ok((peer.name, samples.solve(peer.solver)?.duration_s))
         };
         Ok(Self {
@@ -323,7 +323,7 @@ fn print_accuracy() -> Result<()> {
         Ok(Trajectory::plan(&path, timing)?.motion_time_s())
     };
     let theirs = |intervals: usize| -> Result<f64> {
-        Ok(Samples::new(&path, intervals)?.problem()?.solve()?)
+        Ok(AccelerationSamples::new(&path, intervals)?.problem()?.solve()?)
     };
     let exact = ours(FINE)?;
     println!("\n### accuracy\n");

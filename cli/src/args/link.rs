@@ -57,11 +57,11 @@ pub(crate) struct Drive {
     pub(crate) cabinet: String,
 
     /// Port at which the robot program takes instructions
-    #[arg(long, value_name = "PORT", default_value_t = iiwa_drive::CABINET_INSTRUCTIONS_PORT)]
+    #[arg(long, value_name = "PORT", default_value_t = iiwa_link::CABINET_INSTRUCTIONS_PORT)]
     pub(crate) cabinet_instructions: u16,
 
     /// Port at which the robot program tells its state
-    #[arg(long, value_name = "PORT", default_value_t = iiwa_drive::CABINET_STATE_PORT)]
+    #[arg(long, value_name = "PORT", default_value_t = iiwa_link::CABINET_STATE_PORT)]
     pub(crate) cabinet_state: u16,
 
     /// Built-in model or robot profile; trajectories are held against its limits

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use iiwa_drive::{Cabinet, CabinetConfig, Faults};
+use iiwa_cabinet::{Cabinet, CabinetConfig, Faults};
 
 use crate::{
     args, connection,
@@ -19,22 +19,20 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     let robot = find_robot(&options.robot, std::path::Path::new("."))?;
     let server = connection::server(&options.keys)?;
     let faults = &options.faults;
-    let config = CabinetConfig {
-        robot,
-        start_rad: options.start_deg.unwrap_or_default().map(f64::to_radians),
-        period_ms: options.period,
-        receive_multiplier: options.receive_multiplier,
-        speed: options.speed,
-        noise_rad: options.noise,
-        fri_client: options.fri,
-        instructions: options.instructions.to_string(),
-        state: options.state.to_string(),
-        faults: Faults {
-            packet_loss: faults.packet_loss / 100.0,
-            delay_cycles: faults.delay,
-            emergency_stop_at: faults.emergency_stop.map(|percent| percent / 100.0),
-        },
-    };
+    let mut config = CabinetConfig::default();
+    config.robot = robot;
+    config.start_rad = options.start_deg.unwrap_or_default().map(f64::to_radians);
+    config.period_ms = options.period;
+    config.receive_multiplier = options.receive_multiplier;
+    config.speed = options.speed;
+    config.noise_rad = options.noise;
+    config.fri_client = options.fri;
+    config.instructions = options.instructions.to_string();
+    config.state = options.state.to_string();
+    config.faults = Faults::default()
+        .with_packet_loss(faults.packet_loss / 100.0)
+        .with_delay_cycles(faults.delay);
+    config.faults.emergency_stop_at = faults.emergency_stop.map(|percent| percent / 100.0);
     output::catch_interrupts();
     log::start();
     let cabinet = Cabinet::start(config, &server).map_err(|error| connection::refused(&error))?;

@@ -23,15 +23,14 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
         _ => Remote::open(),
     };
     let host = &options.cabinet;
-    let config = DriveConfig {
-        robot,
-        instructions: options.instructions.to_string(),
-        stream: options.stream.to_string(),
-        fri: options.fri,
-        fri_controller: address(host, options.fri.is_ipv4())?,
-        cabinet_instructions: at(host, options.cabinet_instructions),
-        cabinet_state: at(host, options.cabinet_state),
-    };
+    let mut config = DriveConfig::default();
+    config.robot = robot;
+    config.instructions = options.instructions.to_string();
+    config.stream = options.stream.to_string();
+    config.fri = options.fri;
+    config.fri_controller = address(host, options.fri.is_ipv4())?;
+    config.cabinet_instructions = at(host, options.cabinet_instructions);
+    config.cabinet_state = at(host, options.cabinet_state);
     output::catch_interrupts();
     log::start();
     let drive =

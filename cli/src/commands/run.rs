@@ -58,7 +58,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
             // A motion needs no drive to go on.
             let failure =
                 connection::failed("the run broke off, the robot may still be moving", &error);
-            (Measured { samples: watched.seen, ..Measured::default() }, Some(failure))
+            (Measured::new(watched.seen), Some(failure))
         }
     };
     let samples = since_start(&measured);

@@ -117,7 +117,7 @@ impl ProgramRun {
             // What the stream has brought is all there is.
             Err(error) => {
                 let why = format!("{error}; the robot may still be moving");
-                (Measured { samples: seen, ..Measured::default() }, Some(why))
+                (Measured::new(seen), Some(why))
             }
         };
         finished(&plan, &measured, error, setup)

@@ -36,10 +36,8 @@ use std::{
     net::{SocketAddr, UdpSocket},
     sync::{
         Arc, Barrier,
-        atomic::{AtomicBool, Ordering},
         mpsc::{self, Sender},
     },
-    thread::{self, JoinHandle},
 };
 
 pub use answer_latency::AnswerLatency;
@@ -48,19 +46,18 @@ pub use config::DriveConfig;
 use iiwa_link::{
     LinkError,
     message::{MAX_MESSAGE_BYTES, from_json},
+    robot_program::RECEIVED,
     socket::{Dial, Remote, SHORT_MESSAGE_BYTES, Server, random_id},
+    threads::ThreadGroup,
     transport::{Dialer, Frames, Listener, ListenerConfig, SocketKind},
 };
 
-use crate::{
-    drive::{
-        answer_latency::LatencyRecorder,
-        dispatcher::Dispatcher,
-        dispatcher_thread::{DispatcherInput, DispatcherThread, ReplyRoute},
-        fri::FriThread,
-        publish::BACKLOG,
-    },
-    robot_program::RECEIVED,
+use crate::drive::{
+    answer_latency::LatencyRecorder,
+    dispatcher::Dispatcher,
+    dispatcher_thread::{DispatcherInput, DispatcherThread, ReplyRoute},
+    fri::FriThread,
+    publish::BACKLOG,
 };
 
 /// A running drive.
@@ -73,12 +70,10 @@ use crate::{
 /// use iiwa_link::{Client, Remote, Server, message::DriveState};
 ///
 /// // On free ports, without a cabinet.
-/// let config = DriveConfig {
-///     instructions: "tcp://127.0.0.1:*".to_owned(),
-///     stream: "tcp://127.0.0.1:*".to_owned(),
-///     fri: "127.0.0.1:0".parse()?,
-///     ..DriveConfig::default()
-/// };
+/// let mut config = DriveConfig::default();
+/// config.instructions = "tcp://127.0.0.1:*".into();
+/// config.stream = "tcp://127.0.0.1:*".into();
+/// config.fri = "127.0.0.1:0".parse()?;
 /// let drive = Drive::start(config, &Server::open(), &Remote::open())?;
 /// let mut client = Client::new(&Remote::open(), drive.instructions())?;
 /// assert_eq!(client.state()?.state, DriveState::Idle);
@@ -86,12 +81,11 @@ use crate::{
 /// ```
 #[derive(Debug)]
 pub struct Drive {
-    shutdown: Arc<AtomicBool>,
     instructions: String,
     stream: String,
     fri: SocketAddr,
     latency: Arc<LatencyRecorder>,
-    threads: Vec<JoinHandle<()>>,
+    _threads: ThreadGroup,
 }
 
 /// Largest backlog of messages per subscriber: two seconds at 1 ms, about 1 MB. A subscriber misses messages
@@ -114,13 +108,9 @@ impl Drive {
         }
         let (inputs, inputs_in) = mpsc::channel();
         let requests = listen(clients, &config.instructions, inputs.clone())?;
-        let socket = ListenerConfig {
-            name: "drive stream",
-            kind: SocketKind::Pub,
-            // Subscribers send topics only.
-            max_bytes: SHORT_MESSAGE_BYTES,
-            backlog: STREAM_BACKLOG,
-        };
+        // Subscribers send topics only.
+        let socket = ListenerConfig::new("drive stream", SocketKind::Pub, SHORT_MESSAGE_BYTES)
+            .with_backlog(STREAM_BACKLOG);
         let stream = clients.listen(&config.stream, socket, drop)?;
         let state = receive_states(cabinet, &config.cabinet_state, inputs.clone())?;
         let program = instruct(cabinet, &config.cabinet_instructions, inputs.clone())?;
@@ -131,14 +121,11 @@ impl Drive {
         let (commands, commands_in) = mpsc::channel();
         let (events_out, events) = mpsc::channel();
         let (published, to_publish) = mpsc::sync_channel(BACKLOG);
-        let mut drive = Self {
-            shutdown: Arc::new(AtomicBool::new(false)),
-            instructions: requests.at().to_owned(),
-            stream: stream.at().to_owned(),
-            fri: udp.local_addr().map_err(udp_error)?,
-            latency: Arc::default(),
-            threads: Vec::new(),
-        };
+        let instructions = requests.at().to_owned();
+        let stream_at = stream.at().to_owned();
+        let fri_at = udp.local_addr().map_err(udp_error)?;
+        let latency: Arc<LatencyRecorder> = Arc::default();
+        let mut threads = ThreadGroup::default();
         let ready = Arc::new(Barrier::new(2));
         let fri = FriThread {
             udp,
@@ -147,16 +134,16 @@ impl Drive {
             stream: published,
             commands: commands_in,
             events: events_out,
-            latency: Arc::clone(&drive.latency),
+            latency: Arc::clone(&latency),
             ready: Arc::clone(&ready),
         };
-        drive.spawn("drive FRI", move |shutdown| fri.run(shutdown))?;
+        threads.spawn("drive FRI", move |shutdown| fri.run(shutdown))?;
         ready.wait();
         // It ends with the FRI thread.
-        drive.spawn("drive publish", move |_| publish::publish(&to_publish, &stream))?;
+        threads.spawn("drive publish", move |_| publish::publish(&to_publish, &stream))?;
         let (jobs, jobs_in) = mpsc::channel();
         let robot = config.robot;
-        drive.spawn("drive checks", move |_| {
+        threads.spawn("drive checks", move |_| {
             checks::check(&robot, &jobs_in, |done| {
                 drop(inputs.send(DispatcherInput::Checked(done)));
             });
@@ -164,7 +151,7 @@ impl Drive {
         let requests = Arc::new(requests);
         let (replies, replies_in) = mpsc::channel();
         let socket = Arc::clone(&requests);
-        drive.spawn("drive replies", move |_| {
+        threads.spawn("drive replies", move |_| {
             run_replies::write_replies(&replies_in, |route: ReplyRoute, body, permit| {
                 socket.send(route.peer, route.with(body), Some(Box::new(permit)));
             });
@@ -180,19 +167,8 @@ impl Drive {
             jobs,
             replies,
         };
-        drive.spawn("drive dispatcher", move |shutdown| dispatcher.run(shutdown))?;
-        Ok(drive)
-    }
-
-    fn spawn(
-        &mut self,
-        name: &str,
-        work: impl FnOnce(&AtomicBool) + Send + 'static,
-    ) -> Result<(), LinkError> {
-        let shutdown = Arc::clone(&self.shutdown);
-        let thread = thread::Builder::new().name(name.to_owned()).spawn(move || work(&shutdown));
-        self.threads.push(thread.map_err(|source| LinkError::Thread { source })?);
-        Ok(())
+        threads.spawn("drive dispatcher", move |shutdown| dispatcher.run(shutdown))?;
+        Ok(Self { instructions, stream: stream_at, fri: fri_at, latency, _threads: threads })
     }
 
     /// The bound address for requests, such as `tcp://127.0.0.1:5560`.
@@ -220,27 +196,13 @@ impl Drive {
     }
 }
 
-impl Drop for Drive {
-    fn drop(&mut self) {
-        self.shutdown.store(true, Ordering::Relaxed);
-        for thread in self.threads.drain(..) {
-            let _ = thread.join();
-        }
-    }
-}
-
 /// The socket for requests of clients.
 fn listen(
     clients: &Server,
     at: &str,
     inputs: Sender<DispatcherInput>,
 ) -> Result<Listener, LinkError> {
-    let socket = ListenerConfig {
-        name: "drive requests",
-        kind: SocketKind::Router,
-        max_bytes: MAX_MESSAGE_BYTES,
-        backlog: 0,
-    };
+    let socket = ListenerConfig::new("drive requests", SocketKind::Router, MAX_MESSAGE_BYTES);
     clients.listen(at, socket, move |event| {
         // The receiver outlives the socket.
         let _ = inputs.send(DispatcherInput::of(event));

@@ -1,7 +1,7 @@
 //! iiwaDrive: connects the KUKA LBR iiwa, or a simulated one, with any number of clients.
 //!
 //! A [`Drive`] serves clients over the network; see the crate `iiwa-link` for these. The robot is a Sunrise
-//! cabinet with its FRI connection and a robot program, or a simulated [`Cabinet`].
+//! cabinet with its FRI connection and a robot program, or the simulated one of the crate `iiwa-cabinet`.
 //!
 //! ```text
 //! clients                    drive                        cabinet
@@ -22,32 +22,25 @@
 //! A drive with a simulated cabinet, on free ports:
 //!
 //! ```
-//! use iiwa_drive::{Cabinet, CabinetConfig, Drive, DriveConfig};
+//! use iiwa_cabinet::{Cabinet, CabinetConfig};
+//! use iiwa_drive::{Drive, DriveConfig};
 //! use iiwa_link::{Remote, Server};
 //!
 //! let any = || "tcp://127.0.0.1:*".to_owned();
 //! # let udp = std::net::UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-//! let cabinet = Cabinet::start(
-//!     CabinetConfig {
-//!         fri_client: udp, // a free UDP address
-//!         instructions: any(),
-//!         state: any(),
-//!         ..CabinetConfig::default()
-//!     },
-//!     &Server::open(),
-//! )?;
-//! let drive = Drive::start(
-//!     DriveConfig {
-//!         instructions: any(),
-//!         stream: any(),
-//!         fri: udp,
-//!         cabinet_instructions: cabinet.instructions().to_owned(),
-//!         cabinet_state: cabinet.state().to_owned(),
-//!         ..DriveConfig::default()
-//!     },
-//!     &Server::open(),
-//!     &Remote::open(),
-//! )?;
+//! let mut config = CabinetConfig::default();
+//! config.fri_client = udp; // a free UDP address
+//! config.instructions = any();
+//! config.state = any();
+//! let cabinet = Cabinet::start(config, &Server::open())?;
+//!
+//! let mut config = DriveConfig::default();
+//! config.instructions = any();
+//! config.stream = any();
+//! config.fri = udp;
+//! config.cabinet_instructions = cabinet.instructions().to_owned();
+//! config.cabinet_state = cabinet.state().to_owned();
+//! let drive = Drive::start(config, &Server::open(), &Remote::open())?;
 //! assert_eq!(drive.fri(), udp);
 //! # Ok::<(), iiwa_link::LinkError>(())
 //! ```
@@ -55,14 +48,6 @@
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapter 3, cited as "Larsen 2019".
 
-mod braking;
-mod cabinet;
 mod drive;
-mod playback;
-mod ports;
-mod priority;
-mod robot_program;
 
-pub use cabinet::{Cabinet, CabinetConfig, Faults, LateAnswer, Latency, Report};
 pub use drive::{AnswerLatency, Drive, DriveConfig};
-pub use ports::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};

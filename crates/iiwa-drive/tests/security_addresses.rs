@@ -99,11 +99,12 @@ fn invalid_addresses_are_refused() {
 
 #[test]
 fn sockets_enforce_the_rule() {
-    let config = |instructions: &str| DriveConfig {
-        instructions: instructions.to_owned(),
-        stream: "tcp://127.0.0.1:*".to_owned(),
-        fri: "127.0.0.1:0".parse().unwrap(),
-        ..DriveConfig::default()
+    let config = |instructions: &str| {
+        let mut config = DriveConfig::default();
+        config.instructions = instructions.to_owned();
+        config.stream = "tcp://127.0.0.1:*".into();
+        config.fri = "127.0.0.1:0".parse().unwrap();
+        config
     };
     let start = |at: &str| Drive::start(config(at), &Server::open(), &Remote::open());
     let error = start("0.0.0.0:*").unwrap_err();

@@ -26,24 +26,22 @@ impl Keys {
 
     fn server(&self) -> Server {
         let allowed = AllowList::from_iter([("alice".to_owned(), self.alice.public())]);
-        Server::with_keys(ServerSecurity { pair: self.server.clone(), allowed })
+        Server::with_keys(ServerSecurity::new(self.server.clone(), allowed))
     }
 }
 
 fn remote(pair: &KeyPair, server: PublicKey) -> Remote {
-    Remote::with_keys(ClientSecurity { pair: pair.clone(), server })
+    Remote::with_keys(ClientSecurity::new(pair.clone(), server))
 }
 
 /// A drive without a robot.
 fn drive(server: &Server) -> Drive {
-    let config = DriveConfig {
-        instructions: "tcp://127.0.0.1:*".to_owned(),
-        stream: "tcp://127.0.0.1:*".to_owned(),
-        fri: "127.0.0.1:0".parse().unwrap(),
-        cabinet_instructions: "tcp://127.0.0.1:9".to_owned(),
-        cabinet_state: "tcp://127.0.0.1:9".to_owned(),
-        ..DriveConfig::default()
-    };
+    let mut config = DriveConfig::default();
+    config.instructions = "tcp://127.0.0.1:*".into();
+    config.stream = "tcp://127.0.0.1:*".into();
+    config.fri = "127.0.0.1:0".parse().unwrap();
+    config.cabinet_instructions = "tcp://127.0.0.1:9".into();
+    config.cabinet_state = "tcp://127.0.0.1:9".into();
     Drive::start(config, server, &Remote::open()).unwrap()
 }
 
@@ -104,7 +102,7 @@ fn an_unlisted_key_is_refused() {
         assert_eq!(refused(&drive, &remote(pair, keys.server.public())), [NOT_ALLOWED; 2]);
     }
     let allowed = AllowList::default();
-    let empty_list = Server::with_keys(ServerSecurity { pair: keys.server.clone(), allowed });
+    let empty_list = Server::with_keys(ServerSecurity::new(keys.server.clone(), allowed));
     let alice = remote(&keys.alice, keys.server.public());
     assert_eq!(refused(&self::drive(&empty_list), &alice), [NOT_ALLOWED; 2]);
 }

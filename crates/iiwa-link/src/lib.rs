@@ -38,9 +38,11 @@
 mod client;
 mod error;
 pub mod message;
+pub mod robot_program;
 pub mod security;
 pub mod socket;
 mod stream;
+pub mod threads;
 mod timed_joints;
 pub mod transport;
 
@@ -54,3 +56,9 @@ pub use timed_joints::{MARGINS, MAX_POINTS, MAX_STEP_S, START_TOLERANCE_RAD, Tim
 pub const INSTRUCTIONS_PORT: u16 = 5560;
 /// Default TCP port of a drive for its stream.
 pub const STREAM_PORT: u16 = 5561;
+/// Default UDP port of a drive for FRI: the first one that KUKA reserves for it.
+pub const FRI_PORT: u16 = 30200;
+/// Default TCP port of a robot program for instructions.
+pub const CABINET_INSTRUCTIONS_PORT: u16 = 30001;
+/// Default TCP port of a robot program for state changes.
+pub const CABINET_STATE_PORT: u16 = 30002;

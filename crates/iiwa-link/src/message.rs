@@ -9,7 +9,7 @@ pub(crate) mod text;
 pub use io::IoValue;
 pub use refusal::{Code, Refusal};
 pub use reply::{Body, DriveState, FriStatus, Presence, Reply, Run, Samples, Sensors, Status};
-pub use request::{Id, Request};
+pub use request::{Id, Request, RequestHead};
 pub use text::{Figures, bad_json, from_json, shortened, to_json};
 
 /// Longest request, in bytes: a trajectory of 200 000 points at full precision. A peer that sends a

@@ -19,10 +19,8 @@ use crate::{
 /// };
 ///
 /// let alice = KeyPair::generate()?;
-/// let server = Server::with_keys(ServerSecurity {
-///     pair: KeyPair::generate()?,
-///     allowed: AllowList::from_iter([("alice".to_owned(), alice.public())]),
-/// });
+/// let allowed = AllowList::from_iter([("alice".to_owned(), alice.public())]);
+/// let server = Server::with_keys(ServerSecurity::new(KeyPair::generate()?, allowed));
 /// assert!(server.has_keys() && !Server::open().has_keys());
 /// # Ok::<(), iiwa_link::security::SecurityError>(())
 /// ```
@@ -92,7 +90,7 @@ pub enum Dial {
 /// // Other machines are connected to with keys only.
 /// assert!(Client::new(&Remote::open(), "tcp://192.0.2.1:5560").is_err());
 /// let server = KeyPair::generate()?.public();
-/// let remote = Remote::with_keys(ClientSecurity { pair: KeyPair::generate()?, server });
+/// let remote = Remote::with_keys(ClientSecurity::new(KeyPair::generate()?, server));
 /// assert!(Client::new(&remote, "tcp://192.0.2.1:5560").is_ok());
 /// # Ok::<(), iiwa_link::security::SecurityError>(())
 /// ```

@@ -3,6 +3,7 @@
 mod check;
 mod columns;
 mod error;
+mod format;
 mod loss;
 mod recording;
 mod samples;
@@ -10,7 +11,7 @@ mod shown;
 mod table;
 
 use std::fmt;
-use std::io::{Cursor, Read, Write};
+use std::io::Write;
 
 use iiwa_kin::Robot;
 
@@ -18,11 +19,7 @@ pub use error::JointLogError;
 pub use loss::{Loss, Place};
 
 use crate::RecordedRobotError;
-use crate::reader::read as read_once;
 use crate::recorded_robot::recorded_robot;
-
-/// How much of a file is looked at to tell what it is, bytes. A header line that is longer is none.
-const HEAD_BYTES: usize = 64 * 1024;
 
 /// Joint positions over time: what is left of a recording when all else is taken away.
 ///
@@ -121,33 +118,6 @@ impl JointLog {
         Self { t_s, q_rad, ..Self::default() }
     }
 
-    /// Reads a recording in any of the [formats](Self#formats), in one pass. Buffering the stream
-    /// is not needed.
-    ///
-    /// A recording that is read has at least one sample.
-    ///
-    /// # Errors
-    ///
-    /// Any [`JointLogError`], apart from those of the checks against a robot.
-    pub fn read<R: Read>(mut stream: R) -> Result<Self, JointLogError> {
-        let mut head = vec![0; HEAD_BYTES];
-        let mut len = 0;
-        while len < head.len() {
-            match read_once(&mut stream, &mut head[len..])? {
-                0 => break,
-                read => len += read,
-            }
-        }
-        head.truncate(len);
-        if head.is_empty() {
-            return Err(JointLogError::Empty);
-        }
-        if recording::is_mcap(&head) {
-            return recording::read(Cursor::new(head).chain(stream));
-        }
-        table::read(&head, stream)
-    }
-
     /// Writes a table that [`read`](Self::read) reads back to the same times and positions: the
     /// columns `t_s` and `joint_1_rad` to `joint_7_rad`, with commas between them.
     ///
@@ -193,6 +163,12 @@ impl JointLog {
     /// The usual time from one sample to the next, s: the median. `None` for fewer than two samples.
     #[must_use]
     pub fn period_s(&self) -> Option<f64> {
-        samples::median_step(&self.t_s)
+        let mut steps: Vec<f64> = self.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        if steps.is_empty() {
+            return None;
+        }
+        let middle = steps.len() / 2;
+        let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+        Some(*median)
     }
 }

@@ -16,8 +16,8 @@ use crate::ros::{
     JointState, JointTrajectory, Joints, MotionMessage, Names, PoseStamped, Text, Time,
 };
 use crate::{
-    Attachment, JOINT_NAMES, JointSample, Motion, MotionSample, PoseSample, Topic, TrajectoryPoint,
-    cdr,
+    Attachment, Entry, JOINT_NAMES, JointSample, Motion, MotionSample, PoseSample, Topic,
+    TrajectoryPoint, cdr,
 };
 
 /// No record or chunk may be longer: 512 MiB, a trajectory of 2.6 million points. It keeps a
@@ -26,41 +26,6 @@ const RECORD_LIMIT_BYTES: usize = 512 * 1024 * 1024;
 
 /// The least and the most to ask of the stream at once, bytes.
 const READ_BYTES: std::ops::RangeInclusive<usize> = 64 * 1024..=1024 * 1024;
-
-/// One entry of a recording. Times are in s since the [epoch](Reader::epoch).
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Entry {
-    /// A message of `/joint_states`.
-    JointState(JointSample),
-    /// A message of `/tcp_pose`.
-    TcpPose(PoseSample),
-    /// A message of `/motion`.
-    Motion(MotionSample),
-    /// A message of `/joint_trajectory`.
-    Trajectory {
-        /// The start of the trajectory, s.
-        t_s: f64,
-        /// Its nodes.
-        points: Vec<TrajectoryPoint>,
-    },
-    /// A message of `/robot_description`.
-    RobotDescription {
-        /// When it was published, s.
-        t_s: f64,
-        /// The robot.
-        urdf: String,
-    },
-    /// An attachment.
-    Attachment(Attachment),
-    /// A metadata record.
-    Metadata {
-        /// Name of the record.
-        name: String,
-        /// Its keys and values.
-        entries: BTreeMap<String, String>,
-    },
-}
 
 /// Reads a recording from a stream in one pass, holding a chunk at a time.
 ///

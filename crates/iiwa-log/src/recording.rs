@@ -1,70 +1,13 @@
 //! A recording in memory.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Read;
-use std::sync::Arc;
 use std::time::Duration;
 
 use crate::error::ReadError;
-use crate::{Entry, Reader, Topic, TrajectoryPoint};
-
-/// The state of the seven joints at one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JointSample {
-    /// Time since the epoch, s.
-    pub t_s: f64,
-    /// Joint positions, rad.
-    pub q: [f64; 7],
-    /// Joint velocities, rad/s.
-    pub dq: [f64; 7],
-}
-
-/// The pose of the flange at one time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PoseSample {
-    /// Time since the epoch, s.
-    pub t_s: f64,
-    /// The frame that the pose is given in.
-    pub frame_id: Arc<str>,
-    /// The flange's origin, m.
-    pub position_m: [f64; 3],
-    /// The flange's rotation, unit quaternion x, y, z, w.
-    pub rotation_xyzw: [f64; 4],
-}
-
-/// A piece of the path, for the time at which it begins.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Motion<'a> {
-    /// The place in the program, from 1.
-    pub index: u32,
-    /// What it is: `line`, `blend`, `settle` or `wait`.
-    pub kind: Cow<'a, str>,
-    /// The joint whose limit bites first, 1 to 7.
-    pub limiting_joint: Option<u8>,
-    /// Which of its limits: `velocity`, `acceleration` or `jerk`; empty without a joint.
-    pub limiting_kind: Cow<'a, str>,
-}
-
-/// The start of a piece of the path.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MotionSample {
-    /// Time since the epoch, s.
-    pub t_s: f64,
-    /// The piece that begins.
-    pub motion: Motion<'static>,
-}
-
-/// A file inside the file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Attachment {
-    /// File name.
-    pub name: String,
-    /// Media type, such as `application/json`.
-    pub media_type: String,
-    /// Content.
-    pub bytes: Vec<u8>,
-}
+use crate::{
+    Attachment, Entry, JointSample, MotionSample, PoseSample, Reader, Topic, TrajectoryPoint,
+};
 
 /// A whole recording in memory.
 ///

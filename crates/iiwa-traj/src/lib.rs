@@ -30,6 +30,7 @@
 #![expect(clippy::needless_range_loop, reason = "rows of eight numbers are indexed together")]
 
 mod batch;
+pub mod braking;
 mod figures;
 mod interval;
 mod jerk;
@@ -40,6 +41,7 @@ mod line_limits;
 mod node;
 mod phases;
 mod planner;
+pub mod playback;
 mod section;
 mod state;
 mod sweep;

@@ -6,7 +6,8 @@ use std::io::{Write, stdout};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::time::{Duration, Instant};
 
-use iiwa::drive::{Cabinet, CabinetConfig, Drive, DriveConfig};
+use iiwa::cabinet::{Cabinet, CabinetConfig};
+use iiwa::drive::{Drive, DriveConfig};
 use iiwa::link::message::{DriveState, Presence};
 use iiwa::link::{Client, Remote, Server};
 use iiwa::prelude::*;
@@ -23,17 +24,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let fri = free()?;
 
     // The drive first: it has to listen when the cabinet begins to speak.
-    let drive_config = DriveConfig {
-        instructions: requests.clone(),
-        stream,
-        fri,
-        cabinet_instructions: instructions.clone(),
-        cabinet_state: state.clone(),
-        ..DriveConfig::default()
-    };
+    let mut drive_config = DriveConfig::default();
+    drive_config.instructions.clone_from(&requests);
+    drive_config.stream = stream;
+    drive_config.fri = fri;
+    drive_config.cabinet_instructions.clone_from(&instructions);
+    drive_config.cabinet_state.clone_from(&state);
     let _drive = Drive::start(drive_config, &Server::open(), &Remote::open())?;
-    let cabinet_config =
-        CabinetConfig { fri_client: fri, instructions, state, ..CabinetConfig::default() };
+    let mut cabinet_config = CabinetConfig::default();
+    cabinet_config.fri_client = fri;
+    cabinet_config.instructions = instructions;
+    cabinet_config.state = state;
     let _cabinet = Cabinet::start(cabinet_config, &Server::open())?;
 
     // FRI needs some hundred messages to rate the connection.

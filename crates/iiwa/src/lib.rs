@@ -28,12 +28,15 @@
 //! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
 //! | `fri` | `fri` | KUKA's Fast Robot Interface |
 //! | `link` | `link` | the client of a drive |
-//! | `drive` | `drive` | the drive, and a simulated cabinet |
+//! | `drive` | `drive` | the drive |
+//! | `cabinet` | `cabinet` | a simulated controller for it |
 //! | `view` | `view` | pages, pictures and reports as text |
 //! | `full` | all | |
 //!
 //! Units are SI and radians unless a name ends in another one.
 
+#[cfg(feature = "cabinet")]
+pub use iiwa_cabinet as cabinet;
 #[cfg(feature = "drive")]
 pub use iiwa_drive as drive;
 #[cfg(feature = "eval")]

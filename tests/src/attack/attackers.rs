@@ -11,10 +11,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{
-    rig::Addresses,
-    zmtp::{Peer, frame_head, message, subscription},
-};
+use super::rig::Addresses;
+use crate::zmtp::{HANDSHAKE_TIMEOUT, Peer, frame_head, message, subscription};
 
 /// The number of attackers and the amount of data.
 #[derive(Clone, Copy, Debug)]
@@ -98,7 +96,9 @@ impl Kind {
                     (at.cabinet_instructions, "DEALER"),
                     (at.cabinet_state, "REP"),
                 ] {
-                    attack.hold(size.handshakes, move || Ok(Peer::connect(to, kind)?.stream));
+                    attack.hold(size.handshakes, move || {
+                        Ok(Peer::connect(to, kind, HANDSHAKE_TIMEOUT)?.stream)
+                    });
                 }
             }
             Self::LongRequests => {
@@ -112,7 +112,7 @@ impl Kind {
             Self::StalledSubscribers => {
                 let to = at.stream;
                 attack.hold(STALLED_SUBSCRIBERS, move || {
-                    let mut peer = Peer::connect(to, "SUB")?;
+                    let mut peer = Peer::connect(to, "SUB", HANDSHAKE_TIMEOUT)?;
                     peer.stream.write_all(&subscription(b""))?;
                     Ok(peer.stream)
                 });
@@ -210,7 +210,7 @@ fn open(to: SocketAddr) -> io::Result<TcpStream> {
 /// Sends a long request repeatedly, and waits a while for each reply.
 fn long_requests(to: SocketAddr, body: &[u8], shutdown: &AtomicBool) {
     while !shutdown.load(Ordering::Relaxed) {
-        let Ok(mut peer) = Peer::connect(to, "REQ") else {
+        let Ok(mut peer) = Peer::connect(to, "REQ", HANDSHAKE_TIMEOUT) else {
             thread::sleep(Duration::from_millis(100));
             continue;
         };
@@ -266,7 +266,7 @@ fn trajectory(bytes: usize) -> Vec<u8> {
 fn topics(to: SocketAddr, bytes: usize, shutdown: &AtomicBool) {
     let mut random = fastrand::Rng::with_seed(1);
     while !shutdown.load(Ordering::Relaxed) {
-        if let Ok(mut peer) = Peer::connect(to, "SUB") {
+        if let Ok(mut peer) = Peer::connect(to, "SUB", HANDSHAKE_TIMEOUT) {
             let mut sent = 0;
             while sent < bytes {
                 let mut topic = [0; 900];
@@ -288,7 +288,7 @@ fn topics(to: SocketAddr, bytes: usize, shutdown: &AtomicBool) {
 fn unread_replies(to: SocketAddr, shutdown: &AtomicBool) {
     let requests = message(&[b"", br#"{"type": "last_run"}"#]).repeat(100);
     while !shutdown.load(Ordering::Relaxed) {
-        if let Ok(mut peer) = Peer::connect(to, "DEALER") {
+        if let Ok(mut peer) = Peer::connect(to, "DEALER", HANDSHAKE_TIMEOUT) {
             while push(&mut peer.stream, &requests, shutdown).is_ok() {
                 thread::sleep(Duration::from_millis(1));
             }

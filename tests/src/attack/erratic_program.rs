@@ -14,10 +14,8 @@ use std::{
 use fastrand::Rng;
 use serde_json::{Value, json};
 
-use super::{
-    rig::{Addresses, Fault},
-    zmtp::{Peer, message},
-};
+use super::rig::{Addresses, Fault};
+use crate::zmtp::{HANDSHAKE_TIMEOUT, Peer, message};
 
 /// How often the threads check for shutdown.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
@@ -87,7 +85,7 @@ fn serve(
 /// Acknowledges instructions with right, wrong and missing numbers.
 fn acknowledge(stream: TcpStream, shutdown: &AtomicBool) {
     let mut random = Rng::with_seed(3);
-    let Ok(mut peer) = Peer::shake_hands(stream, "REP") else { return };
+    let Ok(mut peer) = Peer::shake_hands(stream, "REP", HANDSHAKE_TIMEOUT) else { return };
     while !shutdown.load(Ordering::Relaxed) {
         let Ok(frames) = peer.receive(Duration::from_secs(1)) else { return };
         let body = frames.last().map(Vec::as_slice).unwrap_or_default();
@@ -107,7 +105,7 @@ fn acknowledge(stream: TcpStream, shutdown: &AtomicBool) {
 /// Sends random states without pause.
 fn send_states(stream: TcpStream, count: &AtomicU64, shutdown: &AtomicBool) {
     let mut random = Rng::with_seed(4);
-    let Ok(peer) = Peer::shake_hands(stream, "DEALER") else { return };
+    let Ok(peer) = Peer::shake_hands(stream, "DEALER", HANDSHAKE_TIMEOUT) else { return };
     let mut stream = peer.stream;
     let Ok(mut replies) = stream.try_clone() else { return };
     // Heartbeats are not answered either: the drive will reconnect.

@@ -4,7 +4,7 @@ use std::{io, net::SocketAddr, time::Duration};
 
 use serde_json::Value;
 
-use super::zmtp::Peer;
+use crate::zmtp::{HANDSHAKE_TIMEOUT, Peer};
 
 /// A pending request.
 pub(super) struct PendingRequest {
@@ -14,7 +14,7 @@ pub(super) struct PendingRequest {
 impl PendingRequest {
     /// Sends a request; the system has it when this returns.
     pub(super) fn send(at: SocketAddr, request: &str) -> io::Result<Self> {
-        let mut peer = Peer::connect(at, "REQ")?;
+        let mut peer = Peer::connect(at, "REQ", HANDSHAKE_TIMEOUT)?;
         peer.send(&[b"", request.as_bytes()])?;
         Ok(Self { peer })
     }

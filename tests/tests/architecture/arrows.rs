@@ -7,7 +7,7 @@ use crate::sources::members;
 
 /// Each library and what it may depend on. Data flows one way; whoever draws an arrow here draws it in the
 /// README, too.
-const ALLOWED: [(&str, &[&str]); 12] = [
+const ALLOWED: [(&str, &[&str]); 13] = [
     ("iiwa-json", &[]),
     ("iiwa-kin", &["iiwa-json"]),
     ("iiwa-path", &["iiwa-json", "iiwa-kin"]),
@@ -22,6 +22,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
     ("iiwa-fri", &["iiwa-kin"]),
     ("iiwa-link", &["iiwa-json", "iiwa-kin", "iiwa-path"]),
     ("iiwa-drive", &["iiwa-json", "iiwa-kin", "iiwa-path", "iiwa-traj", "iiwa-fri", "iiwa-link"]),
+    ("iiwa-cabinet", &["iiwa-kin", "iiwa-path", "iiwa-traj", "iiwa-fri", "iiwa-link"]),
     (
         "iiwa",
         &[
@@ -36,6 +37,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
             "iiwa-fri",
             "iiwa-link",
             "iiwa-drive",
+            "iiwa-cabinet",
         ],
     ),
 ];

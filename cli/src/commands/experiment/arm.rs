@@ -53,7 +53,7 @@ fn run_real(line: &mut Line, to_start: f64, trial: &Trial) -> Result<JointLog, F
             measured.samples_left_out
         ));
     }
-    let Samples { t_s, joints_rad } = measured.samples;
+    let Samples { t_s, joints_rad, .. } = measured.samples;
     let from_s = t_s.first().copied().unwrap_or_default();
     Ok(JointLog::new(t_s.iter().map(|t_s| t_s - from_s).collect(), joints_rad))
 }

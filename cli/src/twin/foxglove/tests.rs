@@ -31,18 +31,22 @@ fn at(since: Duration) -> SystemTime {
 }
 
 fn status() -> Status {
-    Status {
-        state: DriveState::RunningTrajectory,
-        joints_rad: Some(JOINTS),
-        t_s: Some(1.5),
-        fri: FriStatus {
-            session: "commanding_active".to_owned(),
-            quality: "excellent".to_owned(),
-            lost: 1,
-            late: 2,
-        },
-        robot_program: Presence::Connected,
-    }
+    let mut fri = FriStatus::new("commanding_active", "excellent");
+    fri.lost = 1;
+    fri.late = 2;
+    let mut status = Status::new(DriveState::RunningTrajectory, fri);
+    status.joints_rad = Some(JOINTS);
+    status.t_s = Some(1.5);
+    status.robot_program = Presence::Connected;
+    status
+}
+
+/// The same before the robot has sent anything.
+fn without_positions() -> Status {
+    let mut status = status();
+    status.joints_rad = None;
+    status.t_s = None;
+    status
 }
 
 /// A viewer who is subscribed to these topics, and has seen the description.
@@ -131,7 +135,7 @@ fn of_a_fast_stream_viewers_get_a_hundred_samples_a_second() {
 fn who_comes_late_gets_the_description_and_what_the_drive_said_last() {
     let viewers = listen();
     let mut early = subscriber(&viewers, &["/drive_state"]);
-    viewers.drive_state(at(Duration::ZERO), &Status { joints_rad: None, t_s: None, ..status() });
+    viewers.drive_state(at(Duration::ZERO), &without_positions());
     let said = early.next_on("/drive_state");
     assert_eq!(said.time_ns, nanoseconds(since_1970(at(Duration::ZERO))));
     viewers.drive_state(at(Duration::ZERO), &status());
@@ -177,14 +181,14 @@ fn what_the_drive_says_fits_its_schemas() {
     let viewers = listen();
     let mut viewer = subscriber(&viewers, &["/drive_state", "/sensors", "/inputs_outputs"]);
     let start = at(Duration::ZERO);
-    let sensors = Sensors { joint_temperature_c: [31.5; 7], external_torque_nm: JOINTS };
+    let sensors = Sensors::new([31.5; 7], JOINTS);
     let values = [
         ("gripper_closed", IoValue::Boolean(true)),
         ("count", IoValue::Digital(7)),
         ("pressure", IoValue::Analog(-0.25)),
     ];
     viewers.drive_state(start, &status());
-    viewers.drive_state(start, &Status { joints_rad: None, t_s: None, ..status() });
+    viewers.drive_state(start, &without_positions());
     viewers.sensors(start, &sensors);
     viewers.inputs_outputs(start, &values);
 

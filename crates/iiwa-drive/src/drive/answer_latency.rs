@@ -6,7 +6,7 @@ use std::{
 };
 
 /// Latency statistics of a drive's answers to the controller, as measured by the drive. They do not include
-/// the network, unlike the [`Latency`](crate::Latency) that a cabinet measures.
+/// the network, unlike the latency that the simulated cabinet measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct AnswerLatency {

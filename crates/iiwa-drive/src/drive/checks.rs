@@ -8,12 +8,12 @@ use iiwa_link::{
     TimedJoints,
     message::{
         Code, Id, MAX_MOTIONS, MAX_MOTIONS_BYTES, MAX_SHORT_REQUEST_BYTES, Refusal, Reply, Request,
+        RequestHead,
     },
+    robot_program::RunId,
     transport::Permit,
 };
 use iiwa_path::{JointPath, Motion, Program};
-
-use crate::robot_program::RunId;
 
 /// A job of the thread. `C` identifies clients.
 pub(super) enum CheckJob<C> {
@@ -78,20 +78,16 @@ pub(super) fn carry_out<C>(robot: &Robot, job: CheckJob<C>) -> CheckResult<C> {
 }
 
 fn read(body: &[u8], robot: &Robot, at_rad: &Joints) -> (Option<Id>, Result<RunTask, Refusal>) {
-    if body.len() > MAX_MOTIONS_BYTES {
-        let (id, name) = Request::head(body);
-        if name.as_deref() != Some("run_trajectory") {
-            let (found, most) = (body.len(), MAX_MOTIONS_BYTES);
-            return (
-                id,
-                Err(Refusal::bad(format!(
-                    "the request has {found} bytes; at most {most} are allowed, except for a trajectory"
-                ))),
-            );
-        }
+    let (id, head) = Request::head(body);
+    let is_trajectory = head.as_ref().is_ok_and(|head| head.name() == Some("run_trajectory"));
+    if body.len() > MAX_MOTIONS_BYTES && !is_trajectory {
+        let (found, most) = (body.len(), MAX_MOTIONS_BYTES);
+        let refusal = Refusal::bad(format!(
+            "the request has {found} bytes; at most {most} are allowed, except for a trajectory"
+        ));
+        return (id, Err(refusal));
     }
-    let (id, request) = Request::from_json(body);
-    let task = request.and_then(|request| match request {
+    let task = head.and_then(RequestHead::parse).and_then(|request| match request {
         Request::RunMotions { motions } => {
             check_motions(&motions, robot, at_rad).map(|()| RunTask::Motions(motions))
         }

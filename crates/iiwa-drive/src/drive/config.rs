@@ -3,21 +3,19 @@
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 
 use iiwa_kin::Robot;
+use iiwa_link::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};
 
-use crate::ports::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};
-
-/// Addresses of a drive, and the robot's model.
+/// Addresses of a drive, and the robot's model. Set what differs from the default:
 ///
 /// ```
 /// use iiwa_drive::DriveConfig;
 ///
-/// let config = DriveConfig {
-///     instructions: "tcp://127.0.0.1:*".to_owned(),
-///     ..DriveConfig::default()
-/// };
+/// let mut config = DriveConfig::default();
+/// config.instructions = "tcp://127.0.0.1:*".into();
 /// assert_eq!(config.stream, "tcp://127.0.0.1:5561");
 /// ```
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct DriveConfig {
     /// The robot. Trajectories are checked against its limits.
     pub robot: Robot,

@@ -10,7 +10,10 @@ use std::{
 };
 
 use bytes::Bytes;
-use iiwa_link::transport::{Dialer, Event, Frames, Listener, PeerId, Received};
+use iiwa_link::{
+    robot_program::{Acknowledgement, StateChange},
+    transport::{Dialer, Event, Frames, Listener, PeerId, Received},
+};
 
 use super::{
     checks::{CheckJob, CheckResult},
@@ -18,7 +21,6 @@ use super::{
     events::{FriCommand, FriEvent},
     run_replies::RunReply,
 };
-use crate::robot_program::{Acknowledgement, StateChange};
 
 /// The address of a reply.
 pub(super) struct ReplyRoute {

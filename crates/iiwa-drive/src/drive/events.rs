@@ -4,10 +4,9 @@ use std::time::Instant;
 
 use iiwa_fri::{Quality, Safety, SessionState};
 use iiwa_kin::Joints;
-use iiwa_link::{TimedJoints, message::DriveState};
+use iiwa_link::{TimedJoints, message::DriveState, robot_program::RunId};
 
 use super::setpoints::{TrajectoryEnd, TrajectoryTask};
-use crate::robot_program::RunId;
 
 /// A command to the FRI thread.
 pub(super) enum FriCommand {

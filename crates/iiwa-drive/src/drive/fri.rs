@@ -15,7 +15,7 @@ use std::{
 };
 
 use iiwa_kin::Limits;
-use iiwa_link::{Published, socket::is_timeout};
+use iiwa_link::{Published, socket::is_timeout, threads::raise_priority};
 
 use super::{
     answer_latency::LatencyRecorder,
@@ -46,7 +46,7 @@ const FINAL_STOP_TIMEOUT: Duration = Duration::from_secs(1);
 impl FriThread {
     /// Answers messages until `shutdown`, then stops a trajectory on its path.
     pub(super) fn run(self, shutdown: &AtomicBool) {
-        self.latency.raised(crate::priority::raise());
+        self.latency.raised(raise_priority());
         self.ready.wait();
         let mut responder = Responder::new(self.cabinet, &self.limits);
         let mut buffer = [0; 2048];

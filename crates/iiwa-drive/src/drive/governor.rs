@@ -17,7 +17,7 @@
 //! not increase them. A receive multiplier only makes the steps longer.
 //!
 //! **Normal operation.** The stage before the governor follows a motion in time
-//! ([`Playback`](crate::playback::Playback)): time advances with the controller's clock, by no more than its
+//! ([`Playback`](iiwa_traj::playback::Playback)): time advances with the controller's clock, by no more than its
 //! counter permits, and slows down to zero for a stop. So the arm stays on its path even if messages are
 //! lost, and the governor passes set-points within the bounds unchanged, bit by bit. This includes gaps: the
 //! controller extrapolates the motion, and the trajectory continues where it is by then.
@@ -35,7 +35,7 @@
 
 use iiwa_kin::{Joints, Limits};
 
-use crate::braking::fastest;
+use iiwa_traj::braking::fastest;
 
 /// Bounds of velocity and acceleration, as shares of the limits.
 const VELOCITY: f64 = 1.02 * (1.0 - 1e-9);

@@ -5,7 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::robot_program::Instruction;
+use iiwa_link::robot_program::Instruction;
 
 /// Largest backlog of instructions that may be refused.
 const QUOTA: usize = 32;

@@ -10,6 +10,7 @@ use iiwa_kin::{Joints, Limits};
 use iiwa_link::{
     TimedJoints,
     message::{Figures, Refusal},
+    robot_program::RunId,
 };
 
 use super::{
@@ -19,7 +20,6 @@ use super::{
     plausibility::{Plausibility, Verdict},
     setpoints::{Parameters, TrajectoryTask},
 };
-use crate::robot_program::RunId;
 
 /// The result of receiving a datagram.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,10 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use iiwa_link::message::{DriveState, MAX_SAMPLES, Refusal, Run, Samples};
+use iiwa_link::{
+    message::{DriveState, MAX_SAMPLES, Refusal, Run, Samples},
+    robot_program::{Instruction, Outcome, RunId},
+};
 
 use super::{events::Observation, setpoints::TrajectoryEnd};
-use crate::robot_program::{Instruction, Outcome, RunId};
 
 /// A run in progress. `A` is its requester.
 pub(super) struct Running<A> {
@@ -155,17 +157,11 @@ impl<A> Running<A> {
         let Ended { start_s, end_s, error } = ended.unwrap_or_default();
         let mut samples = self.samples;
         truncate(&mut samples, end_s);
-        FinishedRun {
-            run: Run {
-                cycle_time_s: start_s.zip(end_s).map(|(start, end)| end - start),
-                start_s,
-                samples,
-                samples_left_out: self.samples_left_out,
-            },
-            error,
-            has_begun: self.begun_at.is_some(),
-            requester: self.requester,
-        }
+        let mut run = Run::new(samples);
+        run.cycle_time_s = start_s.zip(end_s).map(|(start, end)| end - start);
+        run.start_s = start_s;
+        run.samples_left_out = self.samples_left_out;
+        FinishedRun { run, error, has_begun: self.begun_at.is_some(), requester: self.requester }
     }
 }
 

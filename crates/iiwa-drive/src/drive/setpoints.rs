@@ -5,13 +5,11 @@ use iiwa_kin::{Joints, Limits};
 use iiwa_link::{
     START_TOLERANCE_RAD, TimedJoints,
     message::{Code, Figures, Refusal},
-};
-
-use super::clock::Tick;
-use crate::{
-    playback::{Playback, STOP_S, TimedMotion},
     robot_program::RunId,
 };
+use iiwa_traj::playback::{Playback, STOP_S, TimedMotion};
+
+use super::clock::Tick;
 
 /// A trajectory from the actual position of the robot: the difference fades within the first half second.
 pub(super) struct OffsetTrajectory {

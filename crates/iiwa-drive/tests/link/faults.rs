@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use iiwa_drive::Faults;
+use iiwa_cabinet::Faults;
 use iiwa_link::{
     ClientError, Remote, Server, TimedJoints,
     message::{Code, DriveState, MAX_SHORT_REQUEST_BYTES, Presence, Refusal, Run},
@@ -177,7 +177,8 @@ fn a_client_that_is_killed_leaves_the_run_and_its_samples() {
     socket.connect(&rig.drive_config.instructions).unwrap();
     let request = iiwa_link::message::Request::RunMotions { motions: slowly_to(20.0) };
     socket.send(&request.to_json(), 0).unwrap();
-    wait_for_state(&rig, DriveState::RunningMotion);
+    // While motions are planned, the loss of their client would withdraw them.
+    wait_for("motion", || rig.cabinet().position()[0].abs() > 0.01);
     drop(socket);
     wait_for_state(&rig, DriveState::Idle);
     let run = rig.client().last_run().unwrap();
@@ -191,7 +192,7 @@ fn a_client_that_is_killed_leaves_the_run_and_its_samples() {
 fn packet_loss_costs_samples_but_no_motion() {
     in_real_time(|| {
         let rig = Rig::new(5);
-        rig.set_faults(Faults { packet_loss: 0.1, ..Faults::default() });
+        rig.set_faults(Faults::default().with_packet_loss(0.1));
         let run = rig.client().run_motions(slowly_to(40.0), Some(LONG)).unwrap();
         let planned = planned(slowly_to(40.0));
         assert!((run.cycle_time_s.unwrap() - planned.cycle_time_s()).abs() < 0.0051);
@@ -214,7 +215,7 @@ fn packet_loss_stops_a_trajectory_smoothly() {
     in_real_time(|| {
         let rig = Rig::new(5);
         let running = begin_trajectory(&rig);
-        rig.set_faults(Faults { packet_loss: 0.1, ..Faults::default() });
+        rig.set_faults(Faults::default().with_packet_loss(0.1));
         let (refusal, run) = refused(running.join().unwrap());
         assert_eq!(refusal.code, Code::Robot);
         assert!(refusal.message.contains("quality"), "{refusal}");
@@ -228,7 +229,7 @@ fn packet_loss_stops_a_trajectory_smoothly() {
 fn delayed_messages_prevent_commanding() {
     in_real_time(|| {
         let rig = Rig::new(5);
-        rig.set_faults(Faults { delay_cycles: 3, ..Faults::default() });
+        rig.set_faults(Faults::default().with_delay_cycles(3));
         let mut client = rig.client();
         wait_for("poor quality", || client.state().unwrap().fri.quality == "poor");
         let run = client.run_motions(slowly_to(40.0), Some(LONG)).unwrap();

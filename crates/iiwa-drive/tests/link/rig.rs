@@ -2,7 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use iiwa_drive::{Cabinet, CabinetConfig, Drive, DriveConfig, Faults};
+use iiwa_cabinet::{Cabinet, CabinetConfig, Faults};
+use iiwa_drive::{Drive, DriveConfig};
 use iiwa_link::{
     Client, Remote, Server, Stream,
     message::{DriveState, Presence},
@@ -30,25 +31,18 @@ impl Rig {
     pub(crate) fn parts(period_ms: u32) -> Self {
         let fri = free_address();
         let [instructions, state] = [free_tcp(), free_tcp()];
-        Self {
-            cabinet_config: CabinetConfig {
-                period_ms,
-                fri_client: fri,
-                instructions: instructions.clone(),
-                state: state.clone(),
-                ..CabinetConfig::default()
-            },
-            drive_config: DriveConfig {
-                instructions: free_tcp(),
-                stream: free_tcp(),
-                fri,
-                cabinet_instructions: instructions,
-                cabinet_state: state,
-                ..DriveConfig::default()
-            },
-            cabinet: None,
-            drive: None,
-        }
+        let mut cabinet_config = CabinetConfig::default();
+        cabinet_config.period_ms = period_ms;
+        cabinet_config.fri_client = fri;
+        cabinet_config.instructions.clone_from(&instructions);
+        cabinet_config.state.clone_from(&state);
+        let mut drive_config = DriveConfig::default();
+        drive_config.instructions = free_tcp();
+        drive_config.stream = free_tcp();
+        drive_config.fri = fri;
+        drive_config.cabinet_instructions = instructions;
+        drive_config.cabinet_state = state;
+        Self { cabinet_config, drive_config, cabinet: None, drive: None }
     }
 
     /// Both are started, and the connection is good.

@@ -40,6 +40,7 @@ impl fmt::Display for DriveState {
 
 /// Measured joint positions over time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Samples {
     /// Time stamps, in s, as in the stream: the controller's time since its first message to iiwaDrive.
     pub t_s: Vec<f64>,
@@ -47,8 +48,17 @@ pub struct Samples {
     pub joints_rad: Vec<Joints>,
 }
 
+impl Samples {
+    /// Positions, in rad, at times, in s.
+    #[must_use]
+    pub fn new(t_s: Vec<f64>, joints_rad: Vec<Joints>) -> Self {
+        Self { t_s, joints_rad }
+    }
+}
+
 /// The measurements of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Run {
     /// Time from the start to the end of the run, in s, if the robot reported both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -64,6 +74,14 @@ pub struct Run {
     pub samples_left_out: u64,
 }
 
+impl Run {
+    /// A run of which only the samples are known.
+    #[must_use]
+    pub fn new(samples: Samples) -> Self {
+        Self { samples, ..Self::default() }
+    }
+}
+
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde requires")]
 fn is_zero(count: &u64) -> bool {
     *count == 0
@@ -71,6 +89,7 @@ fn is_zero(count: &u64) -> bool {
 
 /// Readings of the robot's sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Sensors {
     /// Temperatures of the joints, in degrees Celsius.
     pub joint_temperature_c: Joints,
@@ -78,8 +97,17 @@ pub struct Sensors {
     pub external_torque_nm: Joints,
 }
 
+impl Sensors {
+    /// Joint temperatures, in degrees Celsius, and external joint torques, in Nm.
+    #[must_use]
+    pub fn new(joint_temperature_c: Joints, external_torque_nm: Joints) -> Self {
+        Self { joint_temperature_c, external_torque_nm }
+    }
+}
+
 /// Status of the FRI connection to the controller.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct FriStatus {
     /// State of the session, such as `monitoring_ready`; `silent` if no messages arrive.
     pub session: String,
@@ -94,10 +122,17 @@ pub struct FriStatus {
 impl FriStatus {
     /// The `session` of a controller that does not send.
     pub const SILENT: &str = "silent";
+
+    /// The state of a session and the controller's rating, without losses.
+    #[must_use]
+    pub fn new(session: &str, quality: &str) -> Self {
+        Self { session: session.to_owned(), quality: quality.to_owned(), ..Self::default() }
+    }
 }
 
 /// A snapshot of the drive and the robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Status {
     /// The state of the drive.
     pub state: DriveState,
@@ -110,6 +145,14 @@ pub struct Status {
     /// Whether the robot program is connected.
     #[serde(default)]
     pub robot_program: Presence,
+}
+
+impl Status {
+    /// The state of a drive that has received nothing of the robot.
+    #[must_use]
+    pub fn new(state: DriveState, fri: FriStatus) -> Self {
+        Self { state, joints_rad: None, t_s: None, fri, robot_program: Presence::Silent }
+    }
 }
 
 /// Whether a peer is connected.

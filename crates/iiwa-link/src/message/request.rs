@@ -80,28 +80,29 @@ impl Request {
         "stop",
     ];
 
-    /// Parses a request and its id.
+    /// Parses a request and its id: [`head`](Self::head), then [`parse`](RequestHead::parse).
     ///
     /// # Errors
     ///
     /// [`Code::BadRequest`](crate::message::Code::BadRequest) with the fault and its place. The id is
     /// returned if it can be parsed.
     pub fn from_json(bytes: &[u8]) -> (Option<Id>, Result<Self, Refusal>) {
+        let (id, head) = Self::head(bytes);
+        (id, head.and_then(RequestHead::parse))
+    }
+
+    /// Parses the id and the `type` of a request; the rest is only found to be JSON.
+    ///
+    /// # Errors
+    ///
+    /// As [`from_json`](Self::from_json), for what is wrong before the content of the type.
+    pub fn head(bytes: &[u8]) -> (Option<Id>, Result<RequestHead<'_>, Refusal>) {
         let Ok(text) = str::from_utf8(bytes) else {
             return (None, Err(Refusal::bad("the request is not text in UTF-8")));
         };
-        let head = match serde_json::from_str::<Object<RequestHead>>(text) {
-            Ok(Object(head)) => head,
-            Err(error) => return (id_of(text), Err(bad_json(text, &error))),
-        };
-        (head.id, Self::of_type(head.r#type.as_deref(), text))
-    }
-
-    /// The id and the `type` of a request, without parsing the rest.
-    pub fn head(bytes: &[u8]) -> (Option<Id>, Option<String>) {
-        match str::from_utf8(bytes).map(serde_json::from_str::<Object<RequestHead>>) {
-            Ok(Ok(Object(head))) => (head.id, head.r#type),
-            _ => (None, None),
+        match serde_json::from_str::<Object<HeadKeys>>(text) {
+            Ok(Object(HeadKeys { r#type, id })) => (id, Ok(RequestHead { r#type, text })),
+            Err(error) => (id_of(text), Err(bad_json(text, &error))),
         }
     }
 
@@ -175,8 +176,41 @@ fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
     }
 }
 
+/// A request of which the `type` is known and the content is not parsed yet.
+///
+/// ```
+/// use iiwa_link::message::Request;
+///
+/// let (_, head) = Request::head(br#"{"type": "stop"}"#);
+/// let head = head.unwrap();
+/// assert_eq!(head.name(), Some("stop"));
+/// assert_eq!(head.parse(), Ok(Request::Stop));
+/// ```
+#[derive(Clone, Debug)]
+pub struct RequestHead<'a> {
+    r#type: Option<String>,
+    text: &'a str,
+}
+
+impl RequestHead<'_> {
+    /// The `type`; `None` if the request has none.
+    #[must_use]
+    pub fn name(&self) -> Option<&str> {
+        self.r#type.as_deref()
+    }
+
+    /// Parses the content.
+    ///
+    /// # Errors
+    ///
+    /// As [`Request::from_json`].
+    pub fn parse(self) -> Result<Request, Refusal> {
+        Request::of_type(self.r#type.as_deref(), self.text)
+    }
+}
+
 #[derive(Deserialize)]
-struct RequestHead {
+struct HeadKeys {
     #[serde(default)]
     r#type: Option<String>,
     #[serde(default, deserialize_with = "given")]

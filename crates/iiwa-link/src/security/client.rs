@@ -11,6 +11,7 @@ use super::{
 
 /// A client's own keys and its server's public key.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ClientSecurity {
     /// Its own keys.
     pub pair: KeyPair,
@@ -19,6 +20,12 @@ pub struct ClientSecurity {
 }
 
 impl ClientSecurity {
+    /// These keys for a server with this public key.
+    #[must_use]
+    pub fn new(pair: KeyPair, server: PublicKey) -> Self {
+        Self { pair, server }
+    }
+
     /// Reads a secret key file and the server's public key file.
     ///
     /// # Errors

@@ -18,6 +18,7 @@ use super::{
 
 /// A server's own keys and its permitted clients.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ServerSecurity {
     /// Its own keys.
     pub pair: KeyPair,
@@ -26,6 +27,12 @@ pub struct ServerSecurity {
 }
 
 impl ServerSecurity {
+    /// These keys, and clients with the keys on this list.
+    #[must_use]
+    pub fn new(pair: KeyPair, allowed: AllowList) -> Self {
+        Self { pair, allowed }
+    }
+
     /// Reads a secret key file, and the clients' public keys from a file or a folder.
     ///
     /// # Errors

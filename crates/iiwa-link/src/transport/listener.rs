@@ -60,6 +60,7 @@ impl SocketKind {
 
 /// Configuration of a listening socket.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct ListenerConfig {
     /// Name of its thread.
     pub name: &'static str,
@@ -69,6 +70,21 @@ pub struct ListenerConfig {
     pub max_bytes: usize,
     /// Largest number of messages that wait for a peer; it misses those beyond.
     pub backlog: usize,
+}
+
+impl ListenerConfig {
+    /// A socket whose thread has this name and that accepts messages of at most `max_bytes`. No messages wait
+    /// for a peer.
+    #[must_use]
+    pub fn new(name: &'static str, kind: SocketKind, max_bytes: usize) -> Self {
+        Self { name, kind, max_bytes, backlog: 0 }
+    }
+
+    /// With at most so many messages that wait for a peer.
+    #[must_use]
+    pub fn with_backlog(self, backlog: usize) -> Self {
+        Self { backlog, ..self }
+    }
 }
 
 /// An event of a socket.

@@ -95,7 +95,7 @@ impl Samples {
 }
 
 fn add_gaps(log: &mut JointLog) {
-    let Some(usual_s) = median_step(&log.t_s) else { return };
+    let Some(usual_s) = log.period_s() else { return };
     for pair in log.t_s.windows(2) {
         let &[from_s, to_s] = pair else { continue };
         let steps = (to_s - from_s) / usual_s;
@@ -109,15 +109,4 @@ fn add_gaps(log: &mut JointLog) {
             log.losses.push(Loss::Gap { from_s, to_s, missing });
         }
     }
-}
-
-/// The median of the steps from one time to the next, s.
-pub(super) fn median_step(t_s: &[f64]) -> Option<f64> {
-    let mut steps: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if steps.is_empty() {
-        return None;
-    }
-    let middle = steps.len() / 2;
-    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-    Some(*median)
 }

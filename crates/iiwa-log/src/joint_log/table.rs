@@ -10,6 +10,9 @@ use super::shown::{MAX_NAME, shown};
 use super::{JointLog, JointLogError, Loss, Place};
 use crate::reader::read as read_once;
 
+/// How much of a file is looked at to tell what it is, bytes. A header line that is longer is none.
+pub(super) const HEAD_BYTES: usize = 64 * 1024;
+
 /// Reads a table that begins with `head` and goes on in `stream`.
 pub(super) fn read<R: Read>(head: &[u8], stream: R) -> Result<JointLog, JointLogError> {
     let (number, header) = header(head)?;
@@ -59,7 +62,7 @@ fn header(head: &[u8]) -> Result<(u64, &[u8]), JointLogError> {
         lines.find(|(_, line)| !line.trim_ascii().is_empty()).ok_or(JointLogError::NoSamples)?;
     let header = header.trim_ascii();
     let is_text = std::str::from_utf8(header).is_ok_and(|text| !text.contains('\0'));
-    let is_whole = header.len() < super::HEAD_BYTES && !header.contains(&b'\r');
+    let is_whole = header.len() < HEAD_BYTES && !header.contains(&b'\r');
     if is_text && is_whole {
         return Ok((number, header));
     }

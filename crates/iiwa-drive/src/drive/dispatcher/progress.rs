@@ -2,18 +2,18 @@
 
 use std::{sync::Arc, time::Instant};
 
-use iiwa_link::message::{Body, Code, DriveState, Refusal};
+use iiwa_link::{
+    message::{Body, Code, DriveState, Refusal},
+    robot_program::{Acknowledgement, Instruction, RunId, StateChange},
+};
 
 use super::state::{Dispatcher, Output, Purpose, QueryKind, RunStage};
-use crate::{
-    drive::{
-        events::{FriCommand, FriEvent},
-        instruction_queue::ACKNOWLEDGE_TIMEOUT,
-        run::{FinishedRun, Phase},
-        run_replies::RunRecord,
-        setpoints::TrajectoryEnd,
-    },
-    robot_program::{Acknowledgement, Instruction, RunId, StateChange},
+use crate::drive::{
+    events::{FriCommand, FriEvent},
+    instruction_queue::ACKNOWLEDGE_TIMEOUT,
+    run::{FinishedRun, Phase},
+    run_replies::RunRecord,
+    setpoints::TrajectoryEnd,
 };
 
 impl<C> Dispatcher<C> {

@@ -3,16 +3,16 @@
 use std::time::Instant;
 
 use iiwa_fri::{Quality, SessionState};
-use iiwa_link::message::{Body, Code, DriveState, MAX_SHORT_REQUEST_BYTES, Refusal, Request};
+use iiwa_link::{
+    message::{Body, Code, DriveState, MAX_SHORT_REQUEST_BYTES, Refusal, Request, RequestHead},
+    robot_program::{Instruction, RunId},
+};
 
 use super::state::{Dispatcher, IncomingRequest, Output, Purpose, QueryKind, Requester, RunStage};
-use crate::{
-    drive::{
-        checks::{CheckJob, CheckedRun, RunTask, UncheckedRun},
-        events::{FriCommand, Observation},
-        run::{Phase, Running},
-    },
-    robot_program::{Instruction, RunId},
+use crate::drive::{
+    checks::{CheckJob, CheckedRun, RunTask, UncheckedRun},
+    events::{FriCommand, Observation},
+    run::{Phase, Running},
 };
 
 impl<C> Dispatcher<C> {
@@ -22,13 +22,14 @@ impl<C> Dispatcher<C> {
             // Only a run may be that long; parsing its id here would take too long.
             return self.check_run(Requester { client, id: None }, incoming, now);
         }
-        let (id, name) = Request::head(&incoming.body);
-        if let Some("run_motions" | "run_trajectory") = name.as_deref() {
-            return self.check_run(Requester { client, id }, incoming, now);
-        }
-        let (id, request) = Request::from_json(&incoming.body);
+        let (id, head) = Request::head(&incoming.body);
         let requester = Requester { client, id };
-        match request {
+        let is_run =
+            |head: &RequestHead<'_>| matches!(head.name(), Some("run_motions" | "run_trajectory"));
+        if head.as_ref().is_ok_and(is_run) {
+            return self.check_run(requester, incoming, now);
+        }
+        match head.and_then(RequestHead::parse) {
             Ok(request) => self.serve(requester, request, now),
             Err(refusal) => self.reply(requester, Err(refusal)),
         }

@@ -9,18 +9,16 @@ use bytes::Bytes;
 use iiwa_fri::{Quality, Safety};
 use iiwa_link::{
     message::{Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Status},
+    robot_program::{Instruction, RunId, StateChange},
     transport::Permit,
 };
 
-use crate::{
-    drive::{
-        checks::CheckJob,
-        events::{FriCommand, Observation},
-        instruction_queue::InstructionQueue,
-        run::Running,
-        run_replies::{RunRecord, RunReply},
-    },
-    robot_program::{Instruction, RunId, StateChange},
+use crate::drive::{
+    checks::CheckJob,
+    events::{FriCommand, Observation},
+    instruction_queue::InstructionQueue,
+    run::Running,
+    run_replies::{RunRecord, RunReply},
 };
 
 /// An output of the dispatcher.
@@ -147,23 +145,19 @@ impl<C> Dispatcher<C> {
         let state = self.drive_state(now);
         let fresh =
             self.observation.filter(|it| now.saturating_duration_since(it.at) <= FRI_TIMEOUT);
-        let fri = FriStatus {
-            session: fresh.map_or(FriStatus::SILENT, |it| it.session.name()).to_owned(),
-            quality: fresh.map_or(Quality::Poor, |it| it.quality).name().to_owned(),
-            lost: self.observation.map_or(0, |it| it.lost),
-            late: self.observation.map_or(0, |it| it.late),
-        };
-        let robot_program = match self.program_at(now) {
-            Some(_) => Presence::Connected,
-            None => Presence::Silent,
-        };
-        Status {
-            state,
-            joints_rad: self.observation.map(|it| it.joints_rad),
-            t_s: self.observation.map(|it| it.t_s),
-            fri,
-            robot_program,
+        let mut fri = FriStatus::new(
+            fresh.map_or(FriStatus::SILENT, |it| it.session.name()),
+            fresh.map_or(Quality::Poor, |it| it.quality).name(),
+        );
+        fri.lost = self.observation.map_or(0, |it| it.lost);
+        fri.late = self.observation.map_or(0, |it| it.late);
+        let mut status = Status::new(state, fri);
+        status.joints_rad = self.observation.map(|it| it.joints_rad);
+        status.t_s = self.observation.map(|it| it.t_s);
+        if self.program_at(now).is_some() {
+            status.robot_program = Presence::Connected;
         }
+        status
     }
 
     /// The latest state of the robot program, unless it is disconnected.

@@ -3,13 +3,13 @@
 
 use std::time::{Duration, Instant};
 
-use iiwa_link::message::{Code, DriveState, Refusal};
-
-use super::state::{Dispatcher, Output, Purpose, Requester, RunStage};
-use crate::{
-    drive::{events::FriCommand, run::Phase},
+use iiwa_link::{
+    message::{Code, DriveState, Refusal},
     robot_program::{Instruction, RunId},
 };
+
+use super::state::{Dispatcher, Output, Purpose, Requester, RunStage};
+use crate::drive::{events::FriCommand, run::Phase};
 
 /// How long a stop may take: clients wait five seconds for the reply.
 const STOP_TIMEOUT: Duration = Duration::from_secs(4);

@@ -7,18 +7,16 @@ use iiwa_kin::Robot;
 use iiwa_link::{
     TimedJoints,
     message::{Code, DriveState, Refusal, Request},
+    robot_program::{Acknowledgement, Outcome, RunId, StateChange},
 };
 use iiwa_path::{Motion, Ptp};
 use serde_json::{Value, json};
 
 use super::{Dispatcher, IncomingRequest, Output};
-use crate::{
-    drive::{
-        checks::{CheckJob, CheckResult, carry_out},
-        events::{FriEvent, Observation},
-        setpoints::TrajectoryEnd,
-    },
-    robot_program::{Acknowledgement, Outcome, RunId, StateChange},
+use crate::drive::{
+    checks::{CheckJob, CheckResult, carry_out},
+    events::{FriEvent, Observation},
+    setpoints::TrajectoryEnd,
 };
 
 const FIRST_RUN: RunId = 100;

@@ -1,0 +1,83 @@
+//! Prints how punctually a drive answers a simulated cabinet over the loopback interface while a core
+//! is kept busy and trajectories run, as a Markdown table with a list of what else was seen.
+//!
+//! ```text
+//! realtime                 10 s at 5 ms, 10 s at 1 ms
+//! realtime --full          10 minutes at 5 ms, 2 minutes at 1 ms, the same with ten subscribers, and
+//!                          2 minutes of each without real-time priority for the drive
+//! realtime --period 1 --seconds 60 [--subscribers] [--ordinary]
+//! ```
+//!
+//! Cabinet, drive, subscribers and what keeps the core busy are processes of their own, as in use. Each
+//! of them ends when its input does, so none is left over, however this one ends. On each core a witness
+//! of a higher priority does nothing but wake: while it does not, the machine stands still.
+//!
+//! A cycle is lost by the drive if its answer came more than a period after its message, after the time
+//! in which the machine stood still is taken off. Nothing else is: the times that the system, and the
+//! cabinet's own threads, take to wake count against the drive. Exits with 1 if a drive with real-time
+//! priority lost more than one cycle in 10 000, or if a live subscriber missed a message.
+
+mod busy;
+mod cabinet_side;
+mod case;
+mod clock;
+mod drive_side;
+mod measured;
+mod part;
+mod report;
+mod runs;
+mod sockets;
+mod subscribers;
+mod witness;
+
+use std::{env, process::ExitCode};
+
+use iiwasim_benches::Result;
+
+use crate::{
+    busy::be_busy,
+    cabinet_side::be_cabinet,
+    case::{Case, case},
+    drive_side::be_drive,
+    report::report,
+    subscribers::be_subscribers,
+    witness::be_witness,
+};
+
+fn main() -> Result<ExitCode> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words.as_slice() {
+        ["--part", "cabinet", period_ms, sockets] => {
+            be_cabinet(period_ms.parse()?, &serde_json::from_str(sockets)?)?;
+        }
+        ["--part", "drive", sockets] => be_drive(&serde_json::from_str(sockets)?)?,
+        ["--part", "subscribers", at] => be_subscribers(at)?,
+        ["--part", "busy"] => be_busy()?,
+        ["--part", "witness"] => be_witness()?,
+        [] => return report(&[case(5, 10), case(1, 10)]),
+        ["--full"] => {
+            return report(&[
+                case(5, 600),
+                case(1, 120),
+                Case { subscribers: true, ..case(1, 120) },
+                Case { ordinary: true, ..case(5, 120) },
+                Case { ordinary: true, ..case(1, 120) },
+                Case { ordinary: true, subscribers: true, ..case(1, 120) },
+            ]);
+        }
+        ["--period", period_ms, "--seconds", seconds, options @ ..] => {
+            let mut case = case(period_ms.parse()?, seconds.parse()?);
+            for option in options {
+                match *option {
+                    "--subscribers" => case.subscribers = true,
+                    "--ordinary" => case.ordinary = true,
+                    _ => return Err(format!("no such option: {option}").into()),
+                }
+            }
+            return report(&[case]);
+        }
+        _ => return Err("it takes nothing, --full, or --period MS --seconds S".into()),
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,69 @@
+//! The processes that find out when the machine stands still.
+
+use std::{
+    path::Path,
+    process::{Command, Stdio},
+    sync::{Arc, Mutex, PoisonError},
+    thread,
+    time::{Duration, Instant},
+};
+
+use iiwasim_benches::Result;
+
+use crate::{
+    clock::SystemClock,
+    part::{Part, serve},
+};
+
+/// From when to when, in us of the system's clock.
+pub(crate) type Section = [i64; 2];
+
+/// Sections without those that overlap.
+pub(crate) fn joined(mut sections: Vec<Section>) -> Vec<Section> {
+    sections.sort_unstable();
+    let mut joined: Vec<Section> = Vec::new();
+    for [from, to] in sections {
+        match joined.last_mut() {
+            Some(last) if last[1] >= from => last[1] = last[1].max(to),
+            _ => joined.push([from, to]),
+        }
+    }
+    joined
+}
+
+/// One on each core; none where that is not permitted.
+pub(crate) fn witnesses(this: &Path) -> Result<Option<Vec<Part>>> {
+    // Above the drive's and the cabinet's.
+    const PRIORITY: &str = "60";
+    let cores = thread::available_parallelism()?.get();
+    let on = |core: usize| {
+        let mut command = Command::new("chrt");
+        command.args(["--fifo", PRIORITY, "taskset", "--cpu-list", &core.to_string()]);
+        Part::start(command.arg(this).args(["--part", "witness"]).stderr(Stdio::null()))
+    };
+    Ok((0..cores).map(on).collect::<Result<Vec<_>>>().ok())
+}
+
+/// Wakes again and again, and tells when it could not, in us of the system's clock.
+pub(crate) fn be_witness() -> Result<()> {
+    const EVERY: Duration = Duration::from_micros(250);
+    /// So late it does not wake for other reasons.
+    const STILL: Duration = Duration::from_micros(100);
+    let still = Arc::new(Mutex::new(Vec::new()));
+    let seen = Arc::clone(&still);
+    thread::spawn(move || {
+        let mut due = Instant::now() + EVERY;
+        loop {
+            thread::sleep(due.saturating_duration_since(Instant::now()));
+            let awake = Instant::now();
+            if awake.duration_since(due) > STILL {
+                let clock = SystemClock::new();
+                let section: Section = [clock.us(due), clock.us(awake)];
+                seen.lock().unwrap_or_else(PoisonError::into_inner).push(section);
+                due = awake;
+            }
+            due += EVERY;
+        }
+    });
+    serve(|| still.lock().unwrap_or_else(PoisonError::into_inner).clone())
+}

@@ -1,0 +1,90 @@
+//! Configuration of a simulated cabinet.
+
+use std::net::SocketAddr;
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_link::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};
+
+/// Configuration of a simulated cabinet. Set what differs from the default:
+///
+/// ```
+/// use iiwa_cabinet::{CabinetConfig, Faults};
+///
+/// let mut config = CabinetConfig::default();
+/// config.period_ms = 10;
+/// config.faults = Faults::default().with_packet_loss(0.01);
+/// assert_eq!(config.receive_multiplier, 1);
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct CabinetConfig {
+    /// The robot.
+    pub robot: Robot,
+    /// Initial joint positions, in rad.
+    pub start_rad: Joints,
+    /// Send period of FRI, in ms: 1 to 100, and at most 10 for commanding.
+    pub period_ms: u32,
+    /// Number of FRI messages per expected answer.
+    pub receive_multiplier: u32,
+    /// Speed of the controller's clock, as a multiple of real time.
+    pub speed: f64,
+    /// Standard deviation of measured joint positions, in rad.
+    pub noise_rad: f64,
+    /// UDP address of the FRI client.
+    pub fri_client: SocketAddr,
+    /// Address of the socket for instructions.
+    pub instructions: String,
+    /// Address of the socket for state changes.
+    pub state: String,
+    /// Simulated faults.
+    pub faults: Faults,
+}
+
+impl Default for CabinetConfig {
+    fn default() -> Self {
+        Self {
+            robot: Robot::default(),
+            start_rad: [0.0; 7],
+            period_ms: 5,
+            receive_multiplier: 1,
+            speed: 1.0,
+            noise_rad: 0.0,
+            fri_client: SocketAddr::from(([127, 0, 0, 1], FRI_PORT)),
+            instructions: format!("tcp://127.0.0.1:{CABINET_INSTRUCTIONS_PORT}"),
+            state: format!("tcp://127.0.0.1:{CABINET_STATE_PORT}"),
+            faults: Faults::default(),
+        }
+    }
+}
+
+/// Simulated faults; the default has none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Faults {
+    /// Share of lost FRI datagrams in either direction, 0 to 1.
+    pub packet_loss: f64,
+    /// Delay of FRI messages, in cycles.
+    pub delay_cycles: u32,
+    /// Presses the emergency stop for two seconds after this share of the next motion, 0 to 1.
+    pub emergency_stop_at: Option<f64>,
+}
+
+impl Faults {
+    /// With this share of lost FRI datagrams, 0 to 1.
+    #[must_use]
+    pub fn with_packet_loss(self, packet_loss: f64) -> Self {
+        Self { packet_loss, ..self }
+    }
+
+    /// With FRI messages that are delayed by so many cycles.
+    #[must_use]
+    pub fn with_delay_cycles(self, delay_cycles: u32) -> Self {
+        Self { delay_cycles, ..self }
+    }
+
+    /// With the emergency stop pressed after this share of the next motion, 0 to 1.
+    #[must_use]
+    pub fn with_emergency_stop_at(self, share: f64) -> Self {
+        Self { emergency_stop_at: Some(share), ..self }
+    }
+}

@@ -1,0 +1,22 @@
+//! Measurement noise.
+
+use fastrand_contrib::RngExt;
+
+/// Normally distributed numbers from a fixed seed.
+#[derive(Clone, Debug)]
+pub(crate) struct Noise {
+    deviation: f64,
+    random: fastrand::Rng,
+}
+
+impl Noise {
+    /// Noise with a standard deviation.
+    pub(crate) fn new(deviation: f64) -> Self {
+        Self { deviation, random: fastrand::Rng::with_seed(1) }
+    }
+
+    /// The next number.
+    pub(crate) fn next(&mut self) -> f64 {
+        if self.deviation == 0.0 { 0.0 } else { self.random.f64_normal(0.0, self.deviation) }
+    }
+}

@@ -1,0 +1,28 @@
+//! Statistics of the FRI connection.
+
+use iiwa_fri::{Quality, SessionState};
+
+use crate::latency::{LateAnswer, Latency};
+
+/// Statistics of the FRI connection, as measured by the controller.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Report {
+    /// Messages sent.
+    pub cycles: u64,
+    /// Cycles in which the simulation itself was late and its clock waited.
+    pub delayed_cycles: u64,
+    /// Whether the clock of the simulation has real-time priority.
+    pub real_time: bool,
+    /// Times from messages to their answers.
+    pub latency: Latency,
+    /// Answers more than a cycle after their messages, at most the first ten thousand.
+    pub late: Vec<LateAnswer>,
+    /// Messages without an answer a thousand messages later. With a receive multiplier above 1, most require
+    /// none.
+    pub unanswered: u64,
+    /// The state of the session.
+    pub session: SessionState,
+    /// The connection quality.
+    pub quality: Quality,
+}

@@ -1,0 +1,502 @@
+//! The simulated robot and robot program, sans I/O: advanced cycle by cycle.
+
+#[cfg(test)]
+mod tests;
+
+use std::time::Duration;
+
+use iiwa_fri::{Controller, ControllerConfig, Reading, Safety, SessionState};
+use iiwa_kin::{Joints, Robot};
+use iiwa_link::{
+    message::{Code, DriveState, Refusal, Sensors},
+    robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
+};
+use iiwa_path::{JointPath, Motion, Program};
+use iiwa_traj::{
+    Timing, Trajectory,
+    braking::fastest,
+    playback::{EMERGENCY_STOP_S, Playback, STOP_S},
+};
+
+use crate::{
+    io::Ports,
+    noise::Noise,
+    sensors::{Temperatures, holding_torques},
+};
+
+/// How long the controller waits for active commanding, in s.
+const COMMANDING_TIMEOUT_S: f64 = 5.0;
+
+/// Longest send period for commanding, in s.
+const MAX_COMMANDING_PERIOD_S: f64 = 0.010;
+
+/// Permitted velocity of set-points, as a share of the limits: clocks are not exact, and positions are
+/// rounded.
+const SETPOINT_MARGIN: f64 = 1.1;
+
+/// Deceleration of a joint before the end of its range, as a share of the acceleration limits.
+const BRAKING_MARGIN: f64 = 1.25;
+
+/// A robot, its controller and the robot program.
+pub(crate) struct Simulation {
+    robot: Robot,
+    period_s: f64,
+    receive_multiplier: u32,
+    /// Cycles since the start: the controller's clock.
+    cycle: u64,
+    /// Commanded joint positions, in rad.
+    q: Joints,
+    /// Commanded joint velocities, in rad/s.
+    dq: Joints,
+    activity: Activity,
+    outcome: Option<Outcome>,
+    boot: u64,
+    fri: Controller,
+    /// The emergency stop is pressed until this cycle.
+    pressed_until: Option<u64>,
+    /// The emergency stop is pressed at this share of the next motion.
+    press_at: Option<f64>,
+    noise: Noise,
+    temperatures: Temperatures,
+    ports: Ports,
+    changed: bool,
+}
+
+/// The activity of the robot program.
+enum Activity {
+    Nothing,
+    /// Runs planned motions.
+    Motions {
+        run: RunId,
+        playback: Box<Playback<Trajectory>>,
+        from: u64,
+        error: Option<Refusal>,
+    },
+    /// Follows the set-points of the client.
+    Commanded(Commanded),
+    /// Brings the arm to rest, off any path.
+    Braking(JointBraking),
+}
+
+struct Commanded {
+    run: RunId,
+    /// The cycle of the request.
+    since: u64,
+    /// Joint positions at the request, in rad.
+    at_rad: Joints,
+    /// The cycle in which commanding became active.
+    from: Option<u64>,
+    /// The last set-point, in rad, and the sequence counter of the message that it answers.
+    last: Option<(Joints, u32)>,
+    /// Number of cycles within which the arm has to reach it.
+    cycles_left: u32,
+}
+
+struct JointBraking {
+    run: RunId,
+    state: DriveState,
+    from: Option<u64>,
+    /// Initial positions, in rad, initial velocities, in rad/s, and braking times, in s, of the joints.
+    began_rad: Joints,
+    speed_rad_s: Joints,
+    takes_s: Joints,
+    for_s: f64,
+    error: Refusal,
+}
+
+impl JointBraking {
+    /// The current joint positions, in rad: each joint brakes with constant deceleration.
+    fn position(&self) -> Joints {
+        std::array::from_fn(|j| {
+            let t_s = self.for_s.min(self.takes_s[j]);
+            let mean = if t_s > 0.0 { 1.0 - 0.5 * t_s / self.takes_s[j] } else { 0.0 };
+            self.began_rad[j] + self.speed_rad_s[j] * mean * t_s
+        })
+    }
+
+    fn is_over(&self) -> bool {
+        self.takes_s.iter().all(|takes_s| self.for_s >= *takes_s)
+    }
+}
+
+impl Simulation {
+    pub(crate) fn new(
+        robot: Robot,
+        start_rad: Joints,
+        fri: ControllerConfig,
+        noise_rad: f64,
+        boot: u64,
+    ) -> Self {
+        Self {
+            robot,
+            period_s: f64::from(fri.period_ms) * 1e-3,
+            receive_multiplier: fri.receive_multiplier,
+            cycle: 0,
+            q: start_rad,
+            dq: [0.0; 7],
+            activity: Activity::Nothing,
+            outcome: None,
+            boot,
+            fri: Controller::new(fri),
+            pressed_until: None,
+            press_at: None,
+            noise: Noise::new(noise_rad),
+            temperatures: Temperatures::new(),
+            ports: Ports::default(),
+            changed: true,
+        }
+    }
+
+    /// The time of the controller's clock, in s.
+    fn now_s(&self) -> f64 {
+        self.at_s(self.cycle)
+    }
+
+    fn at_s(&self, cycle: u64) -> f64 {
+        cycle as f64 * self.period_s
+    }
+
+    fn cycles(&self, seconds: f64) -> u64 {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+        let cycles = (seconds / self.period_s).ceil() as u64;
+        cycles
+    }
+
+    /// The state as sent to iiwaDrive, if it has changed since the last call.
+    pub(crate) fn take_change(&mut self) -> Option<StateChange> {
+        std::mem::take(&mut self.changed).then(|| self.state())
+    }
+
+    /// The state as sent to iiwaDrive.
+    pub(crate) fn state(&self) -> StateChange {
+        let (state, run) = match &self.activity {
+            Activity::Nothing => (DriveState::Idle, None),
+            Activity::Motions { run, .. } => (DriveState::RunningMotion, Some(*run)),
+            Activity::Commanded(commanded) => (DriveState::RunningTrajectory, Some(commanded.run)),
+            Activity::Braking(braking) => (braking.state, Some(braking.run)),
+        };
+        StateChange { boot: self.boot, state, run, outcome: self.outcome.clone() }
+    }
+
+    /// The current joint positions, in rad.
+    pub(crate) fn position(&self) -> &Joints {
+        &self.q
+    }
+
+    pub(crate) fn fri(&mut self) -> &mut Controller {
+        &mut self.fri
+    }
+
+    /// Presses the emergency stop for a time, in s.
+    pub(crate) fn press_emergency_stop(&mut self, seconds: f64) {
+        self.pressed_until = Some(self.cycle + self.cycles(seconds));
+        let error = Refusal::robot("the emergency stop was pressed");
+        match &mut self.activity {
+            Activity::Nothing | Activity::Braking(_) => {}
+            Activity::Motions { playback, error: why, .. } => {
+                playback.stop(EMERGENCY_STOP_S);
+                *why = Some(error);
+            }
+            Activity::Commanded(_) => self.brake(error),
+        }
+    }
+
+    /// Presses the emergency stop at this share of the next motion.
+    pub(crate) fn press_emergency_stop_at(&mut self, share: Option<f64>) {
+        self.press_at = share;
+    }
+
+    /// Drops the FRI session for a number of seconds.
+    pub(crate) fn drop_session(&mut self, seconds: f64) {
+        self.fri.drop_session(self.cycles(seconds));
+    }
+
+    /// Advances by one cycle, and encodes the FRI message if one is due.
+    pub(crate) fn tick(&mut self, message: &mut Vec<u8>) -> bool {
+        self.cycle += 1;
+        if self.pressed_until.is_some_and(|until| until <= self.cycle) {
+            self.pressed_until = None;
+        }
+        let before = self.q;
+        self.fri.advance();
+        self.advance();
+        self.dq = std::array::from_fn(|j| (self.q[j] - before[j]) / self.period_s);
+        let limits = self.robot.limits();
+        let speed_rel = std::array::from_fn(|j| self.dq[j] / limits.velocity_rad_s[j]);
+        self.temperatures.advance(&speed_rel, self.period_s);
+        let measured_rad = self.q.map(|q| q + self.noise.next());
+        let reading = Reading {
+            measured_rad,
+            commanded_rad: self.q,
+            ipo_rad: Some(self.ipo_rad()),
+            measured_torque_nm: holding_torques(&self.robot, &self.q),
+            external_torque_nm: [0.0; 7],
+            time: Duration::from_secs_f64(self.now_s()),
+            safety: if self.pressed_until.is_some() { Safety::Stop1 } else { Safety::Normal },
+        };
+        self.fri.message(&reading, message)
+    }
+
+    /// Interpolated joint positions of the controller's own motion, in rad. While commanded, that motion holds
+    /// the position at the request: set-points do not change it.
+    fn ipo_rad(&self) -> Joints {
+        match &self.activity {
+            Activity::Commanded(commanded) => commanded.at_rad,
+            _ => self.q,
+        }
+    }
+
+    fn advance(&mut self) {
+        match std::mem::replace(&mut self.activity, Activity::Nothing) {
+            Activity::Nothing => {}
+            Activity::Motions { run, mut playback, from, error } => {
+                playback.advance(self.period_s);
+                self.q = playback.position();
+                if playback.is_over() {
+                    let error = error.filter(|_| playback.is_cut_short());
+                    return self.end(run, Some(from), error);
+                }
+                let share = playback.at_s() / playback.duration_s();
+                self.activity = Activity::Motions { run, playback, from, error };
+                if self.press_at.is_some_and(|at| share >= at) {
+                    self.press_at = None;
+                    self.press_emergency_stop(EMERGENCY_STOP_HELD_S);
+                }
+            }
+            Activity::Commanded(commanded) => self.follow(commanded),
+            Activity::Braking(mut braking) => {
+                braking.for_s += self.period_s;
+                // Outside the joint range no motion could begin any more.
+                self.q = self.robot.limits().clamp(&braking.position());
+                if braking.is_over() {
+                    return self.end(braking.run, braking.from, Some(braking.error));
+                }
+                self.activity = Activity::Braking(braking);
+            }
+        }
+    }
+
+    /// Follows the client's set-points.
+    fn follow(&mut self, mut commanded: Commanded) {
+        let waited_s = (self.cycle - commanded.since) as f64 * self.period_s;
+        let error = match (self.fri.state(), commanded.from) {
+            (SessionState::CommandingActive, _) => self.follow_setpoint(&mut commanded).err(),
+            (_, Some(_)) => Some(Refusal::robot(format!(
+                "the FRI connection became too bad for commanding: quality {}",
+                self.fri.quality().name()
+            ))),
+            (state, None) if waited_s > COMMANDING_TIMEOUT_S => Some(Refusal::robot(format!(
+                "FRI did not reach active commanding within {COMMANDING_TIMEOUT_S} s: session {}, quality {}",
+                state.name(),
+                self.fri.quality().name()
+            ))),
+            // Requested again: the session may have been lost meanwhile.
+            (state, None) => {
+                if !state.commands() {
+                    self.fri.request_commanding();
+                }
+                None
+            }
+        };
+        self.activity = Activity::Commanded(commanded);
+        if let Some(error) = error {
+            self.brake(error);
+            // In this cycle: waiting for the next one would stop the arm abruptly.
+            self.advance();
+        }
+    }
+
+    fn follow_setpoint(&mut self, commanded: &mut Commanded) -> Result<(), Refusal> {
+        commanded.from.get_or_insert(self.cycle);
+        let limits = self.robot.limits();
+        if let Some(setpoint) = self.fri.setpoint() {
+            if let Err(outside) = limits.check(setpoint) {
+                return Err(Refusal::new(
+                    Code::Limit,
+                    format!("a set-point is outside a range: {outside}"),
+                ));
+            }
+            // Times by the answered messages: the latency of answers varies.
+            let answered = self.fri.answered().unwrap_or_default();
+            let first = (self.q, answered.wrapping_sub(self.receive_multiplier));
+            let (last, before) = commanded.last.unwrap_or(first);
+            let elapsed_s = f64::from(answered.wrapping_sub(before).max(1)) * self.period_s;
+            let most = |j: usize| limits.velocity_rad_s[j] * SETPOINT_MARGIN * elapsed_s;
+            if let Some(j) = (0..7).find(|&j| (setpoint[j] - last[j]).abs() > most(j) + 1e-6) {
+                return Err(Refusal::new(
+                    Code::Limit,
+                    format!("the set-points exceeded the velocity limit of joint {}", j + 1),
+                ));
+            }
+            if commanded.last.is_none_or(|(last, _)| last != *setpoint) {
+                commanded.last = Some((*setpoint, answered));
+                commanded.cycles_left = self.receive_multiplier;
+            }
+            commanded.cycles_left = commanded.cycles_left.max(1);
+        }
+        let Some((target, _)) = commanded.last else { return Ok(()) };
+        self.q = std::array::from_fn(|j| {
+            let q = self.q[j];
+            let (lower, upper) = (limits.lower_rad[j], limits.upper_rad[j]);
+            let step = match commanded.cycles_left {
+                0 => {
+                    // Without a new set-point, the motion is extrapolated as long as the joint can
+                    // still stop within its range.
+                    let stops = |room_rad: f64| {
+                        let braking = limits.acceleration_rad_s2[j] * BRAKING_MARGIN;
+                        fastest(room_rad, braking, self.period_s)
+                    };
+                    self.dq[j].clamp(-stops(q - lower), stops(upper - q)) * self.period_s
+                }
+                cycles => (target[j] - q) / f64::from(cycles),
+            };
+            let most = limits.velocity_rad_s[j] * SETPOINT_MARGIN * self.period_s;
+            (q + step.clamp(-most, most)).clamp(lower, upper)
+        });
+        commanded.cycles_left = commanded.cycles_left.saturating_sub(1);
+        Ok(())
+    }
+
+    /// Brings the arm to rest on a straight line in joint space, except for joints that would leave their
+    /// range.
+    fn brake(&mut self, error: Refusal) {
+        if let Activity::Commanded(Commanded { run, from, .. }) = self.activity {
+            self.fri.release();
+            let limits = self.robot.limits();
+            let takes_s = std::array::from_fn(|j| {
+                let speed = self.dq[j];
+                let end_rad = if speed > 0.0 { limits.upper_rad[j] } else { limits.lower_rad[j] };
+                let room_rad = ((end_rad - self.q[j]) * speed.signum()).max(0.0);
+                if speed == 0.0 { 0.0 } else { EMERGENCY_STOP_S.min(2.0 * room_rad / speed.abs()) }
+            });
+            self.activity = Activity::Braking(JointBraking {
+                run,
+                state: DriveState::RunningTrajectory,
+                from,
+                began_rad: self.q,
+                speed_rad_s: self.dq,
+                takes_s,
+                for_s: 0.0,
+                error,
+            });
+        }
+    }
+
+    fn end(&mut self, run: RunId, from: Option<u64>, error: Option<Refusal>) {
+        self.fri.release();
+        self.outcome = Some(Outcome {
+            run,
+            start_s: from.map(|from| self.at_s(from)),
+            end_s: self.now_s(),
+            error,
+        });
+        self.activity = Activity::Nothing;
+        self.changed = true;
+    }
+
+    /// Checks that a run may begin.
+    pub(crate) fn check_ready(&self) -> Result<(), Refusal> {
+        if self.pressed_until.is_some() {
+            return Err(Refusal::robot("the emergency stop is pressed"));
+        }
+        match &self.activity {
+            Activity::Nothing => Ok(()),
+            _ => Err(Refusal::new(Code::NotIdle, "the robot is busy with another run")),
+        }
+    }
+
+    /// Begins planned motions.
+    pub(crate) fn begin(&mut self, run: RunId, trajectory: Trajectory) -> Result<(), Refusal> {
+        self.check_ready()?;
+        let start = trajectory.at(0.0).q;
+        if (0..7).any(|j| (start[j] - self.q[j]).abs() > 1e-9) {
+            return Err(Refusal::robot("the arm has moved since the motions were planned"));
+        }
+        let playback = Box::new(Playback::new(trajectory));
+        self.activity = Activity::Motions { run, playback, from: self.cycle, error: None };
+        self.changed = true;
+        Ok(())
+    }
+
+    /// Carries out an instruction other than those about motions.
+    pub(crate) fn carry_out(
+        &mut self,
+        instruction: Instruction,
+    ) -> Result<Acknowledgement, Refusal> {
+        let mut answer = Acknowledgement::default();
+        match instruction {
+            Instruction::RunMotions { .. } | Instruction::Begin { .. } => {}
+            Instruction::RunTrajectory { run } => {
+                self.check_ready()?;
+                if self.period_s > MAX_COMMANDING_PERIOD_S {
+                    return Err(Refusal::robot(format!(
+                        "FRI sends every {} ms; commanding requires every 1 to {} ms",
+                        self.period_s * 1e3,
+                        MAX_COMMANDING_PERIOD_S * 1e3
+                    )));
+                }
+                self.fri.request_commanding();
+                self.activity = Activity::Commanded(Commanded {
+                    run,
+                    since: self.cycle,
+                    at_rad: self.q,
+                    from: None,
+                    last: None,
+                    cycles_left: 0,
+                });
+                self.changed = true;
+            }
+            Instruction::EndTrajectory { run } => {
+                if let Activity::Commanded(commanded) = &self.activity
+                    && commanded.run == run
+                {
+                    if self.dq.iter().any(|dq| dq.abs() > REST_RAD_S) {
+                        self.brake(Refusal::robot("the trajectory was ended while the arm moved"));
+                    } else {
+                        let from = commanded.from;
+                        self.end(run, from, None);
+                    }
+                }
+            }
+            Instruction::Stop => match &mut self.activity {
+                Activity::Nothing | Activity::Braking(_) => {}
+                Activity::Motions { playback, error, .. } => {
+                    let (at_s, of_s) = (playback.at_s(), playback.duration_s());
+                    playback.stop(STOP_S);
+                    error.get_or_insert_with(|| {
+                        Refusal::robot(format!("stopped on request at {at_s:.2} of {of_s:.2} s"))
+                    });
+                }
+                Activity::Commanded(_) => {
+                    self.brake(Refusal::robot("stopped on request"));
+                }
+            },
+            Instruction::ReadSensors => {
+                answer.sensors = Some(Sensors::new(self.temperatures.celsius(), [0.0; 7]));
+            }
+            Instruction::GetIo { name } => answer.value = Some(self.ports.get(&name)?),
+            Instruction::SetIo { name, value } => {
+                answer.value = Some(self.ports.set(&name, value)?);
+            }
+        }
+        Ok(answer)
+    }
+}
+
+/// How long a simulated emergency stop stays pressed, in s.
+pub(crate) const EMERGENCY_STOP_HELD_S: f64 = 2.0;
+
+/// Velocities below this are rest, in rad/s.
+const REST_RAD_S: f64 = 1e-3;
+
+/// Plans motions from `start_rad`, in rad.
+pub(crate) fn plan(
+    robot: &Robot,
+    start_rad: Joints,
+    motions: Vec<Motion>,
+) -> Result<Trajectory, Refusal> {
+    let program = Program { robot: None, start_rad, motions };
+    let path = JointPath::new(&program, robot)
+        .map_err(|fault| Refusal::new(Code::Limit, fault.to_string()))?;
+    Trajectory::plan(&path, Timing::default()).map_err(|error| Refusal::robot(error.to_string()))
+}

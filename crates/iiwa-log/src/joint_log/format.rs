@@ -1,0 +1,36 @@
+//! Which format a file has.
+
+use std::io::{Cursor, Read};
+
+use super::table::HEAD_BYTES;
+use super::{JointLog, JointLogError, recording, table};
+use crate::reader::read as read_once;
+
+impl JointLog {
+    /// Reads a recording in any of the [formats](Self#formats), in one pass. Buffering the stream
+    /// is not needed.
+    ///
+    /// A recording that is read has at least one sample.
+    ///
+    /// # Errors
+    ///
+    /// Any [`JointLogError`], apart from those of the checks against a robot.
+    pub fn read<R: Read>(mut stream: R) -> Result<Self, JointLogError> {
+        let mut head = vec![0; HEAD_BYTES];
+        let mut len = 0;
+        while len < head.len() {
+            match read_once(&mut stream, &mut head[len..])? {
+                0 => break,
+                read => len += read,
+            }
+        }
+        head.truncate(len);
+        if head.is_empty() {
+            return Err(JointLogError::Empty);
+        }
+        if recording::is_mcap(&head) {
+            return recording::read(Cursor::new(head).chain(stream));
+        }
+        table::read(&head, stream)
+    }
+}

@@ -1,0 +1,156 @@
+//! What is read of each format.
+
+use std::io::{self, Read};
+
+use iiwa_log::{JointLog, JointLogError, Source};
+use proptest::prelude::*;
+
+use crate::{DATA_RECORDER, HEADER, millis, read, recording, swing, table};
+
+#[test]
+fn mcap() {
+    let log = JointLog::read(&*recording(1500, &[("robot", "my_robot")])).unwrap();
+    assert_eq!(log.t_s, millis(1500));
+    assert_eq!(log.q_rad, log.t_s.iter().map(|t_s| swing(*t_s)).collect::<Vec<_>>());
+    assert_eq!(log.robot.as_deref(), Some("my_robot"));
+    assert_eq!(log.program.as_deref(), Some("{\"version\": 1}"));
+    assert_eq!(log.source, Some(Source::Mcap));
+    assert_eq!(log.losses, []);
+    assert_eq!(log.duration_s(), 1.499);
+    assert!((log.period_s().unwrap() - 0.001).abs() < 1e-12);
+}
+
+#[test]
+fn the_robot_of_a_recording_without_metadata_is_the_described_one() {
+    let log = JointLog::read(&*recording(10, &[])).unwrap();
+    assert_eq!(log.robot.as_deref(), Some("lbr_iiwa_14_r820"));
+}
+
+#[test]
+fn csv_as_it_is_written() {
+    let text = table(&millis(100));
+    assert!(text.starts_with(&format!("{HEADER}\n0.0,0.0,")), "{text}");
+    let log = read(&text).unwrap();
+    assert_eq!(log.t_s, millis(100));
+    assert_eq!(log.q_rad, log.t_s.iter().map(|t_s| swing(*t_s)).collect::<Vec<_>>());
+    assert_eq!((log.robot, log.program, log.source), (None, None, Some(Source::Table)));
+    assert_eq!(log.losses, []);
+}
+
+#[test]
+fn every_name_and_delimiter() {
+    let expected = read("t q1 q2 q3 q4 q5 q6 q7\n0.5 .1 .2 .3 .4 .5 .6 .7\n").unwrap();
+    assert_eq!(expected.t_s, [0.5]);
+    assert_eq!(expected.q_rad, [[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]]);
+    for (stem, unit) in
+        [("joint_", "_rad"), ("iiwa_joint_", ""), ("q", "_rad"), ("A", ""), ("Joint_", "")]
+    {
+        for time in ["t_s", "time_s", "Time", "t"] {
+            for between in [",", ";", "\t", " ", "   ", " ; ", ", "] {
+                for (end, quote) in [("\n", ""), ("\r\n", "\""), ("\r\n", ""), ("\n", "\"")] {
+                    let header = (1..=7).map(|joint| format!("{quote}{stem}{joint}{unit}{quote}"));
+                    let header: Vec<_> =
+                        [format!("{quote}{time}{quote}")].into_iter().chain(header).collect();
+                    let row: Vec<_> = [0.5, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]
+                        .map(|value| format!("{quote}{value}{quote}"))
+                        .into();
+                    let text = [header.join(between), row.join(between), String::new()].join(end);
+                    let log = read(&text).unwrap_or_else(|error| panic!("{text}{error}"));
+                    assert_eq!(log, expected, "{text}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn other_columns_in_any_order() {
+    let log = read(
+        "\u{feff}\n  \nnote;q7;q6_deg;q5;q4;q3;q2;q1_rad;force_n;time_s;\n\
+         begin, here;7e-1;190;.5;.4;.3;.2;+0.1;NaN;-1e1;\n\n   \n\
+         ;0.7;-90.0;0.5;0.4;0.3;0.2;0.1;;0;\n",
+    );
+    let log = log.unwrap_err().to_string();
+    // 190 degrees are beyond any joint, and the line counts from the file's first.
+    assert!(log.starts_with("line 4: joint 6 at 190 degrees"), "{log}");
+    let log = read(
+        "note;q7;q6_deg;q5;q4;q3;q2;q1_rad;force_n;time_s;\n\
+         begin, here;7e-1;18;.5;.4;.3;.2;+0.1;NaN;-1e1;\n\n   \n\
+         ;0.7;-90.0;0.5;0.4;0.3;0.2;0.1;;0;\n",
+    )
+    .unwrap();
+    assert_eq!(log.t_s, [-10.0, 0.0]);
+    assert_eq!(log.q_rad[0], [0.1, 0.2, 0.3, 0.4, 0.5, 18_f64.to_radians(), 0.7]);
+    assert_eq!(log.q_rad[1][5], -90_f64.to_radians());
+}
+
+#[test]
+fn data_recorder() {
+    let log = JointLog::read(DATA_RECORDER).unwrap();
+    assert_eq!(log.source, Some(Source::Measured));
+    assert_eq!(
+        log.source.unwrap().to_string(),
+        "a DataRecorder log, measured positions (axisQMsr)"
+    );
+    assert_eq!(log.robot.as_deref(), Some("lbr_iiwa_7_r800"));
+    // The stamps pass a whole second, and are too large for a double with all their digits.
+    assert_eq!(log.t_s, [0.0, 0.001, 0.002, 0.003, 0.004]);
+    assert_eq!(log.q_rad[0], [0.1, 0.2, -0.3, -1.5, 0.5, 0.6, -0.7]);
+    assert_eq!(log.q_rad[4], [0.1004, 0.2004, -0.3004, -1.5004, 0.5004, 0.6004, -0.7004]);
+    assert_eq!(log.losses, []);
+
+    let text = std::str::from_utf8(DATA_RECORDER).unwrap();
+    let commanded = read(&text.replace("axisQMsr", "axisTorque")).unwrap();
+    assert_eq!(commanded.source, Some(Source::Commanded));
+    assert_eq!(commanded.q_rad[0], [0.11, 0.21, -0.31, -1.51, 0.51, 0.61, -0.71]);
+    for between in ["\t", ";", ",", "  "] {
+        assert_eq!(read(&text.replace(' ', between)).unwrap(), log);
+    }
+    let other = read(&text.replace("iiwa_7_R800", "iiwa_14_R820")).unwrap();
+    assert_eq!(other.robot.as_deref(), Some("lbr_iiwa_14_r820"));
+    let other = read(&text.replace("LBR_iiwa_7_R800_1", "Arm")).unwrap();
+    assert_eq!(other.robot.as_deref(), Some("arm"));
+}
+
+#[test]
+fn what_a_file_is_does_not_depend_on_how_it_comes() {
+    /// Gives a byte at a time, and is interrupted every other time.
+    struct Slow<'a>(&'a [u8], bool);
+
+    impl Read for Slow<'_> {
+        fn read(&mut self, room: &mut [u8]) -> io::Result<usize> {
+            self.1 = !self.1;
+            if self.1 {
+                return Err(io::ErrorKind::Interrupted.into());
+            }
+            let len = room.len().min(1);
+            self.0.read(&mut room[..len])
+        }
+    }
+
+    for bytes in [recording(20, &[]), table(&millis(20)).into_bytes(), DATA_RECORDER.to_vec()] {
+        let log = JointLog::read(Slow(&bytes, false)).unwrap();
+        assert_eq!(log, JointLog::read(&*bytes).unwrap());
+    }
+}
+
+proptest! {
+    #[test]
+    fn csv_comes_back(
+        t_s in proptest::collection::btree_set(-1_000_000_000_000_i64..1_000_000_000_000, 1..40),
+        q_rad in proptest::collection::vec(proptest::array::uniform7(-3.0..3.0_f64), 40),
+    ) {
+        // Far enough apart that no joint is too fast.
+        let t_s: Vec<f64> = t_s.into_iter().map(|t| t as f64 / 7.0).collect();
+        let log = JointLog::new(t_s.clone(), q_rad[..t_s.len()].to_vec());
+        let mut bytes = Vec::new();
+        log.write_csv(&mut bytes).unwrap();
+        match JointLog::read(&*bytes) {
+            Ok(found) => {
+                prop_assert_eq!(found.t_s, log.t_s);
+                prop_assert_eq!(found.q_rad, log.q_rad);
+            }
+            Err(error) => prop_assert!(matches!(error, JointLogError::TooFast { .. }), "{}", error),
+        }
+    }
+}
