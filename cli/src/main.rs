@@ -19,13 +19,11 @@ mod twin;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 use args::{Arguments, Command};
 use failure::Failure;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::read();
     let result = match arguments.command {
         Command::Plan(options) => commands::plan::run(&options),
         Command::Experiment(options) => commands::experiment::run(&options),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{EXIT_CODES, number};
+use super::values::at_least_0;
 
 /// Hold a recording against a plan: how far the cycle time was off, and how far the arm was off its
 /// path.
@@ -22,7 +22,6 @@ use super::{EXIT_CODES, number};
 /// If the program is in the recording more than once, the first time counts. A recording of another
 /// program, or of a part of the program, is refused.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Compare {
     /// What was planned: an MCAP file of `iiwasim plan`
     #[arg(value_name = "PLAN.mcap")]
@@ -52,9 +51,4 @@ pub(crate) struct Compare {
     /// Built-in model or robot profile, instead of the plan's
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
-}
-
-fn at_least_0(text: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    if value >= 0.0 { Ok(value) } else { Err("a limit cannot be negative".into()) }
 }

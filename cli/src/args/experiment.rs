@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, ValueEnum};
 use iiwa_link::security::Endpoint;
 
-use super::{ClientKeys, EXIT_CODES, link, rate};
+use super::{
+    addresses::{ClientKeys, STREAM},
+    values::{noise, percent_above_zero, sampling_rate},
+};
 
 /// Do an experiment of the thesis again (Larsen 2019), on the robot or on a virtual one.
 ///
@@ -27,7 +30,7 @@ use super::{ClientKeys, EXIT_CODES, link, rate};
 /// of no tool: its space has to be free. How far each joint will go is told first. The folder has to be
 /// new or empty. Ctrl-C stops the robot on its path; what was recorded before stays.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES, group = ArgGroup::new("on").required(true))]
+#[command(group = ArgGroup::new("on").required(true))]
 pub(crate) struct Experiment {
     /// Which one
     #[arg(value_enum, value_name = "NAME")]
@@ -62,7 +65,7 @@ pub(crate) struct Experiment {
     pub(crate) virtual_robot: Option<String>,
 
     /// Standard deviation of the virtual robot's joint positions as measured, in rad
-    #[arg(long, value_name = "RAD", default_value_t = 1e-5, value_parser = link::noise, conflicts_with = "drive")]
+    #[arg(long, value_name = "RAD", default_value_t = 1e-5, value_parser = noise, conflicts_with = "drive")]
     pub(crate) noise: f64,
 
     /// Samples of the virtual robot a second, 50 to 10000 [default: 1000; 200 for cycle-time]
@@ -80,11 +83,11 @@ pub(crate) struct Experiment {
 
     /// Let the arm move to the start of each program, at this share of the limits of velocity, in per
     /// cent: 10 where none is given
-    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = link::percent_above_zero, requires = "drive")]
+    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = percent_above_zero, requires = "drive")]
     pub(crate) move_to_start: Option<f64>,
 
     /// Where the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = link::STREAM)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]
@@ -112,14 +115,5 @@ impl ExperimentName {
     /// As it is on the command line.
     pub(crate) fn name(self) -> String {
         self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
-    }
-}
-
-fn sampling_rate(text: &str) -> Result<f64, String> {
-    let value = rate(text)?;
-    if (50.0..=10_000.0).contains(&value) {
-        Ok(value)
-    } else {
-        Err("a rate is from 50 to 10000 Hz here".to_owned())
     }
 }

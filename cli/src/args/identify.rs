@@ -4,8 +4,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::EXIT_CODES;
-
 /// Find a robot's limits, its time to settle and the curve of its blends in recordings of it.
 ///
 /// Each recording is followed along its program from stop to stop. Limits come from motions along lines
@@ -22,7 +20,6 @@ use super::EXIT_CODES;
 /// The profile that it writes works with `iiwasim plan --robot PROFILE.json`. `iiwasim experiment` makes
 /// programs that show all of it.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Identify {
     /// What the robot did: MCAP files of `iiwasim run` or `experiment`, which hold their programs, or with
     /// --program of `iiwasim record`, `DataRecorder` logs or CSV files with the columns `t_s` and

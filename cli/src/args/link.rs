@@ -5,20 +5,16 @@ use std::{net::SocketAddr, path::PathBuf};
 use clap::{Args, Subcommand};
 use iiwa_link::{message::IoValue, security::Endpoint};
 
-use super::{EXIT_CODES, number, seconds, seven};
-
-/// Where a drive takes requests by default ([`iiwa_link::INSTRUCTIONS_PORT`]).
-const DRIVE: &str = "127.0.0.1:5560";
-
-/// Where a drive publishes by default ([`iiwa_link::STREAM_PORT`]).
-pub(super) const STREAM: &str = "127.0.0.1:5561";
+use super::{
+    addresses::{ClientKeys, DRIVE, DriveAddress, STREAM, ServerKeys},
+    values::{at_least_0, io_value, noise, percent, percent_above_zero, period, seven, speed},
+};
 
 /// Make keys for connections that leave this machine: NAME.key, which is secret, and NAME.pub.
 ///
 /// Each side makes its own, and gives its .pub file to the other one. Existing files are never
 /// overwritten. `zmq.auth.load_certificate` of pyzmq reads them, too.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Keygen {
     /// Whose keys they are, as `drive` or `alice`; clients are called by this in the drive's log
     #[arg(value_name = "NAME")]
@@ -38,7 +34,6 @@ pub(crate) struct Keygen {
 ///
 /// Without keys it listens to this machine only.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Drive {
     /// Where clients send requests to
     #[arg(long, value_name = "HOST:PORT", default_value = DRIVE)]
@@ -76,24 +71,11 @@ pub(crate) struct Drive {
     pub(crate) cabinet_key: Option<PathBuf>,
 }
 
-/// What lets in clients from other machines.
-#[derive(Args, Debug)]
-pub(crate) struct ServerKeys {
-    /// Own key of `iiwasim keygen`: without it, only this machine may connect
-    #[arg(long, value_name = "FILE.key", requires = "allow")]
-    pub(crate) key: Option<PathBuf>,
-
-    /// Public keys of those that may connect: a file, or a folder of *.pub files
-    #[arg(long, value_name = "FOLDER", requires = "key")]
-    pub(crate) allow: Option<PathBuf>,
-}
-
 /// Simulate the robot and its cabinet: what `iiwasim drive` connects to.
 ///
 /// A controller with FRI in real time and a robot program that runs motions as this project plans them,
 /// sensors, inputs and outputs. It ends with Ctrl-C, and says how fast it was answered.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Cabinet {
     /// Time from one message of FRI to the next, in ms: 1 to 10 to be commanded, up to 100 to be watched
     #[arg(long, value_name = "MS", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
@@ -152,12 +134,12 @@ pub(crate) struct CabinetFaults {
 
     /// Let nothing of FRI through for a second, so many seconds after the start, and again after the
     /// same time
-    #[arg(long, value_name = "S", value_parser = above_zero)]
+    #[arg(long, value_name = "S", value_parser = period)]
     pub(crate) silence_every: Option<f64>,
 
     /// Drop the session of FRI for a second, so many seconds after the start, and again after the same
     /// time
-    #[arg(long, value_name = "S", value_parser = above_zero)]
+    #[arg(long, value_name = "S", value_parser = period)]
     pub(crate) drop_session_every: Option<f64>,
 
     /// Press the emergency stop once, at this part of a run of motions, in per cent; it is released after
@@ -166,35 +148,11 @@ pub(crate) struct CabinetFaults {
     pub(crate) emergency_stop: Option<f64>,
 }
 
-/// The drive that a command speaks to.
-#[derive(Args, Debug)]
-pub(crate) struct DriveAddress {
-    /// Where the drive takes requests
-    #[arg(long, value_name = "HOST:PORT", default_value = DRIVE)]
-    pub(crate) drive: Endpoint,
-
-    #[command(flatten)]
-    pub(crate) keys: ClientKeys,
-}
-
-/// What a client shows to be let in.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct ClientKeys {
-    /// Own key of `iiwasim keygen`, for a drive that asks for keys
-    #[arg(long, value_name = "FILE.key", requires = "server_key")]
-    pub(crate) key: Option<PathBuf>,
-
-    /// The drive's public key
-    #[arg(long, value_name = "FILE.pub", requires = "key")]
-    pub(crate) server_key: Option<PathBuf>,
-}
-
 /// Run a motion program on the robot, and hold the time it takes against the plan.
 ///
 /// The program is planned first and the figures are shown. Then the drive runs it, and what the robot did
 /// is written as MCAP. Ctrl-C stops the robot on its path; what it did until then is written too.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Run {
     /// Motion program in JSON (`iiwasim schema` describes it); - reads standard input
     #[arg(value_name = "PROGRAM.json")]
@@ -239,14 +197,13 @@ pub(crate) struct Run {
 ///
 /// The file is whole at any time: if the recorder is killed, the last second is lost at most.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Record {
     /// Where the MCAP file goes; an existing one is not overwritten
     #[arg(short, long, value_name = "FILE.mcap")]
     pub(crate) output: PathBuf,
 
     /// End after so many seconds
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = at_least_0)]
     pub(crate) seconds: Option<f64>,
 
     /// Built-in model or robot profile that the file's link frames are those of
@@ -265,7 +222,6 @@ pub(crate) struct Record {
 ///
 /// This is no emergency stop: it needs the network, the drive and the robot program.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Stop {
     #[command(flatten)]
     pub(crate) drive: DriveAddress,
@@ -273,7 +229,6 @@ pub(crate) struct Stop {
 
 /// Print what the robot does now, where it is, and how the connection to it is.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Status {
     /// Print one JSON object: `state`, `joints_rad`, `t_s`, `fri`, `robot_program`
     #[arg(long)]
@@ -294,7 +249,6 @@ pub(crate) struct Status {
 
 /// Read the robot's sensors: temperatures of the joints, torques from outside.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Sensors {
     /// Print one JSON object: `joint_temperature_c`, `external_torque_nm`
     #[arg(long)]
@@ -306,7 +260,6 @@ pub(crate) struct Sensors {
 
 /// Read inputs and outputs of the robot, and set outputs.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Io {
     #[command(subcommand)]
     pub(crate) action: IoAction,
@@ -334,34 +287,4 @@ pub(crate) enum IoAction {
         #[command(flatten)]
         drive: DriveAddress,
     },
-}
-
-fn io_value(text: &str) -> Result<IoValue, String> {
-    serde_json::from_str(text).map_err(|_| format!("`{text}` is not true, false or a number"))
-}
-
-fn within(text: &str, low: f64, high: f64, what: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    let inside = (low..=high).contains(&value);
-    if inside { Ok(value) } else { Err(format!("{what} is from {low} to {high}")) }
-}
-
-fn speed(text: &str) -> Result<f64, String> {
-    within(text, 0.01, 100.0, "a speed")
-}
-
-pub(super) fn noise(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 0.1, "noise")
-}
-
-fn percent(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 100.0, "a share in per cent")
-}
-
-pub(super) fn percent_above_zero(text: &str) -> Result<f64, String> {
-    within(text, 0.1, 100.0, "a share in per cent")
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    within(text, 0.1, 1e6, "a time in s")
 }

@@ -4,8 +4,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::EXIT_CODES;
-
 /// Make a page to look at: the arm in motion, its path, its joints over time, its motions.
 ///
 /// The page is one HTML file that needs no network: the arm in 3D with play, pause, scrub and speed;
@@ -18,7 +16,6 @@ use super::EXIT_CODES;
 /// has all up to the break, and states where it is. Long files are thinned out for the screen: each column of a
 /// curve spans from its lowest to its highest value.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Report {
     /// An MCAP file of `iiwasim plan`, `run` or `record`, a `DataRecorder` log, or a CSV file with the
     /// columns `t_s` and `joint_1_rad` (or `_deg`) to `joint_7_rad`

@@ -5,7 +5,10 @@ use std::{net::SocketAddr, path::PathBuf};
 use clap::Args;
 use iiwa_link::security::Endpoint;
 
-use super::{DriveAddress, EXIT_CODES, link, millimetres};
+use super::{
+    addresses::{DriveAddress, STREAM},
+    values::at_least_0,
+};
 
 /// Follow the robot on a page: see it move, save positions, plan, send and replay programs.
 ///
@@ -18,7 +21,6 @@ use super::{DriveAddress, EXIT_CODES, link, millimetres};
 /// and through those of `iiwasim run`. Ctrl-C ends the twin; a run that it has begun is stopped on its
 /// path.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Twin {
     /// Port of the page on this machine; 0 takes a free one
     #[arg(long, value_name = "PORT", default_value_t = 5562)]
@@ -29,7 +31,7 @@ pub(crate) struct Twin {
     pub(crate) scene: Option<PathBuf>,
 
     /// No program is sent that comes nearer to the scene, in mm
-    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = millimetres)]
+    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = at_least_0)]
     pub(crate) min_clearance: f64,
 
     /// Folder for the programs that are sent, their plans and what the robot did, made if there is none
@@ -52,7 +54,7 @@ pub(crate) struct Twin {
     pub(crate) robot: String,
 
     /// Where the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = link::STREAM)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]

@@ -1,0 +1,47 @@
+//! Addresses and keys of connections, which several commands take.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use iiwa_link::security::Endpoint;
+
+/// Where a drive takes requests by default ([`iiwa_link::INSTRUCTIONS_PORT`]).
+pub(super) const DRIVE: &str = "127.0.0.1:5560";
+
+/// Where a drive publishes by default ([`iiwa_link::STREAM_PORT`]).
+pub(super) const STREAM: &str = "127.0.0.1:5561";
+
+/// The drive that a command speaks to.
+#[derive(Args, Debug)]
+pub(crate) struct DriveAddress {
+    /// Where the drive takes requests
+    #[arg(long, value_name = "HOST:PORT", default_value = DRIVE)]
+    pub(crate) drive: Endpoint,
+
+    #[command(flatten)]
+    pub(crate) keys: ClientKeys,
+}
+
+/// What a client shows to be let in.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct ClientKeys {
+    /// Own key of `iiwasim keygen`, for a drive that asks for keys
+    #[arg(long, value_name = "FILE.key", requires = "server_key")]
+    pub(crate) key: Option<PathBuf>,
+
+    /// The drive's public key
+    #[arg(long, value_name = "FILE.pub", requires = "key")]
+    pub(crate) server_key: Option<PathBuf>,
+}
+
+/// What lets in clients from other machines.
+#[derive(Args, Debug)]
+pub(crate) struct ServerKeys {
+    /// Own key of `iiwasim keygen`: without it, only this machine may connect
+    #[arg(long, value_name = "FILE.key", requires = "allow")]
+    pub(crate) key: Option<PathBuf>,
+
+    /// Public keys of those that may connect: a file, or a folder of *.pub files
+    #[arg(long, value_name = "FOLDER", requires = "key")]
+    pub(crate) allow: Option<PathBuf>,
+}
