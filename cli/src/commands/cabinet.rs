@@ -6,7 +6,7 @@ use iiwa_drive::{Cabinet, CabinetConfig, Faults};
 
 use crate::{
     args, connection,
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     input::find_robot,
     log, output,
 };
@@ -38,7 +38,7 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     output::catch_interrupts();
     log::start();
     let cabinet = Cabinet::start(config, &server).map_err(|error| connection::refused(&error))?;
-    tell(&format!(
+    print_note(&format!(
         "Simulated cabinet: instructions at {}, state at {}, FRI every {} ms to UDP {}. Ctrl-C ends it.\n",
         cabinet.instructions(),
         cabinet.state(),
@@ -64,7 +64,7 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
             .quantile(share)
             .map_or_else(|| "-".to_owned(), |t| format!("{} us", t.as_micros()))
     };
-    tell(&format!(
+    print_note(&format!(
         "{} messages, {} answers: after {} (median), {} (99.9 %), {} (maximum); {} cycles held up here\n",
         report.cycles,
         report.latency.count(),

@@ -7,7 +7,7 @@ use iiwa_link::{Remote, security::ClientSecurity};
 
 use crate::{
     args, connection,
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     input::find_robot,
     log, output,
 };
@@ -36,21 +36,21 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
     log::start();
     let drive =
         Drive::start(config, &clients, &cabinet).map_err(|error| connection::refused(&error))?;
-    tell(&format!(
+    print_note(&format!(
         "iiwaDrive: requests at {}, stream at {}, FRI at UDP {}, cabinet {host}. Ctrl-C ends it.\n",
         drive.instructions(),
         drive.stream(),
         drive.fri()
     ));
     if !drive.answer_latency().real_time {
-        tell(
+        print_note(
             "The system does not let it answer ahead of other programs: to command at 1 ms, give the user \
              rtprio in /etc/security/limits.conf, or the program cap_sys_nice (setcap).\n",
         );
     }
     output::wait_for_interrupt(|| ());
     let AnswerLatency { received, answered, behind, slowest, .. } = drive.answer_latency();
-    tell(&format!(
+    print_note(&format!(
         "{received} messages, {answered} answers: within {} us at most; {behind} left when the next message was \
          there already\n",
         slowest.as_micros()

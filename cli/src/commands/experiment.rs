@@ -14,10 +14,10 @@ use iiwa_view::{
 
 use crate::{
     args::{DriveAddress, Experiment, ExperimentName},
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     input, output,
     progress::Progress,
-    runner::Line,
+    runner::DriveConnection,
 };
 
 use self::{
@@ -64,8 +64,8 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         (Some(drive), Some(to_start)) => {
             let keys = options.keys.clone();
             let address = DriveAddress { drive: drive.clone(), keys };
-            let line = Box::new(Line::new(&address, &options.stream)?);
-            tell(&motion_warning(programs.iter().flat_map(|(_, trials)| trials), count));
+            let line = Box::new(DriveConnection::new(&address, &options.stream)?);
+            print_note(&motion_warning(programs.iter().flat_map(|(_, trials)| trials), count));
             Arm::Real { line, to_start }
         }
         _ => Arm::Virtual(Box::new(VirtualArm {

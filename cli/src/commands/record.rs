@@ -13,7 +13,7 @@ use iiwa_log::{Config, Recorder, RecorderConfig};
 use crate::{
     args::Record,
     connection,
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     input::find_robot,
     output,
     progress::Progress,
@@ -66,7 +66,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
             }
             // What is there is kept.
             Err(error) => {
-                progress.aside(|| tell(&format!("The stream broke off: {error}\n")));
+                progress.aside(|| print_note(&format!("The stream broke off: {error}\n")));
                 break;
             }
         };
@@ -96,7 +96,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
                     told = true;
                     let at = &options.stream;
                     progress.aside(|| {
-                        tell(&format!(
+                        print_note(&format!(
                             "Nothing comes from {at} yet; is `iiwasim drive` running there?\n"
                         ));
                     });

@@ -6,7 +6,7 @@ use iiwa_view::{Extent, Page, PageOptions, printable};
 
 use crate::{
     args::Report,
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     input::find_robot,
     output::{self, Output},
 };
@@ -23,7 +23,7 @@ pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let how = PageOptions { robot, extent: Extent::Whole, interrupted: output::interrupted };
     let page = Page::read(&options.file, options.measured.as_deref(), &how)?;
     for note in page.notes() {
-        tell(&format!("Note: {}\n", printable(note)));
+        print_note(&format!("Note: {}\n", printable(note)));
     }
     let output = Output::new(&target)?;
     output.write(page.html()?.as_bytes())?;

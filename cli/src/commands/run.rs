@@ -15,7 +15,7 @@ use crate::{
     failure::Failure,
     input::{self, Text},
     output::{self, Output},
-    runner::{Line, Task, go_to_start, recording, since_start, watch},
+    runner::{DriveConnection, Task, execute_with_progress, go_to_start, recording, since_start},
 };
 
 /// Time from one point of a trajectory to the next, in s.
@@ -28,7 +28,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     output::catch_interrupts();
     let (plan, figures) = plan(&text, &program, &robot)?;
 
-    let mut line = Line::new(&options.drive, &options.stream)?;
+    let mut line = DriveConnection::new(&options.drive, &options.stream)?;
     if !options.json {
         output::print(&plan_table(&figures))?;
     }
@@ -41,7 +41,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     go_to_start(&mut line, options.move_to_start, &program.start_rad)?;
     output::check_interrupt()?;
 
-    let watched = watch(&mut line, task, Some(plan.cycle_time_s()));
+    let watched = execute_with_progress(&mut line, task, Some(plan.cycle_time_s()));
     let (measured, failure) = match watched.result {
         Ok(measured) => (measured, None),
         Err(ClientError::Refused { refusal, run }) => {
@@ -58,7 +58,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
             // A motion needs no drive to go on.
             let failure =
                 connection::failed("the run broke off, the robot may still be moving", &error);
-            (Measured { samples: watched.seen, ..Measured::default() }, Some(failure))
+            (Measured { samples: watched.streamed, ..Measured::default() }, Some(failure))
         }
     };
     let samples = since_start(&measured);

@@ -180,7 +180,7 @@ fn without_a_cabinet_it_is_said_soon() {
             .stdout(contains("joints         unknown").and(contains("robot program  silent")));
         rig.iiwasim("run", &[rig.slow_program()])
             .code(1)
-            .stderr(contains("the drive does not hear the controller"));
+            .stderr(contains("the drive receives nothing from the controller"));
         rig.iiwasim("sensors", &[]).code(1).stderr(contains("did not answer in time"));
     });
 }

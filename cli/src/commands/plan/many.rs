@@ -60,7 +60,7 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
             let outcome = plan(options, scene.as_ref(), job, &told);
             // A program that was cut off has not failed.
             output::check_interrupt()?;
-            told.lock().unwrap_or_else(PoisonError::into_inner).tell(index, outcome)
+            told.lock().unwrap_or_else(PoisonError::into_inner).print_note(index, outcome)
         })
     });
     let Told { progress, summary, .. } = told.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -168,13 +168,13 @@ impl Told {
     }
 
     /// Says what came of the program at `index`, when all before it have had their turn.
-    fn tell(&mut self, index: usize, outcome: ProgramOutcome) -> Result<(), Failure> {
+    fn print_note(&mut self, index: usize, outcome: ProgramOutcome) -> Result<(), Failure> {
         self.waiting.insert(index, outcome);
         while let Some(outcome) = self.waiting.remove(&self.summary.programs()) {
             let ProgramOutcome { line, complaint, row } = outcome;
             self.progress.aside(|| {
                 if let Some(complaint) = complaint {
-                    failure::tell(&complaint);
+                    failure::print_note(&complaint);
                 }
                 line.map_or(Ok(()), |line| output::print(&line))
             })?;

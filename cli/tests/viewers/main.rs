@@ -1,18 +1,27 @@
-//! Viewers are served what was published.
+//! The twin's server for Foxglove and Lichtblick, without a twin: it is compiled in here by itself, so that
+//! tests choose the times and publish more than any robot does.
 
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a failed test is a panic")]
+
+#[path = "../../src/twin"]
+mod twin {
+    pub(crate) mod foxglove;
+}
 mod peer;
 mod viewer;
 
 use std::{
-    net::{SocketAddr, TcpListener},
-    time::Instant,
+    net::{Ipv4Addr, SocketAddr, TcpListener},
+    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
-use iiwa_link::message::{DriveState, FriStatus, Presence};
+use iiwa_kin::{Joints, Robot};
+use iiwa_link::message::{DriveState, FriStatus, IoValue, Presence, Sensors, Status};
+use iiwa_log::{Arm, Encoder, Frame, Topic};
 use iiwasim_tests::ports::free_address;
+use serde_json::{Value, json};
 
-use self::viewer::Viewer;
-use super::*;
+use self::{twin::foxglove::Viewers, viewer::Viewer};
 
 const JOINTS: Joints = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6, 0.7];
 const ARM_TOPICS: [&str; 3] = ["/joint_states", "/tf", "/tcp_pose"];
@@ -20,14 +29,20 @@ const ARM_TOPICS: [&str; 3] = ["/joint_states", "/tf", "/tcp_pose"];
 const ALL: usize = 7;
 
 fn listen() -> Viewers {
-    Viewers::listen(&Robot::default(), free_address()).unwrap_or_else(|error| {
-        panic!("{}", error.what());
-    })
+    Viewers::listen(&Robot::default(), free_address()).unwrap()
 }
 
 /// So long after a time of these days.
 fn at(since: Duration) -> SystemTime {
     UNIX_EPOCH + Duration::from_millis(1_800_000_000_500) + since
+}
+
+fn since_1970(at: SystemTime) -> Duration {
+    at.duration_since(UNIX_EPOCH).unwrap()
+}
+
+fn nanoseconds(t: Duration) -> u64 {
+    u64::try_from(t.as_nanos()).unwrap()
 }
 
 fn status() -> Status {
@@ -241,7 +256,7 @@ fn the_end_does_not_wait_for_one_who_does_not_read() {
     let started = Instant::now();
     drop(viewers);
     assert!(started.elapsed() < Duration::from_secs(5), "{:?}", started.elapsed());
-    drop(Viewers::listen(&Robot::default(), address).map_err(|failure| failure.what()).unwrap());
+    drop(Viewers::listen(&Robot::default(), address).unwrap());
 }
 
 #[test]
@@ -271,10 +286,9 @@ fn viewers_only_read() {
 
 #[test]
 fn an_address_that_is_taken_is_told() {
-    let taken = TcpListener::bind((std::net::Ipv4Addr::LOCALHOST, 0)).unwrap();
+    let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     let address = taken.local_addr().unwrap();
-    let failure = Viewers::listen(&Robot::default(), address).err().unwrap();
-    let what = failure.what();
+    let what = Viewers::listen(&Robot::default(), address).err().unwrap().to_string();
     assert!(what.starts_with(&format!("cannot listen for viewers at {address}: ")), "{what}");
 }
 
@@ -286,7 +300,7 @@ fn a_free_port_is_taken_and_told() {
             eprintln!("left out: there is no {host} here");
             continue;
         }
-        let viewers = Viewers::listen(&Robot::default(), host).map_err(|e| e.what()).unwrap();
+        let viewers = Viewers::listen(&Robot::default(), host).unwrap();
         assert_eq!(viewers.address().ip(), host.ip());
         assert_eq!(Viewer::connect(viewers.address(), ALL).info.name, "iiwasim");
     }
