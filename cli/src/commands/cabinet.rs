@@ -11,10 +11,10 @@ use crate::{
     log, output,
 };
 
-/// How long a fault that comes again and again lasts.
+/// Duration of a repeated fault.
 const FAULT: Duration = Duration::from_secs(1);
 
-/// Simulates a cabinet until it is interrupted.
+/// Simulates a cabinet until an interrupt.
 pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     let robot = find_robot(&options.robot, std::path::Path::new("."))?;
     let server = connection::server(&options.keys)?;
@@ -45,8 +45,8 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
         options.period,
         options.fri
     ));
-    let mut silence = Again::new(faults.silence_every);
-    let mut dropped = Again::new(faults.drop_session_every);
+    let mut silence = Repeated::new(faults.silence_every);
+    let mut dropped = Repeated::new(faults.drop_session_every);
     output::wait_for_interrupt(|| {
         if silence.is_due() {
             tracing::info!("fault: FRI is silent for {FAULT:?}");
@@ -65,7 +65,7 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
             .map_or_else(|| "-".to_owned(), |t| format!("{} us", t.as_micros()))
     };
     print_note(&format!(
-        "{} messages, {} answers: after {} (median), {} (99.9 %), {} (maximum); {} cycles held up here\n",
+        "{} messages, {} answers: after {} (median), {} (99.9 %), {} (maximum); {} cycles delayed by this machine\n",
         report.cycles,
         report.latency.count(),
         micros(0.5),
@@ -76,13 +76,13 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Something that happens again and again.
-struct Again {
+/// A repeated fault.
+struct Repeated {
     every: Option<Duration>,
     last: Instant,
 }
 
-impl Again {
+impl Repeated {
     fn new(every_s: Option<f64>) -> Self {
         Self { every: every_s.map(Duration::from_secs_f64), last: Instant::now() }
     }

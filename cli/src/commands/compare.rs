@@ -52,7 +52,7 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     gate(options, &report)
 }
 
-/// Which gates are not met.
+/// Fails if gates are not met.
 fn gate(options: &Compare, report: &ComparisonReport) -> Result<(), Failure> {
     let percent = report.error_percent();
     let off_mm = report.max_deviation_mm();

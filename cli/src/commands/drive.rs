@@ -12,7 +12,7 @@ use crate::{
     log, output,
 };
 
-/// Runs a drive until it is interrupted.
+/// Runs a drive until an interrupt.
 pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
     let robot = find_robot(&options.robot, std::path::Path::new("."))?;
     let clients = connection::server(&options.keys)?;
@@ -44,15 +44,14 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
     ));
     if !drive.answer_latency().real_time {
         print_note(
-            "The system does not let it answer ahead of other programs: to command at 1 ms, give the user \
-             rtprio in /etc/security/limits.conf, or the program cap_sys_nice (setcap).\n",
+            "No real-time priority: to command at 1 ms, give the user rtprio in /etc/security/limits.conf, or \
+             the program cap_sys_nice (setcap).\n",
         );
     }
     output::wait_for_interrupt(|| ());
     let AnswerLatency { received, answered, behind, slowest, .. } = drive.answer_latency();
     print_note(&format!(
-        "{received} messages, {answered} answers: within {} us at most; {behind} left when the next message was \
-         there already\n",
+        "{received} messages, {answered} answers, the slowest after {} us; {behind} sent after the next message had arrived\n",
         slowest.as_micros()
     ));
     Ok(())

@@ -25,7 +25,7 @@ use self::{
     folder::{Folder, write},
 };
 
-/// Does experiments and writes their report.
+/// Runs experiments and writes their report.
 pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     let model = input::find_robot(&options.robot, Path::new("."))?;
     let kinds = match options.name {
@@ -118,7 +118,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     output::print(&format!("{count} {programs} {}; report in {}\n", bench.on, report.display()))
 }
 
-/// Where the report goes, and how it is linked from there to the folder's files.
+/// Path of the report, and the prefix of links from it to the files of the folder.
 fn report_path(options: &Experiment, folder: &Path) -> Result<(PathBuf, String), Failure> {
     let Some(report) = &options.report else {
         return Ok((folder.join("report.md"), String::new()));
@@ -126,7 +126,7 @@ fn report_path(options: &Experiment, folder: &Path) -> Result<(PathBuf, String),
     let above = report.parent().unwrap_or(Path::new(""));
     let Ok(between) = folder.strip_prefix(above) else {
         return Err(Failure::input(format!(
-            "{} is neither in the folder {} nor above it: it could not show the figures",
+            "{} is neither in the folder {} nor above it, so that it cannot link to the figures",
             report.display(),
             folder.display()
         )));

@@ -53,9 +53,9 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
             let failed = ClientError::Refused { refusal, run: None };
             (run, Some(connection::failed(what, &failed)))
         }
-        // What the stream has brought is all there is.
+        // The samples of the stream are all there is.
         Err(error) => {
-            // A motion needs no drive to go on.
+            // A motion continues without the drive.
             let failure =
                 connection::failed("the run broke off, the robot may still be moving", &error);
             (Measured { samples: watched.streamed, ..Measured::default() }, Some(failure))
@@ -115,21 +115,21 @@ fn plan(
     Ok((plan, figures))
 }
 
-/// The trajectory as it is sent: at even steps, and at its end.
+/// The trajectory as it is sent: samples at a fixed step, and its end.
 fn sampled(plan: &Trajectory) -> Result<TimedJoints, Failure> {
     let end_s = plan.cycle_time_s();
     let steps = (end_s / STEP_S).ceil();
     if steps >= MAX_POINTS as f64 {
         return Err(Failure::input(format!(
             "the program takes {end_s:.0} s, which is {steps:.0} points; a drive takes trajectories of \
-             {MAX_POINTS}. Without --as-trajectory, the controller plans the motions by itself"
+             {MAX_POINTS}. Without --as-trajectory, the controller plans the motions itself"
         )));
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
     let steps = steps as u32;
     let t_s: Vec<f64> = (0..steps)
         .map(|i| f64::from(i) * STEP_S)
-        // No step next to nothing before the end.
+        // No sample just before the end.
         .filter(|t_s| end_s - t_s > 1e-3 * STEP_S)
         .chain([end_s])
         .collect();

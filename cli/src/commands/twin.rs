@@ -16,7 +16,7 @@ use crate::{
     },
 };
 
-/// Follows the robot, and serves its page, until it is interrupted.
+/// Follows the robot and serves its page until an interrupt.
 pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     let setup = Arc::new(Setup::new(options)?);
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, options.port)).map_err(|error| {
@@ -42,7 +42,7 @@ pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     thread::scope(|scope| {
         scope.spawn(|| watch_health(&setup, &health_words, viewers.as_ref()));
         let following = scope.spawn(|| {
-            // Without it there is nothing to serve.
+            // Without joint positions there is nothing to show.
             follow(&setup, &live, &live_words, viewers.as_ref())
                 .inspect_err(|_| output::interrupt())
         });

@@ -77,10 +77,7 @@ fn a_program_runs() {
                 is_match("Measured   3.20[0-9] s, planned 3.198 s: the plan is off by -0.00")
                     .unwrap(),
             )
-            .stdout(
-                is_match("\n64[0-9] samples of what the robot did in slow.measured.mcap\n")
-                    .unwrap(),
-            )
+            .stdout(is_match("\n64[0-9] samples recorded in slow.measured.mcap\n").unwrap())
             .stderr(is_empty());
         let recording = rig.recording("slow.measured.mcap");
         let [first, .., last] = recording.joint_states.as_slice() else { panic!("no states") };

@@ -137,7 +137,7 @@ fn kill_drive(rig: &mut Rig, running: Process) {
         "{}",
         ended.stderr
     );
-    assert!(ended.stdout.contains("samples of what the robot did"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("samples recorded in"), "{}", ended.stdout);
     assert_cut(rig, "cut.mcap");
 }
 

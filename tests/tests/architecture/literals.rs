@@ -38,11 +38,11 @@ fn libraries_name_no_commands_and_no_flags() {
     );
 }
 
-/// Whether there is something like `--key`. Rules of Markdown tables and variables of CSS are none.
+/// Whether there is something like `--key`. Rules of Markdown tables, comments of HTML and variables of CSS are
+/// none.
 fn names_flag(text: &str) -> bool {
     text.match_indices("--").any(|(at, mark)| {
-        !text[..at].ends_with(['-', '<'])
-            && !text[..at].ends_with("var(")
+        !["-", "<!", "var("].iter().any(|before| text[..at].ends_with(before))
             && text[at + mark.len()..].starts_with(|c: char| c.is_ascii_alphabetic())
     })
 }

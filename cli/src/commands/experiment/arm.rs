@@ -1,4 +1,4 @@
-//! What runs the programs of an experiment.
+//! The arm that runs the programs of an experiment.
 
 use iiwa_eval::experiment::Trial;
 use iiwa_link::{ClientError, message::Samples};
@@ -13,18 +13,18 @@ use crate::{
     runner::{DriveConnection, Task, execute_with_progress, go_to_start},
 };
 
-/// A virtual robot, or one that a drive is connected with.
+/// A virtual robot, or one behind a drive.
 pub(crate) enum Arm {
     Virtual(Box<VirtualArm>),
     Real {
         line: Box<DriveConnection>,
-        /// Share of the limits of velocity at which it goes to a program's start, in per cent.
+        /// Velocity of motions to the start of a program, in per cent of the limits.
         to_start: f64,
     },
 }
 
 impl Arm {
-    /// Runs a program and gives what was measured.
+    /// Runs a program and returns the measured joint positions.
     pub(crate) fn run(&mut self, trial: &Trial) -> Result<JointLog, Failure> {
         output::check_interrupt()?;
         match self {
@@ -43,7 +43,7 @@ fn run_real(line: &mut DriveConnection, to_start: f64, trial: &Trial) -> Result<
         execute_with_progress(line, Task::Motions(motions), None).result.map_err(|error| {
             let what = match error {
                 ClientError::Refused { .. } => "was not run to its end",
-                // A motion needs no drive to go on.
+                // A motion continues without the drive.
                 _ => "broke off, the robot may still be moving",
             };
             connection::failed(&format!("{} {what}", trial.name), &error)
