@@ -26,9 +26,9 @@ pub(crate) use twin::Twin;
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  it failed while running (a file could not be written, it was interrupted)
+  1  failed while running (a file could not be written, or an interrupt)
   2  wrong usage or invalid input
-  3  done, but a gate such as --max-cycle-time was not met, or of many programs some failed";
+  3  done, but a gate such as --max-cycle-time was not met, or some of many programs failed";
 
 /// Motion simulator for the KUKA LBR iiwa: which path will the arm take through a motion program,
 /// and how long will it take?
@@ -40,8 +40,8 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// Those that this process was started with; ends it if they are wrong, or only ask for help. The
-    /// help of each command lists the exit codes.
+    /// Parses the arguments of this process; exits on wrong usage, and after printing help. The help of each
+    /// command lists the exit codes.
     pub(crate) fn read() -> Self {
         let command = Self::command().mut_subcommands(|command| command.after_help(EXIT_CODES));
         Self::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())

@@ -90,11 +90,6 @@ impl Failure {
         };
         format!("{}\n", text.trim_end())
     }
-
-    /// Prints it to standard error.
-    pub(crate) fn report(&self) {
-        print_note(&self.text());
-    }
 }
 
 impl From<ViewError> for Failure {

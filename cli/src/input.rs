@@ -47,7 +47,7 @@ pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<(Text, Program
     let program = Program::from_json(&text.text)
         .map_err(|error| Failure::in_text(&error.what(), error.place(), &text.name, &text.text))?;
     let robot = match (robot, &program.robot) {
-        (Some(name), _) => find_robot(name, Path::new("."))?,
+        (Some(name), _) => find_robot(name)?,
         (None, None) => Robot::default(),
         (None, Some(name)) => Robot::built_in(name).map_or_else(|| named(path, &text, name), Ok)?,
     };
@@ -128,16 +128,14 @@ pub(crate) fn recording(path: &Path) -> Result<JointLog, Failure> {
     })
 }
 
-/// The built-in model or the profile file called `name`, looked for in `folder`.
-pub(crate) fn find_robot(name: &str, folder: &Path) -> Result<Robot, Failure> {
-    if let Some(robot) = Robot::built_in(name) {
-        return Ok(robot);
+/// The built-in model called `name`, or the robot of the profile at this path.
+pub(crate) fn find_robot(name: &str) -> Result<Robot, Failure> {
+    let path = Path::new(name);
+    match Robot::built_in(name) {
+        Some(robot) => Ok(robot),
+        None if path.is_file() => robot_of(&Text::read(path)?),
+        None => Err(Failure::input(unknown_robot(name, path))),
     }
-    let path: PathBuf = folder.join(name);
-    if !path.is_file() {
-        return Err(Failure::input(unknown_robot(name, &path)));
-    }
-    robot_of(&Text::read(&path)?)
 }
 
 /// The robot of a profile.

@@ -20,7 +20,7 @@ mod twin;
 use std::process::ExitCode;
 
 use args::{Arguments, Command};
-use failure::Failure;
+use failure::{Failure, print_note};
 
 fn main() -> ExitCode {
     let arguments = Arguments::read();
@@ -47,7 +47,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            failure.report();
+            print_note(&failure.text());
             ExitCode::from(match failure {
                 Failure::Run { .. } => 1,
                 Failure::Input(_) => 2,

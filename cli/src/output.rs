@@ -91,6 +91,13 @@ impl Output {
     }
 }
 
+/// Writes a whole file, unless an interrupt has come.
+pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
+    let file = Output::new(path)?;
+    file.write(content)?;
+    file.complete()
+}
+
 /// A file that can no longer be written after an interrupt.
 pub(crate) struct Stream(File);
 

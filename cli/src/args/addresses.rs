@@ -11,7 +11,7 @@ pub(super) const DRIVE: &str = "127.0.0.1:5560";
 /// Where a drive publishes by default ([`iiwa_link::STREAM_PORT`]).
 pub(super) const STREAM: &str = "127.0.0.1:5561";
 
-/// The drive that a command speaks to.
+/// The drive that a command connects to.
 #[derive(Args, Debug)]
 pub(crate) struct DriveAddress {
     /// Where the drive takes requests
@@ -22,10 +22,10 @@ pub(crate) struct DriveAddress {
     pub(crate) keys: ClientKeys,
 }
 
-/// What a client shows to be let in.
+/// Keys of a client.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ClientKeys {
-    /// Own key of `iiwasim keygen`, for a drive that asks for keys
+    /// Own key, made by `iiwasim keygen`, for a drive that requires keys
     #[arg(long, value_name = "FILE.key", requires = "server_key")]
     pub(crate) key: Option<PathBuf>,
 
@@ -34,14 +34,14 @@ pub(crate) struct ClientKeys {
     pub(crate) server_key: Option<PathBuf>,
 }
 
-/// What lets in clients from other machines.
+/// Keys of a server, for clients on other machines.
 #[derive(Args, Debug)]
 pub(crate) struct ServerKeys {
-    /// Own key of `iiwasim keygen`: without it, only this machine may connect
+    /// Own key, made by `iiwasim keygen`; without it, only this machine may connect
     #[arg(long, value_name = "FILE.key", requires = "allow")]
     pub(crate) key: Option<PathBuf>,
 
-    /// Public keys of those that may connect: a file, or a folder of *.pub files
+    /// Public keys of the clients that may connect: a file, or a folder of *.pub files
     #[arg(long, value_name = "FOLDER", requires = "key")]
     pub(crate) allow: Option<PathBuf>,
 }

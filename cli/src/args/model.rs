@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::values::seven;
 
-/// Forward kinematics: print where the flange is at given joint angles.
+/// Forward kinematics: print the pose of the flange at given joint angles.
 #[derive(Args, Debug)]
 pub(crate) struct Fk {
     #[command(flatten)]
@@ -41,14 +41,14 @@ impl Joints {
     }
 }
 
-/// Print a robot model: lengths, limits, masses; without a name, the built-in models.
+/// Print a robot model: lengths, limits, masses. Without a name, list the built-in models.
 #[derive(Args, Debug)]
 pub(crate) struct Robot {
     /// Built-in model or robot profile
     #[arg(value_name = "NAME|FILE")]
     pub(crate) model: Option<String>,
 
-    /// Print the model as a robot profile, to be changed and used with --robot
+    /// Print the model as a robot profile, to be edited and used with --robot
     #[arg(long, requires = "model", conflicts_with = "urdf")]
     pub(crate) json: bool,
 
@@ -65,10 +65,10 @@ pub(crate) struct Robot {
     pub(crate) tip: Option<String>,
 }
 
-/// Print the JSON Schema of motion programs, robot profiles or scenes, for editors and checkers.
+/// Print the JSON Schema of motion programs, robot profiles or scenes, for editors and validators.
 #[derive(Args, Debug)]
 pub(crate) struct Schema {
-    /// Of which format
+    /// The format
     #[arg(value_enum, default_value_t = Format::Program)]
     pub(crate) format: Format,
 }

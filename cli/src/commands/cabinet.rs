@@ -16,7 +16,7 @@ const FAULT: Duration = Duration::from_secs(1);
 
 /// Simulates a cabinet until an interrupt.
 pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
-    let robot = find_robot(&options.robot, std::path::Path::new("."))?;
+    let robot = find_robot(&options.robot)?;
     let server = connection::server(&options.keys)?;
     let faults = &options.faults;
     let config = CabinetConfig {

@@ -14,7 +14,7 @@ use crate::{
 
 /// Runs a drive until an interrupt.
 pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
-    let robot = find_robot(&options.robot, std::path::Path::new("."))?;
+    let robot = find_robot(&options.robot)?;
     let clients = connection::server(&options.keys)?;
     let cabinet = match (&options.keys.key, &options.cabinet_key) {
         (Some(key), Some(cabinet)) => ClientSecurity::read(key, cabinet)

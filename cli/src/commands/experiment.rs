@@ -27,7 +27,7 @@ use self::{
 
 /// Runs experiments and writes their report.
 pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
-    let model = input::find_robot(&options.robot, Path::new("."))?;
+    let model = input::find_robot(&options.robot)?;
     let kinds = match options.name {
         ExperimentName::Limits => vec![ExperimentKind::Limits],
         ExperimentName::Blends => vec![ExperimentKind::Blends],
@@ -42,7 +42,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     };
     let (report, link) = report_path(options, &path)?;
     let virtual_robot = match &options.virtual_robot {
-        Some(name) => input::find_robot(name, Path::new("."))?,
+        Some(name) => input::find_robot(name)?,
         None => model.clone(),
     };
     let folder = Folder::new(&path, !options.no_recordings, options.drive.is_some())?;
@@ -131,7 +131,7 @@ fn report_path(options: &Experiment, folder: &Path) -> Result<(PathBuf, String),
             folder.display()
         )));
     };
-    let parts: Vec<_> = between.iter().map(|part| part.to_string_lossy().into_owned()).collect();
-    let link = parts.iter().fold(String::new(), |link, part| format!("{link}{part}/"));
+    let link =
+        between.iter().fold(String::new(), |link, part| link + &part.to_string_lossy() + "/");
     Ok((report.clone(), link))
 }

@@ -27,7 +27,7 @@ const NOTE_AFTER: Duration = Duration::from_secs(3);
 
 /// Records until an interrupt.
 pub(crate) fn run(options: &Record) -> Result<(), Failure> {
-    let robot = find_robot(&options.robot, Path::new("."))?;
+    let robot = find_robot(&options.robot)?;
     let remote = connection::remote(&options.keys)?;
     let mut stream = Stream::new(&remote, &options.stream.to_string())
         .map_err(|error| connection::refused(&error))?;

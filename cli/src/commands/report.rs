@@ -8,7 +8,7 @@ use crate::{
     args::Report,
     failure::{Failure, print_note},
     input::find_robot,
-    output::{self, Output},
+    output,
 };
 
 /// Makes the page, and prints its path.
@@ -18,16 +18,13 @@ pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let read = [("file", options.file.as_path())].into_iter().chain(measured);
     output::keep_inputs("page", &target, read, "--output")?;
     output::catch_interrupts();
-    let robot = options.robot.as_deref();
-    let robot = robot.map(|name| find_robot(name, Path::new("."))).transpose()?;
+    let robot = options.robot.as_deref().map(find_robot).transpose()?;
     let how = PageOptions { robot, extent: Extent::Whole, interrupted: output::interrupted };
     let page = Page::read(&options.file, options.measured.as_deref(), &how)?;
     for note in page.notes() {
         print_note(&format!("Note: {}\n", printable(note)));
     }
-    let output = Output::new(&target)?;
-    output.write(page.html()?.as_bytes())?;
-    output.complete()?;
+    output::write(&target, page.html()?.as_bytes())?;
     output::print(&format!("Page in {}\n", printable(&target.display().to_string())))
 }
 

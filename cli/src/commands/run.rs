@@ -4,9 +4,9 @@ use std::path::{Path as FilePath, PathBuf};
 
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, MAX_POINTS, TimedJoints, message::Run as Measured};
-use iiwa_log::PlanFigures;
-use iiwa_path::{JointPath, Program};
-use iiwa_traj::{Timing, Trajectory};
+use iiwa_log::{PlanFigures, PlanOptions};
+use iiwa_path::Program;
+use iiwa_traj::Trajectory;
 use iiwa_view::{RunReport, plan_table};
 
 use crate::{
@@ -103,14 +103,10 @@ fn plan(
     program: &Program,
     robot: &Robot,
 ) -> Result<(Trajectory, PlanFigures), Failure> {
-    let path = JointPath::new(program, robot).map_err(|fault| {
-        let place = fault.place_in(&text.text);
-        Failure::in_text(&fault.to_string(), &place, &text.name, &text.text)
-    })?;
-    let timing = Timing::default();
-    let plan = Trajectory::plan(&path, timing)
-        .map_err(|error| Failure::run("cannot plan the program", &error))?;
-    let mut figures = PlanFigures::new(timing, robot, 0);
+    let how = PlanOptions::default();
+    let plan =
+        how.plan(program, robot).map_err(|error| Failure::plan(error, &text.name, &text.text))?;
+    let mut figures = PlanFigures::new(how.timing, robot, how.samples);
     plan.sections().iter().for_each(|section| figures.add(section));
     Ok((plan, figures))
 }

@@ -66,7 +66,7 @@ const MEDIA_FLANGE: [&str; 7] = [
 impl Setup {
     /// Reads the files that the options name.
     pub(crate) fn new(options: &args::Twin) -> Result<Self, Failure> {
-        let robot = input::find_robot(&options.robot, Path::new("."))?;
+        let robot = input::find_robot(&options.robot)?;
         let scene = options.scene.as_deref().map(input::scene).transpose()?;
         let arm = scene.map(|scene| ArmInScene::new(&robot, &scene));
         let (folder, temporary) = if let Some(folder) = &options.output {
@@ -144,19 +144,7 @@ impl Setup {
 
     /// Why a motion with this clearance is not run, if so. A collision is always a reason.
     pub(super) fn too_near(&self, nearest: Option<&Nearest>) -> Option<String> {
-        let Nearest { distance_mm, link, obstacle, at_s, .. } = nearest?;
-        let least_mm = self.min_clearance_mm;
-        let when = at_s.map(|at_s| format!(" at {at_s:.2} s")).unwrap_or_default();
-        if *distance_mm == 0.0 {
-            Some(format!("link {link} touches {obstacle}{when}"))
-        } else if *distance_mm < least_mm {
-            Some(format!(
-                "link {link} comes within {distance_mm:.1} mm of {obstacle}{when}; the minimum is \
-                 {least_mm} mm"
-            ))
-        } else {
-            None
-        }
+        nearest?.too_near(self.min_clearance_mm)
     }
 
     /// Paths of new files in the folder that share a stem. The first one is created empty, which reserves the

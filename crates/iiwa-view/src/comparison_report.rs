@@ -201,6 +201,25 @@ impl ComparisonReport {
         self.tcp_deviation.max_mm
     }
 
+    /// Which gates are not met, if any: the error of the cycle time, either way, in per cent of the real one,
+    /// and the deviation of the flange, in mm.
+    #[must_use]
+    pub fn complaint(
+        &self,
+        max_error_percent: Option<f64>,
+        max_deviation_mm: Option<f64>,
+    ) -> Option<String> {
+        let (percent, off_mm) = (self.error_percent(), self.max_deviation_mm());
+        let time = max_error_percent
+            .filter(|limit| percent.abs() > *limit)
+            .map(|limit| format!("the cycle time is off by {percent:+.3} %, more than {limit} %"));
+        let path = max_deviation_mm.filter(|limit| off_mm > *limit).map(|limit| {
+            format!("the flange is off its path by {off_mm:.3} mm, more than {limit} mm")
+        });
+        let missed: Vec<_> = time.into_iter().chain(path).collect();
+        (!missed.is_empty()).then(|| missed.join("; "))
+    }
+
     /// Tables and sentences.
     #[must_use]
     pub fn text(&self) -> String {

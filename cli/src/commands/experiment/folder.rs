@@ -9,7 +9,7 @@ use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 
-use crate::{failure::Failure, output::Output, runner};
+use crate::{failure::Failure, output, runner};
 
 /// A folder for programs, recordings and figures. Each file in it appears whole or not at all.
 pub(crate) struct Folder {
@@ -67,7 +67,5 @@ pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
         fs::create_dir_all(folder)
             .map_err(|error| Failure::run(format!("cannot make {}", folder.display()), &error))?;
     }
-    let output = Output::new(path)?;
-    output.write(content)?;
-    output.complete()
+    output::write(path, content)
 }

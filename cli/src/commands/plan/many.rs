@@ -37,7 +37,7 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
     let jobs = programs::jobs(options, given)?;
     if let Some(robot) = &options.robot {
         // An invalid robot is reported once, not for each program.
-        input::find_robot(robot, Path::new("."))?;
+        input::find_robot(robot)?;
     }
     let scene = scene(options)?;
     if let Some(folder) = &options.output {
@@ -201,21 +201,5 @@ fn report(options: &Plan, summary: &Summary) -> Result<(), Failure> {
         }
         output::print(&text)?;
     }
-    let count = summary.programs();
-    let mut unmet = Vec::new();
-    if summary.failed() > 0 {
-        unmet.push(format!("{} of {count} programs failed", summary.failed()));
-    }
-    if let Some(limit) = options.max_cycle_time
-        && summary.too_long() > 0
-    {
-        unmet.push(format!("{} of {count} programs over {limit} s", summary.too_long()));
-    }
-    if let Some(limit) = options.min_clearance
-        && summary.too_near() > 0
-    {
-        let count_near = summary.too_near();
-        unmet.push(format!("{count_near} of {count} programs with a clearance below {limit} mm"));
-    }
-    if unmet.is_empty() { Ok(()) } else { Err(Failure::Gate(unmet.join(", "))) }
+    summary.complaint(&gates(options)).map_or(Ok(()), |unmet| Err(Failure::Gate(unmet)))
 }
