@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, io::Cursor, thread, time::Duration};
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     Client, ClientError, LinkError, Published, Stream, TimedJoints,
-    message::{DriveState, FriStatus, Run as Measured, Samples},
+    message::{DriveState, FriStatus, Run as Measured, Samples, Status},
     security::Endpoint,
 };
 use iiwa_log::{Recorder, RecorderConfig};
@@ -165,6 +165,15 @@ fn follow(
     streamed
 }
 
+/// Why no run can start without [`position`].
+pub(crate) const UNKNOWN_POSITION: &str =
+    "the position of the robot is unknown: the drive receives nothing from the controller";
+
+/// The joint positions in rad, unless they are outdated.
+pub(crate) fn position(status: &Status) -> Option<Joints> {
+    status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT)
+}
+
 /// Makes sure that the robot is at the start of a program.
 ///
 /// It moves there only if `move_to_start` gives the velocity, in per cent of the limits.
@@ -176,13 +185,8 @@ pub(crate) fn go_to_start(
     let ask =
         |error: ClientError| connection::failed("cannot ask for the position of the robot", &error);
     let status = drive.client.state().map_err(ask)?;
-    let Some(joints_rad) = status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT)
-    else {
-        return Err(Failure::Run {
-            what: "the position of the robot is unknown: the drive receives nothing from the controller"
-                .to_owned(),
-            cause: None,
-        });
+    let Some(joints_rad) = position(&status) else {
+        return Err(Failure::Run { what: UNKNOWN_POSITION.to_owned(), cause: None });
     };
     let offset = StartOffset::new(&joints_rad, start_rad);
     if offset.is_within_tolerance() && (move_to_start.is_none() || offset.rad() < 1e-6) {

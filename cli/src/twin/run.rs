@@ -13,7 +13,7 @@ use std::{
 use iiwa_kin::Joints;
 use iiwa_link::{
     ClientError,
-    message::{DriveState, FriStatus, Run as Measured, Status},
+    message::{DriveState, Run as Measured, Status},
 };
 use iiwa_path::{Motion, Program, Ptp};
 use iiwa_view::{Extent, Page};
@@ -104,28 +104,21 @@ impl ProgramRun {
     ) -> RunOutcome {
         let plan = self.plan.clone();
         let begun = |phase| without_recording(&plan, phase, None);
-        let stopped = || RunOutcome {
-            message: without_recording(&plan, Phase::Failed, Some("stopped")),
-            mcap: None,
+        let failed = |why: &str| {
+            let message = without_recording(&plan, Phase::Failed, Some(why));
+            RunOutcome { message, mcap: None }
         };
         if let Some(motion) = self.to_start.take() {
             publish(begun(Phase::ToStart));
-            let Some(ExecutedRun { result, .. }) = self.execute(vec![motion]) else {
-                return stopped();
-            };
-            if let Err(error) = result {
-                let why = format!("the robot did not move to the start: {error}");
-                return RunOutcome {
-                    message: without_recording(&plan, Phase::Failed, Some(&why)),
-                    mcap: None,
-                };
+            let Some(run) = self.execute(vec![motion]) else { return failed("stopped") };
+            if let Err(error) = run.result {
+                return failed(&format!("the robot did not move to the start: {error}"));
             }
         }
         publish(begun(Phase::Running));
         let motions = plan.program.motions.clone();
-        let Some(ExecutedRun { result, streamed }) = self.execute(motions) else {
-            return stopped();
-        };
+        let Some(run) = self.execute(motions) else { return failed("stopped") };
+        let ExecutedRun { result, streamed } = run;
         let (measured, error) = match result {
             Ok(measured) => (measured, None),
             Err(ClientError::Refused { refusal, run }) => {
@@ -153,10 +146,7 @@ fn position_when_idle(status: &Status) -> Result<Joints, String> {
     if status.state != DriveState::Idle {
         return Err(format!("the robot is busy: {}", status.state));
     }
-    status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT).ok_or_else(|| {
-        "the position of the robot is unknown: the drive receives nothing from the controller"
-            .into()
-    })
+    runner::position(status).ok_or_else(|| runner::UNKNOWN_POSITION.to_owned())
 }
 
 /// The slow motion to a program's start, if it keeps clear of obstacles.

@@ -60,7 +60,7 @@ fn status() -> Status {
     }
 }
 
-/// A viewer who is subscribed to these topics, and has seen the description.
+/// A viewer that is subscribed to these topics, and has received the description.
 fn subscriber(viewers: &Viewers, topics: &[&str]) -> Viewer {
     let mut viewer = Viewer::connect(viewers.address(), ALL);
     viewer.subscribe(topics);
@@ -90,7 +90,7 @@ fn viewers_find_the_topics_of_a_recording() {
 }
 
 #[test]
-fn what_was_measured_arrives_as_it_stands_in_a_recording() {
+fn samples_arrive_as_they_are_encoded_in_a_recording() {
     let mut viewers = listen();
     let mut viewer = subscriber(&viewers, &ARM_TOPICS);
     let arm = Arm::new(&Robot::default());
@@ -143,31 +143,31 @@ fn of_a_fast_stream_viewers_get_a_hundred_samples_a_second() {
 }
 
 #[test]
-fn who_comes_late_gets_the_description_and_what_the_drive_said_last() {
+fn late_viewers_get_the_description_and_the_last_state() {
     let viewers = listen();
     let mut early = subscriber(&viewers, &["/drive_state"]);
     viewers.drive_state(at(Duration::ZERO), &Status { joints_rad: None, t_s: None, ..status() });
-    let said = early.next_on("/drive_state");
-    assert_eq!(said.time_ns, nanoseconds(since_1970(at(Duration::ZERO))));
+    let arrived = early.next_on("/drive_state");
+    assert_eq!(arrived.time_ns, nanoseconds(since_1970(at(Duration::ZERO))));
     viewers.drive_state(at(Duration::ZERO), &status());
-    let said_last = early.next_on("/drive_state");
+    let last = early.next_on("/drive_state");
 
     let mut late = Viewer::connect(viewers.address(), ALL);
     late.subscribe(&["/drive_state", "/sensors"]);
-    assert_eq!(late.next_on("/drive_state").data, said_last.data);
-    // Of sensors, nothing was said so far.
+    assert_eq!(late.next_on("/drive_state").data, last.data);
+    // Nothing was published on /sensors so far.
     let description = late.next_on("/robot_description").data;
     let mut encoder = Encoder::new(Duration::ZERO).unwrap();
     let urdf = Robot::default().to_urdf();
     assert_eq!(description, encoder.robot_description(&urdf).unwrap());
 
-    // Who was there does not get it again.
+    // The early viewer does not get it again.
     viewers.drive_state(at(Duration::from_secs(1)), &status());
-    let said = early.next_on("/drive_state");
-    assert_eq!(said.time_ns, nanoseconds(since_1970(at(Duration::from_secs(1)))));
+    let arrived = early.next_on("/drive_state");
+    assert_eq!(arrived.time_ns, nanoseconds(since_1970(at(Duration::from_secs(1)))));
 }
 
-/// Whether a value is what a schema says, of the part of JSON Schema that viewers know.
+/// Whether a value fits a schema, in the subset of JSON Schema that viewers support.
 fn assert_fits(value: &Value, schema: &Value) {
     match schema["type"].as_str().unwrap() {
         "object" => {
@@ -188,7 +188,7 @@ fn assert_fits(value: &Value, schema: &Value) {
 }
 
 #[test]
-fn what_the_drive_says_fits_its_schemas() {
+fn json_messages_fit_their_schemas() {
     let viewers = listen();
     let mut viewer = subscriber(&viewers, &["/drive_state", "/sensors", "/inputs_outputs"]);
     let start = at(Duration::ZERO);
@@ -227,7 +227,7 @@ fn what_the_drive_says_fits_its_schemas() {
 }
 
 #[test]
-fn a_viewer_who_does_not_read_holds_nobody_up_and_then_gets_the_newest() {
+fn a_viewer_that_does_not_read_delays_nothing_and_then_gets_the_newest() {
     const SENT: u64 = 60_000;
     let mut viewers = listen();
     let mut viewer = subscriber(&viewers, &["/tf"]);
@@ -246,7 +246,7 @@ fn a_viewer_who_does_not_read_holds_nobody_up_and_then_gets_the_newest() {
 }
 
 #[test]
-fn the_end_does_not_wait_for_one_who_does_not_read() {
+fn the_end_does_not_wait_for_a_viewer_that_does_not_read() {
     let mut viewers = listen();
     let _viewer = subscriber(&viewers, &["/tf"]);
     for k in 0..60_000 {
@@ -260,7 +260,7 @@ fn the_end_does_not_wait_for_one_who_does_not_read() {
 }
 
 #[test]
-fn the_end_hangs_up_and_frees_the_port() {
+fn the_end_disconnects_viewers_and_frees_the_port() {
     let viewers = listen();
     let address = viewers.address();
     let mut viewer = subscriber(&viewers, &ARM_TOPICS);
@@ -279,13 +279,13 @@ fn viewers_only_read() {
         r#"{ "op": "setParameters", "parameters": [{ "name": "a", "value": 1 }] }"#.to_owned(),
     ] {
         viewer.send(message);
-        let told = viewer.told();
-        assert!(told.message.contains("does not support"), "{told:?}");
+        let status = viewer.status();
+        assert!(status.message.contains("does not support"), "{status:?}");
     }
 }
 
 #[test]
-fn an_address_that_is_taken_is_told() {
+fn an_address_in_use_is_reported() {
     let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     let address = taken.local_addr().unwrap();
     let what = Viewers::listen(&Robot::default(), address).err().unwrap().to_string();
@@ -293,7 +293,7 @@ fn an_address_that_is_taken_is_told() {
 }
 
 #[test]
-fn a_free_port_is_taken_and_told() {
+fn port_0_takes_a_free_one() {
     for host in ["127.0.0.1:0", "[::1]:0"] {
         let host: SocketAddr = host.parse().unwrap();
         if TcpListener::bind(host).is_err() {
