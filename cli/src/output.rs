@@ -59,7 +59,7 @@ impl Output {
         Ok(Self { path, file, _lock: lock })
     }
 
-    /// Where the content goes.
+    /// A stream for the content.
     pub(crate) fn stream(&self) -> Result<BufWriter<Stream>, Failure> {
         let file = self.file.as_file().try_clone().map_err(|error| self.failure(&error))?;
         Ok(BufWriter::with_capacity(1 << 18, Stream(file)))

@@ -5,16 +5,16 @@ use std::path::PathBuf;
 use clap::Args;
 use iiwa_link::security::Endpoint;
 
-/// Where a drive takes requests by default ([`iiwa_link::INSTRUCTIONS_PORT`]).
+/// Default address for requests to a drive ([`iiwa_link::INSTRUCTIONS_PORT`]).
 pub(super) const DRIVE: &str = "127.0.0.1:5560";
 
-/// Where a drive publishes by default ([`iiwa_link::STREAM_PORT`]).
+/// Default address of the stream of a drive ([`iiwa_link::STREAM_PORT`]).
 pub(super) const STREAM: &str = "127.0.0.1:5561";
 
 /// The drive that a command connects to.
 #[derive(Args, Debug)]
 pub(crate) struct DriveAddress {
-    /// Where the drive takes requests
+    /// Address for requests to the drive
     #[arg(long, value_name = "HOST:PORT", default_value = DRIVE)]
     pub(crate) drive: Endpoint,
 

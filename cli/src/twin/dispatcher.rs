@@ -201,10 +201,9 @@ impl Dispatcher {
         let shown = |state: &DispatcherState| {
             not_running(state)?;
             let plan = state.plan.clone().filter(|plan| plan.id == id);
-            plan.ok_or(
-                "the plan has changed since this page asked to run it: check the plan shown now"
-                    .to_owned(),
-            )
+            plan.ok_or_else(|| {
+                format!("plan {id} is not the plan that is shown now: check that one first")
+            })
         };
         let (plan, stops) = {
             let state = self.state();

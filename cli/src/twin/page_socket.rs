@@ -41,9 +41,9 @@ pub(super) async fn serve_page(socket: WebSocket, twin: Shared) {
         () = receive_requests(from_page, &twin, answered) => {}
         () = interrupted() => {}
     }
-    // The page may be gone as well.
-    let goodbye = to_page.send(Message::Close(None));
-    let _ = time::timeout(Duration::from_millis(500), goodbye).await;
+    // The page may be closed already.
+    let close = to_page.send(Message::Close(None));
+    let _ = time::timeout(Duration::from_millis(500), close).await;
 }
 
 /// Sends the latest message of each kind, and the answers, until the page receives no more.
