@@ -159,7 +159,7 @@ impl ComparisonReport {
     ) -> Self {
         let name = |path: &Path| path.display().to_string();
         let cycle = &comparison.cycle_time;
-        // Gaps are told by the comparison, as far as they are in the motion.
+        // The comparison reports gaps within the motion.
         let read = measured.losses.iter().filter(|loss| !matches!(loss, Loss::Gap { .. }));
         Self {
             plan: name(plan_file),
@@ -226,7 +226,7 @@ impl ComparisonReport {
         let head = ["motion", "type", "planned s", "real s", "error s", "error %"];
         let mut motions = table(&head);
         shortened(&mut motions, &self.motions, |table, row| {
-            // What the recording does not tell is a question; a share of no time is none.
+            // Unknown times are shown as `?`; there is no share of zero time.
             let (real_s, error_s, percent) = match (row.real_s, row.error_s) {
                 (Some(real_s), Some(error_s)) => (
                     format!("{:.3}", rounded(real_s, 3)),

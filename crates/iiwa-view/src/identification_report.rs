@@ -1,4 +1,4 @@
-//! What recordings tell of a robot, as JSON and in words.
+//! What was identified from recordings, as JSON and as text.
 
 use std::{fmt::Write as _, path::Path};
 
@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::{printable, table::table};
 
-/// What recordings tell of a robot. As JSON, this is the object of `iiwasim identify --json`.
+/// What was identified from recordings of a robot. As JSON, this is the object of `iiwasim identify --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct IdentificationReport {
     robot: String,

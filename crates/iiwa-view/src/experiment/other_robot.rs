@@ -74,7 +74,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ViewError
             let by_identified = planned(&identified, &trial, Timing::default())?;
             let compared = compare(&Plan::from_trajectory(&by_identified), &log)
                 .map_err(|source| ViewError::Compare { name: trial.name.clone(), source })?;
-            // From departure to arrival: how long it stands at its end, the recording does not tell.
+            // From departure to arrival: a recording does not show how long the arm settles at its end.
             let real_s = compared.arrival_s - compared.departure_s;
             let error = |plan: &Trajectory, settle_s: f64| {
                 let moving_s = plan.cycle_time_s() - settle_s;
