@@ -1,4 +1,4 @@
-//! Connections to a drive, and failures on them.
+//! Connections to a drive, and their failures.
 
 use std::io;
 
@@ -14,12 +14,12 @@ use crate::{
     failure::Failure,
 };
 
-/// A client of the drive that the options name.
+/// A client of a drive.
 pub(crate) fn client(drive: &DriveAddress) -> Result<Client, Failure> {
     Client::new(&remote(&drive.keys)?, &drive.drive.to_string()).map_err(|error| refused(&error))
 }
 
-/// What it takes to connect to a drive.
+/// Keys to connect to a drive.
 pub(crate) fn remote(keys: &ClientKeys) -> Result<Remote, Failure> {
     match (&keys.key, &keys.server_key) {
         (Some(key), Some(server)) => ClientSecurity::read(key, server)
@@ -29,7 +29,7 @@ pub(crate) fn remote(keys: &ClientKeys) -> Result<Remote, Failure> {
     }
 }
 
-/// What it takes to be connected to.
+/// Keys of a server, and which clients it accepts.
 pub(crate) fn server(keys: &ServerKeys) -> Result<Server, Failure> {
     let server = match (&keys.key, &keys.allow) {
         (Some(key), Some(allow)) => ServerSecurity::read(key, allow).map(Server::with_keys),
@@ -38,7 +38,7 @@ pub(crate) fn server(keys: &ServerKeys) -> Result<Server, Failure> {
     server.map_err(|error| refused(&error.into()))
 }
 
-/// A connection that cannot be set up. Whether it is the options' fault decides on the exit code.
+/// A connection that could not be made: invalid input if the options are wrong.
 pub(crate) fn refused(error: &LinkError) -> Failure {
     match error {
         LinkError::Config { .. }
@@ -54,7 +54,7 @@ pub(crate) fn refused(error: &LinkError) -> Failure {
     }
 }
 
-/// A request that was not carried out.
+/// A request that failed.
 pub(crate) fn failed(what: &str, error: &ClientError) -> Failure {
     match error {
         ClientError::Refused { refusal, .. }
@@ -68,7 +68,7 @@ pub(crate) fn failed(what: &str, error: &ClientError) -> Failure {
     }
 }
 
-/// The error of a request, with the command that helps.
+/// The error of a request, with a hint.
 pub(crate) fn explained(error: &ClientError) -> String {
     match error {
         ClientError::Unreachable { .. } => format!("{error}; is `iiwasim drive` running there?"),
@@ -76,7 +76,7 @@ pub(crate) fn explained(error: &ClientError) -> String {
     }
 }
 
-/// The commands and options that help against an error, to be appended to it.
+/// Commands and options that solve an error, to be appended to it.
 fn hint(error: &LinkError) -> &'static str {
     match error {
         LinkError::Security(SecurityError::BindNeedsKeys { .. }) => {

@@ -1,4 +1,4 @@
-//! How a command can fail, and how the failure is reported.
+//! Failures of commands, and how they are reported.
 
 use std::{error::Error, io::Write as _, path::Path};
 
@@ -7,19 +7,19 @@ use iiwa_traj::{PlanError, TimingError};
 use iiwa_view::{ViewError, printable, with_causes};
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 
-/// Why a command did not do what it was asked for.
+/// Why a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// The input is not what it should be.
+    /// The input is invalid.
     Input(Report),
     /// It failed while running.
     Run { what: String, cause: Option<String> },
-    /// It was done, but a gate was not met.
+    /// The command succeeded, but a gate was not met.
     Gate(String),
 }
 
 impl Failure {
-    /// Input of which nothing can be shown.
+    /// Invalid input, without an excerpt.
     pub(crate) fn input(what: impl Into<String>) -> Self {
         let what = printable(&what.into());
         Self::Input(Report::new(Problem { what, text: None, place: None }))
@@ -47,13 +47,13 @@ impl Failure {
         }
     }
 
-    /// Something that went wrong on the way, and why.
+    /// A failure while running, with its cause.
     pub(crate) fn run(what: impl Into<String>, error: &dyn Error) -> Self {
-        // It may have come over the network.
+        // Parts may have been received over the network.
         Self::Run { what: printable(&what.into()), cause: Some(printable(&with_causes(error))) }
     }
 
-    /// The same, with the program's name in front, unless the failure begins with it by itself.
+    /// Prefixed with the program's name, unless the text begins with it already.
     pub(crate) fn about(mut self, program: &str) -> Self {
         let program = printable(program);
         let what = match &mut self {
@@ -72,7 +72,7 @@ impl Failure {
         self
     }
 
-    /// What went wrong, in one line.
+    /// The failure in one line.
     pub(crate) fn what(&self) -> String {
         match self {
             Self::Input(report) => report.to_string(),
@@ -89,11 +89,6 @@ impl Failure {
             Self::Gate(what) => format!("Gate not met: {what}"),
         };
         format!("{}\n", text.trim_end())
-    }
-
-    /// Tells it on standard error.
-    pub(crate) fn report(&self) {
-        tell(&self.text());
     }
 }
 
@@ -117,19 +112,19 @@ impl From<ViewError> for Failure {
     }
 }
 
-/// Writes to standard error; if that is closed, nothing is written.
-pub(crate) fn tell(text: &str) {
+/// Prints to standard error, which may be closed.
+pub(crate) fn print_note(text: &str) {
     let _ = anstream::stderr().write_all(text.as_bytes());
 }
 
-/// Whether the lines about a place are short enough to be shown, and harmless.
+/// Whether the lines around a place can be shown: short, without control characters.
 fn excerpt(text: &str, place: &Place) -> bool {
-    const LONGEST_LINE: usize = 400;
+    const MAX_LINE: usize = 400;
     let from = text[..place.span.start].rfind('\n').map_or(0, |at| at + 1);
     let to = text[from..].lines().take(3).map(str::len).max().unwrap_or(0);
     let before = text[..from].trim_end_matches('\n').rsplit('\n').next().map_or(0, str::len);
-    let obeyed = |c: char| c.is_control() && !c.is_whitespace();
-    to <= LONGEST_LINE && before <= LONGEST_LINE && !text.contains(obeyed)
+    let is_control = |c: char| c.is_control() && !c.is_whitespace();
+    to <= MAX_LINE && before <= MAX_LINE && !text.contains(is_control)
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -147,7 +142,7 @@ impl Diagnostic for Problem {
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let place = self.place.as_ref().filter(|_| self.text.is_some())?;
-        // A whole object is shown by where it begins.
+        // Of a long object, only the beginning is marked.
         let span = place.span.start..place.span.end.min(place.span.start + 60);
         Some(Box::new(std::iter::once(LabeledSpan::at(span, "here"))))
     }
@@ -158,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_others_say_does_not_reach_the_terminal_as_commands() {
+    fn control_characters_do_not_reach_the_terminal() {
         let error = std::io::Error::other("\u{1b}[2J\u{9b}31m gone\r\n");
         let failures = [Failure::run("cannot ask", &error), Failure::input(error.to_string())];
         for text in failures.map(|failure| failure.text()) {

@@ -1,4 +1,4 @@
-//! Reading programs, profiles and robots.
+//! Reading programs, robot profiles, scenes and recordings.
 
 use std::{
     ffi::OsStr,
@@ -47,7 +47,7 @@ pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<(Text, Program
     let program = Program::from_json(&text.text)
         .map_err(|error| Failure::in_text(&error.what(), error.place(), &text.name, &text.text))?;
     let robot = match (robot, &program.robot) {
-        (Some(name), _) => find_robot(name, Path::new("."))?,
+        (Some(name), _) => find_robot(name)?,
         (None, None) => Robot::default(),
         (None, Some(name)) => Robot::built_in(name).map_or_else(|| named(path, &text, name), Ok)?,
     };
@@ -61,7 +61,7 @@ fn named(path: &Path, program: &Text, name: &str) -> Result<Robot, Failure> {
         Failure::in_text(&what, &place, &program.name, &program.text)
     })?;
     let profile = Text::read(&profile)?;
-    // Errors show lines of the file: not of one that was never meant as a profile.
+    // Errors show lines of the file, which must not be those of any other kind of file.
     if profile.text.trim_start().starts_with('{') {
         robot_of(&profile)
     } else {
@@ -69,9 +69,8 @@ fn named(path: &Path, program: &Text, name: &str) -> Result<Robot, Failure> {
     }
 }
 
-/// Where the profile is that a program names: beside the program or in a folder below it. Programs come
-/// from anywhere, and their errors are read by anyone; other files are none of their business. Errors are
-/// for people.
+/// The path of the profile that a program names, in the program's folder or below. A program from elsewhere must
+/// not make this process read, and show in errors, any other file.
 fn beside(program: &Path, name: &str) -> Result<PathBuf, String> {
     let folder = program.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
@@ -118,7 +117,7 @@ pub(crate) fn open(path: &Path) -> Result<File, Failure> {
     Ok(file)
 }
 
-/// Reads what a robot did from any file that holds joint positions.
+/// Reads a recording in any format that holds joint positions.
 pub(crate) fn recording(path: &Path) -> Result<JointLog, Failure> {
     JointLog::read(open(path)?).and_then(|log| log.check_rate().map(|()| log)).map_err(|error| {
         let hint = match path.extension() {
@@ -129,16 +128,14 @@ pub(crate) fn recording(path: &Path) -> Result<JointLog, Failure> {
     })
 }
 
-/// The built-in model or the profile file called `name`, looked for in `folder`.
-pub(crate) fn find_robot(name: &str, folder: &Path) -> Result<Robot, Failure> {
-    if let Some(robot) = Robot::built_in(name) {
-        return Ok(robot);
+/// The built-in model called `name`, or the robot of the profile at this path.
+pub(crate) fn find_robot(name: &str) -> Result<Robot, Failure> {
+    let path = Path::new(name);
+    match Robot::built_in(name) {
+        Some(robot) => Ok(robot),
+        None if path.is_file() => robot_of(&Text::read(path)?),
+        None => Err(Failure::input(unknown_robot(name, path))),
     }
-    let path: PathBuf = folder.join(name);
-    if !path.is_file() {
-        return Err(Failure::input(unknown_robot(name, &path)));
-    }
-    robot_of(&Text::read(&path)?)
 }
 
 /// The robot of a profile.

@@ -1,7 +1,7 @@
 //! Temporary files left behind by a killed process, told apart by their locks from those in use.
 //!
-//! Temporary files and folders are locked for as long as their process lives: the system gives the lock
-//! back however it ends. A file with such a name that is not locked is left over.
+//! Temporary files and folders are locked as long as their process lives; the system releases the lock
+//! however it ends. A file with such a name that is not locked is left over.
 
 use std::{
     collections::HashSet,
@@ -11,7 +11,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-/// How temporary files or folders are called.
+/// Naming of temporary files or folders.
 #[derive(Clone, Copy)]
 pub(crate) struct Name {
     pub(crate) prefix: &'static str,
@@ -20,11 +20,10 @@ pub(crate) struct Name {
 }
 
 impl Name {
-    /// One of its kind, made by `make`, that nothing removes as long as the lock is open. Leftovers of the
-    /// same name beside it are removed.
+    /// Makes one with `make`, which stays as long as the lock is open. Leftovers of the same naming in the
+    /// folder are removed.
     ///
-    /// Between making and locking it, another process may have taken it for a leftover: then it is made
-    /// again.
+    /// Another process may remove it as a leftover before it is locked: then it is made again.
     pub(crate) fn make<T>(
         self,
         folder: &Path,
@@ -34,7 +33,7 @@ impl Name {
         self.clear(folder);
         loop {
             let made = make(tempfile::Builder::new().prefix(self.prefix).suffix(self.suffix))?;
-            // Where files cannot be locked, leftovers cannot be either, and so they stay.
+            // On file systems without locks, leftovers stay.
             let lock = File::open(path(&made)).and_then(|file| file.lock().map(|()| file)).ok();
             if path(&made).symlink_metadata().is_ok() {
                 return Ok((made, lock));
@@ -51,7 +50,7 @@ impl Name {
                 return;
             }
         }
-        // What cannot be read or removed stays: it does no harm.
+        // What cannot be read or removed stays, which does no harm.
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();

@@ -1,4 +1,4 @@
-//! What a long-running command has to say, on standard error.
+//! The log of long-running commands, on standard error.
 
 use std::{
     collections::HashMap,
@@ -10,25 +10,25 @@ use std::{
 use tracing::{Metadata, callsite::Identifier};
 use tracing_subscriber::fmt::MakeWriter;
 
-/// Starts to log to standard error.
+/// Starts the log.
 pub(crate) fn start() {
-    let told = tracing_subscriber::fmt()
+    let started = tracing_subscriber::fmt()
         .with_writer(Limited::default())
         .with_max_level(tracing::Level::INFO)
         .with_target(false)
         .with_ansi(false)
         .try_init();
-    // A log that was started before goes on.
-    drop(told);
+    // It may have been started before.
+    drop(started);
 }
 
-/// Most lines from one place in the program within [`WINDOW`]. Another machine that repeats itself, or
-/// contradicts itself, must not fill a disk.
-const MOST: u64 = 20;
+/// Lines from one place in the program within [`WINDOW`], at most. A peer that repeats a fault must not fill
+/// the disk.
+const MAX_LINES: u64 = 20;
 
 const WINDOW: Duration = Duration::from_secs(10);
 
-/// Standard error, on which lines that repeat are counted rather than printed.
+/// Standard error with a bound on repeated lines; the rest are counted.
 #[derive(Default)]
 struct Limited(Mutex<HashMap<Identifier, Lines>>);
 
@@ -39,17 +39,17 @@ struct Lines {
 }
 
 impl Limited {
-    /// Whether a line is printed, and how many like it were not before.
+    /// Whether to print a line, and how many like it were left out before.
     fn admit(&self, from: Identifier, now: Instant) -> (bool, u64) {
         let mut places = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let lines = places.entry(from).or_insert(Lines { since: now, count: 0 });
         let mut left_out = 0;
         if now.saturating_duration_since(lines.since) >= WINDOW {
-            left_out = lines.count.saturating_sub(MOST);
+            left_out = lines.count.saturating_sub(MAX_LINES);
             *lines = Lines { since: now, count: 0 };
         }
         lines.count += 1;
-        (lines.count <= MOST, left_out)
+        (lines.count <= MAX_LINES, left_out)
     }
 }
 
@@ -66,7 +66,7 @@ impl<'a> MakeWriter<'a> for Limited {
             return Box::new(io::sink());
         }
         if left_out > 0 {
-            // There is nowhere else to say that it failed.
+            // A failure cannot be reported anywhere.
             let _ = writeln!(io::stderr(), "({left_out} lines like the next one were left out)");
         }
         Box::new(io::stderr())
@@ -102,7 +102,7 @@ mod tests {
             admitted += u64::from(is_printed);
             left_out += before;
         }
-        assert_eq!(admitted, 6 * MOST);
-        assert_eq!(left_out, 5 * (1000 - MOST));
+        assert_eq!(admitted, 6 * MAX_LINES);
+        assert_eq!(left_out, 5 * (1000 - MAX_LINES));
     }
 }

@@ -19,13 +19,11 @@ mod twin;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 use args::{Arguments, Command};
-use failure::Failure;
+use failure::{Failure, print_note};
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::read();
     let result = match arguments.command {
         Command::Plan(options) => commands::plan::run(&options),
         Command::Experiment(options) => commands::experiment::run(&options),
@@ -49,7 +47,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            failure.report();
+            print_note(&failure.text());
             ExitCode::from(match failure {
                 Failure::Run { .. } => 1,
                 Failure::Input(_) => 2,

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Output files, which appear whole or not at all; standard output; interrupts.
 
 use std::{
     fs::File,
@@ -18,7 +18,7 @@ use crate::{failure::Failure, leftovers::Name};
 pub(crate) struct Output {
     path: PathBuf,
     file: NamedTempFile,
-    /// As long as it is open, no other process takes the file for a leftover.
+    /// While it is open, no other process removes the file as a leftover.
     _lock: Option<File>,
 }
 
@@ -26,11 +26,11 @@ pub(crate) struct Output {
 const PART: Name = Name { prefix: ".iiwasim-", suffix: ".part", is_folder: false };
 
 impl Output {
-    /// Begins a file that will be at `path`.
+    /// Starts a file that will be at `path`.
     pub(crate) fn new(path: &Path) -> Result<Self, Failure> {
         let refuse =
             |error: &io::Error| Failure::run(format!("cannot write {}", path.display()), error);
-        // A link stays one: what it leads to is replaced.
+        // Of a symbolic link, the target is replaced.
         let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         match path.metadata() {
             Ok(kind) if kind.is_dir() => {
@@ -59,7 +59,7 @@ impl Output {
         Ok(Self { path, file, _lock: lock })
     }
 
-    /// Where the content goes.
+    /// A stream for the content.
     pub(crate) fn stream(&self) -> Result<BufWriter<Stream>, Failure> {
         let file = self.file.as_file().try_clone().map_err(|error| self.failure(&error))?;
         Ok(BufWriter::with_capacity(1 << 18, Stream(file)))
@@ -70,7 +70,7 @@ impl Output {
         self.file.as_file().write_all(content).map_err(|error| self.failure(&error))
     }
 
-    /// Why it could not be written.
+    /// The failure to write it.
     pub(crate) fn failure(&self, error: &dyn std::error::Error) -> Failure {
         Failure::run(format!("cannot write {}", self.path.display()), error)
     }
@@ -91,7 +91,14 @@ impl Output {
     }
 }
 
-/// A file that an interrupt cuts off, however long the rest of it is.
+/// Writes a whole file, unless an interrupt has come.
+pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
+    let file = Output::new(path)?;
+    file.write(content)?;
+    file.complete()
+}
+
+/// A file that can no longer be written after an interrupt.
 pub(crate) struct Stream(File);
 
 impl Write for Stream {
@@ -118,7 +125,7 @@ fn same_file(a: &Path, b: &Path) -> bool {
     a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
-/// Refuses to write `what` to `target` over one of the files that are `read`, each with what it is.
+/// Refuses to write `what` to `target` over one of the files that are `read`, which are given with their kinds.
 pub(crate) fn keep_inputs<'a>(
     what: &str,
     target: &Path,
@@ -163,11 +170,11 @@ pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
 
 static INTERRUPTED: OnceLock<AtomicBool> = OnceLock::new();
 
-/// From now on an interrupt (Ctrl-C, or a request to end) is noticed by [`check_interrupt`], so that
-/// nothing half-written stays behind. A second one ends the process at once.
+/// From now on an interrupt (Ctrl-C or a termination signal) sets a flag, see [`check_interrupt`], so that no
+/// partial file stays behind. A second one ends the process at once.
 pub(crate) fn catch_interrupts() {
     let flag = INTERRUPTED.get_or_init(|| AtomicBool::new(false));
-    // Without a handler an interrupt ends the process at once, which is all right too.
+    // Without a handler an interrupt ends the process at once, which is acceptable.
     let _ = ctrlc::set_handler(|| {
         if flag.swap(true, Ordering::Relaxed) {
             std::process::exit(1);
@@ -175,7 +182,7 @@ pub(crate) fn catch_interrupts() {
     });
 }
 
-/// Does something again and again until an interrupt comes.
+/// Repeats something until an interrupt.
 pub(crate) fn wait_for_interrupt(mut meanwhile: impl FnMut()) {
     while !interrupted() {
         meanwhile();
@@ -188,7 +195,7 @@ pub(crate) fn interrupted() -> bool {
     INTERRUPTED.get().is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 
-/// Has everything end that an interrupt would end.
+/// Acts as an interrupt.
 pub(crate) fn interrupt() {
     INTERRUPTED.get_or_init(|| AtomicBool::new(false)).store(true, Ordering::Relaxed);
 }

@@ -1,11 +1,11 @@
-//! Runs on the robot, through a drive: the way to the start, the run, what is written of it.
+//! Runs on the robot, through a drive: the motion to the start, the run, its recording.
 
 use std::{collections::BTreeMap, io::Cursor, thread, time::Duration};
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     Client, ClientError, LinkError, Published, Stream, TimedJoints,
-    message::{DriveState, FriStatus, Run as Measured, Samples},
+    message::{DriveState, FriStatus, Run as Measured, Samples, Status},
     security::Endpoint,
 };
 use iiwa_log::{Recorder, RecorderConfig};
@@ -15,169 +15,178 @@ use iiwa_view::printable;
 use crate::{
     args::DriveAddress,
     connection,
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     output,
     progress::Progress,
     start::StartOffset,
 };
 
-/// How long the stream is waited for before the connection is looked at again.
-const LOOK: Duration = Duration::from_millis(50);
+/// How long to wait for the stream before the run and the interrupt flag are checked.
+const POLL: Duration = Duration::from_millis(50);
 
 /// The connections to a drive.
-pub(crate) struct Line {
+pub(crate) struct DriveConnection {
     client: Client,
-    /// Stops the run that the client waits for.
-    helper: Client,
+    /// Stops the run whose end the first client waits for.
+    stopper: Client,
     stream: Stream,
 }
 
-impl Line {
-    /// Two clients of a drive, and what it publishes.
-    pub(crate) fn of([client, helper]: [Client; 2], stream: Stream) -> Self {
-        Self { client, helper, stream }
+impl DriveConnection {
+    /// Of two clients of a drive, and its stream.
+    pub(crate) fn of([client, stopper]: [Client; 2], stream: Stream) -> Self {
+        Self { client, stopper, stream }
     }
 
-    /// The client that runs are given to. Between them it may be asked for other things.
+    /// The client that starts runs, for other requests between them.
     pub(crate) fn client(&mut self) -> &mut Client {
         &mut self.client
     }
 
-    /// Connects with a drive, and with where it publishes.
+    /// Connects to a drive and its stream.
     pub(crate) fn new(drive: &DriveAddress, stream: &Endpoint) -> Result<Self, Failure> {
         let remote = connection::remote(&drive.keys)?;
         Ok(Self {
             client: connection::client(drive)?,
-            helper: connection::client(drive)?,
+            stopper: connection::client(drive)?,
             stream: Stream::new(&remote, &stream.to_string())
                 .map_err(|error| connection::refused(&error))?,
         })
     }
 }
 
-/// What the drive is to do.
+/// What the drive is asked to run.
 pub(crate) enum Task {
     Motions(Vec<Motion>),
     Trajectory(TimedJoints),
 }
 
-/// How a run went.
-pub(crate) struct Watched {
+/// Result of a run.
+pub(crate) struct ExecutedRun {
     pub(crate) result: Result<Measured, ClientError>,
-    /// What the stream brought meanwhile.
-    pub(crate) seen: Samples,
+    /// The samples of the stream during the run.
+    pub(crate) streamed: Samples,
 }
 
-/// What is heard of a run while it is under way.
-pub(crate) enum Heard<'a> {
-    /// It is so far, in s since the first that was heard of it.
-    At(f64),
-    /// It was told to stop, and that was taken, or not.
+/// What happens during a run.
+pub(crate) enum RunEvent<'a> {
+    /// Time since the first sample, in s.
+    Progress(f64),
+    /// A stop was requested, with the answer of the drive.
     Stopped(&'a Result<(), ClientError>),
-    /// Nothing came over the stream.
-    Silence(&'a LinkError),
+    /// The stream broke off.
+    StreamError(&'a LinkError),
 }
 
-/// Lets the drive run a task, shows how far it is, and stops it when it is interrupted.
-pub(crate) fn watch(line: &mut Line, task: Task, planned_s: Option<f64>) -> Watched {
+/// Runs a task with a progress bar, and stops it on an interrupt.
+pub(crate) fn execute_with_progress(
+    drive: &mut DriveConnection,
+    task: Task,
+    planned_s: Option<f64>,
+) -> ExecutedRun {
     let mut progress = Progress::of_run();
     let mut stops = 0;
-    let watched = attend(line, task, output::interrupted, |heard| match heard {
-        Heard::At(t_s) => {
+    let run = execute(drive, task, output::interrupted, |event| match event {
+        RunEvent::Progress(t_s) => {
             if let Some(planned_s) = planned_s {
                 progress.show_share((t_s / planned_s).min(1.0));
             }
         }
-        Heard::Stopped(stopped) => {
+        RunEvent::Stopped(stopped) => {
             progress.aside(|| match stopped {
                 _ if stops > 0 => {}
-                Ok(()) => tell("Interrupted: the robot stands\n"),
-                Err(error) => tell(&format!(
-                    "The robot could not be told to stop: {}\n",
+                Ok(()) => print_note("Interrupted: the robot stands\n"),
+                Err(error) => print_note(&format!(
+                    "The robot could not be stopped: {}\n",
                     printable(&error.to_string())
                 )),
             });
             stops += 1;
         }
-        Heard::Silence(error) => {
-            progress.aside(|| tell(&format!("The stream broke off: {error}\n")));
+        RunEvent::StreamError(error) => {
+            progress.aside(|| print_note(&format!("The stream broke off: {error}\n")));
         }
     });
     progress.clear();
-    watched
+    run
 }
 
-/// Lets the drive run a task, and stops it once `to_stop` says so.
-pub(crate) fn attend(
-    line: &mut Line,
+/// Runs a task, and stops it once `to_stop` returns true.
+pub(crate) fn execute(
+    drive: &mut DriveConnection,
     task: Task,
     to_stop: impl Fn() -> bool,
-    hear: impl FnMut(Heard<'_>),
-) -> Watched {
-    let Line { client, helper, stream } = line;
+    on_event: impl FnMut(RunEvent<'_>),
+) -> ExecutedRun {
+    let DriveConnection { client, stopper, stream } = drive;
     thread::scope(|scope| {
         let running = scope.spawn(move || match task {
             Task::Motions(motions) => client.run_motions(motions, None),
             Task::Trajectory(trajectory) => client.run_trajectory(trajectory, None),
         });
-        let seen = follow(helper, stream, || running.is_finished(), to_stop, hear);
+        let streamed = follow(stopper, stream, || running.is_finished(), to_stop, on_event);
         let result = running.join().unwrap_or_else(|_| {
-            let what = "this program has failed; please report it".to_owned();
+            let what = "the thread of the run panicked; please report this".to_owned();
             Err(ClientError::InvalidReply { what })
         });
-        Watched { result, seen }
+        ExecutedRun { result, streamed }
     })
 }
 
-/// Follows a run until it has ended.
+/// Follows a run to its end.
 fn follow(
-    helper: &mut Client,
+    stopper: &mut Client,
     stream: &mut Stream,
     has_ended: impl Fn() -> bool,
     to_stop: impl Fn() -> bool,
-    mut hear: impl FnMut(Heard<'_>),
+    mut on_event: impl FnMut(RunEvent<'_>),
 ) -> Samples {
-    let mut seen = Samples::default();
+    let mut streamed = Samples::default();
     let mut runs = false;
     while !has_ended() {
         if to_stop() {
-            // Again until it has ended: the first one may have come before it began.
-            hear(Heard::Stopped(&helper.stop()));
+            // Repeated until the end: the run may not have started at the first one.
+            on_event(RunEvent::Stopped(&stopper.stop()));
         }
-        match stream.next(LOOK) {
+        match stream.next(POLL) {
             Ok(Some(Published::Joints { t_s, joints_rad })) if runs => {
-                seen.t_s.push(t_s);
-                seen.joints_rad.push(joints_rad);
-                hear(Heard::At(t_s - seen.t_s[0]));
+                streamed.t_s.push(t_s);
+                streamed.joints_rad.push(joints_rad);
+                on_event(RunEvent::Progress(t_s - streamed.t_s[0]));
             }
             Ok(Some(Published::State { state, .. })) => runs = state != DriveState::Idle,
             Ok(_) => {}
             Err(error) => {
-                hear(Heard::Silence(&error));
-                thread::sleep(LOOK);
+                on_event(RunEvent::StreamError(&error));
+                thread::sleep(POLL);
             }
         }
     }
-    seen
+    streamed
 }
 
-/// The robot has to be where the program starts.
+/// Why no run can start without [`position`].
+pub(crate) const UNKNOWN_POSITION: &str =
+    "the position of the robot is unknown: the drive receives nothing from the controller";
+
+/// The joint positions in rad, unless they are outdated.
+pub(crate) fn position(status: &Status) -> Option<Joints> {
+    status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT)
+}
+
+/// Makes sure that the robot is at the start of a program.
 ///
-/// `move_to_start` is the share of the limits of velocity, in per cent, at which it may move there.
+/// It moves there only if `move_to_start` gives the velocity, in per cent of the limits.
 pub(crate) fn go_to_start(
-    line: &mut Line,
+    drive: &mut DriveConnection,
     move_to_start: Option<f64>,
     start_rad: &Joints,
 ) -> Result<(), Failure> {
-    let ask = |error: ClientError| connection::failed("cannot ask where the robot is", &error);
-    let status = line.client.state().map_err(ask)?;
-    let Some(joints_rad) = status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT)
-    else {
-        return Err(Failure::Run {
-            what: "it is not known where the robot is: the drive does not hear the controller"
-                .to_owned(),
-            cause: None,
-        });
+    let ask =
+        |error: ClientError| connection::failed("cannot ask for the position of the robot", &error);
+    let status = drive.client.state().map_err(ask)?;
+    let Some(joints_rad) = position(&status) else {
+        return Err(Failure::Run { what: UNKNOWN_POSITION.to_owned(), cause: None });
     };
     let offset = StartOffset::new(&joints_rad, start_rad);
     if offset.is_within_tolerance() && (move_to_start.is_none() || offset.rad() < 1e-6) {
@@ -189,25 +198,25 @@ pub(crate) fn go_to_start(
             cause: None,
         });
     };
-    tell("Moving to the start\n");
+    print_note("Moving to the start\n");
     let there = vec![Motion::Ptp(Ptp::to(*start_rad).velocity(percent / 100.0))];
-    watch(line, Task::Motions(there), None)
+    execute_with_progress(drive, Task::Motions(there), None)
         .result
         .map(drop)
         .map_err(|error| connection::failed("the robot did not move to the start", &error))
 }
 
-/// The samples from the start of a run on, each with its time since then.
+/// The samples from the start of a run on, with their times since then.
 pub(crate) fn since_start(measured: &Measured) -> Vec<(Duration, &Joints)> {
     let Samples { t_s, joints_rad, .. } = &measured.samples;
     let from_s = measured.start_s.or(t_s.first().copied()).unwrap_or_default();
-    // Stamps are sums: the first sample may come out next to nothing before the start.
+    // Stamps are rounded sums: the first sample may be just before the start.
     let since = |t_s: f64| (t_s - from_s > -1e-6).then(|| (t_s - from_s).max(0.0));
     let time = |t_s: &f64| Duration::try_from_secs_f64(since(*t_s)?).ok();
     t_s.iter().zip(joints_rad).filter_map(|(t_s, q)| Some((time(t_s)?, q))).collect()
 }
 
-/// What the robot did, as MCAP, with the program that it ran.
+/// A recording as MCAP, with the program that was run.
 pub(crate) fn recording(
     samples: &[(Duration, &Joints)],
     cycle_time_s: Option<f64>,

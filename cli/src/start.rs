@@ -1,13 +1,13 @@
-//! How far the robot is from where a program starts.
+//! Distance of the robot from the start of a program.
 
 use std::fmt;
 
 use iiwa_kin::Joints;
 use iiwa_link::START_TOLERANCE_RAD;
 
-/// The joint that is farthest from where a program starts.
+/// The joint that is farthest from the start of a program.
 pub(crate) struct StartOffset {
-    /// From 0.
+    /// Index from 0.
     joint: usize,
     at_rad: f64,
     start_rad: f64,
@@ -24,7 +24,7 @@ impl StartOffset {
         (self.at_rad - self.start_rad).abs()
     }
 
-    /// Whether a drive lets the program start.
+    /// Whether a drive accepts the program.
     pub(crate) fn is_within_tolerance(&self) -> bool {
         self.rad() <= START_TOLERANCE_RAD
     }

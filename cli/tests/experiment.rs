@@ -208,6 +208,9 @@ fn without_a_drive_nothing_is_written() {
     let folder = tempdir().unwrap();
     iiwasim(&folder, &["experiment", "zone-velocity", "--drive", "127.0.0.1:1", "--move-to-start"])
         .code(1)
-        .stderr(contains("cannot ask where the robot is").and(contains("A2   -27.2 and   63.6")));
+        .stderr(
+            contains("cannot ask for the position of the robot")
+                .and(contains("A2   -27.2 and   63.6")),
+        );
     assert!(files(&folder).is_empty());
 }

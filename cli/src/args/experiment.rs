@@ -5,31 +5,33 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, ValueEnum};
 use iiwa_link::security::Endpoint;
 
-use super::{ClientKeys, EXIT_CODES, link, rate};
+use super::{
+    addresses::{ClientKeys, STREAM},
+    values::{noise, percent_above_zero, sampling_rate},
+};
 
-/// Do an experiment of the thesis again (Larsen 2019), on the robot or on a virtual one.
+/// Repeat an experiment of the thesis (Larsen 2019), on the robot or on a virtual one.
 ///
-/// Makes the programs, runs them, holds what was measured against what is calculated for --robot, and
-/// writes into a folder: programs/NAME.json; recordings/NAME.mcap and NAME.csv, which `identify` and
-/// `compare` take; figure-NN.svg in the thesis's form; report.md with figures, tables, and what the thesis
-/// reports beside them.
+/// Makes the programs, runs them, compares the measurements with calculations for --robot, and writes into
+/// a folder: programs/NAME.json; recordings/NAME.mcap and NAME.csv, for `identify` and `compare`;
+/// figure-NN.svg, like those of the thesis; report.md with figures, tables and the results of the thesis.
 ///
-/// --simulate runs them on a virtual robot in this process: it plans under limits of velocity,
+/// --simulate runs them on a virtual robot in this process, which plans under limits of velocity,
 /// acceleration and jerk, and is sampled with noise. It is the model itself unless --virtual-robot names
-/// a profile with other limits, blends (`blend_kappa`) and time to settle (`settle_time_s`). Files of the
-/// same names are replaced.
+/// a profile with other limits, blends (`blend_kappa`) and time to settle (`settle_time_s`). Existing
+/// files are replaced.
 ///
-/// --drive runs them on what the drive is connected with. THE ARM MOVES FAR: `limits` swings each joint
-/// by itself from 20 poses, by 20 deg at full speed, and by 70 deg about zero; `blends` moves joints 2
-/// and 4; `settle` and `cycle-time` move all joints in random directions. Before each program it moves in
-/// a straight line of joint space to where that starts, for which --move-to-start is needed. Programs keep
-/// the flange 0.1 m above the robot's foot, or as the thesis has them; they know of nothing else around the robot, and
-/// of no tool: its space has to be free. How far each joint will go is told first. The folder has to be
-/// new or empty. Ctrl-C stops the robot on its path; what was recorded before stays.
+/// --drive runs them on the robot behind a drive. THE ARM MOVES FAR: `limits` swings each joint alone
+/// from 20 poses, by 20 deg at full speed, and by 70 deg about zero; `blends` moves joints 2
+/// and 4; `settle` and `cycle-time` move all joints in random directions. Before each program it moves to
+/// the start in a straight line in joint space, which needs --move-to-start. Programs keep the flange 0.1 m
+/// above the robot's base, or are those of the thesis; they do not consider other obstacles or a tool: the
+/// workspace has to be free. The range of each joint is printed first. The folder has to be new or empty.
+/// Ctrl-C stops the robot on its path; earlier recordings are kept.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES, group = ArgGroup::new("on").required(true))]
+#[command(group = ArgGroup::new("on").required(true))]
 pub(crate) struct Experiment {
-    /// Which one
+    /// The experiment
     #[arg(value_enum, value_name = "NAME")]
     pub(crate) name: ExperimentName,
 
@@ -37,19 +39,19 @@ pub(crate) struct Experiment {
     #[arg(long, group = "on")]
     pub(crate) simulate: bool,
 
-    /// Run them on the robot of the drive that takes requests there, as 127.0.0.1:5560
+    /// Run the programs on the robot of the drive at this address, as 127.0.0.1:5560
     #[arg(long, group = "on", value_name = "HOST:PORT", requires = "move_to_start")]
     pub(crate) drive: Option<Endpoint>,
 
-    /// Folder for the files, made if there is none [default: experiment-NAME]
+    /// Folder for the files, created if missing [default: experiment-NAME]
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Where the report goes, in the folder or above it [default: FOLDER/report.md]
+    /// Path of the report, in the folder or above it [default: FOLDER/report.md]
     #[arg(long, value_name = "FILE.md")]
     pub(crate) report: Option<PathBuf>,
 
-    /// Write the report and its figures only
+    /// Write the report and its figures only, no recordings and programs
     #[arg(long)]
     pub(crate) no_recordings: bool,
 
@@ -57,34 +59,34 @@ pub(crate) struct Experiment {
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
 
-    /// What the virtual robot is, built in or a robot profile [default: the model]
+    /// The virtual robot: built in, or a robot profile [default: the model]
     #[arg(long, value_name = "NAME|FILE", conflicts_with = "drive")]
     pub(crate) virtual_robot: Option<String>,
 
-    /// Standard deviation of the virtual robot's joint positions as measured, in rad
-    #[arg(long, value_name = "RAD", default_value_t = 1e-5, value_parser = link::noise, conflicts_with = "drive")]
+    /// Standard deviation of the virtual robot's measured joint positions, in rad
+    #[arg(long, value_name = "RAD", default_value_t = 1e-5, value_parser = noise, conflicts_with = "drive")]
     pub(crate) noise: f64,
 
-    /// Samples of the virtual robot a second, 50 to 10000 [default: 1000; 200 for cycle-time]
+    /// Sampling rate of the virtual robot, 50 to 10000 [default: 1000; 200 for cycle-time]
     #[arg(long, value_name = "HZ", value_parser = sampling_rate, conflicts_with = "drive")]
     pub(crate) rate: Option<f64>,
 
-    /// What random programs and noise follow from
+    /// Seed of random programs and noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
 
-    /// How many: poses of `limits` (20), points of `settle` (200), paths of `cycle-time` (5); at most
-    /// these, in brackets, which are the default
+    /// Number of poses of `limits` (20), points of `settle` (200) or paths of `cycle-time` (5); the numbers in
+    /// brackets are the default and the maximum
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=200))]
     pub(crate) count: Option<u16>,
 
-    /// Let the arm move to the start of each program, at this share of the limits of velocity, in per
-    /// cent: 10 where none is given
-    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = link::percent_above_zero, requires = "drive")]
+    /// Let the arm move to the start of each program, at this share of the velocity limits, in per cent, 10
+    /// without a value
+    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = percent_above_zero, requires = "drive")]
     pub(crate) move_to_start: Option<f64>,
 
-    /// Where the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = link::STREAM)]
+    /// Address at which the drive publishes
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]
@@ -112,14 +114,5 @@ impl ExperimentName {
     /// As it is on the command line.
     pub(crate) fn name(self) -> String {
         self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
-    }
-}
-
-fn sampling_rate(text: &str) -> Result<f64, String> {
-    let value = rate(text)?;
-    if (50.0..=10_000.0).contains(&value) {
-        Ok(value)
-    } else {
-        Err("a rate is from 50 to 10000 Hz here".to_owned())
     }
 }

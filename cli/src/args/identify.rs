@@ -1,58 +1,55 @@
-//! Identifying a robot.
+//! `iiwasim identify`.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
-use super::EXIT_CODES;
-
-/// Find a robot's limits, its time to settle and the curve of its blends in recordings of it.
+/// Identify a robot's limits, its time to settle and the curve of its blends from recordings.
 ///
-/// Each recording is followed along its program from stop to stop. Limits come from motions along lines
-/// from rest to rest: their whole course is fitted, nothing is differentiated, so that noise is averaged
-/// out. Single joints that move far at full speed show the most; of motions of several joints, those are
-/// used of which one joint must have been the limit. The time to settle comes from stops between such
-/// motions, kappa from blends, whatever their time.
+/// Each recording is matched with its program from stop to stop. Limits are identified from motions along
+/// lines from rest to rest: the whole motion is fitted instead of differentiated, so that noise averages
+/// out. Long motions of single joints at full speed are the most useful; of motions of several joints,
+/// those are used in which a single joint must have been the limit. The time to settle is identified from
+/// stops between such motions, kappa from blends, regardless of time.
 ///
-/// Each figure is told with its uncertainty, half of the interval that holds the true one in 95 of 100
-/// cases, and with the number of observations. What the recordings do not show is not told, and stays as
-/// it is in the model. Positions are taken at their word: measured ones that lag behind the commanded ones
-/// by some ms make jerk and the time to settle look smaller, so that commanded ones are better.
+/// Each figure has its uncertainty, half of the 95 % confidence interval, and the number of observations.
+/// What cannot be identified from the recordings keeps the value of the model. Positions are used as they
+/// are: measured ones lag behind the commanded ones by some ms, which makes jerk and the time to settle
+/// look smaller, so that commanded ones are better.
 ///
-/// The profile that it writes works with `iiwasim plan --robot PROFILE.json`. `iiwasim experiment` makes
-/// programs that show all of it.
+/// The resulting profile works with `iiwasim plan --robot PROFILE.json`. `iiwasim experiment` makes
+/// programs from which all of it can be identified.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Identify {
-    /// What the robot did: MCAP files of `iiwasim run` or `experiment`, which hold their programs, or with
-    /// --program of `iiwasim record`, `DataRecorder` logs or CSV files with the columns `t_s` and
+    /// Recordings: MCAP files of `iiwasim run` or `experiment`, which contain their programs, or, with
+    /// --program, of `iiwasim record`, `DataRecorder` logs or CSV files with the columns `t_s` and
     /// `joint_1_rad` (or `_deg`) to `joint_7_rad`
     #[arg(value_name = "RECORDING", required = true)]
     pub(crate) recordings: Vec<PathBuf>,
 
-    /// The program that the robot ran in all recordings, once or again and again [default: the one in
-    /// each recording]
+    /// The program that the robot ran in all recordings, once or repeatedly [default: the one in each
+    /// recording]
     #[arg(long, value_name = "PROGRAM.json")]
     pub(crate) program: Option<PathBuf>,
 
-    /// Built-in model or robot profile that the robot is taken for: its lengths, ranges and what is not
-    /// found [default: the recordings' or the programs']
+    /// Built-in model or robot profile for lengths, ranges and everything that is not identified [default:
+    /// the recordings' or the programs']
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
-    /// Where the profile goes
+    /// Path of the profile
     #[arg(short, long, value_name = "PROFILE.json", default_value = "identified.json")]
     pub(crate) output: PathBuf,
 
-    /// Print the figures, write no profile
+    /// Print the figures only, write no profile
     #[arg(long, conflicts_with_all = ["output", "name"])]
     pub(crate) no_output: bool,
 
-    /// The robot's name in the profile [default: the model's]
+    /// Name of the robot in the profile [default: the model's]
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
 
-    /// Print the figures as one JSON object, with all motions and blends
+    /// Print the figures as a JSON object, with all motions and blends
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -1,109 +1,91 @@
-//! Commands about the connection to a robot.
+//! Commands of the connection to a robot.
 
 use std::{net::SocketAddr, path::PathBuf};
 
 use clap::{Args, Subcommand};
 use iiwa_link::{message::IoValue, security::Endpoint};
 
-use super::{EXIT_CODES, number, seconds, seven};
+use super::{
+    addresses::{ClientKeys, DRIVE, DriveAddress, STREAM, ServerKeys},
+    values::{at_least_0, io_value, noise, percent, percent_above_zero, period, seven, speed},
+};
 
-/// Where a drive takes requests by default ([`iiwa_link::INSTRUCTIONS_PORT`]).
-const DRIVE: &str = "127.0.0.1:5560";
-
-/// Where a drive publishes by default ([`iiwa_link::STREAM_PORT`]).
-pub(super) const STREAM: &str = "127.0.0.1:5561";
-
-/// Make keys for connections that leave this machine: NAME.key, which is secret, and NAME.pub.
+/// Make keys for connections between machines: NAME.key, which is secret, and NAME.pub.
 ///
-/// Each side makes its own, and gives its .pub file to the other one. Existing files are never
-/// overwritten. `zmq.auth.load_certificate` of pyzmq reads them, too.
+/// Each side makes its own keys, and gives its .pub file to the other side. Existing files are never
+/// overwritten. `zmq.auth.load_certificate` of pyzmq can read them.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Keygen {
-    /// Whose keys they are, as `drive` or `alice`; clients are called by this in the drive's log
+    /// Name of the owner, as `drive` or `alice`; the log of the drive shows it for clients
     #[arg(value_name = "NAME")]
     pub(crate) name: String,
 
-    /// Folder for the two files, made if there is none [default: the current folder]
+    /// Folder for the two files, created if missing [default: the current folder]
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
 }
 
-/// Connect clients with the robot: iiwaDrive.
+/// Run iiwaDrive, which connects clients to the robot.
 ///
-/// It answers the controller over FRI every cycle, publishes where the robot is, and runs motions and
+/// It answers the controller over FRI every cycle, publishes the joint positions, and runs motions and
 /// trajectories for clients, one at a time. Clients are `iiwasim run`, `record`, `status`, `io` and
-/// `sensors`, or programs in any language that speak ZeroMQ and JSON. It ends with Ctrl-C; a motion goes
-/// on then, a trajectory breaks off.
+/// `sensors`, or programs in any language with ZeroMQ and JSON. Ctrl-C ends it; a motion then
+/// continues, a trajectory breaks off.
 ///
-/// Without keys it listens to this machine only.
+/// Without keys it accepts connections from this machine only.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Drive {
-    /// Where clients send requests to
+    /// Address for requests of clients
     #[arg(long, value_name = "HOST:PORT", default_value = DRIVE)]
     pub(crate) instructions: Endpoint,
 
-    /// Where clients subscribe to what is measured
+    /// Address of the stream of measured joint positions
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
-    /// Where the controller's FRI messages come in, over UDP; KUKA's ports are 30200 to 30209
+    /// UDP address for the FRI messages of the controller; KUKA's ports are 30200 to 30209
     #[arg(long, value_name = "IP:PORT", default_value = "127.0.0.1:30200")]
     pub(crate) fri: SocketAddr,
 
-    /// The cabinet's address: the robot program's, and the only one whose FRI messages are taken
+    /// Address of the cabinet: the robot program runs there, and only its FRI messages are accepted
     #[arg(long, value_name = "HOST", default_value = "127.0.0.1")]
     pub(crate) cabinet: String,
 
-    /// Port at which the robot program takes instructions
+    /// Port for instructions to the robot program
     #[arg(long, value_name = "PORT", default_value_t = iiwa_link::CABINET_INSTRUCTIONS_PORT)]
     pub(crate) cabinet_instructions: u16,
 
-    /// Port at which the robot program tells its state
+    /// Port for the state of the robot program
     #[arg(long, value_name = "PORT", default_value_t = iiwa_link::CABINET_STATE_PORT)]
     pub(crate) cabinet_state: u16,
 
-    /// Built-in model or robot profile; trajectories are held against its limits
+    /// Built-in model or robot profile; trajectories have to keep its limits
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
 
     #[command(flatten)]
     pub(crate) keys: ServerKeys,
 
-    /// The cabinet's public key, if it asks for keys; this drive shows its own (--key)
+    /// Public key of the cabinet, if it requires keys; the drive then needs its own, too (--key)
     #[arg(long, value_name = "FILE.pub", requires = "key")]
     pub(crate) cabinet_key: Option<PathBuf>,
 }
 
-/// What lets in clients from other machines.
-#[derive(Args, Debug)]
-pub(crate) struct ServerKeys {
-    /// Own key of `iiwasim keygen`: without it, only this machine may connect
-    #[arg(long, value_name = "FILE.key", requires = "allow")]
-    pub(crate) key: Option<PathBuf>,
-
-    /// Public keys of those that may connect: a file, or a folder of *.pub files
-    #[arg(long, value_name = "FOLDER", requires = "key")]
-    pub(crate) allow: Option<PathBuf>,
-}
-
-/// Simulate the robot and its cabinet: what `iiwasim drive` connects to.
+/// Simulate the robot and its cabinet, for `iiwasim drive` to connect to.
 ///
-/// A controller with FRI in real time and a robot program that runs motions as this project plans them,
-/// sensors, inputs and outputs. It ends with Ctrl-C, and says how fast it was answered.
+/// It has a controller with FRI in real time, a robot program that runs motions as `iiwasim plan` plans
+/// them, sensors, inputs and outputs. Ctrl-C ends it and prints the latency of the answers.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Cabinet {
-    /// Time from one message of FRI to the next, in ms: 1 to 10 to be commanded, up to 100 to be watched
+    /// Period of FRI messages, in ms: 1 to 10 to command the robot, up to 100 to monitor it
     #[arg(long, value_name = "MS", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub(crate) period: u32,
 
-    /// Every how many messages the drive is to answer
+    /// Number of messages for each answer of the drive
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10))]
     pub(crate) receive_multiplier: u32,
 
-    /// How many times as fast as real time the robot's clock goes, 0.01 to 100
+    /// Speed of the robot's clock relative to real time, 0.01 to 100
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = speed)]
     pub(crate) speed: f64,
 
@@ -115,19 +97,19 @@ pub(crate) struct Cabinet {
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
 
-    /// Where the arm stands first: joints A1 to A7 in degrees [default: all 0]
+    /// Initial joints A1 to A7 in degrees [default: all 0]
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
     pub(crate) start_deg: Option<[f64; 7]>,
 
-    /// Where the drive listens to FRI, over UDP
+    /// UDP address at which the drive receives FRI messages
     #[arg(long, value_name = "IP:PORT", default_value = "127.0.0.1:30200")]
     pub(crate) fri: SocketAddr,
 
-    /// Where the robot program takes instructions
+    /// Address for instructions to the robot program
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:30001")]
     pub(crate) instructions: Endpoint,
 
-    /// Where the robot program tells its state
+    /// Address of the state of the robot program
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:30002")]
     pub(crate) state: Endpoint,
 
@@ -138,84 +120,57 @@ pub(crate) struct Cabinet {
     pub(crate) faults: CabinetFaults,
 }
 
-/// What goes wrong.
+/// Injected faults.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Faults")]
 pub(crate) struct CabinetFaults {
-    /// Lose so many of FRI's messages, in per cent, in either direction
+    /// Share of FRI messages that are lost, in per cent, in either direction
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
     pub(crate) packet_loss: f64,
 
-    /// Send FRI's messages so many cycles late
+    /// Delay of FRI messages, in cycles
     #[arg(long, value_name = "CYCLES", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100))]
     pub(crate) delay: u32,
 
-    /// Let nothing of FRI through for a second, so many seconds after the start, and again after the
-    /// same time
-    #[arg(long, value_name = "S", value_parser = above_zero)]
+    /// Block FRI for a second, with this period, in s
+    #[arg(long, value_name = "S", value_parser = period)]
     pub(crate) silence_every: Option<f64>,
 
-    /// Drop the session of FRI for a second, so many seconds after the start, and again after the same
-    /// time
-    #[arg(long, value_name = "S", value_parser = above_zero)]
+    /// Drop the FRI session for a second, with this period, in s
+    #[arg(long, value_name = "S", value_parser = period)]
     pub(crate) drop_session_every: Option<f64>,
 
-    /// Press the emergency stop once, at this part of a run of motions, in per cent; it is released after
-    /// two seconds
+    /// Press the emergency stop once, after this share of the duration of a run, in per cent, and release it
+    /// after two seconds
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub(crate) emergency_stop: Option<f64>,
 }
 
-/// The drive that a command speaks to.
-#[derive(Args, Debug)]
-pub(crate) struct DriveAddress {
-    /// Where the drive takes requests
-    #[arg(long, value_name = "HOST:PORT", default_value = DRIVE)]
-    pub(crate) drive: Endpoint,
-
-    #[command(flatten)]
-    pub(crate) keys: ClientKeys,
-}
-
-/// What a client shows to be let in.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct ClientKeys {
-    /// Own key of `iiwasim keygen`, for a drive that asks for keys
-    #[arg(long, value_name = "FILE.key", requires = "server_key")]
-    pub(crate) key: Option<PathBuf>,
-
-    /// The drive's public key
-    #[arg(long, value_name = "FILE.pub", requires = "key")]
-    pub(crate) server_key: Option<PathBuf>,
-}
-
-/// Run a motion program on the robot, and hold the time it takes against the plan.
+/// Run a motion program on the robot, and compare its cycle time with the plan.
 ///
-/// The program is planned first and the figures are shown. Then the drive runs it, and what the robot did
-/// is written as MCAP. Ctrl-C stops the robot on its path; what it did until then is written too.
+/// The program is planned first, and the figures are printed. Then the drive runs it, and the measured joint
+/// positions are recorded as MCAP. Ctrl-C stops the robot on its path; the recording until then is kept.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Run {
     /// Motion program in JSON (`iiwasim schema` describes it); - reads standard input
     #[arg(value_name = "PROGRAM.json")]
     pub(crate) program: PathBuf,
 
-    /// Where the MCAP file of what the robot did goes [default: PROGRAM.measured.mcap in the current
-    /// folder]
+    /// Path of the recording [default: PROGRAM.measured.mcap in the current folder]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Write no file
+    /// Write no recording
     #[arg(long, conflicts_with = "output")]
     pub(crate) no_output: bool,
 
-    /// Send the planned trajectory, to be followed over FRI, instead of the motions, which the controller
-    /// plans by itself
+    /// Send the planned trajectory, which is then commanded over FRI, instead of the motions, which the
+    /// controller plans itself
     #[arg(long)]
     pub(crate) as_trajectory: bool,
 
-    /// First move to the program's start, in a straight line of joint space, at this share of the limits
-    /// of velocity, in per cent: 10 where none is given
+    /// First move to the start of the program, in a straight line in joint space, at this share of the
+    /// velocity limits, in per cent, 10 without a value
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = percent_above_zero)]
     pub(crate) move_to_start: Option<f64>,
 
@@ -227,7 +182,7 @@ pub(crate) struct Run {
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
-    /// Where the drive publishes
+    /// Address at which the drive publishes
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
@@ -235,25 +190,24 @@ pub(crate) struct Run {
     pub(crate) drive: DriveAddress,
 }
 
-/// Record what the robot does as MCAP, until Ctrl-C.
+/// Record the motion of the robot as MCAP, until Ctrl-C.
 ///
-/// The file is whole at any time: if the recorder is killed, the last second is lost at most.
+/// The file is readable at any time: if the recorder is killed, at most the last second is lost.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Record {
-    /// Where the MCAP file goes; an existing one is not overwritten
+    /// Path of the MCAP file; an existing one is not overwritten
     #[arg(short, long, value_name = "FILE.mcap")]
     pub(crate) output: PathBuf,
 
-    /// End after so many seconds
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    /// Duration in s
+    #[arg(long, value_name = "S", value_parser = at_least_0)]
     pub(crate) seconds: Option<f64>,
 
-    /// Built-in model or robot profile that the file's link frames are those of
+    /// Built-in model or robot profile, for the link frames in the file
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
 
-    /// Where the drive publishes
+    /// Address at which the drive publishes
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
@@ -261,30 +215,27 @@ pub(crate) struct Record {
     pub(crate) keys: ClientKeys,
 }
 
-/// Stop the robot on its path, whoever made it move, and wait until it stands.
+/// Stop the robot on its path, whichever client moves it, and wait until it stands still.
 ///
-/// This is no emergency stop: it needs the network, the drive and the robot program.
+/// This is not an emergency stop: it depends on the network, the drive and the robot program.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Stop {
     #[command(flatten)]
     pub(crate) drive: DriveAddress,
 }
 
-/// Print what the robot does now, where it is, and how the connection to it is.
+/// Print the state of the robot, its joint positions and the quality of the connection.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Status {
     /// Print one JSON object: `state`, `joints_rad`, `t_s`, `fri`, `robot_program`
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Follow the robot until Ctrl-C: a line five times a second; with --json, every message of the
-    /// stream as it comes
+    /// Follow the robot until Ctrl-C: five lines a second, or with --json every message of the stream
     #[arg(long)]
     pub(crate) watch: bool,
 
-    /// Where the drive publishes
+    /// Address at which the drive publishes
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
@@ -292,9 +243,8 @@ pub(crate) struct Status {
     pub(crate) drive: DriveAddress,
 }
 
-/// Read the robot's sensors: temperatures of the joints, torques from outside.
+/// Read the robot's sensors: joint temperatures and external torques.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Sensors {
     /// Print one JSON object: `joint_temperature_c`, `external_torque_nm`
     #[arg(long)]
@@ -304,9 +254,8 @@ pub(crate) struct Sensors {
     pub(crate) drive: DriveAddress,
 }
 
-/// Read inputs and outputs of the robot, and set outputs.
+/// Read inputs and outputs of the robot, or set outputs.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Io {
     #[command(subcommand)]
     pub(crate) action: IoAction,
@@ -316,15 +265,15 @@ pub(crate) struct Io {
 pub(crate) enum IoAction {
     /// Print the value of an input or output
     Get {
-        /// Its name, as MediaFlange.UserButton
+        /// Name, as MediaFlange.UserButton
         name: String,
 
         #[command(flatten)]
         drive: DriveAddress,
     },
-    /// Set an output, and print what it is then
+    /// Set an output, and print its new value
     Set {
-        /// Its name, as MediaFlange.LEDBlue
+        /// Name, as MediaFlange.LEDBlue
         name: String,
 
         /// true, false or a number
@@ -334,34 +283,4 @@ pub(crate) enum IoAction {
         #[command(flatten)]
         drive: DriveAddress,
     },
-}
-
-fn io_value(text: &str) -> Result<IoValue, String> {
-    serde_json::from_str(text).map_err(|_| format!("`{text}` is not true, false or a number"))
-}
-
-fn within(text: &str, low: f64, high: f64, what: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    let inside = (low..=high).contains(&value);
-    if inside { Ok(value) } else { Err(format!("{what} is from {low} to {high}")) }
-}
-
-fn speed(text: &str) -> Result<f64, String> {
-    within(text, 0.01, 100.0, "a speed")
-}
-
-pub(super) fn noise(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 0.1, "noise")
-}
-
-fn percent(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 100.0, "a share in per cent")
-}
-
-pub(super) fn percent_above_zero(text: &str) -> Result<f64, String> {
-    within(text, 0.1, 100.0, "a share in per cent")
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    within(text, 0.1, 1e6, "a time in s")
 }

@@ -1,35 +1,32 @@
-//! A page to look at.
+//! `iiwasim report`.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
-use super::EXIT_CODES;
-
-/// Make a page to look at: the arm in motion, its path, its joints over time, its motions.
+/// Make a page of a plan or a recording: the arm in motion, its path, its joints over time, its motions.
 ///
 /// The page is one HTML file that needs no network: the arm in 3D with play, pause, scrub and speed;
 /// the path of the flange with the blends and their spheres; position, velocity, acceleration and
 /// jerk of the joints next to their limits; when each motion runs and what limits it. With a second
 /// file, both arms and the errors that `iiwasim compare` finds.
 ///
-/// A recording of `iiwasim run` holds its program: alone, it is shown beside the plan of that. Other
-/// recordings have no motions: then the page has the rest. Of a file that is cut off, the page
-/// has all up to the break, and states where it is. Long files are thinned out for the screen: each column of a
-/// curve spans from its lowest to its highest value.
+/// A recording of `iiwasim run` contains its program, and is shown beside the plan of it. Other
+/// recordings have no motions, and the page shows the rest. A truncated file is shown up to its end,
+/// with a note. Long files are reduced for the screen: each column of a curve spans from its lowest to
+/// its highest value.
 #[derive(Args, Debug)]
-#[command(after_help = EXIT_CODES)]
 pub(crate) struct Report {
     /// An MCAP file of `iiwasim plan`, `run` or `record`, a `DataRecorder` log, or a CSV file with the
     /// columns `t_s` and `joint_1_rad` (or `_deg`) to `joint_7_rad`
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
 
-    /// What the robot did, in any of these formats, if FILE is a plan
+    /// Recording of the robot, in any of these formats, if FILE is a plan
     #[arg(value_name = "MEASURED")]
     pub(crate) measured: Option<PathBuf>,
 
-    /// Where the page goes [default: FILE.html in the current folder]
+    /// Path of the page [default: FILE.html in the current folder]
     #[arg(short, long, value_name = "FILE.html")]
     pub(crate) output: Option<PathBuf>,
 

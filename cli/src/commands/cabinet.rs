@@ -6,17 +6,17 @@ use iiwa_cabinet::{Cabinet, CabinetConfig, Faults};
 
 use crate::{
     args, connection,
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     input::find_robot,
     log, output,
 };
 
-/// How long a fault that comes again and again lasts.
+/// Duration of a repeated fault.
 const FAULT: Duration = Duration::from_secs(1);
 
-/// Simulates a cabinet until it is interrupted.
+/// Simulates a cabinet until an interrupt.
 pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
-    let robot = find_robot(&options.robot, std::path::Path::new("."))?;
+    let robot = find_robot(&options.robot)?;
     let server = connection::server(&options.keys)?;
     let faults = &options.faults;
     let mut config = CabinetConfig::default();
@@ -36,15 +36,15 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     output::catch_interrupts();
     log::start();
     let cabinet = Cabinet::start(config, &server).map_err(|error| connection::refused(&error))?;
-    tell(&format!(
+    print_note(&format!(
         "Simulated cabinet: instructions at {}, state at {}, FRI every {} ms to UDP {}. Ctrl-C ends it.\n",
         cabinet.instructions(),
         cabinet.state(),
         options.period,
         options.fri
     ));
-    let mut silence = Again::new(faults.silence_every);
-    let mut dropped = Again::new(faults.drop_session_every);
+    let mut silence = Repeated::new(faults.silence_every);
+    let mut dropped = Repeated::new(faults.drop_session_every);
     output::wait_for_interrupt(|| {
         if silence.is_due() {
             tracing::info!("fault: FRI is silent for {FAULT:?}");
@@ -62,8 +62,8 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
             .quantile(share)
             .map_or_else(|| "-".to_owned(), |t| format!("{} us", t.as_micros()))
     };
-    tell(&format!(
-        "{} messages, {} answers: after {} (median), {} (99.9 %), {} (maximum); {} cycles held up here\n",
+    print_note(&format!(
+        "{} messages, {} answers: after {} (median), {} (99.9 %), {} (maximum); {} cycles delayed by this machine\n",
         report.cycles,
         report.latency.count(),
         micros(0.5),
@@ -74,13 +74,13 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Something that happens again and again.
-struct Again {
+/// A repeated fault.
+struct Repeated {
     every: Option<Duration>,
     last: Instant,
 }
 
-impl Again {
+impl Repeated {
     fn new(every_s: Option<f64>) -> Self {
         Self { every: every_s.map(Duration::from_secs_f64), last: Instant::now() }
     }

@@ -1,17 +1,10 @@
 //! `iiwasim compare`.
 
-use std::path::Path;
-
 use iiwa_eval::Plan;
 use iiwa_log::PlanRecordError;
 use iiwa_view::{ComparisonReport, draw_comparison, with_causes};
 
-use crate::{
-    args::Compare,
-    failure::Failure,
-    input,
-    output::{self, Output},
-};
+use crate::{args::Compare, failure::Failure, input, output};
 
 /// Compares a recording with a plan, prints the figures and applies the gates.
 pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
@@ -20,8 +13,7 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
         let read = [("plan", plan_file.as_path()), ("recording", measured_file.as_path())];
         output::keep_inputs("picture", picture, read, "--picture")?;
     }
-    let robot = options.robot.as_deref();
-    let robot = robot.map(|name| input::find_robot(name, Path::new("."))).transpose()?;
+    let robot = options.robot.as_deref().map(input::find_robot).transpose()?;
     let plan = Plan::read_mcap(input::open(plan_file)?, robot).map_err(|error| {
         let hint = match error {
             PlanRecordError::Robot(_) => "; name its profile with --robot",
@@ -37,9 +29,7 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     let comparison = iiwa_eval::compare(&plan, &measured).map_err(|error| refuse(&error))?;
 
     if let Some(file) = &options.picture {
-        let drawing = Output::new(file)?;
-        drawing.write(draw_comparison(&plan, &comparison)?.as_bytes())?;
-        drawing.complete()?;
+        output::write(file, draw_comparison(&plan, &comparison)?.as_bytes())?;
     }
     let picture = options.picture.as_deref();
     let files = [plan_file.as_path(), measured_file.as_path()];
@@ -49,19 +39,6 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     } else {
         output::print(&report.text())?;
     }
-    gate(options, &report)
-}
-
-/// Which gates are not met.
-fn gate(options: &Compare, report: &ComparisonReport) -> Result<(), Failure> {
-    let percent = report.error_percent();
-    let off_mm = report.max_deviation_mm();
-    let time = options.max_error_percent.filter(|limit| percent.abs() > *limit);
-    let path = options.max_deviation_mm.filter(|limit| off_mm > *limit);
-    let time =
-        time.map(|limit| format!("the cycle time is off by {percent:+.3} %, more than {limit} %"));
-    let path = path
-        .map(|limit| format!("the flange is off its path by {off_mm:.3} mm, more than {limit} mm"));
-    let missed: Vec<_> = time.into_iter().chain(path).collect();
-    if missed.is_empty() { Ok(()) } else { Err(Failure::Gate(missed.join("; "))) }
+    let unmet = report.complaint(options.max_error_percent, options.max_deviation_mm);
+    unmet.map_or(Ok(()), |unmet| Err(Failure::Gate(unmet)))
 }

@@ -7,14 +7,14 @@ use iiwa_link::{Remote, security::ClientSecurity};
 
 use crate::{
     args, connection,
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     input::find_robot,
     log, output,
 };
 
-/// Runs a drive until it is interrupted.
+/// Runs a drive until an interrupt.
 pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
-    let robot = find_robot(&options.robot, std::path::Path::new("."))?;
+    let robot = find_robot(&options.robot)?;
     let clients = connection::server(&options.keys)?;
     let cabinet = match (&options.keys.key, &options.cabinet_key) {
         (Some(key), Some(cabinet)) => ClientSecurity::read(key, cabinet)
@@ -35,23 +35,22 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
     log::start();
     let drive =
         Drive::start(config, &clients, &cabinet).map_err(|error| connection::refused(&error))?;
-    tell(&format!(
+    print_note(&format!(
         "iiwaDrive: requests at {}, stream at {}, FRI at UDP {}, cabinet {host}. Ctrl-C ends it.\n",
         drive.instructions(),
         drive.stream(),
         drive.fri()
     ));
     if !drive.answer_latency().real_time {
-        tell(
-            "The system does not let it answer ahead of other programs: to command at 1 ms, give the user \
-             rtprio in /etc/security/limits.conf, or the program cap_sys_nice (setcap).\n",
+        print_note(
+            "No real-time priority: to command at 1 ms, give the user rtprio in /etc/security/limits.conf, or \
+             the program cap_sys_nice (setcap).\n",
         );
     }
     output::wait_for_interrupt(|| ());
     let AnswerLatency { received, answered, behind, slowest, .. } = drive.answer_latency();
-    tell(&format!(
-        "{received} messages, {answered} answers: within {} us at most; {behind} left when the next message was \
-         there already\n",
+    print_note(&format!(
+        "{received} messages, {answered} answers, the slowest after {} us; {behind} sent after the next message had arrived\n",
         slowest.as_micros()
     ));
     Ok(())

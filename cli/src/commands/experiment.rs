@@ -14,10 +14,10 @@ use iiwa_view::{
 
 use crate::{
     args::{DriveAddress, Experiment, ExperimentName},
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     input, output,
     progress::Progress,
-    runner::Line,
+    runner::DriveConnection,
 };
 
 use self::{
@@ -25,9 +25,9 @@ use self::{
     folder::{Folder, write},
 };
 
-/// Does experiments and writes their report.
+/// Runs experiments and writes their report.
 pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
-    let model = input::find_robot(&options.robot, Path::new("."))?;
+    let model = input::find_robot(&options.robot)?;
     let kinds = match options.name {
         ExperimentName::Limits => vec![ExperimentKind::Limits],
         ExperimentName::Blends => vec![ExperimentKind::Blends],
@@ -42,7 +42,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     };
     let (report, link) = report_path(options, &path)?;
     let virtual_robot = match &options.virtual_robot {
-        Some(name) => input::find_robot(name, Path::new("."))?,
+        Some(name) => input::find_robot(name)?,
         None => model.clone(),
     };
     let folder = Folder::new(&path, !options.no_recordings, options.drive.is_some())?;
@@ -64,8 +64,8 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         (Some(drive), Some(to_start)) => {
             let keys = options.keys.clone();
             let address = DriveAddress { drive: drive.clone(), keys };
-            let line = Box::new(Line::new(&address, &options.stream)?);
-            tell(&motion_warning(programs.iter().flat_map(|(_, trials)| trials), count));
+            let line = Box::new(DriveConnection::new(&address, &options.stream)?);
+            print_note(&motion_warning(programs.iter().flat_map(|(_, trials)| trials), count));
             Arm::Real { line, to_start }
         }
         _ => Arm::Virtual(Box::new(VirtualArm {
@@ -118,7 +118,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     output::print(&format!("{count} {programs} {}; report in {}\n", bench.on, report.display()))
 }
 
-/// Where the report goes, and how it is linked from there to the folder's files.
+/// Path of the report, and the prefix of links from it to the files of the folder.
 fn report_path(options: &Experiment, folder: &Path) -> Result<(PathBuf, String), Failure> {
     let Some(report) = &options.report else {
         return Ok((folder.join("report.md"), String::new()));
@@ -126,12 +126,12 @@ fn report_path(options: &Experiment, folder: &Path) -> Result<(PathBuf, String),
     let above = report.parent().unwrap_or(Path::new(""));
     let Ok(between) = folder.strip_prefix(above) else {
         return Err(Failure::input(format!(
-            "{} is neither in the folder {} nor above it: it could not show the figures",
+            "{} is neither in the folder {} nor above it, so that it cannot link to the figures",
             report.display(),
             folder.display()
         )));
     };
-    let parts: Vec<_> = between.iter().map(|part| part.to_string_lossy().into_owned()).collect();
-    let link = parts.iter().fold(String::new(), |link, part| format!("{link}{part}/"));
+    let link =
+        between.iter().fold(String::new(), |link, part| link + &part.to_string_lossy() + "/");
     Ok((report.clone(), link))
 }

@@ -1,6 +1,6 @@
 //! `iiwasim fk`.
 
-use std::{fmt::Write as _, path::Path};
+use std::fmt::Write as _;
 
 use serde::Serialize;
 
@@ -15,19 +15,14 @@ struct PoseAnswer<'a> {
 
 /// Prints the pose of the flange.
 pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
-    let robot = find_robot(&options.robot, Path::new("."))?;
+    let robot = find_robot(&options.robot)?;
     let joints = options.joints.rad();
     robot.limits().check(&joints).map_err(|outside| Failure::input(outside.to_string()))?;
     let pose = robot.flange_pose(&joints);
     if options.json {
-        let answer = PoseAnswer {
-            position_m: pose.position_m,
-            rotation: pose.rotation,
-            robot: robot.name(),
-        };
-        let json = serde_json::to_string(&answer)
-            .map_err(|error| Failure::run("cannot write the answer", &error))?;
-        return output::print(&format!("{json}\n"));
+        let robot = robot.name();
+        let answer = PoseAnswer { position_m: pose.position_m, rotation: pose.rotation, robot };
+        return output::print_json(&answer);
     }
     let [x, y, z] = pose.position_m.map(|v| v * 1e3);
     let mut text = format!("position   {x:10.3} {y:10.3} {z:10.3}  mm\n");

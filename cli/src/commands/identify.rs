@@ -8,12 +8,7 @@ use iiwa_log::{JointLog, Loss};
 use iiwa_path::Program;
 use iiwa_view::{IdentificationReport, with_causes};
 
-use crate::{
-    args::Identify,
-    failure::Failure,
-    input,
-    output::{self, Output},
-};
+use crate::{args::Identify, failure::Failure, input, output};
 
 /// A recording and its program.
 struct Source {
@@ -54,9 +49,7 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
         // A name may be one that no profile can have.
         Robot::from_profile(&profile)
             .map_err(|error| Failure::input(format!("--name: {}", error.what())))?;
-        let file = Output::new(target)?;
-        file.write(profile.as_bytes())?;
-        file.complete()?;
+        output::write(target, profile.as_bytes())?;
     }
     if options.json { output::print_json(&report) } else { output::print(&report.text(&model)) }
 }
@@ -68,7 +61,7 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
     let given = given.map(|path| input::program(path, robot)).transpose()?;
     let mut model = match &given {
         Some((_, _, model)) => Some(model.clone()),
-        None => robot.map(|name| input::find_robot(name, Path::new("."))).transpose()?,
+        None => robot.map(input::find_robot).transpose()?,
     };
     let mut sources = Vec::with_capacity(options.recordings.len());
     for path in &options.recordings {

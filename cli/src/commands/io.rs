@@ -2,7 +2,7 @@
 
 use crate::{args::IoAction, connection, failure::Failure, output};
 
-/// Prints the value of an input or output, of outputs after it was set.
+/// Prints the value of an input or output, for `set` the new one.
 pub(crate) fn run(action: &IoAction) -> Result<(), Failure> {
     let value = match action {
         IoAction::Get { name, drive } => connection::client(drive)?

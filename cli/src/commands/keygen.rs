@@ -8,9 +8,9 @@ use iiwa_view::printable;
 
 use crate::{args::Keygen, failure::Failure, output};
 
-/// Makes a pair of keys, and says what to do with them.
+/// Makes a pair of keys, and explains their use.
 pub(crate) fn run(options: &Keygen) -> Result<(), Failure> {
-    // Nothing lies about half-written.
+    // No partial file stays behind.
     output::catch_interrupts();
     let folder = options.output.as_deref().unwrap_or(Path::new(""));
     let pair = KeyPair::generate().map_err(refuse)?;

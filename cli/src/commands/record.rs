@@ -13,21 +13,21 @@ use iiwa_log::{Config, Recorder, RecorderConfig};
 use crate::{
     args::Record,
     connection,
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     input::find_robot,
     output,
     progress::Progress,
 };
 
-/// How long nothing may come before the file is brought up to date all the same.
-const PAUSE: Duration = Duration::from_millis(200);
+/// How long to wait for the stream before the file is flushed.
+const POLL: Duration = Duration::from_millis(200);
 
-/// How long nothing may come at first before that is reported.
-const PATIENCE: Duration = Duration::from_secs(3);
+/// How long to wait for the first sample before a note is printed.
+const NOTE_AFTER: Duration = Duration::from_secs(3);
 
-/// Records until it is interrupted.
+/// Records until an interrupt.
 pub(crate) fn run(options: &Record) -> Result<(), Failure> {
-    let robot = find_robot(&options.robot, Path::new("."))?;
+    let robot = find_robot(&options.robot)?;
     let remote = connection::remote(&options.keys)?;
     let mut stream = Stream::new(&remote, &options.stream.to_string())
         .map_err(|error| connection::refused(&error))?;
@@ -55,18 +55,18 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let mut first_s = None;
     let mut last = Duration::ZERO;
     let mut fresh = false;
-    let mut told = false;
+    let mut noted = false;
     let mut progress = Progress::of_recording();
     while !output::interrupted() && limit.is_none_or(|limit| since.elapsed() < limit) {
-        let published = match stream.next(PAUSE) {
+        let published = match stream.next(POLL) {
             Ok(published) => published,
             Err(error) if samples == 0 => {
                 discard(path);
                 return Err(connection::refused(&error));
             }
-            // What is there is kept.
+            // The samples so far are kept.
             Err(error) => {
-                progress.aside(|| tell(&format!("The stream broke off: {error}\n")));
+                progress.aside(|| print_note(&format!("The stream broke off: {error}\n")));
                 break;
             }
         };
@@ -74,7 +74,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
             Some(Published::Joints { t_s, joints_rad }) => {
                 let from_s = *first_s.get_or_insert(t_s);
                 let t = Duration::try_from_secs_f64(t_s - from_s).unwrap_or_default();
-                // A drive that was started again counts from 0: then the recording goes on in its own time.
+                // A restarted drive counts from 0; the recording then continues at the current time.
                 if samples > 0 && t <= last {
                     let now = since.elapsed().max(last + Duration::from_millis(1));
                     first_s = Some(t_s - now.as_secs_f64());
@@ -92,12 +92,12 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
                     recorder.flush().map_err(refuse)?;
                 }
                 progress.alive();
-                if samples == 0 && !told && since.elapsed() > PATIENCE {
-                    told = true;
+                if samples == 0 && !noted && since.elapsed() > NOTE_AFTER {
+                    noted = true;
                     let at = &options.stream;
                     progress.aside(|| {
-                        tell(&format!(
-                            "Nothing comes from {at} yet; is `iiwasim drive` running there?\n"
+                        print_note(&format!(
+                            "Nothing received from {at} yet; is `iiwasim drive` running there?\n"
                         ));
                     });
                 }
@@ -120,7 +120,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     ))
 }
 
-/// Takes away a file in which there is nothing: it would be in the way of the next recording.
+/// Removes an empty recording, which would be in the way of the next one.
 fn discard(path: &Path) {
     // It may be gone already.
     let _ = fs::remove_file(path);

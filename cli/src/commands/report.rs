@@ -6,32 +6,29 @@ use iiwa_view::{Extent, Page, PageOptions, printable};
 
 use crate::{
     args::Report,
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     input::find_robot,
-    output::{self, Output},
+    output,
 };
 
-/// Makes the page, and says where it is.
+/// Makes the page, and prints its path.
 pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let target = options.output.clone().unwrap_or_else(|| file_name(&options.file));
     let measured = options.measured.as_deref().map(|path| ("recording", path));
     let read = [("file", options.file.as_path())].into_iter().chain(measured);
     output::keep_inputs("page", &target, read, "--output")?;
     output::catch_interrupts();
-    let robot = options.robot.as_deref();
-    let robot = robot.map(|name| find_robot(name, Path::new("."))).transpose()?;
+    let robot = options.robot.as_deref().map(find_robot).transpose()?;
     let how = PageOptions { robot, extent: Extent::Whole, interrupted: output::interrupted };
     let page = Page::read(&options.file, options.measured.as_deref(), &how)?;
     for note in page.notes() {
-        tell(&format!("Note: {}\n", printable(note)));
+        print_note(&format!("Note: {}\n", printable(note)));
     }
-    let output = Output::new(&target)?;
-    output.write(page.html()?.as_bytes())?;
-    output.complete()?;
+    output::write(&target, page.html()?.as_bytes())?;
     output::print(&format!("Page in {}\n", printable(&target.display().to_string())))
 }
 
-/// How the page of a file is called.
+/// Name of a file's page.
 fn file_name(file: &Path) -> PathBuf {
     let mut name = file.file_stem().unwrap_or("report".as_ref()).to_owned();
     name.push(".html");

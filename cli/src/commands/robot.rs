@@ -15,7 +15,7 @@ use crate::{
 /// Prints a model, or the names of the built-in ones.
 pub(crate) fn run(options: &args::Robot) -> Result<(), Failure> {
     let Some(name) = &options.model else { return output::print(&robots_table()) };
-    let robot = find_robot(name, Path::new("."))?;
+    let robot = find_robot(name)?;
     if options.json {
         return output::print(&format!("{}\n", robot.to_profile().trim_end()));
     }

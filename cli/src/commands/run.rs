@@ -4,9 +4,9 @@ use std::path::{Path as FilePath, PathBuf};
 
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, MAX_POINTS, TimedJoints, message::Run as Measured};
-use iiwa_log::PlanFigures;
-use iiwa_path::{JointPath, Program};
-use iiwa_traj::{Timing, Trajectory};
+use iiwa_log::{PlanFigures, PlanOptions};
+use iiwa_path::Program;
+use iiwa_traj::Trajectory;
 use iiwa_view::{RunReport, plan_table};
 
 use crate::{
@@ -15,7 +15,7 @@ use crate::{
     failure::Failure,
     input::{self, Text},
     output::{self, Output},
-    runner::{Line, Task, go_to_start, recording, since_start, watch},
+    runner::{DriveConnection, Task, execute_with_progress, go_to_start, recording, since_start},
 };
 
 /// Time from one point of a trajectory to the next, in s.
@@ -28,7 +28,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     output::catch_interrupts();
     let (plan, figures) = plan(&text, &program, &robot)?;
 
-    let mut line = Line::new(&options.drive, &options.stream)?;
+    let mut line = DriveConnection::new(&options.drive, &options.stream)?;
     if !options.json {
         output::print(&plan_table(&figures))?;
     }
@@ -41,7 +41,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     go_to_start(&mut line, options.move_to_start, &program.start_rad)?;
     output::check_interrupt()?;
 
-    let watched = watch(&mut line, task, Some(plan.cycle_time_s()));
+    let watched = execute_with_progress(&mut line, task, Some(plan.cycle_time_s()));
     let (measured, failure) = match watched.result {
         Ok(measured) => (measured, None),
         Err(ClientError::Refused { refusal, run }) => {
@@ -53,12 +53,12 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
             let failed = ClientError::Refused { refusal, run: None };
             (run, Some(connection::failed(what, &failed)))
         }
-        // What the stream has brought is all there is.
+        // The samples of the stream are all there is.
         Err(error) => {
-            // A motion needs no drive to go on.
+            // A motion continues without the drive.
             let failure =
                 connection::failed("the run broke off, the robot may still be moving", &error);
-            (Measured::new(watched.seen), Some(failure))
+            (Measured::new(watched.streamed), Some(failure))
         }
     };
     let samples = since_start(&measured);
@@ -103,33 +103,29 @@ fn plan(
     program: &Program,
     robot: &Robot,
 ) -> Result<(Trajectory, PlanFigures), Failure> {
-    let path = JointPath::new(program, robot).map_err(|fault| {
-        let place = fault.place_in(&text.text);
-        Failure::in_text(&fault.to_string(), &place, &text.name, &text.text)
-    })?;
-    let timing = Timing::default();
-    let plan = Trajectory::plan(&path, timing)
-        .map_err(|error| Failure::run("cannot plan the program", &error))?;
-    let mut figures = PlanFigures::new(timing, robot, 0);
+    let how = PlanOptions::default();
+    let plan =
+        how.plan(program, robot).map_err(|error| Failure::plan(error, &text.name, &text.text))?;
+    let mut figures = PlanFigures::new(how.timing, robot, how.samples);
     plan.sections().iter().for_each(|section| figures.add(section));
     Ok((plan, figures))
 }
 
-/// The trajectory as it is sent: at even steps, and at its end.
+/// The trajectory as it is sent: samples at a fixed step, and its end.
 fn sampled(plan: &Trajectory) -> Result<TimedJoints, Failure> {
     let end_s = plan.cycle_time_s();
     let steps = (end_s / STEP_S).ceil();
     if steps >= MAX_POINTS as f64 {
         return Err(Failure::input(format!(
             "the program takes {end_s:.0} s, which is {steps:.0} points; a drive takes trajectories of \
-             {MAX_POINTS}. Without --as-trajectory, the controller plans the motions by itself"
+             {MAX_POINTS}. Without --as-trajectory, the controller plans the motions itself"
         )));
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
     let steps = steps as u32;
     let t_s: Vec<f64> = (0..steps)
         .map(|i| f64::from(i) * STEP_S)
-        // No step next to nothing before the end.
+        // No sample just before the end.
         .filter(|t_s| end_s - t_s > 1e-3 * STEP_S)
         .chain([end_s])
         .collect();

@@ -4,7 +4,7 @@ use iiwa_view::table;
 
 use crate::{args::Sensors, connection, failure::Failure, output};
 
-/// Prints what the robot's sensors say.
+/// Prints the values of the robot's sensors.
 pub(crate) fn run(options: &Sensors) -> Result<(), Failure> {
     let sensors = connection::client(&options.drive)?
         .read_sensors()

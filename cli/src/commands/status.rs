@@ -13,7 +13,7 @@ use iiwa_view::printable;
 
 use crate::{args::Status, connection, failure::Failure, output};
 
-/// Prints what the robot does now, and from now on if that is asked for.
+/// Prints the state of the robot, once or continuously.
 pub(crate) fn run(options: &Status) -> Result<(), Failure> {
     let status = connection::client(&options.drive)?
         .state()
@@ -27,7 +27,7 @@ pub(crate) fn run(options: &Status) -> Result<(), Failure> {
     output::print(&text(&status))
 }
 
-/// Follows the robot until an interrupt comes.
+/// Follows the robot until an interrupt.
 fn watch(options: &Status, mut state: DriveState) -> Result<(), Failure> {
     const EVERY: Duration = Duration::from_millis(200);
     const SILENT: Duration = Duration::from_secs(1);
@@ -49,7 +49,7 @@ fn watch(options: &Status, mut state: DriveState) -> Result<(), Failure> {
                 format!("{t_s:10.3} s  {state:<18}{}\n", degrees(&joints_rad))
             }
             None if pause(SILENT) && !options.json => {
-                "nothing is published: the drive does not hear the controller\n".to_owned()
+                "nothing is published: the drive receives nothing from the controller\n".to_owned()
             }
             _ => continue,
         };
@@ -73,7 +73,7 @@ fn text(status: &Answer) -> String {
         (Some(joints), Some(t_s)) => {
             let _ = writeln!(text, "joints        {}, at {t_s:.3} s", degrees(&joints));
         }
-        _ => text.push_str("joints         unknown: the controller has not been heard of\n"),
+        _ => text.push_str("joints         unknown: nothing was received from the controller\n"),
     }
     let fri = &status.fri;
     let _ = writeln!(

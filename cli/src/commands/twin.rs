@@ -8,12 +8,15 @@ use std::{
 
 use crate::{
     args,
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     output,
-    twin::{Desk, Live, Setup, Shared, Token, Viewers, Words, follow, serve, watch_health},
+    twin::{
+        Dispatcher, LatestJoints, PageChannel, Setup, Shared, Token, Viewers, follow, serve,
+        watch_health,
+    },
 };
 
-/// Follows the robot, and serves its page, until it is interrupted.
+/// Follows the robot and serves its page until an interrupt.
 pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     let setup = Arc::new(Setup::new(options)?);
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, options.port)).map_err(|error| {
@@ -25,27 +28,27 @@ pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     let token = Token::new()?;
     let viewers = options.foxglove.map(|at| Viewers::listen(&setup.robot, at)).transpose()?;
     output::catch_interrupts();
-    let live = Arc::new(Live::default());
-    let desk = Arc::new(Desk::new(setup.clone(), live.clone()));
-    let (live_words, health_words) = (Words::new("{}".into()), Words::new("{}".into()));
+    let live = Arc::new(LatestJoints::default());
+    let dispatcher = Arc::new(Dispatcher::new(setup.clone(), live.clone()));
+    let (live_words, health_words) = (PageChannel::new("{}".into()), PageChannel::new("{}".into()));
     let words = [live_words.subscribe(), health_words.subscribe()];
-    let twin = Shared::new(setup.clone(), words, desk.clone());
+    let twin = Shared::new(setup.clone(), words, dispatcher.clone());
     output::print(&format!("http://{address}/?token={}\n", token.text()))?;
-    tell("The twin is at this address, for this machine only. Ctrl-C ends it.\n");
+    print_note("The twin is at this address, for this machine only. Ctrl-C ends it.\n");
     if let Some(viewers) = &viewers {
-        tell(&format!("Foxglove and Lichtblick open ws://{}\n", viewers.address()));
+        print_note(&format!("Foxglove and Lichtblick open ws://{}\n", viewers.address()));
     }
     let viewers = viewers.map(Mutex::new);
     thread::scope(|scope| {
         scope.spawn(|| watch_health(&setup, &health_words, viewers.as_ref()));
         let following = scope.spawn(|| {
-            // Without it there is nothing to serve.
+            // Without joint positions there is nothing to show.
             follow(&setup, &live, &live_words, viewers.as_ref())
                 .inspect_err(|_| output::interrupt())
         });
         let served = serve(listener, &token, twin);
         output::interrupt();
-        desk.end();
+        dispatcher.end();
         following.join().unwrap_or(Ok(())).and(served)
     })
 }

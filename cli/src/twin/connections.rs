@@ -1,9 +1,9 @@
-//! Connections: how many there may be, and for how long without showing the token.
+//! Bounds on connections: how many there may be, and how long one may take to present the token.
 //!
-//! A connection that has not shown the token yet is a stranger's. There are few places for strangers, and
-//! for one too many, the oldest is closed: a page gets in, however many connections another program opens
-//! and keeps silent on. A connection that has shown the token is never closed for a stranger's. Pages have
-//! places of their own, which short requests cannot take.
+//! A connection is unverified until it presents the token. The number of unverified connections is bounded, and
+//! the oldest is closed for a new one beyond that: a page can connect, however many idle connections another
+//! program opens. A verified connection is never closed for an unverified one. Pages are counted apart from
+//! other requests, which cannot use up their number.
 
 use std::{
     collections::BTreeMap,
@@ -22,42 +22,42 @@ use tokio::{
     time,
 };
 
-/// Connections that have not shown the token, at most. Few of the files that a process may have open.
-const STRANGERS: usize = 64;
+/// Unverified connections, at most: a small part of the files that a process may have open.
+const MAX_UNVERIFIED: usize = 64;
 
-/// Pages that are open, at most: each keeps what it was sent last until its browser takes it.
-const PAGES: usize = 16;
+/// Open pages, at most: each holds its last messages until the browser receives them.
+const MAX_PAGES: usize = 16;
 
-/// Other requests with the token at one time, at most: a browser makes six.
-const REQUESTS: usize = 8;
+/// Other requests with the token at one time, at most: a browser opens six connections.
+const MAX_OTHERS: usize = 8;
 
-/// How long a connection has to show the token, and, if it is refused, to take the answer.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// How long a connection may take to present the token and, if it is rejected, to receive the answer.
+const TIMEOUT: Duration = Duration::from_secs(5);
 
-/// How long nothing is accepted after the system has refused to.
+/// Pause after the system could not accept a connection.
 const PAUSE: Duration = Duration::from_millis(20);
 
 /// Bytes of a request's head, at most.
 const HEAD_BYTES: usize = 16 << 10;
 
-/// Accepts connections and has `router` answer them; it never ends. Requests carry the [`Connection`] as an
+/// Accepts connections, which `router` answers; never returns. Requests carry the [`Connection`] as an
 /// extension. Each connection has one request: `router` answers with `Connection: close`.
-pub(super) async fn receive(listener: TcpListener, router: Router) {
+pub(super) async fn accept(listener: TcpListener, router: Router) {
     let connections = Arc::new(Connections::new());
     let mut count = 0;
     loop {
-        // A place for one more than there may be: the one that is closed for it takes its until then.
+        // There is one permit more than connections: the one to be closed holds its own until it is.
         let Ok(permit) = connections.accepted.clone().acquire_owned().await else { return };
         match listener.accept().await {
             Ok((stream, peer)) => {
                 count += 1;
                 let connection = connections.add(count, peer, permit);
-                tokio::spawn(attend(stream, connection, router.clone()));
+                tokio::spawn(serve(stream, connection, router.clone()));
             }
             // The other end has gone already.
             Err(error) if is_gone(&error) => {}
             Err(_) => {
-                // There may be no file left for it. That must neither end the server nor keep a core busy.
+                // The process may have too many open files. The server goes on, without keeping a core busy.
                 connections.close_oldest();
                 time::sleep(PAUSE).await;
             }
@@ -70,79 +70,79 @@ fn is_gone(error: &io::Error) -> bool {
     matches!(error.kind(), ConnectionAborted | ConnectionRefused | ConnectionReset)
 }
 
-/// Answers a connection's request, unless the connection is closed before.
-async fn attend(stream: TcpStream, connection: Connection, router: Router) {
+/// Answers the request of a connection, unless the connection is closed before.
+async fn serve(stream: TcpStream, connection: Connection, router: Router) {
     let service = TowerToHyperService::new(router.layer(Extension(connection.clone())));
     let exchange = http1::Builder::new()
         .max_buf_size(HEAD_BYTES)
         .serve_connection(TokioIo::new(stream), service)
         .with_upgrades();
     tokio::select! {
-        // If it fails, that concerns the other end only.
+        // A failure concerns the other end only.
         _ = exchange => {}
         () = connection.closed() => {}
     }
 }
 
-/// Those that there are.
+/// All connections.
 #[derive(Debug)]
 struct Connections {
-    /// How each is closed, by the order in which they came.
-    strangers: Mutex<BTreeMap<u64, Arc<Notify>>>,
+    /// Closes each unverified one; sorted by age, oldest first.
+    unverified: Mutex<BTreeMap<u64, Arc<Notify>>>,
     pages: Arc<Semaphore>,
     requests: Arc<Semaphore>,
-    /// All connections that there may be, whichever they are.
+    /// Permits of all connections, of any kind.
     accepted: Arc<Semaphore>,
 }
 
 impl Connections {
     fn new() -> Self {
-        let places = |count| Arc::new(Semaphore::new(count));
+        let permits = |count| Arc::new(Semaphore::new(count));
         Self {
-            strangers: Mutex::default(),
-            pages: places(PAGES),
-            requests: places(REQUESTS),
-            accepted: places(STRANGERS + PAGES + REQUESTS + 1),
+            unverified: Mutex::default(),
+            pages: permits(MAX_PAGES),
+            requests: permits(MAX_OTHERS),
+            accepted: permits(MAX_UNVERIFIED + MAX_PAGES + MAX_OTHERS + 1),
         }
     }
 
-    fn strangers(&self) -> MutexGuard<'_, BTreeMap<u64, Arc<Notify>>> {
-        self.strangers.lock().unwrap_or_else(PoisonError::into_inner)
+    fn unverified(&self) -> MutexGuard<'_, BTreeMap<u64, Arc<Notify>>> {
+        self.unverified.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes in a connection, for which the oldest of a stranger may be closed.
+    /// Adds a connection, for which the oldest unverified one may be closed.
     fn add(
         self: &Arc<Self>,
         number: u64,
         peer: SocketAddr,
         permit: OwnedSemaphorePermit,
     ) -> Connection {
-        if self.strangers().len() >= STRANGERS {
+        if self.unverified().len() >= MAX_UNVERIFIED {
             self.close_oldest();
         }
         let close = Arc::new(Notify::new());
-        self.strangers().insert(number, close.clone());
-        let place = OnceLock::new();
+        self.unverified().insert(number, close.clone());
+        let verified = OnceLock::new();
         Connection(Arc::new(ConnectionState {
             number,
             peer,
             close,
-            place,
+            verified,
             connections: self.clone(),
             _accepted: permit,
         }))
     }
 
-    /// Closes the oldest connection of a stranger.
+    /// Closes the oldest unverified connection.
     fn close_oldest(&self) {
-        let first = self.strangers().pop_first();
+        let first = self.unverified().pop_first();
         if let Some((_, close)) = first {
             close.notify_one();
         }
     }
 }
 
-/// A connection. Its place is free again when all clones are dropped.
+/// A connection. It counts until all clones are dropped.
 #[derive(Clone, Debug)]
 pub(super) struct Connection(Arc<ConnectionState>);
 
@@ -151,17 +151,16 @@ struct ConnectionState {
     number: u64,
     peer: SocketAddr,
     close: Arc<Notify>,
-    /// Of one that has shown the token.
-    place: OnceLock<OwnedSemaphorePermit>,
+    /// Permit of a verified one.
+    verified: OnceLock<OwnedSemaphorePermit>,
     connections: Arc<Connections>,
     _accepted: OwnedSemaphorePermit,
 }
 
-/// All places are taken.
+/// There are as many verified connections of the kind as there may be.
 #[derive(Debug)]
 pub(super) struct Full {
-    /// Of how many.
-    pub(super) places: usize,
+    pub(super) most: usize,
 }
 
 impl Connection {
@@ -169,25 +168,28 @@ impl Connection {
         self.0.peer
     }
 
-    /// Gives a connection that has shown the token a place that no stranger can take.
-    pub(super) fn admit(&self, is_page: bool) -> Result<(), Full> {
-        let ConnectionState { number, place, connections, .. } = &*self.0;
-        let (free, places) =
-            if is_page { (&connections.pages, PAGES) } else { (&connections.requests, REQUESTS) };
-        let taken = free.clone().try_acquire_owned().map_err(|_| Full { places })?;
-        // A connection has one request; a second place would only be given back.
-        let _ = place.set(taken);
-        connections.strangers().remove(number);
+    /// Marks a connection as verified, once it has presented the token.
+    pub(super) fn verify(&self, is_page: bool) -> Result<(), Full> {
+        let ConnectionState { number, verified, connections, .. } = &*self.0;
+        let (permits, most) = if is_page {
+            (&connections.pages, MAX_PAGES)
+        } else {
+            (&connections.requests, MAX_OTHERS)
+        };
+        let permit = permits.clone().try_acquire_owned().map_err(|_| Full { most })?;
+        // A connection has one request; a second permit would be released at once.
+        let _ = verified.set(permit);
+        connections.unverified().remove(number);
         Ok(())
     }
 
-    /// Returns when a stranger's connection is closed: for another one, or because its time is up.
+    /// Returns when an unverified connection is to be closed: for a newer one, or after [`TIMEOUT`].
     async fn closed(&self) {
         tokio::select! {
             () = self.0.close.notified() => {}
-            () = time::sleep(PATIENCE) => {
-                if self.0.place.get().is_some() {
-                    // It may stay for as long as it likes.
+            () = time::sleep(TIMEOUT) => {
+                if self.0.verified.get().is_some() {
+                    // A verified connection has no time limit.
                     std::future::pending::<()>().await;
                 }
             }
@@ -197,7 +199,7 @@ impl Connection {
 
 impl Drop for ConnectionState {
     fn drop(&mut self) {
-        self.connections.strangers().remove(&self.number);
+        self.connections.unverified().remove(&self.number);
     }
 }
 
@@ -216,52 +218,53 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn the_first_stranger_leaves_for_one_too_many() {
+    async fn the_oldest_unverified_connection_is_closed_for_one_too_many() {
         let connections = Arc::new(Connections::new());
         let page = connect(&connections, 0);
-        page.admit(true).unwrap();
-        let strangers: Vec<_> =
-            (1..=STRANGERS as u64).map(|number| connect(&connections, number)).collect();
-        for stranger in &strangers {
-            assert!(!is_closed(stranger).await);
+        page.verify(true).unwrap();
+        let unverified: Vec<_> =
+            (1..=MAX_UNVERIFIED as u64).map(|number| connect(&connections, number)).collect();
+        for connection in &unverified {
+            assert!(!is_closed(connection).await);
         }
         let newcomer = connect(&connections, 1000);
-        assert!(is_closed(&strangers[0]).await && !is_closed(&strangers[1]).await);
+        assert!(is_closed(&unverified[0]).await && !is_closed(&unverified[1]).await);
         // Still in time.
-        newcomer.admit(false).unwrap();
+        newcomer.verify(false).unwrap();
         let next = connect(&connections, 1001);
-        assert!(!is_closed(&strangers[1]).await, "a place was free");
+        assert!(!is_closed(&unverified[1]).await, "there was room");
         // What was closed is not counted any more.
-        drop(strangers);
-        assert_eq!(connections.strangers().len(), 1);
+        drop(unverified);
+        assert_eq!(connections.unverified().len(), 1);
         assert!(!is_closed(&page).await && !is_closed(&newcomer).await && !is_closed(&next).await);
     }
 
     #[tokio::test]
-    async fn places_are_few_and_free_again() {
+    async fn permits_are_bounded_and_released() {
         let connections = Arc::new(Connections::new());
-        let pages: Vec<_> = (0..PAGES as u64).map(|number| connect(&connections, number)).collect();
+        let pages: Vec<_> =
+            (0..MAX_PAGES as u64).map(|number| connect(&connections, number)).collect();
         for page in &pages {
-            page.admit(true).unwrap();
+            page.verify(true).unwrap();
         }
         let more = connect(&connections, 1000);
-        assert_eq!(more.admit(true).unwrap_err().places, PAGES);
-        // Requests have places of their own.
-        more.admit(false).unwrap();
-        // A place is taken for as long as anything holds it.
+        assert_eq!(more.verify(true).unwrap_err().most, MAX_PAGES);
+        // Other requests have permits of their own.
+        more.verify(false).unwrap();
+        // A permit is held until the last clone is dropped.
         let held = pages[0].clone();
         drop(pages);
-        assert_eq!(connections.pages.available_permits(), PAGES - 1);
+        assert_eq!(connections.pages.available_permits(), MAX_PAGES - 1);
         drop(held);
-        assert_eq!(connections.pages.available_permits(), PAGES);
+        assert_eq!(connections.pages.available_permits(), MAX_PAGES);
     }
 
     #[tokio::test(start_paused = true)]
-    async fn patience_ends_for_strangers_only() {
+    async fn only_unverified_connections_time_out() {
         let connections = Arc::new(Connections::new());
-        let (stranger, page) = (connect(&connections, 1), connect(&connections, 2));
-        page.admit(true).unwrap();
-        time::timeout(2 * PATIENCE, stranger.closed()).await.unwrap();
-        time::timeout(1000 * PATIENCE, page.closed()).await.unwrap_err();
+        let (connection, page) = (connect(&connections, 1), connect(&connections, 2));
+        page.verify(true).unwrap();
+        time::timeout(2 * TIMEOUT, connection.closed()).await.unwrap();
+        time::timeout(1000 * TIMEOUT, page.closed()).await.unwrap_err();
     }
 }

@@ -1,4 +1,4 @@
-//! Where the arm is.
+//! The joint positions of the arm, from the stream of the drive.
 
 use std::{
     sync::Mutex,
@@ -13,20 +13,23 @@ use serde::Serialize;
 
 use crate::{failure::Failure, output};
 
-use super::{Setup, Viewers, Words, word};
+use super::{
+    Setup, Viewers,
+    message::{PageChannel, page_message},
+};
 
-/// Pages are told so often at most: more often than any screen shows it.
-const EVERY: Duration = Duration::from_millis(10);
+/// Time between messages to pages, at least: less than a frame of a screen.
+const MESSAGE_INTERVAL: Duration = Duration::from_millis(10);
 
-/// How long nothing may come before it is seen whether the twin is to end.
-const LOOK: Duration = Duration::from_millis(50);
+/// How long to wait for the stream before the interrupt flag is checked.
+const POLL: Duration = Duration::from_millis(50);
 
-/// Where the arm was last, and when that came in.
+/// The latest joint positions, and when they were received.
 #[derive(Debug, Default)]
-pub(crate) struct Live(Mutex<Option<(Instant, Joints)>>);
+pub(crate) struct LatestJoints(Mutex<Option<(Instant, Joints)>>);
 
-impl Live {
-    /// Where the arm is; none if nothing was heard for a second.
+impl LatestJoints {
+    /// The joint positions; none if nothing was received for a second.
     pub(super) fn now(&self) -> Option<Joints> {
         const FRESH: Duration = Duration::from_secs(1);
         let newest = *self.0.lock().ok()?;
@@ -40,62 +43,62 @@ impl Live {
     }
 }
 
-/// The word for pages.
+/// Joint positions as pages receive them.
 #[derive(Serialize)]
-struct Where {
-    /// The drive's stamp.
+struct LiveJoints {
+    /// Time stamp of the drive.
     t_s: f64,
     joints_rad: Joints,
-    /// When it came in, in ms since 1970.
+    /// When they were received, in ms since 1970.
     at_ms: f64,
-    /// How much later than the fastest message of late.
+    /// Delay beyond that of the fastest recent message.
     behind_ms: f64,
     nearest: Option<Nearest>,
 }
 
-/// Follows the drive's stream until the twin ends. It connects again by itself.
+/// Publishes the stream of the drive until an interrupt; reconnects when it breaks off.
 pub(crate) fn follow(
     setup: &Setup,
-    live: &Live,
-    words: &Words,
+    latest: &LatestJoints,
+    pages: &PageChannel,
     viewers: Option<&Mutex<Viewers>>,
 ) -> Result<(), Failure> {
     let mut lag = Lag::default();
-    let mut told = None::<Instant>;
+    let mut last_message = None::<Instant>;
     let mut stream = None;
     while !output::interrupted() {
         let Some(open) = &mut stream else {
             stream = setup.stream().ok();
             if stream.is_none() {
-                thread::sleep(LOOK);
+                thread::sleep(POLL);
             }
             continue;
         };
         let mut newest = None;
-        let mut patience = LOOK;
-        // Whatever waits is older than the last of it.
+        let mut timeout = POLL;
+        // Of the queued messages, only the last one matters.
         loop {
-            match open.next(patience) {
+            match open.next(timeout) {
                 Ok(Some(Published::Joints { t_s, joints_rad })) => newest = Some((t_s, joints_rad)),
                 Ok(Some(_)) => {}
                 Ok(None) => break,
                 Err(_) => {
-                    // The other thread tells why.
+                    // The thread that polls the state reports why.
                     stream = None;
-                    thread::sleep(LOOK);
+                    thread::sleep(POLL);
                     break;
                 }
             }
-            patience = Duration::ZERO;
+            timeout = Duration::ZERO;
         }
         let Some((t_s, joints_rad)) = newest else { continue };
         let now = Instant::now();
-        live.set(now, joints_rad);
+        latest.set(now, joints_rad);
         let behind_ms = lag.behind_ms(now, t_s);
-        if told.is_some_and(|told| now - told < EVERY) {
+        if last_message.is_some_and(|last| now - last < MESSAGE_INTERVAL) {
             continue;
         }
-        told = Some(now);
+        last_message = Some(now);
         let clock = SystemTime::now();
         if let Some(Ok(mut viewers)) = viewers.map(Mutex::lock) {
             viewers.joints(clock, &joints_rad)?;
@@ -103,29 +106,32 @@ pub(crate) fn follow(
         let since_1970 = clock.duration_since(UNIX_EPOCH).unwrap_or_default();
         let at_ms = 1e3 * since_1970.as_secs_f64();
         let nearest = setup.nearest(&joints_rad);
-        words.send_replace(word("live", &Where { t_s, joints_rad, at_ms, behind_ms, nearest }));
+        pages.send_replace(page_message(
+            "live",
+            &LiveJoints { t_s, joints_rad, at_ms, behind_ms, nearest },
+        ));
     }
     Ok(())
 }
 
-/// How late messages come in: next to the fastest one, since no clock is shared with the controller.
+/// Delay of messages relative to the fastest one, since no clock is shared with the controller.
 #[derive(Debug, Default)]
 struct Lag {
     since: Option<Instant>,
-    /// When it came in minus its stamp, in s, at least: in the window before, and in this one.
+    /// Least time of reception minus time stamp, in s: in the previous window, and in this one.
     least_s: [f64; 2],
     window_from_s: f64,
     last_s: f64,
 }
 
 impl Lag {
-    /// Clocks drift: what was long ago does not count.
+    /// Clocks drift: old messages are no reference.
     const WINDOW_S: f64 = 10.0;
 
     fn behind_ms(&mut self, now: Instant, t_s: f64) -> f64 {
         let now_s = (now - *self.since.get_or_insert(now)).as_secs_f64();
         let late_s = now_s - t_s;
-        // Stamps that begin again are those of another drive.
+        // Stamps that start again are those of another drive.
         if self.last_s > t_s || self.least_s == [0.0; 2] {
             self.least_s = [late_s; 2];
             self.window_from_s = now_s;

@@ -1,17 +1,18 @@
-//! Foxglove and Lichtblick as viewers of what the robot does, while it does it.
+//! Publishes the robot live to Foxglove and Lichtblick.
 //!
-//! Viewers connect to a WebSocket and see the topics of a recording, with the same types, so that a
-//! layout made for one serves for the other; and what the drive says of itself, as JSON. They only
-//! read: the server lets nobody publish, set parameters or call services. It asks nobody who they
-//! are, and so it is for this machine unless it is told to listen elsewhere. (A web page in a browser
-//! on this machine can read along, too: that is how the viewers that are web pages do it.)
+//! Viewers connect to a WebSocket and find the topics of a recording, with the same types, so that a
+//! layout made for one works for the other; and the state of the drive, as JSON. They only read: the
+//! server does not allow them to publish, set parameters or call services. There is no authentication,
+//! and so the server should listen to this machine only. (Any web page in a browser on this machine
+//! can connect, which is how viewers that are web pages do it.)
 //!
-//! They have to speak `foxglove.sdk.v1`, as Foxglove and newer versions of Lichtblick do.
+//! Viewers need the protocol `foxglove.sdk.v1`, as in Foxglove and newer versions of Lichtblick.
 
 mod latched;
 mod schema;
 
 use std::{
+    error::Error,
     net::SocketAddr,
     sync::Arc,
     time::{Duration, SystemTime, UNIX_EPOCH},
@@ -30,23 +31,37 @@ use tokio::{
     time::timeout,
 };
 
-use self::latched::{Latched, Late};
-use crate::failure::Failure;
+use self::latched::{Latched, LateViewers};
 
-/// Joint states a second that viewers get, at most: more than a screen shows, and what divides the
+/// Joint states a second that are published, at most: more than a screen shows, and a divisor of the
 /// usual rates of streams.
 const RATE_HZ: u32 = 100;
 
-/// Messages that wait for a viewer who does not keep up, not two seconds of them; then the oldest go.
-/// They take less than a megabyte.
+/// Messages queued for a slow viewer, less than two seconds and a megabyte of them; then the oldest are
+/// dropped.
 const BACKLOG: usize = 512;
 
-/// How long viewers have to take their leave. One that reads nothing would take for ever.
-const GOODBYE: Duration = Duration::from_millis(200);
+/// How long to wait for viewers to disconnect. One that does not read never would.
+const SHUTDOWN_TIMEOUT: Duration = Duration::from_millis(200);
 
-/// Publishes to viewers what the robot does. Dropped, it hangs up on them and closes the port.
+/// Why viewers cannot be served.
+#[derive(Debug, thiserror::Error)]
+#[error("{what}: {cause}")]
+pub(crate) struct ViewersError {
+    pub(crate) what: String,
+    pub(crate) cause: Box<dyn Error + Send + Sync>,
+}
+
+impl ViewersError {
+    fn new(what: impl Into<String>, cause: impl Error + Send + Sync + 'static) -> Self {
+        Self { what: what.into(), cause: Box::new(cause) }
+    }
+}
+
+/// A server for viewers. When dropped, it disconnects them and closes the port.
 ///
-/// It brings its own thread, and waits for it at both ends: asynchronous code must not do that.
+/// It has a thread of its own. [`Self::listen`] and the drop block, so that asynchronous code must not call
+/// them.
 pub(crate) struct Viewers {
     encoder: Encoder,
     arm: Arm,
@@ -58,15 +73,15 @@ pub(crate) struct Viewers {
     inputs_outputs: Arc<Latched>,
     last: Option<Sample>,
     address: SocketAddr,
-    /// There until it is stopped.
+    /// None once it is stopped.
     server: Option<WebSocketServerHandle>,
-    /// Channels end with it.
+    /// Keeps the channels open.
     _context: Arc<Context>,
-    /// Its thread serves the viewers, and ends with it.
+    /// Its thread serves the viewers.
     runtime: Runtime,
 }
 
-/// What viewers got last.
+/// The joint state published last.
 #[derive(Clone, Copy)]
 struct Sample {
     /// Since 1970.
@@ -76,39 +91,39 @@ struct Sample {
 
 impl Viewers {
     /// Listens at `at` for viewers of `robot`; port 0 takes a free one.
-    pub(crate) fn listen(robot: &Robot, at: SocketAddr) -> Result<Self, Failure> {
-        let mut encoder = Encoder::new(Duration::ZERO).map_err(|error| unencoded(&error))?;
+    pub(crate) fn listen(robot: &Robot, at: SocketAddr) -> Result<Self, ViewersError> {
+        let mut encoder = Encoder::new(Duration::ZERO).map_err(unencoded)?;
         let arm = Arm::new(robot);
         let context = Context::new();
         let ros = |topic: Topic| ros_channel(&context, topic).map_err(|error| refused(at, error));
-        let said = |topic: &str, type_name: &str, schema: &Value| {
+        let json_topic = |topic: &str, type_name: &str, schema: &Value| {
             let schema = Schema::new(type_name, "jsonschema", schema.to_string().into_bytes());
             let channel = context.channel_builder(topic).message_encoding("json").schema(schema);
             let channel = channel.build_raw().map_err(|error| refused(at, error))?;
-            Ok::<_, Failure>(Arc::new(Latched::new(channel)))
+            Ok::<_, ViewersError>(Arc::new(Latched::new(channel)))
         };
         let [joint_states, tf, tcp_pose] =
             [ros(Topic::JointStates)?, ros(Topic::Tf)?, ros(Topic::TcpPose)?];
         let description = Arc::new(Latched::new(ros(Topic::RobotDescription)?));
-        let message =
-            encoder.robot_description(arm.urdf()).map_err(|error| unencoded(&error))?.to_vec();
+        let message = encoder.robot_description(arm.urdf()).map_err(unencoded)?.to_vec();
         description.publish(nanoseconds(since_1970(SystemTime::now())), message);
-        let drive_state = said("/drive_state", "iiwasim.DriveState", &schema::drive_state())?;
-        let sensors = said("/sensors", "iiwasim.Sensors", &schema::sensors())?;
+        let drive_state = json_topic("/drive_state", "iiwasim.DriveState", &schema::drive_state())?;
+        let sensors = json_topic("/sensors", "iiwasim.Sensors", &schema::sensors())?;
         let inputs_outputs =
-            said("/inputs_outputs", "iiwasim.InputsOutputs", &schema::inputs_outputs())?;
+            json_topic("/inputs_outputs", "iiwasim.InputsOutputs", &schema::inputs_outputs())?;
 
         let runtime = runtime::Builder::new_multi_thread()
             .worker_threads(1)
             .thread_name("viewers")
             .enable_all()
             .build()
-            .map_err(|error| Failure::run("cannot begin to serve viewers", &error))?;
+            .map_err(|error| ViewersError::new("cannot serve viewers", error))?;
         let host = match at {
             SocketAddr::V4(at) => at.ip().to_string(),
             SocketAddr::V6(at) => format!("[{}]", at.ip()),
         };
-        let late = [&description, &drive_state, &sensors, &inputs_outputs].map(Arc::clone).into();
+        let latched =
+            [&description, &drive_state, &sensors, &inputs_outputs].map(Arc::clone).into();
         let server = context
             .websocket_server()
             .name("iiwasim")
@@ -116,7 +131,7 @@ impl Viewers {
             // Viewers only read.
             .capabilities([])
             .message_backlog_size(BACKLOG)
-            .listener(Arc::new(Late(late)));
+            .listener(Arc::new(LateViewers(latched)));
         let server = runtime.block_on(server.start()).map_err(|error| refused(at, error))?;
 
         Ok(Self {
@@ -136,25 +151,28 @@ impl Viewers {
         })
     }
 
-    /// Where it listens.
+    /// The address at which it listens.
     pub(crate) fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Publishes that the joints were there `at` that time: the joint states, the frames of the links
-    /// and the pose of the flange. It may be called as often as samples come in. Of those, viewers get
-    /// the first of every hundredth of a second.
+    /// Publishes a sample, with positions in rad: the joint state, the frames of the links and the pose of the
+    /// flange. Of the samples of each hundredth of a second, only the first one is published.
     ///
-    /// The velocities are the mean ones since what was published before.
-    pub(crate) fn joints(&mut self, at: SystemTime, joints_rad: &Joints) -> Result<(), Failure> {
+    /// The velocities are the mean ones since the sample published before.
+    pub(crate) fn joints(
+        &mut self,
+        at: SystemTime,
+        joints_rad: &Joints,
+    ) -> Result<(), ViewersError> {
         let t = since_1970(at);
-        let turn = |t: Duration| t.as_nanos() * u128::from(RATE_HZ) / 1_000_000_000;
-        if self.last.is_some_and(|last| turn(last.t) == turn(t)) {
+        let slot = |t: Duration| t.as_nanos() * u128::from(RATE_HZ) / 1_000_000_000;
+        if self.last.is_some_and(|last| slot(last.t) == slot(t)) {
             return Ok(());
         }
         let before = self.last.replace(Sample { t, joints_rad: *joints_rad });
         self.publish(t, joints_rad, &mean_velocities(before.as_ref(), t, joints_rad))
-            .map_err(|error| unencoded(&error))
+            .map_err(unencoded)
     }
 
     fn publish(
@@ -165,7 +183,7 @@ impl Viewers {
     ) -> Result<(), WriteError> {
         let Self { encoder, arm, joint_states, tf, tcp_pose, .. } = self;
         let at = PartialMetadata::with_log_time(nanoseconds(t));
-        // Where nobody looks, nothing needs to be encoded.
+        // Encoded only for topics that have subscribers.
         if joint_states.has_sinks() {
             joint_states.log_with_meta(encoder.joint_state(t, joints_rad, velocities)?, at);
         }
@@ -180,18 +198,18 @@ impl Viewers {
         Ok(())
     }
 
-    /// Publishes what the drive said of itself and of the robot `at` that time, on `/drive_state`.
+    /// Publishes the status of the drive and the robot on `/drive_state`.
     pub(crate) fn drive_state(&self, at: SystemTime, status: &Status) {
-        say(&self.drive_state, at, status);
+        publish_json(&self.drive_state, at, status);
     }
 
-    /// Publishes what the robot's sensors said, on `/sensors`.
+    /// Publishes the values of the sensors on `/sensors`.
     pub(crate) fn sensors(&self, at: SystemTime, sensors: &Sensors) {
-        say(&self.sensors, at, sensors);
+        publish_json(&self.sensors, at, sensors);
     }
 
-    /// Publishes the values of inputs and outputs, by name, on `/inputs_outputs`. What is off or on
-    /// becomes 0 or 1, which viewers can plot.
+    /// Publishes the values of inputs and outputs, by name, on `/inputs_outputs`. Booleans become 0 or 1,
+    /// which viewers can plot.
     pub(crate) fn inputs_outputs(&self, at: SystemTime, values: &[(&str, IoValue)]) {
         let number = |value: IoValue| match value {
             IoValue::Boolean(value) => u8::from(value).into(),
@@ -200,7 +218,7 @@ impl Viewers {
         };
         let entries =
             values.iter().map(|(name, value)| json!({ "name": name, "value": number(*value) }));
-        say(&self.inputs_outputs, at, &json!({ "values": entries.collect::<Value>() }));
+        publish_json(&self.inputs_outputs, at, &json!({ "values": entries.collect::<Value>() }));
     }
 }
 
@@ -208,8 +226,9 @@ impl Drop for Viewers {
     fn drop(&mut self) {
         if let Some(server) = self.server.take() {
             let stopped = server.stop();
-            // Who has not left by then is cut off.
-            let _ = self.runtime.block_on(async { timeout(GOODBYE, stopped.wait()).await });
+            // Viewers still connected after it are cut off.
+            let _ =
+                self.runtime.block_on(async { timeout(SHUTDOWN_TIMEOUT, stopped.wait()).await });
         }
     }
 }
@@ -225,9 +244,9 @@ fn ros_channel(context: &Arc<Context>, topic: Topic) -> Result<Arc<RawChannel>, 
         .build_raw()
 }
 
-/// Publishes a message as JSON. What is not known is left out: to viewers, a field has one type, and
-/// null is another.
-fn say(channel: &Latched, at: SystemTime, message: &impl Serialize) {
+/// Publishes a message as JSON, without unknown fields: for viewers a field has one type, and null is
+/// another.
+fn publish_json(channel: &Latched, at: SystemTime, message: &impl Serialize) {
     let Ok(mut message) = serde_json::to_value(message) else { return };
     if let Value::Object(fields) = &mut message {
         fields.retain(|_, value| !value.is_null());
@@ -235,7 +254,7 @@ fn say(channel: &Latched, at: SystemTime, message: &impl Serialize) {
     channel.publish(nanoseconds(since_1970(at)), message.to_string().into_bytes());
 }
 
-/// The velocities that lead from the sample before to these positions, in rad/s; zero without one.
+/// Mean velocities since the sample before, in rad/s; zero without one.
 fn mean_velocities(before: Option<&Sample>, t: Duration, joints_rad: &Joints) -> Joints {
     let Some(before) = before else { return [0.0; 7] };
     // The clock may have been set back.
@@ -254,17 +273,14 @@ fn nanoseconds(t: Duration) -> u64 {
     u64::try_from(t.as_nanos()).unwrap_or(u64::MAX)
 }
 
-fn refused(at: SocketAddr, error: FoxgloveError) -> Failure {
+fn refused(at: SocketAddr, error: FoxgloveError) -> ViewersError {
     let what = format!("cannot listen for viewers at {at}");
     match error {
-        FoxgloveError::Bind(error) => Failure::run(what, &error),
-        error => Failure::run(what, &error),
+        FoxgloveError::Bind(error) => ViewersError::new(what, error),
+        error => ViewersError::new(what, error),
     }
 }
 
-fn unencoded(error: &WriteError) -> Failure {
-    Failure::run("cannot publish to viewers", error)
+fn unencoded(error: WriteError) -> ViewersError {
+    ViewersError::new("cannot publish to viewers", error)
 }
-
-#[cfg(test)]
-mod tests;

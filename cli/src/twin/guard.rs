@@ -1,8 +1,8 @@
-//! Who may come in: only this machine, only with the token, and no page of anybody else.
+//! Access control: requests of this machine only, with the token, and of no foreign page.
 //!
-//! Any program on this machine can connect to a port of it, and any page in a browser can make the
-//! browser do so. The token keeps both out. The name in `Host` keeps out pages whose domain name was
-//! pointed at this machine after they were loaded; `Origin` keeps out pages that got hold of the token.
+//! Any program on this machine can connect to its ports, and any page in a browser can make the browser
+//! do so. The token keeps both out. The check of `Host` keeps out pages whose domain name was pointed at
+//! this machine after they were loaded (DNS rebinding); that of `Origin` those that have obtained the token.
 
 use std::{net::SocketAddr, sync::Arc};
 
@@ -25,15 +25,15 @@ use crate::failure::Failure;
 
 use super::connections::{Connection, Full};
 
-/// Where pages connect to.
+/// Path of the WebSocket.
 pub(super) const LIVE: &str = "/live";
 
-/// What the address of the page has to contain.
+/// The secret that the address of the page has to contain.
 #[derive(Clone, Debug)]
 pub(crate) struct Token(Arc<str>);
 
 impl Token {
-    /// Another one each time: 128 bits of the system's randomness.
+    /// A new one: 128 random bits of the system.
     pub(crate) fn new() -> Result<Self, Failure> {
         let mut bytes = [0; 16];
         getrandom::fill(&mut bytes)
@@ -45,39 +45,41 @@ impl Token {
         &self.0
     }
 
-    /// Whether this is it. How long that takes does not depend on how much of it is right.
+    /// Whether the text is the token. The time this takes does not depend on how much of it matches.
     fn is(&self, text: &str) -> bool {
         let differ = |sum: u8, (a, b): (u8, u8)| sum | (a ^ b);
         self.0.len() == text.len() && self.0.bytes().zip(text.bytes()).fold(0, differ) == 0
     }
 }
 
-/// Lets a request through, or not.
+/// Passes on a request, or rejects it.
 pub(super) async fn guard(
     State(token): State<Token>,
     Extension(connection): Extension<Connection>,
     request: Request,
     next: Next,
 ) -> Response {
-    let shown =
+    let checked =
         check(&token, connection.peer(), (request.method(), request.uri()), request.headers());
-    let mut response = match shown {
-        Ok(()) => match connection.admit(request.uri().path() == LIVE) {
+    let mut response = match checked {
+        Ok(()) => match connection.verify(request.uri().path() == LIVE) {
             Ok(()) => next.run(request).await,
-            Err(Full { places }) => {
-                let why = format!("all {places} places are taken: close other pages of the twin\n");
+            Err(Full { most }) => {
+                let why = format!(
+                    "there are {most} connections, which is the most: close other pages of the twin\n"
+                );
                 (StatusCode::SERVICE_UNAVAILABLE, why).into_response()
             }
         },
         Err(why) => (StatusCode::FORBIDDEN, format!("{why}\n")).into_response(),
     };
-    // What is shown here is confidential, and the address holds the token.
+    // The content is confidential, and the address contains the token.
     let headers = response.headers_mut();
     headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
     headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
     if !headers.contains_key(UPGRADE) {
-        // On one machine a new connection costs nothing, and one that is done takes no place.
+        // A new connection on one machine is cheap, and an idle one would count.
         headers.insert(CONNECTION, HeaderValue::from_static("close"));
     }
     response
@@ -90,17 +92,17 @@ fn check(
     headers: &HeaderMap,
 ) -> Result<(), &'static str> {
     if !peer.ip().is_loopback() {
-        return Err("only this machine is let in");
+        return Err("requests from other machines are not allowed");
     }
     let host = headers.get(HOST).and_then(|host| host.to_str().ok());
     let host: Option<Authority> = host.and_then(|host| host.parse().ok());
     let Some(host) = host.filter(|host| is_this_machine(host.host())) else {
-        return Err("ask for 127.0.0.1 or localhost: other names are not let in");
+        return Err("the host has to be 127.0.0.1 or localhost");
     };
     let mut parts = uri.query().unwrap_or_default().split('&');
     if !parts.any(|part| part.strip_prefix("token=").is_some_and(|text| token.is(text))) {
         return Err(
-            "the address lacks the token: take the whole address that `iiwasim twin` prints",
+            "the token is missing or wrong: use the whole address that `iiwasim twin` prints",
         );
     }
     let is_own = |origin: &HeaderValue| {
@@ -108,9 +110,11 @@ fn check(
         origin.is_some_and(|origin| origin.authority() == Some(&host))
     };
     match headers.get(ORIGIN) {
-        Some(origin) if !is_own(origin) => Err("a page of another origin is not let in"),
+        Some(origin) if !is_own(origin) => {
+            Err("requests of a page of another origin are not allowed")
+        }
         None if uri.path() == LIVE || method != Method::GET => {
-            Err("only the page itself is let in")
+            Err("only the page itself may send this request")
         }
         _ => Ok(()),
     }
@@ -166,7 +170,7 @@ mod tests {
             refused("/live?token=0123", ME, &[host.clone(), (ORIGIN, origin)]);
             refused("/?token=0123", ME, &[host.clone(), (ORIGIN, origin)]);
         }
-        // A WebSocket without an origin is not a page's, nor is a program.
+        // WebSockets and uploads of a page have an origin.
         refused("/live?token=0123", ME, std::slice::from_ref(&host));
         let post =
             |headers: &[(HeaderName, &str)]| asked(&Method::POST, "/p?token=0123", ME, headers);

@@ -1,4 +1,4 @@
-//! How the drive and the robot are.
+//! State of the drive and the robot: status, sensors, inputs and outputs.
 
 use std::{
     sync::Mutex,
@@ -14,24 +14,27 @@ use serde::Serialize;
 
 use crate::output;
 
-use super::{Setup, Viewers, Words, word};
+use super::{
+    Setup, Viewers,
+    message::{PageChannel, page_message},
+};
 
-/// How often the state is asked for.
-const STATE_EVERY: Duration = Duration::from_millis(250);
+/// Period of status requests.
+const STATUS_PERIOD: Duration = Duration::from_millis(250);
 
-/// How often sensors, inputs and outputs are: the robot program has to be asked for each.
-const IO_EVERY: Duration = Duration::from_secs(1);
+/// Period of sensors, inputs and outputs: each is a request to the robot program.
+const IO_PERIOD: Duration = Duration::from_secs(1);
 
-/// The word for pages.
+/// The state as pages receive it.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Health {
     status: Option<Status>,
-    /// Why there is no status.
+    /// Why there is no status, if so.
     error: Option<String>,
     sensors: Option<Sensors>,
     io: Vec<NamedIo>,
-    /// Whether sensors, inputs and outputs are of before a motion: while there is one, the robot program
-    /// answers nobody.
+    /// Whether sensors, inputs and outputs were read before the current motion: during one, the robot program
+    /// answers no requests.
     is_old: bool,
 }
 
@@ -40,12 +43,12 @@ pub(crate) struct Health {
 struct NamedIo {
     name: String,
     value: Option<IoValue>,
-    /// Why there is no value.
+    /// Why there is no value, if so.
     error: Option<String>,
 }
 
-/// Asks the drive again and again until the twin ends.
-pub(crate) fn watch_health(setup: &Setup, words: &Words, viewers: Option<&Mutex<Viewers>>) {
+/// Polls the drive until an interrupt.
+pub(crate) fn watch_health(setup: &Setup, pages: &PageChannel, viewers: Option<&Mutex<Viewers>>) {
     let mut client = None;
     let mut health = Health::default();
     let mut io_at = None::<Instant>;
@@ -57,35 +60,35 @@ pub(crate) fn watch_health(setup: &Setup, words: &Words, viewers: Option<&Mutex<
         if let Some(client) = &mut client {
             match client.state() {
                 Ok(status) => (health.status, health.error) = (Some(status), None),
-                Err(error) => health.forget(&error),
+                Err(error) => health.clear(&error),
             }
             let idle =
                 health.status.as_ref().is_some_and(|status| status.state == DriveState::Idle);
-            if idle && io_at.is_none_or(|at| at.elapsed() >= IO_EVERY) {
+            if idle && io_at.is_none_or(|at| at.elapsed() >= IO_PERIOD) {
                 io_at = Some(since);
-                health.ask_robot_program(client, &setup.io);
+                health.read_sensors_and_io(client, &setup.io);
             }
             health.is_old = !idle && health.sensors.is_some();
         }
-        words.send_replace(word("health", &health));
+        pages.send_replace(page_message("health", &health));
         if let Some(Ok(viewers)) = viewers.map(Mutex::lock) {
-            health.tell(&viewers);
+            health.publish(&viewers);
         }
-        while since.elapsed() < STATE_EVERY && !output::interrupted() {
+        while since.elapsed() < STATUS_PERIOD && !output::interrupted() {
             thread::sleep(Duration::from_millis(10));
         }
     }
 }
 
 impl Health {
-    /// Asks for sensors, inputs and outputs. If a motion begins meanwhile, what was known stays.
-    fn ask_robot_program(&mut self, client: &mut Client, names: &[String]) {
+    /// Reads sensors, inputs and outputs. If a motion starts meanwhile, the last values are kept.
+    fn read_sensors_and_io(&mut self, client: &mut Client, names: &[String]) {
         let busy = |error: &ClientError| error.code() == Code::NotIdle;
         match client.read_sensors() {
             Ok(sensors) => self.sensors = Some(sensors),
             Err(error) if busy(&error) => return,
             Err(ClientError::Refused { .. }) => self.sensors = None,
-            Err(error) => return self.forget(&error),
+            Err(error) => return self.clear(&error),
         }
         let mut all = Vec::with_capacity(names.len());
         for name in names {
@@ -93,20 +96,20 @@ impl Health {
                 Ok(value) => (Some(value), None),
                 Err(error) if busy(&error) => return,
                 Err(ClientError::Refused { refusal, .. }) => (None, Some(refusal.to_string())),
-                // The next one would wait in vain, too.
-                Err(error) => return self.forget(&error),
+                // The next request would time out, too.
+                Err(error) => return self.clear(&error),
             };
             all.push(NamedIo { name: name.clone(), value, error });
         }
         self.io = all;
     }
 
-    /// The drive does not answer.
-    fn forget(&mut self, error: &ClientError) {
+    /// Clears the state when the drive does not answer.
+    fn clear(&mut self, error: &ClientError) {
         *self = Self { error: Some(crate::connection::explained(error)), ..Self::default() };
     }
 
-    fn tell(&self, viewers: &Viewers) {
+    fn publish(&self, viewers: &Viewers) {
         let at = SystemTime::now();
         if let Some(status) = &self.status {
             viewers.drive_state(at, status);

@@ -1,4 +1,4 @@
-//! A program that was planned, and may be sent.
+//! A planned program and its files.
 
 use std::{fs, path::PathBuf};
 
@@ -10,39 +10,46 @@ use serde::Serialize;
 
 use crate::{failure::Failure, output::Output};
 
-use super::{Setup, Word, setup::stem_of, word};
+use super::{
+    Setup,
+    message::{PageMessage, page_message},
+    setup::file_stem,
+};
 
-/// A plan, and the files of it.
+/// A plan and its files.
 #[derive(Debug)]
 pub(super) struct Planned {
-    /// Another one for each plan, so that nothing is sent but what was looked at.
+    /// Unique, so that a page can only run the plan that it shows.
     pub(super) id: u64,
     pub(super) program: Program,
     pub(super) text: String,
-    /// What its files are called, without an extension.
+    /// Name of its files, without an extension.
     pub(super) stem: String,
     pub(super) mcap: PathBuf,
-    /// Why it is not to be sent, if it is not.
+    /// Why it must not be run, if so.
     pub(super) refused: Option<String>,
-    pub(super) word: Word,
+    pub(super) message: PageMessage,
 }
 
 impl Planned {
-    /// Plans a program. Errors are for people, and say where the fault is in the text.
+    /// Plans a program. Errors are shown on the page, with the place of the fault in the text.
     pub(super) fn new(id: u64, name: &str, text: String, setup: &Setup) -> Result<Self, String> {
         let what = |failure: Failure| failure.what();
         let program = Program::from_json(&text)
             .map_err(|error| what(Failure::in_text(&error.what(), error.place(), name, &text)))?;
         let motions = program.motions.len();
-        if motions > MOTIONS {
+        if motions > MAX_MOTIONS {
             return Err(format!(
-                "{name} has {motions} motions, and this page plans up to {MOTIONS}; iiwasim plan and iiwasim \
-                 run take it"
+                "{name} has {motions} motions; the twin plans up to {MAX_MOTIONS}. iiwasim plan and iiwasim run \
+                 have no such limit"
             ));
         }
         let own = [setup.robot.name(), &setup.robot_name];
         if let Some(other) = program.robot.as_deref().filter(|other| !own.contains(other)) {
-            return Err(format!("{name} is for the robot `{other}`, this one is `{}`", own[0]));
+            return Err(format!(
+                "{name} is a program for the robot `{other}`; the twin was started for `{}`",
+                own[0]
+            ));
         }
         let how = PlanOptions::default();
         let plan = how
@@ -52,7 +59,7 @@ impl Planned {
         let nearest = setup.nearest_of(&plan);
         let refused = setup.too_near(nearest.as_ref());
 
-        let [json, mcap] = setup.new_files(&stem_of(name), [".json", ".mcap"]).map_err(what)?;
+        let [json, mcap] = setup.new_files(&file_stem(name), [".json", ".mcap"]).map_err(what)?;
         let stem = json.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let write_program = || {
             let file = Output::new(&json)?;
@@ -69,14 +76,14 @@ impl Planned {
         };
         write_program()
             .and_then(|()| write_plan())
-            // Half of it is of no use.
+            // One file without the other is of no use.
             .inspect_err(|_| drop(fs::remove_file(&json)))
             .map_err(what)?;
         let cycle_time_s = plan.cycle_time_s();
-        // All that is needed of it now is in the file.
+        // The page is made from the file.
         drop(plan);
         let page = setup.page(&mcap, None, Extent::Sketch).map_err(what)?;
-        let word = word(
+        let message = page_message(
             "plan",
             &PlanForPage {
                 id,
@@ -89,11 +96,11 @@ impl Planned {
                 sketch: page.sketch(),
             },
         );
-        Ok(Self { id, program, text, stem, mcap, refused, word })
+        Ok(Self { id, program, text, stem, mcap, refused, message })
     }
 }
 
-/// The word for pages.
+/// The plan as pages receive it.
 #[derive(Serialize)]
 struct PlanForPage<'a, S> {
     id: u64,
@@ -106,23 +113,22 @@ struct PlanForPage<'a, S> {
     sketch: S,
 }
 
-/// Motions of a program at most: what they are planned with is in memory as a whole.
-const MOTIONS: usize = 1000;
+/// Motions of a program, at most: the whole plan is held in memory.
+const MAX_MOTIONS: usize = 1000;
 
-/// Joint states of a plan at most: what is drawn of it is in memory as a whole, on the page as well.
-const SAMPLES: u64 = 100_000;
+/// Joint states of a plan, at most: they are held in memory, here and in the page.
+const MAX_SAMPLES: u64 = 100_000;
 
-/// Refuses a plan that is too long to be shown.
+/// Rejects a plan that is too long to be shown.
 fn check_size(plan: &Trajectory) -> Result<(), String> {
     let rate_hz = PlanConfig::default().rate_hz;
     let size = PlanSize::of(plan, rate_hz);
-    if size.samples() <= SAMPLES {
+    if size.samples() <= MAX_SAMPLES {
         return Ok(());
     }
     Err(format!(
-        "the program takes {}, which is too long for this page: it shows up to {}; iiwasim plan and \
-         iiwasim run take it",
+        "the program takes {}; the twin shows up to {}. iiwasim plan and iiwasim run have no such limit",
         long_duration(size.duration_s()),
-        long_duration(SAMPLES as f64 / rate_hz)
+        long_duration(MAX_SAMPLES as f64 / rate_hz)
     ))
 }

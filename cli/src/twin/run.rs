@@ -13,7 +13,7 @@ use std::{
 use iiwa_kin::Joints;
 use iiwa_link::{
     ClientError,
-    message::{DriveState, FriStatus, Run as Measured, Status},
+    message::{DriveState, Run as Measured, Status},
 };
 use iiwa_path::{Motion, Program, Ptp};
 use iiwa_view::{Extent, Page};
@@ -22,16 +22,20 @@ use serde::Serialize;
 use crate::{
     failure::Failure,
     output::Output,
-    runner::{self, Line, Task, Watched},
+    runner::{self, DriveConnection, ExecutedRun, Task},
     start::StartOffset,
 };
 
-use super::{Setup, Word, planned::Planned, word};
+use super::{
+    Setup,
+    message::{PageMessage, page_message},
+    planned::Planned,
+};
 
-/// Share of the limits of velocity at which the arm moves to a program's start.
-const TO_START: f64 = 0.1;
+/// Velocity of the motion to a program's start, relative to the limits.
+const TO_START_VELOCITY_REL: f64 = 0.1;
 
-/// How far a run is.
+/// State of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Phase {
@@ -39,28 +43,28 @@ pub(super) enum Phase {
     ToStart,
     Running,
     Done,
-    /// It broke off, or never began.
+    /// It failed to start, or was interrupted.
     Failed,
 }
 
-/// A run that may begin.
+/// A run that passed its checks, ready to start.
 pub(super) struct ProgramRun {
     plan: Arc<Planned>,
     to_start: Option<Motion>,
-    line: Line,
-    /// Whether it was told to stop.
+    connection: DriveConnection,
+    /// Whether a stop was requested.
     stopped: Arc<AtomicBool>,
 }
 
-/// What a run brought.
+/// Result of a run.
 pub(super) struct RunOutcome {
-    pub(super) word: Word,
-    /// What the robot did.
+    pub(super) message: PageMessage,
+    /// The recording, if anything was recorded.
     pub(super) mcap: Option<PathBuf>,
 }
 
 impl ProgramRun {
-    /// Checks a plan against where the robot is and its obstacles. Errors are for people.
+    /// Checks that the plan may run from the robot's position, clear of obstacles. Errors are shown on the page.
     pub(super) fn new(
         plan: Arc<Planned>,
         move_to_start: bool,
@@ -69,81 +73,85 @@ impl ProgramRun {
         if let Some(why) = &plan.refused {
             return Err(format!("the program is not sent: {why}"));
         }
-        let mut line = setup.line().map_err(|failure| failure.what())?;
-        let status = line
+        let mut connection = setup.connection().map_err(|failure| failure.what())?;
+        let status = connection
             .client()
             .state()
-            .map_err(|error| format!("cannot ask where the robot is: {error}"))?;
-        let joints_rad = standing(&status)?;
+            .map_err(|error| format!("cannot ask for the position of the robot: {error}"))?;
+        let joints_rad = position_when_idle(&status)?;
         let start_rad = plan.program.start_rad;
         let offset = StartOffset::new(&joints_rad, &start_rad);
         let to_start = if offset.is_within_tolerance() {
             None
         } else if move_to_start {
-            Some(way_to(start_rad, joints_rad, setup)?)
+            Some(motion_to_start(start_rad, joints_rad, setup)?)
         } else {
-            return Err(format!("{offset}; have it move there first"));
+            return Err(format!("{offset}; let it move there first"));
         };
-        Ok(Self { plan, to_start, line, stopped: Arc::default() })
+        Ok(Self { plan, to_start, connection, stopped: Arc::default() })
     }
 
-    /// Set it, and what has not begun does not begin, and what has begun is stopped.
+    /// The flag that stops the run, or keeps it from starting.
     pub(super) fn stopped(&self) -> Arc<AtomicBool> {
         self.stopped.clone()
     }
 
-    /// Has the robot run it, and returns when that is over.
-    pub(super) fn carry_out(mut self, setup: &Setup, mut tell: impl FnMut(Word)) -> RunOutcome {
+    /// Runs the program on the robot; returns at its end.
+    pub(super) fn carry_out(
+        mut self,
+        setup: &Setup,
+        mut publish: impl FnMut(PageMessage),
+    ) -> RunOutcome {
         let plan = self.plan.clone();
-        let begun = |phase| plain(&plan, phase, None);
-        let stopped =
-            || RunOutcome { word: plain(&plan, Phase::Failed, Some("stopped")), mcap: None };
+        let begun = |phase| without_recording(&plan, phase, None);
+        let failed = |why: &str| {
+            let message = without_recording(&plan, Phase::Failed, Some(why));
+            RunOutcome { message, mcap: None }
+        };
         if let Some(motion) = self.to_start.take() {
-            tell(begun(Phase::ToStart));
-            let Some(Watched { result, .. }) = self.attend(vec![motion]) else { return stopped() };
-            if let Err(error) = result {
-                let why = format!("the robot did not move to the start: {error}");
-                return RunOutcome { word: plain(&plan, Phase::Failed, Some(&why)), mcap: None };
+            publish(begun(Phase::ToStart));
+            let Some(run) = self.execute(vec![motion]) else { return failed("stopped") };
+            if let Err(error) = run.result {
+                return failed(&format!("the robot did not move to the start: {error}"));
             }
         }
-        tell(begun(Phase::Running));
+        publish(begun(Phase::Running));
         let motions = plan.program.motions.clone();
-        let Some(Watched { result, seen }) = self.attend(motions) else { return stopped() };
+        let Some(run) = self.execute(motions) else { return failed("stopped") };
+        let ExecutedRun { result, streamed } = run;
         let (measured, error) = match result {
             Ok(measured) => (measured, None),
             Err(ClientError::Refused { refusal, run }) => {
                 (run.map(|run| *run).unwrap_or_default(), Some(refusal.to_string()))
             }
-            // What the stream has brought is all there is.
+            // The samples of the stream are all there is.
             Err(error) => {
                 let why = format!("{error}; the robot may still be moving");
-                (Measured::new(seen), Some(why))
+                (Measured::new(streamed), Some(why))
             }
         };
-        finished(&plan, &measured, error, setup)
+        finish(&plan, &measured, error, setup)
     }
 
-    /// Has the robot run motions; none if it was told to stop before.
-    fn attend(&mut self, motions: Vec<Motion>) -> Option<Watched> {
+    /// Runs motions on the robot; none if a stop was requested before.
+    fn execute(&mut self, motions: Vec<Motion>) -> Option<ExecutedRun> {
         let to_stop = || self.stopped.load(Ordering::Relaxed);
         (!to_stop())
-            .then(|| runner::attend(&mut self.line, Task::Motions(motions), to_stop, |_| ()))
+            .then(|| runner::execute(&mut self.connection, Task::Motions(motions), to_stop, |_| ()))
     }
 }
 
-/// Where the robot stands, ready for a run.
-fn standing(status: &Status) -> Result<Joints, String> {
+/// The position of the robot, if it is idle.
+fn position_when_idle(status: &Status) -> Result<Joints, String> {
     if status.state != DriveState::Idle {
         return Err(format!("the robot is busy: {}", status.state));
     }
-    status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT).ok_or_else(|| {
-        "it is not known where the robot is: the drive does not hear the controller".into()
-    })
+    runner::position(status).ok_or_else(|| runner::UNKNOWN_POSITION.to_owned())
 }
 
-/// The slow motion to a program's start, if nothing stands in the way.
-fn way_to(start_rad: Joints, joints_rad: Joints, setup: &Setup) -> Result<Motion, String> {
-    let motion = Motion::Ptp(Ptp::to(start_rad).velocity(TO_START));
+/// The slow motion to a program's start, if it keeps clear of obstacles.
+fn motion_to_start(start_rad: Joints, joints_rad: Joints, setup: &Setup) -> Result<Motion, String> {
+    let motion = Motion::Ptp(Ptp::to(start_rad).velocity(TO_START_VELOCITY_REL));
     let program = Program { robot: None, start_rad: joints_rad, motions: vec![motion.clone()] };
     let plan = setup.plan(&program)?;
     match setup.too_near(setup.nearest_of(&plan).as_ref()) {
@@ -152,49 +160,50 @@ fn way_to(start_rad: Joints, joints_rad: Joints, setup: &Setup) -> Result<Motion
     }
 }
 
-/// A run of which there is nothing to see.
-fn plain(plan: &Planned, phase: Phase, error: Option<&str>) -> Word {
-    word("run", &RunForPage { plan: plan.id, phase, error, cycle_time_s: None, sketch: None::<()> })
+/// The state of a run without a recording.
+fn without_recording(plan: &Planned, phase: Phase, error: Option<&str>) -> PageMessage {
+    page_message(
+        "run",
+        &RunForPage { plan: plan.id, phase, error, cycle_time_s: None, sketch: None::<()> },
+    )
 }
 
-/// The word for pages.
+/// A run as pages receive it.
 #[derive(Serialize)]
 struct RunForPage<'a, S> {
-    /// Which plan it runs.
+    /// Id of the plan.
     plan: u64,
     phase: Phase,
     error: Option<&'a str>,
     cycle_time_s: Option<f64>,
-    /// What the robot did beside the plan.
+    /// The recording beside the plan.
     sketch: Option<S>,
 }
 
-/// Writes down what the robot did, and shows it beside the plan.
-fn finished(
-    plan: &Planned,
-    measured: &Measured,
-    error: Option<String>,
-    setup: &Setup,
-) -> RunOutcome {
+/// Writes the recording, and compares it with the plan.
+fn finish(plan: &Planned, measured: &Measured, error: Option<String>, setup: &Setup) -> RunOutcome {
     let phase = if error.is_some() { Phase::Failed } else { Phase::Done };
     let samples = runner::since_start(measured);
     if samples.is_empty() {
-        return RunOutcome { word: plain(plan, phase, error.as_deref()), mcap: None };
+        return RunOutcome {
+            message: without_recording(plan, phase, error.as_deref()),
+            mcap: None,
+        };
     }
-    let kept = runner::recording(&samples, measured.cycle_time_s, &setup.robot, &plan.text)
-        .and_then(|bytes| kept(&bytes, plan, setup));
-    let (mcap, elsewhere) = match kept {
-        Ok((mcap, elsewhere)) => (Some(mcap), elsewhere),
+    let saved = runner::recording(&samples, measured.cycle_time_s, &setup.robot, &plan.text)
+        .and_then(|bytes| save(&bytes, plan, setup));
+    let (mcap, unwritten) = match saved {
+        Ok((mcap, unwritten)) => (Some(mcap), unwritten),
         Err(failure) => (None, Some(failure.what())),
     };
     let page = |mcap| setup.page(&plan.mcap, Some(mcap), Extent::Sketch);
     let page = mcap.as_deref().map(page);
-    let (page, unseen) = match page.transpose() {
+    let (page, not_shown) = match page.transpose() {
         Ok(page) => (page, None),
         Err(failure) => (None, Some(failure.what())),
     };
-    let errors: Vec<String> = [error, elsewhere, unseen].into_iter().flatten().collect();
-    let word = word(
+    let errors: Vec<String> = [error, unwritten, not_shown].into_iter().flatten().collect();
+    let message = page_message(
         "run",
         &RunForPage {
             plan: plan.id,
@@ -204,11 +213,12 @@ fn finished(
             sketch: page.as_ref().map(Page::sketch),
         },
     );
-    RunOutcome { word, mcap }
+    RunOutcome { message, mcap }
 }
 
-/// Where a recording was written, and why not in the folder, if it was not: there is no other.
-fn kept(bytes: &[u8], plan: &Planned, setup: &Setup) -> Result<(PathBuf, Option<String>), Failure> {
+/// Writes the recording to the twin's folder, or else to the system's temporary folder: a run cannot be recorded
+/// again. Returns its path, and why it is not in the twin's folder, if so.
+fn save(bytes: &[u8], plan: &Planned, setup: &Setup) -> Result<(PathBuf, Option<String>), Failure> {
     let in_folder = || {
         let [mcap] = setup.new_files(&plan.stem, [".measured.mcap"])?;
         let write = || {
@@ -216,7 +226,7 @@ fn kept(bytes: &[u8], plan: &Planned, setup: &Setup) -> Result<(PathBuf, Option<
             file.write(bytes)?;
             file.complete_always()
         };
-        // The name was taken by an empty file.
+        // `new_files` has reserved the name by an empty file.
         write().inspect_err(|_| drop(fs::remove_file(&mcap)))?;
         Ok(mcap)
     };
@@ -228,7 +238,7 @@ fn kept(bytes: &[u8], plan: &Planned, setup: &Setup) -> Result<(PathBuf, Option<
     };
     in_folder().map(|mcap| (mcap, None)).or_else(|failure: Failure| {
         let Some(mcap) = elsewhere() else { return Err(failure) };
-        let why = format!("{}; what the robot did is in {}", failure.what(), mcap.display());
+        let why = format!("{}; the recording is in {}", failure.what(), mcap.display());
         Ok((mcap, Some(why)))
     })
 }

@@ -1,4 +1,4 @@
-//! The page, and the connection over which it receives the state of the robot and gives orders.
+//! The HTTP server: the page, its WebSocket, uploads of programs, files.
 
 use std::{net::TcpListener, time::Duration};
 
@@ -27,25 +27,25 @@ use super::{
     Token,
     connections::{self, Connection},
     guard::{LIVE, guard},
+    message::page_message,
+    page_socket::{MAX_REQUEST_BYTES, serve_page},
     shared::{Shared, interrupted},
-    talk::{LONGEST_ORDER, talk},
-    word,
 };
 
-/// A program's text is at most so long, in bytes.
-const LONGEST_PROGRAM: usize = 4 << 20;
+/// Length of a program's text, at most, in bytes.
+const MAX_PROGRAM_BYTES: usize = 4 << 20;
 
-/// How long a page may take to hand over a program's text.
-const UPLOAD: Duration = Duration::from_secs(20);
+/// How long the upload of a program may take.
+const UPLOAD_TIMEOUT: Duration = Duration::from_secs(20);
 
-/// Serves the page until an interrupt comes.
+/// Serves the page until an interrupt.
 pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Result<(), Failure> {
     let refuse = |error: std::io::Error| Failure::run("cannot serve the page", &error);
     listener.set_nonblocking(true).map_err(refuse)?;
     let router = Router::new()
         .route("/", get(page))
         .route(LIVE, get(connect))
-        .route("/program", post(program).layer(DefaultBodyLimit::max(LONGEST_PROGRAM)))
+        .route("/program", post(program).layer(DefaultBodyLimit::max(MAX_PROGRAM_BYTES)))
         .route("/report.html", get(report))
         .route("/files/{name}", get(file))
         .with_state(twin)
@@ -58,12 +58,12 @@ pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Resul
     let served = runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
         tokio::select! {
-            () = connections::receive(listener, router) => {}
+            () = connections::accept(listener, router) => {}
             () = interrupted() => {}
         }
         Ok(())
     });
-    // Orders that are under way have a moment.
+    // Requests under way have a moment to finish.
     runtime.shutdown_timeout(Duration::from_secs(1));
     served.map_err(refuse)
 }
@@ -94,25 +94,25 @@ async fn page(State(twin): State<Shared>) -> Response {
         .map_or_else(|error| failed(&error.into()), |text| html(text, POLICY))
 }
 
-/// The query of a program.
+/// Query of an upload.
 #[derive(Deserialize)]
 struct Named {
     name: String,
 }
 
-/// Plans a program. Its text is taken when it is its turn: texts are long, and plans longer.
+/// Plans an uploaded program. The upload waits for its turn: texts take much memory, and plans more.
 async fn program(
     State(twin): State<Shared>,
     Query(Named { name }): Query<Named>,
     request: Request,
 ) -> Response {
-    let Ok(turn) = twin.heavy.acquire_owned().await else { return ending() };
-    let text = match time::timeout(UPLOAD, String::from_request(request, &())).await {
+    let Ok(turn) = twin.heavy.acquire_owned().await else { return shutting_down() };
+    let text = match time::timeout(UPLOAD_TIMEOUT, String::from_request(request, &())).await {
         Ok(Ok(text)) => text,
         Ok(Err(refused)) if refused.status() == StatusCode::PAYLOAD_TOO_LARGE => {
             let why = format!(
-                "it is longer than the {} MiB that are taken here; iiwasim plan takes it",
-                LONGEST_PROGRAM >> 20
+                "the program is longer than {} MiB, the most that the twin accepts; iiwasim plan has no such limit",
+                MAX_PROGRAM_BYTES >> 20
             );
             return (StatusCode::PAYLOAD_TOO_LARGE, why).into_response();
         }
@@ -120,14 +120,14 @@ async fn program(
         Err(_) => return StatusCode::REQUEST_TIMEOUT.into_response(),
     };
     let planned = task::spawn_blocking(move || {
-        // It is over when the work is, and not when the page is gone.
+        // Released when the work is done, even if the page is closed before.
         let _turn = turn;
-        twin.desk.load(&name, text)
+        twin.dispatcher.load(&name, text)
     });
     match planned.await {
-        // A program with a fault is no failure of the request: browsers report those as errors of the page.
+        // A fault in a program is not a failure of the request, which browsers would report as an error of the page.
         Ok(planned) => {
-            let answer = word("error", &planned.err());
+            let answer = page_message("error", &planned.err());
             ([(CONTENT_TYPE, "application/json")], answer.to_string()).into_response()
         }
         Err(error) => failed(&Failure::run("planning failed", &error)),
@@ -135,10 +135,10 @@ async fn program(
 }
 
 async fn report(State(twin): State<Shared>) -> Response {
-    let Ok(turn) = twin.heavy.acquire_owned().await else { return ending() };
+    let Ok(turn) = twin.heavy.acquire_owned().await else { return shutting_down() };
     let made = task::spawn_blocking(move || {
         let _turn = turn;
-        twin.desk.report()
+        twin.dispatcher.report()
     });
     match made.await {
         Ok(Some(Ok(text))) => html(text, "frame-ancestors 'none'"),
@@ -148,14 +148,14 @@ async fn report(State(twin): State<Shared>) -> Response {
     }
 }
 
-fn ending() -> Response {
-    (StatusCode::SERVICE_UNAVAILABLE, "the twin ends\n").into_response()
+fn shutting_down() -> Response {
+    (StatusCode::SERVICE_UNAVAILABLE, "the twin is shutting down\n").into_response()
 }
 
-/// A file, as it is read: never all of it at once.
+/// Streams a file: it is never in memory as a whole.
 async fn file(State(twin): State<Shared>, Path(name): Path<String>) -> Response {
     let missing = || (StatusCode::NOT_FOUND, "there is no such file\n").into_response();
-    let Some(path) = twin.desk.file(&name) else { return missing() };
+    let Some(path) = twin.dispatcher.file(&name) else { return missing() };
     let Ok(file) = fs::File::open(&path).await else { return missing() };
     let Ok(kind) = file.metadata().await else { return missing() };
     let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -176,10 +176,10 @@ async fn connect(
     Extension(connection): Extension<Connection>,
     upgrade: WebSocketUpgrade,
 ) -> Response {
-    upgrade.max_message_size(LONGEST_ORDER).max_frame_size(LONGEST_ORDER).on_upgrade(
+    upgrade.max_message_size(MAX_REQUEST_BYTES).max_frame_size(MAX_REQUEST_BYTES).on_upgrade(
         async move |socket| {
-            talk(socket, twin).await;
-            // Its place is taken until here.
+            serve_page(socket, twin).await;
+            // The connection counts until here.
             drop(connection);
         },
     )

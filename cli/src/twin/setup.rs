@@ -1,4 +1,4 @@
-//! What a twin is made up with.
+//! What a twin is started with.
 
 use std::{
     env,
@@ -16,7 +16,9 @@ use iiwa_traj::Trajectory;
 use iiwa_view::{Extent, Nearest, Page, PageOptions, TwinRobot, TwinSetup};
 use tempfile::TempDir;
 
-use crate::{args, connection, failure::Failure, input, leftovers::Name, output, runner::Line};
+use crate::{
+    args, connection, failure::Failure, input, leftovers::Name, output, runner::DriveConnection,
+};
 
 /// The robot, its obstacles, and the connection to its drive.
 pub(crate) struct Setup {
@@ -30,14 +32,14 @@ pub(crate) struct Setup {
     drive: String,
     stream: String,
     folder: PathBuf,
-    /// Goes with what is in it, unless a folder was asked for.
+    /// Removed at the end, unless a folder was given.
     temporary: Option<Temporary>,
 }
 
-/// A folder of files that are not kept.
+/// A folder that is removed at the end.
 struct Temporary {
     folder: TempDir,
-    /// As long as it is open, no other twin takes the folder for a leftover.
+    /// While it is open, no other twin removes the folder as a leftover.
     _lock: Option<File>,
 }
 
@@ -62,9 +64,9 @@ const MEDIA_FLANGE: [&str; 7] = [
 ];
 
 impl Setup {
-    /// Reads what the options name.
+    /// Reads the files that the options name.
     pub(crate) fn new(options: &args::Twin) -> Result<Self, Failure> {
-        let robot = input::find_robot(&options.robot, Path::new("."))?;
+        let robot = input::find_robot(&options.robot)?;
         let scene = options.scene.as_deref().map(input::scene).transpose()?;
         let arm = scene.map(|scene| ArmInScene::new(&robot, &scene));
         let (folder, temporary) = if let Some(folder) = &options.output {
@@ -100,35 +102,35 @@ impl Setup {
         Client::new(&self.remote, &self.drive).map_err(|error| connection::refused(&error))
     }
 
-    /// What the drive publishes.
+    /// The stream of the drive.
     pub(crate) fn stream(&self) -> Result<Stream, Failure> {
         Stream::new(&self.remote, &self.stream).map_err(|error| connection::refused(&error))
     }
 
-    /// What a run needs.
-    pub(super) fn line(&self) -> Result<Line, Failure> {
-        Ok(Line::of([self.client()?, self.client()?], self.stream()?))
+    /// The connections for a run.
+    pub(super) fn connection(&self) -> Result<DriveConnection, Failure> {
+        Ok(DriveConnection::of([self.client()?, self.client()?], self.stream()?))
     }
 
-    /// How near the arm is to an obstacle; none without a scene.
+    /// Clearance of the arm at these joint positions, in rad; none without a scene.
     pub(super) fn nearest(&self, joints_rad: &Joints) -> Option<Nearest> {
         let arm = self.arm.as_ref()?;
         Some(Nearest::new(arm, &arm.clearance(joints_rad)?, None))
     }
 
-    /// How near it comes on a planned motion.
+    /// Least clearance of a planned motion; none without a scene.
     pub(super) fn nearest_of(&self, plan: &Trajectory) -> Option<Nearest> {
         let arm = self.arm.as_ref()?;
         let planned = arm.clearance_of(plan)?;
         Some(Nearest::new(arm, &planned.clearance, Some(planned.at_s)))
     }
 
-    /// Plans a program for this robot. Errors are for people.
+    /// Plans a program for this robot. Errors are shown on the page.
     pub(super) fn plan(&self, program: &Program) -> Result<Trajectory, String> {
         PlanOptions::default().plan(program, &self.robot).map_err(|error| error.to_string())
     }
 
-    /// The page of a plan, and of what was measured, for this robot.
+    /// The page of a plan and of its recording, for this robot.
     pub(super) fn page(
         &self,
         plan: &Path,
@@ -140,25 +142,13 @@ impl Setup {
         Ok(Page::read(plan, measured, &how)?)
     }
 
-    /// Why a motion that comes so near is not sent, if it is not. What touches is too near at any rate.
+    /// Why a motion with this clearance is not run, if so. A collision is always a reason.
     pub(super) fn too_near(&self, nearest: Option<&Nearest>) -> Option<String> {
-        let Nearest { distance_mm, link, obstacle, at_s, .. } = nearest?;
-        let least_mm = self.min_clearance_mm;
-        let when = at_s.map(|at_s| format!(" at {at_s:.2} s")).unwrap_or_default();
-        if *distance_mm == 0.0 {
-            Some(format!("link {link} touches {obstacle}{when}"))
-        } else if *distance_mm < least_mm {
-            Some(format!(
-                "link {link} comes within {distance_mm:.1} mm of {obstacle}{when}; {least_mm} mm is the \
-                 least"
-            ))
-        } else {
-            None
-        }
+        nearest?.too_near(self.min_clearance_mm)
     }
 
-    /// Paths in the folder of new files that are called the same but for their endings. The first one is
-    /// there, and empty, so that no other process takes the name; none of the others is.
+    /// Paths of new files in the folder that share a stem. The first one is created empty, which reserves the
+    /// stem among all processes; none of the others exists.
     pub(super) fn new_files<const N: usize>(
         &self,
         stem: &str,
@@ -166,7 +156,7 @@ impl Setup {
     ) -> Result<[PathBuf; N], Failure> {
         for number in 1.. {
             let paths = endings.map(|ending| {
-                // `a.measured-2.mcap`: what is numbered is what comes before the extension.
+                // As in `a.measured-2.mcap`.
                 let (kind, extension) = ending.rsplit_once('.').unwrap_or((ending, ""));
                 let number = if number == 1 { String::new() } else { format!("-{number}") };
                 self.folder.join(format!("{stem}{kind}{number}.{extension}"))
@@ -177,17 +167,17 @@ impl Setup {
             let Some(first) = paths.first() else { return Ok(paths) };
             match File::create_new(first) {
                 Ok(_) => return Ok(paths),
-                // Another process was faster.
+                // Another process has taken it.
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) => {
                     return Err(Failure::run(format!("cannot write {}", first.display()), &error));
                 }
             }
         }
-        Err(Failure::Run { what: "there is no name left".to_owned(), cause: None })
+        Err(Failure::Run { what: "there is no file name left".to_owned(), cause: None })
     }
 
-    /// What the page knows from the start.
+    /// What the page contains from the start.
     pub(super) fn for_page(&self) -> TwinSetup<'_> {
         TwinSetup {
             robot: TwinRobot::from(&self.robot),
@@ -199,13 +189,13 @@ impl Setup {
     }
 }
 
-/// What files of a program are called: its name without folders, and without what file systems do not take.
-pub(super) fn stem_of(name: &str) -> String {
-    /// In bytes: with a number and an ending it is short enough for any file system.
-    const LONGEST: usize = 100;
+/// Stem of a program's files: its name without folders, and without characters that file systems do not allow.
+pub(super) fn file_stem(name: &str) -> String {
+    /// In bytes: with a number and an extension it is short enough for any file system.
+    const MAX_BYTES: usize = 100;
     let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
     let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
     let mut stem: String = stem.trim_start_matches('.').chars().map(plain).collect();
-    stem.truncate(stem.floor_char_boundary(LONGEST));
+    stem.truncate(stem.floor_char_boundary(MAX_BYTES));
     if stem.is_empty() { "program".to_owned() } else { stem }
 }

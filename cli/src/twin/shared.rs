@@ -1,4 +1,4 @@
-//! What all connections share.
+//! State that all connections share.
 
 use std::{sync::Arc, time::Duration};
 
@@ -9,37 +9,37 @@ use tokio::{
 
 use crate::output;
 
-use super::{Desk, Setup, Word};
+use super::{Dispatcher, Setup, message::PageMessage};
 
-/// Orders that are carried out at one time, of all pages. Each has a connection to the drive of its own.
-const ORDERS: usize = 8;
+/// Requests of all pages that are carried out at one time, at most. Each has its own connection to the drive.
+const MAX_REQUESTS: usize = 8;
 
-/// What pages receive, and what carries out their orders.
+/// What pages receive, and what carries out their requests.
 #[derive(Clone)]
 pub(crate) struct Shared {
     pub(super) setup: Arc<Setup>,
-    pub(super) live: watch::Receiver<Word>,
-    pub(super) health: watch::Receiver<Word>,
-    pub(super) desk: Arc<Desk>,
-    /// Turns of orders.
-    pub(super) orders: Arc<Semaphore>,
-    /// The turn of what takes much memory: planning, and making a report.
+    pub(super) live: watch::Receiver<PageMessage>,
+    pub(super) health: watch::Receiver<PageMessage>,
+    pub(super) dispatcher: Arc<Dispatcher>,
+    /// Permits of requests.
+    pub(super) requests: Arc<Semaphore>,
+    /// Permit of work that takes much memory: planning, and making a report.
     pub(super) heavy: Arc<Semaphore>,
 }
 
 impl Shared {
-    /// With the newest words of where the arm is and of how it is.
+    /// With the channels of joint positions and of health.
     pub(crate) fn new(
         setup: Arc<Setup>,
-        [live, health]: [watch::Receiver<Word>; 2],
-        desk: Arc<Desk>,
+        [live, health]: [watch::Receiver<PageMessage>; 2],
+        dispatcher: Arc<Dispatcher>,
     ) -> Self {
-        let turns = |count| Arc::new(Semaphore::new(count));
-        Self { setup, live, health, desk, orders: turns(ORDERS), heavy: turns(1) }
+        let permits = |count| Arc::new(Semaphore::new(count));
+        Self { setup, live, health, dispatcher, requests: permits(MAX_REQUESTS), heavy: permits(1) }
     }
 }
 
-/// Returns once the twin is to end.
+/// Returns on an interrupt.
 pub(super) async fn interrupted() {
     while !output::interrupted() {
         time::sleep(Duration::from_millis(50)).await;

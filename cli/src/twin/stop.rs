@@ -1,7 +1,7 @@
-//! The way of a stop to the drive: a thread and a connection that serve nothing else.
+//! Stop requests: a thread and a connection to the drive that serve nothing else.
 //!
-//! However many other orders are under way, and however many connections and threads they take, a stop
-//! waits for none of them. Stops that come in while one is on its way are asked for together.
+//! A stop waits for no other request, however many connections and threads they use. Stops that are requested
+//! while one is under way are sent to the drive as one.
 
 use std::{
     iter,
@@ -14,43 +14,43 @@ use tokio::sync::oneshot;
 
 use super::Setup;
 
-/// Whether the drive has taken the stop, or why not.
-type Taken = Result<(), String>;
+/// Whether the robot was stopped, or why not.
+type StopResult = Result<(), String>;
 
-/// Asks the drive to stop the robot. Its thread ends when it is dropped.
+/// Sends stop requests to the drive. Its thread ends when it is dropped.
 #[derive(Debug)]
-pub(super) struct Stopper(mpsc::Sender<oneshot::Sender<Taken>>);
+pub(super) struct Stopper(mpsc::Sender<oneshot::Sender<StopResult>>);
 
 impl Stopper {
     pub(super) fn new(setup: &Arc<Setup>) -> Self {
         let (ask, asked) = mpsc::channel();
-        // It must not keep the twin's folder when the twin ends.
+        // A strong reference would keep the temporary folder alive after the end of the twin.
         let setup = Arc::downgrade(setup);
-        thread::spawn(move || attend(&setup, &asked));
+        thread::spawn(move || serve_stops(&setup, &asked));
         Self(ask)
     }
 
-    /// Asks for a stop; the answer comes when the drive has given it.
-    pub(super) fn stop(&self) -> impl Future<Output = Taken> + use<> {
+    /// Requests a stop at once, and resolves to the answer of the drive.
+    pub(super) fn stop(&self) -> impl Future<Output = StopResult> + use<> {
         let (answer, answered) = oneshot::channel();
         let asked = self.0.send(answer);
         async move {
-            let gone = || "the twin ends".to_owned();
+            let gone = || "the twin is shutting down".to_owned();
             asked.map_err(|_| gone())?;
             answered.await.unwrap_or_else(|_| Err(gone()))
         }
     }
 }
 
-fn attend(setup: &Weak<Setup>, asked: &mpsc::Receiver<oneshot::Sender<Taken>>) {
+fn serve_stops(setup: &Weak<Setup>, asked: &mpsc::Receiver<oneshot::Sender<StopResult>>) {
     let connect = || {
-        let setup = setup.upgrade().ok_or_else(|| "the twin ends".to_owned())?;
+        let setup = setup.upgrade().ok_or_else(|| "the twin is shutting down".to_owned())?;
         setup.client().map_err(|failure| failure.what())
     };
-    // Connected before anything can stand in the way.
+    // Connected from the start, so that a stop needs no new connection.
     let mut client = connect();
     while let Ok(first) = asked.recv() {
-        // Those that came in while the one before was on its way; it may have come too early for them.
+        // Stops requested while the last one was under way: that one may have been too early for them.
         let waiting: Vec<_> = iter::once(first).chain(asked.try_iter()).collect();
         if client.is_err() {
             client = connect();

@@ -77,10 +77,7 @@ fn a_program_runs() {
                 is_match("Measured   3.20[0-9] s, planned 3.198 s: the plan is off by -0.00")
                     .unwrap(),
             )
-            .stdout(
-                is_match("\n64[0-9] samples of what the robot did in slow.measured.mcap\n")
-                    .unwrap(),
-            )
+            .stdout(is_match("\n64[0-9] samples recorded in slow.measured.mcap\n").unwrap())
             .stderr(is_empty());
         let recording = rig.recording("slow.measured.mcap");
         let [first, .., last] = recording.joint_states.as_slice() else { panic!("no states") };
@@ -180,7 +177,7 @@ fn without_a_cabinet_it_is_said_soon() {
             .stdout(contains("joints         unknown").and(contains("robot program  silent")));
         rig.iiwasim("run", &[rig.slow_program()])
             .code(1)
-            .stderr(contains("the drive does not hear the controller"));
+            .stderr(contains("the drive receives nothing from the controller"));
         rig.iiwasim("sensors", &[]).code(1).stderr(contains("did not answer in time"));
     });
 }

@@ -84,13 +84,7 @@ fn half_requests_neither_keep_pages_out_nor_stops() {
         }
         open.order("stop", json!({})).unwrap();
         newcomer.order("stop", json!({})).unwrap();
-        assert!(
-            twin.memory_mb().is_none_or(|found| found < MEMORY_MB),
-            "{:?} MB",
-            twin.memory_mb()
-        );
-        twin.signal("INT");
-        twin.end().code(0);
+        twin.interrupt_below(MEMORY_MB);
     });
 }
 
@@ -148,13 +142,7 @@ fn a_stop_waits_for_no_other_order() {
         assert!(pages[0].answer(stop).unwrap_err().contains("no drive answers"));
         let answered: usize = pages.iter().map(crate::page::Page::answered).sum();
         assert!(answered < asked, "it came last");
-        assert!(
-            twin.memory_mb().is_none_or(|found| found < MEMORY_MB),
-            "{:?} MB",
-            twin.memory_mb()
-        );
-        twin.signal("INT");
-        twin.end().code(0);
+        twin.interrupt_below(MEMORY_MB);
     });
 }
 
@@ -202,12 +190,6 @@ fn long_texts_come_one_at_a_time() {
         );
         let refused = address.load(&json!({ "name": "waits.json", "text": text }));
         assert!(refused.unwrap_err().contains("has 149786 motions"));
-        assert!(
-            twin.memory_mb().is_none_or(|found| found < MEMORY_MB),
-            "{:?} MB",
-            twin.memory_mb()
-        );
-        twin.signal("INT");
-        twin.end().code(0);
+        twin.interrupt_below(MEMORY_MB);
     });
 }

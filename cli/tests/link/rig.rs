@@ -58,10 +58,18 @@ impl Process {
     }
 
     /// The most memory that it has had, in MB; none where the system does not tell.
-    pub(crate) fn memory_mb(&self) -> Option<u64> {
+    fn memory_mb(&self) -> Option<u64> {
         let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
         Some(line.trim().strip_suffix(" kB")?.parse::<u64>().ok()? / 1000)
+    }
+
+    /// Checks that it has never had more memory, ends it with an interrupt, and checks its exit code.
+    pub(crate) fn interrupt_below(self, memory_mb: u64) {
+        let found = self.memory_mb();
+        assert!(found.is_none_or(|found| found < memory_mb), "{found:?} MB");
+        self.signal("INT");
+        self.end().code(0);
     }
 
     pub(crate) fn has_ended(&mut self) -> bool {

@@ -159,7 +159,7 @@ impl ComparisonReport {
     ) -> Self {
         let name = |path: &Path| path.display().to_string();
         let cycle = &comparison.cycle_time;
-        // Gaps are told by the comparison, as far as they are in the motion.
+        // The comparison reports gaps within the motion.
         let read = measured.losses.iter().filter(|loss| !matches!(loss, Loss::Gap { .. }));
         Self {
             plan: name(plan_file),
@@ -201,13 +201,32 @@ impl ComparisonReport {
         self.tcp_deviation.max_mm
     }
 
+    /// Which gates are not met, if any: the error of the cycle time, either way, in per cent of the real one,
+    /// and the deviation of the flange, in mm.
+    #[must_use]
+    pub fn complaint(
+        &self,
+        max_error_percent: Option<f64>,
+        max_deviation_mm: Option<f64>,
+    ) -> Option<String> {
+        let (percent, off_mm) = (self.error_percent(), self.max_deviation_mm());
+        let time = max_error_percent
+            .filter(|limit| percent.abs() > *limit)
+            .map(|limit| format!("the cycle time is off by {percent:+.3} %, more than {limit} %"));
+        let path = max_deviation_mm.filter(|limit| off_mm > *limit).map(|limit| {
+            format!("the flange is off its path by {off_mm:.3} mm, more than {limit} mm")
+        });
+        let missed: Vec<_> = time.into_iter().chain(path).collect();
+        (!missed.is_empty()).then(|| missed.join("; "))
+    }
+
     /// Tables and sentences.
     #[must_use]
     pub fn text(&self) -> String {
         let head = ["motion", "type", "planned s", "real s", "error s", "error %"];
         let mut motions = table(&head);
         shortened(&mut motions, &self.motions, |table, row| {
-            // What the recording does not tell is a question; a share of no time is none.
+            // Unknown times are shown as `?`; there is no share of zero time.
             let (real_s, error_s, percent) = match (row.real_s, row.error_s) {
                 (Some(real_s), Some(error_s)) => (
                     format!("{:.3}", rounded(real_s, 3)),

@@ -1,4 +1,4 @@
-//! What recordings tell of a robot, as JSON and in words.
+//! What was identified from recordings, as JSON and as text.
 
 use std::{fmt::Write as _, path::Path};
 
@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::{printable, table::table};
 
-/// What recordings tell of a robot. As JSON, this is the object of `iiwasim identify --json`.
+/// What was identified from recordings of a robot. As JSON, this is the object of `iiwasim identify --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct IdentificationReport {
     robot: String,
@@ -218,7 +218,7 @@ impl IdentificationReport {
         for joint in 0..7 {
             let mut row = vec![format!("A{}", joint + 1)];
             for figures in [&self.velocity_deg_s, &self.acceleration_deg_s2, &self.jerk_deg_s3] {
-                row.push(figures[joint].map_or_else(|| "not shown".to_owned(), |f| f.to_string()));
+                row.push(figures[joint].map_or_else(|| "not found".to_owned(), |f| f.to_string()));
                 row.push(figures[joint].map_or_else(String::new, |f| f.count.to_string()));
             }
             rows.add_row(row);
@@ -234,7 +234,7 @@ impl IdentificationReport {
                     model.settle_time_s()
                 );
             }
-            None => text.push_str("Time to settle: not shown\n"),
+            None => text.push_str("Time to settle: not found\n"),
         }
         match &self.kappa {
             Some(kappa) => {
@@ -251,12 +251,12 @@ impl IdentificationReport {
                 );
                 let widest = kappa.at.iter().map(|at| at.uncertainty).fold(0.0, f64::max);
                 let _ =
-                    writeln!(text, "kappa is certain to {widest:.4} or better within that range");
+                    writeln!(text, "Uncertainty of kappa within that range: {widest:.4} at most");
             }
             None => {
                 let _ = writeln!(
                     text,
-                    "kappa over gamma: not shown, that takes blends of different angles ({} found)",
+                    "kappa over gamma: not found; it needs blends of different angles ({} found)",
                     self.blends.len()
                 );
             }
@@ -267,20 +267,20 @@ impl IdentificationReport {
                 let _ = writeln!(
                     text,
                     "Blends begin and end at equal distances (Algorithm 3): {}; the difference is \
-                     {share} of what it would be without, {} blends",
+                     {share} of that without this rule, {} blends",
                     if holds { "confirmed" } else { "not confirmed" },
                     share.count
                 );
             }
             None => text.push_str(
-                "Algorithm 3: not shown, that takes blends between motions of unequal lengths\n",
+                "Algorithm 3: not tested; it needs blends between motions of unequal lengths\n",
             ),
         }
         for loss in self.losses.iter().take(SHOWN) {
             let _ = writeln!(text, "Note: {}", printable(loss));
         }
         if let Some(more @ 1..) = self.losses.len().checked_sub(SHOWN) {
-            let _ = writeln!(text, "Note: {more} more, see --json");
+            let _ = writeln!(text, "Note: {more} more in the JSON output");
         }
         if let Some(file) = &self.output {
             let _ = writeln!(text, "Profile of {} in {}", printable(&self.robot), printable(file));
@@ -309,9 +309,7 @@ fn losses(log: &JointLog) -> Vec<String> {
     let mut gaps_s = 0.0;
     let mut texts = Vec::new();
     if log.is_plan {
-        texts.push(
-            "this is a plan: what was found is what it was made with, not a robot's".to_owned(),
-        );
+        texts.push("this is a plan: the figures are those of its model, not of a robot".to_owned());
     }
     for loss in &log.losses {
         if let Loss::Gap { from_s, to_s, .. } = loss {

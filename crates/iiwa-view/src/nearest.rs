@@ -36,4 +36,20 @@ impl Nearest {
             at_s,
         }
     }
+
+    /// Why this is too near, with at least `min_mm` of clearance required, if it is. Touching always is.
+    #[must_use]
+    pub fn too_near(&self, min_mm: f64) -> Option<String> {
+        let Self { distance_mm, link, obstacle, at_s, .. } = self;
+        let when = at_s.map(|at_s| format!(" at {at_s:.2} s")).unwrap_or_default();
+        if *distance_mm == 0.0 {
+            Some(format!("link {link} touches {obstacle}{when}"))
+        } else if *distance_mm < min_mm {
+            Some(format!(
+                "link {link} comes within {distance_mm:.1} mm of {obstacle}{when}; the minimum is {min_mm} mm"
+            ))
+        } else {
+            None
+        }
+    }
 }

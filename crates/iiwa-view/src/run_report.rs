@@ -63,7 +63,7 @@ impl RunReport {
             let _ = writeln!(text, "Ended after {after_s:.3} s of {planned_s:.3} s");
         }
         if let Some(file) = &self.output {
-            let _ = writeln!(text, "{} samples of what the robot did in {file}", self.samples);
+            let _ = writeln!(text, "{} samples recorded in {file}", self.samples);
         }
         text
     }

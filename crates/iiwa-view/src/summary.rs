@@ -8,7 +8,7 @@ use std::{
 use comfy_table::Cell;
 use iiwa_log::PlanFigures;
 
-use crate::{printable, table::table};
+use crate::{PlanGates, printable, table::table};
 
 /// The result of one program.
 #[derive(Clone, Debug)]
@@ -101,22 +101,29 @@ impl Summary {
         self.rows.len()
     }
 
+    /// What keeps the results from being all well, if anything: failed programs, and gates that are not met.
+    #[must_use]
+    pub fn complaint(&self, gates: &PlanGates) -> Option<String> {
+        let count = self.programs();
+        let mut unmet = Vec::new();
+        if self.failed() > 0 {
+            unmet.push(format!("{} of {count} programs failed", self.failed()));
+        }
+        let too_long = self.rows.iter().filter(|row| row.too_long).count();
+        if let (Some(limit), 1..) = (gates.max_cycle_time_s, too_long) {
+            unmet.push(format!("{too_long} of {count} programs over {limit} s"));
+        }
+        let too_near = self.rows.iter().filter(|row| row.too_near).count();
+        if let (Some(limit), 1..) = (gates.min_clearance_mm, too_near) {
+            unmet.push(format!("{too_near} of {count} programs with a clearance below {limit} mm"));
+        }
+        (!unmet.is_empty()).then(|| unmet.join(", "))
+    }
+
     /// How many of them failed.
     #[must_use]
     pub fn failed(&self) -> usize {
         self.rows.iter().filter(|row| row.times.is_none()).count()
-    }
-
-    /// How many take longer than they may.
-    #[must_use]
-    pub fn too_long(&self) -> usize {
-        self.rows.iter().filter(|row| row.too_long).count()
-    }
-
-    /// How many come nearer to an obstacle than they may.
-    #[must_use]
-    pub fn too_near(&self) -> usize {
-        self.rows.iter().filter(|row| row.too_near).count()
     }
 
     fn times(&self) -> impl Iterator<Item = &PlannedTimes> {

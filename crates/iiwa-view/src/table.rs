@@ -34,7 +34,7 @@ pub(crate) fn shortened<T>(table: &mut Table, rows: &[T], mut add: impl FnMut(&m
         if hidden == 0 || index < SHOWN || index >= rows.len() - SHOWN {
             add(table, row);
         } else if index == SHOWN {
-            table.add_row(["...".to_owned(), format!("{hidden} more, see --json")]);
+            table.add_row(["...".to_owned(), format!("{hidden} more in the JSON output")]);
         }
     }
 }

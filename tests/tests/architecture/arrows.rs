@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::known::hold;
+use crate::offenders::forbid;
 use crate::sources::members;
 
 /// Each library and what it may depend on. Data flows one way; whoever draws an arrow here draws it in the
@@ -67,7 +67,7 @@ fn libraries_depend_only_on_those_below_them() {
             }
         }
     }
-    hold(
+    forbid(
         "arrow",
         &wrong,
         "Move the code to where both can reach it, or pass in what is needed as an argument.",
@@ -81,7 +81,7 @@ fn nothing_depends_on_the_command() {
         .filter(|member| member.dependencies.iter().any(|name| name == "iiwasim"))
         .map(|member| (member.name.clone(), "depends on iiwasim".to_owned()))
         .collect();
-    hold("command", &wrong, "Move what it needs into a library.");
+    forbid("command", &wrong, "Move what it needs into a library.");
 }
 
 #[test]
@@ -93,5 +93,5 @@ fn libraries_know_no_command_line() {
             wrong.insert(format!("{} -> {name}", library.name), "for commands only".to_owned());
         }
     }
-    hold("command line", &wrong, "Parse arguments and draw errors in cli.");
+    forbid("command line", &wrong, "Parse arguments and draw errors in cli.");
 }

@@ -11,8 +11,8 @@ use syn::punctuated::Punctuated;
 use syn::visit::{self, Visit};
 use syn::{Expr, Macro, Token};
 
-use crate::known::hold;
 use crate::module_tree::{ModuleTree, for_tests_only};
+use crate::offenders::forbid;
 use crate::sources::{members, shown};
 
 type Arrows = BTreeMap<String, BTreeSet<String>>;
@@ -36,7 +36,7 @@ fn no_two_files_of_a_crate_import_each_other() {
             wrong.insert(file.clone(), format!("imports {}, and back", back.join(", ")));
         }
     }
-    hold(
+    forbid(
         "circle",
         &wrong,
         "Move what both need into a file of its own, or pass it in as an argument.",

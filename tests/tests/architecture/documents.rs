@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use syn::{ImplItem, Item, TraitItem, Visibility};
 
-use crate::known::hold;
 use crate::module_tree::{Module, ModuleTree};
+use crate::offenders::forbid;
 use crate::sources::{files, members, root, shown, text};
 
 fn documents() -> Vec<PathBuf> {
@@ -52,7 +52,7 @@ fn items_that_documents_name_exist() {
             }
         }
     }
-    hold("document", &wrong, "Correct the document, or mark the item there as private.");
+    forbid("document", &wrong, "Correct the document, or mark the item there as private.");
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn files_that_documents_link_to_exist() {
             }
         }
     }
-    hold("link", &wrong, "Point to where the file is now.");
+    forbid("link", &wrong, "Point to where the file is now.");
 }
 
 /// Paths such as `iiwa_kin::Robot::flange_pose`; of `iiwa_path::{Program, Blend}`, one for each in the braces.
@@ -204,7 +204,7 @@ fn items_are_in_the_files_that_documents_name_beside_them() {
             }
         }
     }
-    hold("place", &wrong, "Point to the file that defines it.");
+    forbid("place", &wrong, "Point to the file that defines it.");
 }
 
 /// Whether a source defines an item, a field or a variant of this name.

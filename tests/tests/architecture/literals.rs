@@ -7,8 +7,8 @@ use proc_macro2::{TokenStream, TokenTree};
 use syn::visit::{self, Visit};
 use syn::{Attribute, Lit, LitStr, Macro};
 
-use crate::known::hold;
 use crate::module_tree::ModuleTree;
+use crate::offenders::forbid;
 use crate::sources::{members, shown};
 
 #[test]
@@ -31,18 +31,18 @@ fn libraries_name_no_commands_and_no_flags() {
             }
         }
     }
-    hold(
+    forbid(
         "hint",
         &wrong,
         "State what was asked and what was found; add the hint in cli, where the error is shown.",
     );
 }
 
-/// Whether there is something like `--key`. Rules of Markdown tables and variables of CSS are none.
+/// Whether there is something like `--key`. Rules of Markdown tables, comments of HTML and variables of CSS are
+/// none.
 fn names_flag(text: &str) -> bool {
     text.match_indices("--").any(|(at, mark)| {
-        !text[..at].ends_with(['-', '<'])
-            && !text[..at].ends_with("var(")
+        !["-", "<!", "var("].iter().any(|before| text[..at].ends_with(before))
             && text[at + mark.len()..].starts_with(|c: char| c.is_ascii_alphabetic())
     })
 }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::known::hold;
 use crate::module_tree::ModuleTree;
+use crate::offenders::forbid;
 use crate::sources::{members, shown};
 
 #[test]
@@ -25,5 +25,5 @@ fn no_type_name_is_used_twice_within_a_crate() {
             }
         }
     }
-    hold("type", &wrong, "Rename all but one after what sets them apart, or make them one type.");
+    forbid("type", &wrong, "Rename all but one after what sets them apart, or make them one type.");
 }

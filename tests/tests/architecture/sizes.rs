@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::known::hold;
+use crate::offenders::forbid;
 use crate::sources::{files, members, root, shown, text};
 
 const FILE_LINES: usize = 600;
@@ -22,7 +22,7 @@ fn no_file_is_longer_than_600_lines() {
         .filter(|(_, lines)| *lines > FILE_LINES)
         .map(|(path, lines)| (path, format!("{lines} lines")))
         .collect();
-    hold("file", &long, "Split each by idea, and name the parts after theirs.");
+    forbid("file", &long, "Split each by idea, and name the parts after theirs.");
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn no_crate_is_larger_than_6000_lines_and_the_command_than_7000() {
             large.insert(shown(&src), format!("{lines} lines, at most {limit}"));
         }
     }
-    hold(
+    forbid(
         "size",
         &large,
         "Move what others could use into the library it belongs to, or cut the crate in two.",

@@ -1,4 +1,4 @@
-//! What runs the programs of an experiment.
+//! The arm that runs the programs of an experiment.
 
 use iiwa_eval::experiment::Trial;
 use iiwa_link::{ClientError, message::Samples};
@@ -8,23 +8,23 @@ use iiwa_view::VirtualArm;
 
 use crate::{
     connection,
-    failure::{Failure, tell},
+    failure::{Failure, print_note},
     output,
-    runner::{Line, Task, go_to_start, watch},
+    runner::{DriveConnection, Task, execute_with_progress, go_to_start},
 };
 
-/// A virtual robot, or one that a drive is connected with.
+/// A virtual robot, or one behind a drive.
 pub(crate) enum Arm {
     Virtual(Box<VirtualArm>),
     Real {
-        line: Box<Line>,
-        /// Share of the limits of velocity at which it goes to a program's start, in per cent.
+        line: Box<DriveConnection>,
+        /// Velocity of motions to the start of a program, in per cent of the limits.
         to_start: f64,
     },
 }
 
 impl Arm {
-    /// Runs a program and gives what was measured.
+    /// Runs a program and returns the measured joint positions.
     pub(crate) fn run(&mut self, trial: &Trial) -> Result<JointLog, Failure> {
         output::check_interrupt()?;
         match self {
@@ -34,21 +34,22 @@ impl Arm {
     }
 }
 
-fn run_real(line: &mut Line, to_start: f64, trial: &Trial) -> Result<JointLog, Failure> {
-    tell(&format!("{}\n", trial.name));
+fn run_real(line: &mut DriveConnection, to_start: f64, trial: &Trial) -> Result<JointLog, Failure> {
+    print_note(&format!("{}\n", trial.name));
     go_to_start(line, Some(to_start), &trial.program.start_rad)?;
     output::check_interrupt()?;
     let motions: Vec<Motion> = trial.program.motions.clone();
-    let measured = watch(line, Task::Motions(motions), None).result.map_err(|error| {
-        let what = match error {
-            ClientError::Refused { .. } => "was not run to its end",
-            // A motion needs no drive to go on.
-            _ => "broke off, the robot may still be moving",
-        };
-        connection::failed(&format!("{} {what}", trial.name), &error)
-    })?;
+    let measured =
+        execute_with_progress(line, Task::Motions(motions), None).result.map_err(|error| {
+            let what = match error {
+                ClientError::Refused { .. } => "was not run to its end",
+                // A motion continues without the drive.
+                _ => "broke off, the robot may still be moving",
+            };
+            connection::failed(&format!("{} {what}", trial.name), &error)
+        })?;
     if measured.samples_left_out > 0 {
-        tell(&format!(
+        print_note(&format!(
             "{} samples were left out: the run was too long for the drive\n",
             measured.samples_left_out
         ));

@@ -1,4 +1,4 @@
-//! The folder that an experiment writes into.
+//! The output folder of an experiment.
 
 use std::{
     fs,
@@ -9,7 +9,7 @@ use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 
-use crate::{failure::Failure, output::Output, runner};
+use crate::{failure::Failure, output, runner};
 
 /// A folder for programs, recordings and figures. Each file in it appears whole or not at all.
 pub(crate) struct Folder {
@@ -18,8 +18,8 @@ pub(crate) struct Folder {
 }
 
 impl Folder {
-    /// A folder that is made with its first file. With `new`, nothing may be in it yet: what a robot did
-    /// is not to be had again.
+    /// A folder that is made with its first file. With `new`, it has to be empty or missing: recordings of a robot
+    /// cannot be made again.
     pub(crate) fn new(path: &Path, recordings: bool, new: bool) -> Result<Self, Failure> {
         let full = fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
         if new && full {
@@ -35,7 +35,7 @@ impl Folder {
         Ok(Self { path: path.to_owned(), recordings })
     }
 
-    /// Writes a program, and what was recorded while it ran.
+    /// Writes a program and its recording.
     pub(crate) fn run(&self, trial: &Trial, log: &JointLog, robot: &Robot) -> Result<(), Failure> {
         if !self.recordings {
             return Ok(());
@@ -67,7 +67,5 @@ pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
         fs::create_dir_all(folder)
             .map_err(|error| Failure::run(format!("cannot make {}", folder.display()), &error))?;
     }
-    let output = Output::new(path)?;
-    output.write(content)?;
-    output.complete()
+    output::write(path, content)
 }

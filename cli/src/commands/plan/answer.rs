@@ -3,10 +3,10 @@
 use iiwa_log::PlanFigures;
 use serde::Serialize;
 
-/// The figures, and where the file is.
+/// The figures, and the path of the file.
 #[derive(Serialize)]
 pub(super) struct PlanAnswer<'a> {
-    /// Which of many programs it is.
+    /// The program, if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) program: Option<&'a str>,
     #[serde(flatten)]

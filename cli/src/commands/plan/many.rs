@@ -36,40 +36,41 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
     }
     let jobs = programs::jobs(options, given)?;
     if let Some(robot) = &options.robot {
-        // A robot that none of them could use is one failure, not one for each.
-        input::find_robot(robot, Path::new("."))?;
+        // An invalid robot is reported once, not for each program.
+        input::find_robot(robot)?;
     }
     let scene = scene(options)?;
     if let Some(folder) = &options.output {
         make_folder(folder)?;
     }
     output::catch_interrupts();
-    // None at all stands for one a core.
+    // 0 stands for one a core.
     let threads = options.jobs.map_or(0, |threads| usize::from(threads).min(jobs.len()));
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .map_err(|error| Failure::run("cannot start the threads", &error))?;
 
-    let told = Mutex::new(Told::new(jobs.len()));
-    // Started in order, so that what comes out of them has hardly to wait for its turn.
+    let printer = Mutex::new(OutcomePrinter::new(jobs.len()));
+    // Started in order, so that few outcomes have to wait for an earlier one.
     let work = jobs.iter().enumerate().par_bridge();
     let result = pool.install(|| {
         work.try_for_each(|(index, job)| {
             output::check_interrupt()?;
-            let outcome = plan(options, scene.as_ref(), job, &told);
-            // A program that was cut off has not failed.
+            let outcome = plan(options, scene.as_ref(), job, &printer);
+            // An interrupt is not a failure of the program.
             output::check_interrupt()?;
-            told.lock().unwrap_or_else(PoisonError::into_inner).tell(index, outcome)
+            printer.lock().unwrap_or_else(PoisonError::into_inner).add(index, outcome)
         })
     });
-    let Told { progress, summary, .. } = told.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let OutcomePrinter { progress, summary, .. } =
+        printer.into_inner().unwrap_or_else(PoisonError::into_inner);
     progress.clear();
     result?;
     report(options, &summary)
 }
 
-/// Makes sure of the folder for the trajectories.
+/// Makes the folder for the trajectories, unless it exists.
 fn make_folder(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
         return Err(Failure::input(format!(
@@ -83,12 +84,17 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 }
 
 /// Plans one of the programs.
-fn plan(options: &Plan, scene: Option<&Scene>, job: &Job, told: &Mutex<Told>) -> ProgramOutcome {
+fn plan(
+    options: &Plan,
+    scene: Option<&Scene>,
+    job: &Job,
+    printer: &Mutex<OutcomePrinter>,
+) -> ProgramOutcome {
     let name = job.program.display().to_string();
     let alive = |_| {
-        // The thread that holds it is about to show the progress.
-        if let Ok(mut told) = told.try_lock() {
-            told.progress.alive();
+        // The thread that holds the lock shows the progress.
+        if let Ok(mut printer) = printer.try_lock() {
+            printer.progress.alive();
         }
     };
     let planned = input::program(&job.program, options.robot.as_deref())
@@ -106,7 +112,7 @@ struct ProgramOutcome {
     row: SummaryRow,
 }
 
-/// The line of a program that was not planned.
+/// The JSON line of a program that was not planned.
 #[derive(Serialize)]
 struct Refusal<'a> {
     program: &'a str,
@@ -142,7 +148,7 @@ impl ProgramOutcome {
         let failure = failure.about(&name);
         let line = || output::json_line(&Refusal { program: &name, error: failure.what() });
         Self {
-            // Two texts always become JSON.
+            // Two texts can always be serialised.
             line: options.json.then(line).and_then(Result::ok),
             complaint: Some(failure.text()),
             row: SummaryRow { program: name, times: None, too_long: false, too_near: false },
@@ -150,15 +156,15 @@ impl ProgramOutcome {
     }
 }
 
-/// What has been said.
-struct Told {
+/// Prints outcomes in the order of the programs.
+struct OutcomePrinter {
     progress: Progress,
     summary: Summary,
-    /// Outcomes that came before their turn.
+    /// Outcomes of programs after one that is not done yet.
     waiting: BTreeMap<usize, ProgramOutcome>,
 }
 
-impl Told {
+impl OutcomePrinter {
     fn new(count: usize) -> Self {
         Self {
             progress: Progress::of_programs(count),
@@ -167,14 +173,14 @@ impl Told {
         }
     }
 
-    /// Says what came of the program at `index`, when all before it have had their turn.
-    fn tell(&mut self, index: usize, outcome: ProgramOutcome) -> Result<(), Failure> {
+    /// Adds the outcome of the program at `index`, and prints all whose predecessors are done.
+    fn add(&mut self, index: usize, outcome: ProgramOutcome) -> Result<(), Failure> {
         self.waiting.insert(index, outcome);
         while let Some(outcome) = self.waiting.remove(&self.summary.programs()) {
             let ProgramOutcome { line, complaint, row } = outcome;
             self.progress.aside(|| {
                 if let Some(complaint) = complaint {
-                    failure::tell(&complaint);
+                    failure::print_note(&complaint);
                 }
                 line.map_or(Ok(()), |line| output::print(&line))
             })?;
@@ -185,7 +191,7 @@ impl Told {
     }
 }
 
-/// The table, and whether all is well.
+/// Prints the table; fails if programs failed or gates were not met.
 fn report(options: &Plan, summary: &Summary) -> Result<(), Failure> {
     if !options.json {
         let mut text = summary.text();
@@ -195,21 +201,5 @@ fn report(options: &Plan, summary: &Summary) -> Result<(), Failure> {
         }
         output::print(&text)?;
     }
-    let count = summary.programs();
-    let mut unmet = Vec::new();
-    if summary.failed() > 0 {
-        unmet.push(format!("{} of {count} programs failed", summary.failed()));
-    }
-    if let Some(limit) = options.max_cycle_time
-        && summary.too_long() > 0
-    {
-        unmet.push(format!("{} of {count} programs over {limit} s", summary.too_long()));
-    }
-    if let Some(limit) = options.min_clearance
-        && summary.too_near() > 0
-    {
-        let count_near = summary.too_near();
-        unmet.push(format!("{count_near} of {count} programs with a clearance below {limit} mm"));
-    }
-    if unmet.is_empty() { Ok(()) } else { Err(Failure::Gate(unmet.join(", "))) }
+    summary.complaint(&gates(options)).map_or(Ok(()), |unmet| Err(Failure::Gate(unmet)))
 }

@@ -36,7 +36,7 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Where the MCAP file goes, if anywhere.
+/// Path of the MCAP file, if one is written.
 fn output_path(options: &Plan, program: &Path) -> Option<PathBuf> {
     if options.no_output {
         return None;
@@ -44,7 +44,7 @@ fn output_path(options: &Plan, program: &Path) -> Option<PathBuf> {
     Some(options.output.clone().unwrap_or_else(|| file_name(program)))
 }
 
-/// Refuses to write over what is read, or one file twice.
+/// Refuses outputs that would replace an input or each other.
 fn distinct(options: &Plan, program: &Path, target: Option<&Path>) -> Result<(), Failure> {
     let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
     let scene = options.scene.as_deref().map(|path| ("scene", path));

@@ -1,4 +1,4 @@
-//! Which programs are meant, and where their trajectories go.
+//! The programs to plan, and the files of their trajectories.
 
 use std::{
     collections::HashMap,
@@ -14,19 +14,19 @@ use crate::{args::Plan, failure::Failure};
 
 use super::target::{file_name, is_stdin};
 
-/// A program, and where its trajectory goes, if anywhere.
+/// A program, and the file of its trajectory, if one is written.
 pub(super) struct Job {
     pub(super) program: PathBuf,
     pub(super) target: Option<PathBuf>,
 }
 
-/// All programs of what is given, in order, with folders as the programs in them. Each is there
-/// once and has a file of its own, which is none of those that are read.
+/// All given programs, in order, with folders as the programs in them. No two are the same, or write to the same
+/// file, and none writes to an input.
 pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<Job>, Failure> {
     let mut programs = Vec::new();
     for path in given {
         if is_stdin(path) {
-            return Err(Failure::input("-, standard input, can only be planned alone"));
+            return Err(Failure::input("standard input (-) can only be planned alone"));
         }
         if path.is_dir() {
             programs.append(&mut programs_in(path)?);
@@ -57,7 +57,7 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         let name = entry.map_err(refuse)?.file_name();
         let hidden = name.as_encoded_bytes().starts_with(b".");
         let path = folder.join(&name);
-        // A link that leads nowhere is kept: that it cannot be read is reported when it is its turn.
+        // A broken link is kept, so that it is reported as a program that cannot be read.
         let is_file = path.metadata().map_or(true, |kind| kind.is_file());
         if !hidden && path.extension() == Some(OsStr::new("json")) && is_file && !is_other(&path) {
             names.push(name);
@@ -79,7 +79,7 @@ fn is_other(path: &Path) -> bool {
         .is_ok_and(|text| Robot::from_profile(&text).is_ok() || Scene::from_json(&text).is_ok())
 }
 
-/// Refuses a program that is there twice.
+/// Refuses a program that is given twice.
 fn each_once(programs: &[PathBuf]) -> Result<(), Failure> {
     let mut seen = HashMap::new();
     for program in programs {
@@ -93,7 +93,7 @@ fn each_once(programs: &[PathBuf]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where a file is, whichever way leads there. A link is a file of its own.
+/// The path with its folder resolved, so that equal files compare equal. A symbolic link is a file of its own.
 fn place(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     match (folder.unwrap_or(Path::new(".")).canonicalize(), path.file_name()) {
@@ -102,7 +102,7 @@ fn place(path: &Path) -> PathBuf {
     }
 }
 
-/// Refuses to write over what is read, or one file twice.
+/// Refuses outputs that would replace an input or each other.
 fn distinct<'a>(jobs: &'a [Job], others: impl Iterator<Item = &'a Path>) -> Result<(), Failure> {
     let programs = jobs.iter().map(|job| job.program.as_path());
     let read: HashMap<_, _> =

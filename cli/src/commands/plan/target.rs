@@ -1,4 +1,4 @@
-//! Where a program's trajectory goes.
+//! Names of trajectory files.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ pub(super) fn is_stdin(program: &Path) -> bool {
     program == Path::new("-")
 }
 
-/// How the MCAP file of a program is called.
+/// Name of a program's MCAP file.
 pub(super) fn file_name(program: &Path) -> PathBuf {
     let stem = match program.file_stem() {
         Some(stem) if !is_stdin(program) => stem.to_owned(),

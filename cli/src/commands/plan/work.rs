@@ -17,13 +17,13 @@ use crate::{
     output::{self, Output},
 };
 
-/// The scene that the arm is to be held against, if any.
+/// The scene of the options, if any.
 pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
     options.scene.as_deref().map(input::scene).transpose()
 }
 
-/// Plans a program and writes its trajectory to `target`. What is written appears when all of it is
-/// done; `progress` is called with the share that is.
+/// Plans a program and writes its trajectory to `target`, which appears when it is complete. `progress` is called
+/// with the share that is done.
 pub(super) fn write(
     options: &Plan,
     scene: Option<&Scene>,
@@ -108,7 +108,7 @@ fn plan_options(options: &Plan) -> PlanOptions {
     }
 }
 
-/// How near the arm comes to its scene in a section.
+/// Least clearance in a section.
 fn clearance(arm: &ArmInScene, section: &Section) -> Option<ClearanceRecord> {
     let PlannedClearance { clearance, at_s, .. } = arm.clearance_of_section(section)?;
     Some(ClearanceRecord {
@@ -119,13 +119,14 @@ fn clearance(arm: &ArmInScene, section: &Section) -> Option<ClearanceRecord> {
     })
 }
 
-/// A program whose file would be too large, with all that it would need; `planning` has the rest of it.
+/// The failure of a program whose file would be too large, with the size of the whole file; `planning` has the
+/// remaining sections.
 fn too_large(options: &Plan, mut planning: Planning) -> Failure {
     planning.by_ref().take_while(|_| !output::interrupted()).for_each(drop);
     let size = planning.size();
     Failure::input(format!(
         "the program takes {}: at {} Hz its file would have about {}, more than the {} of --max-file-size; \
-         lower --rate, raise --max-file-size, or have the figures alone with --no-output",
+         lower --rate, raise --max-file-size, or print the figures only with --no-output",
         long_duration(size.duration_s()),
         options.rate,
         ByteSize::b(size.bytes()).display().si(),

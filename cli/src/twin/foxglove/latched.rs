@@ -1,4 +1,4 @@
-//! Topics that viewers who come later get, too: the last message is kept for them.
+//! Latched topics: the last message is kept for viewers that connect later.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -10,7 +10,7 @@ use foxglove::{
 /// A topic with its last message.
 pub(super) struct Latched {
     channel: Arc<RawChannel>,
-    /// Held while a message is passed on, so that nobody gets an older one after a newer one.
+    /// Locked while a message is sent, so that no viewer gets an older one after a newer one.
     last: Mutex<Option<Vec<u8>>>,
 }
 
@@ -19,14 +19,14 @@ impl Latched {
         Self { channel, last: Mutex::new(None) }
     }
 
-    /// Passes a message on to those who are there, and keeps it. The time is since 1970.
+    /// Sends a message to all viewers, and keeps it. The time is since 1970.
     pub(super) fn publish(&self, time_ns: u64, message: Vec<u8>) {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         self.channel.log_with_meta(&message, PartialMetadata::with_log_time(time_ns));
         *last = Some(message);
     }
 
-    /// Passes the last message on to one who has just come. It is stamped with the time of now, at which
+    /// Sends the last message to a viewer that has just subscribed, stamped with the current time, at which
     /// it still holds.
     fn repeat(&self, viewer: SinkId) {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
@@ -36,10 +36,10 @@ impl Latched {
     }
 }
 
-/// Repeats the last messages of these topics to viewers who come late.
-pub(super) struct Late(pub(super) Vec<Arc<Latched>>);
+/// Sends the last messages of these topics to viewers when they subscribe.
+pub(super) struct LateViewers(pub(super) Vec<Arc<Latched>>);
 
-impl ServerListener for Late {
+impl ServerListener for LateViewers {
     fn on_subscribe(&self, client: Client, channel: ChannelView<'_>) {
         let topic = self.0.iter().find(|topic| topic.channel.id() == channel.id());
         if let (Some(topic), Some(viewer)) = (topic, client.sink_id()) {

@@ -1,10 +1,10 @@
-//! The schemas of what the drive says.
+//! Schemas of the JSON topics.
 //!
-//! Viewers take a part of JSON Schema only: every field has one type, and an array holds no arrays.
+//! Viewers support a subset of JSON Schema: every field has one type, and an array holds no arrays.
 
 use serde_json::{Value, json};
 
-/// Of `/drive_state`: what iiwaDrive answers to `state`.
+/// Of `/drive_state`: the reply of iiwaDrive to the request `state`.
 pub(super) fn drive_state() -> Value {
     object(&json!({
         "state": { "type": "string", "description": "idle, running_motion or running_trajectory" },

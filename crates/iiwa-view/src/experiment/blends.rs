@@ -39,8 +39,8 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
     let corners = corners(bench, run, &found)?;
     chapter.paragraph(format!(
         "Only joints 2 and 4 move, {}: to a corner with a relative blend of 0.25, and on to 36 targets in a \
-         circle about it. The corner lies 40 deg behind the start and 25 deg before the targets: the thesis does \
-         not state its own.",
+         circle about it. The corner is 40 deg from the start and 25 deg from the targets; the thesis does \
+         not state its distances.",
         bench.on
     ));
     let shapes = [
@@ -72,9 +72,9 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
         figures.push((number, caption, overview(&corners, &calculated)?));
     }
     chapter.paragraph(
-        "The table has the deviations in the plane of the two joints, where any of the shapes is not on a \
-         line: from each point of the measured path to the nearest of the calculated one and the other way \
-         round, on the mean over the path, and at most. The thesis has pictures only.",
+        "The table lists deviations in the plane of the two joints, over the part of the path where any of \
+         the shapes is curved: distances from each point of either path to the nearest point of the other, \
+         as mean over the path and as maximum. The thesis has figures only.",
     );
     chapter.table(&["shape", "mean deg", "largest deg", "the thesis, in words"], &rows);
     // In the order of the thesis.
@@ -86,8 +86,8 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
         let caption = "Fig. 18: one blend with different kappa (blue) and as measured (red)";
         chapter.figure(bench, "18", caption, effect(corner)?);
         chapter.paragraph(
-            "As in the thesis, kappa moves the blend along the corner's bisector and leaves its ends as they \
-             are.",
+            "As in the thesis, kappa moves the blend along the corner's bisector and does not move its \
+             ends.",
         );
     }
     kappa(bench, &mut chapter, &found)?;
@@ -96,9 +96,9 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
     }
     if let Some(share) = found.unequal_share {
         chapter.paragraph(format!(
-            "The two motions at a corner differ in length. Algorithm 3 says that a blend starts and ends at \
-             equal distances from its corner all the same, those of the shorter motion. Measured: {share} of the difference that there \
-             would be without it (0: equal distances; 1: none of it)."
+            "The two motions at a corner differ in length. By Algorithm 3, a blend starts and ends at equal \
+             distances from its corner all the same, those of the shorter motion. Measured: {share} of the \
+             difference without this rule (0: equal distances; 1: no effect of the rule)."
         ));
     }
     chapter.paragraph(left_out(runs, &found.left_out));
@@ -149,8 +149,9 @@ fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(),
     let [m0, m1, m2] = bench.model.blend_kappa();
     chapter.paragraph(format!(
         "Found in {} blends from {:.0} to {:.0} deg: kappa = {c2:.8} gamma^2 {c1:+.8} gamma {c0:+.8}, with \
-         {:.4} left over (root mean square). The model has {m2:.8} gamma^2 {m1:+.8} gamma {m0:+.8}. Eq. 38 \
-         of the thesis, tuned by hand, is kappa = 0.00028472 gamma^2 + 0.00626016 gamma - 3.97426471.",
+         {:.4} as the root mean square of the residuals. The model has {m2:.8} gamma^2 {m1:+.8} gamma \
+         {m0:+.8}. Eq. 38 of the thesis, tuned by hand, is kappa = 0.00028472 gamma^2 + 0.00626016 gamma - \
+         3.97426471.",
         found.blends.len(),
         kappa.gamma_deg[0],
         kappa.gamma_deg[1],

@@ -104,16 +104,16 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
     let mut chapter = Chapter::new("Errors of the cycle time: section 5.1.2, Fig. 23 to 25");
     chapter.paragraph(format!(
         "{paths} random paths of ten PTP motions, run {} over relative velocity, relative blend and path \
-         length lambda. The thesis does not say what its lambda is; here it is the length of each motion, \
-         the norm of the joints' ways, in degrees. What is not varied is as in the thesis: velocity 0.4, \
-         blend 0.25, lambda 200.",
+         length lambda. The thesis does not define its lambda; here it is the length of each motion, the \
+         norm of the joint displacements, in degrees. The other parameters are those of the thesis: \
+         velocity 0.4, blend 0.25, lambda 200.",
         bench.on
     ));
     chapter.paragraph(
-        "T_r is measured: from the arm's departure to its arrival, plus the time to settle at the end as \
-         the model has it. T_s is calculated in two ways for the same path: under limits of velocity and \
-         acceleration, which is the thesis's method (\"acceleration\"), and under limits of jerk too, which \
-         is this project's (\"jerk\"). The error is T_s - T_r, in s and as a share of T_r (Eq. 40).",
+        "T_r is measured, from the arm's departure to its arrival, plus the model's time to settle at the \
+         end. T_s is calculated in two ways for the same path: under limits of velocity and acceleration, \
+         which is the thesis's method (\"acceleration\"), and under limits of jerk too, which is this \
+         project's (\"jerk\"). The error is T_s - T_r, in s and as a share of T_r (Eq. 40).",
     );
     for (over, number, title, axis, thesis) in [
         (
@@ -163,7 +163,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
     }
     let largest =
         |timing: usize| cases.iter().map(|case| case.percent(timing).abs()).fold(0.0, f64::max);
-    chapter.heading("In short");
+    chapter.heading("Summary");
     chapter.paragraph(format!(
         "Over all programs, the largest error is {:.2} % by acceleration and {:.2} % by jerk.",
         largest(0),
@@ -287,7 +287,7 @@ fn finding(cases: &[&Case]) -> String {
     };
     let worst = cases.iter().map(|case| case.percent(1).abs()).fold(0.0, f64::max);
     format!(
-        "Here: on the mean {:+.2} % at {low} and {:+.2} % at {high} by acceleration; by jerk no error is \
+        "Here: on average {:+.2} % at {low} and {:+.2} % at {high} by acceleration; by jerk no error is \
          larger than {worst:.2} %.",
         mean(first, |case| case.percent(0)),
         mean(last, |case| case.percent(0)),
@@ -301,9 +301,9 @@ fn like_the_thesis(cases: &[&Case]) -> String {
     let grouped = by_value(cases);
     match grouped.iter().min_by(|a, b| off(&a.1).total_cmp(&off(&b.1))) {
         Some((length, cases)) if off(cases) < 5.0 => format!(
-            "The thesis's {THESIS_PERCENT} % are nearest to what motions of {length} deg give here: if its \
-             lambda = 200 were degrees, the missing limits of jerk alone would not explain them on this \
-             robot."
+            "The thesis's {THESIS_PERCENT} % are closest to the error of motions of {length} deg here. If \
+             its lambda = 200 were in degrees, the missing limits of jerk alone would not explain them on \
+             this robot."
         ),
         _ => String::new(),
     }

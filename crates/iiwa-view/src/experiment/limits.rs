@@ -46,7 +46,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
     let mut chapter = Chapter::new("Limits of the joints: Appendix A, Tables 4 and 5, Fig. 28");
     let poses = runs.len().saturating_sub(1);
     chapter.paragraph(format!(
-        "From each of {poses} poses of Table 3, each joint by itself goes to -20 deg, to +20 deg and back, at \
+        "From each of {poses} poses of Table 3, each joint moves alone to -20 deg, to +20 deg and back, at \
          full speed, {}. The thesis differentiates samples and takes the maxima. Here the seven phases of \
          constant jerk are fitted to the positions of the motion from -20 to +20 deg, so that noise is not \
          differentiated. The thesis concludes that the limits do not depend on the pose.",
@@ -57,10 +57,10 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
     chapter.heading("Table 5: jerk, deg/s^3");
     table(&mut chapter, &found, poses, |line| line.jerk_rad_s3, &THESIS[1]);
 
-    chapter.heading("What all motions together tell");
+    chapter.heading("Limits from all motions");
     chapter.paragraph(
-        "A last program swings each joint by 70 deg about zero: joints 6 and 7 do not come to full speed \
-         within the thesis's 40 deg. Behind each figure is its uncertainty, in 95 of 100 cases.",
+        "A last program swings each joint by 70 deg about zero: joints 6 and 7 do not reach full speed \
+         within the 40 deg of the thesis. Each figure is followed by half its 95 % confidence interval.",
     );
     let limits = bench.model.limits();
     let cell = |found: &Option<Estimate>, model: f64| match found {
@@ -95,8 +95,8 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
         chapter.heading("Fig. 28");
         chapter.figure(bench, "28", &caption, svg);
         chapter.paragraph(format!(
-            "The fit of seven phases gives {} deg/s, {} deg/s^2 and {} deg/s^3. The differentiated jerk has \
-             its edges rounded by the window; the fit does not.",
+            "The fit of seven phases gives {} deg/s, {} deg/s^2 and {} deg/s^3. The window of \
+             differentiation rounds the edges of the jerk; the fit does not.",
             deg(line.speed_rad_s),
             deg(line.acceleration_rad_s2),
             deg(line.jerk_rad_s3)

@@ -61,11 +61,11 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ViewError
 
     let mut chapter = Chapter::new("A robot that is not the model");
     chapter.paragraph(
-        "Above, the virtual robot is the model itself. This one is not: its limits are 0.70 to 1.25 times \
-         the model's, each joint's another, its blends have another kappa, and it settles for another \
-         time. It runs the programs of Appendix A, section 4.2 and Appendix C; a robot is identified from \
-         these recordings; then programs that were not among them are predicted, with the model and with \
-         the robot that was identified.",
+        "In the chapters above, the virtual robot is the model itself. Here it is another one: its limits \
+         are 0.70 to 1.25 times the model's, with a different factor for each joint, and its kappa and time \
+         to settle differ, too. It runs the programs of Appendix A, section 4.2 and Appendix C, a robot is \
+         identified from these recordings, and other programs are predicted with the model and with the \
+         identified robot.",
     );
     let rows: Vec<_> = prediction_trials(bench)
         .into_iter()
@@ -74,7 +74,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ViewError
             let by_identified = planned(&identified, &trial, Timing::default())?;
             let compared = compare(&Plan::from_trajectory(&by_identified), &log)
                 .map_err(|source| ViewError::Compare { name: trial.name.clone(), source })?;
-            // From departure to arrival: how long it stands at its end, the recording does not tell.
+            // From departure to arrival: a recording does not show how long the arm settles at its end.
             let real_s = compared.arrival_s - compared.departure_s;
             let error = |plan: &Trajectory, settle_s: f64| {
                 let moving_s = plan.cycle_time_s() - settle_s;

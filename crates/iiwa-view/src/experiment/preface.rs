@@ -42,7 +42,7 @@ pub fn preface(
     bench: &Bench,
     virtual_arm: Option<(&VirtualArm, Option<&str>)>,
 ) -> String {
-    let mut text = String::from("# The thesis's experiments, done again\n\n");
+    let mut text = String::from("# The experiments of the thesis, repeated\n\n");
     let _ = writeln!(text, "Made by\n\n```sh\n{command}\n```");
     let mut paragraph = |words: &str| {
         let _ = writeln!(text, "\n{}", wrapped(words));
@@ -56,24 +56,24 @@ pub fn preface(
             };
             paragraph(&format!(
                 "**Everything measured here was measured on a virtual robot, not on a real one.** It is a \
-                 simulation inside the program that plans under limits of velocity, acceleration and jerk, \
-                 and is sampled with noise of {:e} rad. It is {robot}. What agrees with the model shows \
-                 that the methods find what is there; whether a real robot is like that, only a real one \
-                 can show: the same command with `--drive` runs the same programs there.",
+                 simulation in the same process, which plans under limits of velocity, acceleration and \
+                 jerk and is sampled with noise of {:e} rad. It is {robot}. Agreement with the model shows \
+                 that the methods work. It does not show that a real robot behaves like the model: for \
+                 that, the same programs have to be run on one.",
                 arm.noise_rad
             ));
         }
         None => paragraph(&format!(
-            "Measured {}; the model is {model}. Whether that was a real robot or a simulated cabinet, the \
-             drive does not tell.",
+            "Measured {}; the model is {model}. The drive does not report whether that was a real robot or \
+             a simulated cabinet.",
             bench.on
         )),
     }
     paragraph(
         "\"The thesis\" is C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing \
-         Systems* (Chalmers 2019); numbers of figures, tables and equations are its own. Its figures are \
-         not shown here: what it reports is told in words or numbers. In pictures, what is calculated is \
-         blue, what was measured is red.",
+         Systems* (Chalmers 2019); figures, tables and equations have its numbers. Its figures are not \
+         reproduced here; its results are quoted in words or numbers. In the figures, calculated values are \
+         blue and measured ones red.",
     );
     text
 }

@@ -16,9 +16,9 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
     let mut chapter = Chapter::new("The time to settle: Appendix C, Table 6");
     let points: usize = runs.iter().map(|run| run.trial.program.motions.len()).sum();
     chapter.paragraph(format!(
-        "{points} random points at random speeds without blends, {}. The arm stands between two motions \
-         from the end of the one to the start of the next, both found by fitting the seven phases of \
-         constant jerk to all samples of each motion.",
+        "{points} random points at random speeds without blends, {}. The time to settle is that from the \
+         end of a motion to the start of the next, both found by fitting the seven phases of constant jerk \
+         to all samples of a motion.",
         bench.on
     ));
     let Some(settle) = found.settle else {
@@ -41,10 +41,10 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
         ],
     );
     chapter.paragraph(format!(
-        "The model stands for {} s at each stop. The thesis does not say where its spread of a fifth of the \
-         mean comes from; of an arm that stands equally long at each stop, the figures here spread by how \
-         well the ends of motions are seen in the samples. (Table 6 and section 2.4.2 agree on 0.05 s; the \
-         0.005 s in the text of Appendix C is a slip.)",
+        "The model settles for {} s at each stop. The thesis does not explain its standard deviation, a \
+         fifth of the mean. For an arm that always settles for the same time, the deviation here is the \
+         error of the ends of motions as found in the samples. (Table 6 and section 2.4.2 agree on 0.05 s; \
+         the 0.005 s in the text of Appendix C is a slip.)",
         bench.model.settle_time_s()
     ));
     chapter.paragraph(left_out(runs, &found.left_out));

@@ -39,8 +39,8 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
     let mut chapter = Chapter::new("Velocity in blends: Appendix B, Fig. 29");
     let Some(TrialRun { trial, log }) = runs.first() else { return Ok(chapter) };
     chapter.paragraph(format!(
-        "The program of Appendix B as it is, {}: four motions with blends of 200, 50 and 100 mm, at 75, 10, \
-         50 and 20 % of full speed. Samples are differentiated by cubics fitted to {:.0} ms about each.",
+        "The program of Appendix B, unchanged, {}: four motions with blends of 200, 50 and 100 mm, at 75, \
+         10, 50 and 20 % of full speed. Samples are differentiated by cubics fitted to {:.0} ms about each.",
         bench.on,
         2e3 * HALF_WINDOW_S
     ));
@@ -81,16 +81,16 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
             "blend",
             "motion before %",
             "motion after %",
-            "measured where it starts %",
+            "measured at its start %",
             "measured peak in it %",
         ],
         &rows,
     );
     chapter.paragraph(format!(
-        "The fastest joint's share of its limit stays within the velocity of the motion that follows, but for \
-         {NOISE_PERCENT} % that differentiating may leave, in {kept} \
-         of {} blends. The thesis reports that the arm slows down before the blend, keeps a constant \
-         velocity in it, and that the velocity in the blend is bounded by the following instruction's.",
+        "The velocity of the fastest joint, relative to its limit, stays within that of the next motion, \
+         with a tolerance of {NOISE_PERCENT} % for the error of differentiation, in {kept} of {} blends. \
+         The thesis reports that the arm slows down before the blend, keeps a constant velocity in it, and \
+         that the velocity in the blend is bounded by the following instruction's.",
         blends.len()
     ));
     Ok(chapter)

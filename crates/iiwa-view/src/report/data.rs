@@ -47,7 +47,7 @@ pub struct Page {
     /// As `iiwasim plan --json` has them.
     figures: Value,
     compared: Option<Compared>,
-    /// What is missing or taken for granted, for people.
+    /// What is missing or assumed, as text.
     notes: Vec<String>,
     /// The files' names.
     #[serde(skip)]
@@ -68,7 +68,7 @@ struct Model {
     assumptions: Vec<String>,
 }
 
-/// What one file says of the arm. Times are in s of the page.
+/// The motion of the arm in one file. Times are in s of the page.
 #[derive(Debug, Serialize)]
 struct Arm {
     role: Role,
@@ -89,7 +89,7 @@ struct Curves {
     velocity: Curve,
     acceleration: Curve,
     jerk: Curve,
-    /// Where velocity, acceleration and jerk come from, for people.
+    /// The source of velocity, acceleration and jerk, as text.
     method: String,
 }
 
@@ -226,7 +226,7 @@ impl Page {
                     from_start(second)
                 }
             };
-            // The comparison tells of gaps by itself.
+            // The comparison reports gaps itself.
             let gap = |loss: &Loss| matches!(loss, Loss::Gap { .. });
             if compared.is_none() || !second.log.losses.iter().all(gap) {
                 notes.extend(second.losses());
@@ -280,7 +280,7 @@ impl Page {
     }
 }
 
-/// Refuses a plan behind a recording: the page would tell all of it the wrong way round.
+/// Refuses a recording followed by a plan: the page would swap the two.
 fn swapped(first: &Source, second: Option<&Source>) -> Result<(), ViewError> {
     match second {
         Some(second) if first.role() == Role::Recording && second.role() != Role::Recording => {

@@ -78,7 +78,7 @@ if (!scene) {
   document
     .querySelector(".view")
     .replaceChildren(
-      element("p", "The 3D view needs WebGL, which this browser does not have. All else is here.", "notes"),
+      element("p", "The 3D view needs WebGL, which this browser does not have. Everything else works.", "notes"),
     );
 }
 

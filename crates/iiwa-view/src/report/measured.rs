@@ -1,4 +1,4 @@
-//! The curves of a recording: its positions, and what can be told of their derivatives.
+//! The curves of a recording: its positions, and estimates of their derivatives.
 
 use iiwa_eval::local_cubic;
 use iiwa_kin::Joints;

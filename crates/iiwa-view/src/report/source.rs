@@ -26,7 +26,7 @@ pub(crate) struct Source {
     pub(crate) record: PlanRecord,
 }
 
-/// What a file says of the arm.
+/// The motion of the arm in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Role {
@@ -49,7 +49,7 @@ impl Source {
         Self { name, file, log, record: PlanRecord::default() }.with_record(|| open(path))
     }
 
-    /// Takes an MCAP file that was made for the page, under a name for people.
+    /// Takes an MCAP file that was made for the page, under a name to show.
     pub(crate) fn made(name: &str, content: &[u8]) -> Result<Self, ViewError> {
         let log = JointLog::read(content)
             .map_err(|source| ViewError::Recording { name: name.to_owned(), source })?;
@@ -70,8 +70,8 @@ impl Source {
         self.log.program.as_deref().and_then(|text| Program::from_json(text).ok())
     }
 
-    /// With what a plan has beside joint states, up to where the file breaks off: the joint states have
-    /// told that it does.
+    /// With what a plan has beside joint states, up to where the file breaks off, which the
+    /// joint states have shown.
     fn with_record<R: Read>(
         mut self,
         open: impl FnOnce() -> Result<R, ViewError>,
@@ -86,7 +86,7 @@ impl Source {
             }
             _ => self.record = record,
         }
-        // Without nodes, the joint states tell how long the last piece takes.
+        // Without nodes, the duration of the last piece follows from the joint states.
         if let (true, Some(last), Some(end_s)) =
             (self.record.nodes.is_empty(), self.record.pieces.last_mut(), self.log.t_s.last())
         {
@@ -128,20 +128,20 @@ impl Source {
             .map_err(|source| ViewError::Recording { name: self.name.clone(), source })
     }
 
-    /// What the file does not have, for people.
+    /// What the file lacks, as text.
     pub(crate) fn losses(&self) -> Vec<String> {
         const SHOWN: usize = 5;
         let losses = &self.log.losses;
-        let mut told: Vec<String> =
+        let mut notes: Vec<String> =
             losses.iter().take(SHOWN).map(|loss| format!("{}: {loss}", self.name)).collect();
         if losses.len() > SHOWN {
-            told.push(format!("{}: and {} more losses", self.name, losses.len() - SHOWN));
+            notes.push(format!("{}: and {} more losses", self.name, losses.len() - SHOWN));
             // Where it ends is what people ask first.
             if let Some(end @ Loss::BrokenOff { .. }) = losses.last() {
-                told.push(format!("{}: {end}", self.name));
+                notes.push(format!("{}: {end}", self.name));
             }
         }
-        told
+        notes
     }
 }
 

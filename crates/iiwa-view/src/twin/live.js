@@ -143,11 +143,11 @@ async function switchIo(name) {
 /** What is wrong with the connection, if something is. */
 function trouble() {
   if (!link.open)
-    return "The twin cannot be reached; this page tries again by itself. If it was started again, open the address that it printed then.";
-  if (live.health.error) return `It is tried again all the time: ${live.health.error}`;
+    return "The twin cannot be reached; retrying. If it was restarted, open the address that it has printed.";
+  if (live.health.error) return `Retrying: ${live.health.error}`;
   if (live.health.status && live.health.status.fri.session === "silent")
-    return "The drive does not hear the controller; it is tried again all the time.";
-  if (isStale() && live.health.status) return "Nothing comes from the drive's stream; it is tried again all the time.";
+    return "The drive receives nothing from the controller; retrying.";
+  if (isStale() && live.health.status) return "Nothing is received from the stream of the drive; retrying.";
   return "";
 }
 

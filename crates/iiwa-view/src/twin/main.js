@@ -4,7 +4,7 @@ const shown = { mode: "live", time: 0, playing: false, frame: null };
 
 $("title").textContent = `Twin of ${robot.name}`;
 $("footer").textContent =
-  `Follows ${setup.drive}. ${setup.folder ? `Programs, plans and recordings are kept in ${setup.folder}.` : "Programs, plans and recordings are kept until the twin ends (--output keeps them)."} The button that stops the robot is no emergency stop: it needs this page, the network, the drive and the robot program.`;
+  `Follows ${setup.drive}. ${setup.folder ? `Programs, plans and recordings are kept in ${setup.folder}.` : "Programs, plans and recordings are kept until the end of the twin (--output keeps them)."} The button that stops the robot is no emergency stop: it needs this page, the network, the drive and the robot program.`;
 
 let scene = null;
 try {
@@ -22,7 +22,7 @@ if (scene) {
   document
     .querySelector(".view")
     .replaceChildren(
-      element("p", "The 3D view needs WebGL, which this browser does not have. All else is here.", "notes"),
+      element("p", "The 3D view needs WebGL, which this browser does not have. Everything else works.", "notes"),
     );
 }
 
@@ -96,7 +96,7 @@ function show(mode) {
   const parts = [];
   if (mode === "simulation") parts.push(["accent", "see-through arm: the plan"]);
   if (mode === "replay")
-    parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: what the robot did"]);
+    parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: the recording"]);
   if (desk.plan) parts.push(["line", "planned way of the flange"], ["blend", "its blends"]);
   if (canReplay()) parts.push(["measured", "measured way"]);
   if (setup.scene) parts.push(["soft", "what stands around"]);

@@ -61,7 +61,7 @@ function writePlan() {
     ? `Nearest on its way: ${nearestText(plan.nearest)}.`
     : setup.scene
       ? ""
-      : "Without a scene (--scene) nothing is known of what stands around the arm.";
+      : "There is no scene (--scene): obstacles around the arm are unknown.";
   $("plan-refused").hidden = plan.refused === null;
   $("plan-refused").textContent = plan.refused === null ? "" : `It cannot be sent: ${plan.refused}.`;
   writeRun();
@@ -137,8 +137,8 @@ async function send() {
     `${plan.name}: ${plan.motions} motion${plan.motions === 1 ? "" : "s"}, ${number(plan.cycle_time_s, 3)} s.`,
     plan.nearest
       ? `Nearest on its way: ${nearestText(plan.nearest)}.`
-      : "What stands around the arm is not known: nothing has been checked against it.",
-    "The robot will move. See that nobody is in its reach, and have the emergency stop at hand.",
+      : "There is no scene: the program has not been checked for collisions.",
+    "The robot will move. Keep everyone out of its reach, and the emergency stop at hand.",
   ];
   const q = live.newest ? live.newest.joints_rad : plan.start_rad;
   const off = q.map((v, j) => Math.abs(v - plan.start_rad[j]));
@@ -156,7 +156,7 @@ async function loadFile(file) {
   if (!file) return;
   if (file.size > 4 * 2 ** 20) {
     $("program-said").textContent =
-      `${file.name} is longer than any program that is planned here: iiwasim plan takes it.`;
+      `${file.name} is longer than 4 MiB, the most that the twin accepts; iiwasim plan has no such limit.`;
     return;
   }
   await attempt("program-said", async () => handOver(file.name, await file.text()));

@@ -1,18 +1,27 @@
-//! Viewers are served what was published.
+//! The twin's server for Foxglove and Lichtblick, without a twin: it is compiled in here by itself, so that
+//! tests choose the times and publish more than any robot does.
 
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a failed test is a panic")]
+
+#[path = "../../src/twin"]
+mod twin {
+    pub(crate) mod foxglove;
+}
 mod peer;
 mod viewer;
 
 use std::{
-    net::{SocketAddr, TcpListener},
-    time::Instant,
+    net::{Ipv4Addr, SocketAddr, TcpListener},
+    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
-use iiwa_link::message::{DriveState, FriStatus, Presence};
+use iiwa_kin::{Joints, Robot};
+use iiwa_link::message::{DriveState, FriStatus, IoValue, Presence, Sensors, Status};
+use iiwa_log::{Arm, Encoder, Frame, Topic};
 use iiwasim_tests::ports::free_address;
+use serde_json::{Value, json};
 
-use self::viewer::Viewer;
-use super::*;
+use self::{twin::foxglove::Viewers, viewer::Viewer};
 
 const JOINTS: Joints = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6, 0.7];
 const ARM_TOPICS: [&str; 3] = ["/joint_states", "/tf", "/tcp_pose"];
@@ -20,14 +29,20 @@ const ARM_TOPICS: [&str; 3] = ["/joint_states", "/tf", "/tcp_pose"];
 const ALL: usize = 7;
 
 fn listen() -> Viewers {
-    Viewers::listen(&Robot::default(), free_address()).unwrap_or_else(|error| {
-        panic!("{}", error.what());
-    })
+    Viewers::listen(&Robot::default(), free_address()).unwrap()
 }
 
 /// So long after a time of these days.
 fn at(since: Duration) -> SystemTime {
     UNIX_EPOCH + Duration::from_millis(1_800_000_000_500) + since
+}
+
+fn since_1970(at: SystemTime) -> Duration {
+    at.duration_since(UNIX_EPOCH).unwrap()
+}
+
+fn nanoseconds(t: Duration) -> u64 {
+    u64::try_from(t.as_nanos()).unwrap()
 }
 
 fn status() -> Status {
@@ -49,7 +64,7 @@ fn without_positions() -> Status {
     status
 }
 
-/// A viewer who is subscribed to these topics, and has seen the description.
+/// A viewer that is subscribed to these topics, and has received the description.
 fn subscriber(viewers: &Viewers, topics: &[&str]) -> Viewer {
     let mut viewer = Viewer::connect(viewers.address(), ALL);
     viewer.subscribe(topics);
@@ -79,7 +94,7 @@ fn viewers_find_the_topics_of_a_recording() {
 }
 
 #[test]
-fn what_was_measured_arrives_as_it_stands_in_a_recording() {
+fn samples_arrive_as_they_are_encoded_in_a_recording() {
     let mut viewers = listen();
     let mut viewer = subscriber(&viewers, &ARM_TOPICS);
     let arm = Arm::new(&Robot::default());
@@ -132,31 +147,31 @@ fn of_a_fast_stream_viewers_get_a_hundred_samples_a_second() {
 }
 
 #[test]
-fn who_comes_late_gets_the_description_and_what_the_drive_said_last() {
+fn late_viewers_get_the_description_and_the_last_state() {
     let viewers = listen();
     let mut early = subscriber(&viewers, &["/drive_state"]);
     viewers.drive_state(at(Duration::ZERO), &without_positions());
-    let said = early.next_on("/drive_state");
-    assert_eq!(said.time_ns, nanoseconds(since_1970(at(Duration::ZERO))));
+    let arrived = early.next_on("/drive_state");
+    assert_eq!(arrived.time_ns, nanoseconds(since_1970(at(Duration::ZERO))));
     viewers.drive_state(at(Duration::ZERO), &status());
-    let said_last = early.next_on("/drive_state");
+    let last = early.next_on("/drive_state");
 
     let mut late = Viewer::connect(viewers.address(), ALL);
     late.subscribe(&["/drive_state", "/sensors"]);
-    assert_eq!(late.next_on("/drive_state").data, said_last.data);
-    // Of sensors, nothing was said so far.
+    assert_eq!(late.next_on("/drive_state").data, last.data);
+    // Nothing was published on /sensors so far.
     let description = late.next_on("/robot_description").data;
     let mut encoder = Encoder::new(Duration::ZERO).unwrap();
     let urdf = Robot::default().to_urdf();
     assert_eq!(description, encoder.robot_description(&urdf).unwrap());
 
-    // Who was there does not get it again.
+    // The early viewer does not get it again.
     viewers.drive_state(at(Duration::from_secs(1)), &status());
-    let said = early.next_on("/drive_state");
-    assert_eq!(said.time_ns, nanoseconds(since_1970(at(Duration::from_secs(1)))));
+    let arrived = early.next_on("/drive_state");
+    assert_eq!(arrived.time_ns, nanoseconds(since_1970(at(Duration::from_secs(1)))));
 }
 
-/// Whether a value is what a schema says, of the part of JSON Schema that viewers know.
+/// Whether a value fits a schema, in the subset of JSON Schema that viewers support.
 fn assert_fits(value: &Value, schema: &Value) {
     match schema["type"].as_str().unwrap() {
         "object" => {
@@ -177,7 +192,7 @@ fn assert_fits(value: &Value, schema: &Value) {
 }
 
 #[test]
-fn what_the_drive_says_fits_its_schemas() {
+fn json_messages_fit_their_schemas() {
     let viewers = listen();
     let mut viewer = subscriber(&viewers, &["/drive_state", "/sensors", "/inputs_outputs"]);
     let start = at(Duration::ZERO);
@@ -216,7 +231,7 @@ fn what_the_drive_says_fits_its_schemas() {
 }
 
 #[test]
-fn a_viewer_who_does_not_read_holds_nobody_up_and_then_gets_the_newest() {
+fn a_viewer_that_does_not_read_delays_nothing_and_then_gets_the_newest() {
     const SENT: u64 = 60_000;
     let mut viewers = listen();
     let mut viewer = subscriber(&viewers, &["/tf"]);
@@ -235,7 +250,7 @@ fn a_viewer_who_does_not_read_holds_nobody_up_and_then_gets_the_newest() {
 }
 
 #[test]
-fn the_end_does_not_wait_for_one_who_does_not_read() {
+fn the_end_does_not_wait_for_a_viewer_that_does_not_read() {
     let mut viewers = listen();
     let _viewer = subscriber(&viewers, &["/tf"]);
     for k in 0..60_000 {
@@ -245,11 +260,11 @@ fn the_end_does_not_wait_for_one_who_does_not_read() {
     let started = Instant::now();
     drop(viewers);
     assert!(started.elapsed() < Duration::from_secs(5), "{:?}", started.elapsed());
-    drop(Viewers::listen(&Robot::default(), address).map_err(|failure| failure.what()).unwrap());
+    drop(Viewers::listen(&Robot::default(), address).unwrap());
 }
 
 #[test]
-fn the_end_hangs_up_and_frees_the_port() {
+fn the_end_disconnects_viewers_and_frees_the_port() {
     let viewers = listen();
     let address = viewers.address();
     let mut viewer = subscriber(&viewers, &ARM_TOPICS);
@@ -268,29 +283,28 @@ fn viewers_only_read() {
         r#"{ "op": "setParameters", "parameters": [{ "name": "a", "value": 1 }] }"#.to_owned(),
     ] {
         viewer.send(message);
-        let told = viewer.told();
-        assert!(told.message.contains("does not support"), "{told:?}");
+        let status = viewer.status();
+        assert!(status.message.contains("does not support"), "{status:?}");
     }
 }
 
 #[test]
-fn an_address_that_is_taken_is_told() {
-    let taken = TcpListener::bind((std::net::Ipv4Addr::LOCALHOST, 0)).unwrap();
+fn an_address_in_use_is_reported() {
+    let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     let address = taken.local_addr().unwrap();
-    let failure = Viewers::listen(&Robot::default(), address).err().unwrap();
-    let what = failure.what();
+    let what = Viewers::listen(&Robot::default(), address).err().unwrap().to_string();
     assert!(what.starts_with(&format!("cannot listen for viewers at {address}: ")), "{what}");
 }
 
 #[test]
-fn a_free_port_is_taken_and_told() {
+fn port_0_takes_a_free_one() {
     for host in ["127.0.0.1:0", "[::1]:0"] {
         let host: SocketAddr = host.parse().unwrap();
         if TcpListener::bind(host).is_err() {
             eprintln!("left out: there is no {host} here");
             continue;
         }
-        let viewers = Viewers::listen(&Robot::default(), host).map_err(|e| e.what()).unwrap();
+        let viewers = Viewers::listen(&Robot::default(), host).unwrap();
         assert_eq!(viewers.address().ip(), host.ip());
         assert_eq!(Viewer::connect(viewers.address(), ALL).info.name, "iiwasim");
     }

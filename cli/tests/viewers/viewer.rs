@@ -32,7 +32,7 @@ pub(super) struct Arrived {
 }
 
 impl Viewer {
-    /// Connects, and hears of the server and of `channels` channels.
+    /// Connects, and receives the server's information and `channels` channels.
     pub(super) fn connect(address: SocketAddr, channels: usize) -> Self {
         let stream = TcpStream::connect(address).unwrap();
         stream.set_read_timeout(Some(LONG)).unwrap();
@@ -73,7 +73,7 @@ impl Viewer {
         self.socket.send(Message::text(text)).unwrap();
     }
 
-    /// The next message; none when the server has hung up.
+    /// The next message; none when the server has disconnected.
     pub(super) fn next(&mut self) -> Option<Arrived> {
         let message = self.socket.read().ok().filter(|message| !message.is_close())?;
         let Ok(ServerMessage::MessageData(data)) = ServerMessage::try_from(&message) else {
@@ -93,8 +93,8 @@ impl Viewer {
         arrived
     }
 
-    /// What the server says about what the viewer did.
-    pub(super) fn told(&mut self) -> Status {
+    /// The server's answer to a request that is not allowed.
+    pub(super) fn status(&mut self) -> Status {
         let message = self.socket.read().unwrap();
         let Ok(ServerMessage::Status(status)) = ServerMessage::try_from(&message) else {
             panic!("{message:?}");

@@ -7,9 +7,13 @@ use std::{
     path::Path,
     process::{Command, Stdio},
     thread,
+    time::{Duration, Instant, SystemTime},
 };
 
-use super::*;
+use iiwa_link::message::IoValue;
+use serde_json::{Value, json};
+
+use super::{JOINTS, listen, status};
 
 #[test]
 fn a_client_in_python_reads_everything() {

@@ -1,0 +1,84 @@
+//! Commands about robot models and file formats.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::values::seven;
+
+/// Forward kinematics: print the pose of the flange at given joint angles.
+#[derive(Args, Debug)]
+pub(crate) struct Fk {
+    #[command(flatten)]
+    pub(crate) joints: Joints,
+
+    /// Built-in model or robot profile
+    #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
+    pub(crate) robot: String,
+
+    /// Print one JSON object: `position_m`, `rotation` (three rows), `robot`
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
+#[group(required = true, multiple = false)]
+pub(crate) struct Joints {
+    /// Joints A1 to A7 in rad, as 0,0.5,0,-1,0,0.7,0
+    #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
+    joints_rad: Option<[f64; 7]>,
+
+    /// Joints A1 to A7 in degrees, as 0,30,0,-60,0,90,0
+    #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
+    joints_deg: Option<[f64; 7]>,
+}
+
+impl Joints {
+    pub(crate) fn rad(&self) -> [f64; 7] {
+        let from_deg = self.joints_deg.map(|deg| deg.map(f64::to_radians));
+        // One of the two is required.
+        self.joints_rad.or(from_deg).unwrap_or_default()
+    }
+}
+
+/// Print a robot model: lengths, limits, masses. Without a name, list the built-in models.
+#[derive(Args, Debug)]
+pub(crate) struct Robot {
+    /// Built-in model or robot profile
+    #[arg(value_name = "NAME|FILE")]
+    pub(crate) model: Option<String>,
+
+    /// Print the model as a robot profile, to be edited and used with --robot
+    #[arg(long, requires = "model", conflicts_with = "urdf")]
+    pub(crate) json: bool,
+
+    /// Print the model as a URDF with simple shapes
+    #[arg(long, requires = "model")]
+    pub(crate) urdf: bool,
+
+    /// Check a URDF of the robot against the model; exit with code 3 if only its limits differ
+    #[arg(long, value_name = "FILE.urdf", requires = "model", conflicts_with_all = ["urdf", "json"])]
+    pub(crate) check: Option<PathBuf>,
+
+    /// Link of that URDF at the flange, if it is not the last one
+    #[arg(long, value_name = "LINK", requires = "check")]
+    pub(crate) tip: Option<String>,
+}
+
+/// Print the JSON Schema of motion programs, robot profiles or scenes, for editors and validators.
+#[derive(Args, Debug)]
+pub(crate) struct Schema {
+    /// The format
+    #[arg(value_enum, default_value_t = Format::Program)]
+    pub(crate) format: Format,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Format {
+    /// Motion program
+    Program,
+    /// Robot profile
+    Profile,
+    /// Scene: the obstacles around the arm
+    Scene,
+}

@@ -1,0 +1,151 @@
+//! `iiwasim plan`.
+
+use std::{path::PathBuf, time::Duration};
+
+use bytesize::ByteSize;
+use clap::{Args, ValueEnum};
+use iiwa_path::{BlendSearch, BlendShape, Continuity};
+
+use super::values::{at_least_0, epoch, rate};
+
+/// Plan motion programs: print their cycle times, write their trajectories as MCAP.
+///
+/// The table has a row for each motion: when it starts and ends, its top speed as a share of the
+/// joint's speed limit, and the limits that it reaches for the longest time, with their shares of its
+/// duration; --json prints all of them. A motion lasts from the start of the blend that leads into it to
+/// the start of the blend that leads out of it, or to its stop.
+///
+/// The MCAP file opens in Foxglove, Lichtblick, Rerun and ROS 2 tools: joint states, link frames,
+/// the flange's pose, the whole trajectory, the robot's URDF and the program.
+///
+/// Many programs are planned on all cores: `iiwasim plan A.json B.json`, or `iiwasim plan FOLDER`
+/// for all files *.json in it, sorted by name, except hidden files, robot profiles and scenes. The table
+/// then has a row for each program: its cycle time, in motion and at rest (settling and waiting), and
+/// the limit that is reached for most of its time in motion. A program that fails is reported on
+/// standard error and does not stop the others; the exit code is then 3.
+#[derive(Args, Debug)]
+pub(crate) struct Plan {
+    /// Motion program in JSON (`iiwasim schema` describes it), or a folder of them; - reads
+    /// standard input
+    #[arg(value_name = "PROGRAM.json", required = true)]
+    pub(crate) programs: Vec<PathBuf>,
+
+    /// Path of the MCAP file; of many programs, the folder for their files, created if missing
+    /// [default: PROGRAM.mcap in the current folder]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Print the figures only, write no trajectory
+    #[arg(long, conflicts_with_all = ["output", "rate", "epoch", "max_file_size"])]
+    pub(crate) no_output: bool,
+
+    /// Print the figures as a JSON object; of many programs, one object a line
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// Number of programs planned in parallel, 1 to 1024 [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
+
+    /// Limits that the motion keeps
+    #[arg(long, value_enum, default_value_t = Timing::Jerk)]
+    pub(crate) timing: Timing,
+
+    /// Curve of the blends
+    #[arg(long, value_enum, default_value_t = Shape::Iiwa)]
+    pub(crate) blend_shape: Shape,
+
+    /// Method that finds the start and end of a blend given in mm
+    #[arg(long, value_enum, default_value_t = Search::FirstCrossing)]
+    pub(crate) blend_search: Search,
+
+    /// Samples a blend for --timing acceleration, 2 to 100000; more samples are more exact and slower
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub(crate) samples: u32,
+
+    /// Joint states a second in the MCAP file, 0.1 to 100000
+    #[arg(long, value_name = "HZ", default_value_t = 250.0, value_parser = rate)]
+    pub(crate) rate: f64,
+
+    /// Refuse to write a larger MCAP file, as 500MB or 5GB. The size is estimated before the trajectory is
+    /// sampled: a very slow program may take months and fill any disk
+    #[arg(long, value_name = "SIZE", default_value = "1GB")]
+    pub(crate) max_file_size: ByteSize,
+
+    /// Built-in model or robot profile, instead of the program's
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) robot: Option<String>,
+
+    /// Gate: exit with code 3 if a program takes longer, in s
+    #[arg(long, value_name = "S", value_parser = at_least_0)]
+    pub(crate) max_cycle_time: Option<f64>,
+
+    /// Scene in JSON (`iiwasim schema scene` describes it), to print the clearance of the arm
+    #[arg(long, value_name = "SCENE.json")]
+    pub(crate) scene: Option<PathBuf>,
+
+    /// Gate: exit with code 3 if the arm comes nearer to an obstacle of the scene, in mm, or touches one
+    #[arg(long, value_name = "MM", value_parser = at_least_0, requires = "scene")]
+    pub(crate) min_clearance: Option<f64>,
+
+    /// Start of the time stamps in the file, from 1970 to 2037, as 2020-01-01T00:00:00Z
+    #[arg(long, value_name = "TIME", value_parser = epoch)]
+    pub(crate) epoch: Option<Duration>,
+
+    /// Also draw the path of the flange and the joint speeds as a picture, of a single program
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) picture: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Timing {
+    /// Velocity and acceleration (Larsen 2019)
+    Acceleration,
+    /// Velocity, acceleration and jerk, like the controller
+    Jerk,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Shape {
+    /// The blend of the LBR iiwa (Larsen 2019, Eq. 39)
+    Iiwa,
+    /// Polynomial without shaping (Eq. 13)
+    Alpha,
+    /// Polynomial of least mean acceleration (Eq. 26)
+    MinAcceleration,
+    /// Circle in joint space (Eq. 32); not with limits on jerk
+    Circle,
+}
+
+impl From<Shape> for BlendShape {
+    fn from(shape: Shape) -> Self {
+        match shape {
+            Shape::Iiwa => Self::Iiwa,
+            Shape::Alpha => Self::Alpha(Continuity::Second),
+            Shape::MinAcceleration => Self::MinAcceleration,
+            Shape::Circle => Self::Circle,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Search {
+    /// The crossing of the sphere nearest to the target, provably
+    FirstCrossing,
+    /// Bisection (Larsen 2019, Algorithm 1)
+    #[value(name = "algorithm-1")]
+    Algorithm1,
+    /// Steps of 0.001 (Larsen 2019, Algorithm 2)
+    #[value(name = "algorithm-2")]
+    Algorithm2,
+}
+
+impl From<Search> for BlendSearch {
+    fn from(search: Search) -> Self {
+        match search {
+            Search::FirstCrossing => Self::FirstCrossing,
+            Search::Algorithm1 => Self::Algorithm1,
+            Search::Algorithm2 => Self::Algorithm2,
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! How the values of options are read, and their ranges.
+
+use std::time::{Duration, UNIX_EPOCH};
+
+use iiwa_link::message::IoValue;
+
+fn number(text: &str) -> Result<f64, String> {
+    let value: f64 = text.trim().parse().map_err(|_| format!("`{text}` is not a number"))?;
+    if value.is_finite() { Ok(value) } else { Err(format!("`{text}` is not finite")) }
+}
+
+fn within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    let inside = (low..=high).contains(&value);
+    if inside { Ok(value) } else { Err(format!("the range is {low} to {high}{unit}")) }
+}
+
+/// A time, a distance or a gate's limit.
+pub(super) fn at_least_0(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value >= 0.0 { Ok(value) } else { Err("it cannot be negative".to_owned()) }
+}
+
+/// Of samples in a file, in Hz.
+pub(super) fn rate(text: &str) -> Result<f64, String> {
+    within(text, 0.1, 100_000.0, " Hz")
+}
+
+/// Of samples of a virtual robot, in Hz.
+pub(super) fn sampling_rate(text: &str) -> Result<f64, String> {
+    within(text, 50.0, 10_000.0, " Hz")
+}
+
+/// How many times as fast as real time.
+pub(super) fn speed(text: &str) -> Result<f64, String> {
+    within(text, 0.01, 100.0, "")
+}
+
+/// A standard deviation in rad.
+pub(super) fn noise(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 0.1, " rad")
+}
+
+pub(super) fn percent(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 100.0, " %")
+}
+
+pub(super) fn percent_above_zero(text: &str) -> Result<f64, String> {
+    within(text, 0.1, 100.0, " %")
+}
+
+/// A period in s.
+pub(super) fn period(text: &str) -> Result<f64, String> {
+    within(text, 0.1, 1e6, " s")
+}
+
+/// Seven numbers with commas in between.
+pub(super) fn seven(text: &str) -> Result<[f64; 7], String> {
+    let values = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    let count = values.len();
+    values.try_into().map_err(|_| format!("there are {count} numbers, and seven joints"))
+}
+
+/// An instant, as the time since 1970.
+pub(super) fn epoch(text: &str) -> Result<Duration, String> {
+    // Messages count seconds in 31 bits; a year is left for what the program does.
+    let last = Duration::from_secs(2_145_916_799);
+    let instant = humantime::parse_rfc3339(text).ok();
+    instant
+        .and_then(|instant| instant.duration_since(UNIX_EPOCH).ok())
+        .filter(|epoch| *epoch <= last)
+        .ok_or_else(|| "an instant from 1970 to 2037 is needed, as 2020-01-01T00:00:00Z".to_owned())
+}
+
+/// The value of an output.
+pub(super) fn io_value(text: &str) -> Result<IoValue, String> {
+    serde_json::from_str(text).map_err(|_| format!("`{text}` is not true, false or a number"))
+}
