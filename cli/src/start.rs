@@ -34,7 +34,7 @@ impl fmt::Display for StartOffset {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the robot is not at the program's start: joint {} is at {:.3} deg, the program starts at {:.3} \
+            "the robot is not at the program's start: joint A{} is at {:.3} deg, the program starts at {:.3} \
              deg",
             self.joint + 1,
             self.at_rad.to_degrees(),

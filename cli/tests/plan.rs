@@ -167,7 +167,7 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
     refuses(&joints("1, 2, 3, 4, 5, 6, 7, 8"), &[line, "motion 1", "8", "seven"]);
     refuses(&joints("NaN, 2, 3, 4, 5, 6, 7"), &[line]);
     refuses(&joints("1e400, 2, 3, 4, 5, 6, 7"), &[line]);
-    refuses(&joints("0, 120.001, 0, 0, 0, 0, 0"), &[line, "joint 2", "120.001", "120"]);
+    refuses(&joints("0, 120.001, 0, 0, 0, 0, 0"), &[line, "joint A2", "120.001", "120"]);
     for bad in ["0", "-0.5", "1.001"] {
         refuses(&ptp(&format!(r#", "velocity_rel": {bad}"#)), &[line, "motion 1", "velocity_rel"]);
     }
@@ -194,7 +194,7 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
          { \"type\": \"ptp\", \"joints_deg\": [160, 119.99, 0, 0, 0, 0, 0] }",
     )
     .replace("[0, 0, 0, 0, 0, 0, 0]", "[-160, 60, 0, 0, 0, 0, 0]");
-    refuses(&swing, &[line, "motion 1", "joint 2", "blend"]);
+    refuses(&swing, &[line, "motion 1", "joint A2", "blend"]);
 }
 
 #[test]
@@ -207,7 +207,7 @@ fn wrong_usage_exits_with_2() {
     iiwasim(&folder, &["fk", "--joints-deg", "1,2,3"]).code(2).stderr(contains("3 numbers"));
     iiwasim(&folder, &["fk", "--joints-deg", "0,121,0,0,0,0,0"])
         .code(2)
-        .stderr(contains("joint 2"));
+        .stderr(contains("joint A2"));
     iiwasim(&folder, &["robot", "r2d2"]).code(2).stderr(contains("lbr_iiwa_7_r800"));
     fs::write(folder.path().join("latin.json"), b"{ \"robot\": \"\xe9\" }").unwrap();
     iiwasim(&folder, &["plan", "latin.json"]).code(2).stderr(contains("UTF-8"));

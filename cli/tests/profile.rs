@@ -64,7 +64,7 @@ fn a_profile_without_a_name_is_not_taken_for_the_built_in_robot() {
     for files in [&["plan.mcap"][..], &["plan.mcap", "real.csv"]] {
         let data = page(&folder, files);
         let [velocity, position] =
-            ["velocity_rad_s", "position_rad"].map(|key| data["robot"][key][0].as_f64().unwrap());
+            ["velocity_rad_s", "upper_rad"].map(|key| data["robot"][key][0].as_f64().unwrap());
         assert_eq!(velocity, robot.limits().velocity_rad_s[0]);
         assert_eq!(position, robot.limits().upper_rad[0]);
         assert_eq!(data["notes"].as_array().unwrap().len(), 0, "{}", data["notes"]);
@@ -76,7 +76,7 @@ fn a_profile_without_a_name_is_not_taken_for_the_built_in_robot() {
     // The built-in robot does not go that far.
     let built_in = ["--robot", Robot::default().name()].map(str::to_owned);
     let arguments = ["compare", "plan.mcap", "real.csv", &built_in[0], &built_in[1]];
-    iiwasim(&folder, &arguments).code(2).stderr(contains("joint 1"));
+    iiwasim(&folder, &arguments).code(2).stderr(contains("joint A1"));
 }
 
 #[test]

@@ -352,7 +352,7 @@ fn what_cannot_be_shown_is_refused() {
         ("empty.mcap", "the file is empty"),
         ("text.csv", "neither an MCAP file nor a table"),
         ("cut.mcap", "cut off"),
-        ("far.csv", "joint 2"),
+        ("far.csv", "joint A2"),
         ("none.mcap", "cannot read none.mcap"),
     ] {
         for arguments in [vec![file], vec!["plan.mcap", file]] {

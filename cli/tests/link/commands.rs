@@ -91,7 +91,7 @@ fn a_program_runs() {
         // The arm is at the other end now.
         rig.iiwasim("run", &[program])
             .code(1)
-            .stderr(contains("joint 1 is at 60.000 deg, the program starts at 0.000 deg"))
+            .stderr(contains("joint A1 is at 60.000 deg, the program starts at 0.000 deg"))
             .stderr(contains("--move-to-start"));
         let arguments = ["--move-to-start=100", "--as-trajectory", "--json", "-o", "again.mcap"];
         let run = rig.iiwasim("run", &[&arguments[..], &[program]].concat()).success();

@@ -186,7 +186,7 @@ fn a_program_is_seen_sent_and_replayed() {
         // The arm is elsewhere now.
         let again = page.order("send", json!({ "plan": plan["id"], "move_to_start": false }));
         assert!(
-            again.unwrap_err().contains("not at the program's start: joint 1 is at 60.000 deg")
+            again.unwrap_err().contains("not at the program's start: joint A1 is at 60.000 deg")
         );
         page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap();
         page.wait_for("run", |run| run["phase"] == "to_start");
@@ -262,7 +262,7 @@ fn what_cannot_be_sent_is_not() {
         );
         not_planned(json!({ "name": "", "text": "" }), "line 1");
         let outside = r#"{ "type": "ptp", "joints_deg": [600, 0, 0, 0, 0, 0, 0] }"#;
-        not_planned(program(outside), "joint 1");
+        not_planned(program(outside), "joint A1");
         let robot = |name: &str| {
             let mut other = program(TO_60);
             let text = other["text"].as_str().unwrap();

@@ -325,7 +325,7 @@ impl Simulation {
             if let Some(j) = (0..7).find(|&j| (setpoint[j] - last[j]).abs() > most(j) + 1e-6) {
                 return Err(Refusal::new(
                     Code::Limit,
-                    format!("the set-points exceeded the velocity limit of joint {}", j + 1),
+                    format!("the set-points exceeded the velocity limit of joint A{}", j + 1),
                 ));
             }
             if commanded.last.is_none_or(|(last, _)| last != *setpoint) {

@@ -287,7 +287,7 @@ fn not_a_number_in_a_program_made_in_code() {
         assert_eq!(fault.to_string(), expected);
         let program = Program { start_rad: target, ..program };
         let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
-        assert!(fault.to_string().starts_with("the start pose: joint 3 is at "), "{fault}");
+        assert!(fault.to_string().starts_with("the start pose: joint A3 is at "), "{fault}");
     }
 }
 
@@ -305,8 +305,8 @@ fn a_blend_that_swings_out_of_the_limits() {
   ]
 }"#;
     let (what, place) = refused(text);
-    let start = "motion 2: its blend carries joint 2 to ";
-    let end = " deg, its limit is +-120 deg; choose a smaller blend or move the target";
+    let start = "motion 2: on its blend, joint A2 is at ";
+    let end = " deg; its range is -120 to 120 deg; choose a smaller blend or move the target";
     let found = what.strip_prefix(start).and_then(|what| what.strip_suffix(end));
     let found: f64 = found.unwrap_or_else(|| panic!("{what}")).parse().unwrap();
     assert!(found > 120.001 && found < 121.0, "{what}");
@@ -333,7 +333,7 @@ fn shares_out_of_range() {
             );
         }
     }
-    let what = "motion 2: velocity_rel of joint 7 is 2; it must be above 0 and at most 1";
+    let what = "motion 2: velocity_rel of joint A7 is 2; it must be above 0 and at most 1";
     check("0.75", "[1, 1, 1, 1, 1, 1, 2]", (6, 99), "2", what);
     let what = "motion 2: velocity_rel is 0.0000005; it must be at least 0.000001 and at most 1";
     check("0.75", "5e-7", (6, 80), "5e-7", what);

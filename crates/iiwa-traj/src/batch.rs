@@ -55,7 +55,7 @@ pub enum PlanError {
 /// let best = times_s.enumerate().filter_map(|(i, time_s)| Some((i, time_s.ok()?)));
 /// assert_eq!(best.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i), Some(1));
 /// let error = plans[3].as_ref().expect_err("no elbow bends by nine rad");
-/// assert!(error.to_string().starts_with("motion 1: joint 4 is at 515.66"));
+/// assert!(error.to_string().starts_with("motion 1: joint A4 is at 515.66"));
 /// ```
 #[must_use]
 pub fn plan_all(

@@ -162,7 +162,7 @@ impl Trajectory {
     /// let trajectory = Trajectory::plan(&path, Timing::default())?;
     /// for motion in trajectory.motions() {
     ///     let limit = motion.limited_by.expect("it moves");
-    ///     println!("{}: joint {} at its {} limit", motion.motion + 1, limit.joint, limit.kind);
+    ///     println!("{}: joint {} at its {} limit", motion.motion, limit.joint, limit.kind);
     /// }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

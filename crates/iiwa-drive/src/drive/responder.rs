@@ -171,7 +171,7 @@ impl Responder {
             requested.and_then(|requested| self.governor.jump(&requested, step_s))
         {
             let error = format!(
-                "joint {} is {} deg from its set-point: messages or answers were lost",
+                "joint A{} is {} deg from its set-point: messages or answers were lost",
                 j + 1,
                 Figures(off_rad.to_degrees(), 2)
             );
@@ -183,7 +183,7 @@ impl Responder {
             let limited = self.governor.command(requested.as_ref());
             if let Some((j, by_rad)) = limited.as_ref().and_then(|limited| limited.moved) {
                 let error = format!(
-                    "a set-point exceeded the limits of joint {} by {} deg",
+                    "a set-point exceeded the limits of joint A{} by {} deg",
                     j + 1,
                     Figures(by_rad.to_degrees(), 3)
                 );

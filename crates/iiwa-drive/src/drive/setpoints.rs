@@ -229,7 +229,7 @@ impl TrajectoryTask {
             let error = match furthest(message, &setpoint) {
                 Some(_) if *arriving_s <= ARRIVAL_TIMEOUT_S => return (Some(setpoint), None),
                 Some((j, off_rad)) => Some(Refusal::robot(format!(
-                    "joint {} is still {} deg from the last set-point, {ARRIVAL_TIMEOUT_S} s after it",
+                    "joint A{} is still {} deg from the last set-point, {ARRIVAL_TIMEOUT_S} s after it",
                     j + 1,
                     Figures(off_rad.to_degrees(), 3),
                 ))),
@@ -310,7 +310,7 @@ fn start(
         return Err(Refusal::new(
             Code::StartMismatch,
             format!(
-                "joint {} has moved by {:.3} deg since the trajectory was checked",
+                "joint A{} has moved by {:.3} deg since the trajectory was checked",
                 j + 1,
                 offset_rad[j].to_degrees()
             ),
@@ -437,7 +437,7 @@ mod tests {
                 assert!(cycle < 1000, "it never ends");
             };
             let text = end.error.unwrap().message;
-            assert!(text.contains("joint 3 is still 0.057 deg"), "{text}");
+            assert!(text.contains("joint A3 is still 0.057 deg"), "{text}");
         }
     }
 

@@ -74,7 +74,7 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
     let outside = json!({"seq": 8, "type": "run_motions", "run": 1, "motions":
         [{"type": "ptp", "joints_deg": [171, 0, 0, 0, 0, 0, 0]}]});
     let answer = socket.ask(&outside.to_string());
-    assert_error(&answer["error"], "limit", &["joint 1"], "outside");
+    assert_error(&answer["error"], "limit", &["joint A1"], "outside");
     assert_eq!(rig.cabinet().position(), before);
     let answer = socket.ask(r#"{"seq": 9, "type": "get_io", "name": "MediaFlange.LEDBlue"}"#);
     assert_eq!((&answer["seq"], &answer["value"]), (&json!(9), &json!(false)));

@@ -115,5 +115,5 @@ fn a_trajectory_from_elsewhere_is_refused() {
     let error = rig.client().run_trajectory(trajectory, Some(LONG)).unwrap_err();
     let ClientError::Refused { refusal, .. } = error else { panic!("{error}") };
     assert_eq!(refusal.code, Code::StartMismatch);
-    assert!(refusal.message.contains("joint 4"), "{refusal}");
+    assert!(refusal.message.contains("joint A4"), "{refusal}");
 }

@@ -55,7 +55,7 @@ impl TimedJoints {
             return Err(Refusal::new(
                 Code::StartMismatch,
                 format!(
-                    "the trajectory starts with joint {} at {} deg, the robot is at {} deg; at most {} \
+                    "the trajectory starts with joint A{} at {} deg, the robot is at {} deg; at most {} \
                      deg apart are allowed",
                     worst + 1,
                     Figures(start[worst].to_degrees(), 3),

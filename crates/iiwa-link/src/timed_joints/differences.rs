@@ -156,7 +156,7 @@ impl Points {
         Refusal::new(
             Code::Limit,
             format!(
-                "point {}, at {:.4} s: the {kind} of joint {} is {} {unit}, its limit is {:.1} {unit} \
+                "point {}, at {:.4} s: the {kind} of joint A{} is {} {unit}, its limit is {:.1} {unit} \
                  and the margin {} %{hint}",
                 place - self.before + 1,
                 self.t_s[place],

@@ -49,7 +49,7 @@ fn a_trajectory_starts_within_half_a_degree_of_the_robot() {
         assert_eq!(result.is_ok(), taken, "{off_deg} deg: {result:?}");
         if let Err(refusal) = result {
             assert_eq!(refusal.code, Code::StartMismatch);
-            assert!(refusal.message.contains("joint 4"), "{refusal}");
+            assert!(refusal.message.contains("joint A4"), "{refusal}");
         }
     }
     assert!((START_TOLERANCE_RAD.to_degrees() - 0.5).abs() < 1e-12);

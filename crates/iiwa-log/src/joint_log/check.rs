@@ -50,7 +50,7 @@ impl JointLog {
                 if !(lower - OUTSIDE_RAD..=upper + OUTSIDE_RAD).contains(&found_rad) {
                     return Err(JointLogError::OutsideLimits {
                         robot: robot.name().to_owned(),
-                        joint: joint.number(),
+                        joint,
                         t_s,
                         found_rad,
                         limit_rad: if found_rad < lower { lower } else { upper },
@@ -130,11 +130,11 @@ impl JointLog {
             if span_s < STRETCH_S {
                 continue;
             }
-            for (joint, &most_rad_s) in most_rad_s.iter().enumerate() {
-                let found_rad_s = (to.1[joint] - from.1[joint]).abs() / span_s;
+            for (joint, &most_rad_s) in Joint::ALL.into_iter().zip(most_rad_s) {
+                let found_rad_s = (to.1[joint.index()] - from.1[joint.index()]).abs() / span_s;
                 if found_rad_s > most_rad_s {
                     return Err(JointLogError::TooFast {
-                        joint: joint + 1,
+                        joint,
                         t_s: 0.5 * (from.0 + to.0),
                         found_rad_s,
                         most_rad_s,

@@ -142,7 +142,7 @@ impl Choice<'_> {
 }
 
 fn title(joint: usize) -> String {
-    format!("joint {}", joint + 1)
+    format!("joint A{}", joint + 1)
 }
 
 /// The joint that a column of this source, by its name in small letters, has the position of.

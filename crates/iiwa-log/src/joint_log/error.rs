@@ -2,6 +2,8 @@
 
 use std::io;
 
+use iiwa_kin::Joint;
+
 use super::Place;
 use crate::ReadError;
 
@@ -84,8 +86,8 @@ pub enum JointLogError {
     NotFinite {
         /// The sample.
         place: Place,
-        /// The joint, from 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// Its position, rad.
         found_rad: f64,
     },
@@ -113,13 +115,14 @@ pub enum JointLogError {
     /// An angle in rad that no LBR iiwa reaches.
     #[error(
         "{place}: joint {joint} at {found_rad} rad, and no LBR iiwa turns further than 3.054 rad \
-         (175 degrees): the positions look like degrees, which need columns such as `joint_{joint}_deg`"
+         (175 degrees): the positions look like degrees, which need columns such as `joint_{}_deg`",
+        .joint.number()
     )]
     Degrees {
         /// The sample.
         place: Place,
-        /// The joint, from 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// Its position as if it were in rad.
         found_rad: f64,
     },
@@ -131,8 +134,8 @@ pub enum JointLogError {
     OutOfReach {
         /// The sample.
         place: Place,
-        /// The joint, from 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// Its position, degrees.
         found_deg: f64,
     },
@@ -143,8 +146,8 @@ pub enum JointLogError {
          in seconds), wrong robot, or positions that jump"
     )]
     TooFast {
-        /// The joint, from 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// When, s.
         t_s: f64,
         /// Its speed, over a section of at least 0.05 s, rad/s.
@@ -170,8 +173,8 @@ pub enum JointLogError {
     OutsideLimits {
         /// The robot's name.
         robot: String,
-        /// The joint, from 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// When, s.
         t_s: f64,
         /// Its position, rad.

@@ -1,5 +1,7 @@
 //! Samples as they come from a file, each held against the one before it.
 
+use iiwa_kin::Joint;
+
 use super::{JointLog, JointLogError, Loss, Place, Source};
 
 /// No LBR iiwa turns further: the widest range is 175 degrees, 3.054 rad. The rest is for joints
@@ -65,7 +67,7 @@ impl Samples {
     }
 
     fn out_of_reach(&self, place: Place, q_rad: &[f64; 7]) -> JointLogError {
-        let joints = (1..).zip(q_rad).zip(self.in_degrees);
+        let joints = Joint::ALL.into_iter().zip(q_rad).zip(self.in_degrees);
         for ((joint, &found_rad), in_degrees) in joints {
             if !found_rad.is_finite() {
                 return JointLogError::NotFinite { place, joint, found_rad };

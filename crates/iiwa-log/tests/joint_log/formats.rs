@@ -72,7 +72,7 @@ fn other_columns_in_any_order() {
     );
     let log = log.unwrap_err().to_string();
     // 190 degrees are beyond any joint, and the line counts from the file's first.
-    assert!(log.starts_with("line 4: joint 6 at 190 degrees"), "{log}");
+    assert!(log.starts_with("line 4: joint A6 at 190 degrees"), "{log}");
     let log = read(
         "note;q7;q6_deg;q5;q4;q3;q2;q1_rad;force_n;time_s;\n\
          begin, here;7e-1;18;.5;.4;.3;.2;+0.1;NaN;-1e1;\n\n   \n\

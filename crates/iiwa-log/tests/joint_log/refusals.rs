@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::io::{self, Cursor, Read};
 use std::time::Duration;
 
-use iiwa_kin::Robot;
+use iiwa_kin::{Joint, Robot};
 use iiwa_log::{JointLog, JointLogError, ReadError, Recorder, RecorderConfig};
 
 use crate::{DATA_RECORDER, HEADER, millis, read, recording, refused, table};
@@ -48,16 +48,16 @@ fn columns() {
     let cases = [
         (
             "t_s,q1,q2,q4,q5,q6,q7,q8",
-            "line 1: no column for joint 3, expected `joint_3_rad` or `joint_3_deg`",
+            "line 1: no column for joint A3, expected `joint_3_rad` or `joint_3_deg`",
         ),
         (
             "q1,q2,q3,q4,q5,q6,q7,u",
             "line 1: no column for time, expected `t_s`, or `ZeitInSec` and `ZeitInNanoSec`",
         ),
-        ("t_s,x,y", "line 1: no column for joint 1, expected `joint_1_rad` or `joint_1_deg`"),
+        ("t_s,x,y", "line 1: no column for joint A1, expected `joint_1_rad` or `joint_1_deg`"),
         (
             "t_s,q1,q2,q3,q4,q5,q6,q7,q1_deg",
-            "line 1: `q1` and `q1_deg` are both a column for joint 1",
+            "line 1: `q1` and `q1_deg` are both a column for joint A1",
         ),
         ("t_s,q1,q2,q3,q4,q5,q6,q7,time", "line 1: `t_s` and `time` are both a column for time"),
         (
@@ -70,7 +70,7 @@ fn columns() {
         ),
         (
             "t,axisQMsr_R[0],axisQMsr_R[1],q1,q2,q3,q4,q5,q6,q7",
-            "line 1: no column for joint 3, expected `axisQMsr_...[2]`",
+            "line 1: no column for joint A3, expected `axisQMsr_...[2]`",
         ),
     ];
     for (header, expected) in cases {
@@ -80,7 +80,7 @@ fn columns() {
                axisQCmd_A[5] axisQCmd_A[6] axisQCmd_B[0]";
     assert_eq!(
         refused(two),
-        "line 1: `axisQCmd_A[0]` and `axisQCmd_B[0]` are both a column for joint 1"
+        "line 1: `axisQCmd_A[0]` and `axisQCmd_B[0]` are both a column for joint A1"
     );
 }
 
@@ -144,7 +144,7 @@ fn a_recording_that_is_not_a_number() {
         recorder.sample(Duration::from_millis(1), &[0.0, bad, 0.0, 0.0, 0.0, 0.0, 0.0]).unwrap();
         let file = recorder.finish(&BTreeMap::new(), &[]).unwrap().into_inner();
         let error = JointLog::read(&*file).unwrap_err().to_string();
-        assert!(error.starts_with("sample 2: joint 2 is at "), "{error}");
+        assert!(error.starts_with("sample 2: joint A2 is at "), "{error}");
     }
 }
 
@@ -161,7 +161,7 @@ fn degrees_for_radians() {
     let text = format!("{HEADER}\n0.1,0,45,0,0,0,0,0\n0.2,0,45,0,0,0,0,0\n");
     assert_eq!(
         refused(&text),
-        "line 2: joint 2 at 45 rad, and no LBR iiwa turns further than 3.054 rad (175 degrees): \
+        "line 2: joint A2 at 45 rad, and no LBR iiwa turns further than 3.054 rad (175 degrees): \
          the positions look like degrees, which need columns such as `joint_2_deg`"
     );
     let degrees = read(&text.replace("_rad", "_deg")).unwrap();
@@ -173,7 +173,7 @@ fn degrees_for_radians() {
         writeln!(text, "{:?},0,0,0,{:?},0,0,0", f64::from(k) * 1e-3, f64::from(k) * 0.02).unwrap();
     }
     let error = read(&text).unwrap_err();
-    let JointLogError::TooFast { joint: 4, found_rad_s, .. } = error else { panic!("{error}") };
+    let JointLogError::TooFast { joint: Joint::A4, found_rad_s, .. } = error else { panic!("{error}") };
     assert!((found_rad_s - 20.0).abs() < 1e-6);
     let degrees = read(&text.replace("_rad", "_deg")).unwrap();
     degrees.check_robot(&Robot::lbr_iiwa_7_r800()).unwrap();
@@ -226,7 +226,7 @@ fn another_robot() {
     log.q_rad[1][3] = -121_f64.to_radians();
     assert_eq!(
         log.check_robot(&small).unwrap_err().to_string(),
-        "joint 4 is at -121.00 degrees at 2.000 s, and the range of lbr_iiwa_7_r800 ends at \
+        "joint A4 is at -121.00 degrees at 2.000 s, and the range of lbr_iiwa_7_r800 ends at \
          -120.00: wrong robot or wrong units"
     );
     log.q_rad[1][3] = f64::NAN;
@@ -236,7 +236,7 @@ fn another_robot() {
     let log = JointLog::new(vec![0.0, 1.0], vec![[0.0; 7], [0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0]]);
     log.check_robot(&small).unwrap();
     let error = log.check_robot(&large).unwrap_err();
-    assert!(matches!(error, JointLogError::TooFast { joint: 4, .. }), "{error}");
+    assert!(matches!(error, JointLogError::TooFast { joint: Joint::A4, .. }), "{error}");
 }
 
 #[test]
