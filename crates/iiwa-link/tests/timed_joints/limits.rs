@@ -41,7 +41,7 @@ fn each_limit_is_checked_with_its_margin() {
                 ("jerk", &jerky, 1.09, jerk_beyond),
             ];
             for (kind, make, within, beyond) in cases {
-                let place = format!("{kind} of joint {}, {step_ms} ms", joint + 1);
+                let place = format!("{kind} of joint A{}, {step_ms} ms", joint + 1);
                 let step_s = f64::from(step_ms) * 1e-3;
                 for trajectory in [make(0.9), make(within)] {
                     let trajectory = trajectory.sampled(joint, step_s);
@@ -51,7 +51,7 @@ fn each_limit_is_checked_with_its_margin() {
                 let trajectory = make(beyond).sampled(joint, step_s);
                 for trajectory in [rounded(&trajectory), trajectory] {
                     let refusal = assert_refused(&trajectory, &place);
-                    let named = format!("the {kind} of joint {} is", joint + 1);
+                    let named = format!("the {kind} of joint A{} is", joint + 1);
                     assert!(refusal.message.contains(&named), "{place}: {refusal}");
                 }
             }

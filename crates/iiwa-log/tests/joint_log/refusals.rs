@@ -173,7 +173,9 @@ fn degrees_for_radians() {
         writeln!(text, "{:?},0,0,0,{:?},0,0,0", f64::from(k) * 1e-3, f64::from(k) * 0.02).unwrap();
     }
     let error = read(&text).unwrap_err();
-    let JointLogError::TooFast { joint: Joint::A4, found_rad_s, .. } = error else { panic!("{error}") };
+    let JointLogError::TooFast { joint: Joint::A4, found_rad_s, .. } = error else {
+        panic!("{error}")
+    };
     assert!((found_rad_s - 20.0).abs() < 1e-6);
     let degrees = read(&text.replace("_rad", "_deg")).unwrap();
     degrees.check_robot(&Robot::lbr_iiwa_7_r800()).unwrap();
