@@ -7,6 +7,8 @@ use std::{fs, process::Command};
 pub fn instruction_level() -> &'static str {
     match pulp::Arch::new() {
         #[cfg(target_arch = "x86_64")]
+        pulp::Arch::V4(_) => "x86-64-v4",
+        #[cfg(target_arch = "x86_64")]
         pulp::Arch::V3(_) => "x86-64-v3",
         _ if cfg!(target_arch = "x86_64") => "x86-64",
         _ => std::env::consts::ARCH,

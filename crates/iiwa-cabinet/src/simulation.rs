@@ -5,7 +5,7 @@ mod tests;
 
 use std::time::Duration;
 
-use iiwa_fri::{Controller, ControllerConfig, Reading, Safety, SessionState};
+use iiwa_fri::{Controller, ControllerConfig, Reading, Safety, SessionState, braking::fastest};
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     message::{Code, DriveState, Refusal, Sensors},
@@ -14,7 +14,6 @@ use iiwa_link::{
 use iiwa_path::{JointPath, Motion, Program};
 use iiwa_traj::{
     Timing, Trajectory,
-    braking::fastest,
     playback::{EMERGENCY_STOP_S, Playback, STOP_S},
 };
 

@@ -29,6 +29,7 @@
 //! # Ok::<(), iiwa_fri::WireError>(())
 //! ```
 
+pub mod braking;
 mod client;
 mod controller;
 mod counter;

@@ -18,7 +18,7 @@ const LANES: usize = 8;
 
 impl Robot {
     /// Poses of the TCP for each of `joints_rad`, written to `poses`; the same numbers as
-    /// [`Robot::flange_pose`], bit for bit, at a fraction of its time. Uses AVX2 where the machine has it.
+    /// [`Robot::flange_pose`], bit for bit, at a fraction of its time. Uses AVX-512 or AVX2 where the machine has them.
     ///
     /// ```
     /// use iiwa_kin::{Pose, Robot};

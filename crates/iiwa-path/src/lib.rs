@@ -31,6 +31,7 @@
     reason = "kernels belong into the function that enables vector instructions"
 )]
 
+mod along_inverse;
 mod blend;
 mod builder;
 mod circle;

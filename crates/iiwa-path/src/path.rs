@@ -83,11 +83,11 @@ impl JointPath {
     /// use std::sync::Arc;
     ///
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::{JointPath, Line, MotionLimits, Step};
+    /// use iiwa_path::{JointPath, Line, MotionIndex, MotionLimits, Step};
     ///
     /// let robot = Robot::default();
     /// let line = Line::new([0.0; 7], [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    /// let steps = vec![Step::Move { motion: 0, segment: Arc::new(line), blend: None }];
+    /// let steps = vec![Step::Move { motion: MotionIndex::new(0), segment: Arc::new(line), blend: None }];
     /// let limits = vec![MotionLimits::full(&robot)];
     /// let path = JointPath::from_steps(&robot, [0.0; 7], steps, limits)?;
     /// assert_eq!(path.steps().len(), 1);

@@ -4,9 +4,10 @@ use iiwa_kin::Joints;
 use pulp::Simd;
 
 use crate::{
+    along_inverse,
     continuity::{Basis, Continuity, evaluate},
     grid::Grid,
-    segment::{Derivatives, Segment, newton},
+    segment::{Derivatives, Segment, by_sigma},
     vector,
 };
 
@@ -121,23 +122,28 @@ impl Segment for PolynomialBlend {
     }
 
     fn s_at(&self, sigma: f64) -> f64 {
-        // It rises between 1 and about 3, steepest in the middle, and is symmetric.
-        let near = if (0.5..1.5).contains(&sigma) {
-            0.5 + (sigma - 1.0) / 2.875
-        } else {
-            sigma - if sigma > 1.0 { 1.0 } else { 0.0 }
-        };
-        newton(|s| self.sigma(s), sigma, near)
+        along_inverse::s_at(self.continuity, sigma)
     }
 
-    fn derivatives(&self, s: f64) -> ([Joints; 3], [f64; 4]) {
-        let basis = Basis::at(self.continuity, s);
-        let derivatives = std::array::from_fn(|n| {
-            let along = basis.along[n + 1];
-            let across = basis.across[n + 1] - self.kappa * basis.bulge[n + 1];
-            std::array::from_fn(|j| along * self.d0[j] + across * self.turn[j])
-        });
-        (derivatives, basis.along)
+    /// With sigma = reach (s + alpha), q(sigma) = start + sigma / reach d0 + A turn: all joints share the three
+    /// derivatives of A = s alpha - kappa beta.
+    fn sigma_derivatives(&self, s: f64) -> [Joints; 3] {
+        let Basis { along, across, bulge } = Basis::at(self.continuity, s);
+        let [one, two, three] = by_sigma(along, self.reach);
+        let [_, a1, a2, a3]: [f64; 4] = std::array::from_fn(|n| across[n] - self.kappa * bulge[n]);
+        let first = a1 * one;
+        let second = a2 * one * one + a1 * two;
+        let third = a3 * one * one * one + 3.0 * a2 * one * two + a1 * three;
+        let per_rad = 1.0 / self.reach;
+        [
+            std::array::from_fn(|j| self.d0[j] * per_rad + self.turn[j] * first),
+            self.turn.map(|turn| turn * second),
+            self.turn.map(|turn| turn * third),
+        ]
+    }
+
+    fn is_planar(&self) -> bool {
+        true
     }
 
     /// The grid holds the polynomials: this costs six multiplications a joint.

@@ -99,11 +99,24 @@ pub trait Segment: fmt::Debug + Send + Sync {
         newton(|s| self.sigma(s), sigma, (sigma / end).clamp(0.0, 1.0))
     }
 
-    /// First to third derivative of q by s at `s`, in rad, and [`sigma`](Self::sigma) there: what the
-    /// jerk-limited solver asks for, again and again. A shape may save what both share.
-    fn derivatives(&self, s: f64) -> ([Joints; 3], [f64; 4]) {
+    /// First to third derivative of q by [`sigma`](Self::sigma) in rad, at `s`; in 1, 1/rad and 1/rad^2. The
+    /// jerk-limited solver asks for them again and again: a shape may know a shorter way.
+    fn sigma_derivatives(&self, s: f64) -> [Joints; 3] {
         let Derivatives { dq, ddq, dddq, .. } = self.at(s);
-        ([dq, ddq, dddq], self.sigma(s))
+        let [one, two, three] = by_sigma(self.sigma(s), self.sigma_unit_rad());
+        [
+            dq.map(|v| v * one),
+            std::array::from_fn(|j| ddq[j] * one * one + dq[j] * two),
+            std::array::from_fn(|j| {
+                dddq[j] * one * one * one + 3.0 * ddq[j] * one * two + dq[j] * three
+            }),
+        ]
+    }
+
+    /// Whether q(s) stays in one plane of joint space. Then few joints can limit it, the same ones all along,
+    /// and the planner leaves out the others.
+    fn is_planar(&self) -> bool {
+        self.is_straight()
     }
 
     /// First and second derivatives at every node of `grid`, each joint times its `scale`.
@@ -125,6 +138,14 @@ pub trait Segment: fmt::Debug + Send + Sync {
             (dq[7], ddq[7]) = (0.0, 0.0);
         }
     }
+}
+
+/// First to third derivative of s by sigma in rad, from sigma and its derivatives by s in units of `unit_rad`.
+pub(crate) fn by_sigma([_, p, r, w]: [f64; 4], unit_rad: f64) -> [f64; 3] {
+    let one = 1.0 / (p * unit_rad);
+    let two = -r * one * one / p;
+    let three = (3.0 * r * r - p * w) * one * one * one / (p * p);
+    [one, two, three]
 }
 
 /// The s in [0, 1] at which `sigma`, which rises, has a value, starting from `s`.

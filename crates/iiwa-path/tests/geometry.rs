@@ -230,6 +230,48 @@ proptest! {
 }
 
 /// Only joint 7 turns: the TCP is on its axis and does not move.
+/// A segment that knows no more than it must.
+#[derive(Debug)]
+struct Plain<'a>(&'a dyn Segment);
+
+impl Segment for Plain<'_> {
+    fn at(&self, s: f64) -> iiwa_path::Derivatives {
+        self.0.at(s)
+    }
+
+    fn bend_bound_rad(&self) -> Joints {
+        self.0.bend_bound_rad()
+    }
+
+    fn sigma(&self, s: f64) -> [f64; 4] {
+        self.0.sigma(s)
+    }
+}
+
+#[test]
+fn shorter_ways_lead_to_the_same_derivatives() {
+    let start = [0.0; 7];
+    let corner = [0.4, 0.1, -0.3, 0.2, 0.0, -0.5, 0.3];
+    let end = [0.1, 0.5, -0.2, 0.6, -0.4, 0.1, 0.7];
+    for shape in [BlendShape::Iiwa, BlendShape::Alpha(Continuity::Third)] {
+        let path =
+            path(shape, start, vec![Ptp::to(corner).blend(Blend::Fraction(0.4)), Ptp::to(end)]);
+        for segment in segments(&path) {
+            let plain = Plain(segment);
+            for s in (0..=20).map(|i| f64::from(i) / 20.0) {
+                let [found, expected] = [segment.sigma_derivatives(s), plain.sigma_derivatives(s)];
+                for (found, expected) in found.iter().zip(&expected) {
+                    let error = norm(&minus(found, expected));
+                    assert!(error <= 1e-12 * (1.0 + norm(expected)), "{segment:?} at {s}: {error}");
+                }
+                let sigma = segment.sigma(s)[0];
+                assert!((segment.s_at(sigma) - s).abs() < 1e-14);
+                assert!((plain.s_at(sigma) - s).abs() < 1e-14);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_tcp_that_does_not_move_crosses_no_sphere() {
     let robot = Robot::lbr_iiwa_7_r800();

@@ -5,13 +5,20 @@
 //! some places of each cell; where it exceeds them in between, the cell's limits are lowered and it is
 //! solved again.
 
+mod acceleration_rows;
+mod blocks;
 mod cells;
+mod functionals;
+mod jerk_rows;
 mod limited_segment;
+mod limiting_joints;
 mod mesh;
 mod quadratic;
+mod riccati;
 mod settings;
 mod slack_pair;
 mod solver;
+mod velocity_rows;
 
 use std::ops::Range;
 
@@ -150,7 +157,7 @@ fn straight(segment: &LimitedSegment<'_>) -> Vec<SegmentStamps> {
         })
         .collect();
     let mut usage = LimitUsage::default();
-    let rates = segment.rates(0.0);
+    let derivatives = segment.derivatives(0.0);
     for pair in instants.windows(2) {
         let [from, to] = [pair[0], pair[1]];
         let dt = to.t_s - from.t_s;
@@ -162,7 +169,7 @@ fn straight(segment: &LimitedSegment<'_>) -> Vec<SegmentStamps> {
             ..from
         };
         for (at, dt) in [(half, dt), (to, 0.0)] {
-            usage.sample(&segment.shares(&rates, [at.speed, at.acceleration, jerk]), dt);
+            usage.sample(&segment.shares(&derivatives, [at.speed, at.acceleration, jerk]), dt);
         }
     }
     vec![SegmentStamps { nodes, usage }]
@@ -277,30 +284,34 @@ impl Solution {
 
     /// The largest shares of the limits of speed, acceleration and jerk at some places of each cell between
     /// the two that touch rest.
+    fn worst(&self, segments: &[LimitedSegment<'_>], parts: u32) -> Vec<[f64; 3]> {
+        pulp::Arch::new().dispatch(Check { solution: self, segments, parts })
+    }
+
+    /// The same for one cell.
+    #[inline(always)]
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "it is from 1 to 4"
     )]
-    fn worst(&self, segments: &[LimitedSegment<'_>], parts: u32) -> Vec<[f64; 3]> {
-        self.mesh
-            .cells
-            .iter()
-            .enumerate()
-            .map(|(k, cell)| {
-                let segment = &segments[cell.segment];
-                let mut worst = [0.0_f64; 3];
-                let parts = parts * self.slowness(k, cell).ceil().clamp(1.0, 4.0) as u32;
-                for f in (0..=parts).map(|i| f64::from(i) / f64::from(parts)) {
-                    let s = segment.s(cell.from + f * cell.length).clamp(0.0, 1.0);
-                    let shares = segment.shares(&segment.rates(s), in_time(self.solver.at(k, f)));
-                    for i in 0..3 {
-                        worst[i] = shares[i].into_iter().fold(worst[i], worse);
-                    }
-                }
-                worst
-            })
-            .collect()
+    fn worst_of(&self, k: usize, segments: &[LimitedSegment<'_>], parts: u32) -> [f64; 3] {
+        let cell = &self.mesh.cells[k];
+        let segment = &segments[cell.segment];
+        let mut worst = [0.0_f64; 3];
+        let parts = parts * self.slowness(k, cell).ceil().clamp(1.0, 4.0) as u32;
+        for f in (0..=parts).map(|i| f64::from(i) / f64::from(parts)) {
+            let s = if segment.is_line() {
+                0.0
+            } else {
+                segment.s(cell.from + f * cell.length).clamp(0.0, 1.0)
+            };
+            let shares = segment.largest_shares(s, in_time(self.solver.at(k, f)));
+            for i in 0..3 {
+                worst[i] = worse(worst[i], shares[i]);
+            }
+        }
+        worst
     }
 
     /// The stamps of the segments of `part` before the segment `end`, from `t_s` on.
@@ -369,7 +380,7 @@ impl Solution {
     ) {
         let time_scale = self.time_scale;
         let at = [v / time_scale, a / time_scale.powi(2), j / time_scale.powi(3)];
-        stamps.usage.sample(&segment.shares(&segment.rates(s), at), dt);
+        stamps.usage.sample(&segment.shares(&segment.derivatives(s), at), dt);
     }
 
     /// Passes a cell that touches rest, in which jerk is constant.
@@ -412,6 +423,23 @@ impl Solution {
         let at = |f: f64| 1.0 / self.solver.at(k, from + f * (to - from))[0].sqrt();
         let mean = (5.0 * (at(0.5 - HALF_WIDTH) + at(0.5 + HALF_WIDTH)) + 8.0 * at(0.5)) / 18.0;
         mean * (to - from) * cell.length
+    }
+}
+
+/// The check of all cells, by the widest vector instructions that the machine has.
+struct Check<'a, 'b> {
+    solution: &'a Solution,
+    segments: &'a [LimitedSegment<'b>],
+    parts: u32,
+}
+
+impl pulp::WithSimd for Check<'_, '_> {
+    type Output = Vec<[f64; 3]>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let cells = 0..self.solution.mesh.cells.len();
+        cells.map(|k| self.solution.worst_of(k, self.segments, self.parts)).collect()
     }
 }
 

@@ -82,6 +82,11 @@ impl<S: Simd> Vector<S> {
     }
 
     #[inline(always)]
+    pub(crate) fn min(self, other: Self) -> Self {
+        Self { numbers: self.simd.min_f64s(self.numbers, other.numbers), ..self }
+    }
+
+    #[inline(always)]
     pub(crate) fn largest(self) -> f64 {
         self.simd.reduce_max_f64s(self.numbers)
     }

@@ -30,7 +30,6 @@
 #![expect(clippy::needless_range_loop, reason = "rows of eight numbers are indexed together")]
 
 mod batch;
-pub mod braking;
 mod figures;
 mod interval;
 mod jerk;

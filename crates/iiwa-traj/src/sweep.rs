@@ -179,20 +179,27 @@ fn largest<S: Simd>(
     found
 }
 
+const PLACES: Row = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
 /// The first of the lines that are `lowest` at `x`.
 #[inline(always)]
 fn place<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, lowest: f64) -> usize {
     let (slopes, offsets) = (S::as_simd_f64s(slopes).0, S::as_simd_f64s(offsets).0);
     let (x, lowest) = (simd.splat_f64s(x), simd.splat_f64s(lowest));
-    let mut place = 0;
-    for k in (0..slopes.len()).rev() {
+    let none = simd.splat_f64s(8.0);
+    let mut first = none;
+    for (k, places) in S::as_simd_f64s(&PLACES).0.iter().enumerate() {
         let value = simd.mul_add_e_f64s(slopes[k], x, offsets[k]);
-        let first = simd.first_true_m64s(simd.less_than_or_equal_f64s(value, lowest));
-        if first < S::F64_LANES {
-            place = S::F64_LANES * k + first;
-        }
+        let is_lowest = simd.less_than_or_equal_f64s(value, lowest);
+        first = simd.min_f64s(first, simd.select_f64s(is_lowest, *places, none));
     }
-    place % 8
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "it is one of the places, or 8"
+    )]
+    let first = simd.reduce_min_f64s(first) as usize;
+    first % 8
 }
 
 /// An interval between two nodes.

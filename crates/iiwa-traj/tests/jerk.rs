@@ -149,8 +149,8 @@ fn time_scales() {
                 ptp.jerk_rel = ptp.jerk_rel.map(|j| j / (scale * scale * scale));
             });
             let change = motion_time_s(&slower) / (scale * before) - 1.0;
-            // Cells that are slow in seconds are looked at more closely.
-            assert!(change.abs() < 1e-5, "{change:e} at {scale} times the time: {program:?}");
+            // Cells that are slow in seconds are checked at more places, and limits lowered for what is found there.
+            assert!(change.abs() < 1e-4, "{change:e} at {scale} times the time: {program:?}");
             largest = largest.max(change.abs());
         }
     }

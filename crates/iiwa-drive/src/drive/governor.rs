@@ -35,7 +35,7 @@
 
 use iiwa_kin::{Joints, Limits};
 
-use iiwa_traj::braking::fastest;
+use iiwa_fri::braking::fastest;
 
 /// Bounds of velocity and acceleration, as shares of the limits.
 const VELOCITY: f64 = 1.02 * (1.0 - 1e-9);

@@ -8,7 +8,7 @@
 use iiwa_kin::Joints;
 use iiwa_path::{MotionLimits, Segment};
 
-use crate::{line_limits::along, node::Node};
+use crate::{jerk::limiting_joints::LimitingJoints, line_limits::along, node::Node};
 
 /// A segment and its limits.
 pub(crate) struct LimitedSegment<'a> {
@@ -24,10 +24,14 @@ pub(crate) struct LimitedSegment<'a> {
     unit: f64,
     /// dq/dsigma of a straight segment.
     direction: Option<Joints>,
+    /// One over the largest speed, acceleration and jerk of sigma on a line.
+    line_shares: [f64; 3],
+    /// The joints that can be at their limits of acceleration and of jerk.
+    pub(crate) limiting: [LimitingJoints; 2],
 }
 
 /// First to third derivative of q by sigma; in 1, 1/rad and 1/rad^2.
-pub(crate) type Rates = [Joints; 3];
+pub(crate) type SigmaDerivatives = [Joints; 3];
 
 impl<'a> LimitedSegment<'a> {
     /// None if the curvature jumps at its ends: then the arm would have to stop there.
@@ -44,7 +48,31 @@ impl<'a> LimitedSegment<'a> {
         let [end, ..] = shape.sigma(1.0);
         let inverse = [limits.velocity_rad_s, limits.acceleration_rad_s2, limits.jerk_rad_s3]
             .map(|limits| limits.map(|limit| 1.0 / limit));
-        Some(Self { limits, inverse, length: end * unit, swept, shape, unit, direction })
+        let mut segment = Self {
+            limits,
+            inverse,
+            length: end * unit,
+            swept,
+            shape,
+            unit,
+            direction,
+            limiting: [LimitingJoints::ALL; 2],
+            line_shares: [0.0; 3],
+        };
+        if segment.is_line() {
+            segment.line_shares = segment.straight(0.0).map(|limit| 1.0 / limit);
+        }
+        if shape.is_planar() {
+            // Where the curve bends, its first two derivatives span the plane.
+            let [dq, ddq, _] = segment.derivatives(0.5);
+            let [_, acceleration, jerk] = &segment.inverse;
+            segment.limiting = [acceleration, jerk].map(|inverse| {
+                LimitingJoints::new(&std::array::from_fn(|j| {
+                    [dq[j] * inverse[j], ddq[j] * inverse[j]]
+                }))
+            });
+        }
+        Some(segment)
     }
 
     pub(crate) fn is_line(&self) -> bool {
@@ -68,22 +96,11 @@ impl<'a> LimitedSegment<'a> {
     }
 
     /// The derivatives at `s`.
-    pub(crate) fn rates(&self, s: f64) -> Rates {
+    pub(crate) fn derivatives(&self, s: f64) -> SigmaDerivatives {
         if let Some(direction) = self.direction {
             return [direction, [0.0; 7], [0.0; 7]];
         }
-        let ([dq, ddq, dddq], [_, p, r, w]) = self.shape.derivatives(s);
-        // Derivatives of s by sigma.
-        let one = 1.0 / (p * self.unit);
-        let two = -r * one * one / p;
-        let three = (3.0 * r * r - p * w) * one * one * one / (p * p);
-        [
-            dq.map(|v| v * one),
-            std::array::from_fn(|j| ddq[j] * one * one + dq[j] * two),
-            std::array::from_fn(|j| {
-                dddq[j] * one * one * one + 3.0 * ddq[j] * one * two + dq[j] * three
-            }),
-        ]
+        self.shape.sigma_derivatives(s)
     }
 
     /// ds/dt and d2s/dt2 at `s`, from (dsigma/dt)^2 and its derivative by sigma.
@@ -104,7 +121,7 @@ impl<'a> LimitedSegment<'a> {
             return f64::INFINITY;
         }
         // There q goes as q' (sigma - middle) + q'' (sigma - middle)^2 / 2.
-        let [dq, ddq, _] = self.rates(0.5);
+        let [dq, ddq, _] = self.derivatives(0.5);
         let norm = |row: &Joints| row.iter().map(|v| v * v).sum::<f64>().sqrt();
         let straight = norm(&dq) / norm(&ddq);
         let MotionLimits { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 } = self.limits;
@@ -125,13 +142,30 @@ impl<'a> LimitedSegment<'a> {
 
     /// Largest speed, acceleration and jerk of sigma at `s`, if the path went straight on from there.
     pub(crate) fn straight(&self, s: f64) -> [f64; 3] {
-        let [direction, ..] = self.rates(s);
+        let [direction, ..] = self.derivatives(s);
         let MotionLimits { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 } = self.limits;
         [velocity_rad_s, acceleration_rad_s2, jerk_rad_s3].map(|limit| along(&direction, limit))
     }
 
-    /// Shares of all limits at speed, acceleration and jerk of sigma, where the derivatives are `rates`.
-    pub(crate) fn shares(&self, [dq, ddq, dddq]: &Rates, [v, a, j]: [f64; 3]) -> [[f64; 8]; 3] {
+    /// The largest shares of the limits at speed, acceleration and jerk of sigma, at `s`. What is not a number
+    /// counts as too much.
+    #[inline(always)]
+    pub(crate) fn largest_shares(&self, s: f64, [v, a, j]: [f64; 3]) -> [f64; 3] {
+        if self.is_line() {
+            let [speed, acceleration, jerk] = self.line_shares;
+            return [v * speed, a.abs() * acceleration, j.abs() * jerk];
+        }
+        let shares = self.shares(&self.derivatives(s), [v, a, j]);
+        shares.map(|shares| shares.into_iter().fold(0.0, |a, b| if b <= a { a } else { b }))
+    }
+
+    /// Shares of all limits at speed, acceleration and jerk of sigma, where the derivatives are these.
+    #[inline(always)]
+    pub(crate) fn shares(
+        &self,
+        [dq, ddq, dddq]: &SigmaDerivatives,
+        [v, a, j]: [f64; 3],
+    ) -> [[f64; 8]; 3] {
         let [speed, acceleration, jerk] = &self.inverse;
         let mut shares = [[0.0; 8]; 3];
         for i in 0..7 {

@@ -2,10 +2,8 @@
 
 use pulp::Simd;
 
+use super::functionals::{CellState, Functional};
 use crate::lanes::Vector;
-
-/// (x, V, W0, W1) of a cell, or factors of them.
-pub(crate) type CellState = [f64; 4];
 
 /// A quadratic function of a cell's state.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,38 +32,86 @@ impl Quadratic {
 pub(crate) struct Terms<S: Simd> {
     pub(crate) h: [Vector<S>; 10],
     pub(crate) g: [Vector<S>; 4],
+    /// Slacks times duals.
     pub(crate) gap: Vector<S>,
+    /// Largest share of a bound by which a limit is not met.
     pub(crate) residual: Vector<S>,
 }
 
 impl<S: Simd> Terms<S> {
-    /// Adds products of two linear functions of the state, each with its factor (those of two different
-    /// ones count twice), and linear functions.
+    pub(crate) fn new(simd: S) -> Self {
+        let zero = Vector::splat(simd, 0.0);
+        Self { h: [zero; 10], g: [zero; 4], gap: zero, residual: zero }
+    }
+
+    /// Adds `factor (P y)^2 / 2`.
     #[inline(always)]
-    pub(crate) fn add<const P: usize, const L: usize>(
+    pub(crate) fn add_square<P: Functional>(&mut self, factor: Vector<S>) {
+        self.add_entry::<P, P, 0, 0, 0>(factor);
+        self.add_entry::<P, P, 1, 0, 1>(factor);
+        self.add_entry::<P, P, 2, 0, 2>(factor);
+        self.add_entry::<P, P, 3, 0, 3>(factor);
+        self.add_entry::<P, P, 4, 1, 1>(factor);
+        self.add_entry::<P, P, 5, 1, 2>(factor);
+        self.add_entry::<P, P, 6, 1, 3>(factor);
+        self.add_entry::<P, P, 7, 2, 2>(factor);
+        self.add_entry::<P, P, 8, 2, 3>(factor);
+        self.add_entry::<P, P, 9, 3, 3>(factor);
+    }
+
+    /// Adds `factor (P y) (Q y)`: to the second derivatives `factor (P Q^T + Q P^T)`.
+    #[inline(always)]
+    pub(crate) fn add_product<P: Functional, Q: Functional>(&mut self, factor: Vector<S>) {
+        self.add_symmetric::<P, Q, 0, 0, 0>(factor);
+        self.add_symmetric::<P, Q, 1, 0, 1>(factor);
+        self.add_symmetric::<P, Q, 2, 0, 2>(factor);
+        self.add_symmetric::<P, Q, 3, 0, 3>(factor);
+        self.add_symmetric::<P, Q, 4, 1, 1>(factor);
+        self.add_symmetric::<P, Q, 5, 1, 2>(factor);
+        self.add_symmetric::<P, Q, 6, 1, 3>(factor);
+        self.add_symmetric::<P, Q, 7, 2, 2>(factor);
+        self.add_symmetric::<P, Q, 8, 2, 3>(factor);
+        self.add_symmetric::<P, Q, 9, 3, 3>(factor);
+    }
+
+    /// Adds `factor (P y)`.
+    #[inline(always)]
+    pub(crate) fn add_linear<P: Functional>(&mut self, factor: Vector<S>) {
+        for a in 0..4 {
+            scaled_add(&mut self.g[a], factor, P::ROW[a]);
+        }
+    }
+
+    #[inline(always)]
+    fn add_entry<P: Functional, Q: Functional, const I: usize, const A: usize, const B: usize>(
         &mut self,
-        products: &[(CellState, CellState, Vector<S>); P],
-        linear: &[(CellState, Vector<S>); L],
+        factor: Vector<S>,
     ) {
-        for (p, q, factor) in products {
-            let same = p == q;
-            let mut i = 0;
-            for a in 0..4 {
-                for b in a..4 {
-                    let twice = if same { p[a] * q[b] } else { p[a] * q[b] + q[a] * p[b] };
-                    if twice != 0.0 {
-                        self.h[i] = self.h[i] + *factor * twice;
-                    }
-                    i += 1;
-                }
-            }
-        }
-        for (row, factor) in linear {
-            for a in 0..4 {
-                if row[a] != 0.0 {
-                    self.g[a] = self.g[a] + *factor * row[a];
-                }
-            }
-        }
+        scaled_add(&mut self.h[I], factor, const { P::ROW[A] * Q::ROW[B] });
+    }
+
+    #[inline(always)]
+    fn add_symmetric<
+        P: Functional,
+        Q: Functional,
+        const I: usize,
+        const A: usize,
+        const B: usize,
+    >(
+        &mut self,
+        factor: Vector<S>,
+    ) {
+        let coefficient = const { P::ROW[A] * Q::ROW[B] + Q::ROW[A] * P::ROW[B] };
+        scaled_add(&mut self.h[I], factor, coefficient);
+    }
+}
+
+/// `sum += factor * coefficient`, for a coefficient that is known at compile time.
+#[inline(always)]
+fn scaled_add<S: Simd>(sum: &mut Vector<S>, factor: Vector<S>, coefficient: f64) {
+    if coefficient == 1.0 {
+        *sum = *sum + factor;
+    } else if coefficient != 0.0 {
+        *sum = factor.mul_add(Vector::splat(factor.simd(), coefficient), *sum);
     }
 }

@@ -52,6 +52,13 @@ pub(crate) struct InteriorPointSettings {
     pub(crate) to_boundary: f64,
     /// Share of x that a step may take away, in (0, 1).
     pub(crate) largest_decrease: f64,
+    /// Least share of itself that a step leaves of a slack or a dual.
+    pub(crate) least_share: f64,
+    /// How many times as long as the common step to the boundary slacks and x go, and duals: each stops at a
+    /// boundary of its own.
+    pub(crate) beyond: [f64; 2],
+    /// Start without a solution near by.
+    pub(crate) cold: WarmStart,
     /// Centring: mu aims at this share of the present gap, for steps of at least the length beside it. Long
     /// steps are far from the boundary and may aim closer to it.
     pub(crate) centring: [(f64, f64); 3],
@@ -88,6 +95,9 @@ pub(crate) struct WarmStart {
     pub(crate) mu: f64,
     /// Least slack, as a share of the bound.
     pub(crate) slack: f64,
+    /// Factor by which duals may be off what balances with their slacks, at least 1: duals that are near to a
+    /// solution are worth keeping.
+    pub(crate) kept: f64,
 }
 
 /// How cells are brought below the limits between the places at which the solver keeps them.
@@ -149,9 +159,12 @@ pub(crate) const SETTINGS: Settings = Settings {
     interior_point: InteriorPointSettings {
         to_boundary: 0.98,
         largest_decrease: 0.8,
+        least_share: 0.02,
+        beyond: [5.0, 10.0],
+        cold: WarmStart { mu: 0.3, slack: 0.5, kept: 1.0 },
         centring: [(0.9, 0.05), (0.5, 0.15), (0.2, 0.4)],
         least_mu: 0.2,
-        gap: 1e-5,
+        gap: 3e-5,
         first_gap: 1e-3,
         residual: 1e-4,
         last_step: 0.4,
@@ -165,8 +178,8 @@ pub(crate) const SETTINGS: Settings = Settings {
     refinement: RefinementSettings {
         tolerance: [1.004, 1.006, 1.04],
         target: [1.0, 1.001, 1.02],
-        close: WarmStart { mu: 1e-3, slack: 1e-3 },
-        far: WarmStart { mu: 1e-2, slack: 1e-2 },
+        close: WarmStart { mu: 1e-5, slack: 1e-3, kept: 10.0 },
+        far: WarmStart { mu: 1e-2, slack: 1e-2, kept: 1.0 },
         abrupt: 1.3,
         checks: [4, 12],
         slow_s: 0.02,

@@ -1,10 +1,13 @@
-//! Slacks and duals of limits, and how they go along with a step.
+//! The slack and the dual of one side of a limit, and how they go along with a step.
 
 use pulp::Simd;
 
+use super::settings::InteriorPointSettings;
 use crate::lanes::{Lanes, Vector};
 
-/// A step: the product that slacks and duals were to have, and the shares of it that they go.
+const SETTINGS: InteriorPointSettings = super::settings::SETTINGS.interior_point;
+
+/// A step: mu, and the primal and dual step lengths in (0, 1].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct InteriorStep {
     pub(crate) mu: f64,
@@ -20,6 +23,7 @@ pub(crate) struct InteriorSteps<S: Simd> {
     primal: Vector<S>,
     dual: Vector<S>,
     mu: Vector<S>,
+    least: Vector<S>,
 }
 
 impl<S: Simd> InteriorSteps<S> {
@@ -33,11 +37,24 @@ impl<S: Simd> InteriorSteps<S> {
             primal: splat(last.primal),
             dual: splat(last.dual),
             mu: splat(next.mu),
+            least: splat(SETTINGS.least_share),
         }
     }
 }
 
-/// Slack and dual of one slack of a limit.
+/// Where slacks and duals start, for one register of lanes.
+pub(crate) struct InteriorStart<S: Simd> {
+    pub(crate) simd: S,
+    pub(crate) register: usize,
+    /// Products of slacks and duals.
+    pub(crate) mu: Vector<S>,
+    /// Least slack, as a share of the bound.
+    pub(crate) least: Vector<S>,
+    /// How many times smaller or larger a dual may be than mu over its slack; 1 starts it anew.
+    pub(crate) kept: f64,
+}
+
+/// Slack and dual of one side of a limit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SlackPair {
     s: Lanes,
@@ -48,7 +65,7 @@ pub(crate) struct SlackPair {
     ds: Lanes,
 }
 
-/// A slack after its last step.
+/// A slack pair after its last step.
 pub(crate) struct Advanced<S: Simd> {
     pub(crate) s: Vector<S>,
     pub(crate) z: Vector<S>,
@@ -66,31 +83,35 @@ impl<S: Simd> Advanced<S> {
 }
 
 impl SlackPair {
-    /// The slack is the room that is left, but not less than `least`.
+    /// The slack becomes the room that is left, but not less than `least`.
     #[inline(always)]
     pub(crate) fn start<S: Simd>(
         &mut self,
-        r: usize,
+        start: &InteriorStart<S>,
         room: Vector<S>,
         least: Vector<S>,
-        mu: Vector<S>,
     ) {
+        let (simd, r) = (start.simd, start.register);
         let s = room.max(least);
         let inverse = s.inverse();
+        let balanced = start.mu * inverse;
+        let z = self.z.load(simd, r);
         self.s.store(r, s);
         self.inverse.store(r, inverse);
-        self.z.store(r, mu * inverse);
+        self.z.store(r, z.max(balanced * (1.0 / start.kept)).min(balanced * start.kept));
         self.ds = Lanes::default();
     }
 
+    /// Goes the last step. Each slack and dual stops at its own boundary: a few that come near to it do not make
+    /// the step of all others short.
     #[inline(always)]
     pub(crate) fn advance<S: Simd>(&mut self, steps: &InteriorSteps<S>) -> Advanced<S> {
         let InteriorSteps { simd, register: r, .. } = *steps;
         let (s, z) = (self.s.load(simd, r), self.z.load(simd, r));
         let (ds, inverse) = (self.ds.load(simd, r), self.inverse.load(simd, r));
         let dz = (steps.last_mu - z * ds).mul_add(inverse, -z);
-        let s = steps.primal.mul_add(ds, s);
-        let z = steps.dual.mul_add(dz, z);
+        let s = steps.primal.mul_add(ds, s).max(steps.least * s);
+        let z = steps.dual.mul_add(dz, z).max(steps.least * z);
         let inverse = s.inverse();
         self.s.store(r, s);
         self.z.store(r, z);
@@ -98,10 +119,9 @@ impl SlackPair {
         Advanced { s, z, inverse, weight: z * inverse }
     }
 
-    /// Sets the slack's step so that it becomes `room`. The relative ratios of slack and dual that go with
-    /// it.
+    /// Sets the slack's step so that it becomes `room`. The relative decreases of slack and dual in a full step.
     #[inline(always)]
-    pub(crate) fn direct<S: Simd>(
+    pub(crate) fn find_step<S: Simd>(
         &mut self,
         r: usize,
         room: Vector<S>,
@@ -112,9 +132,40 @@ impl SlackPair {
         let ds = room - s;
         self.ds.store(r, ds);
         let inverse = self.inverse.load(simd, r);
-        let ratio = -(ds * inverse);
+        let decrease = -(ds * inverse);
         // dz = (mu - z ds) / s - z.
         let one = Vector::splat(simd, 1.0);
-        [ratio, one - ratio - mu * inverse * z.inverse()]
+        [decrease, one - decrease - mu * inverse * z.inverse()]
+    }
+}
+
+/// Largest relative decreases of slacks, duals and x in a full step, for one register of lanes.
+pub(crate) struct Decreases<S: Simd> {
+    pub(crate) slack: Vector<S>,
+    pub(crate) dual: Vector<S>,
+    pub(crate) x: Vector<S>,
+}
+
+impl<S: Simd> Decreases<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S) -> Self {
+        let zero = Vector::splat(simd, 0.0);
+        Self { slack: zero, dual: zero, x: zero }
+    }
+
+    /// Sets the steps of both sides of a limit, whose slacks are to become `rooms`.
+    #[inline(always)]
+    pub(crate) fn add(
+        &mut self,
+        sides: &mut [SlackPair; 2],
+        r: usize,
+        rooms: [Vector<S>; 2],
+        mu: Vector<S>,
+    ) {
+        for (side, room) in std::iter::zip(sides, rooms) {
+            let [slack, dual] = side.find_step(r, room, mu);
+            self.slack = self.slack.max(slack);
+            self.dual = self.dual.max(dual);
+        }
     }
 }

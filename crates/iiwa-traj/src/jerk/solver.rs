@@ -15,10 +15,13 @@
 use pulp::Simd;
 
 use super::{
-    cells::{CellBlock, END_V, END_X, START_X, StepRatios, Sums, blocks},
+    blocks::{Blocks, for_each_block},
+    cells::{LargestDecreases, Start, Sums},
+    functionals::{CellState, EndV, EndX, Functional, StartX},
     limited_segment::LimitedSegment,
     mesh::{Cell, Mesh},
-    quadratic::{CellState, Quadratic},
+    quadratic::Quadratic,
+    riccati::{self, Chain, Gain, NotConvex},
     settings::{InteriorPointSettings, WarmStart},
     slack_pair::InteriorStep,
 };
@@ -34,10 +37,10 @@ pub(crate) struct Solver {
     to_rest: Rest,
     /// x and V where it starts, if not at rest.
     entry: [f64; 2],
-    lines: Vec<CellBlock<1>>,
-    curves: Vec<CellBlock<7>>,
+    blocks: Blocks,
     states: Vec<CellState>,
-    moves: Vec<CellState>,
+    /// The step of the states.
+    steps: Vec<CellState>,
     quadratics: Vec<Quadratic>,
     gains: Vec<Gain>,
     /// Share of the duration that more steps could gain.
@@ -80,7 +83,7 @@ impl Rest {
 
     /// x where it meets the cell next to it.
     fn x(&self, states: &[CellState]) -> f64 {
-        dot(&self.row, &states[self.cell])
+        riccati::dot(&self.row, &states[self.cell])
     }
 
     /// Time from rest until there, or from there to rest.
@@ -89,16 +92,15 @@ impl Rest {
     }
 }
 
-/// How W0 and W1 follow from x and V in a step.
-#[derive(Clone, Copy, Debug, Default)]
-struct Gain {
-    w0: [f64; 3],
-    w1: [f64; 4],
-}
-
 /// The solver ended without a solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NotConverged;
+
+impl From<NotConvex> for NotConverged {
+    fn from(NotConvex: NotConvex) -> Self {
+        Self
+    }
+}
 
 const SETTINGS: InteriorPointSettings = super::settings::SETTINGS.interior_point;
 
@@ -115,15 +117,16 @@ impl Solver {
         let n = cells.len();
         let lengths: Vec<_> = cells.iter().map(|cell| cell.length).collect();
         let from_rest = mesh.from_rest.as_ref();
-        let from_rest = from_rest.map(|rest| Rest::new(rest, &segments[rest.segment], 0, START_X));
-        let to_rest = Rest::new(&mesh.to_rest, &segments[mesh.to_rest.segment], n - 1, END_X);
+        let from_rest =
+            from_rest.map(|rest| Rest::new(rest, &segments[rest.segment], 0, StartX::ROW));
+        let to_rest = Rest::new(&mesh.to_rest, &segments[mesh.to_rest.segment], n - 1, EndX::ROW);
         let [x, dx] = entry.unwrap_or_default();
         let mut free = vec![true; n];
-        let (mut lines, mut curves) = (Vec::new(), Vec::new());
+        let mut limited = Vec::with_capacity(n);
         for k in 0..n {
             let segment = cells[k].segment;
             if !segments[segment].is_line() {
-                curves.push(k);
+                limited.push(k);
                 continue;
             }
             // A sliver of a line between two blends: nothing changes on it.
@@ -136,7 +139,7 @@ impl Solver {
             if alone && sliver {
                 free[k] = false;
             } else {
-                lines.push(k);
+                limited.push(k);
             }
         }
         let mut solver = Self {
@@ -144,10 +147,9 @@ impl Solver {
             from_rest,
             to_rest,
             entry: [x, dx * lengths[0]],
-            lines: blocks(segments, mesh, &lines),
-            curves: blocks(segments, mesh, &curves),
+            blocks: Blocks::new(segments, mesh, &limited),
             states: vec![[0.0; 4]; n],
-            moves: vec![[0.0; 4]; n],
+            steps: vec![[0.0; 4]; n],
             quadratics: vec![Quadratic::default(); n],
             gains: vec![Gain::default(); n],
             gap: f64::INFINITY,
@@ -173,7 +175,7 @@ impl Solver {
         if self.from_rest.is_none() {
             self.states[0][..2].copy_from_slice(&self.entry);
         }
-        self.restart(WarmStart { mu: 0.3, slack: 0.5 });
+        self.restart(SETTINGS.cold);
     }
 
     /// Sets the states to a smooth curve close to `x`, the values at all nodes between the cells that
@@ -215,13 +217,15 @@ impl Solver {
     /// Sets slacks and duals anew, for limits that have changed.
     pub(crate) fn restart(&mut self, start: WarmStart) {
         let mu = start.mu * self.duration_s() / self.limits();
-        let least = start.slack;
         self.mu = mu;
         self.last = InteriorStep::default();
-        pulp::Arch::new().dispatch(Restart { solver: self, mu, least });
+        let start = Start { mu, least: start.slack, kept: start.kept };
+        pulp::Arch::new().dispatch(Restart { solver: self, start });
         for rest in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
-            let s = (1.0 - rest.x(&self.states) / rest.cap).max(least);
-            rest.slack = ScalarSlackPair { s, z: mu / s, ..ScalarSlackPair::default() };
+            let s = (1.0 - rest.x(&self.states) / rest.cap).max(start.least);
+            let balanced = mu / s;
+            let z = rest.slack.z.clamp(balanced / start.kept, balanced * start.kept);
+            rest.slack = ScalarSlackPair { s, z, ..ScalarSlackPair::default() };
         }
     }
 
@@ -233,8 +237,7 @@ impl Solver {
 
     /// Lowers the limits of speed, acceleration and jerk in each cell by the factors `by`.
     pub(crate) fn tighten(&mut self, by: &[[f64; 3]]) {
-        self.lines.iter_mut().for_each(|block| block.tighten(by));
-        self.curves.iter_mut().for_each(|block| block.tighten(by));
+        for_each_block!(&mut self.blocks, block => block.tighten(by));
     }
 
     /// x and its first two derivatives by sigma, at the share `f` of the cell `k` of those between
@@ -281,8 +284,9 @@ impl Solver {
     /// The duration as the solver sees it.
     fn duration_s(&self) -> f64 {
         let cells = std::iter::zip(&self.lengths, &self.states);
-        let moving: f64 =
-            cells.map(|(h, y)| 0.5 * h * (1.0 / y[0].sqrt() + 1.0 / dot(&END_X, y).sqrt())).sum();
+        let moving: f64 = cells
+            .map(|(h, y)| 0.5 * h * (1.0 / y[0].sqrt() + 1.0 / riccati::dot(&EndX::ROW, y).sqrt()))
+            .sum();
         moving + self.start_s() + self.stop_s()
     }
 
@@ -294,28 +298,25 @@ impl Solver {
     /// What has to be zero for x to come to rest: a row of the last cell.
     fn to_rest(&self) -> CellState {
         let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * self.to_rest.length);
-        std::array::from_fn(|i| END_V[i] + slope * END_X[i])
+        std::array::from_fn(|i| EndV::ROW[i] + slope * EndX::ROW[i])
     }
 
     /// Sets the last W1 so that x comes to rest.
     fn stop(&mut self) {
         let to_rest = self.to_rest();
         if let Some(last) = self.states.last_mut() {
-            come_to_rest(&to_rest, last);
+            riccati::come_to_rest(&to_rest, last);
         }
     }
 
     /// By how much the end of cell `k` misses the start of the next one, in x and V.
-    #[inline(always)]
     fn defect(&self, k: usize) -> [f64; 2] {
-        let (y, next) = (&self.states[k], &self.states[k + 1]);
-        let ratio = self.lengths[k + 1] / self.lengths[k];
-        [dot(&END_X, y) - next[0], ratio * dot(&END_V, y) - next[1]]
+        riccati::defect(&self.lengths, &self.states, k)
     }
 
     /// How many limits there are.
     fn limits(&self) -> f64 {
-        (CellBlock::count(&self.lines) + CellBlock::count(&self.curves) + 2) as f64
+        (self.blocks.sides() + 2) as f64
     }
 
     #[inline(always)]
@@ -325,12 +326,13 @@ impl Solver {
         let mut stalled = 0;
         for step in 1..=SETTINGS.steps {
             let sums = self.assemble(simd);
-            self.recursion()?;
-            let ratios = self.direct(simd);
+            self.find_state_steps(simd)?;
+            let ratios = self.find_slack_steps(simd);
             let share = |fall: f64, of: f64| if fall > of { of / fall } else { 1.0 };
-            let primal = share(ratios.slack, SETTINGS.to_boundary)
+            let primal = (SETTINGS.beyond[0] * share(ratios.slack, SETTINGS.to_boundary))
+                .min(1.0)
                 .min(share(ratios.x, SETTINGS.largest_decrease));
-            let dual = share(ratios.dual, SETTINGS.to_boundary);
+            let dual = (SETTINGS.beyond[1] * share(ratios.dual, SETTINGS.to_boundary)).min(1.0);
             let primal = if step > SETTINGS.patience { 0.5 * primal } else { primal };
             // Not a number either, once numbers have left their range.
             if !(primal > 0.0 && dual > 0.0) {
@@ -363,12 +365,9 @@ impl Solver {
         let mu = self.mu;
         let steps = [self.last, InteriorStep { mu, ..InteriorStep::default() }];
         let mut sums = Sums::default();
-        for block in &mut self.lines {
+        for_each_block!(&mut self.blocks, block => {
             block.assemble(simd, &self.states, steps, &mut self.quadratics, &mut sums);
-        }
-        for block in &mut self.curves {
-            block.assemble(simd, &self.states, steps, &mut self.quadratics, &mut sums);
-        }
+        });
         for rest in self.from_rest.iter().chain([&self.to_rest]) {
             let x = rest.x(&self.states);
             let ScalarSlackPair { s, z, .. } = rest.slack;
@@ -382,31 +381,42 @@ impl Solver {
         sums
     }
 
+    /// Finds the step of all states that minimises the sum of the cells' quadratic functions.
     #[inline(always)]
-    fn direct<S: Simd>(&mut self, simd: S) -> StepRatios {
+    fn find_state_steps<S: Simd>(&mut self, simd: S) -> Result<(), NotConvex> {
+        let chain = Chain {
+            lengths: &self.lengths,
+            free: &self.free,
+            quadratics: &self.quadratics,
+            states: &self.states,
+            slope_from_rest: self.slope_from_rest(),
+            to_rest: self.to_rest(),
+        };
+        riccati::solve(simd, &chain, &mut self.gains, &mut self.steps)
+    }
+
+    #[inline(always)]
+    fn find_slack_steps<S: Simd>(&mut self, simd: S) -> LargestDecreases {
         let mu = self.mu;
-        let mut ratios = StepRatios::default();
-        for block in &mut self.lines {
-            block.direct(simd, &self.states, &self.moves, mu, &mut ratios);
-        }
-        for block in &mut self.curves {
-            block.direct(simd, &self.states, &self.moves, mu, &mut ratios);
-        }
+        let mut largest = LargestDecreases::default();
+        for_each_block!(&mut self.blocks, block => {
+            block.find_slack_steps(simd, &self.states, &self.steps, mu, &mut largest);
+        });
         for rest in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
-            let (x, dx) = (rest.x(&self.states), rest.x(&self.moves));
+            let (x, dx) = (rest.x(&self.states), rest.x(&self.steps));
             let slack = &mut rest.slack;
             slack.ds = 1.0 - (x + dx) / rest.cap - slack.s;
             slack.dz = (mu - slack.z * slack.ds) / slack.s - slack.z;
-            ratios.slack = ratios.slack.max(-slack.ds / slack.s);
-            ratios.dual = ratios.dual.max(-slack.dz / slack.z);
-            ratios.x = ratios.x.max(-dx / x);
+            largest.slack = largest.slack.max(-slack.ds / slack.s);
+            largest.dual = largest.dual.max(-slack.dz / slack.z);
+            largest.x = largest.x.max(-dx / x);
         }
-        ratios
+        largest
     }
 
     #[inline(always)]
     fn step(&mut self, primal: f64, dual: f64) {
-        for (y, dy) in std::iter::zip(&mut self.states, &self.moves) {
+        for (y, dy) in std::iter::zip(&mut self.states, &self.steps) {
             for a in 0..4 {
                 y[a] += primal * dy[a];
             }
@@ -414,111 +424,9 @@ impl Solver {
         self.stop();
         self.last = InteriorStep { mu: self.mu, primal, dual };
         for Rest { slack, .. } in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
-            slack.s += primal * slack.ds;
-            slack.z += dual * slack.dz;
+            slack.s = (slack.s + primal * slack.ds).max(SETTINGS.least_share * slack.s);
+            slack.z = (slack.z + dual * slack.dz).max(SETTINGS.least_share * slack.z);
         }
-    }
-
-    /// Finds the step of all states that minimises the sum of the cells' quadratic functions.
-    #[inline(always)]
-    fn recursion(&mut self) -> Result<(), NotConverged> {
-        let n = self.lengths.len();
-        let to_rest = self.to_rest();
-        // Backwards: the cost of what follows, as a function of x and V at a cell's start.
-        let (mut p, mut pg) = ([0.0_f64; 3], [0.0_f64; 2]);
-        for k in (0..n).rev() {
-            let Quadratic { h: mut m, mut g } = self.quadratics[k];
-            if !self.free[k] {
-                (m, g) = ([0.0; 10], [0.0; 4]);
-            }
-            if k + 1 < n {
-                let ratio = self.lengths[k + 1] / self.lengths[k];
-                let v = END_V.map(|factor| ratio * factor);
-                let [dx, dv] = self.defect(k);
-                pg = [pg[0] + p[0] * dx + p[1] * dv, pg[1] + p[1] * dx + p[2] * dv];
-                let mut i = 0;
-                for a in 0..4 {
-                    let (px, pv) = (p[0] * END_X[a] + p[1] * v[a], p[1] * END_X[a] + p[2] * v[a]);
-                    for b in a..4 {
-                        m[i] += px * END_X[b] + pv * v[b];
-                        i += 1;
-                    }
-                    g[a] += pg[0] * END_X[a] + pg[1] * v[a];
-                }
-            } else {
-                // W1 is what comes to rest.
-                let f: [f64; 3] = std::array::from_fn(|a| -to_rest[a] / to_rest[3]);
-                let [xx, xv, xw, xz, vv, vw, vz, ww, wz, zz] = m;
-                m = [
-                    xx + f[0] * (2.0 * xz + f[0] * zz),
-                    xv + f[0] * vz + f[1] * xz + f[0] * f[1] * zz,
-                    xw + f[0] * wz + f[2] * xz + f[0] * f[2] * zz,
-                    0.0,
-                    vv + f[1] * (2.0 * vz + f[1] * zz),
-                    vw + f[1] * wz + f[2] * vz + f[1] * f[2] * zz,
-                    0.0,
-                    ww + f[2] * (2.0 * wz + f[2] * zz),
-                    0.0,
-                    1.0,
-                ];
-                g = [g[0] + f[0] * g[3], g[1] + f[1] * g[3], g[2] + f[2] * g[3], 0.0];
-            }
-            let [mut xx, mut xv, mut xw, xz, mut vv, mut vw, vz, mut ww, wz, zz] = m;
-            let mut gain = Gain::default();
-            if self.free[k] {
-                let inverse = 1.0 / zz;
-                let w1 = [xz * inverse, vz * inverse, wz * inverse, g[3] * inverse];
-                xx -= xz * w1[0];
-                xv -= xz * w1[1];
-                xw -= xz * w1[2];
-                vv -= vz * w1[1];
-                vw -= vz * w1[2];
-                ww -= wz * w1[2];
-                g = [g[0] - xz * w1[3], g[1] - vz * w1[3], g[2] - wz * w1[3], 0.0];
-                let inverse = 1.0 / ww;
-                let w0 = [xw * inverse, vw * inverse, g[2] * inverse];
-                xx -= xw * w0[0];
-                xv -= xw * w0[1];
-                vv -= vw * w0[1];
-                g = [g[0] - xw * w0[2], g[1] - vw * w0[2], 0.0, 0.0];
-                gain = Gain { w0, w1 };
-            }
-            self.gains[k] = gain;
-            // Convex, whatever rounding says.
-            let (xx, vv) = (xx.max(0.0), vv.max(0.0));
-            let most = (xx * vv).sqrt();
-            p = [xx, xv.clamp(-most, most), vv];
-            pg = [g[0], g[1]];
-        }
-        // Forwards.
-        let (mut x, mut v) = (0.0, 0.0);
-        if let Some(slope) = self.slope_from_rest() {
-            let curvature = p[0] + slope * (2.0 * p[1] + slope * p[2]);
-            if !(curvature > 0.0 && curvature.is_finite()) {
-                return Err(NotConverged);
-            }
-            x = -(pg[0] + slope * pg[1]) / curvature;
-            v = slope * x;
-        }
-        for k in 0..n {
-            let Gain { w0, w1 } = self.gains[k];
-            let mut dy = [x, v, 0.0, 0.0];
-            if self.free[k] {
-                dy[2] = -(w0[0] * x + w0[1] * v + w0[2]);
-                if k + 1 < n {
-                    dy[3] = -(w1[0] * x + w1[1] * v + w1[2] * dy[2] + w1[3]);
-                } else {
-                    come_to_rest(&to_rest, &mut dy);
-                }
-            }
-            self.moves[k] = dy;
-            if k + 1 < n {
-                let defect = self.defect(k);
-                x = dot(&END_X, &dy) + defect[0];
-                v = self.lengths[k + 1] / self.lengths[k] * dot(&END_V, &dy) + defect[1];
-            }
-        }
-        Ok(())
     }
 }
 
@@ -538,8 +446,7 @@ impl pulp::WithSimd for Solve<'_> {
 
 struct Restart<'a> {
     solver: &'a mut Solver,
-    mu: f64,
-    least: f64,
+    start: Start,
 }
 
 impl pulp::WithSimd for Restart<'_> {
@@ -547,23 +454,7 @@ impl pulp::WithSimd for Restart<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Solver { lines, curves, states, .. } = self.solver;
-        for block in lines {
-            block.start(simd, states, self.mu, self.least);
-        }
-        for block in curves {
-            block.start(simd, states, self.mu, self.least);
-        }
+        let Solver { blocks, states, .. } = self.solver;
+        for_each_block!(blocks, block => block.start(simd, states, self.start));
     }
-}
-
-/// Sets W1 so that x comes to rest.
-#[inline(always)]
-fn come_to_rest(row: &CellState, y: &mut CellState) {
-    y[3] = -(row[0] * y[0] + row[1] * y[1] + row[2] * y[2]) / row[3];
-}
-
-#[inline(always)]
-fn dot(a: &CellState, b: &CellState) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 }

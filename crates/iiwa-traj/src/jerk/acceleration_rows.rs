@@ -1,0 +1,146 @@
+//! Limits of acceleration as rows: `-1 <= (q''_j x + q'_j V / (2 h)) / a_j <= 1`, h the length of a cell.
+
+use pulp::Simd;
+
+use super::{
+    functionals::Functional,
+    limited_segment::SigmaDerivatives,
+    quadratic::Terms,
+    slack_pair::{Decreases, InteriorStart, InteriorSteps, SlackPair},
+};
+use crate::lanes::{Lanes, Vector};
+
+/// The rows of `J` joints at one place of eight cells. With `J` = 1, the cells are on lines: all joints move in
+/// proportion, and the one that comes first at its limit stands for all.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AccelerationRows<const J: usize> {
+    x: [Lanes; J],
+    v: [Lanes; J],
+    sides: [[SlackPair; 2]; J],
+}
+
+impl<const J: usize> Default for AccelerationRows<J> {
+    fn default() -> Self {
+        let rows = [Lanes::default(); J];
+        Self { x: rows, v: rows, sides: [[SlackPair::default(); 2]; J] }
+    }
+}
+
+impl<const J: usize> AccelerationRows<J> {
+    /// How many sides limits have.
+    pub(crate) const SIDES: usize = 2 * J;
+
+    /// Sets the rows of a cell of this `length` for some `joints`, from one over the limits (s^2/rad).
+    pub(crate) fn set(
+        &mut self,
+        lane: usize,
+        joints: &[usize],
+        [dq, ddq, _]: &SigmaDerivatives,
+        length: f64,
+        inverse: &[f64; 7],
+    ) {
+        // dx/dsigma = V / length.
+        let half = 0.5 / length;
+        if J == 1 {
+            self.v[0].0[lane] = largest_share(dq, inverse) * half;
+            return;
+        }
+        for (row, &j) in joints.iter().enumerate() {
+            self.x[row].0[lane] = ddq[j] * inverse[j];
+            self.v[row].0[lane] = dq[j] * inverse[j] * half;
+        }
+    }
+
+    /// Lowers the limits of a cell by the factor `by`.
+    pub(crate) fn scale(&mut self, lane: usize, by: f64) {
+        for row in self.x.iter_mut().chain(&mut self.v) {
+            row.0[lane] /= by;
+        }
+    }
+
+    #[inline(always)]
+    fn value<S: Simd>(&self, j: usize, simd: S, r: usize, [x, v]: [Vector<S>; 2]) -> Vector<S> {
+        let along = self.v[j].load(simd, r) * v;
+        // Lines do not bend.
+        if J == 1 { along } else { self.x[j].load(simd, r).mul_add(x, along) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn start<X: Functional, V: Functional, S: Simd>(
+        &mut self,
+        start: &InteriorStart<S>,
+        y: &[Vector<S>; 4],
+    ) {
+        let one = Vector::splat(start.simd, 1.0);
+        let place = [X::of(y), V::of(y)];
+        for j in 0..J {
+            let value = self.value(j, start.simd, start.register, place);
+            let [upper, lower] = &mut self.sides[j];
+            upper.start(start, one - value, start.least);
+            lower.start(start, one + value, start.least);
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn add<X: Functional, V: Functional, S: Simd>(
+        &mut self,
+        steps: &InteriorSteps<S>,
+        y: &[Vector<S>; 4],
+        sum: &mut Terms<S>,
+    ) {
+        let InteriorSteps { simd, register: r, .. } = *steps;
+        let zero = Vector::splat(simd, 0.0);
+        let one = Vector::splat(simd, 1.0);
+        let place = [X::of(y), V::of(y)];
+        let [mut xx, mut xv, mut vv, mut gx, mut gv] = [zero; 5];
+        for j in 0..J {
+            let (px, pv) = (self.x[j].load(simd, r), self.v[j].load(simd, r));
+            let value = self.value(j, simd, r, place);
+            let [a, b] = &mut self.sides[j];
+            let (a, b) = (a.advance(steps), b.advance(steps));
+            let miss = [value - one + a.s, b.s - value - one];
+            sum.gap = a.s.mul_add(a.z, b.s.mul_add(b.z, sum.gap));
+            sum.residual = sum.residual.max(miss[0].abs()).max(miss[1].abs());
+            let slope = a.slope(steps, miss[0]) - b.slope(steps, miss[1]);
+            let both = a.weight + b.weight;
+            let bv = both * pv;
+            vv = bv.mul_add(pv, vv);
+            gv = slope.mul_add(pv, gv);
+            if J > 1 {
+                let bx = both * px;
+                xx = bx.mul_add(px, xx);
+                xv = bx.mul_add(pv, xv);
+                gx = slope.mul_add(px, gx);
+            }
+        }
+        sum.add_square::<V>(vv);
+        sum.add_linear::<V>(gv);
+        if J > 1 {
+            sum.add_square::<X>(xx);
+            sum.add_product::<X, V>(xv);
+            sum.add_linear::<X>(gx);
+        }
+    }
+
+    /// `y` is the state after a full step.
+    #[inline(always)]
+    pub(crate) fn find_steps<X: Functional, V: Functional, S: Simd>(
+        &mut self,
+        r: usize,
+        y: &[Vector<S>; 4],
+        mu: Vector<S>,
+        decreases: &mut Decreases<S>,
+    ) {
+        let one = Vector::splat(mu.simd(), 1.0);
+        let place = [X::of(y), V::of(y)];
+        for j in 0..J {
+            let value = self.value(j, mu.simd(), r, place);
+            decreases.add(&mut self.sides[j], r, [one - value, one + value], mu);
+        }
+    }
+}
+
+/// The largest of `|dq_j| inverse_j`.
+pub(crate) fn largest_share(dq: &[f64; 7], inverse: &[f64; 7]) -> f64 {
+    std::iter::zip(dq, inverse).map(|(d, i)| d.abs() * i).fold(0.0, f64::max)
+}

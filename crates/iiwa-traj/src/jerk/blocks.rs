@@ -1,0 +1,96 @@
+//! The cells of a section in blocks of eight, by how many rows they need.
+
+use super::{
+    cells::{CellBlock, LimitedCell},
+    limited_segment::LimitedSegment,
+    mesh::Mesh,
+};
+
+/// Blocks of cells: with one row of each kind at a place on lines, with two to seven in curves.
+#[derive(Default)]
+pub(crate) struct Blocks {
+    pub(crate) lines: Vec<CellBlock<1>>,
+    pub(crate) two: Vec<CellBlock<2>>,
+    pub(crate) three: Vec<CellBlock<3>>,
+    pub(crate) four: Vec<CellBlock<4>>,
+    pub(crate) five: Vec<CellBlock<5>>,
+    pub(crate) seven: Vec<CellBlock<7>>,
+}
+
+/// Does the same with every block of some [`Blocks`].
+macro_rules! for_each_block {
+    ($blocks:expr, $block:ident => $do:expr) => {{
+        let blocks = $blocks;
+        for $block in &mut blocks.lines {
+            $do;
+        }
+        for $block in &mut blocks.two {
+            $do;
+        }
+        for $block in &mut blocks.three {
+            $do;
+        }
+        for $block in &mut blocks.four {
+            $do;
+        }
+        for $block in &mut blocks.five {
+            $do;
+        }
+        for $block in &mut blocks.seven {
+            $do;
+        }
+    }};
+}
+pub(crate) use for_each_block;
+
+impl Blocks {
+    /// Blocks of the cells in `list`.
+    pub(crate) fn new(segments: &[LimitedSegment<'_>], mesh: &Mesh, list: &[usize]) -> Self {
+        let mut of_rows: [Vec<usize>; 6] = Default::default();
+        for &k in list {
+            let place = match LimitedCell::new(segments, mesh, k).rows() {
+                1 if segments[mesh.cells[k].segment].is_line() => 0,
+                ..=2 => 1,
+                3 => 2,
+                4 => 3,
+                5 => 4,
+                _ => 5,
+            };
+            of_rows[place].push(k);
+        }
+        // A block that is not full takes those that need fewer rows, but lines.
+        for place in (2..6).rev() {
+            let room = of_rows[place].len().next_multiple_of(8) - of_rows[place].len();
+            let fewer = &mut of_rows[place - 1];
+            let moved = fewer.split_off(fewer.len() - room.min(fewer.len()));
+            of_rows[place].extend(moved);
+        }
+        let [lines, two, three, four, five, seven] = of_rows;
+        Self {
+            lines: blocks(segments, mesh, &lines),
+            two: blocks(segments, mesh, &two),
+            three: blocks(segments, mesh, &three),
+            four: blocks(segments, mesh, &four),
+            five: blocks(segments, mesh, &five),
+            seven: blocks(segments, mesh, &seven),
+        }
+    }
+
+    /// How many sides all limits have.
+    pub(crate) fn sides(&self) -> usize {
+        CellBlock::<1>::SIDES * self.lines.len()
+            + CellBlock::<2>::SIDES * self.two.len()
+            + CellBlock::<3>::SIDES * self.three.len()
+            + CellBlock::<4>::SIDES * self.four.len()
+            + CellBlock::<5>::SIDES * self.five.len()
+            + CellBlock::<7>::SIDES * self.seven.len()
+    }
+}
+
+fn blocks<const J: usize>(
+    segments: &[LimitedSegment<'_>],
+    mesh: &Mesh,
+    list: &[usize],
+) -> Vec<CellBlock<J>> {
+    list.chunks(crate::lanes::LANES).map(|chunk| CellBlock::new(segments, mesh, chunk)).collect()
+}

@@ -1,0 +1,189 @@
+//! Limits of jerk as rows, and the duration.
+//!
+//! The jerk of joint j is `sqrt(x) (q'''_j x + 3/2 q''_j V / h + 1/2 q'_j W / h^2)`, h the length of a cell. Divided by
+//! sqrt(x) and by the limit, it is linear, and its bound is `x^(-1/2)`: convex in x, as is the duration, whose
+//! integrand it is.
+
+use pulp::Simd;
+
+use super::{
+    acceleration_rows::largest_share,
+    functionals::Functional,
+    limited_segment::SigmaDerivatives,
+    quadratic::Terms,
+    settings::InteriorPointSettings,
+    slack_pair::{Decreases, InteriorStart, InteriorSteps, SlackPair},
+};
+use crate::lanes::{Lanes, Vector};
+
+const SETTINGS: InteriorPointSettings = super::settings::SETTINGS.interior_point;
+
+/// The rows of `J` joints at one place of eight cells; on lines, `J` = 1 stands for all joints.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JerkRows<const J: usize> {
+    x: [Lanes; J],
+    v: [Lanes; J],
+    w: [Lanes; J],
+    sides: [[SlackPair; 2]; J],
+}
+
+impl<const J: usize> Default for JerkRows<J> {
+    fn default() -> Self {
+        let rows = [Lanes::default(); J];
+        Self { x: rows, v: rows, w: rows, sides: [[SlackPair::default(); 2]; J] }
+    }
+}
+
+impl<const J: usize> JerkRows<J> {
+    /// How many sides limits have.
+    pub(crate) const SIDES: usize = 2 * J;
+
+    /// Sets the rows of a cell of this `length` for some `joints`, from one over the limits (s^3/rad).
+    pub(crate) fn set(
+        &mut self,
+        lane: usize,
+        joints: &[usize],
+        [dq, ddq, dddq]: &SigmaDerivatives,
+        length: f64,
+        inverse: &[f64; 7],
+    ) {
+        let (one, two) = (1.5 / length, 0.5 / (length * length));
+        if J == 1 {
+            self.w[0].0[lane] = largest_share(dq, inverse) * two;
+            return;
+        }
+        for (row, &j) in joints.iter().enumerate() {
+            self.x[row].0[lane] = dddq[j] * inverse[j];
+            self.v[row].0[lane] = ddq[j] * inverse[j] * one;
+            self.w[row].0[lane] = dq[j] * inverse[j] * two;
+        }
+    }
+
+    /// Lowers the limits of a cell by the factor `by`.
+    pub(crate) fn scale(&mut self, lane: usize, by: f64) {
+        for row in self.x.iter_mut().chain(&mut self.v).chain(&mut self.w) {
+            row.0[lane] /= by;
+        }
+    }
+
+    #[inline(always)]
+    fn value<S: Simd>(&self, j: usize, simd: S, r: usize, [x, v, w]: [Vector<S>; 3]) -> Vector<S> {
+        let along = self.w[j].load(simd, r) * w;
+        // Lines do not bend.
+        if J == 1 {
+            return along;
+        }
+        self.x[j].load(simd, r).mul_add(x, self.v[j].load(simd, r).mul_add(v, along))
+    }
+
+    #[inline(always)]
+    pub(crate) fn start<X: Functional, V: Functional, W: Functional, S: Simd>(
+        &mut self,
+        start: &InteriorStart<S>,
+        y: &[Vector<S>; 4],
+    ) {
+        let place = [X::of(y), V::of(y), W::of(y)];
+        let bound = place[0].sqrt().inverse();
+        for j in 0..J {
+            let value = self.value(j, start.simd, start.register, place);
+            let [upper, lower] = &mut self.sides[j];
+            upper.start(start, bound - value, start.least * bound);
+            lower.start(start, bound + value, start.least * bound);
+        }
+    }
+
+    /// Adds the rows, and `weight x^(-1/2)` of the duration.
+    #[inline(always)]
+    pub(crate) fn add<X: Functional, V: Functional, W: Functional, S: Simd>(
+        &mut self,
+        steps: &InteriorSteps<S>,
+        y: &[Vector<S>; 4],
+        weight: Vector<S>,
+        sum: &mut Terms<S>,
+    ) {
+        let InteriorSteps { simd, register: r, .. } = *steps;
+        let zero = Vector::splat(simd, 0.0);
+        let place = [X::of(y), V::of(y), W::of(y)];
+        let root = place[0].sqrt();
+        let inverse = place[0].inverse();
+        let bound = root * inverse;
+        let bound_slope = bound * inverse * -0.5;
+        let [mut xx, mut xv, mut xw, mut vv, mut vw, mut ww] = [zero; 6];
+        let [mut gx, mut gv, mut gw] = [zero; 3];
+        // What goes with the bound's slope: sums and differences of the two sides.
+        let [mut ex, mut ev, mut ew, mut weights, mut slopes, mut duals] = [zero; 6];
+        for j in 0..J {
+            let (jx, jv, jw) =
+                (self.x[j].load(simd, r), self.v[j].load(simd, r), self.w[j].load(simd, r));
+            let value = self.value(j, simd, r, place);
+            let [a, b] = &mut self.sides[j];
+            let (a, b) = (a.advance(steps), b.advance(steps));
+            let miss = [value - bound + a.s, b.s - value - bound];
+            sum.gap = a.s.mul_add(a.z, b.s.mul_add(b.z, sum.gap));
+            sum.residual = sum.residual.max(miss[0].abs().max(miss[1].abs()) * root);
+            let slope = [a.slope(steps, miss[0]), b.slope(steps, miss[1])];
+            let (both, apart) = (a.weight + b.weight, a.weight - b.weight);
+            let apart_slope = slope[0] - slope[1];
+            let bw = both * jw;
+            ww = bw.mul_add(jw, ww);
+            gw = apart_slope.mul_add(jw, gw);
+            ew = apart.mul_add(jw, ew);
+            if J > 1 {
+                let (bx, bv) = (both * jx, both * jv);
+                xx = bx.mul_add(jx, xx);
+                xv = bx.mul_add(jv, xv);
+                xw = bx.mul_add(jw, xw);
+                vv = bv.mul_add(jv, vv);
+                vw = bv.mul_add(jw, vw);
+                gx = apart_slope.mul_add(jx, gx);
+                gv = apart_slope.mul_add(jv, gv);
+                ex = apart.mul_add(jx, ex);
+                ev = apart.mul_add(jv, ev);
+            }
+            weights = weights + both;
+            slopes = slopes + slope[0] + slope[1];
+            duals = duals + a.z + b.z;
+        }
+        // The Lagrangian's curvature in x is (weight - duals) 3/4 x^(-5/2), below zero where duals are large. A step
+        // needs a convex function: the size of the curvature is right, and never nothing.
+        let kept = (weight - duals).abs().max(weight * SETTINGS.kept_curvature);
+        let curvature = bound * inverse * inverse * kept * 0.75;
+        xx = bound_slope.mul_add(bound_slope * weights - ex * 2.0, xx + curvature);
+        xw = xw - bound_slope * ew;
+        gx = bound_slope.mul_add(weight - slopes, gx);
+        sum.add_square::<X>(xx);
+        sum.add_product::<X, W>(xw);
+        sum.add_square::<W>(ww);
+        sum.add_linear::<X>(gx);
+        sum.add_linear::<W>(gw);
+        if J > 1 {
+            sum.add_product::<X, V>(xv - bound_slope * ev);
+            sum.add_square::<V>(vv);
+            sum.add_product::<V, W>(vw);
+            sum.add_linear::<V>(gv);
+        }
+    }
+
+    /// `before` is the state, `after` the one after a full step.
+    #[inline(always)]
+    pub(crate) fn find_steps<X: Functional, V: Functional, W: Functional, S: Simd>(
+        &mut self,
+        r: usize,
+        [before, after]: [&[Vector<S>; 4]; 2],
+        mu: Vector<S>,
+        decreases: &mut Decreases<S>,
+    ) {
+        let one = Vector::splat(mu.simd(), 1.0);
+        let x = X::of(before);
+        let place = [X::of(after), V::of(after), W::of(after)];
+        let inverse = x.inverse();
+        let growth = (place[0] - x) * inverse;
+        // The bound, linear about x.
+        let bound = x.sqrt() * inverse * (one - growth * 0.5);
+        decreases.x = decreases.x.max(-growth);
+        for j in 0..J {
+            let value = self.value(j, mu.simd(), r, place);
+            decreases.add(&mut self.sides[j], r, [bound - value, bound + value], mu);
+        }
+    }
+}

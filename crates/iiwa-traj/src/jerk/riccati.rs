@@ -1,0 +1,191 @@
+//! The Riccati recursion: the Newton step of all cells as a linear-quadratic control problem.
+//!
+//! A stage is a cell, its state the step of (x, V) at its start, its controls the steps of (W0, W1). The next
+//! state is `(END_X y, ratio END_V y)` plus by how much the cells miss each other, ratio the next cell's length over
+//! this one's. A stage costs `y^T h y / 2 + g^T y`. Backwards, the cost-to-go from a cell's start is kept as
+//! `p_xx x^2 / 2 + p_xv x V + p_vv V^2 / 2 + pg_x x + pg_v V`; W1 and then W0 are eliminated as scalars. Forwards, the
+//! feedback gives all steps. Time is linear in the number of cells.
+
+use pulp::Simd;
+
+use super::{
+    functionals::{CellState, EndV, EndX, Functional},
+    quadratic::Quadratic,
+};
+
+/// The stages, and what holds at both ends.
+pub(crate) struct Chain<'a> {
+    pub(crate) lengths: &'a [f64],
+    /// Whether W0 and W1 of a cell are free, or zero.
+    pub(crate) free: &'a [bool],
+    pub(crate) quadratics: &'a [Quadratic],
+    pub(crate) states: &'a [CellState],
+    /// V over x at the start, if it comes from rest; else both stay as they are.
+    pub(crate) slope_from_rest: Option<f64>,
+    /// What has to be zero for x to come to rest: a row of the last cell.
+    pub(crate) to_rest: CellState,
+}
+
+/// Feedback: `dW0 = -w0 [dx, dV, 1]`, `dW1 = -w1 [dx, dV, dW0, 1]`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Gain {
+    w0: [f64; 3],
+    w1: [f64; 4],
+}
+
+/// The quadratic function has no minimum: numbers have left their range.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NotConvex;
+
+/// Finds the steps of all states.
+#[inline(always)]
+pub(crate) fn solve<S: Simd>(
+    _: S,
+    chain: &Chain<'_>,
+    gains: &mut [Gain],
+    steps: &mut [CellState],
+) -> Result<(), NotConvex> {
+    let Chain { lengths, free, quadratics, states, slope_from_rest, ref to_rest } = *chain;
+    let n = lengths.len();
+    // Cost-to-go: second derivatives by (x, x), (x, V), (V, V), and first ones.
+    let (mut p, mut pg) = ([0.0_f64; 3], [0.0_f64; 2]);
+    for k in (0..n).rev() {
+        let Quadratic { h: mut m, mut g } = quadratics[k];
+        if !free[k] {
+            (m, g) = ([0.0; 10], [0.0; 4]);
+        }
+        if k + 1 < n {
+            let [dx, dv] = defect(lengths, states, k);
+            pg = [
+                fused::<S>(p[0], dx, fused::<S>(p[1], dv, pg[0])),
+                fused::<S>(p[1], dx, fused::<S>(p[2], dv, pg[1])),
+            ];
+            // With V in units of this cell's length.
+            let ratio = lengths[k + 1] / lengths[k];
+            let [xx, xv, vv] = [p[0], ratio * p[1], ratio * ratio * p[2]];
+            let slope = [pg[0], ratio * pg[1]];
+            let mut i = 0;
+            for a in 0..4 {
+                let (ex, ev) = (EndX::ROW[a], EndV::ROW[a]);
+                let px = fused::<S>(xv, ev, xx * ex);
+                let pv = fused::<S>(vv, ev, xv * ex);
+                for b in a..4 {
+                    m[i] = fused::<S>(px, EndX::ROW[b], fused::<S>(pv, EndV::ROW[b], m[i]));
+                    i += 1;
+                }
+                g[a] = fused::<S>(slope[0], ex, fused::<S>(slope[1], ev, g[a]));
+            }
+        } else {
+            (m, g) = without_w1(&m, &g, to_rest);
+        }
+        let [mut xx, mut xv, mut xw, xz, mut vv, mut vw, vz, mut ww, wz, zz] = m;
+        let mut gain = Gain::default();
+        if free[k] {
+            // z stands for W1, w for W0.
+            let inverse = 1.0 / zz;
+            let w1 = [xz * inverse, vz * inverse, wz * inverse, g[3] * inverse];
+            xx = fused::<S>(-xz, w1[0], xx);
+            xv = fused::<S>(-xz, w1[1], xv);
+            xw = fused::<S>(-xz, w1[2], xw);
+            vv = fused::<S>(-vz, w1[1], vv);
+            vw = fused::<S>(-vz, w1[2], vw);
+            ww = fused::<S>(-wz, w1[2], ww);
+            g = [
+                fused::<S>(-xz, w1[3], g[0]),
+                fused::<S>(-vz, w1[3], g[1]),
+                fused::<S>(-wz, w1[3], g[2]),
+                0.0,
+            ];
+            let inverse = 1.0 / ww;
+            let w0 = [xw * inverse, vw * inverse, g[2] * inverse];
+            xx = fused::<S>(-xw, w0[0], xx);
+            xv = fused::<S>(-xw, w0[1], xv);
+            vv = fused::<S>(-vw, w0[1], vv);
+            g = [fused::<S>(-xw, w0[2], g[0]), fused::<S>(-vw, w0[2], g[1]), 0.0, 0.0];
+            gain = Gain { w0, w1 };
+        }
+        gains[k] = gain;
+        // Convex, whatever rounding says.
+        let (xx, vv) = (xx.max(0.0), vv.max(0.0));
+        if xv * xv > xx * vv {
+            xv = (xx * vv).sqrt().copysign(xv);
+        }
+        p = [xx, xv, vv];
+        pg = [g[0], g[1]];
+    }
+    let (mut x, mut v) = (0.0, 0.0);
+    if let Some(slope) = slope_from_rest {
+        let curvature = p[0] + slope * (2.0 * p[1] + slope * p[2]);
+        if !(curvature > 0.0 && curvature.is_finite()) {
+            return Err(NotConvex);
+        }
+        x = -(pg[0] + slope * pg[1]) / curvature;
+        v = slope * x;
+    }
+    for k in 0..n {
+        let Gain { w0, w1 } = gains[k];
+        let mut dy = [x, v, 0.0, 0.0];
+        if free[k] {
+            dy[2] = -fused::<S>(w0[0], x, fused::<S>(w0[1], v, w0[2]));
+            if k + 1 < n {
+                dy[3] =
+                    -fused::<S>(w1[0], x, fused::<S>(w1[1], v, fused::<S>(w1[2], dy[2], w1[3])));
+            } else {
+                come_to_rest(to_rest, &mut dy);
+            }
+        }
+        steps[k] = dy;
+        if k + 1 < n {
+            let defect = defect(lengths, states, k);
+            x = dot(&EndX::ROW, &dy) + defect[0];
+            v = fused::<S>(lengths[k + 1] / lengths[k], dot(&EndV::ROW, &dy), defect[1]);
+        }
+    }
+    Ok(())
+}
+
+/// By how much the end of cell `k` misses the start of the next one, in x and V.
+#[inline(always)]
+pub(crate) fn defect(lengths: &[f64], states: &[CellState], k: usize) -> [f64; 2] {
+    let (y, next) = (&states[k], &states[k + 1]);
+    let ratio = lengths[k + 1] / lengths[k];
+    [dot(&EndX::ROW, y) - next[0], ratio * dot(&EndV::ROW, y) - next[1]]
+}
+
+/// Sets W1 so that x comes to rest, where `to_rest y` is zero.
+#[inline(always)]
+pub(crate) fn come_to_rest(to_rest: &CellState, y: &mut CellState) {
+    y[3] = -(to_rest[0] * y[0] + to_rest[1] * y[1] + to_rest[2] * y[2]) / to_rest[3];
+}
+
+#[inline(always)]
+pub(crate) fn dot(a: &CellState, b: &CellState) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+}
+
+/// The quadratic function of the last cell with W1 from [`come_to_rest`]; in its place, a unit.
+#[inline(always)]
+fn without_w1(m: &[f64; 10], g: &CellState, to_rest: &CellState) -> ([f64; 10], CellState) {
+    let f: [f64; 3] = std::array::from_fn(|a| -to_rest[a] / to_rest[3]);
+    let [xx, xv, xw, xz, vv, vw, vz, ww, wz, zz] = *m;
+    let m = [
+        xx + f[0] * (2.0 * xz + f[0] * zz),
+        xv + f[0] * vz + f[1] * xz + f[0] * f[1] * zz,
+        xw + f[0] * wz + f[2] * xz + f[0] * f[2] * zz,
+        0.0,
+        vv + f[1] * (2.0 * vz + f[1] * zz),
+        vw + f[1] * wz + f[2] * vz + f[1] * f[2] * zz,
+        0.0,
+        ww + f[2] * (2.0 * wz + f[2] * zz),
+        0.0,
+        1.0,
+    ];
+    (m, [g[0] + f[0] * g[3], g[1] + f[1] * g[3], g[2] + f[2] * g[3], 0.0])
+}
+
+/// `a b + c`, in one instruction where the machine has vector registers.
+#[inline(always)]
+fn fused<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
+    // Elsewhere it would be a call of a function.
+    if S::F64_LANES > 1 { a.mul_add(b, c) } else { a * b + c }
+}
