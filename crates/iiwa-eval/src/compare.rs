@@ -21,14 +21,12 @@ mod plan;
 use iiwa_log::JointLog;
 use iiwa_path::MotionIndex;
 
-use crate::vector;
+use iiwa_kin::vector::{self, add_scaled, norm, sub};
 
 use edge::{Edge, Line, Side, Stop};
 use follow::Followed;
 use noise::Noise;
 use plan::{Leg, Piece, PieceKind};
-
-use crate::vector::{add_scaled, norm, sub};
 
 pub use deviation::{Deviation, Location, TracePoint};
 pub use error::CompareError;

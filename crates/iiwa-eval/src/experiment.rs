@@ -4,10 +4,11 @@
 //! on; what else is around the robot they do not know.
 
 use fastrand::Rng;
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{
+    Joints, Robot,
+    vector::{norm, sub},
+};
 use iiwa_path::{Blend, Motion, Program, Ptp};
-
-use crate::vector::{norm, sub};
 
 /// A program of an experiment.
 #[derive(Clone, Debug, PartialEq)]

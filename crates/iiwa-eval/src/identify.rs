@@ -19,7 +19,10 @@ mod stops;
 
 use std::f64::consts::SQRT_2;
 
-use iiwa_kin::{Joint, Joints, Robot};
+use iiwa_kin::{
+    Joint, Joints, Robot,
+    vector::{distance, dot, norm, sub, unit},
+};
 use iiwa_log::JointLog;
 use iiwa_path::{BlendSearch, Fault, JointPath, Motion, MotionIndex, Program, Step};
 
@@ -31,7 +34,6 @@ use crate::{
         ramps::{Observed, Ramps},
         stops::{FollowedStops, Passage},
     },
-    vector::{distance, dot, norm, sub, unit},
 };
 
 /// A program, and what the robot did when it ran it.

@@ -13,7 +13,6 @@ pub mod identify;
 mod least_squares;
 mod local_cubic;
 mod quantile;
-mod vector;
 mod virtual_robot;
 
 pub use compare::{

@@ -31,6 +31,7 @@ mod shapes;
 mod trig;
 #[cfg(feature = "urdf")]
 mod urdf;
+pub mod vector;
 
 pub use dh::DhRow;
 pub use joint::Joint;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use iiwa_kin::{Joint, Joints, Robot};
+use iiwa_kin::{Joint, Joints, Robot, vector};
 
 use crate::{
     circle::CircularBlend,
@@ -16,7 +16,6 @@ use crate::{
     program::{Motion, Program, Ptp},
     segment::Segment,
     step::{Corner, Step},
-    vector,
 };
 
 /// Shorter than this, in rad, is rounding and not motion: a tenth of a micrometre at the flange

@@ -1,11 +1,8 @@
 //! Blends along a circle in joint space (Larsen 2019, Eq. 27 to 32; Kunz and Stilman 2012).
 
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, vector};
 
-use crate::{
-    segment::{Derivatives, Segment},
-    vector,
-};
+use crate::segment::{Derivatives, Segment};
 
 /// An arc that touches both neighbours of a blend.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,9 +4,7 @@
 //! segment's other end (Larsen 2019 counts s = 1 - u), and look no further than the half,
 //! u = 1/2, so that the blends at the two ends of a segment never overlap.
 
-use iiwa_kin::{Joints, Robot};
-
-use crate::vector;
+use iiwa_kin::{Joints, Robot, vector};
 
 /// How the crossing is searched for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

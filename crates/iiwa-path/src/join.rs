@@ -1,8 +1,8 @@
 //! Whether the steps of a path follow from each other.
 
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, vector};
 
-use crate::{motion_index::MotionIndex, step::Step, vector};
+use crate::{motion_index::MotionIndex, step::Step};
 
 /// How far the end of a segment may be from the start of the next, in rad.
 const GAP_RAD: f64 = 1e-9;

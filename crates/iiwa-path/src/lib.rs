@@ -50,7 +50,6 @@ mod program;
 mod program_builder;
 mod segment;
 mod step;
-mod vector;
 mod wire;
 
 pub use blend::Blend;

@@ -1,11 +1,8 @@
 //! Straight lines in joint space.
 
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, vector};
 
-use crate::{
-    segment::{Derivatives, Segment},
-    vector,
-};
+use crate::segment::{Derivatives, Segment};
 
 /// A PTP segment: `q(s) = start + s direction` (Larsen 2019, Eq. 10).
 ///

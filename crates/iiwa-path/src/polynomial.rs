@@ -1,6 +1,6 @@
 //! Blends by polynomials (Larsen 2019, Eq. 13 to 26, 38 and 39).
 
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, vector};
 use pulp::Simd;
 
 use crate::{
@@ -8,7 +8,6 @@ use crate::{
     continuity::{Basis, Continuity, evaluate},
     grid::Grid,
     segment::{Derivatives, Segment, by_sigma},
-    vector,
 };
 
 /// k that minimises the mean squared second derivative of a blend of continuity N = 2 (Larsen 2019,

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, vector};
 
-use crate::{grid::Grid, vector};
+use crate::grid::Grid;
 
 /// Joint positions as a function of s in [0, 1], and their first three derivatives by s.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,10 @@
 //! The planned path as a curve through the nodes of its trajectory.
 
-use iiwa_kin::Joints;
+use iiwa_kin::{
+    Joints,
+    vector::{add_scaled, dot, norm, scale, sub},
+};
 use iiwa_log::PlanNode;
-
-use crate::vector::{add_scaled, dot, norm, scale, sub};
 
 /// A polynomial between each two nodes: of degree five, which meets position, velocity and acceleration at
 /// both, as plans with limits on jerk have it; or a cubic without the acceleration, where that jumps.

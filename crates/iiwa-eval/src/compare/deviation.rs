@@ -1,11 +1,10 @@
 //! How far the arm is from the planned path, whenever it is there.
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joints, Robot, vector::distance};
 use iiwa_log::JointLog;
 use iiwa_path::MotionIndex;
 
 use super::plan::Plan;
-use crate::vector::distance;
 
 /// How far the recorded path is from the planned one.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,13 +6,15 @@
 //! ramps of constant jerk and acceleration, and the line through the points is followed back to where the
 //! way is zero.
 
-use iiwa_kin::Joints;
+use iiwa_kin::{
+    Joints,
+    vector::{distance, dot, norm, scale, sub},
+};
 use iiwa_log::JointLog;
 
 use super::curve::Curve;
 use super::noise::Noise;
 use crate::quantile::median;
-use crate::vector::{distance, dot, norm, scale, sub};
 
 /// The way over which a ramp is looked at, in rad, if noise does not ask for more.
 const WAY_RAD: f64 = 3e-3;

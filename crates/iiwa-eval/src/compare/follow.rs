@@ -1,13 +1,15 @@
 //! Finding the program in a recording, and following the arm along the planned path.
 
-use iiwa_kin::Joints;
+use iiwa_kin::{
+    Joints,
+    vector::{distance, norm, sub},
+};
 use iiwa_log::JointLog;
 
 use super::curve::{Curve, Place};
 use super::error::CompareError;
 use super::noise::Noise;
 use super::plan::{Leg, Plan};
-use crate::vector::{distance, norm, sub};
 
 /// How far from the plan's start and end the arm may stand, in rad.
 const ENDS_RAD: f64 = 0.05;

@@ -1,10 +1,9 @@
 //! How noisy a recording is.
 
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, vector::norm};
 use iiwa_log::JointLog;
 
 use crate::quantile::{median, quantile};
-use crate::vector::norm;
 
 /// Samples that are looked at.
 const SAMPLES: usize = 20_000;

@@ -3,12 +3,12 @@
 //! The path does not depend on time, so neither does the fit: it makes the distances of the samples from
 //! the curve small.
 
-use iiwa_kin::Joints;
-
-use crate::{
-    least_squares::{self, Model},
+use iiwa_kin::{
+    Joints,
     vector::{dot, norm, sub, unit},
 };
+
+use crate::least_squares::{self, Model};
 
 /// Corners that are straighter, or turn farther back, in degrees, show nothing of their curve.
 const GAMMA_DEG: std::ops::RangeInclusive<f64> = 3.0..=177.0;

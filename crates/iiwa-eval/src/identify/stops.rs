@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use iiwa_kin::Joints;
+use iiwa_kin::{
+    Joints,
+    vector::{add_scaled, distance, dot, norm, sub},
+};
 use iiwa_log::JointLog;
 use iiwa_path::{JointPath, MotionIndex, Step};
-
-use crate::vector::{add_scaled, distance, dot, norm, sub};
 
 /// Nearer than this, in rad, the arm is taken to be about to leave a stop, or to arrive: more than robots
 /// lag behind or measure wrong, and little of a motion.

@@ -1,0 +1,69 @@
+//! Vectors in joint space.
+//!
+//! ```
+//! use iiwa_kin::vector;
+//!
+//! let from = [0.0; 7];
+//! let to = [0.3, 0.0, 0.0, 0.4, 0.0, 0.0, 0.0];
+//! assert_eq!(vector::distance(&from, &to), 0.5);
+//! assert_eq!(vector::add_scaled(&from, 0.5, &to)[3], 0.2);
+//! ```
+
+use crate::Joints;
+
+/// `a - b`.
+
+#[must_use]
+#[inline(always)]
+pub fn sub(a: &Joints, b: &Joints) -> Joints {
+    std::array::from_fn(|j| a[j] - b[j])
+}
+
+/// `a + k b`.
+#[must_use]
+#[inline(always)]
+pub fn add_scaled(a: &Joints, k: f64, b: &Joints) -> Joints {
+    std::array::from_fn(|j| a[j] + k * b[j])
+}
+
+/// `k a`.
+#[must_use]
+#[inline(always)]
+pub fn scale(k: f64, a: &Joints) -> Joints {
+    a.map(|v| k * v)
+}
+
+/// The scalar product.
+#[must_use]
+#[inline(always)]
+pub fn dot(a: &Joints, b: &Joints) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The Euclidean length.
+#[must_use]
+pub fn norm(a: &Joints) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// The Euclidean distance of two positions, in rad.
+#[must_use]
+pub fn distance(a: &Joints, b: &Joints) -> f64 {
+    norm(&sub(a, b))
+}
+
+/// The direction of a vector that is not zero.
+#[must_use]
+pub fn unit(a: &Joints) -> Joints {
+    scale(norm(a).recip(), a)
+}
+
+/// Angle between two unit vectors, in rad: 0 straight on, pi turned back (Larsen 2019, Eq. 28).
+///
+/// Half the angle from the lengths of sum and difference is exact near 0 and pi, where the inverse
+/// cosine loses half of the digits.
+#[must_use]
+pub fn angle(a: &Joints, b: &Joints) -> f64 {
+    let sum = add_scaled(a, 1.0, b);
+    2.0 * norm(&sub(a, b)).atan2(norm(&sum))
+}
