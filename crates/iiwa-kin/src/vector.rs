@@ -12,30 +12,29 @@
 use crate::Joints;
 
 /// `a - b`.
-
 #[must_use]
-#[inline(always)]
+#[inline]
 pub fn sub(a: &Joints, b: &Joints) -> Joints {
     std::array::from_fn(|j| a[j] - b[j])
 }
 
 /// `a + k b`.
 #[must_use]
-#[inline(always)]
+#[inline]
 pub fn add_scaled(a: &Joints, k: f64, b: &Joints) -> Joints {
     std::array::from_fn(|j| a[j] + k * b[j])
 }
 
 /// `k a`.
 #[must_use]
-#[inline(always)]
+#[inline]
 pub fn scale(k: f64, a: &Joints) -> Joints {
     a.map(|v| k * v)
 }
 
 /// The scalar product.
 #[must_use]
-#[inline(always)]
+#[inline]
 pub fn dot(a: &Joints, b: &Joints) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

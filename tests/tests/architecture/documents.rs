@@ -177,10 +177,11 @@ fn items_are_in_the_files_that_documents_name_beside_them() {
             let mut parts = line.split("](").peekable();
             while let (Some(before), Some(after)) = (parts.next(), parts.peek()) {
                 let Some((target, _)) = after.split_once(')') else { continue };
-                if !target.ends_with(".rs") || !folder.join(target).exists() {
+                let file = folder.join(target);
+                if file.extension().is_none_or(|extension| extension != "rs") || !file.exists() {
                     continue;
                 }
-                let source = text(&folder.join(target));
+                let source = text(&file);
                 // After the link before this one, and within a cell of a table.
                 let before = before.split_once(')').map_or(before, |(_, rest)| rest);
                 let cell = before.rsplit('|').next().unwrap_or_default();
@@ -189,7 +190,7 @@ fn items_are_in_the_files_that_documents_name_beside_them() {
                     let is_name =
                         !item.is_empty() && item.chars().all(|c| c.is_alphanumeric() || c == '_');
                     // A module is in the file of its name.
-                    let is_module = folder.join(target).with_extension("").ends_with(item);
+                    let is_module = file.with_extension("").ends_with(item);
                     if is_name
                         && !is_module
                         && !defines(&source, item)

@@ -95,8 +95,7 @@ function show(mode) {
   writeMode();
   const parts = [];
   if (mode === "simulation") parts.push(["accent", "see-through arm: the plan"]);
-  if (mode === "replay")
-    parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: the recording"]);
+  if (mode === "replay") parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: the recording"]);
   if (desk.plan) parts.push(["line", "planned way of the flange"], ["blend", "its blends"]);
   if (canReplay()) parts.push(["measured", "measured way"]);
   if (setup.scene) parts.push(["soft", "what stands around"]);
