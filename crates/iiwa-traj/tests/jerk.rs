@@ -5,7 +5,7 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
-use iiwa_traj::{State, SweepOptions, Timing, Trajectory};
+use iiwa_traj::{State, SweepOptions, Timing, TimingError, Trajectory};
 use proptest::{
     prelude::*,
     strategy::ValueTree,
@@ -200,5 +200,26 @@ fn what_came_before_does_not_matter() {
         // And on a thread that has planned nothing yet.
         let alone = std::thread::scope(|scope| scope.spawn(|| states(program)).join().unwrap());
         assert_eq!(bits(&alone), bits(before));
+    }
+}
+
+/// Limits of one motion a hundred thousand times as low as those of the next: what the solver cannot reach, it
+/// says, and it never panics where numbers leave their range on the way.
+#[test]
+fn where_there_is_no_solution_there_is_an_error() {
+    let start = [0.0; 7];
+    let target = |degrees: [f64; 7]| degrees.map(f64::to_radians);
+    let first = target([40.0, 0.0, 0.0, -30.0, 0.0, 0.0, 0.0]);
+    let second = target([60.0, 20.0, 0.0, -30.0, 0.0, 10.0, 0.0]);
+    for low in [1e-5, 1e-4, 1e-3] {
+        for shares in [[1.0, low, 1.0], [1.0, 1.0, low], [low, 1.0, 1.0], [1.0, low, low]] {
+            let motions = vec![ptp(first, shares, 0.5), ptp(second, [1.0; 3], 0.0)];
+            let program = program(start, motions);
+            let path = JointPath::new(&program, &Robot::default()).unwrap();
+            match Trajectory::plan(&path, Timing::default()) {
+                Ok(trajectory) => assert!(trajectory.motion_time_s().is_finite()),
+                Err(error) => assert!(matches!(error, TimingError::NotConverged { .. }), "{error}"),
+            }
+        }
     }
 }

@@ -224,7 +224,8 @@ impl Solver {
         for rest in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
             let s = (1.0 - rest.x(&self.states) / rest.cap).max(start.least);
             let balanced = mu / s;
-            let z = rest.slack.z.clamp(balanced / start.kept, balanced * start.kept);
+            // Unlike `clamp`, this has no panic where numbers have left their range.
+            let z = rest.slack.z.max(balanced / start.kept).min(balanced * start.kept);
             rest.slack = ScalarSlackPair { s, z, ..ScalarSlackPair::default() };
         }
     }
