@@ -73,7 +73,7 @@ impl Instruction {
         to_json(&NumberedInstruction { seq, instruction: self })
     }
 
-    /// Parses an instruction and its number, which is `None` if there is none.
+    /// Parses an instruction and its number, `None` without one.
     ///
     /// # Errors
     ///
