@@ -123,8 +123,9 @@ impl Window<'_, '_> {
     fn solve(&self, options: JerkOptions) -> Option<Solution> {
         let [enough, most] = REFINEMENT.longer;
         let mut best: Option<Solution> = None;
-        for (refinement, safe) in REFINEMENT.attempts {
-            let Some(plan) = Solution::find(self, options.refinement * refinement, safe) else {
+        for (index, (refinement, safe)) in REFINEMENT.attempts.into_iter().enumerate() {
+            let refinement = options.refinement * refinement;
+            let Some(plan) = Solution::find(self, refinement, safe, index > 0) else {
                 continue;
             };
             if plan.longer() <= best.as_ref().map_or(most, Solution::longer) {
@@ -195,10 +196,11 @@ struct Solution {
 }
 
 impl Solution {
-    fn find(part: &Window<'_, '_>, refinement: f64, safe: bool) -> Option<Self> {
+    fn find(part: &Window<'_, '_>, refinement: f64, safe: bool, cautious: bool) -> Option<Self> {
         let Window { segments, ref range, entry } = *part;
         let mesh = mesh(segments, range.clone(), entry.is_none(), refinement)?;
-        let solver = Solver::new(segments, &mesh, entry);
+        let mut solver = Solver::new(segments, &mesh, entry);
+        solver.is_cautious = cautious;
         let mut plan = Self { mesh, solver, time_scale: 1.0 };
         let scale = if safe { plan.time_scale(segments).powi(-2) } else { REFINEMENT.start };
         plan.solver.start(scale);
@@ -238,7 +240,7 @@ impl Solution {
             self.solver.restart(if excess > REFINEMENT.abrupt {
                 REFINEMENT.far
             } else {
-                REFINEMENT.close
+                REFINEMENT.close[usize::from(self.solver.is_cautious)]
             });
             self.solver.solve(GAP)?;
         }

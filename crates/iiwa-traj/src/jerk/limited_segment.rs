@@ -63,8 +63,11 @@ impl<'a> LimitedSegment<'a> {
             segment.line_shares = segment.straight(0.0).map(|limit| 1.0 / limit);
         }
         if shape.is_planar() {
-            // Where the curve bends, its first two derivatives span the plane.
-            let [dq, ddq, _] = segment.derivatives(0.5);
+            // Where the curve bends most, its first two derivatives span the plane; at some places it may not bend.
+            let bend = |at: &SigmaDerivatives| at[1].iter().map(|v| v * v).sum::<f64>();
+            let places = [0.1, 0.25, 0.4, 0.5].map(|s| segment.derivatives(s));
+            let most = places.into_iter().max_by(|a, b| bend(a).total_cmp(&bend(b)));
+            let [dq, ddq, _] = most.unwrap_or_default();
             let [_, acceleration, jerk] = &segment.inverse;
             segment.limiting = [acceleration, jerk].map(|inverse| {
                 LimitingJoints::new(&std::array::from_fn(|j| {

@@ -107,8 +107,8 @@ pub(crate) struct RefinementSettings {
     pub(crate) tolerance: [f64; 3],
     /// Shares that a cell is brought down to once it is above the tolerance.
     pub(crate) target: [f64; 3],
-    /// Start after limits were lowered by little.
-    pub(crate) close: WarmStart,
+    /// Start after limits were lowered by little, in the first attempt and in the others.
+    pub(crate) close: [WarmStart; 2],
     /// Start after limits were lowered by more than `abrupt`.
     pub(crate) far: WarmStart,
     /// Excess over a limit that calls for the far start, as a ratio.
@@ -123,8 +123,9 @@ pub(crate) struct RefinementSettings {
     /// and with which it is taken if no other is better.
     pub(crate) longer: [f64; 2],
     /// Attempts, one after the other until one is good enough: refinement of the mesh, and whether to start
-    /// from where all limits are kept, which is far away where one spot needs to be slow.
-    pub(crate) attempts: [(f64, bool); 4],
+    /// from where all limits are kept, which is far away where one spot needs to be slow. All but the first are
+    /// cautious: steps end at the first boundary, and duals start anew.
+    pub(crate) attempts: [(f64, bool); 5],
     /// Share of the acceleration-limited x from which the others start.
     pub(crate) start: f64,
 }
@@ -178,14 +179,17 @@ pub(crate) const SETTINGS: Settings = Settings {
     refinement: RefinementSettings {
         tolerance: [1.004, 1.006, 1.04],
         target: [1.0, 1.001, 1.02],
-        close: WarmStart { mu: 1e-5, slack: 1e-3, kept: 10.0 },
+        close: [
+            WarmStart { mu: 1e-5, slack: 1e-3, kept: 10.0 },
+            WarmStart { mu: 1e-3, slack: 1e-3, kept: 1.0 },
+        ],
         far: WarmStart { mu: 1e-2, slack: 1e-2, kept: 1.0 },
         abrupt: 1.3,
         checks: [4, 12],
         slow_s: 0.02,
         rounds: 8,
         longer: [1.002, 1.25],
-        attempts: [(1.0, false), (1.0, true), (1.7, false), (2.5, true)],
+        attempts: [(1.0, false), (1.0, false), (1.0, true), (1.7, false), (2.5, true)],
         start: 0.7,
     },
     horizon: HorizonSettings { window: 30, ahead: 10, ahead_rad: 2.5 },

@@ -47,6 +47,8 @@ pub(crate) struct Solver {
     pub(crate) gap: f64,
     /// What the next step aims at as the product of each slack and its dual.
     mu: f64,
+    /// Whether steps end at the first boundary that a slack or a dual comes to.
+    pub(crate) is_cautious: bool,
     /// The last step, which the slacks and duals of the cells have still to go.
     last: InteriorStep,
 }
@@ -154,6 +156,7 @@ impl Solver {
             gains: vec![Gain::default(); n],
             gap: f64::INFINITY,
             mu: 0.0,
+            is_cautious: false,
             last: InteriorStep::default(),
             lengths,
         };
@@ -324,16 +327,18 @@ impl Solver {
     fn iterate<S: Simd>(&mut self, simd: S, gap: f64) -> Result<(), NotConverged> {
         let limits = self.limits();
         let (short, most_stalled) = SETTINGS.stalled;
+        let [primal_beyond, dual_beyond] =
+            if self.is_cautious { [1.0; 2] } else { SETTINGS.beyond };
         let mut stalled = 0;
         for step in 1..=SETTINGS.steps {
             let sums = self.assemble(simd);
             self.find_state_steps(simd)?;
             let ratios = self.find_slack_steps(simd);
             let share = |fall: f64, of: f64| if fall > of { of / fall } else { 1.0 };
-            let primal = (SETTINGS.beyond[0] * share(ratios.slack, SETTINGS.to_boundary))
+            let primal = (primal_beyond * share(ratios.slack, SETTINGS.to_boundary))
                 .min(1.0)
                 .min(share(ratios.x, SETTINGS.largest_decrease));
-            let dual = (SETTINGS.beyond[1] * share(ratios.dual, SETTINGS.to_boundary)).min(1.0);
+            let dual = (dual_beyond * share(ratios.dual, SETTINGS.to_boundary)).min(1.0);
             let primal = if step > SETTINGS.patience { 0.5 * primal } else { primal };
             // Not a number either, once numbers have left their range.
             if !(primal > 0.0 && dual > 0.0) {
