@@ -3,11 +3,19 @@
 
 #[cfg(unix)]
 pub mod attack;
+pub mod bars;
+mod bernstein;
 pub mod calm;
 pub mod differences;
+pub mod extremes;
+pub mod families;
+mod intervals;
+mod jumps;
+pub mod means;
 pub mod ports;
 pub mod random;
 pub mod reference;
+pub mod verdict;
 pub mod zmtp;
 
 use std::path::PathBuf;

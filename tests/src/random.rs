@@ -97,11 +97,15 @@ fn draft() -> impl Strategy<Value = Draft> {
 
 /// Programs of up to `most` motions for the LBR iiwa 7 that [`JointPath::new`] takes.
 pub fn programs(most: usize) -> impl Strategy<Value = Program> {
+    drafts(most).prop_filter("a blend swings out of the limits", |program| {
+        JointPath::new(program, &Robot::default()).is_ok()
+    })
+}
+
+/// The same, those among them whose blends swing out of the joints' ranges.
+pub fn drafts(most: usize) -> impl Strategy<Value = Program> {
     (prop::array::uniform7(-1.2..1.2_f64), prop::collection::vec(draft(), 1..=most))
         .prop_map(|(start_rad, drafts)| program(start_rad, &drafts))
-        .prop_filter("a blend swings out of the limits", |program| {
-            JointPath::new(program, &Robot::default()).is_ok()
-        })
 }
 
 fn program(start_rad: Joints, drafts: &[Draft]) -> Program {

@@ -18,7 +18,7 @@ use crate::{
 const FILES: u32 = 256;
 
 /// The most memory of a twin, in MB.
-const MEMORY_MB: u64 = 150;
+const MEMORY_MB: u64 = 200;
 
 fn start(rig: &Rig) -> (Process, Address) {
     let twin = rig.begin_in(&format!("ulimit -n {FILES}"), "twin", &["--port", "0"]);

@@ -1,21 +1,45 @@
-//! Uniform grids over s, with the polynomials of blends evaluated once for all blends.
+//! Grids over a segment, with the polynomials of blends evaluated once for all blends.
 
 use std::sync::OnceLock;
 
-use crate::continuity::{Basis, Continuity};
+use crate::{
+    continuity::{Basis, Continuity},
+    sigma::by_sigma,
+};
 
-/// A uniform grid of N intervals over s in [0, 1].
+/// A grid of N intervals, uniform in s over [0, 1].
 #[derive(Debug)]
 pub struct Grid {
     intervals: usize,
-    basis: [OnceLock<Vec<Basis>>; 3],
+    blends: [OnceLock<BlendTable>; 3],
+}
+
+/// A node of a grid over one segment, in p: its share of the segment's sigma, 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GridNode {
+    /// Share of sigma, 0 to 1.
+    pub p: f64,
+    /// Distance to the next node in p; of the last node, 1.
+    pub step: f64,
+    /// ds/dp.
+    pub slope: f64,
+    /// d2s/dp2.
+    pub bend: f64,
+}
+
+/// What all blends of one order of continuity share.
+#[derive(Debug)]
+pub(crate) struct BlendTable {
+    pub(crate) nodes: Vec<GridNode>,
+    /// First and second derivative by p of `s alpha` and of `beta`.
+    pub(crate) derivatives: Vec<[[f64; 2]; 2]>,
 }
 
 impl Grid {
     /// A grid of `intervals` intervals, at least one, and one node more.
     #[must_use]
     pub fn new(intervals: usize) -> Self {
-        Self { intervals: intervals.max(1), basis: Default::default() }
+        Self { intervals: intervals.max(1), blends: Default::default() }
     }
 
     /// The number of intervals.
@@ -24,10 +48,41 @@ impl Grid {
         self.intervals
     }
 
-    pub(crate) fn basis(&self, continuity: Continuity) -> &[Basis] {
+    /// s at each node.
+    pub(crate) fn s(&self) -> impl Iterator<Item = f64> + use<> {
         let n = self.intervals as f64;
-        self.basis[continuity as usize].get_or_init(|| {
-            (0..=self.intervals).map(|i| Basis::at(continuity, i as f64 / n)).collect()
+        (0..=self.intervals).map(move |i| i as f64 / n)
+    }
+
+    /// The nodes over a segment whose sigma is `sigma`, from the values and derivatives at each node.
+    pub(crate) fn nodes(&self, sigma: impl Fn(f64) -> [f64; 4]) -> Vec<GridNode> {
+        let [end, ..] = sigma(1.0);
+        let mut nodes: Vec<_> = self
+            .s()
+            .map(|s| {
+                let at = sigma(s);
+                let [slope, bend, _] = by_sigma(at, 1.0);
+                GridNode { p: at[0] / end, step: 1.0, slope: slope * end, bend: bend * end * end }
+            })
+            .collect();
+        for i in 1..nodes.len() {
+            nodes[i - 1].step = nodes[i].p - nodes[i - 1].p;
+        }
+        nodes
+    }
+
+    pub(crate) fn blend(&self, continuity: Continuity) -> &BlendTable {
+        self.blends[continuity as usize].get_or_init(|| {
+            let along = |s| Basis::at(continuity, s).along;
+            let nodes = self.nodes(along);
+            let by_p = |node: &GridNode, [_, one, two, _]: [f64; 4]| {
+                [one * node.slope, two * node.slope * node.slope + one * node.bend]
+            };
+            let derivatives = self.s().zip(&nodes).map(|(s, node)| {
+                let Basis { across, bulge, .. } = Basis::at(continuity, s);
+                [by_p(node, across), by_p(node, bulge)]
+            });
+            BlendTable { derivatives: derivatives.collect(), nodes }
         })
     }
 }

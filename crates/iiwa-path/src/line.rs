@@ -55,6 +55,10 @@ impl Segment for Line {
         [0.0; 7]
     }
 
+    fn at_share(&self, p: f64) -> Derivatives {
+        self.at(p)
+    }
+
     fn tangent_lengths_rad(&self) -> [f64; 2] {
         [self.length; 2]
     }

@@ -1,13 +1,16 @@
 //! Blends by polynomials (Larsen 2019, Eq. 13 to 26, 38 and 39).
 
+use std::borrow::Cow;
+
 use iiwa_kin::{Joints, vector};
 use pulp::Simd;
 
 use crate::{
     along_inverse,
     continuity::{Basis, Continuity, evaluate},
-    grid::Grid,
-    segment::{Derivatives, Segment, by_sigma},
+    grid::{Grid, GridNode},
+    segment::{Derivatives, Segment},
+    sigma::by_sigma,
 };
 
 /// k that minimises the mean squared second derivative of a blend of continuity N = 2 (Larsen 2019,
@@ -87,6 +90,21 @@ impl PolynomialBlend {
     }
 }
 
+impl PolynomialBlend {
+    /// A = s alpha - kappa beta and its first three derivatives by `unit (s + alpha)`.
+    fn across(&self, s: f64, unit: f64) -> [f64; 4] {
+        let Basis { along, across, bulge } = Basis::at(self.continuity, s);
+        let [one, two, three] = by_sigma(along, unit);
+        let [a, a1, a2, a3]: [f64; 4] = std::array::from_fn(|n| across[n] - self.kappa * bulge[n]);
+        [
+            a,
+            a1 * one,
+            a2 * one * one + a1 * two,
+            a3 * one * one * one + 3.0 * a2 * one * two + a1 * three,
+        ]
+    }
+}
+
 impl Segment for PolynomialBlend {
     fn at(&self, s: f64) -> Derivatives {
         let basis = Basis::at(self.continuity, s);
@@ -127,12 +145,7 @@ impl Segment for PolynomialBlend {
     /// With sigma = reach (s + alpha), q(sigma) = start + sigma / reach d0 + A turn: all joints share the three
     /// derivatives of A = s alpha - kappa beta.
     fn sigma_derivatives(&self, s: f64) -> [Joints; 3] {
-        let Basis { along, across, bulge } = Basis::at(self.continuity, s);
-        let [one, two, three] = by_sigma(along, self.reach);
-        let [_, a1, a2, a3]: [f64; 4] = std::array::from_fn(|n| across[n] - self.kappa * bulge[n]);
-        let first = a1 * one;
-        let second = a2 * one * one + a1 * two;
-        let third = a3 * one * one * one + 3.0 * a2 * one * two + a1 * three;
+        let [_, first, second, third] = self.across(s, self.reach);
         let per_rad = 1.0 / self.reach;
         [
             std::array::from_fn(|j| self.d0[j] * per_rad + self.turn[j] * first),
@@ -141,13 +154,37 @@ impl Segment for PolynomialBlend {
         ]
     }
 
+    /// p is half of s + alpha.
+    fn at_share(&self, p: f64) -> Derivatives {
+        let [across, first, second, third] = self.across(self.s_at(2.0 * p), 0.5);
+        let mix = |along: f64, across: f64| {
+            std::array::from_fn(|j| along * self.d0[j] + across * self.turn[j])
+        };
+        Derivatives {
+            q: vector::add_scaled(&mix(2.0 * p, across), 1.0, &self.start),
+            dq: mix(2.0, first),
+            ddq: self.turn.map(|turn| second * turn),
+            dddq: self.turn.map(|turn| third * turn),
+        }
+    }
+
     fn is_planar(&self) -> bool {
         true
     }
 
-    /// The grid holds the polynomials: this costs six multiplications a joint.
-    fn rates(&self, grid: &Grid, scale: &Joints, dq: &mut [[f64; 8]], ddq: &mut [[f64; 8]]) {
-        pulp::Arch::new().dispatch(Rates { blend: self, grid, scale, dq, ddq });
+    fn grid_nodes<'a>(&self, grid: &'a Grid) -> Cow<'a, [GridNode]> {
+        Cow::Borrowed(&grid.blend(self.continuity).nodes)
+    }
+
+    /// The grid holds the polynomials: this costs three multiplications a joint.
+    fn grid_derivatives(
+        &self,
+        grid: &Grid,
+        scale: &Joints,
+        dq: &mut [[f64; 8]],
+        ddq: &mut [[f64; 8]],
+    ) {
+        pulp::Arch::new().dispatch(GridDerivatives { blend: self, grid, scale, dq, ddq });
     }
 }
 
@@ -155,7 +192,7 @@ impl Segment for PolynomialBlend {
 ///
 /// Not a closure: those reach the function with vector instructions by way of a shim that is not
 /// inlined into it, and so stay without them.
-struct Rates<'a> {
+struct GridDerivatives<'a> {
     blend: &'a PolynomialBlend,
     grid: &'a Grid,
     scale: &'a Joints,
@@ -163,27 +200,27 @@ struct Rates<'a> {
     ddq: &'a mut [[f64; 8]],
 }
 
-impl pulp::WithSimd for Rates<'_> {
+impl pulp::WithSimd for GridDerivatives<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Rates { blend, grid, scale, dq, ddq } = self;
-        let mut d0 = [0.0; 8];
+        let GridDerivatives { blend, grid, scale, dq, ddq } = self;
+        // sigma goes from 0 to 2 d0.
+        let mut along = [0.0; 8];
         let mut turn = [0.0; 8];
         for j in 0..7 {
-            d0[j] = blend.d0[j] * scale[j];
+            along[j] = 2.0 * blend.d0[j] * scale[j];
             turn[j] = blend.turn[j] * scale[j];
         }
-        let basis = grid.basis(blend.continuity);
-        for ((basis, dq), ddq) in
-            basis.iter().zip(&mut dq[..basis.len()]).zip(&mut ddq[..basis.len()])
-        {
-            let across1 = basis.across[1] - blend.kappa * basis.bulge[1];
-            let across2 = basis.across[2] - blend.kappa * basis.bulge[2];
+        let table = &grid.blend(blend.continuity).derivatives;
+        let rows = ..table.len();
+        for (([across, bulge], dq), ddq) in table.iter().zip(&mut dq[rows]).zip(&mut ddq[rows]) {
+            let first = across[0] - blend.kappa * bulge[0];
+            let second = across[1] - blend.kappa * bulge[1];
             for j in 0..8 {
-                dq[j] = basis.along[1] * d0[j] + across1 * turn[j];
-                ddq[j] = basis.along[2] * d0[j] + across2 * turn[j];
+                dq[j] = along[j] + first * turn[j];
+                ddq[j] = second * turn[j];
             }
         }
     }

@@ -1,10 +1,13 @@
 //! Segments of a path, whatever their shape.
 
-use std::fmt;
+use std::{borrow::Cow, fmt};
 
 use iiwa_kin::{Joints, vector};
 
-use crate::grid::Grid;
+use crate::{
+    grid::{Grid, GridNode},
+    sigma::{by_sigma, newton},
+};
 
 /// Joint positions as a function of s in [0, 1], and their first three derivatives by s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,53 +116,58 @@ pub trait Segment: fmt::Debug + Send + Sync {
         ]
     }
 
+    /// Position and derivatives by p, the share of [`sigma`](Self::sigma) from 0 to 1: stamps are found as a
+    /// function of p.
+    fn at_share(&self, p: f64) -> Derivatives {
+        let [end, ..] = self.sigma(1.0);
+        let s = self.s_at(p * end);
+        let [dq, ddq, dddq] = self.sigma_derivatives(s);
+        let length = end * self.sigma_unit_rad();
+        Derivatives {
+            q: self.at(s).q,
+            dq: vector::scale(length, &dq),
+            ddq: vector::scale(length * length, &ddq),
+            dddq: vector::scale(length * length * length, &dddq),
+        }
+    }
+
     /// Whether q(s) stays in one plane of joint space. Then few joints can limit it, the same ones all along,
     /// and the planner leaves out the others.
     fn is_planar(&self) -> bool {
         self.is_straight()
     }
 
-    /// First and second derivatives at every node of `grid`, each joint times its `scale`.
+    /// The nodes of `grid` on this segment.
+    fn grid_nodes<'a>(&self, grid: &'a Grid) -> Cow<'a, [GridNode]> {
+        Cow::Owned(grid.nodes(|s| self.sigma(s)))
+    }
+
+    /// First and second derivatives by p, the share of [`sigma`](Self::sigma), at every node of `grid`,
+    /// each joint times its `scale`.
     ///
     /// The eighth number of each row is zero: rows of eight fill vector registers.
     ///
     /// # Panics
     ///
     /// If `dq` or `ddq` has fewer rows than the grid has nodes.
-    fn rates(&self, grid: &Grid, scale: &Joints, dq: &mut [[f64; 8]], ddq: &mut [[f64; 8]]) {
-        let intervals = grid.intervals() as f64;
-        let nodes = ..=grid.intervals();
-        for (i, (dq, ddq)) in dq[nodes].iter_mut().zip(&mut ddq[nodes]).enumerate() {
-            let at = self.at(i as f64 / intervals);
+    fn grid_derivatives(
+        &self,
+        grid: &Grid,
+        scale: &Joints,
+        dq: &mut [[f64; 8]],
+        ddq: &mut [[f64; 8]],
+    ) {
+        let nodes = grid.s().zip(self.grid_nodes(grid).iter().copied()).collect::<Vec<_>>();
+        let rows = ..nodes.len();
+        for ((s, node), (dq, ddq)) in nodes.into_iter().zip(dq[rows].iter_mut().zip(&mut ddq[rows]))
+        {
+            let GridNode { slope, bend, .. } = node;
+            let at = self.at(s);
             for j in 0..7 {
-                dq[j] = at.dq[j] * scale[j];
-                ddq[j] = at.ddq[j] * scale[j];
+                dq[j] = at.dq[j] * slope * scale[j];
+                ddq[j] = (at.ddq[j] * slope * slope + at.dq[j] * bend) * scale[j];
             }
             (dq[7], ddq[7]) = (0.0, 0.0);
         }
     }
 }
-
-/// First to third derivative of s by sigma in rad, from sigma and its derivatives by s in units of `unit_rad`.
-pub(crate) fn by_sigma([_, p, r, w]: [f64; 4], unit_rad: f64) -> [f64; 3] {
-    let one = 1.0 / (p * unit_rad);
-    let two = -r * one * one / p;
-    let three = (3.0 * r * r - p * w) * one * one * one / (p * p);
-    [one, two, three]
-}
-
-/// The s in [0, 1] at which `sigma`, which rises, has a value, starting from `s`.
-pub(crate) fn newton(sigma: impl Fn(f64) -> [f64; 4], value: f64, mut s: f64) -> f64 {
-    for _ in 0..NEWTON_STEPS {
-        let [at, slope, ..] = sigma(s);
-        let step = (at - value) / slope;
-        s = (s - step).clamp(0.0, 1.0);
-        if step.abs() < 1e-15 {
-            break;
-        }
-    }
-    s
-}
-
-/// Blends take two to four.
-const NEWTON_STEPS: usize = 20;

@@ -58,7 +58,8 @@ pub(crate) fn limit(section: &mut Section, options: JerkOptions) -> Result<(), T
     }
     let stamped = match segments.as_slice() {
         [line] if line.is_line() && !options.general => straight(line),
-        _ => curved(&segments, options).ok_or(TimingError::NotConverged { motion })?,
+        _ => curved(&segments, section.start_s, options)
+            .ok_or(TimingError::NotConverged { motion })?,
     };
     drop(segments);
     section.stamp(stamped);
@@ -66,14 +67,18 @@ pub(crate) fn limit(section: &mut Section, options: JerkOptions) -> Result<(), T
 }
 
 /// The stamps of any other section; none if they were not found.
-fn curved(segments: &[LimitedSegment<'_>], options: JerkOptions) -> Option<Vec<SegmentStamps>> {
+fn curved(
+    segments: &[LimitedSegment<'_>],
+    start_s: f64,
+    options: JerkOptions,
+) -> Option<Vec<SegmentStamps>> {
     if !options.general
-        && let Some(stamps) = receding_horizon(segments, options)
+        && let Some(stamps) = receding_horizon(segments, start_s, options)
     {
         return Some(stamps);
     }
     let whole = Window { segments, range: 0..segments.len(), entry: None };
-    Some(whole.solve(options)?.stamps(&whole, segments.len(), &mut 0.0))
+    Some(whole.solve(options)?.stamps(&whole, segments.len(), start_s, &mut 0.0))
 }
 
 /// The stamps of a section that is too long to be solved as a whole: part by part, each with some segments
@@ -81,29 +86,39 @@ fn curved(segments: &[LimitedSegment<'_>], options: JerkOptions) -> Option<Vec<S
 /// far enough from that stop it makes no difference. None if the section cannot be divided like this.
 fn receding_horizon(
     segments: &[LimitedSegment<'_>],
+    start_s: f64,
     options: JerkOptions,
 ) -> Option<Vec<SegmentStamps>> {
-    let HorizonSettings { window, ahead, ahead_rad } = SETTINGS.horizon;
+    let HorizonSettings { window, ahead, stops } = SETTINGS.horizon;
+    // The first segment at least `count` segments and some stops beyond `from`.
+    let beyond = |from: usize, count: usize| {
+        let before = from.checked_sub(1).map(|before| &segments[before]);
+        let mut way = stops * segments.get(from)?.stop_rad(before);
+        let mut index = from;
+        while index < from + count || way > 0.0 {
+            way -= segments.get(index)?.length;
+            index += 1;
+        }
+        Some(index)
+    };
     let mut stamps = Vec::with_capacity(segments.len());
     let mut t_s = 0.0;
     let (mut start, mut entry) = (0, None);
     while start < segments.len() {
-        let settled = start + window;
-        let mut way = 0.0;
-        let stops = |(index, segment): &(usize, &LimitedSegment<'_>)| {
-            way += segment.length;
-            index + 1 >= settled + ahead && way >= ahead_rad && segment.is_line()
-        };
-        let end = segments.iter().enumerate().skip(settled).find(stops);
-        // What is left after the stop should be worth a part of its own.
-        let end = end.map(|(index, _)| index + 1).filter(|end| end + window / 2 < segments.len());
-        let (settled, end) = end.map_or((segments.len(), segments.len()), |end| (settled, end));
+        let settled = beyond(start, window);
+        let end = settled.and_then(|settled| {
+            let end = beyond(settled, ahead)?;
+            let lines = segments[end - 1..].iter().position(LimitedSegment::is_line)?;
+            // What is left after the stop should be worth a part of its own.
+            Some(end + lines).filter(|end| end + (settled - start) / 2 < segments.len())
+        });
+        let (settled, end) = settled.zip(end).unwrap_or((segments.len(), segments.len()));
         if start == 0 && end == segments.len() {
             return None;
         }
         let part = Window { segments, range: start..end, entry };
         let plan = part.solve(options).filter(|plan| plan.time_scale == 1.0)?;
-        stamps.extend(plan.stamps(&part, settled, &mut t_s));
+        stamps.extend(plan.stamps(&part, settled, start_s, &mut t_s));
         entry = plan.entry(settled);
         start = settled;
     }
@@ -152,7 +167,9 @@ fn straight(segment: &LimitedSegment<'_>) -> Vec<SegmentStamps> {
         .iter()
         .map(|at| Node {
             t_s: at.t_s,
-            s: at.way / segment.length,
+            dt_s: at.phase_s,
+            p: at.way / segment.length,
+            dp: at.phase_way / segment.length,
             rate: at.speed / segment.length,
             u: [at.acceleration / segment.length; 2],
         })
@@ -161,7 +178,7 @@ fn straight(segment: &LimitedSegment<'_>) -> Vec<SegmentStamps> {
     let derivatives = segment.derivatives(0.0);
     for pair in instants.windows(2) {
         let [from, to] = [pair[0], pair[1]];
-        let dt = to.t_s - from.t_s;
+        let dt = from.phase_s;
         let jerk = (to.acceleration - from.acceleration) / dt;
         // Where the phase is half over, and for the peaks also at its end.
         let half = ProfilePoint {
@@ -301,7 +318,7 @@ impl Solution {
         let cell = &self.mesh.cells[k];
         let segment = &segments[cell.segment];
         let mut worst = [0.0_f64; 3];
-        let parts = parts * self.slowness(k, cell).ceil().clamp(1.0, 4.0) as u32;
+        let parts = parts * self.slowness(segment, k).ceil().clamp(1.0, 4.0) as u32;
         for f in (0..=parts).map(|i| f64::from(i) / f64::from(parts)) {
             let s = if segment.is_line() {
                 0.0
@@ -316,8 +333,15 @@ impl Solution {
         worst
     }
 
-    /// The stamps of the segments of `part` before the segment `end`, from `t_s` on.
-    fn stamps(&self, part: &Window<'_, '_>, end: usize, t_s: &mut f64) -> Vec<SegmentStamps> {
+    /// The stamps of the segments of `part` before the segment `end`, from `t_s` on in a section that starts at
+    /// `start_s`.
+    fn stamps(
+        &self,
+        part: &Window<'_, '_>,
+        end: usize,
+        start_s: f64,
+        t_s: &mut f64,
+    ) -> Vec<SegmentStamps> {
         let segments = part.segments;
         let first = part.range.start;
         let mut all: Vec<_> = (first..end)
@@ -326,49 +350,64 @@ impl Solution {
         let Mesh { from_rest, cells, to_rest } = &self.mesh;
         if let Some(cell) = from_rest {
             let stamps = &mut all[cell.segment - first];
-            self.node(stamps, &segments[cell.segment], 0.0, *t_s, [0.0; 2]);
-            self.rest(stamps, &segments[cell.segment], cell, self.solver.start_s(), t_s);
+            let segment = &segments[cell.segment];
+            let dt = self.time_scale * self.solver.start_s();
+            self.node(stamps, segment, [0.0, cell.length], [*t_s, dt], [0.0; 2]);
+            self.rest(stamps, segment, cell, self.solver.start_s());
+            *t_s = later(start_s, *t_s, dt);
         }
         for (k, cell) in cells.iter().enumerate().take_while(|(_, cell)| cell.segment < end) {
             let segment = &segments[cell.segment];
             let stamps = &mut all[cell.segment - first];
             let s = |f: f64| segment.s(cell.from + f * cell.length).clamp(0.0, 1.0);
-            let parts = self.parts(k, cell);
+            let parts = self.parts(segment, k);
+            let is_last = cells.get(k + 1).is_none_or(|next| next.segment != cell.segment);
             for part in 0..parts {
                 let [from, middle, to] =
                     [0.0, 0.5, 1.0].map(|half| (f64::from(part) + half) / f64::from(parts));
                 let [x, dx, _] = self.solver.at(k, from);
-                self.node(stamps, segment, s(from), *t_s, [x, dx]);
                 let dt = self.time_scale * self.duration_s(k, cell, from, to);
+                let way = [cell.from + from * cell.length, (to - from) * cell.length];
+                self.node(stamps, segment, way, [*t_s, dt], [x, dx]);
                 self.usage(stamps, segment, s(middle), in_time(self.solver.at(k, middle)), dt);
-                *t_s = later(*t_s, dt);
+                *t_s = later(start_s, *t_s, dt);
             }
-            if cells.get(k + 1).is_none_or(|next| next.segment != cell.segment) {
-                // Exactly at the segment's end, unless it goes on to rest.
-                let end = if to_rest.segment == cell.segment { s(1.0) } else { 1.0 };
+            if is_last {
                 let [x, dx, _] = self.solver.at(k, 1.0);
-                self.node(stamps, segment, end, *t_s, [x, dx]);
+                // Exactly at the segment's end, unless it goes on to rest.
+                let rests = to_rest.segment == cell.segment;
+                let end = if rests { cell.from + cell.length } else { segment.length };
+                self.node(stamps, segment, [end, 0.0], [*t_s, 0.0], [x, dx]);
             }
         }
         if to_rest.segment < end {
             let stamps = &mut all[to_rest.segment - first];
-            self.rest(stamps, &segments[to_rest.segment], to_rest, self.solver.stop_s(), t_s);
-            self.node(stamps, &segments[to_rest.segment], 1.0, *t_s, [0.0; 2]);
+            let segment = &segments[to_rest.segment];
+            let dt = self.time_scale * self.solver.stop_s();
+            if let Some(before) = stamps.nodes.last_mut() {
+                (before.dp, before.dt_s) = (to_rest.length / segment.length, dt);
+            }
+            self.rest(stamps, segment, to_rest, self.solver.stop_s());
+            *t_s = later(start_s, *t_s, dt);
+            self.node(stamps, segment, [segment.length, 0.0], [*t_s, 0.0], [0.0; 2]);
         }
         all
     }
 
+    /// Adds a node at a sigma and an instant, with the way and the time to the next one; x and its derivative by
+    /// sigma are those there.
     fn node(
         &self,
         stamps: &mut SegmentStamps,
         segment: &LimitedSegment<'_>,
-        s: f64,
-        t_s: f64,
+        [sigma, way]: [f64; 2],
+        [t_s, dt_s]: [f64; 2],
         [x, dx]: [f64; 2],
     ) {
-        let [rate, u] = segment.s_rates(s, x, dx);
-        let u = u / (self.time_scale * self.time_scale);
-        stamps.nodes.push(Node { t_s, s, rate: rate / self.time_scale, u: [u; 2] });
+        let length = segment.length;
+        let rate = x.sqrt() / (length * self.time_scale);
+        let u = 0.5 * dx / (length * self.time_scale * self.time_scale);
+        stamps.nodes.push(Node { t_s, dt_s, p: sigma / length, dp: way / length, rate, u: [u; 2] });
     }
 
     /// Adds what holds at `s` for `dt`, at speed, acceleration and jerk of sigma.
@@ -385,25 +424,23 @@ impl Solution {
         stamps.usage.sample(&segment.shares(&segment.derivatives(s), at), dt);
     }
 
-    /// Passes a cell that touches rest, in which jerk is constant.
+    /// Adds a cell that touches rest, in which jerk is constant.
     fn rest(
         &self,
         stamps: &mut SegmentStamps,
         segment: &LimitedSegment<'_>,
         cell: &Cell,
         seconds: f64,
-        t_s: &mut f64,
     ) {
         let jerk = 6.0 * cell.length / seconds.powi(3);
         let half = [0.125 * jerk * seconds * seconds, 0.5 * jerk * seconds, jerk];
-        let dt = seconds * self.time_scale;
-        self.usage(stamps, segment, 0.0, half, dt);
-        *t_s = later(*t_s, dt);
+        self.usage(stamps, segment, 0.0, half, seconds * self.time_scale);
     }
 
     /// How slow an inner cell is: above 1, very much so.
-    fn slowness(&self, k: usize, cell: &Cell) -> f64 {
-        self.duration_s(k, cell, 0.0, 1.0) / REFINEMENT.slow_s
+    fn slowness(&self, segment: &LimitedSegment<'_>, k: usize) -> f64 {
+        let cell = &self.mesh.cells[k];
+        self.duration_s(k, cell, 0.0, 1.0) / (REFINEMENT.slow * segment.least_build_up_s)
     }
 
     /// Into how many parts an inner cell is divided by nodes: in a cell that is slow, or in which x changes
@@ -413,10 +450,10 @@ impl Solution {
         clippy::cast_sign_loss,
         reason = "it is from 2 to 16"
     )]
-    fn parts(&self, k: usize, cell: &Cell) -> u32 {
+    fn parts(&self, segment: &LimitedSegment<'_>, k: usize) -> u32 {
         let [start, end] = [0.0, 1.0].map(|f| self.solver.at(k, f)[0]);
         let doublings = (end / start).log2().abs();
-        (2.0 + 2.0 * doublings + self.slowness(k, cell)).min(16.0) as u32
+        (2.0 + 2.0 * doublings + self.slowness(segment, k)).min(16.0) as u32
     }
 
     /// Time from the share `from` to the share `to` of an inner cell: Gauss's quadrature.
@@ -448,7 +485,6 @@ impl pulp::WithSimd for Check<'_, '_> {
 impl Section {
     /// Replaces the stamps of its pieces, which all move.
     fn stamp(&mut self, stamps: Vec<SegmentStamps>) {
-        self.smooth = true;
         self.nodes.clear();
         for (piece, SegmentStamps { mut nodes, usage }) in self.pieces.iter_mut().zip(stamps) {
             for i in 1..nodes.len() {

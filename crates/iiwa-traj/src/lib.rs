@@ -40,12 +40,13 @@ mod line_limits;
 mod node;
 mod phases;
 mod planner;
-pub mod playback;
 mod section;
 mod state;
 mod sweep;
 mod timing;
 mod trajectory;
+
+pub use iiwa_path::playback;
 
 pub use batch::{PlanError, plan_all};
 pub use figures::{BlendFigures, MotionFigures, MotionType, Totals};

@@ -8,6 +8,9 @@ pub(crate) struct ProfilePoint {
     pub(crate) way: f64,
     pub(crate) speed: f64,
     pub(crate) acceleration: f64,
+    /// Duration and way of the phase that begins here; not rounded by what came before.
+    pub(crate) phase_s: f64,
+    pub(crate) phase_way: f64,
 }
 
 /// The instants between the phases of constant jerk, the start and the end among them; phases that
@@ -48,11 +51,16 @@ pub(crate) fn phases(way: f64, [speed, acceleration, jerk]: [f64; 3]) -> Vec<Pro
     let jerks = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0].map(|sign| sign * jerk);
     for (t, jerk) in std::iter::zip(durations, jerks) {
         if t > 0.0 {
+            let phase_way = t * (at.speed + t * (at.acceleration / 2.0 + t * jerk / 6.0));
+            if let Some(last) = instants.last_mut() {
+                (last.phase_s, last.phase_way) = (t, phase_way);
+            }
             at = ProfilePoint {
                 t_s: at.t_s + t,
-                way: at.way + t * (at.speed + t * (at.acceleration / 2.0 + t * jerk / 6.0)),
+                way: at.way + phase_way,
                 speed: at.speed + t * (at.acceleration + t * jerk / 2.0),
                 acceleration: at.acceleration + t * jerk,
+                ..ProfilePoint::default()
             };
             instants.push(at);
         }

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use iiwa_kin::Joints;
-use iiwa_path::{Grid, JointPath, MotionIndex, Segment, Step};
+use iiwa_path::{Grid, GridNode, JointPath, MotionIndex, Segment, Step};
 use pulp::Simd;
 
 use crate::{
@@ -99,6 +99,7 @@ const KEPT_NODES: usize = 6_500;
 struct CurveSamples {
     /// Place of the segment among the path's steps.
     step: Option<usize>,
+    grid: Vec<GridNode>,
     dq: Vec<[f64; 8]>,
     ddq: Vec<[f64; 8]>,
     bounds: Vec<Bounds>,
@@ -151,7 +152,6 @@ impl Iterator for Planner {
             },
             pieces: Vec::with_capacity(end - first),
             nodes: Vec::new(),
-            smooth: false,
         };
         let moves = Moves {
             path: &self.path,
@@ -292,8 +292,8 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         // A line has up to four nodes, and two among the samples.
         section.nodes.reserve_exact(total + 2 * steps.len());
 
-        for _ in 0..ROUNDS {
-            if !self.sweep(steps.clone(), &mut samples, section)? {
+        for round in 0..ROUNDS {
+            if !self.sweep(steps.clone(), round > 0, &mut samples, section)? {
                 break;
             }
             section.pieces.clear();
@@ -308,12 +308,13 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         Ok(())
     }
 
-    /// Sweeps backwards and forwards once. True if intervals had to be tightened, which makes another
-    /// time necessary.
+    /// Sweeps backwards and forwards once, `again` with what an earlier time found. True if intervals had to
+    /// be tightened, which makes another time necessary.
     #[inline(always)]
     fn sweep(
         &mut self,
         steps: std::ops::Range<usize>,
+        again: bool,
         samples: &mut [Sample],
         section: &mut Section,
     ) -> Result<bool, TimingError> {
@@ -324,14 +325,18 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         for step in steps.clone().rev() {
             let Some(segment) = self.segment(step) else { continue };
             let from = to - self.nodes(&segment);
-            let [first, last] = segment.shape.tangent_lengths_rad();
+            let [first, last] = self.tangent_lengths_rad(&segment, step);
             let end = next.map_or(0.0, |(x, tangent)| x * (tangent / last).powi(2));
             let samples = &mut samples[from..to];
             if let Some(line) = &segment.line {
                 samples[1].x = end.min(line.x_max);
                 samples[0].x = line.reach(samples[1].x);
             } else {
-                sweep::backward(self.curve(&segment, step), end, samples);
+                let (nodes, bounds) = self.curve(&segment, step);
+                if again {
+                    sweep::lower(bounds, samples);
+                }
+                sweep::backward(nodes, bounds, end, samples);
             }
             next = Some((samples[0].x, first));
             to = from;
@@ -344,7 +349,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         for step in steps {
             let Some(segment) = self.segment(step) else { continue };
             let to = from + self.nodes(&segment);
-            let [first, last] = segment.shape.tangent_lengths_rad();
+            let [first, last] = self.tangent_lengths_rad(&segment, step);
             let start = before.map_or(0.0, |(x, tangent)| x * (tangent / first).powi(2));
             let samples = &mut samples[from..to];
             let first_node = section.nodes.len();
@@ -352,12 +357,17 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
                 let x0 = start.min(samples[0].x);
                 let x1 = line.reach(x0).min(samples[1].x);
                 samples[1].x = x1;
-                stamp(self.simd, line.fastest(x0, x1), &mut t_s, &mut section.nodes);
+                let line = line.fastest(x0, x1);
+                stamp(self.simd, line, section.start_s, &mut t_s, &mut section.nodes);
             } else {
-                tightened |= !sweep::sweep_until_valid(self.curve(&segment, step), start, samples);
-                let n = (samples.len() - 1) as f64;
-                let nodes = samples.iter().enumerate().map(|(i, &sample)| (i as f64 / n, sample));
-                stamp(self.simd, nodes, &mut t_s, &mut section.nodes);
+                let (nodes, bounds) = self.curve(&segment, step);
+                if again {
+                    sweep::lower(bounds, samples);
+                }
+                tightened |= !sweep::sweep_until_valid(nodes, bounds, start, samples);
+                let Nodes { simd, grid, .. } = nodes;
+                let nodes = grid.iter().map(|node| node.p).zip(samples.iter().copied());
+                stamp(simd, nodes, section.start_s, &mut t_s, &mut section.nodes);
             }
             before = Some((samples[samples.len() - 1].x, last));
             from = to;
@@ -368,9 +378,24 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         Ok(tightened)
     }
 
-    /// The nodes of a curve, of which `step` is the place.
+    /// Length of the tangent dq/dp at both ends, in rad.
     #[inline(always)]
-    fn curve<'n>(&'n mut self, segment: &'n SweepSegment<'_>, step: usize) -> Nodes<'n, S> {
+    fn tangent_lengths_rad(&mut self, segment: &SweepSegment<'_>, step: usize) -> [f64; 2] {
+        let [first, last] = segment.shape.tangent_lengths_rad();
+        if segment.line.is_some() {
+            return [first, last];
+        }
+        let (Nodes { grid, .. }, _) = self.curve(segment, step);
+        [first * grid[0].slope, last * grid[grid.len() - 1].slope]
+    }
+
+    /// The nodes of a curve, of which `step` is the place, and what the limits leave there.
+    #[inline(always)]
+    fn curve<'n>(
+        &'n mut self,
+        segment: &'n SweepSegment<'_>,
+        step: usize,
+    ) -> (Nodes<'n, S>, &'n mut [Bounds]) {
         let Scratch { grid, curves, .. } = &mut *self.scratch;
         let nodes = grid.intervals() + 1;
         // Of blended motions, every second step is a curve.
@@ -384,11 +409,14 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
             curve.dq.resize(nodes, [0.0; 8]);
             curve.ddq.resize(nodes, [0.0; 8]);
             curve.bounds.resize(nodes, Bounds::default());
-            segment.shape.rates(grid, &segment.scale, &mut curve.dq, &mut curve.ddq);
-            sweep::bounds(self.simd, &curve.dq, &curve.ddq, &segment.velocity, &mut curve.bounds);
+            let CurveSamples { dq, ddq, bounds, .. } = curve;
+            curve.grid.clear();
+            curve.grid.extend_from_slice(&segment.shape.grid_nodes(grid));
+            segment.shape.grid_derivatives(grid, &segment.scale, dq, ddq);
+            sweep::bounds(self.simd, dq, ddq, &segment.velocity, &curve.grid, bounds);
         }
-        let CurveSamples { dq, ddq, bounds, .. } = curve;
-        Nodes { simd: self.simd, dq, ddq, velocity: &segment.velocity, bounds }
+        let CurveSamples { grid, dq, ddq, bounds, .. } = curve;
+        (Nodes { simd: self.simd, dq, ddq, velocity: &segment.velocity, grid }, bounds)
     }
 
     /// Checks the nodes from `first_node` on against the limits and makes them a piece.
@@ -414,7 +442,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
                 usage.add(pair, &[row; 2], &[[0.0; 8]; 2], &segment.velocity);
             }
         } else {
-            let Nodes { dq, ddq, .. } = self.curve(segment, step);
+            let (Nodes { dq, ddq, .. }, _) = self.curve(segment, step);
             usage.add(nodes, dq, ddq, &segment.velocity);
         }
         let motion = segment.motion;
@@ -446,32 +474,34 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
     }
 }
 
-/// Gives samples at s their time, counted on from `t_s`.
+/// Gives samples at p their time, counted on from `t_s` in a section that starts at `start_s`.
 #[inline(always)]
 fn stamp<S: Simd>(
     simd: S,
     samples: impl Iterator<Item = (f64, Sample)>,
+    start_s: f64,
     t_s: &mut f64,
     nodes: &mut Vec<Node>,
 ) {
     let first = nodes.len();
-    for (s, Sample { x, u, .. }) in samples {
-        nodes.push(Node { t_s: *t_s, s, rate: x.sqrt(), u });
+    for (p, Sample { x, u, .. }) in samples {
+        nodes.push(Node { t_s: *t_s, p, rate: x.sqrt(), u, ..Node::default() });
     }
     let mut nodes = &mut nodes[first..];
     while nodes.len() > 1 {
         // Eight intervals at a time; of the last eight, some may be empty.
         let intervals = (nodes.len() - 1).min(8);
-        let (mut ds, mut rates, mut change) = ([1.0; 8], [1.0; 8], [0.0; 8]);
+        let (mut dp, mut rates, mut change) = ([1.0; 8], [1.0; 8], [0.0; 8]);
         for (i, pair) in nodes.windows(2).take(8).enumerate() {
-            ds[i] = pair[1].s - pair[0].s;
+            dp[i] = pair[1].p - pair[0].p;
             rates[i] = pair[0].rate + pair[1].rate;
             change[i] = pair[0].u[1] - pair[0].u[0];
         }
-        let durations = interval::durations(simd, &ds, &rates, &change);
-        for (node, duration) in nodes[1..].iter_mut().zip(durations) {
-            *t_s = interval::later(*t_s, duration);
-            node.t_s = *t_s;
+        let durations = interval::durations(simd, &dp, &rates, &change);
+        for (i, (dp, duration)) in dp.into_iter().zip(durations).enumerate().take(intervals) {
+            (nodes[i].dp, nodes[i].dt_s) = (dp, duration);
+            *t_s = interval::later(start_s, *t_s, duration);
+            nodes[i + 1].t_s = *t_s;
         }
         nodes = &mut nodes[intervals..];
     }

@@ -25,8 +25,6 @@ pub struct Section {
     pub(crate) rest_rad: Joints,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) nodes: Vec<Node>,
-    /// Whether s is a polynomial of time between nodes that meets rate and u at both ends.
-    pub(crate) smooth: bool,
 }
 
 /// A line, a blend or a rest.
@@ -179,14 +177,16 @@ impl Section {
         if nodes.len() < 2 {
             return piece.start_s;
         }
-        let node = nodes.partition_point(|node| node.s <= s).clamp(1, nodes.len() - 1) - 1;
+        let p =
+            self.segment(piece).map_or(s, |segment| segment.sigma(s)[0] / segment.sigma(1.0)[0]);
+        let node = nodes.partition_point(|node| node.p <= p).clamp(1, nodes.len() - 1) - 1;
         let (from, to) = (&nodes[node], &nodes[node + 1]);
-        // s never falls: its time is between two that are halved until numbers end.
-        let (mut least, mut most) = (0.0, to.t_s - from.t_s);
-        let share = ((s - from.s) / (to.s - from.s)).clamp(0.0, 1.0);
+        // p never falls: its time is between two that are halved until numbers end.
+        let (mut least, mut most) = (0.0, from.dt_s);
+        let dp = (p - from.p).clamp(0.0, from.dp);
         for _ in 0..HALVINGS {
             let dt = f64::midpoint(least, most);
-            if self.between(dt, from, to).share < share {
+            if interval::progress(dt, from, to).dp < dp {
                 least = dt;
             } else {
                 most = dt;
@@ -222,9 +222,9 @@ impl Section {
         from: &Node,
         to: &Node,
     ) -> State {
-        let dt = (t_s - self.start_s - from.t_s).clamp(0.0, to.t_s - from.t_s);
-        let Progress { share, rate, u, du } = self.between(dt, from, to);
-        let d = segment.at(from.s + share * (to.s - from.s));
+        let dt = (t_s - self.start_s - from.t_s).clamp(0.0, from.dt_s);
+        let Progress { dp, rate, u, du } = interval::progress(dt, from, to);
+        let d = segment.at_share((from.p + dp).clamp(0.0, 1.0));
         State {
             t_s,
             q: d.q,
@@ -235,17 +235,6 @@ impl Section {
             }),
             motion: piece.motion,
         }
-    }
-
-    /// How far the arm is between two nodes at `dt` after the first.
-    fn between(&self, dt: f64, from: &Node, to: &Node) -> Progress {
-        if self.smooth {
-            return interval::smooth(dt, from, to);
-        }
-        let (ds, rate) = interval::at(dt, to.s - from.s, from.rate, from.u);
-        let share = (ds / (to.s - from.s)).clamp(0.0, 1.0);
-        let change = from.u[1] - from.u[0];
-        Progress { share, rate, u: from.u[0] + share * change, du: change / (to.s - from.s) * rate }
     }
 }
 

@@ -1,7 +1,11 @@
 //! The sweep over the samples of a curved segment (Larsen 2019, section 2.4.1).
 //!
-//! Unknown is x = (ds/dt)^2 at the nodes of a uniform grid of step h. In each interval u = d2s/dt2
-//! changes linearly with s, from one value at its start to another at its end, so that
+//! The path parameter is p, the share of the segment's sigma, 0 to 1. Along a blend, s would not do: where
+//! the arm keeps its speed, ds/dt changes, and in a blend that is short against the speed, the acceleration
+//! would be a small difference of large numbers.
+//!
+//! Unknown is x = (dp/dt)^2 at the nodes of a grid. In each interval, of length h, u = d2p/dt2
+//! changes linearly with p, from one value at its start to another at its end, so that
 //! `x[i+1] = x[i] + h (u_start + u_end)`. The acceleration of joint j is `q'_j u + q''_j x`; its
 //! limit leaves u a band at each node, which depends on x there. A sweep backwards finds how fast
 //! the arm may be at each node and still slow down in time for all that follows; a sweep forwards
@@ -19,188 +23,16 @@
 //! All numbers are in units of the limits: derivatives are divided by the joint's acceleration
 //! limit, so that the limit is 1. The eighth of each row of eight is zero.
 
+mod bounds;
+
+use iiwa_path::GridNode;
 use pulp::Simd;
 
-type Row = [f64; 8];
-
-/// Above any x or u that a limit leaves.
-const UNLIMITED: f64 = 1e30;
+pub(crate) use bounds::{Bounds, greater, lesser};
+use bounds::{Row, UNLIMITED, largest};
 
 /// Share of a limit by which an interval may exceed it between its ends.
 const SWING: f64 = 0.004;
-
-/// What the limits leave at one node: x at most `cap`, and for each joint u from
-/// `-(fall x + half)` to `rise x + half`.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Bounds {
-    fall: Row,
-    rise: Row,
-    half: Row,
-    /// Largest x at which no joint is too fast.
-    cap: f64,
-}
-
-impl Bounds {
-    /// `velocity` holds the acceleration limits over the velocity limits, in 1/s.
-    #[inline(always)]
-    fn set<S: Simd>(&mut self, simd: S, dq: &Row, ddq: &Row, velocity: &Row, h: f64) {
-        let row = |row| S::as_simd_f64s(row).0;
-        let (dq, ddq, velocity) = (row(dq), row(ddq), row(velocity));
-        let fall = S::as_mut_simd_f64s(&mut self.fall).0;
-        let rise = S::as_mut_simd_f64s(&mut self.rise).0;
-        let half = S::as_mut_simd_f64s(&mut self.half).0;
-        let [zero, one, tiny, near, beside] =
-            [0.0, 1.0, 1.0 / UNLIMITED, 0.5 * h, 1.5 * h].map(|value| simd.splat_f64s(value));
-        let mut fastest = zero;
-        for k in 0..dq.len() {
-            let (p, bend) = (simd.abs_f64s(dq[k]), simd.abs_f64s(ddq[k]));
-            // Where q' changes its sign next to the node, the limits at the node alone would leave x
-            // and u free, and speed and acceleration beside it with them: q' of one and a half
-            // intervals away bounds the one, of half an interval, in both directions, the other.
-            let speed = simd.max_f64s(p, simd.mul_f64s(beside, bend));
-            fastest = simd.max_f64s(fastest, simd.mul_f64s(velocity[k], speed));
-            let nearby = simd.mul_f64s(near, bend);
-            let turns = simd.less_than_f64s(p, nearby);
-            let (back, against) = (simd.less_than_f64s(dq[k], zero), simd.neg_f64s(ddq[k]));
-            let slopes =
-                [simd.select_f64s(back, against, ddq[k]), simd.select_f64s(back, ddq[k], against)];
-            half[k] = simd.div_f64s(one, simd.max_f64s(simd.max_f64s(p, nearby), tiny));
-            let [down, up] =
-                slopes.map(|slope| simd.select_f64s(turns, simd.neg_f64s(bend), slope));
-            fall[k] = simd.mul_f64s(down, half[k]);
-            rise[k] = simd.mul_f64s(up, half[k]);
-        }
-        let fastest = simd.reduce_max_f64s(fastest);
-        self.cap = if fastest > 1e-15 { 1.0 / (fastest * fastest) } else { UNLIMITED };
-    }
-
-    /// Largest u at `x`.
-    #[inline(always)]
-    fn most<S: Simd>(&self, simd: S, x: f64) -> f64 {
-        lowest(simd, &self.rise, x, &self.half)
-    }
-
-    /// Smallest u at `x`.
-    #[inline(always)]
-    fn least<S: Simd>(&self, simd: S, x: f64) -> f64 {
-        -lowest(simd, &self.fall, x, &self.half)
-    }
-
-    /// Largest x, not above `x`, at which some u keeps all limits.
-    ///
-    /// The width of the band common to all joints is a concave function of x, made of straight
-    /// pieces. Newton's method comes down on its root from the right, and ends after a few pieces.
-    /// `pair` holds the joints of the piece to try first, and then those of the last.
-    #[inline(always)]
-    fn possible<S: Simd>(&self, simd: S, mut x: f64, pair: &mut [usize; 2]) -> f64 {
-        const STEPS: usize = 64;
-        for _ in 0..STEPS {
-            let [j, k] = *pair;
-            let root = (self.half[j] + self.half[k]) / -(self.rise[j] + self.fall[k]);
-            if root > 0.0 && root < x {
-                x = root;
-            }
-            let (most, brake) = (self.most(simd, x), -self.least(simd, x));
-            if most + brake >= 0.0 {
-                break;
-            }
-            let narrowest = [
-                place(simd, &self.rise, x, &self.half, most),
-                place(simd, &self.fall, x, &self.half, brake),
-            ];
-            if narrowest == *pair {
-                break;
-            }
-            *pair = narrowest;
-        }
-        x
-    }
-}
-
-/// The lowest of the lines `slope x + offset` at `x`.
-#[inline(always)]
-fn lowest<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row) -> f64 {
-    let (slopes, offsets) = (S::as_simd_f64s(slopes).0, S::as_simd_f64s(offsets).0);
-    let x = simd.splat_f64s(x);
-    let mut lowest = simd.mul_add_e_f64s(slopes[0], x, offsets[0]);
-    for k in 1..slopes.len() {
-        lowest = simd.min_f64s(lowest, simd.mul_add_e_f64s(slopes[k], x, offsets[k]));
-    }
-    simd.reduce_min_f64s(lowest)
-}
-
-/// The same as [`lowest`], where the lowest is likely to be `line`; afterwards it is.
-///
-/// A step of a sweep starts from what the last one found. With the joint that limits known beforehand,
-/// which most often is the one of the last node, the processor goes on with its line alone while it
-/// compares all of them.
-#[inline(always)]
-fn lowest_by<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, line: &mut usize) -> f64 {
-    let (slope, offset) = (slopes[*line], offsets[*line]);
-    // Rounded as in `lowest`.
-    let likely = if S::IS_SCALAR { slope * x + offset } else { slope.mul_add(x, offset) };
-    let lowest = lowest(simd, slopes, x, offsets);
-    if lowest < likely {
-        *line = place(simd, slopes, x, offsets, lowest);
-        return lowest;
-    }
-    likely
-}
-
-/// Largest x, not above `cap`, with `x - h lowest(x) <= c`, and the lowest of the lines there.
-///
-/// `lines` holds the line that is likely to limit x, and the one that is likely to be the lowest
-/// there, the same unless x is `cap`; afterwards it holds those that are. Whichever line is taken to
-/// limit x, x comes out too large or right, as in Newton's method.
-#[inline(always)]
-fn largest<S: Simd>(
-    simd: S,
-    [slopes, offsets]: [&Row; 2],
-    h: f64,
-    c: f64,
-    cap: f64,
-    lines: &mut [usize; 2],
-) -> (f64, f64) {
-    // Each line limits once, but for rounding.
-    const STEPS: usize = 16;
-    let mut found = (0.0, 0.0);
-    for _ in 0..STEPS {
-        let limiting = lines[0];
-        // A factor of no more than zero leaves x free.
-        let inverse = 1.0 / greater(1.0 - h * slopes[limiting], 1e-9);
-        let x = lesser((c + h * offsets[limiting]) * inverse, cap);
-        let lowest = lowest_by(simd, slopes, x, offsets, &mut lines[1]);
-        found = (x, lowest);
-        if lines[1] == limiting || x - h * lowest <= c {
-            break;
-        }
-        lines[0] = lines[1];
-    }
-    found
-}
-
-const PLACES: Row = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
-
-/// The first of the lines that are `lowest` at `x`.
-#[inline(always)]
-fn place<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, lowest: f64) -> usize {
-    let (slopes, offsets) = (S::as_simd_f64s(slopes).0, S::as_simd_f64s(offsets).0);
-    let (x, lowest) = (simd.splat_f64s(x), simd.splat_f64s(lowest));
-    let none = simd.splat_f64s(8.0);
-    let mut first = none;
-    for (k, places) in S::as_simd_f64s(&PLACES).0.iter().enumerate() {
-        let value = simd.mul_add_e_f64s(slopes[k], x, offsets[k]);
-        let is_lowest = simd.less_than_or_equal_f64s(value, lowest);
-        first = simd.min_f64s(first, simd.select_f64s(is_lowest, *places, none));
-    }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "it is one of the places, or 8"
-    )]
-    let first = simd.reduce_min_f64s(first) as usize;
-    first % 8
-}
 
 /// An interval between two nodes.
 #[derive(Clone, Copy)]
@@ -307,19 +139,21 @@ fn max(values: &Row) -> f64 {
 /// A node of the sweep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
-    /// (ds/dt)^2, in 1/s^2.
+    /// (dp/dt)^2, in 1/s^2.
     pub(crate) x: f64,
-    /// d2s/dt2 at the start and at the end of the interval that begins here, in 1/s^2.
+    /// d2p/dt2 at the start and at the end of the interval that begins here, in 1/s^2.
     pub(crate) u: [f64; 2],
     /// Whether u has to be the same at both ends of the interval that begins here.
     pub(crate) even: bool,
     /// Largest x here, beside what the limits at this node allow.
     pub(crate) x_max: f64,
+    /// Share of the acceleration limits that may be used here.
+    pub(crate) share: f64,
 }
 
 impl Default for Sample {
     fn default() -> Self {
-        Self { x: 0.0, u: [0.0; 2], even: false, x_max: UNLIMITED }
+        Self { x: 0.0, u: [0.0; 2], even: false, x_max: UNLIMITED, share: 1.0 }
     }
 }
 
@@ -333,33 +167,49 @@ pub(crate) fn bounds<S: Simd>(
     dq: &[Row],
     ddq: &[Row],
     velocity: &Row,
+    grid: &[GridNode],
     bounds: &mut [Bounds],
 ) {
-    let h = 1.0 / (bounds.len() - 1) as f64;
-    for ((dq, ddq), bounds) in dq.iter().zip(ddq).zip(bounds) {
-        bounds.set(simd, dq, ddq, velocity, h);
+    let mut before = 0.0;
+    let nodes = dq.iter().zip(ddq).zip(grid).zip(bounds);
+    for (((dq, ddq), node), bounds) in nodes {
+        // After the last node nothing follows.
+        let after = if node.p < 1.0 { node.step } else { 0.0 };
+        bounds.set(simd, dq, ddq, velocity, greater(before, after));
+        before = after;
     }
 }
 
-/// The nodes of a segment, as [`backward`] and [`settle`] take them; all slices are as long.
+/// Lowers the limits in `bounds` to the shares that earlier sweeps found.
+pub(crate) fn lower(bounds: &mut [Bounds], samples: &[Sample]) {
+    for (bounds, sample) in bounds.iter_mut().zip(samples) {
+        bounds.lower(sample.share);
+    }
+}
+
+/// The nodes of a segment, as [`backward`] and [`sweep_until_valid`] take them; all slices are as long.
 #[derive(Clone, Copy)]
 pub(crate) struct Nodes<'a, S> {
     pub(crate) simd: S,
     pub(crate) dq: &'a [Row],
     pub(crate) ddq: &'a [Row],
     pub(crate) velocity: &'a Row,
-    pub(crate) bounds: &'a [Bounds],
+    pub(crate) grid: &'a [GridNode],
 }
 
 /// Sets the `x` of `samples` to the largest at each node from which all that follows can be kept,
 /// given the largest x at the last node.
 #[inline(always)]
-pub(crate) fn backward<S: Simd>(nodes: Nodes<'_, S>, end: f64, samples: &mut [Sample]) {
-    let nodes = nodes.first(samples.len());
-    let Nodes { simd, ddq, bounds, .. } = nodes;
+pub(crate) fn backward<S: Simd>(
+    nodes: Nodes<'_, S>,
+    bounds: &[Bounds],
+    end: f64,
+    samples: &mut [Sample],
+) {
+    let (nodes, bounds) = (nodes.first(samples.len()), &bounds[..samples.len()]);
+    let Nodes { simd, ddq, grid, .. } = nodes;
     let n = samples.len() - 1;
-    let h = 1.0 / n as f64;
-    let calm = calm(ddq, h);
+    let calm = calm(ddq);
     let next = &bounds[n];
     let (mut pair, mut lines, mut next_lines) = ([0; 2], [0; 2], [0; 2]);
     let mut x = lesser(lesser(end, next.cap), samples[n].x_max);
@@ -367,6 +217,7 @@ pub(crate) fn backward<S: Simd>(nodes: Nodes<'_, S>, end: f64, samples: &mut [Sa
     let (mut next_least, mut next_most) = (next.least(simd, x), next.most(simd, x));
     samples[n].x = x;
     for i in (0..n).rev() {
+        let h = grid[i].step;
         let (start, next) = (&bounds[i], &bounds[i + 1]);
         let cap = lesser(start.cap, samples[i].x_max);
         let even = samples[i].even;
@@ -394,8 +245,8 @@ pub(crate) fn backward<S: Simd>(nodes: Nodes<'_, S>, end: f64, samples: &mut [Sa
             let able = slower - h * next.least(simd, slower) >= x + h * least;
             if able { None } else { Some(interval(even).search(end, x)) }
         } else {
-            let u = split((end - x) * n as f64, [least, most], [next_least, next_most]);
-            let swings = (u[1] - u[0]).abs() > calm && {
+            let u = split((end - x) / h, [least, most], [next_least, next_most]);
+            let swings = h * (u[1] - u[0]).abs() > calm && {
                 let (acceleration, _) = nodes.half_way(i, h, x, u);
                 simd.reduce_max_f64s(acceleration) > 1.0 + SWING
             };
@@ -419,19 +270,24 @@ pub(crate) fn backward<S: Simd>(nodes: Nodes<'_, S>, end: f64, samples: &mut [Sa
 /// first node, and finds u.
 ///
 /// Where a joint exceeds a limit half-way, the interval is tightened: u has to be the same at both
-/// ends, or x lower. True if there are any for which that has to be swept again.
+/// ends, or less of the limits is left there. True if there are any for which that has to be swept again.
 #[inline(always)]
-fn forward<S: Simd>(nodes: Nodes<'_, S>, start: f64, samples: &mut [Sample]) -> bool {
-    let nodes = nodes.first(samples.len());
-    let Nodes { simd, bounds, .. } = nodes;
+fn forward<S: Simd>(
+    nodes: Nodes<'_, S>,
+    bounds: &[Bounds],
+    start: f64,
+    samples: &mut [Sample],
+) -> bool {
+    let (nodes, bounds) = (nodes.first(samples.len()), &bounds[..samples.len()]);
+    let Nodes { simd, grid, .. } = nodes;
     let n = samples.len() - 1;
-    let h = 1.0 / n as f64;
     let mut tightened = false;
     let mut lines = [0; 2];
     let mut x = lesser(samples[0].x, start);
     let (mut least, mut most) = (bounds[0].least(simd, x), bounds[0].most(simd, x));
     samples[0].x = x;
     for i in 0..n {
+        let h = grid[i].step;
         let next = &bounds[i + 1];
         let even = samples[i].even;
         let interval = |even| Interval { h, even, start: &bounds[i], end: next };
@@ -444,7 +300,7 @@ fn forward<S: Simd>(nodes: Nodes<'_, S>, start: f64, samples: &mut [Sample]) -> 
             y = interval(even).reachable(x, cap).1.max(0.0);
             (next_least, next_most) = (next.least(simd, y), next.most(simd, y));
         }
-        let sum = (y - x) * n as f64;
+        let sum = (y - x) / h;
         let mut u =
             if even { [0.5 * sum; 2] } else { split(sum, [least, most], [next_least, next_most]) };
         let (acceleration, square) = nodes.half_way(i, h, x, u);
@@ -470,8 +326,9 @@ fn forward<S: Simd>(nodes: Nodes<'_, S>, start: f64, samples: &mut [Sample]) -> 
             }
             if acceleration > 1.0 + SWING {
                 if even {
-                    samples[i].x_max = x / acceleration;
-                    samples[i + 1].x_max = y / acceleration;
+                    for node in &mut samples[i..=i + 1] {
+                        node.share /= acceleration;
+                    }
                 }
                 tightened = true;
             }
@@ -483,25 +340,26 @@ fn forward<S: Simd>(nodes: Nodes<'_, S>, start: f64, samples: &mut [Sample]) -> 
     tightened
 }
 
-/// A change of u within an interval that is too small to exceed a limit half-way: the acceleration
-/// there differs from the mean of the ends by no more than `h |q''| |change| / 2`.
+/// A change of u within an interval, times its length, that is too small to exceed a limit half-way: the
+/// acceleration there differs from the mean of the ends by no more than `h |q''| |change| / 2`.
 #[inline(always)]
-fn calm(ddq: &[Row], h: f64) -> f64 {
+fn calm(ddq: &[Row]) -> f64 {
     let mut bend = [0.0; 8];
     for row in ddq {
         for j in 0..8 {
             bend[j] = greater(row[j].abs(), bend[j]);
         }
     }
-    2.0 * SWING / (h * max(&bend)).max(1.0 / UNLIMITED)
+    2.0 * SWING / greater(max(&bend), 1.0 / UNLIMITED)
 }
 
 impl<S: Simd> Nodes<'_, S> {
     /// The same nodes, of which the compiler then knows that there are `count`.
     #[inline(always)]
     fn first(self, count: usize) -> Self {
-        let Self { simd, dq, ddq, velocity, bounds } = self;
-        Self { simd, dq: &dq[..count], ddq: &ddq[..count], velocity, bounds: &bounds[..count] }
+        let Self { simd, dq, ddq, velocity, grid } = self;
+        let rows = ..count;
+        Self { simd, dq: &dq[rows], ddq: &ddq[rows], velocity, grid: &grid[rows] }
     }
 
     /// What interval `i` is at half-way: the share of each acceleration limit, and the squared share of
@@ -543,6 +401,7 @@ impl<S: Simd> Nodes<'_, S> {
 #[inline(always)]
 pub(crate) fn sweep_until_valid<S: Simd>(
     nodes: Nodes<'_, S>,
+    bounds: &mut [Bounds],
     start: f64,
     samples: &mut [Sample],
 ) -> bool {
@@ -552,10 +411,11 @@ pub(crate) fn sweep_until_valid<S: Simd>(
         if samples[0].x < start * (1.0 - 1e-12) {
             return false;
         }
-        if !forward(nodes, start, samples) {
+        if !forward(nodes, bounds, start, samples) {
             return true;
         }
-        backward(nodes, end, samples);
+        lower(bounds, samples);
+        backward(nodes, bounds, end, samples);
     }
     false
 }
@@ -574,16 +434,4 @@ fn split(sum: f64, start: [f64; 2], end: [f64; 2]) -> [f64; 2] {
 fn within(value: f64, low: f64, high: f64) -> f64 {
     let value = if value < low { low } else { value };
     if value > high { high } else { value }
-}
-
-/// The lesser of two numbers, in one instruction.
-#[inline(always)]
-pub(crate) fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// The greater of two numbers, in one instruction.
-#[inline(always)]
-pub(crate) fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }

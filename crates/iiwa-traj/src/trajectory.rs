@@ -1,6 +1,7 @@
 //! A whole trajectory.
 
-use iiwa_path::{JointPath, MotionIndex};
+use iiwa_kin::Joints;
+use iiwa_path::{JointPath, MotionIndex, playback::TimedMotion};
 
 use crate::{
     figures::{BlendFigures, MotionFigures, Totals},
@@ -192,5 +193,15 @@ impl Trajectory {
     #[must_use]
     pub fn blends(&self) -> Vec<BlendFigures> {
         self.sections.iter().flat_map(Section::blends).collect()
+    }
+}
+
+impl TimedMotion for Trajectory {
+    fn at(&self, t_s: f64) -> Joints {
+        Self::at(self, t_s).q
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.cycle_time_s()
     }
 }

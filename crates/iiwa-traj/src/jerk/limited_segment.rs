@@ -20,6 +20,8 @@ pub(crate) struct LimitedSegment<'a> {
     /// The acceleration-limited stamps.
     pub(crate) swept: &'a [Node],
     shape: &'a dyn Segment,
+    /// The shortest time in which the jerk of a joint builds up its acceleration, in s.
+    pub(crate) least_build_up_s: f64,
     /// The unit of its sigma, in rad.
     unit: f64,
     /// dq/dsigma of a straight segment.
@@ -54,6 +56,9 @@ impl<'a> LimitedSegment<'a> {
             length: end * unit,
             swept,
             shape,
+            least_build_up_s: std::iter::zip(limits.acceleration_rad_s2, limits.jerk_rad_s3)
+                .map(|(acceleration, jerk)| acceleration / jerk)
+                .fold(f64::INFINITY, f64::min),
             unit,
             direction,
             limiting: [LimitingJoints::ALL; 2],
@@ -87,15 +92,9 @@ impl<'a> LimitedSegment<'a> {
         self.shape.s_at(sigma / self.unit)
     }
 
-    /// sigma at `s`.
-    pub(crate) fn sigma(&self, s: f64) -> f64 {
-        self.unit * self.shape.sigma(s)[0]
-    }
-
     /// (dsigma/dt)^2 at a sample of the acceleration-limited stamps.
     pub(crate) fn swept_x(&self, node: &Node) -> f64 {
-        let rate = node.rate * self.unit * self.shape.sigma(node.s)[1];
-        rate * rate
+        (node.rate * self.length).powi(2)
     }
 
     /// The derivatives at `s`.
@@ -104,17 +103,6 @@ impl<'a> LimitedSegment<'a> {
             return [direction, [0.0; 7], [0.0; 7]];
         }
         self.shape.sigma_derivatives(s)
-    }
-
-    /// ds/dt and d2s/dt2 at `s`, from (dsigma/dt)^2 and its derivative by sigma.
-    pub(crate) fn s_rates(&self, s: f64, x: f64, dx: f64) -> [f64; 2] {
-        let (speed, acceleration) = (x.sqrt(), 0.5 * dx);
-        if self.is_line() {
-            return [speed / self.unit, acceleration / self.unit];
-        }
-        let [_, p, r, _] = self.shape.sigma(s);
-        let rate = speed / (p * self.unit);
-        [rate, (acceleration / self.unit - r * rate * rate) / p]
     }
 
     /// The way in the middle of a blend on which it turns back: infinite for a line, long for a blend
@@ -141,6 +129,35 @@ impl<'a> LimitedSegment<'a> {
     pub(crate) fn build_up_s(&self, s: f64) -> f64 {
         let [speed, acceleration, jerk] = self.straight(s);
         (acceleration / jerk).min((speed / jerk).sqrt())
+    }
+
+    /// Way on which the arm stops, straight on, from its start, in rad; `before` is the segment that ends there.
+    pub(crate) fn stop_rad(&self, before: Option<&Self>) -> f64 {
+        let swept = self.swept.first().map_or(0.0, |node| self.swept_x(node));
+        let x = [(Some(self), 0.0), (before, 1.0)]
+            .into_iter()
+            .filter_map(|(segment, s)| Some(segment?.x_by_jerk(s)))
+            .fold(swept, f64::min);
+        let speed = x.sqrt();
+        let [_, acceleration, jerk] = self.straight(0.0);
+        let build_up_s = (acceleration / jerk).min((speed / jerk).sqrt());
+        if build_up_s > 0.0 {
+            0.5 * speed * (speed / (jerk * build_up_s) + build_up_s)
+        } else {
+            0.0
+        }
+    }
+
+    /// Largest x at `s` at which the path's own third derivative leaves jerk within its limits.
+    pub(crate) fn x_by_jerk(&self, s: f64) -> f64 {
+        if self.is_line() {
+            return f64::INFINITY;
+        }
+        let [_, _, dddq] = self.derivatives(s);
+        let [_, _, inverse] = &self.inverse;
+        let largest =
+            dddq.iter().zip(inverse).map(|(d, inverse)| d.abs() * inverse).fold(0.0, f64::max);
+        largest.powf(-2.0 / 3.0)
     }
 
     /// Largest speed, acceleration and jerk of sigma at `s`, if the path went straight on from there.

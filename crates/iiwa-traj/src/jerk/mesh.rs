@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use crate::node::Node;
+
 use super::{limited_segment::LimitedSegment, settings::MeshSettings};
 
 const SETTINGS: MeshSettings = super::settings::SETTINGS.mesh;
@@ -77,7 +79,7 @@ impl Swept {
                 .swept
                 .iter()
                 .map(|node| SweptSample {
-                    sigma: segment.sigma(node.s),
+                    sigma: node.p * segment.length,
                     x: segment.swept_x(node),
                     t_s: node.t_s,
                 })
@@ -220,20 +222,23 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Option<Ve
 fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
     let mut switches = Vec::new();
     for segment in segments {
-        let mut add = |t_s, s| switches.push(Switch { t_s, build_up_s: segment.build_up_s(s) });
+        let mut add = |node: &Node| {
+            let build_up_s = segment.build_up_s(segment.s(node.p * segment.length));
+            switches.push(Switch { t_s: node.t_s, build_up_s });
+        };
         if segment.is_line() {
-            segment.swept.iter().for_each(|node| add(node.t_s, node.s));
+            segment.swept.iter().for_each(add);
             continue;
         }
         let inner = &segment.swept[..segment.swept.len() - 1];
         let largest = inner.iter().map(|n| n.u[0].abs().max(n.u[1].abs())).fold(0.0, f64::max);
-        add(segment.swept[0].t_s, 0.0);
+        add(&segment.swept[0]);
         for pair in inner.windows(2) {
             if (pair[1].u[0] - pair[0].u[1]).abs() > SETTINGS.switch_jump * largest {
-                add(pair[1].t_s, pair[1].s);
+                add(&pair[1]);
             }
         }
-        add(segment.swept[segment.swept.len() - 1].t_s, 1.0);
+        add(&segment.swept[segment.swept.len() - 1]);
     }
     switches
 }

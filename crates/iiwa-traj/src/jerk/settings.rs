@@ -57,6 +57,10 @@ pub(crate) struct InteriorPointSettings {
     /// How many times as long as the common step to the boundary slacks and x go, and duals: each stops at a
     /// boundary of its own.
     pub(crate) beyond: [f64; 2],
+    /// Largest x to start from, as a multiple of what jerk allows at a steady speed.
+    pub(crate) start_jerk: f64,
+    /// Growth of x next to such a place, as a share of what constant jerk makes it.
+    pub(crate) start_growth: f64,
     /// Start without a solution near by.
     pub(crate) cold: WarmStart,
     /// Centring: mu aims at this share of the present gap, for steps of at least the length beside it. Long
@@ -115,8 +119,9 @@ pub(crate) struct RefinementSettings {
     pub(crate) abrupt: f64,
     /// Intervals of a cell at whose ends limits are checked: at first, and in the end.
     pub(crate) checks: [u32; 2],
-    /// Duration from which on a cell is slow, in s: it is checked more finely.
-    pub(crate) slow_s: f64,
+    /// Duration from which on a cell is slow, over that in which jerk builds up acceleration: it is checked more
+    /// finely.
+    pub(crate) slow: f64,
     /// Most times that limits of cells are lowered.
     pub(crate) rounds: usize,
     /// Duration over that of the optimum (as the duality gap bounds it) with which an attempt is good enough,
@@ -137,8 +142,8 @@ pub(crate) struct HorizonSettings {
     pub(crate) window: usize,
     /// Segments beyond them that are looked ahead, at least.
     pub(crate) ahead: usize,
-    /// Distance that is looked ahead, at least, in rad. From full speed the arm stops on two thirds of it.
-    pub(crate) ahead_rad: f64,
+    /// Distance that is looked ahead, at least, as a multiple of that on which the arm stops.
+    pub(crate) stops: f64,
 }
 
 /// The values in use.
@@ -162,6 +167,8 @@ pub(crate) const SETTINGS: Settings = Settings {
         largest_decrease: 0.8,
         least_share: 0.02,
         beyond: [5.0, 10.0],
+        start_jerk: 1.0,
+        start_growth: 0.3,
         cold: WarmStart { mu: 0.3, slack: 0.5, kept: 1.0 },
         centring: [(0.9, 0.05), (0.5, 0.15), (0.2, 0.4)],
         least_mu: 0.2,
@@ -186,11 +193,11 @@ pub(crate) const SETTINGS: Settings = Settings {
         far: WarmStart { mu: 1e-2, slack: 1e-2, kept: 1.0 },
         abrupt: 1.3,
         checks: [4, 12],
-        slow_s: 0.02,
+        slow: 0.9,
         rounds: 8,
         longer: [1.002, 1.25],
         attempts: [(1.0, false), (1.0, false), (1.0, true), (1.7, false), (2.5, true)],
         start: 0.7,
     },
-    horizon: HorizonSettings { window: 30, ahead: 10, ahead_rad: 2.5 },
+    horizon: HorizonSettings { window: 30, ahead: 10, stops: 1.5 },
 };

@@ -168,6 +168,7 @@ impl Solver {
             *x = x.min(2.0 * acceleration * way);
             way += length;
         }
+        lower_to_jerk(segments, cells, &mut x);
         solver.guess(&x);
         solver
     }
@@ -433,6 +434,43 @@ impl Solver {
             slack.s = (slack.s + primal * slack.ds).max(SETTINGS.least_share * slack.s);
             slack.z = (slack.z + dual * slack.dz).max(SETTINGS.least_share * slack.z);
         }
+    }
+}
+
+/// Lowers `x` at the nodes between cells to what the limits of jerk leave along the path, and next to it to
+/// what can be reached from there: a start at which jerk is many times as large as it may be is lost.
+fn lower_to_jerk(segments: &[LimitedSegment<'_>], cells: &[Cell], x: &mut [f64]) {
+    let mut lowered = false;
+    for (k, cell) in cells.iter().enumerate() {
+        let segment = &segments[cell.segment];
+        for (node, place) in [(k, 0.0), (k, 0.5), (k + 1, 0.5), (k + 1, 1.0)] {
+            let cap = segment.x_by_jerk(segment.s(cell.from + place * cell.length));
+            let cap = SETTINGS.start_jerk * cap;
+            lowered |= cap < x[node];
+            x[node] = x[node].min(cap);
+        }
+    }
+    if !lowered {
+        return;
+    }
+    // With constant jerk from rest, x^(3/4) grows evenly with sigma.
+    let growth: Vec<_> = cells
+        .iter()
+        .map(|cell| {
+            let segment = &segments[cell.segment];
+            let [_, _, jerk] = segment.straight(segment.s(cell.from));
+            SETTINGS.start_growth * (4.5 * jerk).sqrt() * cell.length
+        })
+        .collect();
+    let mut root: Vec<_> = x.iter().map(|x| x.powf(0.75)).collect();
+    for k in 1..root.len() {
+        root[k] = root[k].min(root[k - 1] + growth[k - 1]);
+    }
+    for k in (1..root.len()).rev() {
+        root[k - 1] = root[k - 1].min(root[k] + growth[k - 1]);
+    }
+    for (x, root) in x.iter_mut().zip(root) {
+        *x = x.min(root.powf(4.0 / 3.0));
     }
 }
 

@@ -1,0 +1,205 @@
+//! What the limits leave at one node of the sweep: straight lines in x.
+
+use pulp::Simd;
+
+pub(super) type Row = [f64; 8];
+
+/// Above any x or u that a limit leaves.
+pub(super) const UNLIMITED: f64 = 1e30;
+
+/// What the limits leave at one node: x at most `cap`, and for each joint u from
+/// `-(fall x + half)` to `rise x + half`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Bounds {
+    pub(super) fall: Row,
+    pub(super) rise: Row,
+    pub(super) half: Row,
+    /// Largest x at which no joint is too fast.
+    pub(super) cap: f64,
+    /// Share of the acceleration limits that is left to be used.
+    share: f64,
+}
+
+impl Bounds {
+    /// `velocity` holds the acceleration limits over the velocity limits, in 1/s.
+    #[inline(always)]
+    pub(super) fn set<S: Simd>(&mut self, simd: S, dq: &Row, ddq: &Row, velocity: &Row, h: f64) {
+        let row = |row| S::as_simd_f64s(row).0;
+        let (dq, ddq, velocity) = (row(dq), row(ddq), row(velocity));
+        let fall = S::as_mut_simd_f64s(&mut self.fall).0;
+        let rise = S::as_mut_simd_f64s(&mut self.rise).0;
+        let half = S::as_mut_simd_f64s(&mut self.half).0;
+        let [zero, one, tiny, near, beside] =
+            [0.0, 1.0, 1.0 / UNLIMITED, 0.5 * h, 1.5 * h].map(|value| simd.splat_f64s(value));
+        let mut fastest = zero;
+        for k in 0..dq.len() {
+            let (p, bend) = (simd.abs_f64s(dq[k]), simd.abs_f64s(ddq[k]));
+            // Where q' changes its sign next to the node, the limits at the node alone would leave x
+            // and u free, and speed and acceleration beside it with them: q' of one and a half
+            // intervals away bounds the one, of half an interval, in both directions, the other.
+            let speed = simd.max_f64s(p, simd.mul_f64s(beside, bend));
+            fastest = simd.max_f64s(fastest, simd.mul_f64s(velocity[k], speed));
+            let nearby = simd.mul_f64s(near, bend);
+            let turns = simd.less_than_f64s(p, nearby);
+            let (back, against) = (simd.less_than_f64s(dq[k], zero), simd.neg_f64s(ddq[k]));
+            let slopes =
+                [simd.select_f64s(back, against, ddq[k]), simd.select_f64s(back, ddq[k], against)];
+            half[k] = simd.div_f64s(one, simd.max_f64s(simd.max_f64s(p, nearby), tiny));
+            let [down, up] =
+                slopes.map(|slope| simd.select_f64s(turns, simd.neg_f64s(bend), slope));
+            fall[k] = simd.mul_f64s(down, half[k]);
+            rise[k] = simd.mul_f64s(up, half[k]);
+        }
+        let fastest = simd.reduce_max_f64s(fastest);
+        self.cap = if fastest > 1e-15 { 1.0 / (fastest * fastest) } else { UNLIMITED };
+        self.share = 1.0;
+    }
+
+    /// Leaves only a share of the acceleration limits.
+    pub(super) fn lower(&mut self, share: f64) {
+        if share != self.share {
+            let factor = share / self.share;
+            self.half = self.half.map(|half| factor * half);
+            self.share = share;
+        }
+    }
+
+    /// Largest u at `x`.
+    #[inline(always)]
+    pub(super) fn most<S: Simd>(&self, simd: S, x: f64) -> f64 {
+        lowest(simd, &self.rise, x, &self.half)
+    }
+
+    /// Smallest u at `x`.
+    #[inline(always)]
+    pub(super) fn least<S: Simd>(&self, simd: S, x: f64) -> f64 {
+        -lowest(simd, &self.fall, x, &self.half)
+    }
+
+    /// Largest x, not above `x`, at which some u keeps all limits.
+    ///
+    /// The width of the band common to all joints is a concave function of x, made of straight
+    /// pieces. Newton's method comes down on its root from the right, and ends after a few pieces.
+    /// `pair` holds the joints of the piece to try first, and then those of the last.
+    #[inline(always)]
+    pub(super) fn possible<S: Simd>(&self, simd: S, mut x: f64, pair: &mut [usize; 2]) -> f64 {
+        const STEPS: usize = 64;
+        for _ in 0..STEPS {
+            let [j, k] = *pair;
+            let root = (self.half[j] + self.half[k]) / -(self.rise[j] + self.fall[k]);
+            if root > 0.0 && root < x {
+                x = root;
+            }
+            let (most, brake) = (self.most(simd, x), -self.least(simd, x));
+            if most + brake >= 0.0 {
+                break;
+            }
+            let narrowest = [
+                place(simd, &self.rise, x, &self.half, most),
+                place(simd, &self.fall, x, &self.half, brake),
+            ];
+            if narrowest == *pair {
+                break;
+            }
+            *pair = narrowest;
+        }
+        x
+    }
+}
+
+/// The lowest of the lines `slope x + offset` at `x`.
+#[inline(always)]
+fn lowest<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row) -> f64 {
+    let (slopes, offsets) = (S::as_simd_f64s(slopes).0, S::as_simd_f64s(offsets).0);
+    let x = simd.splat_f64s(x);
+    let mut lowest = simd.mul_add_e_f64s(slopes[0], x, offsets[0]);
+    for k in 1..slopes.len() {
+        lowest = simd.min_f64s(lowest, simd.mul_add_e_f64s(slopes[k], x, offsets[k]));
+    }
+    simd.reduce_min_f64s(lowest)
+}
+
+/// The same as [`lowest`], where the lowest is likely to be `line`; afterwards it is.
+///
+/// A step of a sweep starts from what the last one found. With the joint that limits known beforehand,
+/// which most often is the one of the last node, the processor goes on with its line alone while it
+/// compares all of them.
+#[inline(always)]
+fn lowest_by<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, line: &mut usize) -> f64 {
+    let (slope, offset) = (slopes[*line], offsets[*line]);
+    // Rounded as in `lowest`.
+    let likely = if S::IS_SCALAR { slope * x + offset } else { slope.mul_add(x, offset) };
+    let lowest = lowest(simd, slopes, x, offsets);
+    if lowest < likely {
+        *line = place(simd, slopes, x, offsets, lowest);
+        return lowest;
+    }
+    likely
+}
+
+/// Largest x, not above `cap`, with `x - h lowest(x) <= c`, and the lowest of the lines there.
+///
+/// `lines` holds the line that is likely to limit x, and the one that is likely to be the lowest
+/// there, the same unless x is `cap`; afterwards it holds those that are. Whichever line is taken to
+/// limit x, x comes out too large or right, as in Newton's method.
+#[inline(always)]
+pub(super) fn largest<S: Simd>(
+    simd: S,
+    [slopes, offsets]: [&Row; 2],
+    h: f64,
+    c: f64,
+    cap: f64,
+    lines: &mut [usize; 2],
+) -> (f64, f64) {
+    // Each line limits once, but for rounding.
+    const STEPS: usize = 16;
+    let mut found = (0.0, 0.0);
+    for _ in 0..STEPS {
+        let limiting = lines[0];
+        // A factor of no more than zero leaves x free.
+        let inverse = 1.0 / greater(1.0 - h * slopes[limiting], 1e-9);
+        let x = lesser((c + h * offsets[limiting]) * inverse, cap);
+        let lowest = lowest_by(simd, slopes, x, offsets, &mut lines[1]);
+        found = (x, lowest);
+        if lines[1] == limiting || x - h * lowest <= c {
+            break;
+        }
+        lines[0] = lines[1];
+    }
+    found
+}
+
+const PLACES: Row = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
+/// The first of the lines that are `lowest` at `x`.
+#[inline(always)]
+fn place<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, lowest: f64) -> usize {
+    let (slopes, offsets) = (S::as_simd_f64s(slopes).0, S::as_simd_f64s(offsets).0);
+    let (x, lowest) = (simd.splat_f64s(x), simd.splat_f64s(lowest));
+    let none = simd.splat_f64s(8.0);
+    let mut first = none;
+    for (k, places) in S::as_simd_f64s(&PLACES).0.iter().enumerate() {
+        let value = simd.mul_add_e_f64s(slopes[k], x, offsets[k]);
+        let is_lowest = simd.less_than_or_equal_f64s(value, lowest);
+        first = simd.min_f64s(first, simd.select_f64s(is_lowest, *places, none));
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "it is one of the places, or 8"
+    )]
+    let first = simd.reduce_min_f64s(first) as usize;
+    first % 8
+}
+
+/// The lesser of two numbers, in one instruction.
+#[inline(always)]
+pub(crate) fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The greater of two numbers, in one instruction.
+#[inline(always)]
+pub(crate) fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}

@@ -1,0 +1,407 @@
+//! Limits as they are kept at every instant, from the trajectory's own polynomials: not by samples.
+//!
+//! Between two nodes, p is a polynomial of degree five in time. On lines, so are the joints; velocity,
+//! acceleration and jerk have degree four at most. In blends they are cut into parts that degree eight is enough
+//! for, and each part's largest value is found exactly.
+
+use iiwa_kin::{Joint, Joints};
+use iiwa_path::Segment;
+use iiwa_traj::{Piece, Section, Timing, Trajectory};
+
+use crate::{
+    bernstein::{Bernstein, COEFFICIENTS, INTERPOLATION, Largest},
+    intervals::Interval,
+    jumps::jumps,
+};
+
+/// Velocity, acceleration and jerk: names of what there are limits of, in their order everywhere here.
+pub const KINDS: [&str; 3] = ["velocity", "acceleration", "jerk"];
+
+/// Where a joint comes closest to a limit, or exceeds it most.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Peak {
+    /// Value over limit; infinite if it is not a number.
+    pub ratio: f64,
+    /// The joint; none if all stand.
+    pub joint: Option<Joint>,
+    /// When, in s from the start of the program.
+    pub t_s: f64,
+    /// Where in the segment: its share of sigma, 0 to 1.
+    pub p: f64,
+    /// Where between two nodes, as a share of the time.
+    pub share: f64,
+    /// Number of the node before in its piece, from 0.
+    pub node: usize,
+    /// From that node to the next, in s.
+    pub interval_s: f64,
+}
+
+/// If rounding of s and of the stamps makes more than this share of a limit of jerk, an interval is blurred.
+pub const BLUR: f64 = 0.01;
+
+/// What a trajectory, or a piece of it, does to its limits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extremes {
+    /// Of velocity, acceleration and jerk, over the limits of the motion that the piece belongs to. Jerk is zero
+    /// under acceleration-limited stamps, where it has no limit.
+    pub clear: [Peak; 3],
+    /// The same between nodes that are so near to each other that rounding of s and of the stamps shows in jerk:
+    /// by more than [`BLUR`].
+    pub blurred: [Peak; 3],
+    /// Largest speed backwards along the path, over the limit of a joint's velocity.
+    pub backwards: f64,
+    /// Largest jumps from a piece, a rest or an interval to the next one: of velocity and, under jerk-limited
+    /// stamps, of acceleration, over the larger limit of both sides.
+    pub jumps: [f64; 2],
+}
+
+impl Extremes {
+    /// The peaks of velocity, acceleration and jerk, blurred or not.
+    #[must_use]
+    pub fn peaks(&self) -> [Peak; 3] {
+        higher(&self.clear, &self.blurred)
+    }
+
+    /// Largest ratios of velocity, acceleration and jerk.
+    #[must_use]
+    pub fn ratios(&self) -> [f64; 3] {
+        self.peaks().map(|peak| peak.ratio)
+    }
+
+    /// The worse of two, of each kind.
+    #[must_use]
+    pub fn worse(&self, other: &Self) -> Self {
+        Self {
+            clear: higher(&self.clear, &other.clear),
+            blurred: higher(&self.blurred, &other.blurred),
+            backwards: self.backwards.max(other.backwards),
+            jumps: std::array::from_fn(|i| self.jumps[i].max(other.jumps[i])),
+        }
+    }
+}
+
+fn higher(a: &[Peak; 3], b: &[Peak; 3]) -> [Peak; 3] {
+    std::array::from_fn(|i| if b[i].ratio > a[i].ratio { b[i] } else { a[i] })
+}
+
+/// The extremes of a trajectory, of which `timing` is how it was planned.
+#[must_use]
+pub fn extremes(trajectory: &Trajectory, timing: Timing) -> Extremes {
+    let mut worst = Extremes::default();
+    for section in trajectory.sections() {
+        for piece in section.pieces() {
+            worst = worst.worse(&piece_extremes(trajectory, section, piece, timing, &worst));
+        }
+        worst = worst.worse(&Extremes { jumps: jumps(trajectory, section, timing), ..worst });
+    }
+    worst
+}
+
+/// The extremes of one piece without its seams. Of what is no worse than `floor`, nothing more is found out:
+/// that is quicker.
+#[must_use]
+pub fn piece_extremes(
+    trajectory: &Trajectory,
+    section: &Section,
+    piece: &Piece,
+    timing: Timing,
+    floor: &Extremes,
+) -> Extremes {
+    let Some(segment) = section.segment(piece) else { return Extremes::default() };
+    let limits = &trajectory.path().limits()[piece.motion.index()];
+    let mut over = [&limits.velocity_rad_s, &limits.acceleration_rad_s2, &limits.jerk_rad_s3]
+        .map(|limits| limits.map(|limit| 1.0 / limit));
+    if !matches!(timing, Timing::Jerk(_)) {
+        over[2] = [0.0; 7];
+    }
+    let mut search = Search {
+        segment,
+        over,
+        peaks: [&floor.clear, &floor.blurred]
+            .map(|peaks| peaks.map(|Peak { ratio, .. }| Peak { ratio, ..Peak::default() })),
+        backwards: floor.backwards,
+        node: 0,
+        is_blurred: false,
+    };
+    let nodes = section.nodes(piece);
+    for (node, pair) in nodes.windows(2).enumerate() {
+        search.node = node;
+        search.interval(&Interval::between(&pair[0], &pair[1]));
+    }
+    for peak in search.peaks.as_flattened_mut() {
+        if peak.joint.is_none() {
+            *peak = Peak::default();
+            continue;
+        }
+        let from = &nodes[peak.node];
+        peak.interval_s = from.dt_s;
+        peak.t_s = section.start_s() + from.t_s + peak.share * peak.interval_s;
+    }
+    let [clear, blurred] = search.peaks;
+    Extremes { clear, blurred, backwards: search.backwards, jumps: [0.0; 2] }
+}
+
+/// Degree eight is taken to be enough for a part once what is missing is this share of the limit, or of
+/// the function's own size where that is larger.
+const PRECISION: f64 = 1e-10;
+
+/// Most times that an interval is halved: no composition in use needs more than a few.
+const HALVINGS: u32 = 12;
+
+/// The search for the extremes of one piece.
+struct Search<'a> {
+    segment: &'a dyn Segment,
+    /// One over the limits of velocity, acceleration and jerk.
+    over: [Joints; 3],
+    /// Clear ones, and blurred ones.
+    peaks: [[Peak; 3]; 2],
+    backwards: f64,
+    /// The node before the interval.
+    node: usize,
+    /// Whether rounding shows in the interval.
+    is_blurred: bool,
+}
+
+impl Search<'_> {
+    fn interval(&mut self, interval: &Interval) {
+        let dq = self.segment.at_share(interval.p(0.0)).dq;
+        self.is_blurred = self.steepest(2, &dq).0 * interval.rounding() > BLUR;
+        if self.segment.is_straight() {
+            self.line(interval, &dq);
+        } else {
+            self.part(interval, 0.0, 1.0, HALVINGS);
+        }
+        let slope = self.steepest(0, &dq).0;
+        if slope > 0.0
+            && let Some(back) = interval.rate().largest(|v| -v, self.backwards / slope)
+        {
+            self.backwards = self.backwards.max(back.value * slope);
+        }
+    }
+
+    /// The joint whose derivative is the largest share of a limit, and that share.
+    fn steepest(&self, kind: usize, dq: &Joints) -> (f64, Option<Joint>) {
+        let mut steepest = (0.0, None);
+        for joint in Joint::ALL {
+            let j = joint.index();
+            let share = dq[j].abs() * self.over[kind][j];
+            if share > steepest.0 {
+                steepest = (share, Some(joint));
+            }
+        }
+        steepest
+    }
+
+    /// On a line all joints go as p does: one of them decides.
+    fn line(&mut self, interval: &Interval, dq: &Joints) {
+        for (kind, powers) in interval.line().iter().enumerate() {
+            let (slope, joint) = self.steepest(kind, dq);
+            let polynomial = Bernstein::from_powers(&powers.map(|c| slope * c));
+            if let Some(found) = polynomial.largest(f64::abs, self.floor(kind)) {
+                self.found(interval, kind, joint, found);
+            }
+        }
+    }
+
+    /// In a curve, from `from` on for `width` of the interval's parameter.
+    fn part(&mut self, interval: &Interval, from: f64, width: f64, halvings: u32) {
+        let mut values = [[[0.0; 8]; COEFFICIENTS]; 3];
+        let mut largest = [1.0_f64; 3];
+        for (k, place) in INTERPOLATION.places.iter().enumerate() {
+            let t = from + width * place;
+            let rows = interval.functions(t, self.segment, &self.over);
+            for (kind, row) in rows.into_iter().enumerate() {
+                largest[kind] = row.iter().fold(largest[kind], |most, v| most.max(v.abs()));
+                values[kind][k] = row;
+            }
+        }
+        let is_exact =
+            || (0..3).all(|kind| INTERPOLATION.is_exact(&values[kind], PRECISION * largest[kind]));
+        // What is not a number stays so, however short the part.
+        let is_finite = values.iter().flatten().flatten().all(|v| v.is_finite());
+        if is_finite && halvings > 0 && !is_exact() {
+            let half = 0.5 * width;
+            self.part(interval, from, half, halvings - 1);
+            self.part(interval, from + half, half, halvings - 1);
+            return;
+        }
+        for (kind, values) in values.iter().enumerate() {
+            let polynomials = INTERPOLATION.polynomials(values);
+            for (joint, polynomial) in Joint::ALL.into_iter().zip(&polynomials) {
+                if let Some(Largest { value, at }) = polynomial.largest(f64::abs, self.floor(kind))
+                {
+                    let found = Largest { value, at: from + width * at };
+                    self.found(interval, kind, Some(joint), found);
+                }
+            }
+        }
+    }
+
+    /// The largest ratio so far.
+    fn floor(&self, kind: usize) -> f64 {
+        self.peaks[usize::from(self.is_blurred)][kind].ratio
+    }
+
+    fn found(&mut self, interval: &Interval, kind: usize, joint: Option<Joint>, found: Largest) {
+        self.peaks[usize::from(self.is_blurred)][kind] = Peak {
+            ratio: found.value,
+            joint,
+            p: interval.p(found.at),
+            share: found.at,
+            node: self.node,
+            ..Peak::default()
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use iiwa_kin::Robot;
+    use iiwa_path::{JointPath, Line};
+    use iiwa_traj::{Node, SweepOptions};
+    use proptest::{
+        prelude::ProptestConfig,
+        strategy::{Strategy, ValueTree},
+        test_runner::{RngSeed, TestRunner},
+    };
+
+    use super::*;
+    use crate::random::programs;
+
+    fn node(t_s: f64, p: f64) -> Node {
+        Node { t_s, p, dt_s: 2.0, dp: 1.0, ..Node::default() }
+    }
+
+    /// From rest to rest in 2 s: s = 10 f^3 - 15 f^4 + 6 f^5 with f = t / 2 s. By hand, its largest
+    /// derivatives by f are 15/8 at 1/2, 10 / sqrt(3) at (1 - 1 / sqrt(3)) / 2, and 60 at the start.
+    #[test]
+    fn rest_to_rest_by_hand() {
+        let line = Line::new([0.0; 7], [0.0, -0.5, 0.0, 0.25, 0.0, 0.0, 0.0]);
+        let mut search = Search {
+            segment: &line,
+            over: [[2.0; 7], [0.5; 7], [4.0; 7]],
+            peaks: [[Peak::default(); 3]; 2],
+            backwards: 0.0,
+            node: 0,
+            is_blurred: false,
+        };
+        search.interval(&Interval::between(&node(1.0, 0.0), &node(3.0, 1.0)));
+        let root = 3.0_f64.sqrt();
+        let expected = [
+            (2.0 * 0.5 * 15.0 / 8.0 / 2.0, 0.5),
+            (0.5 * 0.5 * 10.0 / root / 4.0, 0.5 * (1.0 - 1.0 / root)),
+            (4.0 * 0.5 * 60.0 / 8.0, 0.0),
+        ];
+        for (found, (ratio, share)) in search.peaks[0].iter().zip(expected) {
+            assert_eq!(found.joint, Some(Joint::A2));
+            assert!((found.ratio / ratio - 1.0).abs() < 1e-9, "{found:?}, {ratio}");
+            let mirrored = (found.share - share).abs().min((1.0 - found.share - share).abs());
+            assert!(mirrored < 1e-4, "{found:?}, {share}");
+        }
+        assert_eq!(search.backwards, 0.0);
+    }
+
+    /// A polynomial that overshoots: faster than 2/s on average, from and to rest at 0.9/s^2 too little.
+    #[test]
+    fn what_goes_backwards_is_seen() {
+        let line = Line::new([0.0; 7], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let mut search = Search {
+            segment: &line,
+            over: [[1.0; 7]; 3],
+            peaks: [[Peak::default(); 3]; 2],
+            backwards: 0.0,
+            node: 0,
+            is_blurred: false,
+        };
+        // s = 8 f^3 - 7 f^4 ends at speed -4.
+        let [mut from, mut to] = [node(0.0, 0.0), node(1.0, 1.0)];
+        from.dt_s = 1.0;
+        to.rate = -4.0;
+        search.interval(&Interval::between(&from, &Node { u: [-36.0; 2], ..to }));
+        assert!(search.backwards >= 4.0 * (1.0 - 1e-9), "{}", search.backwards);
+    }
+
+    /// A thousand samples of each interval, by the trajectory itself.
+    #[test]
+    fn as_sampling_says() {
+        const SAMPLES: u32 = 1000;
+        let config = ProptestConfig { rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() };
+        let mut runner = TestRunner::new(config);
+        for _ in 0..12 {
+            let program = programs(4).new_tree(&mut runner).unwrap().current();
+            let path = JointPath::new(&program, &Robot::default()).unwrap();
+            for timing in [Timing::default(), Timing::Acceleration(SweepOptions::default())] {
+                let trajectory = Trajectory::plan(&path, timing).unwrap();
+                let found = extremes(&trajectory, timing);
+                let mut sampled = [0.0_f64; 3];
+                for section in trajectory.sections() {
+                    for piece in section.pieces() {
+                        let limits = &path.limits()[piece.motion.index()];
+                        for pair in section.nodes(piece).windows(2) {
+                            let dt = pair[0].dt_s;
+                            // The ends are left out: rounding may put them into the next interval.
+                            for i in 0..SAMPLES {
+                                let share = (f64::from(i) + 0.5) / f64::from(SAMPLES);
+                                let t_s = section.start_s() + pair[0].t_s + share * dt;
+                                let at = section.at(t_s);
+                                for j in 0..7 {
+                                    let ratios = [
+                                        at.dq[j] / limits.velocity_rad_s[j],
+                                        at.ddq[j] / limits.acceleration_rad_s2[j],
+                                        at.dddq[j] / limits.jerk_rad_s3[j],
+                                    ];
+                                    for (sampled, ratio) in sampled.iter_mut().zip(ratios) {
+                                        *sampled = sampled.max(ratio.abs());
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
+                let kinds = if matches!(timing, Timing::Jerk(_)) { 3 } else { 2 };
+                for kind in 0..kinds {
+                    let [found, sampled] = [found.ratios()[kind], sampled[kind]];
+                    let what = KINDS[kind];
+                    assert!(
+                        sampled <= found * (1.0 + 1e-7),
+                        "{what} {found}, {sampled} by samples"
+                    );
+                    // Half a sample from the end of an interval, jerk differs by as much as it changes.
+                    assert!(found <= sampled * 1.005, "{what} {found}, {sampled} by samples");
+                }
+                assert!(found.jumps.iter().all(|jump| *jump < 1e-6), "{:?}", found.jumps);
+            }
+        }
+    }
+
+    /// Of a piece, the peak is where it says.
+    #[test]
+    fn the_peak_is_where_it_says() {
+        let config = ProptestConfig { rng_seed: RngSeed::Fixed(8), ..ProptestConfig::default() };
+        let program = programs(6).new_tree(&mut TestRunner::new(config)).unwrap().current();
+        let path = JointPath::new(&program, &Robot::default()).unwrap();
+        for timing in [Timing::default(), Timing::Acceleration(SweepOptions::default())] {
+            let trajectory = Trajectory::plan(&path, timing).unwrap();
+            for section in trajectory.sections() {
+                for piece in section.pieces().iter().filter(|piece| piece.kind.moves()) {
+                    let limits = &path.limits()[piece.motion.index()];
+                    let found =
+                        piece_extremes(&trajectory, section, piece, timing, &Extremes::default());
+                    let [velocity, acceleration, _] = found.peaks();
+                    let at = section.at(velocity.t_s);
+                    let j = velocity.joint.unwrap().index();
+                    let there = at.dq[j].abs() / limits.velocity_rad_s[j];
+                    assert!((there / velocity.ratio - 1.0).abs() < 1e-6, "{velocity:?}, {there}");
+                    // Under acceleration-limited stamps it jumps, and may be that of the next interval.
+                    if matches!(timing, Timing::Jerk(_)) {
+                        let at = section.at(acceleration.t_s);
+                        let j = acceleration.joint.unwrap().index();
+                        let there = at.ddq[j].abs() / limits.acceleration_rad_s2[j];
+                        let off = (there / acceleration.ratio - 1.0).abs();
+                        assert!(off < 1e-6, "{acceleration:?}, {there}");
+                    }
+                }
+            }
+        }
+    }
+}

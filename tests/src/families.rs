@@ -1,0 +1,153 @@
+//! Families of random programs, each hard on a planner in a way of its own. A program depends on its family, a
+//! seed and its number alone, so that it can be looked at again.
+
+mod dense;
+mod dice;
+mod extreme;
+mod fine;
+mod mixed;
+mod plain;
+mod sliver;
+
+use iiwa_kin::Robot;
+use iiwa_path::{JointPath, Program};
+
+use dice::Dice;
+
+/// A family of random programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// All that a program may hold, the odd things more often than in life.
+    Plain,
+    /// Shares of velocity, acceleration and jerk of each joint and each motion apart, from 0.01 to 1.
+    Mixed,
+    /// Turn-backs and near ones; lines of which blends leave next to nothing, between neighbours of very
+    /// unequal lengths.
+    Sliver,
+    /// Motions of 1e-6 to 1e-3 rad.
+    Fine,
+    /// Shares of velocity from 1e-6 to 1, motions of 1e-9 to 5 rad.
+    Extreme,
+    /// Some hundred points along a smooth curve, all blended.
+    Dense,
+}
+
+/// A program, and how often it was drawn anew because the robot could not do it.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    /// The program, which [`JointPath::new`] takes.
+    pub program: Program,
+    /// Draws before it that were not valid.
+    pub redraws: usize,
+}
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Plain, Self::Mixed, Self::Sliver, Self::Fine, Self::Extreme, Self::Dense];
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "plain",
+            Self::Mixed => "mixed",
+            Self::Sliver => "sliver",
+            Self::Fine => "fine",
+            Self::Extreme => "extreme",
+            Self::Dense => "dense",
+        }
+    }
+
+    /// The family with this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|family| family.name() == name)
+    }
+
+    /// Program number `index` of the family.
+    #[must_use]
+    pub fn program(self, seed: u64, index: u64) -> Drawn {
+        if self == Self::Plain {
+            return valid(plain::programs(seed, index));
+        }
+        let mut dice = Dice::new(seed, self.name(), index);
+        let draw = match self {
+            Self::Plain | Self::Mixed => mixed::program,
+            Self::Sliver => sliver::program,
+            Self::Fine => fine::program,
+            Self::Extreme => extreme::program,
+            Self::Dense => dense::program,
+        };
+        valid(std::iter::repeat_with(|| draw(&mut dice)))
+    }
+}
+
+/// The first of `programs`, of which there is no end, that the robot can do.
+fn valid(programs: impl Iterator<Item = Program>) -> Drawn {
+    let robot = Robot::default();
+    for (redraws, program) in programs.enumerate() {
+        if JointPath::new(&program, &robot).is_ok() {
+            return Drawn { program, redraws };
+        }
+    }
+    unreachable!("programs are drawn until one is valid")
+}
+
+#[cfg(test)]
+mod tests {
+    use iiwa_path::Motion;
+
+    use super::*;
+
+    #[test]
+    fn a_number_is_a_program() {
+        for family in Family::ALL {
+            assert_eq!(Family::named(family.name()), Some(family));
+            let [first, again, other, seeded] = [(3, 5), (3, 5), (3, 6), (4, 5)]
+                .map(|(seed, index)| family.program(seed, index).program);
+            assert_eq!(first, again);
+            assert!(first != other && first != seeded);
+        }
+    }
+
+    #[test]
+    fn programs_can_be_written_and_read() {
+        for family in Family::ALL {
+            for index in 0..20 {
+                let Drawn { program, redraws } = family.program(1, index);
+                assert_eq!(Program::from_json(&program.to_json()).unwrap(), program);
+                assert!(redraws < 1000, "{redraws} redraws of {} {index}", family.name());
+            }
+        }
+    }
+
+    /// What gives each family its name is in it.
+    #[test]
+    fn families_are_what_they_say() {
+        let ptps = |family: Family| {
+            let programs = (0..50).map(move |index| family.program(1, index).program);
+            programs.flat_map(|program| {
+                let mut at = program.start_rad;
+                let moves = program.motions.into_iter().filter_map(move |motion| match motion {
+                    Motion::Ptp(ptp) => {
+                        let way = iiwa_kin::vector::sub(&ptp.target_rad, &at);
+                        at = ptp.target_rad;
+                        Some((iiwa_kin::vector::norm(&way), ptp))
+                    }
+                    _ => None,
+                });
+                moves.collect::<Vec<_>>()
+            })
+        };
+        let low = ptps(Family::Mixed).flat_map(|(_, ptp)| ptp.jerk_rel).fold(1.0, f64::min);
+        assert!((0.01..0.011).contains(&low), "{low}");
+        assert!(ptps(Family::Fine).all(|(way, _)| (0.99e-6..1.01e-3).contains(&way)));
+        let slow = ptps(Family::Extreme).map(|(_, ptp)| ptp.velocity_rel[0]).fold(1.0, f64::min);
+        assert!((1e-6..1e-5).contains(&slow), "{slow}");
+        let short = ptps(Family::Extreme).map(|(way, _)| way).fold(1.0, f64::min);
+        assert!(short < 1e-8, "{short}");
+        let dense = Family::Dense.program(1, 0).program.motions.len();
+        assert!((50..=200).contains(&dense), "{dense}");
+    }
+}

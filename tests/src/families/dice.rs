@@ -1,0 +1,129 @@
+//! Random numbers, and what programs are put together from.
+
+use std::f64::consts::TAU;
+
+use fastrand::Rng;
+use iiwa_kin::{Joints, Robot, vector};
+use iiwa_path::{Blend, Motion, Program, Ptp};
+
+/// A source of random numbers.
+#[derive(Debug)]
+pub(crate) struct Dice(Rng);
+
+impl Dice {
+    /// Those of program `index` of `family`.
+    pub(crate) fn new(seed: u64, family: &str, index: u64) -> Self {
+        let mut rng = Rng::with_seed(seed);
+        for word in family.bytes().map(u64::from).chain([index]) {
+            rng = Rng::with_seed(rng.u64(..) ^ word);
+        }
+        Self(rng)
+    }
+
+    pub(crate) fn between(&mut self, least: f64, most: f64) -> f64 {
+        least + (most - least) * self.0.f64()
+    }
+
+    /// As likely to be in one decade as in another.
+    pub(crate) fn log(&mut self, least: f64, most: f64) -> f64 {
+        self.between(least.ln(), most.ln()).exp().max(least).min(most)
+    }
+
+    pub(crate) fn count(&mut self, least: usize, most: usize) -> usize {
+        self.0.usize(least..=most)
+    }
+
+    /// True in so many of a hundred cases.
+    pub(crate) fn percent(&mut self, percent: u8) -> bool {
+        self.0.u8(0..100) < percent
+    }
+
+    pub(crate) fn joints(&mut self, mut one: impl FnMut(&mut Self) -> f64) -> Joints {
+        std::array::from_fn(|_| one(self))
+    }
+
+    /// A pose in the middle of the joints' ranges.
+    pub(crate) fn pose(&mut self) -> Joints {
+        self.joints(|dice| dice.between(-1.2, 1.2))
+    }
+
+    /// A unit vector: of all joints, or now and then of some or of one.
+    pub(crate) fn direction(&mut self) -> Joints {
+        let some = self.percent(20);
+        let only = self.percent(10).then(|| self.count(0, 6));
+        loop {
+            let way: Joints = std::array::from_fn(|j| {
+                let v = self.normal();
+                let left_out = some && self.percent(50) || only.is_some_and(|only| only != j);
+                if left_out { 0.0 } else { v }
+            });
+            let length = vector::norm(&way);
+            if length > 1e-3 {
+                return vector::scale(1.0 / length, &way);
+            }
+        }
+    }
+
+    /// A unit vector at `angle_rad` to `direction`, towards any side.
+    pub(crate) fn turned(&mut self, direction: &Joints, angle_rad: f64) -> Joints {
+        loop {
+            let side = self.joints(Self::normal);
+            let along: f64 = side.iter().zip(direction).map(|(a, b)| a * b).sum();
+            let across = vector::add_scaled(&side, -along, direction);
+            let length = vector::norm(&across);
+            if length > 1e-3 {
+                let straight = vector::scale(angle_rad.cos(), direction);
+                return vector::add_scaled(&straight, angle_rad.sin() / length, &across);
+            }
+        }
+    }
+
+    fn normal(&mut self) -> f64 {
+        let [radius, angle] = [self.0.f64(), self.0.f64()];
+        (-2.0 * (1.0 - radius).ln()).sqrt() * (TAU * angle).cos()
+    }
+
+    /// A fraction: any, a half, or none.
+    pub(crate) fn blend(&mut self) -> Option<Blend> {
+        match self.count(0, 9) {
+            0 => None,
+            1 | 2 => Some(Blend::Fraction(0.5)),
+            3 => Some(Blend::Fraction(self.log(1e-4, 0.5))),
+            _ => Some(Blend::Fraction(self.between(0.0, 0.5))),
+        }
+    }
+
+    /// A way of `length` from `at` that stays within the joints' ranges, if a few throws find one.
+    pub(crate) fn leg(&mut self, at: &Joints, length: f64) -> Joints {
+        let limits = Robot::default().limits().upper_rad;
+        let throws = std::iter::repeat_with(|| vector::scale(length, &self.direction()));
+        let is_inside = |way: &Joints| (0..7).all(|j| (at[j] + way[j]).abs() < limits[j]);
+        let mut last = [0.0; 7];
+        for way in throws.take(50) {
+            last = way;
+            if is_inside(&way) {
+                break;
+            }
+        }
+        last
+    }
+}
+
+/// A motion with the same shares for all joints.
+pub(crate) fn ptp(target_rad: Joints, [v, a, j]: [f64; 3], blend: Option<Blend>) -> Ptp {
+    Ptp {
+        velocity_rel: [v; 7],
+        acceleration_rel: [a; 7],
+        jerk_rel: [j; 7],
+        blend,
+        ..Ptp::to(target_rad)
+    }
+}
+
+/// The program of these motions. The last blend is left out: it would lead nowhere.
+pub(crate) fn program(start_rad: Joints, mut motions: Vec<Ptp>) -> Program {
+    if let Some(last) = motions.last_mut() {
+        last.blend = None;
+    }
+    Program { robot: None, start_rad, motions: motions.into_iter().map(Motion::Ptp).collect() }
+}

@@ -1,0 +1,32 @@
+//! As slow, as short and as long as programs may be.
+
+use iiwa_path::Program;
+
+use super::dice::{Dice, program as of, ptp};
+
+/// Shares of velocity from 1e-6 to 1 and legs of 1e-9 to 5 rad; those of acceleration and jerk, too, in half
+/// of the programs.
+pub(super) fn program(dice: &mut Dice) -> Program {
+    let start_rad = dice.joints(|dice| dice.between(-2.0, 2.0));
+    // Of all motions alike, where the path and not the motions decide.
+    let is_even = dice.percent(50);
+    let is_slow = dice.percent(50);
+    let share = |dice: &mut Dice| dice.log(1e-6, 1.0);
+    let shares = |dice: &mut Dice| {
+        let velocity = share(dice);
+        let mut rest = || if is_slow { share(dice) } else { 1.0 };
+        [velocity, rest(), rest()]
+    };
+    let same = shares(dice);
+    let mut at = start_rad;
+    let motions = (0..dice.count(1, 12)).map(|_| {
+        let length = dice.log(1e-9, 5.0);
+        let way = dice.leg(&at, length);
+        at = std::array::from_fn(|j| at[j] + way[j]);
+        let shares = if is_even { same } else { shares(dice) };
+        let blend = dice.blend();
+        ptp(at, shares, blend)
+    });
+    let motions = motions.collect();
+    of(start_rad, motions)
+}

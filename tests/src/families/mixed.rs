@@ -1,0 +1,22 @@
+//! Shares of the limits that have nothing to do with each other.
+
+use iiwa_path::{Program, Ptp};
+
+use super::dice::{Dice, program as of};
+
+/// Shares of each joint, each motion and each kind of limit apart, from 0.01 to 1.
+pub(super) fn program(dice: &mut Dice) -> Program {
+    let start_rad = dice.pose();
+    let mut at = start_rad;
+    let motions = (0..dice.count(1, 12)).map(|_| {
+        let length = if dice.percent(60) { dice.between(0.3, 3.0) } else { dice.log(1e-3, 1.0) };
+        let way = dice.leg(&at, length);
+        at = std::array::from_fn(|j| at[j] + way[j]);
+        let mut shares = || dice.joints(|dice| dice.log(0.01, 1.0));
+        let (velocity_rel, acceleration_rel, jerk_rel) = (shares(), shares(), shares());
+        let blend = dice.blend();
+        Ptp { velocity_rel, acceleration_rel, jerk_rel, blend, ..Ptp::to(at) }
+    });
+    let motions = motions.collect();
+    of(start_rad, motions)
+}

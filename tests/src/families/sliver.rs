@@ -1,0 +1,39 @@
+//! Turn-backs, and lines of which next to nothing remains.
+
+use iiwa_path::{Blend, Program};
+
+use super::dice::{Dice, program as of, ptp};
+
+/// Most legs turn by 170 to 180 degrees from the one before, some by 180 exactly; most blends leave 0.2 % of
+/// the shorter leg, or nothing. Lengths are very unequal.
+pub(super) fn program(dice: &mut Dice) -> Program {
+    let start_rad = dice.pose();
+    let longest = dice.log(1e-2, 2.0);
+    let mut direction = dice.direction();
+    let mut at = start_rad;
+    let motions = (0..dice.count(2, 10)).map(|leg| {
+        if leg > 0 {
+            direction = match dice.count(0, 9) {
+                0..=2 => direction.map(|v| -v),
+                3..=6 => {
+                    let angle_rad = dice.between(170.0, 180.0).to_radians();
+                    dice.turned(&direction, angle_rad)
+                }
+                _ => dice.direction(),
+            };
+        }
+        let length = if dice.percent(40) { longest } else { longest * dice.log(1e-3, 1.0) };
+        at = std::array::from_fn(|j| at[j] + length * direction[j]);
+        let blend = match dice.count(0, 9) {
+            0..=5 => Some(Blend::Fraction(dice.between(0.499, 0.5))),
+            6 | 7 => Some(Blend::Fraction(0.5)),
+            8 => Some(Blend::Fraction(0.5 - dice.log(1e-12, 1e-3))),
+            _ => dice.blend(),
+        };
+        let shares =
+            if dice.percent(70) { [1.0; 3] } else { std::array::from_fn(|_| dice.log(0.1, 1.0)) };
+        ptp(at, shares, blend)
+    });
+    let motions = motions.collect();
+    of(start_rad, motions)
+}

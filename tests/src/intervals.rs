@@ -1,0 +1,97 @@
+//! How the arm goes on between two nodes: polynomials, of which [`extremes`](crate::extremes) finds the largest
+//! values.
+
+use iiwa_kin::Joints;
+use iiwa_path::Segment;
+use iiwa_traj::Node;
+
+use crate::bernstein::{Bernstein, Octet};
+
+/// How the arm goes on between two nodes: p in time, by the share of the time.
+pub(crate) struct Interval {
+    from_p: f64,
+    duration_s: f64,
+    /// By how much p and the stamps make the way miss the next node, at most.
+    miss: f64,
+    /// p - `from_p`, in powers of the share of the time.
+    way: [f64; 6],
+}
+
+impl Interval {
+    /// p, dp/dt and d2p/dt2 are those of both nodes.
+    pub(crate) fn between(from: &Node, to: &Node) -> Self {
+        let t = from.dt_s;
+        // Per unit of the share: speeds, and halves of accelerations.
+        let [v0, v1] = [t * from.rate, t * to.rate];
+        let [a0, a1] = [0.5 * t * t * from.u[0], 0.5 * t * t * from.u[1]];
+        // What the first three powers miss at the end, of the way, its first and half of its second
+        // derivative; the other three powers make up for it.
+        let miss = from.dp - v0 - a0;
+        let miss_v = v1 - v0 - 2.0 * a0;
+        let miss_a = a1 - a0;
+        let way = [
+            0.0,
+            v0,
+            a0,
+            10.0 * miss - 4.0 * miss_v + miss_a,
+            -15.0 * miss + 7.0 * miss_v - 2.0 * miss_a,
+            6.0 * miss - 3.0 * miss_v + miss_a,
+        ];
+        let missed = f64::EPSILON * (from.dp + from.rate.max(to.rate) * t);
+        Self { from_p: from.p, duration_s: t, miss: missed, way }
+    }
+
+    /// Derivative `order` of p by time, in powers of the share of the time.
+    fn derivative(&self, order: u8) -> [f64; 5] {
+        let n = usize::from(order);
+        let scale = self.duration_s.powi(-i32::from(order));
+        std::array::from_fn(|i| {
+            let Some(c) = self.way.get(i + n) else { return 0.0 };
+            (1..=n).map(|k| (i + k) as f64).product::<f64>() * c * scale
+        })
+    }
+
+    /// p at the share `t` of the time.
+    pub(crate) fn p(&self, t: f64) -> f64 {
+        self.from_p + horner(&self.way, t)
+    }
+
+    /// Velocity, acceleration and jerk of each joint, per unit of the limits.
+    pub(crate) fn functions(
+        &self,
+        t: f64,
+        segment: &dyn Segment,
+        [v, a, j]: &[Joints; 3],
+    ) -> [Octet; 3] {
+        let d = segment.at_share(self.p(t));
+        let [rate, u, du] = [1, 2, 3].map(|order| horner(&self.derivative(order), t));
+        let mut rows = [[0.0; 8]; 3];
+        for i in 0..7 {
+            rows[0][i] = v[i] * d.dq[i] * rate;
+            rows[1][i] = a[i] * (d.dq[i] * u + d.ddq[i] * rate * rate);
+            rows[2][i] =
+                j[i] * (d.dq[i] * du + rate * (3.0 * d.ddq[i] * u + d.dddq[i] * rate * rate));
+        }
+        rows
+    }
+
+    /// Velocity, acceleration and jerk of p, in powers of the share of the time.
+    pub(crate) fn line(&self) -> [[f64; 5]; 3] {
+        [1, 2, 3].map(|order| self.derivative(order))
+    }
+
+    /// By how much d3p/dt3 is off at most, in 1/s^3, because p and the stamps are rounded: what is missed is made up
+    /// for by a polynomial whose third derivative is 60 times that at both ends.
+    pub(crate) fn rounding(&self) -> f64 {
+        60.0 * self.miss * self.duration_s.powi(-3)
+    }
+
+    /// dp/dt.
+    pub(crate) fn rate(&self) -> Bernstein {
+        Bernstein::from_powers(&self.derivative(1))
+    }
+}
+
+fn horner(powers: &[f64], t: f64) -> f64 {
+    powers.iter().rev().fold(0.0, |sum, c| sum * t + c)
+}

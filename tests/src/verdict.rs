@@ -1,0 +1,138 @@
+//! What is right and wrong with the plans of one program.
+
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    time::{Duration, Instant},
+};
+
+use crate::{
+    bars::{COARSE, FAR, FASTER, FINE_SAMPLES, JUMP, RATIOS},
+    extremes::{Extremes, KINDS, extremes},
+    means::mean_ratios,
+};
+use iiwa_kin::Robot;
+use iiwa_path::{JointPath, Program};
+use iiwa_traj::{SweepOptions, Timing, Trajectory};
+
+/// A millisecond: the drive's shortest cycle.
+const CYCLE_S: f64 = 1e-3;
+
+/// What was found out about a program.
+#[derive(Clone, Debug, Default)]
+pub struct Verdict {
+    /// Largest ratios of velocity, acceleration and jerk to their limits at an instant.
+    pub instants: [f64; 3],
+    /// The same but for where rounding shows.
+    pub clear: [f64; 3],
+    /// The same over a millisecond.
+    pub means: [f64; 3],
+    /// Largest ratios of velocity and acceleration under acceleration-limited stamps.
+    pub swept: [f64; 2],
+    /// Acceleration-limited time over that of a finer grid, less 1, by its size the largest.
+    pub coarse: f64,
+    /// Jerk-limited time over the acceleration-limited one.
+    pub slower: f64,
+    /// How long the jerk-limited plan took.
+    pub planning: Duration,
+    /// How long its extremes took to be found.
+    pub judging: Duration,
+    /// Why there are no stamps: an error that says so, instead of stamps.
+    pub refusals: Vec<String>,
+    /// What is wrong.
+    pub failures: Vec<String>,
+}
+
+impl Verdict {
+    /// Plans `program` with either timing and judges what comes out.
+    #[must_use]
+    pub fn of(program: &Program) -> Self {
+        let mut verdict = Self::default();
+        let path = match JointPath::new(program, &Robot::default()) {
+            Ok(path) => path,
+            Err(fault) => {
+                verdict.failures.push(fault.to_string());
+                return verdict;
+            }
+        };
+        let start = Instant::now();
+        let jerk = verdict.plan(&path, Timing::default());
+        verdict.planning = start.elapsed();
+        if let Some(jerk) = &jerk {
+            let start = Instant::now();
+            let found = extremes(jerk, Timing::default());
+            verdict.judging = start.elapsed();
+            verdict.instants = found.ratios();
+            verdict.clear = found.clear.map(|peak| peak.ratio);
+            verdict.judge(&found, jerk, Timing::default());
+            verdict.means = mean_ratios(jerk, CYCLE_S);
+        }
+        let timing = Timing::Acceleration(SweepOptions::default());
+        let Some(swept) = verdict.plan(&path, timing) else { return verdict };
+        let found = extremes(&swept, timing);
+        let [velocity, acceleration, _] = found.ratios();
+        verdict.swept = [velocity, acceleration];
+        verdict.judge(&found, &swept, timing);
+        if let Some(jerk) = &jerk {
+            let [jerk_s, swept_s] = [jerk, &swept].map(Trajectory::motion_time_s);
+            verdict.slower = ratio(jerk_s, swept_s);
+            if verdict.slower.is_nan() || verdict.slower < 1.0 - FASTER {
+                verdict.failures.push("faster than without limits of jerk".to_owned());
+            }
+        }
+        let fine = Timing::Acceleration(SweepOptions { samples: FINE_SAMPLES });
+        if let Some(fine) = verdict.plan(&path, fine) {
+            verdict.coarse = ratio(swept.motion_time_s(), fine.motion_time_s()) - 1.0;
+            if verdict.coarse.is_nan() || verdict.coarse.abs() > COARSE {
+                verdict.failures.push("acceleration: off the time of a finer grid".to_owned());
+            }
+        }
+        verdict
+    }
+
+    fn plan(&mut self, path: &JointPath, timing: Timing) -> Option<Trajectory> {
+        let planned = catch_unwind(AssertUnwindSafe(|| Trajectory::plan(path, timing)));
+        match planned {
+            Ok(Ok(trajectory)) => return Some(trajectory),
+            Ok(Err(error)) => {
+                let what = error.to_string();
+                let what = what.split_once(": ").map_or(what.as_str(), |(_, what)| what);
+                self.refusals.push(format!("{}: {what}", timing.name()));
+            }
+            Err(_) => self.failures.push(format!("{}: a panic", timing.name())),
+        }
+        None
+    }
+
+    fn judge(&mut self, found: &Extremes, trajectory: &Trajectory, timing: Timing) {
+        let name = timing.name();
+        let mut fail = |what: &str| self.failures.push(format!("{name}: {what}"));
+        for (peaks, when) in [(found.clear, ""), (found.blurred, " where rounding shows")] {
+            for ((kind, peak), allowed) in KINDS.into_iter().zip(peaks).zip(RATIOS) {
+                if peak.ratio > allowed {
+                    let far = if peak.ratio > FAR { " by far" } else { "" };
+                    fail(&format!("{kind} exceeded{far}{when}"));
+                }
+            }
+        }
+        for (kind, jump) in KINDS.into_iter().zip(found.jumps) {
+            if jump > JUMP {
+                fail(&format!("{kind} jumps"));
+            }
+        }
+        if found.backwards > JUMP {
+            fail("goes backwards");
+        }
+        let mut last_s = f64::NEG_INFINITY;
+        for state in trajectory.states() {
+            if state.t_s.is_nan() || state.t_s <= last_s {
+                return fail("stamps do not increase");
+            }
+            last_s = state.t_s;
+        }
+    }
+}
+
+/// `a` over `b`; 1 if nothing moves.
+fn ratio(a: f64, b: f64) -> f64 {
+    if a == b { 1.0 } else { a / b }
+}

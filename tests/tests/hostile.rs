@@ -1,0 +1,45 @@
+//! Programs in `fixtures/hostile` on which planners have failed. Each is planned with either timing and judged
+//! at every instant, by the bars of [`iiwasim_tests::bars`]. What is known to be wrong is listed: the list can only
+//! become shorter.
+
+// Helpers of tests may fail.
+#![allow(clippy::unwrap_used)]
+
+use std::{collections::BTreeSet, fs};
+
+use iiwa_path::Program;
+use iiwasim_tests::{fixture, verdict::Verdict};
+
+const NOT_CONVERGED: &str =
+    "jerk: no jerk-limited stamps were found for what starts with it; please report the program";
+
+/// What is wrong with each program, as far as it is known.
+const KNOWN: [(&str, &[&str]); 2] =
+    [("low-acceleration", &[NOT_CONVERGED]), ("not-converged-3-motions", &[NOT_CONVERGED])];
+
+#[test]
+fn hostile_programs_fail_only_as_is_known() {
+    let mut names = BTreeSet::new();
+    let mut wrong = Vec::new();
+    for entry in fs::read_dir(fixture("hostile")).unwrap() {
+        let file = entry.unwrap().path();
+        let name = file.file_stem().unwrap().to_string_lossy().into_owned();
+        let program = Program::from_json(&fs::read_to_string(&file).unwrap()).unwrap();
+        let Verdict { refusals, failures, .. } = Verdict::of(&program);
+        let found = [refusals, failures].concat();
+        let known =
+            KNOWN.iter().find(|(known, _)| *known == name).map_or(&[][..], |(_, what)| what);
+        for what in found.iter().filter(|what| !known.contains(&what.as_str())) {
+            wrong.push(format!("{name}: new: {what}"));
+        }
+        for what in known.iter().filter(|what| found.iter().all(|found| found != *what)) {
+            wrong.push(format!("{name}: mended, take it off the list: {what}"));
+        }
+        names.insert(name);
+    }
+    let listed = KNOWN.iter().map(|(name, _)| name);
+    wrong.extend(
+        listed.filter(|name| !names.contains(**name)).map(|name| format!("{name}: no such file")),
+    );
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
