@@ -346,7 +346,9 @@ def paper_has_the_tables(browser: Browser, pages: Pages) -> None:
         figures = browser.run("report.figures")
         words = ["Motions", "Plan against recording", "limited by", "A1", "A7"]
         words += [f"{motion['end_s']:.3f}" for motion in figures["motions"]]
-        words += [f"{figures['cycle_time_s']:.3f} s", "8.688"]
+        # The plan's cycle time and that of what stands for the robot.
+        cycle = browser.run("report.compared.report.cycle_time")
+        words += [f"{seconds:.3f}" for seconds in (figures["cycle_time_s"], cycle["real_s"])]
         for word in words:
             assert word in text, f"{word} is not printed: {text}"
         assert len(reader.pages) <= 4, len(reader.pages)
