@@ -43,8 +43,14 @@ impl Failure {
             PlanError::Timing(error @ TimingError::CurvatureJumps { .. }) => {
                 Self::input(format!("{error} (--blend-shape iiwa, or --timing acceleration)"))
             }
+            PlanError::Timing(TimingError::Interrupted) => Self::interrupted(),
             error => Self::run("cannot plan the program", &error),
         }
+    }
+
+    /// An interrupt.
+    pub(crate) fn interrupted() -> Self {
+        Self::Run { what: "interrupted".to_owned(), cause: None }
     }
 
     /// A failure while running, with its cause.

@@ -5,7 +5,7 @@ use std::{
     io::{self, BufWriter, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
     sync::{
-        OnceLock,
+        Arc, OnceLock,
         atomic::{AtomicBool, Ordering},
     },
 };
@@ -168,14 +168,19 @@ pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     print(&json_line(value)?)
 }
 
-static INTERRUPTED: OnceLock<AtomicBool> = OnceLock::new();
+static INTERRUPTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+
+/// What an interrupt sets, for libraries that look at it.
+pub(crate) fn interrupt_flag() -> Arc<AtomicBool> {
+    Arc::clone(INTERRUPTED.get_or_init(Arc::default))
+}
 
 /// From now on an interrupt (Ctrl-C or a termination signal) sets a flag, see [`check_interrupt`], so that no
 /// partial file stays behind. A second one ends the process at once.
 pub(crate) fn catch_interrupts() {
-    let flag = INTERRUPTED.get_or_init(|| AtomicBool::new(false));
+    let flag = interrupt_flag();
     // Without a handler an interrupt ends the process at once, which is acceptable.
-    let _ = ctrlc::set_handler(|| {
+    let _ = ctrlc::set_handler(move || {
         if flag.swap(true, Ordering::Relaxed) {
             std::process::exit(1);
         }
@@ -197,13 +202,13 @@ pub(crate) fn interrupted() -> bool {
 
 /// Acts as an interrupt.
 pub(crate) fn interrupt() {
-    INTERRUPTED.get_or_init(|| AtomicBool::new(false)).store(true, Ordering::Relaxed);
+    interrupt_flag().store(true, Ordering::Relaxed);
 }
 
 /// Fails once an interrupt has come.
 pub(crate) fn check_interrupt() -> Result<(), Failure> {
     if interrupted() {
-        return Err(Failure::Run { what: "interrupted".to_owned(), cause: None });
+        return Err(Failure::interrupted());
     }
     Ok(())
 }

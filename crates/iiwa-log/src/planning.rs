@@ -1,6 +1,9 @@
 //! Planning a program, with its figures and the size of its file.
 
-use std::io::{Seek, Write};
+use std::{
+    io::{Seek, Write},
+    sync::{Arc, atomic::AtomicBool},
+};
 
 use iiwa_kin::Robot;
 use iiwa_path::{Fault, JointPath, Program};
@@ -61,6 +64,12 @@ impl Planning {
     #[must_use]
     pub fn with_rate(self, rate_hz: f64) -> Self {
         Self { size: PlanSize::new(rate_hz), ..self }
+    }
+
+    /// Ends in [`TimingError::Interrupted`] soon after `stop` is set.
+    #[must_use]
+    pub fn interrupted_by(self, stop: Arc<AtomicBool>) -> Self {
+        Self { planner: self.planner.interrupted_by(stop), ..self }
     }
 
     /// The figures so far.

@@ -33,7 +33,6 @@ mod batch;
 mod figures;
 mod interval;
 mod jerk;
-mod lanes;
 mod limit;
 mod limit_usage;
 mod line_limits;

@@ -93,6 +93,7 @@ impl LimitUsage {
         for (kind, shares) in
             [&mut self.velocity, &mut self.acceleration, &mut self.jerk].into_iter().zip(shares)
         {
+            let shares = &shares.map(f64::abs);
             kind.add(shares, shares, dt);
         }
     }

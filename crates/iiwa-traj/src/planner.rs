@@ -1,6 +1,12 @@
 //! Finds the stamps of a path, one section at a time.
 
-use std::cell::Cell;
+use std::{
+    cell::Cell,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
 
 use iiwa_kin::Joints;
 use iiwa_path::{Grid, GridNode, JointPath, MotionIndex, Segment, Step};
@@ -46,6 +52,8 @@ pub struct Planner {
     time_s: f64,
     rest_rad: Joints,
     scratch: Scratch,
+    /// Whether it is to stop.
+    stop: Arc<AtomicBool>,
 }
 
 /// Memory that is used again for each section.
@@ -120,7 +128,15 @@ impl Planner {
             time_s: 0.0,
             rest_rad: *path.start_rad(),
             scratch: Scratch::take(samples),
+            stop: Arc::default(),
         }
+    }
+
+    /// Ends in [`TimingError::Interrupted`] soon after `stop` is set, in the middle of a section as well.
+    #[must_use]
+    pub fn interrupted_by(mut self, stop: Arc<AtomicBool>) -> Self {
+        self.stop = stop;
+        self
     }
 
     /// Share of the path's steps that are planned, 0 to 1.
@@ -156,12 +172,13 @@ impl Iterator for Planner {
         let moves = Moves {
             path: &self.path,
             scratch: &mut self.scratch,
+            stop: &self.stop,
             steps: first..rest,
             section: &mut section,
         };
         let mut result = pulp::Arch::new().dispatch(moves);
         if let Some(options) = self.jerk {
-            result = result.and_then(|()| jerk::limit(&mut section, options));
+            result = result.and_then(|()| jerk::limit(&mut section, options, &self.stop));
         }
         if let Err(error) = result {
             self.step = steps.len();
@@ -213,6 +230,7 @@ const ROUNDS: usize = 30;
 struct Moves<'a> {
     path: &'a JointPath,
     scratch: &'a mut Scratch,
+    stop: &'a AtomicBool,
     steps: std::ops::Range<usize>,
     section: &'a mut Section,
 }
@@ -222,8 +240,8 @@ impl pulp::WithSimd for Moves<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Moves { path, scratch, steps, section } = self;
-        SectionSweep { simd, path, scratch }.moves(steps, section)
+        let Moves { path, scratch, stop, steps, section } = self;
+        SectionSweep { simd, path, scratch, stop }.moves(steps, section)
     }
 }
 
@@ -232,6 +250,7 @@ struct SectionSweep<'a, S> {
     simd: S,
     path: &'a JointPath,
     scratch: &'a mut Scratch,
+    stop: &'a AtomicBool,
 }
 
 /// A segment and its limits, in the form that the sweep takes.
@@ -324,6 +343,9 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         let mut to = samples.len();
         for step in steps.clone().rev() {
             let Some(segment) = self.segment(step) else { continue };
+            if self.stop.load(Ordering::Relaxed) {
+                return Err(TimingError::Interrupted);
+            }
             let from = to - self.nodes(&segment);
             let [first, last] = self.tangent_lengths_rad(&segment, step);
             let end = next.map_or(0.0, |(x, tangent)| x * (tangent / last).powi(2));

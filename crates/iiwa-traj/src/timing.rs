@@ -124,6 +124,9 @@ pub enum TimingError {
         /// The first motion of a section without a stop.
         motion: MotionIndex,
     },
+    /// The planner was told to stop.
+    #[error("interrupted")]
+    Interrupted,
     /// No stamps were found: the arm would stop on the way, or intervals had to be tightened again and
     /// again.
     #[error("motion {motion}: no way was found to move through it; please report the program")]

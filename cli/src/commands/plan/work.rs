@@ -34,7 +34,8 @@ pub(super) fn write(
     let refuse = |error| Failure::plan(error, &text.name, &text.text);
     let mut planning = Planning::new(&program, &robot, &plan_options(options))
         .map_err(|fault| refuse(fault.into()))?
-        .with_rate(options.rate);
+        .with_rate(options.rate)
+        .interrupted_by(output::interrupt_flag());
     drop(program);
     let arm = scene.map(|scene| ArmInScene::new(&robot, scene));
 

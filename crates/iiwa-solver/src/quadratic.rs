@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::functionals::{CellState, Functional};
+use crate::functionals::{CellState, Functional};
 use crate::lanes::Vector;
 
 /// A quadratic function of a cell's state.

@@ -2,13 +2,13 @@
 
 use pulp::Simd;
 
-use super::{
+use crate::{
     functionals::Functional,
+    lanes::{Lanes, Vector},
     limited_segment::SigmaDerivatives,
     quadratic::Terms,
     slack_pair::{Decreases, InteriorStart, InteriorSteps, SlackPair},
 };
-use crate::lanes::{Lanes, Vector};
 
 /// The rows of `J` joints at one place of eight cells. With `J` = 1, the cells are on lines: all joints move in
 /// proportion, and the one that comes first at its limit stands for all.

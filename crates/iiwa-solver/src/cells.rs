@@ -11,15 +11,18 @@
 //!
 //! Every limit is a row, divided by the limit so that the bound is 1, with a slack s and a dual z on either side.
 
+use std::ops::Range;
+
 use pulp::Simd;
 
-use super::{
+use crate::{
     acceleration_rows::AccelerationRows,
     functionals::{
         CellState, ControlV, EndV, EndW, EndX, MiddleV, MiddleW, MiddleX, SecondControlX, StartV,
         StartW, StartX, ThirdControlX,
     },
     jerk_rows::JerkRows,
+    lanes::{LANES, Lanes, Vector, registers},
     limited_segment::LimitedSegment,
     limiting_joints::LimitingJoints,
     mesh::{Cell, Mesh},
@@ -28,9 +31,8 @@ use super::{
     slack_pair::{Decreases, InteriorStart, InteriorStep, InteriorSteps},
     velocity_rows::VelocityRows,
 };
-use crate::lanes::{LANES, Lanes, Vector, registers};
 
-const SETTINGS: InteriorPointSettings = super::settings::SETTINGS.interior_point;
+const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
 /// What is summed up over all limits.
 #[derive(Clone, Copy, Debug, Default)]
@@ -135,6 +137,12 @@ impl<const J: usize> CellBlock<J> {
         block
     }
 
+    /// Whether it has a cell in `window`.
+    #[inline(always)]
+    pub(crate) fn is_in(&self, window: &Range<usize>) -> bool {
+        self.cells.iter().any(|cell| window.contains(cell))
+    }
+
     /// Sets the rows of one cell.
     fn set(&mut self, lane: usize, limited: &LimitedCell<'_, '_>) {
         let segment = limited.segment;
@@ -168,10 +176,11 @@ impl<const J: usize> CellBlock<J> {
         }
     }
 
-    /// Lowers the limits of velocity, acceleration and jerk in each cell by the factors `by`.
-    pub(crate) fn tighten(&mut self, by: &[[f64; 3]]) {
+    /// Lowers the limits of velocity, acceleration and jerk in the cells from `first` on by the factors `by`.
+    pub(crate) fn lower(&mut self, first: usize, by: &[[f64; 3]]) {
         for (lane, cell) in self.cells.into_iter().enumerate() {
-            let [velocity, acceleration, jerk] = by[cell];
+            let by = cell.checked_sub(first).and_then(|k| by.get(k));
+            let Some(&[velocity, acceleration, jerk]) = by else { continue };
             self.velocities.iter_mut().for_each(|rows| rows.scale(lane, velocity));
             self.accelerations.iter_mut().for_each(|rows| rows.scale(lane, acceleration));
             self.jerks.iter_mut().for_each(|rows| rows.scale(lane, jerk));

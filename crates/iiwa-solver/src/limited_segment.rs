@@ -8,17 +8,16 @@
 use iiwa_kin::Joints;
 use iiwa_path::{MotionLimits, Segment};
 
-use crate::{jerk::limiting_joints::LimitingJoints, line_limits::along, node::Node};
+use crate::{limiting_joints::LimitingJoints, swept::SweptNode};
 
-/// A segment and its limits.
-pub(crate) struct LimitedSegment<'a> {
-    pub(crate) limits: &'a MotionLimits,
+/// A segment and its limits, as the solver sees them.
+pub struct LimitedSegment<'a> {
+    limits: &'a MotionLimits,
     /// One over the limits of velocity, acceleration and jerk.
     pub(crate) inverse: [Joints; 3],
-    /// Its range of sigma, in rad.
     pub(crate) length: f64,
     /// The acceleration-limited stamps.
-    pub(crate) swept: &'a [Node],
+    pub(crate) swept: &'a [SweptNode],
     shape: &'a dyn Segment,
     /// The shortest time in which the jerk of a joint builds up its acceleration, in s.
     pub(crate) least_build_up_s: f64,
@@ -36,11 +35,14 @@ pub(crate) struct LimitedSegment<'a> {
 pub(crate) type SigmaDerivatives = [Joints; 3];
 
 impl<'a> LimitedSegment<'a> {
+    /// The segment under its limits, with the acceleration-limited stamps to start from, at least two.
+    ///
     /// None if the curvature jumps at its ends: then the arm would have to stop there.
-    pub(crate) fn new(
+    #[must_use]
+    pub fn new(
         shape: &'a dyn Segment,
         limits: &'a MotionLimits,
-        swept: &'a [Node],
+        swept: &'a [SweptNode],
     ) -> Option<Self> {
         if !shape.has_continuous_curvature() {
             return None;
@@ -83,22 +85,32 @@ impl<'a> LimitedSegment<'a> {
         Some(segment)
     }
 
-    pub(crate) fn is_line(&self) -> bool {
+    /// Whether it is straight.
+    #[must_use]
+    pub fn is_line(&self) -> bool {
         self.direction.is_some()
     }
 
-    /// s at `sigma`.
-    pub(crate) fn s(&self, sigma: f64) -> f64 {
+    /// Its range of sigma, in rad: from 0 to this.
+    #[must_use]
+    pub fn length_rad(&self) -> f64 {
+        self.length
+    }
+
+    /// s, 0 to 1, at `sigma`, in rad.
+    #[must_use]
+    pub fn s(&self, sigma: f64) -> f64 {
         self.shape.s_at(sigma / self.unit)
     }
 
     /// (dsigma/dt)^2 at a sample of the acceleration-limited stamps.
-    pub(crate) fn swept_x(&self, node: &Node) -> f64 {
+    pub(crate) fn swept_x(&self, node: &SweptNode) -> f64 {
         (node.rate * self.length).powi(2)
     }
 
-    /// The derivatives at `s`.
-    pub(crate) fn derivatives(&self, s: f64) -> SigmaDerivatives {
+    /// First to third derivative of q by sigma at `s`; in 1, 1/rad and 1/rad^2.
+    #[must_use]
+    pub fn derivatives(&self, s: f64) -> [Joints; 3] {
         if let Some(direction) = self.direction {
             return [direction, [0.0; 7], [0.0; 7]];
         }
@@ -132,7 +144,8 @@ impl<'a> LimitedSegment<'a> {
     }
 
     /// Way on which the arm stops, straight on, from its start, in rad; `before` is the segment that ends there.
-    pub(crate) fn stop_rad(&self, before: Option<&Self>) -> f64 {
+    #[must_use]
+    pub fn stop_rad(&self, before: Option<&Self>) -> f64 {
         let swept = self.swept.first().map_or(0.0, |node| self.swept_x(node));
         let x = [(Some(self), 0.0), (before, 1.0)]
             .into_iter()
@@ -160,40 +173,39 @@ impl<'a> LimitedSegment<'a> {
         largest.powf(-2.0 / 3.0)
     }
 
-    /// Largest speed, acceleration and jerk of sigma at `s`, if the path went straight on from there.
-    pub(crate) fn straight(&self, s: f64) -> [f64; 3] {
+    /// Largest speed, acceleration and jerk of sigma at `s`, if the path went straight on from there; in rad/s,
+    /// rad/s^2 and rad/s^3.
+    #[must_use]
+    pub fn straight(&self, s: f64) -> [f64; 3] {
         let [direction, ..] = self.derivatives(s);
         let MotionLimits { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 } = self.limits;
         [velocity_rad_s, acceleration_rad_s2, jerk_rad_s3].map(|limit| along(&direction, limit))
     }
 
-    /// The largest shares of the limits at speed, acceleration and jerk of sigma, at `s`. What is not a number
-    /// counts as too much.
+    /// Shares of the limits of a line at speed, acceleration and jerk of sigma, with their signs.
     #[inline(always)]
-    pub(crate) fn largest_shares(&self, s: f64, [v, a, j]: [f64; 3]) -> [f64; 3] {
-        if self.is_line() {
-            let [speed, acceleration, jerk] = self.line_shares;
-            return [v * speed, a.abs() * acceleration, j.abs() * jerk];
-        }
-        let shares = self.shares(&self.derivatives(s), [v, a, j]);
-        shares.map(|shares| shares.into_iter().fold(0.0, |a, b| if b <= a { a } else { b }))
+    pub(crate) fn line_shares(&self, [v, a, j]: [f64; 3]) -> [f64; 3] {
+        let [speed, acceleration, jerk] = self.line_shares;
+        [v * speed, a * acceleration, j * jerk]
     }
 
-    /// Shares of all limits at speed, acceleration and jerk of sigma, where the derivatives are these.
+    /// Shares of all limits at speed, acceleration and jerk of sigma, where the derivatives are these, with their
+    /// signs; of each kind one for each joint, and a zero.
     #[inline(always)]
-    pub(crate) fn shares(
-        &self,
-        [dq, ddq, dddq]: &SigmaDerivatives,
-        [v, a, j]: [f64; 3],
-    ) -> [[f64; 8]; 3] {
+    #[must_use]
+    pub fn shares(&self, [dq, ddq, dddq]: &[Joints; 3], [v, a, j]: [f64; 3]) -> [[f64; 8]; 3] {
         let [speed, acceleration, jerk] = &self.inverse;
         let mut shares = [[0.0; 8]; 3];
         for i in 0..7 {
-            shares[0][i] = (dq[i] * v * speed[i]).abs();
-            shares[1][i] = ((dq[i] * a + ddq[i] * v * v) * acceleration[i]).abs();
-            shares[2][i] =
-                ((dq[i] * j + 3.0 * ddq[i] * v * a + dddq[i] * v * v * v) * jerk[i]).abs();
+            shares[0][i] = dq[i] * v * speed[i];
+            shares[1][i] = (dq[i] * a + ddq[i] * v * v) * acceleration[i];
+            shares[2][i] = (dq[i] * j + 3.0 * ddq[i] * v * a + dddq[i] * v * v * v) * jerk[i];
         }
         shares
     }
+}
+
+/// The largest factor by which `direction` keeps `limit` in every joint.
+fn along(direction: &Joints, limit: &Joints) -> f64 {
+    direction.iter().zip(limit).map(|(d, limit)| limit / d.abs()).fold(f64::MAX, f64::min)
 }

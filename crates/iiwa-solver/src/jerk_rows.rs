@@ -6,17 +6,17 @@
 
 use pulp::Simd;
 
-use super::{
+use crate::{
     acceleration_rows::largest_share,
     functionals::Functional,
+    lanes::{Lanes, Vector},
     limited_segment::SigmaDerivatives,
     quadratic::Terms,
     settings::InteriorPointSettings,
     slack_pair::{Decreases, InteriorStart, InteriorSteps, SlackPair},
 };
-use crate::lanes::{Lanes, Vector};
 
-const SETTINGS: InteriorPointSettings = super::settings::SETTINGS.interior_point;
+const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
 /// The rows of `J` joints at one place of eight cells; on lines, `J` = 1 stands for all joints.
 #[derive(Clone, Copy, Debug)]

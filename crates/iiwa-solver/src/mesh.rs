@@ -6,33 +6,34 @@
 
 use std::ops::Range;
 
-use crate::node::Node;
+use crate::{limited_segment::LimitedSegment, settings::MeshSettings, swept::SweptNode};
 
-use super::{limited_segment::LimitedSegment, settings::MeshSettings};
+const SETTINGS: MeshSettings = crate::settings::SETTINGS.mesh;
 
-const SETTINGS: MeshSettings = super::settings::SETTINGS.mesh;
-
-/// A cell.
+/// An interval of a segment's sigma on which x is a cubic.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cell {
+#[non_exhaustive]
+pub struct Cell {
     /// Which segment it belongs to.
-    pub(crate) segment: usize,
+    pub segment: usize,
     /// sigma within the segment at its start, in rad.
-    pub(crate) from: f64,
+    pub from: f64,
     /// Its length, in rad.
-    pub(crate) length: f64,
+    pub length: f64,
     /// x = (dsigma/dt)^2 of the acceleration-limited stamps at its start.
     pub(crate) x: f64,
 }
 
 /// The cells of a part of a section that ends at rest.
 #[derive(Clone, Debug)]
-pub(crate) struct Mesh {
-    /// The cell that touches rest, if the part starts there.
-    pub(crate) from_rest: Option<Cell>,
-    pub(crate) cells: Vec<Cell>,
-    /// The cell that ends at rest.
-    pub(crate) to_rest: Cell,
+#[non_exhaustive]
+pub struct Mesh {
+    /// The cell that touches rest, if the part starts there: jerk is constant in it.
+    pub from_rest: Option<Cell>,
+    /// The cells between.
+    pub cells: Vec<Cell>,
+    /// The cell that ends at rest: jerk is constant in it.
+    pub to_rest: Cell,
 }
 
 impl MeshSettings {
@@ -222,7 +223,7 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Option<Ve
 fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
     let mut switches = Vec::new();
     for segment in segments {
-        let mut add = |node: &Node| {
+        let mut add = |node: &SweptNode| {
             let build_up_s = segment.build_up_s(segment.s(node.p * segment.length));
             switches.push(Switch { t_s: node.t_s, build_up_s });
         };

@@ -12,7 +12,7 @@ pub(crate) struct Settings {
     pub(crate) mesh: MeshSettings,
     pub(crate) interior_point: InteriorPointSettings,
     pub(crate) refinement: RefinementSettings,
-    pub(crate) horizon: HorizonSettings,
+    pub(crate) window: WindowSettings,
 }
 
 /// Sizes of cells, each relative to what it is a share of. Smaller is finer; all are in (0, 1].
@@ -109,10 +109,15 @@ pub(crate) struct WarmStart {
 pub(crate) struct RefinementSettings {
     /// Largest shares of the limits of velocity, acceleration and jerk that are handed out.
     pub(crate) tolerance: [f64; 3],
+    /// Shares from which on a cell's limits are lowered early, when the first check finds them: below the
+    /// tolerance, for what is near to it then may be above it in the end.
+    pub(crate) early: [f64; 3],
     /// Shares that a cell is brought down to once it is above the tolerance.
     pub(crate) target: [f64; 3],
-    /// Start after limits were lowered by little, in the first attempt and in the others.
-    pub(crate) close: [WarmStart; 2],
+    /// Start after limits were lowered by little.
+    pub(crate) close: WarmStart,
+    /// The same in a cautious attempt: duals start anew.
+    pub(crate) cautious: WarmStart,
     /// Start after limits were lowered by more than `abrupt`.
     pub(crate) far: WarmStart,
     /// Excess over a limit that calls for the far start, as a ratio.
@@ -127,22 +132,29 @@ pub(crate) struct RefinementSettings {
     /// Duration over that of the optimum (as the duality gap bounds it) with which an attempt is good enough,
     /// and with which it is taken if no other is better.
     pub(crate) longer: [f64; 2],
-    /// Attempts, one after the other until one is good enough: refinement of the mesh, and whether to start
-    /// from where all limits are kept, which is far away where one spot needs to be slow. All but the first are
-    /// cautious: steps end at the first boundary, and duals start anew.
-    pub(crate) attempts: [(f64, bool); 5],
+    /// Attempts, one after the other until one is good enough.
+    pub(crate) attempts: [AttemptSettings; 5],
     /// Share of the acceleration-limited x from which the others start.
     pub(crate) start: f64,
 }
 
-/// The receding horizon over which long sections are solved part by part.
+/// One attempt to solve the problem.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct HorizonSettings {
-    /// Segments that are settled at a time.
-    pub(crate) window: usize,
-    /// Segments beyond them that are looked ahead, at least.
-    pub(crate) ahead: usize,
-    /// Distance that is looked ahead, at least, as a multiple of that on which the arm stops.
+pub(crate) struct AttemptSettings {
+    /// Refinement of the mesh.
+    pub(crate) refinement: f64,
+    /// Whether it starts from where all limits are kept, which is far away where one spot needs to be slow.
+    pub(crate) is_safe: bool,
+    /// Whether steps end at the first boundary, duals start anew, and every round solves for all cells.
+    pub(crate) is_cautious: bool,
+}
+
+/// The windows of cells that are solved for anew where limits were lowered.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WindowSettings {
+    /// Segments on either side.
+    pub(crate) around: usize,
+    /// Distance on either side, at least, as a multiple of that on which the arm stops.
     pub(crate) stops: f64,
 }
 
@@ -151,7 +163,7 @@ pub(crate) const SETTINGS: Settings = Settings {
     mesh: MeshSettings {
         switch: 0.3,
         fade: 0.5,
-        blend: 1.0 / 18.0,
+        blend: 0.035,
         blend_end: 0.006,
         blend_end_growth: 0.3,
         line: 0.25,
@@ -181,23 +193,28 @@ pub(crate) const SETTINGS: Settings = Settings {
         stalled: (0.02, 25),
         kept_curvature: 0.02,
         sliver: 0.02,
-        mid_jerk: 1.015,
+        mid_jerk: 1.005,
     },
     refinement: RefinementSettings {
-        tolerance: [1.004, 1.006, 1.04],
-        target: [1.0, 1.001, 1.02],
-        close: [
-            WarmStart { mu: 1e-5, slack: 1e-3, kept: 10.0 },
-            WarmStart { mu: 1e-3, slack: 1e-3, kept: 1.0 },
-        ],
+        tolerance: [1.0009, 1.0018, 1.018],
+        early: [1.0003, 1.0008, 1.01],
+        target: [0.9998, 1.0, 1.01],
+        close: WarmStart { mu: 1e-5, slack: 1e-3, kept: 10.0 },
+        cautious: WarmStart { mu: 1e-3, slack: 1e-3, kept: 1.0 },
         far: WarmStart { mu: 1e-2, slack: 1e-2, kept: 1.0 },
         abrupt: 1.3,
-        checks: [4, 12],
+        checks: [4, 6],
         slow: 0.9,
         rounds: 8,
         longer: [1.002, 1.25],
-        attempts: [(1.0, false), (1.0, false), (1.0, true), (1.7, false), (2.5, true)],
+        attempts: [
+            AttemptSettings { refinement: 1.0, is_safe: false, is_cautious: false },
+            AttemptSettings { refinement: 1.0, is_safe: false, is_cautious: true },
+            AttemptSettings { refinement: 1.0, is_safe: true, is_cautious: true },
+            AttemptSettings { refinement: 1.7, is_safe: false, is_cautious: true },
+            AttemptSettings { refinement: 2.5, is_safe: true, is_cautious: true },
+        ],
         start: 0.7,
     },
-    horizon: HorizonSettings { window: 30, ahead: 10, stops: 1.5 },
+    window: WindowSettings { around: 1, stops: 1.0 },
 };

@@ -4,12 +4,12 @@
 
 use pulp::Simd;
 
-use super::{
+use crate::{
     functionals::Functional,
+    lanes::{Lanes, Vector},
     quadratic::Terms,
     slack_pair::{Decreases, InteriorStart, InteriorSteps, SlackPair},
 };
-use crate::lanes::{Lanes, Vector};
 
 /// The row at one control point of eight cells.
 #[derive(Clone, Copy, Debug, Default)]

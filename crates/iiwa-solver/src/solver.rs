@@ -10,13 +10,22 @@
 //! way. The former lets steps be long; the latter keeps each cell's digits its own, where x falls from
 //! 20 to 1e-7 within a section.
 //!
+//! Where limits of a few cells have changed, a window of cells around them is solved for alone: the optimum is
+//! local.
+//!
 //! In the cells next to rest jerk is constant: there x grows as sigma^(4/3), which no cubic does.
+
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 use pulp::Simd;
 
-use super::{
+use crate::{
     blocks::{Blocks, for_each_block},
     cells::{LargestDecreases, Start, Sums},
+    error::SolveError,
     functionals::{CellState, EndV, EndX, Functional, StartX},
     limited_segment::LimitedSegment,
     mesh::{Cell, Mesh},
@@ -32,9 +41,7 @@ pub(crate) struct Solver {
     lengths: Vec<f64>,
     /// Whether W0 and W1 of a cell are free, or zero.
     free: Vec<bool>,
-    /// None if it starts at `entry`.
-    from_rest: Option<Rest>,
-    to_rest: Rest,
+    rests: Rests,
     /// x and V where it starts, if not at rest.
     entry: [f64; 2],
     blocks: Blocks,
@@ -48,7 +55,9 @@ pub(crate) struct Solver {
     /// What the next step aims at as the product of each slack and its dual.
     mu: f64,
     /// Whether steps end at the first boundary that a slack or a dual comes to.
-    pub(crate) is_cautious: bool,
+    is_cautious: bool,
+    /// The cells that are solved for; all others stay as they are.
+    window: Range<usize>,
     /// The last step, which the slacks and duals of the cells have still to go.
     last: InteriorStep,
 }
@@ -63,6 +72,29 @@ struct Rest {
     /// Largest x there that jerk allows.
     cap: f64,
     slack: ScalarSlackPair,
+}
+
+/// The cells that touch rest.
+struct Rests {
+    /// None if it starts at `entry`.
+    from: Option<Rest>,
+    to: Rest,
+}
+
+impl Rests {
+    fn iter(&self) -> impl Iterator<Item = &Rest> {
+        self.from.iter().chain([&self.to])
+    }
+
+    /// Those next to one of `cells`.
+    fn within(&self, cells: &Range<usize>) -> impl Iterator<Item = &Rest> {
+        self.iter().filter(|rest| cells.contains(&rest.cell))
+    }
+
+    fn within_mut(&mut self, cells: &Range<usize>) -> impl Iterator<Item = &mut Rest> {
+        let rests = self.from.iter_mut().chain([&mut self.to]);
+        rests.filter(|rest| cells.contains(&rest.cell))
+    }
 }
 
 /// Slack and dual of a limit, and their step.
@@ -94,26 +126,24 @@ impl Rest {
     }
 }
 
-/// The solver ended without a solution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct NotConverged;
-
-impl From<NotConvex> for NotConverged {
+impl From<NotConvex> for SolveError {
     fn from(NotConvex: NotConvex) -> Self {
-        Self
+        Self::NotConverged
     }
 }
 
-const SETTINGS: InteriorPointSettings = super::settings::SETTINGS.interior_point;
+const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
 impl Solver {
     /// The problem, standing at the acceleration-limited x.
     ///
-    /// It starts at rest, or where `entry` says: x and its derivative by sigma.
+    /// It starts at rest, or where `entry` says: x and its derivative by sigma. If it is cautious, steps end at the
+    /// first boundary that a slack or a dual comes to.
     pub(crate) fn new(
         segments: &[LimitedSegment<'_>],
         mesh: &Mesh,
         entry: Option<[f64; 2]>,
+        is_cautious: bool,
     ) -> Self {
         let cells = &mesh.cells;
         let n = cells.len();
@@ -146,8 +176,7 @@ impl Solver {
         }
         let mut solver = Self {
             free,
-            from_rest,
-            to_rest,
+            rests: Rests { from: from_rest, to: to_rest },
             entry: [x, dx * lengths[0]],
             blocks: Blocks::new(segments, mesh, &limited),
             states: vec![[0.0; 4]; n],
@@ -156,7 +185,8 @@ impl Solver {
             gains: vec![Gain::default(); n],
             gap: f64::INFINITY,
             mu: 0.0,
-            is_cautious: false,
+            is_cautious,
+            window: 0..n,
             last: InteriorStep::default(),
             lengths,
         };
@@ -176,7 +206,7 @@ impl Solver {
     /// Starts from `scale` times the x at which it stands.
     pub(crate) fn start(&mut self, scale: f64) {
         self.states.as_flattened_mut().iter_mut().for_each(|value| *value *= scale);
-        if self.from_rest.is_none() {
+        if self.rests.from.is_none() {
             self.states[0][..2].copy_from_slice(&self.entry);
         }
         self.restart(SETTINGS.cold);
@@ -200,10 +230,10 @@ impl Solver {
         }
         // The slopes at both ends are those of the cells that touch rest.
         let rest = |k: usize, rest: &Rest| 1.0 / (1.0 + length(k) / (1.5 * rest.length));
-        if let Some(from_rest) = &self.from_rest {
+        if let Some(from_rest) = &self.rests.from {
             control[0] = rest(1, from_rest) * control[1];
         }
-        control[n + 1] = rest(n, &self.to_rest) * control[n];
+        control[n + 1] = rest(n, &self.rests.to) * control[n];
         for k in 1..=n {
             let (a, b, c) = (length(k - 1), length(k), length(k + 1));
             let slope = 2.0 * (control[k] - control[k - 1]) / (a + b);
@@ -218,6 +248,21 @@ impl Solver {
         self.stop();
     }
 
+    /// From now on solves for the cells in `window` only; they start where they are.
+    pub(crate) fn select(&mut self, window: Range<usize>) {
+        self.window = window;
+        self.steps.fill([0.0; 4]);
+    }
+
+    /// The window of at least the cells `cells` that can be solved for alone.
+    pub(crate) fn window(&self, mut cells: Range<usize>) -> Range<usize> {
+        // What nothing changes on cannot meet the state after it.
+        while cells.end < self.lengths.len() && !self.free[cells.end - 1] {
+            cells.end += 1;
+        }
+        cells
+    }
+
     /// Sets slacks and duals anew, for limits that have changed.
     pub(crate) fn restart(&mut self, start: WarmStart) {
         let mu = start.mu * self.duration_s() / self.limits();
@@ -225,7 +270,7 @@ impl Solver {
         self.last = InteriorStep::default();
         let start = Start { mu, least: start.slack, kept: start.kept };
         pulp::Arch::new().dispatch(Restart { solver: self, start });
-        for rest in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
+        for rest in self.rests.within_mut(&self.window) {
             let s = (1.0 - rest.x(&self.states) / rest.cap).max(start.least);
             let balanced = mu / s;
             // Unlike `clamp`, this has no panic where numbers have left their range.
@@ -234,15 +279,16 @@ impl Solver {
         }
     }
 
-    /// Solves the problem from where it stands, until no more than the share `gap` of the duration is
-    /// left to be gained.
-    pub(crate) fn solve(&mut self, gap: f64) -> Result<(), NotConverged> {
-        pulp::Arch::new().dispatch(Solve { solver: self, gap })
+    /// Solves the problem from where it stands, until no more than the share `gap` of the duration is left to be
+    /// gained, or `stop` is set.
+    pub(crate) fn solve(&mut self, gap: f64, stop: &AtomicBool) -> Result<(), SolveError> {
+        pulp::Arch::new().dispatch(Solve { solver: self, gap, stop })
     }
 
-    /// Lowers the limits of speed, acceleration and jerk in each cell by the factors `by`.
-    pub(crate) fn tighten(&mut self, by: &[[f64; 3]]) {
-        for_each_block!(&mut self.blocks, block => block.tighten(by));
+    /// Lowers the limits of speed, acceleration and jerk in the cells from `first` on by the factors `by`.
+    pub(crate) fn lower(&mut self, first: usize, by: &[[f64; 3]]) {
+        let cells = &(first..first + by.len());
+        for_each_block!(&mut self.blocks, cells, block => block.lower(first, by));
     }
 
     /// x and its first two derivatives by sigma, at the share `f` of the cell `k` of those between
@@ -259,19 +305,21 @@ impl Solver {
 
     /// Duration of the cell that comes from rest, if there is one, in s.
     pub(crate) fn start_s(&self) -> f64 {
-        self.from_rest.as_ref().map_or(0.0, |rest| rest.duration_s(&self.states))
+        self.rests.from.as_ref().map_or(0.0, |rest| rest.duration_s(&self.states))
     }
 
     /// Duration of the cell that comes to rest, in s.
     pub(crate) fn stop_s(&self) -> f64 {
-        self.to_rest.duration_s(&self.states)
+        self.rests.to.duration_s(&self.states)
     }
 
     /// Largest share of the limit of jerk in the cells that touch rest.
     pub(crate) fn rest_jerk(&self) -> f64 {
-        let rests = self.from_rest.iter().chain([&self.to_rest]);
         // Jerk goes as x^(3/2) there.
-        rests.map(|rest| (rest.x(&self.states) / rest.cap).powf(1.5)).fold(0.0, f64::max)
+        self.rests
+            .iter()
+            .map(|rest| (rest.x(&self.states) / rest.cap).powf(1.5))
+            .fold(0.0, f64::max)
     }
 
     /// 1, or infinite if the cells do not join.
@@ -286,23 +334,26 @@ impl Solver {
         if continuity_defect { f64::INFINITY } else { 1.0 }
     }
 
-    /// The duration as the solver sees it.
+    /// The duration of the window, as the solver sees it.
     fn duration_s(&self) -> f64 {
-        let cells = std::iter::zip(&self.lengths, &self.states);
+        let window = self.window.clone();
+        let cells = std::iter::zip(&self.lengths[window.clone()], &self.states[window]);
         let moving: f64 = cells
             .map(|(h, y)| 0.5 * h * (1.0 / y[0].sqrt() + 1.0 / riccati::dot(&EndX::ROW, y).sqrt()))
             .sum();
-        moving + self.start_s() + self.stop_s()
+        let rests = self.rests.within(&self.window).map(|rest| rest.duration_s(&self.states));
+        moving + rests.sum::<f64>()
     }
 
-    /// V over x in the first cell: x goes on from rest as sigma^(4/3).
+    /// V over x in the first cell, if it is in the window: x goes on from rest as sigma^(4/3).
     fn slope_from_rest(&self) -> Option<f64> {
-        self.from_rest.as_ref().map(|rest| 4.0 * self.lengths[0] / (3.0 * rest.length))
+        let from = self.rests.from.as_ref().filter(|_| self.window.start == 0);
+        from.map(|rest| 4.0 * self.lengths[0] / (3.0 * rest.length))
     }
 
     /// What has to be zero for x to come to rest: a row of the last cell.
     fn to_rest(&self) -> CellState {
-        let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * self.to_rest.length);
+        let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * self.rests.to.length);
         std::array::from_fn(|i| EndV::ROW[i] + slope * EndX::ROW[i])
     }
 
@@ -319,19 +370,22 @@ impl Solver {
         riccati::defect(&self.lengths, &self.states, k)
     }
 
-    /// How many limits there are.
+    /// How many limits there are in the window.
     fn limits(&self) -> f64 {
-        (self.blocks.sides() + 2) as f64
+        (self.blocks.sides(&self.window) + 2) as f64
     }
 
     #[inline(always)]
-    fn iterate<S: Simd>(&mut self, simd: S, gap: f64) -> Result<(), NotConverged> {
+    fn iterate<S: Simd>(&mut self, simd: S, gap: f64, stop: &AtomicBool) -> Result<(), SolveError> {
         let limits = self.limits();
         let (short, most_stalled) = SETTINGS.stalled;
         let [primal_beyond, dual_beyond] =
             if self.is_cautious { [1.0; 2] } else { SETTINGS.beyond };
         let mut stalled = 0;
         for step in 1..=SETTINGS.steps {
+            if stop.load(Ordering::Relaxed) {
+                return Err(SolveError::Interrupted);
+            }
             let sums = self.assemble(simd);
             self.find_state_steps(simd)?;
             let ratios = self.find_slack_steps(simd);
@@ -343,13 +397,13 @@ impl Solver {
             let primal = if step > SETTINGS.patience { 0.5 * primal } else { primal };
             // Not a number either, once numbers have left their range.
             if !(primal > 0.0 && dual > 0.0) {
-                return Err(NotConverged);
+                return Err(SolveError::NotConverged);
             }
             self.step(primal, dual);
             let duration_s = self.duration_s();
             self.gap = sums.gap / duration_s;
             if !duration_s.is_finite() {
-                return Err(NotConverged);
+                return Err(SolveError::NotConverged);
             }
             let least = primal.min(dual);
             // Far from the boundary the next step may aim closer to it.
@@ -361,10 +415,10 @@ impl Solver {
             }
             stalled = if least < short { stalled + 1 } else { 0 };
             if stalled > most_stalled {
-                return Err(NotConverged);
+                return Err(SolveError::NotConverged);
             }
         }
-        Err(NotConverged)
+        Err(SolveError::NotConverged)
     }
 
     #[inline(always)]
@@ -372,10 +426,10 @@ impl Solver {
         let mu = self.mu;
         let steps = [self.last, InteriorStep { mu, ..InteriorStep::default() }];
         let mut sums = Sums::default();
-        for_each_block!(&mut self.blocks, block => {
+        for_each_block!(&mut self.blocks, &self.window, block => {
             block.assemble(simd, &self.states, steps, &mut self.quadratics, &mut sums);
         });
-        for rest in self.from_rest.iter().chain([&self.to_rest]) {
+        for rest in self.rests.within(&self.window) {
             let x = rest.x(&self.states);
             let ScalarSlackPair { s, z, .. } = rest.slack;
             let miss = x / rest.cap - 1.0 + s;
@@ -392,6 +446,7 @@ impl Solver {
     #[inline(always)]
     fn find_state_steps<S: Simd>(&mut self, simd: S) -> Result<(), NotConvex> {
         let chain = Chain {
+            stages: self.window.clone(),
             lengths: &self.lengths,
             free: &self.free,
             quadratics: &self.quadratics,
@@ -406,10 +461,10 @@ impl Solver {
     fn find_slack_steps<S: Simd>(&mut self, simd: S) -> LargestDecreases {
         let mu = self.mu;
         let mut largest = LargestDecreases::default();
-        for_each_block!(&mut self.blocks, block => {
+        for_each_block!(&mut self.blocks, &self.window, block => {
             block.find_slack_steps(simd, &self.states, &self.steps, mu, &mut largest);
         });
-        for rest in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
+        for rest in self.rests.within_mut(&self.window) {
             let (x, dx) = (rest.x(&self.states), rest.x(&self.steps));
             let slack = &mut rest.slack;
             slack.ds = 1.0 - (x + dx) / rest.cap - slack.s;
@@ -423,14 +478,18 @@ impl Solver {
 
     #[inline(always)]
     fn step(&mut self, primal: f64, dual: f64) {
-        for (y, dy) in std::iter::zip(&mut self.states, &self.steps) {
+        let window = self.window.clone();
+        let states = &mut self.states[window.clone()];
+        for (y, dy) in std::iter::zip(states, &self.steps[window.clone()]) {
             for a in 0..4 {
                 y[a] += primal * dy[a];
             }
         }
-        self.stop();
+        if window.end == self.lengths.len() {
+            self.stop();
+        }
         self.last = InteriorStep { mu: self.mu, primal, dual };
-        for Rest { slack, .. } in self.from_rest.iter_mut().chain([&mut self.to_rest]) {
+        for Rest { slack, .. } in self.rests.within_mut(&self.window) {
             slack.s = (slack.s + primal * slack.ds).max(SETTINGS.least_share * slack.s);
             slack.z = (slack.z + dual * slack.dz).max(SETTINGS.least_share * slack.z);
         }
@@ -477,14 +536,15 @@ fn lower_to_jerk(segments: &[LimitedSegment<'_>], cells: &[Cell], x: &mut [f64])
 struct Solve<'a> {
     solver: &'a mut Solver,
     gap: f64,
+    stop: &'a AtomicBool,
 }
 
 impl pulp::WithSimd for Solve<'_> {
-    type Output = Result<(), NotConverged>;
+    type Output = Result<(), SolveError>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        self.solver.iterate(simd, self.gap)
+        self.solver.iterate(simd, self.gap, self.stop)
     }
 }
 
@@ -498,7 +558,7 @@ impl pulp::WithSimd for Restart<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Solver { blocks, states, .. } = self.solver;
-        for_each_block!(blocks, block => block.start(simd, states, self.start));
+        let Solver { blocks, states, window, .. } = self.solver;
+        for_each_block!(blocks, window, block => block.start(simd, states, self.start));
     }
 }

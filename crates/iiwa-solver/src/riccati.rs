@@ -4,17 +4,22 @@
 //! state is `(END_X y, ratio END_V y)` plus by how much the cells miss each other, ratio the next cell's length over
 //! this one's. A stage costs `y^T h y / 2 + g^T y`. Backwards, the cost-to-go from a cell's start is kept as
 //! `p_xx x^2 / 2 + p_xv x V + p_vv V^2 / 2 + pg_x x + pg_v V`; W1 and then W0 are eliminated as scalars. Forwards, the
-//! feedback gives all steps. Time is linear in the number of cells.
+//! feedback gives all steps. Time is linear in the number of cells. A range of cells can be solved for alone: then
+//! its start stays, and W0 and W1 of its last cell follow from the state of the cell after it, which stays, too.
+
+use std::ops::Range;
 
 use pulp::Simd;
 
-use super::{
+use crate::{
     functionals::{CellState, EndV, EndX, Functional},
     quadratic::Quadratic,
 };
 
 /// The stages, and what holds at both ends.
 pub(crate) struct Chain<'a> {
+    /// Which cells are stages; all others stay as they are.
+    pub(crate) stages: Range<usize>,
     pub(crate) lengths: &'a [f64],
     /// Whether W0 and W1 of a cell are free, or zero.
     pub(crate) free: &'a [bool],
@@ -33,6 +38,36 @@ pub(crate) struct Gain {
     w1: [f64; 4],
 }
 
+impl Gain {
+    /// Of a cell at whose end x and V are given: those of the next cell, which it misses by `defect`.
+    fn meeting([dx, dv]: [f64; 2]) -> Self {
+        // The cubic that meets both ends.
+        Self { w0: [6.0, 4.0, 6.0 * dx - 2.0 * dv], w1: [-6.0, -2.0, 0.0, 4.0 * dv - 6.0 * dx] }
+    }
+
+    /// The cost from the cell's start, if W1 does not depend on W0: second derivatives by (x, x), (x, V), (V, V),
+    /// and first ones.
+    #[inline(never)]
+    fn cost(&self, Quadratic { h, g }: &Quadratic) -> ([f64; 3], [f64; 2]) {
+        let ([w0x, w0v, w0], [w1x, w1v, _, w1]) = (self.w0, self.w1);
+        let by = [[1.0, 0.0, -w0x, -w1x], [0.0, 1.0, -w0v, -w1v]];
+        let [xx, xv, xw, xz, vv, vw, vz, ww, wz, zz] = *h;
+        let product = |[x, v, w, z]: CellState| {
+            [
+                xx * x + xv * v + xw * w + xz * z,
+                xv * x + vv * v + vw * w + vz * z,
+                xw * x + vw * v + ww * w + wz * z,
+                xz * x + vz * v + wz * w + zz * z,
+            ]
+        };
+        let [of_x, of_v] = by.map(product);
+        let constant = product([0.0, 0.0, -w0, -w1]);
+        let slope: CellState = std::array::from_fn(|a| g[a] + constant[a]);
+        let second = [dot(&by[0], &of_x), dot(&by[0], &of_v), dot(&by[1], &of_v)];
+        (second, by.map(|by| dot(&by, &slope)))
+    }
+}
+
 /// The quadratic function has no minimum: numbers have left their range.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NotConvex;
@@ -45,16 +80,24 @@ pub(crate) fn solve<S: Simd>(
     gains: &mut [Gain],
     steps: &mut [CellState],
 ) -> Result<(), NotConvex> {
-    let Chain { lengths, free, quadratics, states, slope_from_rest, ref to_rest } = *chain;
+    let Chain { ref stages, lengths, free, quadratics, states, slope_from_rest, ref to_rest } =
+        *chain;
     let n = lengths.len();
     // Cost-to-go: second derivatives by (x, x), (x, V), (V, V), and first ones.
     let (mut p, mut pg) = ([0.0_f64; 3], [0.0_f64; 2]);
-    for k in (0..n).rev() {
+    for k in stages.clone().rev() {
+        if k + 1 == stages.end && k + 1 < n {
+            let [dx, dv] = defect(lengths, states, k);
+            let gain = Gain::meeting([dx, dv * lengths[k] / lengths[k + 1]]);
+            (p, pg) = gain.cost(&quadratics[k]);
+            gains[k] = gain;
+            continue;
+        }
         let Quadratic { h: mut m, mut g } = quadratics[k];
         if !free[k] {
             (m, g) = ([0.0; 10], [0.0; 4]);
         }
-        if k + 1 < n {
+        if k + 1 < stages.end {
             let [dx, dv] = defect(lengths, states, k);
             pg = [
                 fused::<S>(p[0], dx, fused::<S>(p[1], dv, pg[0])),
@@ -122,7 +165,7 @@ pub(crate) fn solve<S: Simd>(
         x = -(pg[0] + slope * pg[1]) / curvature;
         v = slope * x;
     }
-    for k in 0..n {
+    for k in stages.clone() {
         let Gain { w0, w1 } = gains[k];
         let mut dy = [x, v, 0.0, 0.0];
         if free[k] {
@@ -135,7 +178,7 @@ pub(crate) fn solve<S: Simd>(
             }
         }
         steps[k] = dy;
-        if k + 1 < n {
+        if k + 1 < stages.end {
             let defect = defect(lengths, states, k);
             x = dot(&EndX::ROW, &dy) + defect[0];
             v = fused::<S>(lengths[k + 1] / lengths[k], dot(&EndV::ROW, &dy), defect[1]);
@@ -164,7 +207,7 @@ pub(crate) fn dot(a: &CellState, b: &CellState) -> f64 {
 }
 
 /// The quadratic function of the last cell with W1 from [`come_to_rest`]; in its place, a unit.
-#[inline(always)]
+#[inline(never)]
 fn without_w1(m: &[f64; 10], g: &CellState, to_rest: &CellState) -> ([f64; 10], CellState) {
     let f: [f64; 3] = std::array::from_fn(|a| -to_rest[a] / to_rest[3]);
     let [xx, xv, xw, xz, vv, vw, vz, ww, wz, zz] = *m;

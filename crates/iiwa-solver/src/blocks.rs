@@ -1,6 +1,8 @@
 //! The cells of a section in blocks of eight, by how many rows they need.
 
-use super::{
+use std::ops::Range;
+
+use crate::{
     cells::{CellBlock, LimitedCell},
     limited_segment::LimitedSegment,
     mesh::Mesh,
@@ -17,29 +19,24 @@ pub(crate) struct Blocks {
     pub(crate) seven: Vec<CellBlock<7>>,
 }
 
-/// Does the same with every block of some [`Blocks`].
+/// Does the same with every block of some [`Blocks`] that has a cell in the window.
 macro_rules! for_each_block {
-    ($blocks:expr, $block:ident => $do:expr) => {{
-        let blocks = $blocks;
-        for $block in &mut blocks.lines {
-            $do;
-        }
-        for $block in &mut blocks.two {
-            $do;
-        }
-        for $block in &mut blocks.three {
-            $do;
-        }
-        for $block in &mut blocks.four {
-            $do;
-        }
-        for $block in &mut blocks.five {
-            $do;
-        }
-        for $block in &mut blocks.seven {
-            $do;
-        }
+    ($blocks:expr, $window:expr, $block:ident => $do:expr) => {{
+        let (blocks, window) = ($blocks, $window);
+        for_each_block!(@ window, $block => $do; &mut blocks.lines);
+        for_each_block!(@ window, $block => $do; &mut blocks.two);
+        for_each_block!(@ window, $block => $do; &mut blocks.three);
+        for_each_block!(@ window, $block => $do; &mut blocks.four);
+        for_each_block!(@ window, $block => $do; &mut blocks.five);
+        for_each_block!(@ window, $block => $do; &mut blocks.seven);
     }};
+    (@ $window:ident, $block:ident => $do:expr; $list:expr) => {
+        for $block in $list {
+            if $block.is_in($window) {
+                $do;
+            }
+        }
+    };
 }
 pub(crate) use for_each_block;
 
@@ -76,14 +73,17 @@ impl Blocks {
         }
     }
 
-    /// How many sides all limits have.
-    pub(crate) fn sides(&self) -> usize {
-        CellBlock::<1>::SIDES * self.lines.len()
-            + CellBlock::<2>::SIDES * self.two.len()
-            + CellBlock::<3>::SIDES * self.three.len()
-            + CellBlock::<4>::SIDES * self.four.len()
-            + CellBlock::<5>::SIDES * self.five.len()
-            + CellBlock::<7>::SIDES * self.seven.len()
+    /// How many sides the limits have in the blocks that have a cell in the window.
+    pub(crate) fn sides(&self, window: &Range<usize>) -> usize {
+        fn of<const J: usize>(blocks: &[CellBlock<J>], window: &Range<usize>) -> usize {
+            CellBlock::<J>::SIDES * blocks.iter().filter(|block| block.is_in(window)).count()
+        }
+        of(&self.lines, window)
+            + of(&self.two, window)
+            + of(&self.three, window)
+            + of(&self.four, window)
+            + of(&self.five, window)
+            + of(&self.seven, window)
     }
 }
 

@@ -2,10 +2,10 @@
 
 use pulp::Simd;
 
-use super::settings::InteriorPointSettings;
 use crate::lanes::{Lanes, Vector};
+use crate::settings::InteriorPointSettings;
 
-const SETTINGS: InteriorPointSettings = super::settings::SETTINGS.interior_point;
+const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
 /// A step: mu, and the primal and dual step lengths in (0, 1].
 #[derive(Clone, Copy, Debug, Default)]

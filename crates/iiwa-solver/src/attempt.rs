@@ -1,0 +1,318 @@
+//! An attempt to solve the problem of a window.
+//!
+//! What the solver finds keeps all limits at some places of each cell. Where it exceeds them in between, the
+//! limits of that cell are lowered and it is solved again, for the cells around only: the optimum is local.
+
+use std::{ops::Range, sync::atomic::AtomicBool};
+
+use crate::{
+    error::SolveError,
+    limited_segment::LimitedSegment,
+    mesh::{Cell, Mesh, mesh},
+    peaks::{larger, peaks},
+    settings::{AttemptSettings, RefinementSettings, SETTINGS, WarmStart, WindowSettings},
+    solver::Solver,
+};
+
+const REFINEMENT: RefinementSettings = SETTINGS.refinement;
+const GAP: f64 = SETTINGS.interior_point.gap;
+
+/// Where an attempt has come to.
+pub(crate) struct Attempt {
+    pub(crate) mesh: Mesh,
+    pub(crate) solver: Solver,
+    /// Share of all times by which it is slowed down.
+    pub(crate) time_scale: f64,
+    /// Largest duality gap with which cells were solved for, relative to their duration.
+    gap: f64,
+}
+
+/// The cells whose limits were lowered, in order, and the largest share of a limit found there; 0 if there are none.
+#[derive(Default)]
+struct Lowered {
+    cells: Vec<usize>,
+    excess: f64,
+}
+
+impl Lowered {
+    fn add(&mut self, other: Self) {
+        self.cells.extend(other.cells);
+        self.excess = self.excess.max(other.excess);
+    }
+}
+
+impl Attempt {
+    /// Solves for the segments in `range`, from rest or from `entry`: x and its derivative by sigma. None if they
+    /// have no mesh.
+    pub(crate) fn run(
+        segments: &[LimitedSegment<'_>],
+        range: Range<usize>,
+        entry: Option<[f64; 2]>,
+        settings: AttemptSettings,
+        stop: &AtomicBool,
+    ) -> Result<Option<Self>, SolveError> {
+        let AttemptSettings { refinement, is_safe, is_cautious } = settings;
+        let Some(mesh) = mesh(segments, range, entry.is_none(), refinement) else {
+            return Ok(None);
+        };
+        let solver = Solver::new(segments, &mesh, entry, is_cautious);
+        let mut attempt = Self { mesh, solver, time_scale: 1.0, gap: f64::INFINITY };
+        let scale = if is_safe { attempt.time_scale(segments).powi(-2) } else { REFINEMENT.start };
+        attempt.solver.start(scale);
+        match attempt.refine(segments, is_cautious, stop) {
+            Ok(()) => {}
+            // Whatever was found is good, as slow as it takes to keep the limits.
+            Err(SolveError::NotConverged) => attempt.time_scale = attempt.time_scale(segments),
+            Err(SolveError::Interrupted) => return Err(SolveError::Interrupted),
+        }
+        Ok(Some(attempt))
+    }
+
+    /// By which share it may take longer than the best, if it is as far from it as the solver fears.
+    pub(crate) fn longer(&self) -> f64 {
+        self.time_scale * (1.0 + self.gap)
+    }
+
+    /// Speed, acceleration and jerk of sigma at the share `f` of an inner cell, if it is not slowed down.
+    pub(crate) fn rates(&self, cell: usize, f: f64) -> [f64; 3] {
+        let [x, dx, ddx] = self.solver.at(cell, f);
+        let speed = x.sqrt();
+        [speed, 0.5 * dx, 0.5 * ddx * speed]
+    }
+
+    /// How slow an inner cell is: above 1, very much so.
+    pub(crate) fn slowness(&self, segment: &LimitedSegment<'_>, cell: usize) -> f64 {
+        self.duration_s(cell, 0.0, 1.0) / (REFINEMENT.slow * segment.least_build_up_s)
+    }
+
+    /// Time from the share `from` to the share `to` of an inner cell, if it is not slowed down: Gauss's quadrature.
+    pub(crate) fn duration_s(&self, cell: usize, from: f64, to: f64) -> f64 {
+        const HALF_WIDTH: f64 = 0.387_298_334_620_741_7;
+        let at = |f: f64| 1.0 / self.solver.at(cell, from + f * (to - from))[0].sqrt();
+        let mean = (5.0 * (at(0.5 - HALF_WIDTH) + at(0.5 + HALF_WIDTH)) + 8.0 * at(0.5)) / 18.0;
+        mean * (to - from) * self.mesh.cells[cell].length
+    }
+
+    /// Solves and lowers limits until all are kept everywhere.
+    fn refine(
+        &mut self,
+        segments: &[LimitedSegment<'_>],
+        is_cautious: bool,
+        stop: &AtomicBool,
+    ) -> Result<(), SolveError> {
+        let [some, all] = REFINEMENT.checks;
+        let whole = 0..self.mesh.cells.len();
+        self.solve(SETTINGS.interior_point.first_gap, stop)?;
+        // Where limits will be exceeded is seen long before the end.
+        let early = self.lower(segments, some, REFINEMENT.early, whole.clone(), &[]);
+        if early.excess > REFINEMENT.abrupt {
+            self.solver.restart(REFINEMENT.far);
+        }
+        self.solve(GAP, stop)?;
+        let mut windows = vec![whole.clone()];
+        let mut before = Vec::new();
+        for _ in 0..REFINEMENT.rounds {
+            let mut lowered = Lowered::default();
+            for window in windows {
+                lowered.add(self.lower(segments, all, REFINEMENT.tolerance, window, &before));
+            }
+            if lowered.cells.is_empty() {
+                return Ok(());
+            }
+            let is_abrupt = lowered.excess > REFINEMENT.abrupt;
+            let start = match (is_abrupt, is_cautious) {
+                (true, _) => REFINEMENT.far,
+                (false, true) => REFINEMENT.cautious,
+                (false, false) => REFINEMENT.close,
+            };
+            windows = if is_abrupt || is_cautious {
+                vec![whole.clone()]
+            } else {
+                self.windows_around(segments, &lowered.cells)
+            };
+            match self.solve_again(&windows, start, stop) {
+                Ok(()) => {}
+                Err(SolveError::NotConverged) if windows != [whole.clone()] => {
+                    windows = vec![whole.clone()];
+                    self.solve_again(&windows, REFINEMENT.far, stop)?;
+                }
+                Err(error) => return Err(error),
+            }
+            before = lowered.cells;
+        }
+        Err(SolveError::NotConverged)
+    }
+
+    fn solve(&mut self, gap: f64, stop: &AtomicBool) -> Result<(), SolveError> {
+        let result = self.solver.solve(gap, stop);
+        self.gap = self.solver.gap;
+        result
+    }
+
+    /// Solves for the cells of one window after the other, for limits that have been lowered.
+    fn solve_again(
+        &mut self,
+        windows: &[Range<usize>],
+        start: WarmStart,
+        stop: &AtomicBool,
+    ) -> Result<(), SolveError> {
+        let before = self.gap;
+        let whole = 0..self.mesh.cells.len();
+        let result = windows.iter().try_for_each(|window| {
+            self.solver.select(window.clone());
+            self.solver.restart(start);
+            let result = self.solve(GAP, stop);
+            if *window != whole {
+                // The rest is as near to the optimum as it was.
+                self.gap = self.gap.max(before);
+            }
+            result
+        });
+        self.solver.select(whole);
+        result
+    }
+
+    /// The windows that are to be solved for anew where the limits of `cells` were lowered: the optimum changes
+    /// there, and on the segments around.
+    fn windows_around(
+        &self,
+        segments: &[LimitedSegment<'_>],
+        lowered: &[usize],
+    ) -> Vec<Range<usize>> {
+        let WindowSettings { around, stops } = SETTINGS.window;
+        let cells = &self.mesh.cells;
+        let mut windows: Vec<Range<usize>> = Vec::new();
+        for &cell in lowered {
+            let segment = cells[cell].segment;
+            let far = stops * segments[segment].stop_rad(None);
+            // How many of the cells on one side are part of the window.
+            let count = |side: &mut dyn Iterator<Item = &Cell>| {
+                let mut way = 0.0;
+                side.take_while(|cell| {
+                    let is_near = way < far || cell.segment.abs_diff(segment) <= around;
+                    way += cell.length;
+                    is_near
+                })
+                .count()
+            };
+            let start = cell - count(&mut cells[..cell].iter().rev());
+            let end = cell + 1 + count(&mut cells[cell + 1..].iter());
+            let window = self.solver.window(start..end);
+            match windows.last_mut() {
+                Some(last) if last.end >= window.start => {
+                    *last = last.start.min(window.start)..last.end.max(window.end);
+                }
+                _ => windows.push(window),
+            }
+        }
+        windows
+    }
+
+    /// The share of all times that keeps the limits.
+    fn time_scale(&self, segments: &[LimitedSegment<'_>]) -> f64 {
+        let mut largest = [1.0, 1.0, self.solver.rest_jerk()];
+        for shares in self.largest_shares(segments, REFINEMENT.checks[1], 0..self.mesh.cells.len())
+        {
+            for i in 0..3 {
+                largest[i] = larger(largest[i], shares[i]);
+            }
+        }
+        let [v, a, j]: [f64; 3] = std::array::from_fn(|i| largest[i] / REFINEMENT.tolerance[i]);
+        let factors = [v, a.sqrt(), j.cbrt(), self.solver.continuity_defect()];
+        factors.into_iter().fold(1.0, larger)
+    }
+
+    /// Lowers the limits of the cells in `window` that exceed them by more than the shares `allowed`. Of those that
+    /// were lowered `before`, in vain, the end was not: it is the start of the next cell, which is lowered, too.
+    fn lower(
+        &mut self,
+        segments: &[LimitedSegment<'_>],
+        parts: u32,
+        allowed: [f64; 3],
+        window: Range<usize>,
+        before: &[usize],
+    ) -> Lowered {
+        let first = window.start;
+        let mut lowered = Lowered::default();
+        let found = self.largest_shares(segments, parts, window);
+        let mut by: Vec<_> = found
+            .into_iter()
+            .zip(first..)
+            .map(|(shares, cell)| {
+                let mut by = [1.0; 3];
+                for i in 0..3 {
+                    if shares[i] > allowed[i] || shares[i].is_nan() {
+                        lowered.excess = lowered.excess.max(shares[i]);
+                        by[i] = REFINEMENT.target[i] / shares[i];
+                    }
+                }
+                if by != [1.0; 3] {
+                    lowered.cells.push(cell);
+                }
+                by
+            })
+            .collect();
+        for cell in lowered.cells.iter().filter(|cell| before.binary_search(cell).is_ok()) {
+            if let [own, next, ..] = &mut by[cell - first..] {
+                // Jerk has a row at the end.
+                for i in 0..2 {
+                    next[i] = next[i].min(own[i]);
+                }
+            }
+        }
+        if !lowered.cells.is_empty() {
+            self.solver.lower(first, &by);
+        }
+        lowered
+    }
+
+    /// The largest shares of the limits of speed, acceleration and jerk in each cell of `window`.
+    fn largest_shares(
+        &self,
+        segments: &[LimitedSegment<'_>],
+        parts: u32,
+        window: Range<usize>,
+    ) -> Vec<[f64; 3]> {
+        pulp::Arch::new().dispatch(Check { attempt: self, segments, parts, window })
+    }
+
+    /// The same in one cell, from samples at the ends of its `parts`.
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "it is from 1 to 4"
+    )]
+    fn largest_shares_in(&self, k: usize, segments: &[LimitedSegment<'_>], parts: u32) -> [f64; 3] {
+        let cell = &self.mesh.cells[k];
+        let segment = &segments[cell.segment];
+        let parts = parts * self.slowness(segment, k).ceil().clamp(1.0, 4.0) as u32;
+        let places = (0..=parts).map(|i| f64::from(i) / f64::from(parts));
+        if segment.is_line() {
+            let shares = places.map(|f| segment.line_shares(self.rates(k, f)));
+            return peaks(shares.map(|shares| shares.map(|share| [share])));
+        }
+        peaks(places.map(|f| {
+            let s = segment.s(cell.from + f * cell.length).clamp(0.0, 1.0);
+            segment.shares(&segment.derivatives(s), self.rates(k, f))
+        }))
+    }
+}
+
+/// The check of the cells of a window, by the widest vector instructions that the machine has.
+struct Check<'a, 'b> {
+    attempt: &'a Attempt,
+    segments: &'a [LimitedSegment<'b>],
+    parts: u32,
+    window: Range<usize>,
+}
+
+impl pulp::WithSimd for Check<'_, '_> {
+    type Output = Vec<[f64; 3]>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let Check { attempt, segments, parts, window } = self;
+        window.map(|k| attempt.largest_shares_in(k, segments, parts)).collect()
+    }
+}

@@ -1,0 +1,14 @@
+//! Why there is no solution.
+
+use thiserror::Error;
+
+/// Why there is no solution.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum SolveError {
+    /// No attempt came near enough to the optimum.
+    #[error("no attempt came near enough to the optimum")]
+    NotConverged,
+    /// It was told to stop.
+    #[error("interrupted")]
+    Interrupted,
+}

@@ -1,0 +1,72 @@
+//! The fastest motion along a joint path under limits of velocity, acceleration and jerk.
+//!
+//! Along the path the unknown is x = (dsigma/dt)^2, a cubic on each cell of a [mesh](Mesh). Its limits are rows,
+//! linear in x and its derivatives; a primal-dual interior-point method, each of whose Newton steps is a Riccati
+//! recursion, minimises the duration. Where limits are exceeded between the places at which there are rows, the
+//! rows of that cell are lowered, and a window of cells around it is solved for anew.
+//!
+//! It knows segments, their limits and the stamps to start from; `iiwa-traj` makes trajectories of what it finds.
+//!
+//! ```
+//! use std::sync::atomic::AtomicBool;
+//!
+//! use iiwa_kin::Robot;
+//! use iiwa_path::{Blend, JointPath, Program, Step};
+//! use iiwa_solver::{LimitedSegment, Solution, SweptNode, Window};
+//!
+//! let program = Program::from_deg([0.0; 7])
+//!     .ptp_deg([20.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+//!     .blend(Blend::Fraction(0.5))
+//!     .ptp_deg([20.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+//!     .build();
+//! let path = JointPath::new(&program, &Robot::default())?;
+//! // Slower than the best: from there the solver starts.
+//! let swept = [0.0, 0.5, 1.0].map(|p| SweptNode { t_s: p, p, rate: 1.0, u: [0.0; 2] });
+//! let segments: Vec<_> = path
+//!     .steps()
+//!     .iter()
+//!     .filter_map(|step| match step {
+//!         Step::Move { segment, motion, .. } => {
+//!             LimitedSegment::new(segment.as_ref(), &path.limits()[motion.index()], &swept)
+//!         }
+//!         _ => None,
+//!     })
+//!     .collect();
+//! let window = Window { segments: &segments, range: 0..3, entry: None };
+//! let best = Solution::find(&window, 1.0, &AtomicBool::new(false))?;
+//! assert!((0.5..0.8).contains(&best.duration_s()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+#![expect(
+    clippy::inline_always,
+    reason = "kernels belong into the function that enables vector instructions"
+)]
+#![expect(clippy::needless_range_loop, reason = "rows of eight numbers are indexed together")]
+
+mod acceleration_rows;
+mod attempt;
+mod blocks;
+mod cells;
+mod error;
+mod functionals;
+mod jerk_rows;
+mod lanes;
+mod limited_segment;
+mod limiting_joints;
+mod mesh;
+mod peaks;
+mod quadratic;
+mod riccati;
+mod settings;
+mod slack_pair;
+mod solution;
+mod solver;
+mod swept;
+mod velocity_rows;
+
+pub use error::SolveError;
+pub use limited_segment::LimitedSegment;
+pub use mesh::{Cell, Mesh};
+pub use solution::{Solution, Window};
+pub use swept::SweptNode;

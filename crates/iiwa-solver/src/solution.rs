@@ -1,0 +1,129 @@
+//! The fastest motion along a window of segments.
+
+use std::{ops::Range, sync::atomic::AtomicBool};
+
+use crate::{
+    attempt::Attempt,
+    error::SolveError,
+    limited_segment::LimitedSegment,
+    mesh::Mesh,
+    settings::{AttemptSettings, SETTINGS},
+};
+
+/// Segments that are solved for together. The last of them is a line, and ends at rest.
+#[derive(Clone)]
+pub struct Window<'a, 'b> {
+    /// All segments of a section.
+    pub segments: &'a [LimitedSegment<'b>],
+    /// Which of them, at least one.
+    pub range: Range<usize>,
+    /// x (rad^2/s^2) and its derivative by sigma (rad/s^2) at the start; none at rest.
+    pub entry: Option<[f64; 2]>,
+}
+
+/// The fastest motion that was found.
+pub struct Solution(Attempt);
+
+impl Solution {
+    /// Solves for `window` on a mesh that is `refinement` times as fine as usual.
+    ///
+    /// # Errors
+    ///
+    /// Nothing came near enough to the optimum, or `stop` was set: it is looked at before each Newton step.
+    pub fn find(
+        window: &Window<'_, '_>,
+        refinement: f64,
+        stop: &AtomicBool,
+    ) -> Result<Self, SolveError> {
+        let [enough, most] = SETTINGS.refinement.longer;
+        let mut best: Option<Attempt> = None;
+        for settings in SETTINGS.refinement.attempts {
+            let settings =
+                AttemptSettings { refinement: refinement * settings.refinement, ..settings };
+            let Window { segments, range, entry } = window;
+            let attempt = Attempt::run(segments, range.clone(), *entry, settings, stop)?;
+            let Some(attempt) = attempt else { continue };
+            if attempt.longer() <= best.as_ref().map_or(most, Attempt::longer) {
+                best = Some(attempt);
+            }
+            if best.as_ref().is_some_and(|best| best.longer() <= enough) {
+                break;
+            }
+        }
+        best.map(Self).ok_or(SolveError::NotConverged)
+    }
+
+    /// The cells.
+    #[must_use]
+    pub fn mesh(&self) -> &Mesh {
+        &self.0.mesh
+    }
+
+    /// Factor by which it is slowed down to keep the limits: 1, unless the solver got stuck. All that follows is
+    /// without it.
+    #[must_use]
+    pub fn time_scale(&self) -> f64 {
+        self.0.time_scale
+    }
+
+    /// x (rad^2/s^2) and its first two derivatives by sigma (rad/s^2 and 1/s^2) at the share `f` of the cell
+    /// `cell` of those between the two that touch rest.
+    #[must_use]
+    pub fn at(&self, cell: usize, f: f64) -> [f64; 3] {
+        self.0.solver.at(cell, f)
+    }
+
+    /// Speed, acceleration and jerk of sigma there, in rad/s, rad/s^2 and rad/s^3.
+    #[must_use]
+    pub fn rates(&self, cell: usize, f: f64) -> [f64; 3] {
+        self.0.rates(cell, f)
+    }
+
+    /// x and its derivative by sigma where a segment starts: an [entry](Window::entry). None if it starts at rest.
+    #[must_use]
+    pub fn entry(&self, segment: usize) -> Option<[f64; 2]> {
+        let cell = self.0.mesh.cells.iter().position(|cell| cell.segment == segment)?;
+        let [x, dx, _] = self.at(cell, 0.0);
+        Some([x, dx])
+    }
+
+    /// Duration, in s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        let cells = 0..self.0.mesh.cells.len();
+        let moving: f64 = cells.map(|cell| self.cell_s(cell, 0.0, 1.0)).sum();
+        self.time_scale() * (self.start_s() + moving + self.stop_s())
+    }
+
+    /// Duration of the cell that comes from rest, if there is one, in s.
+    #[must_use]
+    pub fn start_s(&self) -> f64 {
+        self.0.solver.start_s()
+    }
+
+    /// Duration of the cell that comes to rest, in s.
+    #[must_use]
+    pub fn stop_s(&self) -> f64 {
+        self.0.solver.stop_s()
+    }
+
+    /// Time from the share `from` to the share `to` of an inner cell, in s.
+    #[must_use]
+    pub fn cell_s(&self, cell: usize, from: f64, to: f64) -> f64 {
+        self.0.duration_s(cell, from, to)
+    }
+
+    /// Into how many parts an inner cell of `segment` is to be divided so that a polynomial of degree five in time
+    /// follows each: many where it is slow, or where x changes much.
+    #[must_use]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "it is from 2 to 16"
+    )]
+    pub fn parts(&self, segment: &LimitedSegment<'_>, cell: usize) -> u32 {
+        let [start, end] = [0.0, 1.0].map(|f| self.at(cell, f)[0]);
+        let doublings = (end / start).log2().abs();
+        (2.0 + 2.0 * doublings + self.0.slowness(segment, cell)).min(16.0) as u32
+    }
+}

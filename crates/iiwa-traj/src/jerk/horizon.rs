@@ -1,0 +1,126 @@
+//! Sections that are too long to be solved for as a whole.
+
+use std::sync::atomic::AtomicBool;
+
+use iiwa_solver::{LimitedSegment, Solution, SolveError, Window};
+
+use super::stamps::{Stamper, Stamps};
+use crate::timing::JerkOptions;
+
+/// Segments that are settled at a time.
+const SETTLED: usize = 30;
+
+/// How many of them fewer are settled, one number after the other, until there is a way on from their end: the state
+/// there is given, and leaves no room where it is at a limit.
+const FEWER: [usize; 6] = [0, 1, 2, 3, 5, 8];
+
+/// Segments beyond them that are looked ahead, at least.
+const AHEAD: usize = 10;
+
+/// Distance that is looked ahead, at least, as a multiple of that on which the arm stops.
+const STOPS: f64 = 1.5;
+
+/// The stamps of a section that is not one line.
+pub(crate) fn stamps(
+    segments: &[LimitedSegment<'_>],
+    start_s: f64,
+    options: JerkOptions,
+    stop: &AtomicBool,
+) -> Result<Stamps, SolveError> {
+    if !options.general
+        && let Some(stamps) = receding(segments, start_s, options, stop)?
+    {
+        return Ok(stamps);
+    }
+    let whole = Window { segments, range: 0..segments.len(), entry: None };
+    let solution = Solution::find(&whole, options.refinement, stop)?;
+    let mut stamper = Stamper::new(start_s);
+    stamper.add(&solution, &whole, segments.len());
+    Ok(stamper.finish())
+}
+
+/// Part by part, each with some segments beyond it on whose last line the arm could stop. So there is a way on from
+/// the end of every part, and far enough from that stop it makes no difference. None if the section cannot be
+/// divided like this, or no solution is found for a part.
+fn receding(
+    segments: &[LimitedSegment<'_>],
+    start_s: f64,
+    options: JerkOptions,
+    stop: &AtomicBool,
+) -> Result<Option<Stamps>, SolveError> {
+    let mut stamper = Stamper::new(start_s);
+    let Some(first) =
+        part(segments, 0, None).filter(|first| first.window.range.end < segments.len())
+    else {
+        return Ok(None);
+    };
+    let Some(solution) = solve(&first, options, stop)? else { return Ok(None) };
+    let (mut before, mut solution) = (first, solution);
+    while before.settled < segments.len() {
+        let mut next = None;
+        for fewer in FEWER {
+            let start = before.settled - fewer;
+            let Some(part) = part(segments, start, solution.entry(start)) else { break };
+            if let Some(solution) = solve(&part, options, stop)? {
+                next = Some((start, part, solution));
+                break;
+            }
+        }
+        let Some((start, part, found)) = next else { return Ok(None) };
+        stamper.add(&solution, &before.window, start);
+        (before, solution) = (part, found);
+    }
+    stamper.add(&solution, &before.window, segments.len());
+    Ok(Some(stamper.finish()))
+}
+
+/// What is solved for in one go.
+struct Part<'a, 'b> {
+    window: Window<'a, 'b>,
+    /// The segment before which its solution is the section's, too.
+    settled: usize,
+}
+
+/// The part that starts at the segment `start`.
+fn part<'a, 'b>(
+    segments: &'a [LimitedSegment<'b>],
+    start: usize,
+    entry: Option<[f64; 2]>,
+) -> Option<Part<'a, 'b>> {
+    // The first segment at least `count` segments and some stops beyond `from`.
+    let beyond = |from: usize, count: usize| {
+        let before = from.checked_sub(1).map(|before| &segments[before]);
+        let mut way = STOPS * segments.get(from)?.stop_rad(before);
+        let mut index = from;
+        while index < from + count || way > 0.0 {
+            way -= segments.get(index)?.length_rad();
+            index += 1;
+        }
+        Some(index)
+    };
+    if start > 0 && entry.is_none() {
+        return None;
+    }
+    let settled = beyond(start, SETTLED);
+    let end = settled.and_then(|settled| {
+        let end = beyond(settled, AHEAD)?;
+        let lines = segments[end - 1..].iter().position(LimitedSegment::is_line)?;
+        // What is left after the stop should be worth a part of its own.
+        Some(end + lines).filter(|end| end + (settled - start) / 2 < segments.len())
+    });
+    let (settled, end) = settled.zip(end).unwrap_or((segments.len(), segments.len()));
+    Some(Part { window: Window { segments, range: start..end, entry }, settled })
+}
+
+/// The solution of a part; none if it had to be slowed down.
+fn solve(
+    part: &Part<'_, '_>,
+    options: JerkOptions,
+    stop: &AtomicBool,
+) -> Result<Option<Solution>, SolveError> {
+    match Solution::find(&part.window, options.refinement, stop) {
+        Ok(solution) => Ok(Some(solution).filter(|solution| solution.time_scale() == 1.0)),
+        Err(SolveError::NotConverged) => Ok(None),
+        Err(error) => Err(error),
+    }
+}

@@ -1,0 +1,149 @@
+//! Stamps of what the solver found.
+
+use std::ops::Range;
+
+use iiwa_solver::{Cell, LimitedSegment, Mesh, Solution, Window};
+
+use crate::{interval::later, limit_usage::LimitUsage, node::Node};
+
+/// The stamps of one segment.
+pub(crate) struct SegmentStamps {
+    /// Its nodes among all.
+    pub(crate) nodes: Range<usize>,
+    pub(crate) usage: LimitUsage,
+}
+
+/// The stamps of a section.
+#[derive(Default)]
+pub(crate) struct Stamps {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) segments: Vec<SegmentStamps>,
+}
+
+/// Makes the stamps of a section, window after window.
+pub(crate) struct Stamper {
+    start_s: f64,
+    /// Time since the start of the section, in s.
+    t_s: f64,
+    /// Factor by which what is added is slowed down.
+    time_scale: f64,
+    stamps: Stamps,
+}
+
+impl Stamper {
+    /// None yet, of a section that starts at `start_s`.
+    pub(crate) fn new(start_s: f64) -> Self {
+        Self { start_s, t_s: 0.0, time_scale: 1.0, stamps: Stamps::default() }
+    }
+
+    /// The stamps.
+    pub(crate) fn finish(self) -> Stamps {
+        self.stamps
+    }
+
+    /// Adds a node at a sigma and an instant, with the way and the time to the next one; x and its derivative by
+    /// sigma are those there, before the motion is slowed down.
+    fn node(
+        &mut self,
+        segment: &LimitedSegment<'_>,
+        [sigma, way]: [f64; 2],
+        [t_s, dt_s]: [f64; 2],
+        [x, dx]: [f64; 2],
+    ) {
+        let time_scale = self.time_scale;
+        let length = segment.length_rad();
+        let rate = x.sqrt() / (length * time_scale);
+        let u = 0.5 * dx / (length * time_scale * time_scale);
+        self.stamps.nodes.push(Node {
+            t_s,
+            dt_s,
+            p: sigma / length,
+            dp: way / length,
+            rate,
+            u: [u; 2],
+        });
+    }
+
+    /// Adds what holds at `s` for `dt`, at speed, acceleration and jerk of sigma before the motion is slowed down.
+    fn usage(&mut self, segment: &LimitedSegment<'_>, s: f64, [v, a, j]: [f64; 3], dt: f64) {
+        let time_scale = self.time_scale;
+        let at = [v / time_scale, a / time_scale.powi(2), j / time_scale.powi(3)];
+        if let Some(stamps) = self.stamps.segments.last_mut() {
+            stamps.usage.sample(&segment.shares(&segment.derivatives(s), at), dt);
+        }
+    }
+
+    /// Adds a cell that touches rest, in which jerk is constant.
+    fn rest(&mut self, segment: &LimitedSegment<'_>, cell: &Cell, seconds: f64) {
+        let jerk = 6.0 * cell.length / seconds.powi(3);
+        let half = [0.125 * jerk * seconds * seconds, 0.5 * jerk * seconds, jerk];
+        self.usage(segment, 0.0, half, seconds * self.time_scale);
+    }
+
+    /// Begins the next segment, unless it has begun.
+    fn begin(&mut self, segment: usize) {
+        if self.stamps.segments.len() <= segment {
+            let nodes = self.stamps.nodes.len()..self.stamps.nodes.len();
+            self.stamps.segments.push(SegmentStamps { nodes, usage: LimitUsage::default() });
+        }
+    }
+
+    /// Ends the segment that has begun last.
+    fn end(&mut self) {
+        if let Some(stamps) = self.stamps.segments.last_mut() {
+            stamps.nodes.end = self.stamps.nodes.len();
+        }
+    }
+
+    /// Adds those of the segments of `window` before the segment `end`.
+    pub(crate) fn add(&mut self, solution: &Solution, window: &Window<'_, '_>, end: usize) {
+        self.time_scale = solution.time_scale();
+        let segments = window.segments;
+        let Mesh { from_rest, cells, to_rest, .. } = solution.mesh();
+        if let Some(cell) = from_rest {
+            let segment = &segments[cell.segment];
+            let dt = self.time_scale * solution.start_s();
+            self.begin(cell.segment);
+            self.node(segment, [0.0, cell.length], [self.t_s, dt], [0.0; 2]);
+            self.rest(segment, cell, solution.start_s());
+            self.t_s = later(self.start_s, self.t_s, dt);
+        }
+        for (k, cell) in cells.iter().enumerate().take_while(|(_, cell)| cell.segment < end) {
+            let segment = &segments[cell.segment];
+            self.begin(cell.segment);
+            let s = |f: f64| segment.s(cell.from + f * cell.length).clamp(0.0, 1.0);
+            let parts = solution.parts(segment, k);
+            for part in 0..parts {
+                let [from, middle, to] =
+                    [0.0, 0.5, 1.0].map(|half| (f64::from(part) + half) / f64::from(parts));
+                let [x, dx, _] = solution.at(k, from);
+                let dt = self.time_scale * solution.cell_s(k, from, to);
+                let way = [cell.from + from * cell.length, (to - from) * cell.length];
+                self.node(segment, way, [self.t_s, dt], [x, dx]);
+                self.usage(segment, s(middle), solution.rates(k, middle), dt);
+                self.t_s = later(self.start_s, self.t_s, dt);
+            }
+            if cells.get(k + 1).is_none_or(|next| next.segment != cell.segment) {
+                let [x, dx, _] = solution.at(k, 1.0);
+                // Exactly at the segment's end, unless it goes on to rest.
+                let rests = to_rest.segment == cell.segment;
+                let end = if rests { cell.from + cell.length } else { segment.length_rad() };
+                self.node(segment, [end, 0.0], [self.t_s, 0.0], [x, dx]);
+                self.end();
+            }
+        }
+        if to_rest.segment < end {
+            let segment = &segments[to_rest.segment];
+            let length = segment.length_rad();
+            self.begin(to_rest.segment);
+            let dt = self.time_scale * solution.stop_s();
+            if let Some(before) = self.stamps.nodes.last_mut() {
+                (before.dp, before.dt_s) = (to_rest.length / length, dt);
+            }
+            self.rest(segment, to_rest, solution.stop_s());
+            self.t_s = later(self.start_s, self.t_s, dt);
+            self.node(segment, [length, 0.0], [self.t_s, 0.0], [0.0; 2]);
+            self.end();
+        }
+    }
+}
