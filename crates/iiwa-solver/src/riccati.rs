@@ -39,8 +39,10 @@ pub(crate) struct Gain {
 }
 
 impl Gain {
-    /// Of a cell at whose end x and V are given: those of the next cell, which it misses by `defect`.
-    fn meeting([dx, dv]: [f64; 2]) -> Self {
+    /// Of the cell `k`, at whose end x and V are given: those of the next cell.
+    fn meeting(lengths: &[f64], states: &[CellState], k: usize) -> Self {
+        let [dx, dv] = defect(lengths, states, k);
+        let dv = dv * lengths[k] / lengths[k + 1];
         // The cubic that meets both ends.
         Self { w0: [6.0, 4.0, 6.0 * dx - 2.0 * dv], w1: [-6.0, -2.0, 0.0, 4.0 * dv - 6.0 * dx] }
     }
@@ -87,10 +89,8 @@ pub(crate) fn solve<S: Simd>(
     let (mut p, mut pg) = ([0.0_f64; 3], [0.0_f64; 2]);
     for k in stages.clone().rev() {
         if k + 1 == stages.end && k + 1 < n {
-            let [dx, dv] = defect(lengths, states, k);
-            let gain = Gain::meeting([dx, dv * lengths[k] / lengths[k + 1]]);
-            (p, pg) = gain.cost(&quadratics[k]);
-            gains[k] = gain;
+            gains[k] = Gain::meeting(lengths, states, k);
+            (p, pg) = gains[k].cost(&quadratics[k]);
             continue;
         }
         let Quadratic { h: mut m, mut g } = quadratics[k];

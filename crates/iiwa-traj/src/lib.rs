@@ -27,7 +27,6 @@
     clippy::inline_always,
     reason = "kernels belong into the function that enables vector instructions"
 )]
-#![expect(clippy::needless_range_loop, reason = "rows of eight numbers are indexed together")]
 
 mod batch;
 mod figures;

@@ -551,8 +551,13 @@ mod tests {
 
         let mut scratch = Scratch::take(100);
         let mut section = Section { pieces: Vec::new(), nodes: Vec::new(), ..widest.clone() };
-        let moves =
-            Moves { path: &path, scratch: &mut scratch, steps: 0..7, section: &mut section };
+        let moves = Moves {
+            path: &path,
+            scratch: &mut scratch,
+            stop: &AtomicBool::new(false),
+            steps: 0..7,
+            section: &mut section,
+        };
         pulp::WithSimd::with_simd(moves, pulp::Scalar::new()).unwrap();
         assert_eq!(widest.nodes.len(), section.nodes.len());
         for (a, b) in widest.nodes.iter().zip(&section.nodes) {

@@ -22,7 +22,7 @@
 //! |---|---|---|
 //! | none | [`kin`] | robot models, forward kinematics, Jacobian |
 //! | `profile`, `urdf` (default) | in [`kin`] | robot profiles in JSON; robots as URDF |
-//! | `plan` (default) | `json`, `path`, `traj` | motion programs, paths, time-optimal trajectories |
+//! | `plan` (default) | `json`, `path`, `solver`, `traj` | motion programs, paths, time-optimal trajectories |
 //! | `scene` | `scene` | obstacles and clearances |
 //! | `log` | `log` | trajectories and recordings as MCAP files |
 //! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
@@ -54,6 +54,8 @@ pub use iiwa_log as log;
 pub use iiwa_path as path;
 #[cfg(feature = "scene")]
 pub use iiwa_scene as scene;
+#[cfg(feature = "plan")]
+pub use iiwa_solver as solver;
 #[cfg(feature = "plan")]
 pub use iiwa_traj as traj;
 
