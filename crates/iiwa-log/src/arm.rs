@@ -1,10 +1,10 @@
 //! The arm in a recording: its description, and where its links and its flange are.
 
 use std::collections::BTreeMap;
-use std::io::{Seek, Write};
+use std::io::Write;
 use std::time::Duration;
 
-use iiwa_kin::{DhRow, Joints, Robot};
+use iiwa_kin::{Joints, Robot};
 
 use crate::recorded_robot::PROFILE;
 use crate::{Frame, WriteError, Writer};
@@ -27,15 +27,29 @@ pub const LINK_NAMES: [&str; 9] = [
 #[derive(Clone, Debug)]
 pub struct Arm {
     robot: Robot,
-    dh: [DhRow; 7],
+    links: [FixedPart; 8],
     urdf: String,
+}
+
+/// What of a link's frame does not change: the shift along the axis before it, and sine and cosine of half
+/// the twist.
+#[derive(Clone, Copy, Debug)]
+struct FixedPart {
+    d_m: f64,
+    half_twist: (f64, f64),
 }
 
 impl Arm {
     /// What messages about `robot` need.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
-        Self { robot: robot.clone(), dh: robot.dh(), urdf: robot.to_urdf() }
+        let dh = robot.dh();
+        let links = std::array::from_fn(|link| {
+            let before = link.checked_sub(1).map(|before| dh[before]);
+            let (d_m, alpha) = before.map_or((0.0, 0.0), |row| (row.d_m, row.alpha_rad));
+            FixedPart { d_m, half_twist: (0.5 * alpha).sin_cos() }
+        });
+        Self { robot: robot.clone(), links, urdf: robot.to_urdf() }
     }
 
     /// The robot's description, for `/robot_description`.
@@ -49,12 +63,8 @@ impl Arm {
     #[must_use]
     pub fn links(&self, joints_rad: &Joints) -> [Frame<'static>; 8] {
         std::array::from_fn(|link| {
-            let (d_m, alpha) = match link.checked_sub(1) {
-                Some(before) => (self.dh[before].d_m, self.dh[before].alpha_rad),
-                None => (0.0, 0.0),
-            };
-            let theta = joints_rad.get(link).copied().unwrap_or(0.0);
-            let ((sa, ca), (st, ct)) = ((0.5 * alpha).sin_cos(), (0.5 * theta).sin_cos());
+            let FixedPart { d_m, half_twist: (sa, ca) } = self.links[link];
+            let (st, ct) = joints_rad.get(link).map_or((0.0, 1.0), |theta| (0.5 * theta).sin_cos());
             Frame {
                 parent: LINK_NAMES[link],
                 child: LINK_NAMES[link + 1],
@@ -77,15 +87,12 @@ impl Arm {
     }
 
     /// Writes `/robot_description`, at the epoch.
-    pub(crate) fn description<W: Write + Seek>(
-        &self,
-        writer: &mut Writer<W>,
-    ) -> Result<(), WriteError> {
+    pub(crate) fn description<W: Write>(&self, writer: &mut Writer<W>) -> Result<(), WriteError> {
         writer.robot_description(Duration::ZERO, &self.urdf)
     }
 
     /// Writes `/tf` and `/tcp_pose` for these joints.
-    pub(crate) fn poses<W: Write + Seek>(
+    pub(crate) fn poses<W: Write>(
         &self,
         writer: &mut Writer<W>,
         t: Duration,
@@ -98,7 +105,7 @@ impl Arm {
 
     /// Writes the `attachments` (name, media type, content), the robot's profile and URDF, and the
     /// `metadata` record `iiwasim`, and completes the file.
-    pub(crate) fn finish<W: Write + Seek>(
+    pub(crate) fn finish<W: Write>(
         &self,
         mut writer: Writer<W>,
         metadata: &BTreeMap<String, String>,

@@ -1,14 +1,16 @@
 //! Messages as bytes.
 
 use std::borrow::Cow;
+use std::iter;
 use std::time::Duration;
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use crate::error::WriteError;
 use crate::ros::{
     Header, JointState, Joints, MotionMessage, Names, PoseStamped, Text, Time, TransformStamped,
 };
+use crate::template::{Template, Word, stamp_word};
 use crate::{Motion, Topic, cdr};
 
 /// The pose of one coordinate frame in another.
@@ -50,6 +52,11 @@ pub struct Frame<'a> {
 pub struct Encoder {
     epoch: Duration,
     buffer: Vec<u8>,
+    words: Vec<Word>,
+    /// Of the last messages on topics that are written again and again.
+    joint_state: Option<Template>,
+    transforms: Option<Template>,
+    tcp_pose: Option<Template>,
 }
 
 impl Encoder {
@@ -60,7 +67,14 @@ impl Encoder {
     /// [`WriteError::EpochOutOfRange`] for an epoch past 2038.
     pub fn new(epoch: Duration) -> Result<Self, WriteError> {
         Time::from_duration(epoch).ok_or(WriteError::EpochOutOfRange { epoch })?;
-        Ok(Self { epoch, buffer: Vec::new() })
+        Ok(Self {
+            epoch,
+            buffer: Vec::new(),
+            words: Vec::new(),
+            joint_state: None,
+            transforms: None,
+            tcp_pose: None,
+        })
     }
 
     /// Positions (rad) and velocities (rad/s) of the seven joints, for `/joint_states`.
@@ -75,14 +89,23 @@ impl Encoder {
         velocities: &[f64; 7],
     ) -> Result<&[u8], WriteError> {
         let topic = Topic::JointStates;
-        let message = JointState {
-            header: self.header(topic, t, "")?,
-            name: Names::Iiwa,
-            position: Joints::from(*positions),
-            velocity: Joints::from(*velocities),
-            effort: Joints::EMPTY,
-        };
-        self.encode(topic, &message)
+        let stamp = self.stamp(topic, t)?;
+        let template =
+            up_to_date(&mut self.joint_state, topic, iter::empty, |buffer, stamp, value| {
+                let message = JointState {
+                    header: Header { stamp, frame_id: "".into() },
+                    name: Names::Iiwa,
+                    position: Joints::from([value; 7]),
+                    velocity: Joints::from([value; 7]),
+                    effort: Joints::EMPTY,
+                };
+                cdr::encode(buffer, &message)
+            })?;
+        self.words.clear();
+        self.words.push(stamp_word(stamp));
+        self.words.extend(positions.map(f64::to_le_bytes));
+        self.words.extend(velocities.map(f64::to_le_bytes));
+        Ok(template.fill(&self.words))
     }
 
     /// The poses of all `frames` in one message, for `/tf`.
@@ -92,8 +115,27 @@ impl Encoder {
     /// As [`joint_state`](Self::joint_state).
     pub fn transforms(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<&[u8], WriteError> {
         let topic = Topic::Tf;
-        let message = Transforms { stamp: self.stamp(topic, t)?, frames };
-        self.encode(topic, &message)
+        let stamp = self.stamp(topic, t)?;
+        let names = || frames.iter().flat_map(|frame| [frame.parent, frame.child]);
+        let template = up_to_date(&mut self.transforms, topic, names, |buffer, stamp, value| {
+            let message: Vec<_> = frames
+                .iter()
+                .map(|frame| TransformStamped {
+                    header: Header { stamp, frame_id: frame.parent.into() },
+                    child_frame_id: frame.child.into(),
+                    translation: [value; 3],
+                    rotation: [value; 4],
+                })
+                .collect();
+            cdr::encode(buffer, &message)
+        })?;
+        self.words.clear();
+        for frame in frames {
+            self.words.push(stamp_word(stamp));
+            self.words.extend(frame.translation_m.map(f64::to_le_bytes));
+            self.words.extend(frame.rotation_xyzw.map(f64::to_le_bytes));
+        }
+        Ok(template.fill(&self.words))
     }
 
     /// The pose of the flange in `frame_id`, for `/tcp_pose`: position in m, rotation as a unit
@@ -110,9 +152,22 @@ impl Encoder {
         rotation_xyzw: [f64; 4],
     ) -> Result<&[u8], WriteError> {
         let topic = Topic::TcpPose;
-        let header = self.header(topic, t, frame_id)?;
-        let message = PoseStamped { header, position: position_m, orientation: rotation_xyzw };
-        self.encode(topic, &message)
+        let stamp = self.stamp(topic, t)?;
+        let template = up_to_date(
+            &mut self.tcp_pose,
+            topic,
+            || iter::once(frame_id),
+            |buffer, stamp, value| {
+                let header = Header { stamp, frame_id: frame_id.into() };
+                let message = PoseStamped { header, position: [value; 3], orientation: [value; 4] };
+                cdr::encode(buffer, &message)
+            },
+        )?;
+        self.words.clear();
+        self.words.push(stamp_word(stamp));
+        self.words.extend(position_m.map(f64::to_le_bytes));
+        self.words.extend(rotation_xyzw.map(f64::to_le_bytes));
+        Ok(template.fill(&self.words))
     }
 
     /// The robot's URDF, for `/robot_description`, which has no stamp.
@@ -171,21 +226,21 @@ impl Encoder {
     }
 }
 
-/// `tf2_msgs/msg/TFMessage`, made of borrowed frames.
-struct Transforms<'a> {
-    stamp: Time,
-    frames: &'a [Frame<'a>],
-}
-
-impl Serialize for Transforms<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(self.frames.iter().map(|frame| TransformStamped {
-            header: Header { stamp: self.stamp, frame_id: frame.parent.into() },
-            child_frame_id: frame.child.into(),
-            translation: frame.translation_m,
-            rotation: frame.rotation_xyzw,
-        }))
-    }
+/// The template of messages with these names: the last one, or else a new one.
+fn up_to_date<'a, 'n, N: Iterator<Item = &'n str>>(
+    template: &'a mut Option<Template>,
+    topic: Topic,
+    names: impl Fn() -> N,
+    encode: impl Fn(&mut Vec<u8>, Time, f64) -> Result<(), cdr_encoding::Error>,
+) -> Result<&'a mut Template, WriteError> {
+    let last = template.take().filter(|last| last.has(names()));
+    let next = match last {
+        Some(last) => last,
+        None => {
+            Template::new(names(), encode).map_err(|source| WriteError::Encode { topic, source })?
+        }
+    };
+    Ok(template.insert(next))
 }
 
 #[cfg(test)]
@@ -205,6 +260,62 @@ mod tests {
         assert_eq!(decoded.header.stamp, Time { sec: 8, nanosec: 500_000_000 });
         assert_eq!(decoded.position, Joints::from([0.5; 7]));
         assert_eq!(decoded.velocity, Joints::from([0.25; 7]));
+    }
+
+    #[test]
+    fn every_message_is_what_a_serializer_makes_of_it() {
+        let mut encoder = Encoder::new(Duration::from_secs(7)).unwrap();
+        let stamp = |t: Duration| Time::from_duration(Duration::from_secs(7) + t).unwrap();
+        let value = |k: usize| 0.1 + k as f64;
+        let shifted = |t: Duration, k: usize| value(k) + t.as_secs_f64();
+        // Others between, so that nothing is left of a message before.
+        let chains: [&[&str]; 4] =
+            [&["a", "bc", "def"], &["world", "a"], &["a", "bc", "def"], &["a"]];
+        for (tick, chain) in chains.into_iter().enumerate() {
+            let t = Duration::from_millis(1234 * tick as u64);
+            let numbers: [f64; 7] = std::array::from_fn(|k| shifted(t, k));
+            let (position, rotation) = ([numbers[0]; 3], [numbers[1], -0.0, numbers[3], f64::MIN]);
+            let header = |frame_id| Header { stamp: stamp(t), frame_id: Cow::Borrowed(frame_id) };
+            let links = || chain.windows(2).enumerate();
+
+            let frames: Vec<_> = links()
+                .map(|(k, pair)| Frame {
+                    parent: pair[0],
+                    child: pair[1],
+                    translation_m: [shifted(t, k); 3],
+                    rotation_xyzw: rotation,
+                })
+                .collect();
+            let transforms: Vec<_> = links()
+                .map(|(k, pair)| TransformStamped {
+                    header: header(pair[0]),
+                    child_frame_id: pair[1].into(),
+                    translation: [shifted(t, k); 3],
+                    rotation,
+                })
+                .collect();
+            assert_eq!(encoder.transforms(t, &frames).unwrap(), encoded(&transforms));
+
+            let pose = PoseStamped { header: header(chain[0]), position, orientation: rotation };
+            let message = encoder.tcp_pose(t, chain[0], position, rotation).unwrap();
+            assert_eq!(message, encoded(&pose));
+
+            let state = JointState {
+                header: header(""),
+                name: Names::Iiwa,
+                position: numbers.into(),
+                velocity: [-numbers[0]; 7].into(),
+                effort: Joints::EMPTY,
+            };
+            let message = encoder.joint_state(t, &numbers, &[-numbers[0]; 7]).unwrap();
+            assert_eq!(message, encoded(&state));
+        }
+    }
+
+    fn encoded(message: &impl Serialize) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        cdr::encode(&mut bytes, message).unwrap();
+        bytes
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Recordings of a KUKA LBR iiwa as MCAP files that ROS 2 tools and viewers open.
 //!
 //! A [`Writer`] takes joint states, transforms, poses, motions and a trajectory by the time since
-//! the start of the motion and writes them, compressed, into anything that is [`Write`] and
-//! [`Seek`]. A [`Recorder`] writes what the robot did, as it happens, into a file that is whole at every
+//! the start of the motion and writes them, compressed, into anything that is [`Write`].
+//! A [`Recorder`] writes what the robot did, as it happens, into a file that is whole at every
 //! moment. [`Recording`] reads such a file back, and [`Reader`] does it entry by entry. [`Planning`] plans
 //! a program, a [`PlanWriter`] writes the plan, and a [`PlanRecord`] is what is read back. The topics and their types are those of [`Topic`]. For messages
 //! that go elsewhere than into a file, an [`Encoder`] gives their bytes, and an [`Arm`] what they say.
@@ -36,11 +36,12 @@
 //! ```
 //!
 //! [`Write`]: std::io::Write
-//! [`Seek`]: std::io::Seek
 
 mod arm;
-mod buffer;
 mod cdr;
+mod chunk;
+mod compression;
+mod container;
 mod encoder;
 mod entry;
 mod error;
@@ -52,18 +53,21 @@ mod plan_record;
 mod plan_size;
 mod planning;
 mod reader;
+mod record;
 mod recorded_robot;
 mod recorder;
 mod recording;
 mod ros;
 mod storage;
 mod tail;
+mod template;
 mod topic;
 mod trajectory;
 mod whole_file;
 mod writer;
 
 pub use arm::{Arm, LINK_NAMES};
+pub use compression::Compression;
 pub use encoder::{Encoder, Frame};
 pub use entry::{Attachment, Entry, JointSample, Motion, MotionSample, PoseSample};
 pub use error::{ReadError, WriteError};

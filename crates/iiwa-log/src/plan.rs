@@ -1,14 +1,17 @@
 //! Writing a planned trajectory, section by section.
 
 use std::borrow::Cow;
-use std::io::{Seek, Write};
+use std::io::Write;
 use std::time::Duration;
 
 use iiwa_kin::Robot;
 use iiwa_traj::{Section, State};
 
 use crate::arm::Arm;
-use crate::{Config, Motion, PlanFigures, TrajectoryMessage, TrajectoryPoint, WriteError, Writer};
+use crate::{
+    Compression, Config, Motion, PlanFigures, TrajectoryMessage, TrajectoryPoint, WriteError,
+    Writer,
+};
 
 /// How a plan is written.
 #[derive(Clone, Debug)]
@@ -20,9 +23,10 @@ pub struct PlanConfig {
 }
 
 impl Default for PlanConfig {
-    /// 250 joint states a second.
+    /// 250 joint states a second and [`Compression::Fast`].
     fn default() -> Self {
-        Self { rate_hz: 250.0, file: Config::default() }
+        let file = Config { compression: Compression::Fast, ..Config::default() };
+        Self { rate_hz: 250.0, file }
     }
 }
 
@@ -33,7 +37,7 @@ impl Default for PlanConfig {
 /// some twenty megabytes, it goes on in another message, stamped with its own start and beginning
 /// with the last point of the one before.
 #[derive(Debug)]
-pub struct PlanWriter<W: Write + Seek> {
+pub struct PlanWriter<W: Write> {
     writer: Writer<W>,
     arm: Arm,
     rate_hz: f64,
@@ -47,7 +51,7 @@ pub struct PlanWriter<W: Write + Seek> {
 /// Points of a trajectory in one message.
 const POINTS: usize = 100_000;
 
-impl<W: Write + Seek> PlanWriter<W> {
+impl<W: Write> PlanWriter<W> {
     /// Begins a file for `robot` in an empty stream.
     ///
     /// # Errors

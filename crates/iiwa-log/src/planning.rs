@@ -1,7 +1,7 @@
 //! Planning a program, with its figures and the size of its file.
 
 use std::{
-    io::{Seek, Write},
+    io::Write,
     sync::{Arc, atomic::AtomicBool},
 };
 
@@ -120,7 +120,7 @@ impl Iterator for Planning {
 /// # Errors
 ///
 /// Any [`WriteError`].
-pub fn write_plan<W: Write + Seek>(
+pub fn write_plan<W: Write>(
     stream: W,
     trajectory: &Trajectory,
     options: &PlanOptions,

@@ -6,7 +6,6 @@ use std::time::Duration;
 use iiwa_kin::{Joints, Robot};
 
 use crate::arm::Arm;
-use crate::buffer::Buffer;
 use crate::storage::Storage;
 use crate::tail::Index;
 use crate::whole_file::{WholeFile, header_is_torn};
@@ -32,6 +31,9 @@ impl Default for RecorderConfig {
     }
 }
 
+/// The checksum of a data section that is not complete: none.
+const NO_CRC: u32 = 0;
+
 /// Writes joint positions into an MCAP file as they come in, for hours and up to 1 kHz.
 ///
 /// The file is whole and indexed at every moment: a program that is killed loses at most the last
@@ -53,9 +55,9 @@ impl Default for RecorderConfig {
 /// The same calls give the same bytes. The end of a period goes by the stamps, never by the clock:
 /// a caller whose samples stop coming calls [`flush`](Self::flush).
 pub struct Recorder<S: Storage> {
-    writer: Writer<Buffer>,
-    /// What `writer` has written and `file` does not have yet.
-    buffer: Buffer,
+    /// Its stream is what `file` does not have yet.
+    writer: Writer<Vec<u8>>,
+    /// What the file's summary says.
     index: Index,
     file: WholeFile<S>,
     arm: Arm,
@@ -99,18 +101,15 @@ impl<S: Storage> Recorder<S> {
     ///
     /// Any [`WriteError`].
     pub fn new(storage: S, robot: &Robot, config: RecorderConfig) -> Result<Self, WriteError> {
-        let buffer = Buffer::default();
-        let mut writer = Writer::new(buffer.clone(), config.file.clone())?;
+        let mut writer = Writer::new(Vec::new(), config.file.clone())?;
         let arm = Arm::new(robot);
         arm.description(&mut writer)?;
-        let mut index = Index::default();
-        end_chunk(&mut writer, &buffer)?;
-        let data = buffer.empty();
-        index.take(0, &data)?;
-        let file = WholeFile::new(storage, &data, &index.tail(data.len() as u64)?)?;
+        end_chunk(&mut writer)?;
+        let data = std::mem::take(writer.stream_mut());
+        let index = writer.index().clone();
+        let file = WholeFile::new(storage, &data, &index.tail(data.len() as u64, NO_CRC)?)?;
         Ok(Self {
             writer,
-            buffer,
             index,
             file,
             arm,
@@ -187,9 +186,8 @@ impl<S: Storage> Recorder<S> {
                 Err(error) => return Err(error),
             }
         }
-        let buffer = self.arm.finish(self.writer, metadata, attachments)?;
-        let new = buffer.empty();
-        self.file.grow(|at| self.index.tail(at), &new, new.len())?;
+        let new = self.arm.finish(self.writer, metadata, attachments)?;
+        self.file.grow(|at| self.index.tail(at, NO_CRC), &new, new.len())?;
         Ok(self.file.into_inner())
     }
 
@@ -215,26 +213,23 @@ impl<S: Storage> Recorder<S> {
 
     /// Brings the file up to date with what is written.
     fn save(&mut self) -> Result<(), WriteError> {
-        end_chunk(&mut self.writer, &self.buffer)?;
-        let mut new = self.buffer.empty();
+        end_chunk(&mut self.writer)?;
+        let mut new = std::mem::take(self.writer.stream_mut());
         let data_bytes = new.len();
         if data_bytes == 0 {
             return Ok(());
         }
-        let data_end = self.file.data_end();
-        let mut index = self.index.clone();
-        index.take(data_end, &new)?;
-        new.extend(index.tail(data_end + data_bytes as u64)?);
-        self.file.grow(|at| self.index.tail(at), &new, data_bytes)?;
-        self.index = index;
+        new.extend(self.writer.index().tail(self.writer.offset(), NO_CRC)?);
+        self.file.grow(|at| self.index.tail(at, NO_CRC), &new, data_bytes)?;
+        self.index.clone_from(self.writer.index());
         Ok(())
     }
 }
 
 /// Ends the chunk, and the data section so that the header of the next record is in one page.
-fn end_chunk(writer: &mut Writer<Buffer>, buffer: &Buffer) -> Result<(), WriteError> {
+fn end_chunk(writer: &mut Writer<Vec<u8>>) -> Result<(), WriteError> {
     writer.end_chunk()?;
-    if header_is_torn(buffer.end()) {
+    if header_is_torn(writer.offset()) {
         writer.pad(&[0; 8])?;
     }
     Ok(())

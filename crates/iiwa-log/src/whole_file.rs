@@ -22,9 +22,9 @@ use std::io::{self, SeekFrom};
 
 use mcap::McapError;
 
+use crate::record::{PADDING, RECORD_HEADER_BYTES, record_header};
 use crate::storage::Storage;
-use crate::tail::{FOOTER_BYTES, FOOTER_CONTENT, FOOTER_CRC, RECORD_HEADER_BYTES, record_header};
-use crate::writer::PADDING;
+use crate::tail::{FOOTER_BYTES, FOOTER_CONTENT, FOOTER_CRC};
 
 /// What Linux writes as one, at least: a page of memory.
 pub(crate) const PAGE_BYTES: u64 = 4096;
@@ -52,11 +52,6 @@ impl<S: Storage> WholeFile<S> {
         storage.flush()?;
         let data_end = data.len() as u64;
         Ok(Self { storage, data_end, end: data_end + tail.len() as u64, failed: false })
-    }
-
-    /// Where the data section ends.
-    pub(crate) fn data_end(&self) -> u64 {
-        self.data_end
     }
 
     pub(crate) fn into_inner(self) -> S {

@@ -1,35 +1,22 @@
 //! Writing a recording.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::{Seek, Write};
+use std::io::Write;
 use std::time::Duration;
 
-use mcap::records::MessageHeader;
+use mcap::records::AttachmentHeader;
 
+use crate::container::Container;
 use crate::error::WriteError;
 use crate::ros::Time;
-use crate::{Encoder, Frame, Motion, Topic, TrajectoryMessage};
+use crate::tail::Index;
+use crate::{Compression, Encoder, Frame, Motion, Topic, TrajectoryMessage};
 
 /// 2020-01-01T00:00:00Z as the time since 1970-01-01T00:00:00Z (Unix time 1 577 836 800 s).
 ///
 /// A fixed instant, so that the same program gives the same bytes, and late enough for viewers
 /// that take early stamps for durations.
 pub const DEFAULT_EPOCH: Duration = Duration::from_secs(1_577_836_800);
-
-/// Bytes of a chunk before compression. The writer holds a chunk's index, never its messages.
-const CHUNK_BYTES: u64 = 1024 * 1024;
-
-/// The fastest of the levels that zstd counts upwards; joint values hardly compress further.
-const ZSTD_LEVEL: u32 = 1;
-
-/// The first of the record types that MCAP leaves to its users, and readers pass over.
-pub(crate) const PADDING: u8 = 0x80;
-
-/// What a channel says beside its topic and its type.
-pub(crate) fn channel_metadata(topic: Topic) -> BTreeMap<String, String> {
-    BTreeMap::from([("offered_qos_profiles".to_owned(), topic.offered_qos_profiles().to_owned())])
-}
 
 /// What a recording is written with.
 #[derive(Clone, Debug)]
@@ -38,14 +25,17 @@ pub struct Config {
     pub epoch: Duration,
     /// The name of the writing program, as it stands in the file's header.
     pub library: String,
+    /// How it is compressed.
+    pub compression: Compression,
 }
 
 impl Default for Config {
-    /// [`DEFAULT_EPOCH`] and this crate's name and version.
+    /// [`DEFAULT_EPOCH`], this crate's name and version, and [`Compression::Small`].
     fn default() -> Self {
         Self {
             epoch: DEFAULT_EPOCH,
             library: concat!(env!("CARGO_PKG_NAME"), "/", env!("CARGO_PKG_VERSION")).to_owned(),
+            compression: Compression::default(),
         }
     }
 }
@@ -58,18 +48,19 @@ impl Default for Config {
 /// they come in the order of time.
 ///
 /// Memory stays at a few megabytes: what grows with the length is an index entry of some 200
-/// bytes a chunk, that is for every megabyte of messages.
+/// bytes a chunk, that is for every megabyte of messages, or every quarter of one with
+/// [`Compression::Fast`].
 ///
 /// The bytes depend on the calls and on [`Config`] alone. Call [`finish`](Self::finish): a writer
-/// that is dropped ends the file as well, but errors are lost.
-pub struct Writer<W: Write + Seek> {
+/// that is dropped leaves a file that is cut off.
+pub struct Writer<W: Write> {
     encoder: Encoder,
     file: File<W>,
 }
 
 /// The container, apart from the encoder that lends it the bytes of a message.
-struct File<W: Write + Seek> {
-    mcap: mcap::Writer<W>,
+struct File<W: Write> {
+    container: Container<W>,
     epoch: Duration,
     epoch_ns: u64,
     channels: [Channel; Topic::ALL.len()],
@@ -83,7 +74,7 @@ struct Channel {
     last: Option<Duration>,
 }
 
-impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
+impl<W: Write> std::fmt::Debug for Writer<W> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Writer")
             .field("epoch", &self.file.epoch)
@@ -92,30 +83,21 @@ impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
     }
 }
 
-impl<W: Write + Seek> Writer<W> {
-    /// Begins a recording in an empty stream. Over old content the file would not come out right:
-    /// the container goes on at the end of the stream after every chunk.
+impl<W: Write> Writer<W> {
+    /// Begins a recording in an empty stream.
     ///
     /// # Errors
     ///
     /// [`WriteError::EpochOutOfRange`] for an epoch past 2038, [`WriteError::Mcap`] when the
     /// stream refuses.
     pub fn new(stream: W, config: Config) -> Result<Self, WriteError> {
-        let Config { epoch, library } = config;
+        let Config { epoch, library, compression } = config;
         let encoder = Encoder::new(epoch)?;
         let epoch_ns =
             u64::try_from(epoch.as_nanos()).map_err(|_| WriteError::EpochOutOfRange { epoch })?;
-        // The number of threads would otherwise follow the machine, and the bytes with it.
-        let mcap = mcap::WriteOptions::new()
-            .profile("ros2")
-            .library(library)
-            .compression(Some(mcap::Compression::Zstd))
-            .compression_level(ZSTD_LEVEL)
-            .compression_threads(0)
-            .chunk_size(Some(CHUNK_BYTES))
-            .create(stream)?;
+        let container = Container::new(stream, library, compression)?;
         let channels = [Channel::default(); Topic::ALL.len()];
-        Ok(Self { encoder, file: File { mcap, epoch, epoch_ns, channels } })
+        Ok(Self { encoder, file: File { container, epoch, epoch_ns, channels } })
     }
 
     /// Writes positions (rad) and velocities (rad/s) of the seven joints to `/joint_states`.
@@ -179,17 +161,7 @@ impl<W: Write + Seek> Writer<W> {
     ) -> Result<(), WriteError> {
         let topic = Topic::JointTrajectory;
         let stamp = self.stamp(topic, t)?;
-        let bytes = message.stamped(stamp);
-        // A reader unpacks a chunk as a whole: nothing else belongs into one with a giant.
-        let alone = bytes.len() as u64 > CHUNK_BYTES;
-        if alone {
-            self.end_chunk()?;
-        }
-        self.file.write(topic, t, &bytes)?;
-        if alone {
-            self.end_chunk()?;
-        }
-        Ok(())
+        self.file.write(topic, t, &message.stamped(stamp))
     }
 
     /// Writes the start of a piece of the path to `/motion`.
@@ -209,14 +181,13 @@ impl<W: Write + Seek> Writer<W> {
     ///
     /// [`WriteError::Mcap`].
     pub fn attach(&mut self, name: &str, media_type: &str, bytes: &[u8]) -> Result<(), WriteError> {
-        self.file.mcap.attach(&mcap::Attachment {
+        let header = AttachmentHeader {
             log_time: self.file.epoch_ns,
             create_time: self.file.epoch_ns,
             name: name.to_owned(),
             media_type: media_type.to_owned(),
-            data: Cow::Borrowed(bytes),
-        })?;
-        Ok(())
+        };
+        Ok(self.file.container.attach(header, bytes)?)
     }
 
     /// Writes a metadata record. Ends the current chunk, like [`attach`](Self::attach).
@@ -229,11 +200,7 @@ impl<W: Write + Seek> Writer<W> {
         name: &str,
         entries: &BTreeMap<String, String>,
     ) -> Result<(), WriteError> {
-        self.file.mcap.write_metadata(&mcap::records::Metadata {
-            name: name.to_owned(),
-            metadata: entries.clone(),
-        })?;
-        Ok(())
+        Ok(self.file.container.metadata(name, entries)?)
     }
 
     /// Writes the summary, flushes and gives the stream back.
@@ -241,20 +208,32 @@ impl<W: Write + Seek> Writer<W> {
     /// # Errors
     ///
     /// [`WriteError::Mcap`].
-    pub fn finish(mut self) -> Result<W, WriteError> {
-        self.file.mcap.finish()?;
-        Ok(self.file.mcap.into_inner())
+    pub fn finish(self) -> Result<W, WriteError> {
+        Ok(self.file.container.finish()?)
     }
 
     /// Ends the current chunk: all messages so far are in the stream then.
     pub(crate) fn end_chunk(&mut self) -> Result<(), WriteError> {
-        Ok(self.file.mcap.flush()?)
+        Ok(self.file.container.end_chunk()?)
     }
 
     /// Ends the current chunk and fills up with a record that readers pass over.
-    #[expect(clippy::default_trait_access, reason = "the type is of a crate that mcap keeps")]
     pub(crate) fn pad(&mut self, bytes: &[u8]) -> Result<(), WriteError> {
-        Ok(self.file.mcap.write_private_record(PADDING, bytes, Default::default())?)
+        Ok(self.file.container.pad(bytes)?)
+    }
+
+    /// How much of the file is written.
+    pub(crate) fn offset(&self) -> u64 {
+        self.file.container.offset()
+    }
+
+    /// What the summary would say now.
+    pub(crate) fn index(&self) -> &Index {
+        self.file.container.index()
+    }
+
+    pub(crate) fn stream_mut(&mut self) -> &mut W {
+        self.file.container.stream_mut()
     }
 
     /// The instant of `t` as a message carries it.
@@ -263,7 +242,7 @@ impl<W: Write + Seek> Writer<W> {
     }
 }
 
-impl<W: Write + Seek> File<W> {
+impl<W: Write> File<W> {
     fn write(&mut self, topic: Topic, t: Duration, bytes: &[u8]) -> Result<(), WriteError> {
         let epoch = self.epoch;
         let time = epoch
@@ -277,27 +256,12 @@ impl<W: Write + Seek> File<W> {
         if let Some(previous) = channel.last.filter(|last| t <= *last) {
             return Err(WriteError::NotIncreasing { topic, t, previous });
         }
-        let id = topic.id();
+        let chunk = self.container.chunk_for(bytes.len())?;
         if !channel.open {
-            let schema = topic.schema();
-            self.mcap.add_schema_with_id(
-                id,
-                topic.type_name(),
-                Topic::SCHEMA_ENCODING,
-                schema.as_bytes(),
-            )?;
-            let metadata = channel_metadata(topic);
-            self.mcap.add_channel_with_id(
-                id,
-                id,
-                topic.name(),
-                Topic::MESSAGE_ENCODING,
-                &metadata,
-            )?;
+            chunk.define(topic)?;
         }
         let sequence = channel.sequence;
-        let header = MessageHeader { channel_id: id, sequence, log_time: time, publish_time: time };
-        self.mcap.write_to_known_channel(&header, bytes)?;
+        chunk.message(topic, sequence, time, bytes);
         self.channels[place] =
             Channel { open: true, sequence: sequence.wrapping_add(1), last: Some(t) };
         Ok(())
