@@ -62,7 +62,7 @@ impl Output {
     /// A stream for the content.
     pub(crate) fn stream(&self) -> Result<BufWriter<Stream>, Failure> {
         let file = self.file.as_file().try_clone().map_err(|error| self.failure(&error))?;
-        Ok(BufWriter::with_capacity(1 << 16, Stream(file)))
+        Ok(BufWriter::new(Stream(file)))
     }
 
     /// Writes all of it.

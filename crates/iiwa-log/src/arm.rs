@@ -98,7 +98,7 @@ impl Arm {
         t: Duration,
         joints_rad: &Joints,
     ) -> Result<(), WriteError> {
-        writer.transforms(t, &self.links(joints_rad))?;
+        writer.chain(t, &self.links(joints_rad))?;
         let Frame { parent, translation_m, rotation_xyzw, .. } = self.flange(joints_rad);
         writer.tcp_pose(t, parent, translation_m, rotation_xyzw)
     }

@@ -33,7 +33,7 @@ impl Compression {
     /// processor's cache; with more, the index is shorter.
     pub(crate) fn chunk_bytes(self) -> usize {
         match self {
-            Self::Fast => 256 * 1024,
+            Self::Fast => 128 * 1024,
             Self::Small => 1024 * 1024,
         }
     }

@@ -56,6 +56,7 @@ pub struct Encoder {
     /// Of the last messages on topics that are written again and again.
     joint_state: Option<Template>,
     transforms: Option<Template>,
+    chain: Option<Template>,
     tcp_pose: Option<Template>,
 }
 
@@ -73,6 +74,7 @@ impl Encoder {
             words: Vec::new(),
             joint_state: None,
             transforms: None,
+            chain: None,
             tcp_pose: None,
         })
     }
@@ -118,24 +120,19 @@ impl Encoder {
         let stamp = self.stamp(topic, t)?;
         let names = || frames.iter().flat_map(|frame| [frame.parent, frame.child]);
         let template = up_to_date(&mut self.transforms, topic, names, |buffer, stamp, value| {
-            let message: Vec<_> = frames
-                .iter()
-                .map(|frame| TransformStamped {
-                    header: Header { stamp, frame_id: frame.parent.into() },
-                    child_frame_id: frame.child.into(),
-                    translation: [value; 3],
-                    rotation: [value; 4],
-                })
-                .collect();
-            cdr::encode(buffer, &message)
+            encode_transforms(buffer, stamp, frames, value)
         })?;
-        self.words.clear();
-        for frame in frames {
-            self.words.push(stamp_word(stamp));
-            self.words.extend(frame.translation_m.map(f64::to_le_bytes));
-            self.words.extend(frame.rotation_xyzw.map(f64::to_le_bytes));
-        }
-        Ok(template.fill(&self.words))
+        Ok(template.fill(transform_words(&mut self.words, stamp, frames)))
+    }
+
+    /// The same for frames that have the names of the first call: nobody compares them.
+    pub(crate) fn chain(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<&[u8], WriteError> {
+        let topic = Topic::Tf;
+        let stamp = self.stamp(topic, t)?;
+        let template = up_to_date(&mut self.chain, topic, iter::empty, |buffer, stamp, value| {
+            encode_transforms(buffer, stamp, frames, value)
+        })?;
+        Ok(template.fill(transform_words(&mut self.words, stamp, frames)))
     }
 
     /// The pose of the flange in `frame_id`, for `/tcp_pose`: position in m, rotation as a unit
@@ -226,6 +223,33 @@ impl Encoder {
     }
 }
 
+/// `tf2_msgs/msg/TFMessage` with one stamp and one double in all places.
+fn encode_transforms(
+    buffer: &mut Vec<u8>,
+    stamp: Time,
+    frames: &[Frame<'_>],
+    value: f64,
+) -> Result<(), cdr_encoding::Error> {
+    let transform = |frame: &Frame<'_>| TransformStamped {
+        header: Header { stamp, frame_id: frame.parent.to_owned().into() },
+        child_frame_id: frame.child.to_owned().into(),
+        translation: [value; 3],
+        rotation: [value; 4],
+    };
+    cdr::encode(buffer, &frames.iter().map(transform).collect::<Vec<_>>())
+}
+
+/// The stamps and doubles of such a message.
+fn transform_words<'a>(words: &'a mut Vec<Word>, stamp: Time, frames: &[Frame<'_>]) -> &'a [Word] {
+    words.clear();
+    for frame in frames {
+        words.push(stamp_word(stamp));
+        words.extend(frame.translation_m.map(f64::to_le_bytes));
+        words.extend(frame.rotation_xyzw.map(f64::to_le_bytes));
+    }
+    words
+}
+
 /// The template of messages with these names: the last one, or else a new one.
 fn up_to_date<'a, 'n, N: Iterator<Item = &'n str>>(
     template: &'a mut Option<Template>,
@@ -295,6 +319,9 @@ mod tests {
                 })
                 .collect();
             assert_eq!(encoder.transforms(t, &frames).unwrap(), encoded(&transforms));
+            if chain == chains[0] {
+                assert_eq!(encoder.chain(t, &frames).unwrap(), encoded(&transforms));
+            }
 
             let pose = PoseStamped { header: header(chain[0]), position, orientation: rotation };
             let message = encoder.tcp_pose(t, chain[0], position, rotation).unwrap();

@@ -1,9 +1,11 @@
 //! A trajectory message that grows point by point.
 
+use std::iter::{self, zip};
 use std::time::Duration;
 
 use crate::error::WriteError;
 use crate::ros::{Header, JointTrajectory, JointTrajectoryPoint, Joints, Names, Time};
+use crate::template::{Template, stamp_word};
 use crate::{Topic, cdr};
 
 /// One node of a trajectory.
@@ -25,6 +27,8 @@ pub struct TrajectoryPoint {
 #[derive(Clone, Debug)]
 pub struct TrajectoryMessage {
     bytes: Vec<u8>,
+    /// A point, with the word before it.
+    point: Template,
     count_at: usize,
     count: u32,
     last: Option<Duration>,
@@ -47,7 +51,21 @@ impl TrajectoryMessage {
             .map_err(|source| WriteError::Encode { topic: Topic::JointTrajectory, source })?;
         // The number of points is the last field so far.
         let count_at = bytes.len() - 4;
-        Ok(Self { bytes, count_at, count: 0, last: None })
+        // Doubles are aligned to 8 in the whole message, and a point begins 4 past a multiple of 8. So the
+        // word before it (the count, or nanoseconds) is encoded with it.
+        debug_assert_eq!((count_at - cdr::ENCAPSULATION.len()) % 8, 0);
+        let point = Template::new(iter::empty(), |buffer, time_from_start, value| {
+            let point = JointTrajectoryPoint {
+                positions: Joints::from([value; 7]),
+                velocities: Joints::from([value; 7]),
+                accelerations: Joints::from([value; 7]),
+                effort: Joints::EMPTY,
+                time_from_start,
+            };
+            cdr::append(buffer, &(0_u32, point))
+        })
+        .map_err(|source| WriteError::Encode { topic: Topic::JointTrajectory, source })?;
+        Ok(Self { bytes, point, count_at, count: 0, last: None })
     }
 
     /// A trajectory of all `points`.
@@ -90,23 +108,12 @@ impl TrajectoryMessage {
             epoch: Duration::ZERO,
         })?;
         let count = self.count.checked_add(1).ok_or(WriteError::TooManyPoints)?;
-        let encoded = JointTrajectoryPoint {
-            positions: point.positions.into(),
-            velocities: point.velocities.into(),
-            accelerations: point.accelerations.into(),
-            effort: Joints::EMPTY,
-            time_from_start,
-        };
-
-        // Doubles are aligned to 8 in the whole message, and a point begins 4 past a multiple of
-        // 8. So the word before it (the count, or nanoseconds) is encoded once more with it.
-        let word_at = self.bytes.len() - 4;
-        debug_assert_eq!((word_at - cdr::ENCAPSULATION.len()) % 8, 0);
-        let mut word = [0; 4];
-        word.copy_from_slice(&self.bytes[word_at..]);
-        self.bytes.truncate(word_at);
-        cdr::append(&mut self.bytes, &(u32::from_le_bytes(word), encoded))
-            .map_err(|source| WriteError::Encode { topic, source })?;
+        let mut words = [stamp_word(time_from_start); 3 * 7 + 1];
+        let numbers = [point.positions, point.velocities, point.accelerations];
+        for (word, number) in zip(&mut words, numbers.as_flattened()) {
+            *word = number.to_le_bytes();
+        }
+        self.bytes.extend_from_slice(&self.point.fill(&words)[4..]);
 
         self.count = count;
         self.last = Some(t);

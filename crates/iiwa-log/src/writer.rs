@@ -123,6 +123,11 @@ impl<W: Write> Writer<W> {
         self.file.write(Topic::Tf, t, self.encoder.transforms(t, frames)?)
     }
 
+    /// The same for frames that have the names of the first call.
+    pub(crate) fn chain(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<(), WriteError> {
+        self.file.write(Topic::Tf, t, self.encoder.chain(t, frames)?)
+    }
+
     /// Writes the pose of the flange in `frame_id` to `/tcp_pose`: position in m, rotation as a
     /// unit quaternion x, y, z, w.
     ///
