@@ -8,7 +8,7 @@ use mcap::records::{ChunkHeader, ChunkIndex, MessageHeader, MessageIndex, Messag
 use crate::Topic;
 use crate::compression::{Compression, Compressor};
 use crate::record::{
-    MESSAGE_HEADER_BYTES, RECORD_HEADER_BYTES, append, put_channel, put_message, put_record,
+    MESSAGE_HEADER_BYTES, RECORD_HEADER_BYTES, append, message_header, put_channel, put_record,
     put_schema, record_header,
 };
 
@@ -37,15 +37,14 @@ pub(crate) struct FinishedChunk<'a> {
     pub(crate) counts: [u64; Topic::ALL.len()],
 }
 
-impl Default for Chunk {
-    fn default() -> Self {
+impl Chunk {
+    /// An empty one, with room for so many bytes.
+    pub(crate) fn with_capacity(bytes: usize) -> Self {
         let indexes =
             Topic::ALL.map(|topic| MessageIndex { channel_id: topic.id(), records: Vec::new() });
-        Self { bytes: Vec::new(), indexes, bounds: None, written: Vec::new() }
+        Self { bytes: Vec::with_capacity(bytes), indexes, bounds: None, written: Vec::new() }
     }
-}
 
-impl Chunk {
     pub(crate) fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
@@ -62,13 +61,36 @@ impl Chunk {
     }
 
     pub(crate) fn message(&mut self, topic: Topic, sequence: u32, time: u64, data: &[u8]) {
+        self.header(topic, sequence, time, data.len());
+        self.bytes.extend_from_slice(data);
+    }
+
+    /// The same for a message that may be a giant, whose memory it takes over.
+    pub(crate) fn long_message(
+        &mut self,
+        topic: Topic,
+        sequence: u32,
+        time: u64,
+        mut data: Vec<u8>,
+    ) {
+        self.header(topic, sequence, time, data.len());
+        if data.len() > self.bytes.len() {
+            data.splice(..0, self.bytes.drain(..));
+            self.bytes = data;
+        } else {
+            self.bytes.extend(data);
+        }
+    }
+
+    /// All of a message but its data.
+    fn header(&mut self, topic: Topic, sequence: u32, time: u64, data_bytes: usize) {
         let entry = MessageIndexEntry { log_time: time, offset: self.bytes.len() as u64 };
         self.indexes[topic as usize].records.push(entry);
         let (first, last) = self.bounds.unwrap_or((time, time));
         self.bounds = Some((first.min(time), last.max(time)));
         let channel_id = topic.id();
         let header = MessageHeader { channel_id, sequence, log_time: time, publish_time: time };
-        put_message(&mut self.bytes, &header, data);
+        self.bytes.extend_from_slice(&message_header(&header, data_bytes));
     }
 
     /// The chunk as it stands at `offset` in the file; afterwards there is none.

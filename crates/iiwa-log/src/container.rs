@@ -37,7 +37,7 @@ impl<W: Write> Container<W> {
         sink.write(&start)?;
         Ok(Self {
             sink,
-            chunk: Chunk::default(),
+            chunk: Chunk::with_capacity(compression.chunk_bytes()),
             chunk_bytes: compression.chunk_bytes(),
             compressor: Compressor::new(compression)?,
             index: Index::default(),

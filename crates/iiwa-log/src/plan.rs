@@ -105,6 +105,8 @@ impl<W: Write> PlanWriter<W> {
                 break;
             }
         }
+        let nodes: usize = section.pieces().iter().map(|piece| section.nodes(piece).len()).sum();
+        self.part.reserve(nodes.min(POINTS - self.part.len()));
         for state in section.states() {
             self.node(&state)?;
         }

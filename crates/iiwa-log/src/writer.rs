@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use mcap::records::AttachmentHeader;
 
+use crate::chunk::Chunk;
 use crate::container::Container;
 use crate::error::WriteError;
 use crate::ros::Time;
@@ -166,7 +167,10 @@ impl<W: Write> Writer<W> {
     ) -> Result<(), WriteError> {
         let topic = Topic::JointTrajectory;
         let stamp = self.stamp(topic, t)?;
-        self.file.write(topic, t, &message.stamped(stamp))
+        let bytes = message.stamped(stamp);
+        let (chunk, sequence, time) = self.file.place(topic, t, bytes.len())?;
+        chunk.long_message(topic, sequence, time, bytes);
+        Ok(())
     }
 
     /// Writes the start of a piece of the path to `/motion`.
@@ -249,6 +253,18 @@ impl<W: Write> Writer<W> {
 
 impl<W: Write> File<W> {
     fn write(&mut self, topic: Topic, t: Duration, bytes: &[u8]) -> Result<(), WriteError> {
+        let (chunk, sequence, time) = self.place(topic, t, bytes.len())?;
+        chunk.message(topic, sequence, time, bytes);
+        Ok(())
+    }
+
+    /// The chunk for the next message of a topic, its sequence number and its log time.
+    fn place(
+        &mut self,
+        topic: Topic,
+        t: Duration,
+        data_bytes: usize,
+    ) -> Result<(&mut Chunk, u32, u64), WriteError> {
         let epoch = self.epoch;
         let time = epoch
             .checked_add(t)
@@ -261,14 +277,13 @@ impl<W: Write> File<W> {
         if let Some(previous) = channel.last.filter(|last| t <= *last) {
             return Err(WriteError::NotIncreasing { topic, t, previous });
         }
-        let chunk = self.container.chunk_for(bytes.len())?;
+        let chunk = self.container.chunk_for(data_bytes)?;
         if !channel.open {
             chunk.define(topic)?;
         }
         let sequence = channel.sequence;
-        chunk.message(topic, sequence, time, bytes);
         self.channels[place] =
             Channel { open: true, sequence: sequence.wrapping_add(1), last: Some(t) };
-        Ok(())
+        Ok((chunk, sequence, time))
     }
 }
