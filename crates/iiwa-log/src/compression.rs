@@ -3,7 +3,7 @@
 use std::io::{self, Cursor};
 
 use zstd::bulk;
-use zstd::zstd_safe::compress_bound;
+use zstd::zstd_safe::{CParameter, compress_bound};
 
 /// How a file is compressed: always with zstd, which every reader of MCAP knows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,7 +44,14 @@ pub(crate) struct Compressor(bulk::Compressor<'static>);
 
 impl Compressor {
     pub(crate) fn new(compression: Compression) -> io::Result<Self> {
-        bulk::Compressor::new(compression.level()).map(Self)
+        let mut zstd = bulk::Compressor::new(compression.level())?;
+        if compression == Compression::Fast {
+            // Otherwise they follow the length of the chunk, and with them the memory: a longer one would
+            // have all of it given back and asked for anew.
+            zstd.set_parameter(CParameter::WindowLog(17))?;
+            zstd.set_parameter(CParameter::HashLog(13))?;
+        }
+        Ok(Self(zstd))
     }
 
     /// Appends one frame. The same bytes always give the same frame.
