@@ -9,9 +9,10 @@ use zstd::zstd_safe::{CParameter, compress_bound};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Compression {
-    /// For files that are written while someone waits.
+    /// For files that someone waits for: what a plan is written with.
     Fast,
-    /// For files that grow for hours: about a tenth smaller, in some three times the time.
+    /// For files that grow for hours: a plan would be a tenth smaller, and take more than twice as long to
+    /// compress. What a recording is written with.
     #[default]
     Small,
 }

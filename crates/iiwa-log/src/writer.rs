@@ -49,7 +49,7 @@ impl Default for Config {
 /// they come in the order of time.
 ///
 /// Memory stays at a few megabytes: what grows with the length is an index entry of some 200
-/// bytes a chunk, that is for every megabyte of messages, or every quarter of one with
+/// bytes a chunk, that is for every megabyte of messages, or every eighth of one with
 /// [`Compression::Fast`].
 ///
 /// The bytes depend on the calls and on [`Config`] alone. Call [`finish`](Self::finish): a writer

@@ -5,7 +5,7 @@
 use std::{fs, io::Cursor, path::Path as FilePath};
 
 use iiwa_kin::Robot;
-use iiwa_log::{PlanConfig, PlanFigures, PlanSize, PlanWriter};
+use iiwa_log::{Compression, PlanConfig, PlanFigures, PlanSize, PlanWriter};
 use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 
@@ -20,7 +20,10 @@ fn size(plan: &Trajectory, rate_hz: f64) -> PlanSize {
 
 /// The bytes of the file.
 fn written(plan: &Trajectory, rate_hz: f64) -> usize {
-    let config = PlanConfig { rate_hz, ..PlanConfig::default() };
+    written_as(plan, PlanConfig { rate_hz, ..PlanConfig::default() })
+}
+
+fn written_as(plan: &Trajectory, config: PlanConfig) -> usize {
     let storage = Cursor::new(Vec::new());
     let mut writer = PlanWriter::new(storage, plan.path().robot(), config).unwrap();
     for section in plan.sections() {
@@ -63,7 +66,10 @@ fn files_are_as_large_as_estimated() {
         for rate_hz in [50.0, 250.0, 1000.0] {
             let (size, bytes) = (size(&plan, rate_hz), written(&plan, rate_hz));
             let ratio = size.bytes() as f64 / bytes as f64;
-            assert!((1.0 / 1.5..1.5).contains(&ratio), "{name} at {rate_hz} Hz: {ratio}, {bytes}");
+            assert!(
+                (1.0 / 1.25..1.25).contains(&ratio),
+                "{name} at {rate_hz} Hz: {ratio}, {bytes}"
+            );
             assert!((size.duration_s() - plan.cycle_time_s()).abs() < 1e-9);
             let samples = (plan.cycle_time_s() * rate_hz).ceil() + 1.0;
             assert!((size.samples() as f64 - samples).abs() < 1.5, "{name}: {samples}");
@@ -81,4 +87,17 @@ fn months_have_a_size_too() {
     assert!(found.bytes() > 50_000_000_000, "{found:?}");
     // As large as a number can be, and no smaller one.
     assert_eq!(size(&plan, 1e300).bytes(), u64::MAX);
+}
+
+#[test]
+fn what_is_written_fast_is_hardly_larger() {
+    let fixture = FilePath::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/ten-motions.json");
+    let plan = planned(&Program::from_json(&fs::read_to_string(fixture).unwrap()).unwrap());
+    let [fast, small] = [Compression::Fast, Compression::Small].map(|compression| {
+        let mut config = PlanConfig::default();
+        config.file.compression = compression;
+        written_as(&plan, config)
+    });
+    assert!(small < fast, "{small} {fast}");
+    assert!(fast as f64 <= 1.2 * small as f64, "{small} {fast}");
 }
