@@ -1,7 +1,10 @@
 //! What is allowed of a plan, at any instant.
 
-/// Largest ratios of velocity, acceleration and jerk to their limits, at every instant.
+/// Largest ratios of velocity, acceleration and jerk to their limits, at every instant, under jerk-limited stamps.
 pub const RATIOS: [f64; 3] = [1.005, 1.007, 1.045];
+
+/// The same of velocity and acceleration under acceleration-limited stamps.
+pub const SWEPT_RATIOS: [f64; 2] = [1.003, 1.005];
 
 /// Above this ratio, a limit counts as exceeded by far.
 pub const FAR: f64 = 1.1;
@@ -13,7 +16,7 @@ pub const JUMP: f64 = 1e-6;
 pub const FASTER: f64 = 5e-4;
 
 /// By which share the acceleration-limited time may be off that of a finer grid.
-pub const COARSE: f64 = 5e-3;
+pub const COARSE: f64 = 1e-3;
 
 /// How fine that grid is: intervals a blend.
 pub const FINE_SAMPLES: usize = 400;

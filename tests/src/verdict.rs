@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::{
-    bars::{COARSE, FAR, FASTER, FINE_SAMPLES, JUMP, RATIOS},
+    bars::{COARSE, FAR, FASTER, FINE_SAMPLES, JUMP, RATIOS, SWEPT_RATIOS},
     extremes::{Extremes, KINDS, extremes},
     means::mean_ratios,
 };
@@ -106,8 +106,12 @@ impl Verdict {
     fn judge(&mut self, found: &Extremes, trajectory: &Trajectory, timing: Timing) {
         let name = timing.name();
         let mut fail = |what: &str| self.failures.push(format!("{name}: {what}"));
+        let allowed = match timing {
+            Timing::Jerk(_) => RATIOS,
+            _ => [SWEPT_RATIOS[0], SWEPT_RATIOS[1], f64::INFINITY],
+        };
         for (peaks, when) in [(found.clear, ""), (found.blurred, " where rounding shows")] {
-            for ((kind, peak), allowed) in KINDS.into_iter().zip(peaks).zip(RATIOS) {
+            for ((kind, peak), allowed) in KINDS.into_iter().zip(peaks).zip(allowed) {
                 if peak.ratio > allowed {
                     let far = if peak.ratio > FAR { " by far" } else { "" };
                     fail(&format!("{kind} exceeded{far}{when}"));

@@ -261,10 +261,8 @@ fn one_joint_turns_back() {
             let expected: f64 =
                 turns.windows(2).map(|pair| trapezoid((pair[1] - pair[0]).abs(), V1, A1)).sum();
             let error = |samples| plan(&path, samples).motion_time_s() / expected - 1.0;
-            // Next to the turn, 100 intervals are few.
-            let coarse = 4e-3;
-            assert!(error(100).abs() < coarse, "{shape:?}, {fraction}: {:e}", error(100));
-            assert!(error(1600).abs() < 2e-5, "{shape:?}, {fraction}: {:e}", error(1600));
+            assert!(error(100).abs() < 1e-4, "{shape:?}, {fraction}: {:e}", error(100));
+            assert!(error(1600).abs() < 1e-6, "{shape:?}, {fraction}: {:e}", error(1600));
         }
     }
 }

@@ -139,7 +139,7 @@ pub trait Segment: fmt::Debug + Send + Sync {
 
     /// The nodes of `grid` on this segment.
     fn grid_nodes<'a>(&self, grid: &'a Grid) -> Cow<'a, [GridNode]> {
-        Cow::Owned(grid.nodes(|s| self.sigma(s)))
+        Cow::Owned(Grid::nodes(grid.s(), |s| self.sigma(s)))
     }
 
     /// First and second derivatives by p, the share of [`sigma`](Self::sigma), at every node of `grid`,

@@ -17,8 +17,8 @@
 //! and makes the time too long by a share of 1/N. With u linear the error falls with 1/N^2.
 //!
 //! Where q' changes its direction, as in a turn-back, a large x or u costs nothing at a node and much
-//! next to it. Intervals that exceed a limit half-way are therefore tightened ([`forward`]), and swept
-//! again.
+//! next to it. Intervals that exceed a limit between their ends are therefore tightened ([`forward`]), and what
+//! that changes is swept again.
 //!
 //! All numbers are in units of the limits: derivatives are divided by the joint's acceleration
 //! limit, so that the limit is 1. The eighth of each row of eight is zero.
@@ -32,7 +32,16 @@ pub(crate) use bounds::{Bounds, greater, lesser};
 use bounds::{Row, UNLIMITED, largest};
 
 /// Share of a limit by which an interval may exceed it between its ends.
-const SWING: f64 = 0.004;
+const SWING: f64 = 0.0017;
+
+/// Up to this share, it is less of the limit that mends it; beyond, u has to be the same at both ends.
+const MILD: f64 = 0.02;
+
+/// A change of u within an interval, times its length over x, above which half-way is not enough to look at.
+const KINK: f64 = 0.05;
+
+/// Differences of x by such a share are rounding.
+const SAME: f64 = 1e-12;
 
 /// An interval between two nodes.
 #[derive(Clone, Copy)]
@@ -124,18 +133,6 @@ impl Interval<'_> {
     }
 }
 
-/// Halves the row until one number is left: each step is one vector instruction.
-#[inline(always)]
-fn max(values: &Row) -> f64 {
-    let mut v = *values;
-    for half in [4, 2, 1] {
-        for k in 0..half {
-            v[k] = greater(v[k], v[k + half]);
-        }
-    }
-    v[0]
-}
-
 /// A node of the sweep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
@@ -206,20 +203,36 @@ pub(crate) fn backward<S: Simd>(
     end: f64,
     samples: &mut [Sample],
 ) {
-    let (nodes, bounds) = (nodes.first(samples.len()), &bounds[..samples.len()]);
-    let Nodes { simd, ddq, grid, .. } = nodes;
+    for sample in &mut *samples {
+        sample.x = UNLIMITED;
+    }
     let n = samples.len() - 1;
-    let calm = calm(ddq);
-    let next = &bounds[n];
+    samples[n].x = end;
+    lower_x(nodes, bounds, [0, n], samples);
+}
+
+/// Lowers the `x` of `samples` to what can be kept, backwards from the node `last`, until before `first` there is
+/// nothing to lower. Returns the node at which it ends.
+#[inline(always)]
+fn lower_x<S: Simd>(
+    nodes: Nodes<'_, S>,
+    bounds: &[Bounds],
+    [first, last]: [usize; 2],
+    samples: &mut [Sample],
+) -> usize {
+    let (nodes, bounds) = (nodes.first(samples.len()), &bounds[..samples.len()]);
+    let Nodes { simd, grid, .. } = nodes;
+    let next = &bounds[last];
     let (mut pair, mut lines, mut next_lines) = ([0; 2], [0; 2], [0; 2]);
-    let mut x = lesser(lesser(end, next.cap), samples[n].x_max);
+    let mut x = lesser(lesser(samples[last].x, next.cap), samples[last].x_max);
     x = next.possible(simd, x, &mut pair);
     let (mut next_least, mut next_most) = (next.least(simd, x), next.most(simd, x));
-    samples[n].x = x;
-    for i in (0..n).rev() {
+    samples[last].x = x;
+    for i in (0..last).rev() {
         let h = grid[i].step;
         let (start, next) = (&bounds[i], &bounds[i + 1]);
-        let cap = lesser(start.cap, samples[i].x_max);
+        let before = samples[i].x;
+        let cap = lesser(lesser(start.cap, samples[i].x_max), before);
         let even = samples[i].even;
         let interval = |even| Interval { h, even, start, end: next };
         let end = x;
@@ -245,14 +258,23 @@ pub(crate) fn backward<S: Simd>(
             let able = slower - h * next.least(simd, slower) >= x + h * least;
             if able { None } else { Some(interval(even).search(end, x)) }
         } else {
-            let u = split((end - x) / h, [least, most], [next_least, next_most]);
-            let swings = h * (u[1] - u[0]).abs() > calm && {
-                let (acceleration, _) = nodes.half_way(i, h, x, u);
-                simd.reduce_max_f64s(acceleration) > 1.0 + SWING
-            };
-            if swings {
-                samples[i].even = true;
-                Some(interval(true).search(end, x))
+            let bands = [next_least, next_most];
+            let u = split((end - x) / h, [least, most], bands);
+            // Half-way, the acceleration differs from the mean of both ends by no more than
+            // `h |q''| |change of u| / 2`.
+            let swing = 0.5 * h * greater(start.bend, next.bend) * (u[1] - u[0]).abs();
+            let acceleration = if swing > SWING { nodes.worst(i, h, x, u)[0] } else { 0.0 };
+            if acceleration > 1.0 + SWING {
+                // To come slower, and brake less, may be all it takes.
+                let slower = end + (x - end) / acceleration;
+                let own = [start.least(simd, slower), start.most(simd, slower)];
+                let u = split((end - slower) / h, own, bands);
+                if slower < x && nodes.worst(i, h, slower, u)[0] <= 1.0 + SWING {
+                    Some(slower)
+                } else {
+                    samples[i].even = true;
+                    Some(interval(true).search(end, x))
+                }
             } else {
                 None
             }
@@ -261,32 +283,35 @@ pub(crate) fn backward<S: Simd>(
             x = found;
             (least, most) = (start.least(simd, x), start.most(simd, x));
         }
+        if i < first && x >= before * (1.0 - SAME) {
+            return i;
+        }
         samples[i].x = x;
         (next_least, next_most) = (least, most);
     }
+    0
 }
 
-/// Lowers the `x` of `samples`, as [`backward`] left it, to what is reached from `start` at the
-/// first node, and finds u.
+/// Lowers the `x` of `samples`, as [`backward`] left it, to what is reached from the node `first`, and finds u; until
+/// from the node `last` on all is as it was.
 ///
-/// Where a joint exceeds a limit half-way, the interval is tightened: u has to be the same at both
-/// ends, or less of the limits is left there. True if there are any for which that has to be swept again.
+/// Where a joint exceeds a limit within an interval, that is tightened: less of the limits is left there, or u
+/// has to be the same at both ends. Returns the first and the last one for which that has to be swept again.
 #[inline(always)]
 fn forward<S: Simd>(
     nodes: Nodes<'_, S>,
     bounds: &[Bounds],
-    start: f64,
+    [first, last]: [usize; 2],
     samples: &mut [Sample],
-) -> bool {
+) -> Option<[usize; 2]> {
     let (nodes, bounds) = (nodes.first(samples.len()), &bounds[..samples.len()]);
     let Nodes { simd, grid, .. } = nodes;
     let n = samples.len() - 1;
-    let mut tightened = false;
+    let mut tightened = None;
     let mut lines = [0; 2];
-    let mut x = lesser(samples[0].x, start);
-    let (mut least, mut most) = (bounds[0].least(simd, x), bounds[0].most(simd, x));
-    samples[0].x = x;
-    for i in 0..n {
+    let mut x = samples[first].x;
+    let (mut least, mut most) = (bounds[first].least(simd, x), bounds[first].most(simd, x));
+    for i in first..n {
         let h = grid[i].step;
         let next = &bounds[i + 1];
         let even = samples[i].even;
@@ -303,54 +328,52 @@ fn forward<S: Simd>(
         let sum = (y - x) / h;
         let mut u =
             if even { [0.5 * sum; 2] } else { split(sum, [least, most], [next_least, next_most]) };
-        let (acceleration, square) = nodes.half_way(i, h, x, u);
-        if simd.reduce_max_f64s(simd.max_f64s(acceleration, square)) > 1.0 + SWING {
-            let mut acceleration = simd.reduce_max_f64s(acceleration);
-            let mut square = simd.reduce_max_f64s(square);
-            if acceleration > 1.0 + SWING {
-                // On the way up it can often be mended here: arriving slower, with u the same.
-                let (low, high) = interval(true).reachable(x, cap);
-                if !even && low <= high {
-                    (y, u) = (high, [0.5 * (high - x) / h; 2]);
-                    (next_least, next_most) = (next.least(simd, y), next.most(simd, y));
-                    let now = nodes.half_way(i, h, x, u);
-                    acceleration = simd.reduce_max_f64s(now.0);
-                    square = simd.reduce_max_f64s(now.1);
+        let (acceleration, square) = nodes.inside(i, h, x, u, 0.5);
+        let kinks = h * (u[1] - u[0]).abs() > KINK * x;
+        if kinks || simd.reduce_max_f64s(simd.max_f64s(acceleration, square)) > 1.0 + SWING {
+            let [mut acceleration, mut square] = nodes.worst(i, h, x, u);
+            if acceleration > 1.0 + SWING && !even {
+                // On the way up it can often be mended here: arriving slower, or else with u the same.
+                let slower = x + (y - x) / acceleration;
+                let bands = [next.least(simd, slower), next.most(simd, slower)];
+                let eased = split((slower - x) / h, [least, most], bands);
+                let now = nodes.worst(i, h, x, eased);
+                if slower < y && slower - h * bands[0] >= x + h * least && now[0] <= 1.0 + SWING {
+                    (y, u) = (slower, eased);
+                    [next_least, next_most] = bands;
+                    [acceleration, square] = now;
+                } else if acceleration > 1.0 + MILD {
+                    let (low, high) = interval(true).reachable(x, cap);
+                    if low <= high {
+                        (y, u) = (high, [0.5 * (high - x) / h; 2]);
+                        (next_least, next_most) = (next.least(simd, y), next.most(simd, y));
+                        [acceleration, square] = nodes.worst(i, h, x, u);
+                    }
+                    samples[i].even = true;
                 }
-                samples[i].even = true;
             }
             if square > 1.0 + SWING {
                 samples[i].x_max = x / square;
                 samples[i + 1].x_max = y / square;
-                tightened = true;
             }
-            if acceleration > 1.0 + SWING {
-                if even {
-                    for node in &mut samples[i..=i + 1] {
-                        node.share /= acceleration;
-                    }
+            if acceleration > 1.0 + SWING && (even || acceleration < 1.0 + MILD) {
+                for node in &mut samples[i..=i + 1] {
+                    node.share /= acceleration;
                 }
-                tightened = true;
+            }
+            if greater(acceleration, square) > 1.0 + SWING {
+                let [begin, _] = tightened.unwrap_or([i; 2]);
+                tightened = Some([begin, i]);
             }
         }
         samples[i].u = u;
         samples[i + 1].x = y;
+        if i + 1 >= last && y >= cap * (1.0 - SAME) {
+            break;
+        }
         (x, least, most) = (y, next_least, next_most);
     }
     tightened
-}
-
-/// A change of u within an interval, times its length, that is too small to exceed a limit half-way: the
-/// acceleration there differs from the mean of the ends by no more than `h |q''| |change| / 2`.
-#[inline(always)]
-fn calm(ddq: &[Row]) -> f64 {
-    let mut bend = [0.0; 8];
-    for row in ddq {
-        for j in 0..8 {
-            bend[j] = greater(row[j].abs(), bend[j]);
-        }
-    }
-    2.0 * SWING / greater(max(&bend), 1.0 / UNLIMITED)
 }
 
 impl<S: Simd> Nodes<'_, S> {
@@ -362,38 +385,55 @@ impl<S: Simd> Nodes<'_, S> {
         Self { simd, dq: &dq[rows], ddq: &ddq[rows], velocity, grid: &grid[rows] }
     }
 
-    /// What interval `i` is at half-way: the share of each acceleration limit, and the squared share of
-    /// each velocity limit; of joints that share a lane, the largest.
+    /// What interval `i` is at the share `t` of its length: the share of each acceleration limit, and the
+    /// squared share of each velocity limit; of joints that share a lane, the largest.
     #[inline(always)]
-    fn half_way(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> (S::f64s, S::f64s) {
+    fn inside(&self, i: usize, h: f64, x: f64, u: [f64; 2], t: f64) -> (S::f64s, S::f64s) {
         let Self { simd, dq, ddq, velocity, .. } = *self;
         let row = |row| S::as_simd_f64s(row).0;
         let (dq, ddq) = ([row(&dq[i]), row(&dq[i + 1])], [row(&ddq[i]), row(&ddq[i + 1])]);
         let velocity = row(velocity);
-        let u_half = simd.splat_f64s(0.5 * (u[0] + u[1]));
-        let x_half = simd.splat_f64s(x + h * (0.75 * u[0] + 0.25 * u[1]));
-        let (half, eighth) = (simd.splat_f64s(0.5), simd.splat_f64s(0.125 * h));
-        let (steep, quarter) = (simd.splat_f64s(1.5 / h), simd.splat_f64s(-0.25));
+        let u_t = simd.splat_f64s(u[0] + t * (u[1] - u[0]));
+        let x_t = simd.splat_f64s(x + h * t * (2.0 * u[0] + t * (u[1] - u[0])));
+        // Of the cubic with the same values of q' and q'' at both ends, and of its slope.
+        let to = t * t * (3.0 - 2.0 * t);
+        let value = [1.0 - to, to, h * t * (1.0 - t) * (1.0 - t), h * t * t * (t - 1.0)];
+        let steep = 6.0 * t * (1.0 - t) / h;
+        let slope = [-steep, steep, (1.0 - t) * (1.0 - 3.0 * t), t * (3.0 * t - 2.0)];
         let (mut acceleration, mut square) = (simd.splat_f64s(0.0), simd.splat_f64s(0.0));
         for k in 0..velocity.len() {
-            // Of the cubic with the same values of q' and q'' at both ends.
-            let p = simd.mul_add_e_f64s(
-                eighth,
-                simd.sub_f64s(ddq[0][k], ddq[1][k]),
-                simd.mul_f64s(half, simd.add_f64s(dq[0][k], dq[1][k])),
-            );
-            let r = simd.mul_add_e_f64s(
-                quarter,
-                simd.add_f64s(ddq[0][k], ddq[1][k]),
-                simd.mul_f64s(steep, simd.sub_f64s(dq[1][k], dq[0][k])),
-            );
-            let a = simd.abs_f64s(simd.mul_add_e_f64s(p, u_half, simd.mul_f64s(r, x_half)));
+            let ends = [dq[0][k], dq[1][k], ddq[0][k], ddq[1][k]];
+            let (p, r) = (mix(simd, value, ends), mix(simd, slope, ends));
+            let a = simd.abs_f64s(simd.mul_add_e_f64s(p, u_t, simd.mul_f64s(r, x_t)));
             let v = simd.mul_f64s(p, velocity[k]);
             acceleration = simd.max_f64s(acceleration, a);
-            square = simd.max_f64s(square, simd.mul_f64s(simd.mul_f64s(v, v), x_half));
+            square = simd.max_f64s(square, simd.mul_f64s(simd.mul_f64s(v, v), x_t));
         }
         (acceleration, square)
     }
+
+    /// The largest of both in the inner quarters of interval `i`.
+    #[inline(always)]
+    fn worst(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> [f64; 2] {
+        let Self { simd, .. } = *self;
+        let mut worst = [0.0; 2];
+        for t in [0.25, 0.5, 0.75] {
+            let (acceleration, square) = self.inside(i, h, x, u, t);
+            worst[0] = greater(worst[0], simd.reduce_max_f64s(acceleration));
+            worst[1] = greater(worst[1], simd.reduce_max_f64s(square));
+        }
+        worst
+    }
+}
+
+/// The sum of `values`, each times its weight.
+#[inline(always)]
+fn mix<S: Simd>(simd: S, weights: [f64; 4], values: [S::f64s; 4]) -> S::f64s {
+    let mut sum = simd.mul_f64s(simd.splat_f64s(weights[0]), values[0]);
+    for k in 1..4 {
+        sum = simd.mul_add_e_f64s(simd.splat_f64s(weights[k]), values[k], sum);
+    }
+    sum
 }
 
 /// Sweeps forwards until no interval of the segment has to be tightened, and backwards in between.
@@ -406,16 +446,18 @@ pub(crate) fn sweep_until_valid<S: Simd>(
     samples: &mut [Sample],
 ) -> bool {
     const ROUNDS: usize = 30;
-    let end = samples[samples.len() - 1].x;
+    let n = samples.len() - 1;
+    samples[0].x = lesser(samples[0].x, start);
+    let mut stretch = [0, n];
     for _ in 0..ROUNDS {
-        if samples[0].x < start * (1.0 - 1e-12) {
+        if samples[0].x < start * (1.0 - SAME) {
             return false;
         }
-        if !forward(nodes, bounds, start, samples) {
-            return true;
-        }
-        lower(bounds, samples);
-        backward(nodes, bounds, end, samples);
+        let Some([first, last]) = forward(nodes, bounds, stretch, samples) else { return true };
+        // The interval after it starts at a node with other limits.
+        let end = (last + 2).min(n);
+        lower(&mut bounds[first..=last + 1], &samples[first..=last + 1]);
+        stretch = [lower_x(nodes, bounds, [first, end], samples), end];
     }
     false
 }

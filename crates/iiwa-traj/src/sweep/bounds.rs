@@ -16,6 +16,8 @@ pub(crate) struct Bounds {
     pub(super) half: Row,
     /// Largest x at which no joint is too fast.
     pub(super) cap: f64,
+    /// The largest |q''| of any joint.
+    pub(super) bend: f64,
     /// Share of the acceleration limits that is left to be used.
     share: f64,
 }
@@ -30,12 +32,13 @@ impl Bounds {
         let rise = S::as_mut_simd_f64s(&mut self.rise).0;
         let half = S::as_mut_simd_f64s(&mut self.half).0;
         let [zero, one, tiny, near, beside] =
-            [0.0, 1.0, 1.0 / UNLIMITED, 0.5 * h, 1.5 * h].map(|value| simd.splat_f64s(value));
-        let mut fastest = zero;
+            [0.0, 1.0, 1.0 / UNLIMITED, 0.5 * h, 1.25 * h].map(|value| simd.splat_f64s(value));
+        let (mut fastest, mut bent) = (zero, zero);
         for k in 0..dq.len() {
             let (p, bend) = (simd.abs_f64s(dq[k]), simd.abs_f64s(ddq[k]));
+            bent = simd.max_f64s(bent, bend);
             // Where q' changes its sign next to the node, the limits at the node alone would leave x
-            // and u free, and speed and acceleration beside it with them: q' of one and a half
+            // and u free, and speed and acceleration beside it with them: q' of one and a quarter
             // intervals away bounds the one, of half an interval, in both directions, the other.
             let speed = simd.max_f64s(p, simd.mul_f64s(beside, bend));
             fastest = simd.max_f64s(fastest, simd.mul_f64s(velocity[k], speed));
@@ -52,6 +55,7 @@ impl Bounds {
         }
         let fastest = simd.reduce_max_f64s(fastest);
         self.cap = if fastest > 1e-15 { 1.0 / (fastest * fastest) } else { UNLIMITED };
+        self.bend = simd.reduce_max_f64s(bent);
         self.share = 1.0;
     }
 
