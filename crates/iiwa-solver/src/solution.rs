@@ -119,11 +119,11 @@ impl Solution {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "it is from 2 to 16"
+        reason = "it is from 2 to 64"
     )]
     pub fn parts(&self, segment: &LimitedSegment<'_>, cell: usize) -> u32 {
         let [start, end] = [0.0, 1.0].map(|f| self.at(cell, f)[0]);
         let doublings = (end / start).log2().abs();
-        (2.0 + 2.0 * doublings + self.0.slowness(segment, cell)).min(16.0) as u32
+        (2.0 + 2.0 * doublings + self.0.slowness(segment, cell)).min(64.0) as u32
     }
 }
