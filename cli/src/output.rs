@@ -72,6 +72,10 @@ impl Output {
 
     /// The failure to write it.
     pub(crate) fn failure(&self, error: &dyn std::error::Error) -> Failure {
+        // Then that is why.
+        if interrupted() {
+            return Failure::interrupted();
+        }
         Failure::run(format!("cannot write {}", self.path.display()), error)
     }
 

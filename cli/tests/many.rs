@@ -99,7 +99,7 @@ fn a_folder_stands_for_its_programs_by_name() {
     assert_eq!(rows[1][0], "cell/ten-motions.json");
     assert_eq!((rows[2][0].as_str(), rows[2][4].as_str()), ("cell/waits-and-stops.json", "0.700"));
     let text = stdout(&assert);
-    assert!(text.contains("3 planned, 0 failed; cycle times together 21.313 s"), "{text}");
+    assert!(text.contains("3 planned, 0 failed; cycle times together 21.312 s"), "{text}");
     let written = ["appendix-b.mcap", "cell", "ten-motions.mcap", "waits-and-stops.mcap"];
     assert_eq!(files(&folder), written);
 }

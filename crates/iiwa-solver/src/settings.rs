@@ -164,7 +164,7 @@ pub(crate) const SETTINGS: Settings = Settings {
         switch: 0.3,
         fade: 0.5,
         blend: 0.035,
-        blend_end: 0.006,
+        blend_end: 0.003,
         blend_end_growth: 0.3,
         line: 0.25,
         turn: 0.15,

@@ -30,6 +30,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "iiwa-json",
             "iiwa-kin",
             "iiwa-path",
+            "iiwa-solver",
             "iiwa-traj",
             "iiwa-scene",
             "iiwa-log",
