@@ -72,7 +72,7 @@ impl Output {
 
     /// The failure to write it.
     pub(crate) fn failure(&self, error: &dyn std::error::Error) -> Failure {
-        // Then that is why.
+        // An interrupt makes writes fail.
         if interrupted() {
             return Failure::interrupted();
         }

@@ -1,4 +1,4 @@
-//! Polynomials of degree eight on [0, 1] in Bernstein form: their largest values, but for rounding.
+//! Maxima of polynomials of degree eight on [0, 1], from their Bernstein form, exact up to rounding.
 //!
 //! A polynomial lies between its least and its largest coefficient, and its first and last coefficients are
 //! its values at 0 and 1. Halving the interval brings the coefficients to the curve: parts that cannot

@@ -22,7 +22,7 @@ const CYCLE_S: f64 = 1e-3;
 pub struct Verdict {
     /// Largest ratios of velocity, acceleration and jerk to their limits at an instant.
     pub instants: [f64; 3],
-    /// The same but for where rounding shows.
+    /// The same, without the intervals in which rounding shows.
     pub clear: [f64; 3],
     /// The same over a millisecond.
     pub means: [f64; 3],

@@ -57,6 +57,13 @@ pub fn unit(a: &Joints) -> Joints {
     scale(norm(a).recip(), a)
 }
 
+/// Largest multiple of `direction` that keeps the limits of every joint: all move in proportion, and the smallest
+/// quotient decides. `f64::MAX` for a direction of zeros.
+#[must_use]
+pub fn largest_multiple(direction: &Joints, limits: &Joints) -> f64 {
+    direction.iter().zip(limits).map(|(d, limit)| limit / d.abs()).fold(f64::MAX, f64::min)
+}
+
 /// Angle between two unit vectors, in rad: 0 straight on, pi turned back (Larsen 2019, Eq. 28).
 ///
 /// Half the angle from the lengths of sum and difference is exact near 0 and pi, where the inverse

@@ -93,7 +93,7 @@ impl Chunk {
         self.bytes.extend_from_slice(&message_header(&header, data_bytes));
     }
 
-    /// The chunk as it stands at `offset` in the file; afterwards there is none.
+    /// Compresses the messages into the records of a chunk at `offset` in the file, and starts a new one.
     pub(crate) fn finish(
         &mut self,
         offset: u64,

@@ -150,7 +150,7 @@ struct Sink<W> {
 }
 
 impl<W: Write> Sink<W> {
-    /// Writes all of it. After an error, nobody knows how much there is, and it takes nothing more.
+    /// Writes all bytes. After an error the length of the file is unknown, and every further write fails.
     fn write(&mut self, bytes: &[u8]) -> Result<(), McapError> {
         if std::mem::replace(&mut self.failed, true) {
             return Err(McapError::AttemptedWriteAfterFailure);
@@ -253,7 +253,7 @@ mod tests {
         writer.into_inner().into_inner()
     }
 
-    /// All records, chunks unpacked and every checksum verified, but for those that say where something is.
+    /// All records of a file, with chunks unpacked and checksums verified.
     fn records(file: &[u8]) -> Vec<Record<'static>> {
         let options = LinearReaderOptions::default()
             .with_validate_chunk_crcs(true)

@@ -125,7 +125,7 @@ impl Encoder {
         Ok(template.fill(transform_words(&mut self.words, stamp, frames)))
     }
 
-    /// The same for frames that have the names of the first call: nobody compares them.
+    /// The same for frames whose names never change: they are not compared with those of the first call.
     pub(crate) fn chain(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<&[u8], WriteError> {
         let topic = Topic::Tf;
         let stamp = self.stamp(topic, t)?;
@@ -292,7 +292,7 @@ mod tests {
         let stamp = |t: Duration| Time::from_duration(Duration::from_secs(7) + t).unwrap();
         let value = |k: usize| 0.1 + k as f64;
         let shifted = |t: Duration, k: usize| value(k) + t.as_secs_f64();
-        // Others between, so that nothing is left of a message before.
+        // Other names in between would show what is left over from an earlier message.
         let chains: [&[&str]; 4] =
             [&["a", "bc", "def"], &["world", "a"], &["a", "bc", "def"], &["a"]];
         for (tick, chain) in chains.into_iter().enumerate() {

@@ -7,7 +7,7 @@ use crate::{
     sigma::by_sigma,
 };
 
-/// A grid of N intervals over [0, 1], uniform in s but for polynomial blends, where it is finer at both ends.
+/// A grid of N intervals over [0, 1], uniform in s, except on polynomial blends, where it is finer at both ends.
 #[derive(Debug)]
 pub struct Grid {
     intervals: usize,

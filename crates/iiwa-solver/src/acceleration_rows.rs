@@ -5,7 +5,7 @@ use pulp::Simd;
 use crate::{
     functionals::Functional,
     lanes::{Lanes, Vector},
-    limited_segment::SigmaDerivatives,
+    limited_segment::{SigmaDerivatives, largest_share},
     quadratic::Terms,
     slack_pair::{Decreases, InteriorStart, InteriorSteps, SlackPair},
 };
@@ -138,9 +138,4 @@ impl<const J: usize> AccelerationRows<J> {
             decreases.add(&mut self.sides[j], r, [one - value, one + value], mu);
         }
     }
-}
-
-/// The largest of `|dq_j| inverse_j`.
-pub(crate) fn largest_share(dq: &[f64; 7], inverse: &[f64; 7]) -> f64 {
-    std::iter::zip(dq, inverse).map(|(d, i)| d.abs() * i).fold(0.0, f64::max)
 }

@@ -158,7 +158,7 @@ impl Attempt {
     ) -> Result<(), SolveError> {
         let before = self.gap;
         let whole = 0..self.mesh.cells.len();
-        let result = windows.iter().try_for_each(|window| {
+        windows.iter().try_for_each(|window| {
             self.solver.select(window.clone());
             self.solver.restart(start);
             let result = self.solve(GAP, stop);
@@ -167,9 +167,7 @@ impl Attempt {
                 self.gap = self.gap.max(before);
             }
             result
-        });
-        self.solver.select(whole);
-        result
+        })
     }
 
     /// The windows that are to be solved for anew where the limits of `cells` were lowered: the optimum changes
@@ -197,7 +195,7 @@ impl Attempt {
             };
             let start = cell - count(&mut cells[..cell].iter().rev());
             let end = cell + 1 + count(&mut cells[cell + 1..].iter());
-            let window = self.solver.window(start..end);
+            let window = self.solver.window_of(start..end);
             match windows.last_mut() {
                 Some(last) if last.end >= window.start => {
                     *last = last.start.min(window.start)..last.end.max(window.end);

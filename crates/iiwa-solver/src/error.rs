@@ -8,7 +8,7 @@ pub enum SolveError {
     /// No attempt came near enough to the optimum.
     #[error("no attempt came near enough to the optimum")]
     NotConverged,
-    /// It was told to stop.
+    /// The caller's flag was set.
     #[error("interrupted")]
     Interrupted,
 }

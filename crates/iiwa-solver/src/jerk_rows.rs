@@ -7,10 +7,9 @@
 use pulp::Simd;
 
 use crate::{
-    acceleration_rows::largest_share,
     functionals::Functional,
     lanes::{Lanes, Vector},
-    limited_segment::SigmaDerivatives,
+    limited_segment::{SigmaDerivatives, largest_share},
     quadratic::Terms,
     settings::InteriorPointSettings,
     slack_pair::{Decreases, InteriorStart, InteriorSteps, SlackPair},

@@ -5,7 +5,7 @@
 //! the part across the path jumps. With s as the parameter the part along the path would jump as
 //! well: the solver would have to make the speed's own second derivative jump against it.
 
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, vector::largest_multiple};
 use iiwa_path::{MotionLimits, Segment};
 
 use crate::{limiting_joints::LimitingJoints, swept::SweptNode};
@@ -168,9 +168,7 @@ impl<'a> LimitedSegment<'a> {
         }
         let [_, _, dddq] = self.derivatives(s);
         let [_, _, inverse] = &self.inverse;
-        let largest =
-            dddq.iter().zip(inverse).map(|(d, inverse)| d.abs() * inverse).fold(0.0, f64::max);
-        largest.powf(-2.0 / 3.0)
+        largest_share(&dddq, inverse).powf(-2.0 / 3.0)
     }
 
     /// Largest speed, acceleration and jerk of sigma at `s`, if the path went straight on from there; in rad/s,
@@ -179,7 +177,8 @@ impl<'a> LimitedSegment<'a> {
     pub fn straight(&self, s: f64) -> [f64; 3] {
         let [direction, ..] = self.derivatives(s);
         let MotionLimits { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 } = self.limits;
-        [velocity_rad_s, acceleration_rad_s2, jerk_rad_s3].map(|limit| along(&direction, limit))
+        [velocity_rad_s, acceleration_rad_s2, jerk_rad_s3]
+            .map(|limit| largest_multiple(&direction, limit))
     }
 
     /// Shares of the limits of a line at speed, acceleration and jerk of sigma, with their signs.
@@ -205,7 +204,7 @@ impl<'a> LimitedSegment<'a> {
     }
 }
 
-/// The largest factor by which `direction` keeps `limit` in every joint.
-fn along(direction: &Joints, limit: &Joints) -> f64 {
-    direction.iter().zip(limit).map(|(d, limit)| limit / d.abs()).fold(f64::MAX, f64::min)
+/// The largest of `|derivative_j| inverse_j`, with one over the limits.
+pub(crate) fn largest_share(derivative: &Joints, inverse: &Joints) -> f64 {
+    std::iter::zip(derivative, inverse).map(|(d, i)| d.abs() * i).fold(0.0, f64::max)
 }

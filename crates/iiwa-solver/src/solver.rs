@@ -255,7 +255,7 @@ impl Solver {
     }
 
     /// The window of at least the cells `cells` that can be solved for alone.
-    pub(crate) fn window(&self, mut cells: Range<usize>) -> Range<usize> {
+    pub(crate) fn window_of(&self, mut cells: Range<usize>) -> Range<usize> {
         // What nothing changes on cannot meet the state after it.
         while cells.end < self.lengths.len() && !self.free[cells.end - 1] {
             cells.end += 1;

@@ -29,7 +29,7 @@ pub(crate) fn limit(
     let Some(first) = section.pieces.first() else { return Ok(()) };
     let motion = first.motion;
     let path = section.path.clone();
-    // They are replaced: long sections need the memory.
+    // The section gets new nodes: in long ones, the memory of these counts.
     let swept: Vec<_> = std::mem::take(&mut section.nodes)
         .into_iter()
         .map(|Node { t_s, p, rate, u, .. }| SweptNode { t_s, p, rate, u })

@@ -2,18 +2,14 @@
 //!
 //! Everything here is in x = (ds/dt)^2, which changes linearly with s when d2s/dt2 is constant.
 
+use iiwa_kin::vector::largest_multiple;
+
 use crate::sweep::Sample;
 
 /// The least share of a line over which the speed changes. A shorter ramp, of a slow motion, is
 /// stretched to it: its length would be lost in rounding, and with u no more than allowed it costs a
 /// share of the time that is as small.
 const SHORTEST: f64 = 1e-9;
-
-/// Largest multiple of `direction` that keeps `limit`: all joints move in proportion, and the smallest
-/// quotient decides.
-pub(crate) fn along(direction: &[f64; 7], limit: &[f64; 7]) -> f64 {
-    direction.iter().zip(limit).map(|(d, l)| l / d.abs()).fold(f64::MAX, f64::min)
-}
 
 /// Limits along a line with s in [0, 1].
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +23,10 @@ pub(crate) struct LineLimits {
 impl LineLimits {
     /// Limits along `direction` (dq/ds, in rad) under limits of velocity and acceleration.
     pub(crate) fn new(direction: &[f64; 7], velocity: &[f64; 7], acceleration: &[f64; 7]) -> Self {
-        Self { x_max: along(direction, velocity).powi(2), u_max: along(direction, acceleration) }
+        Self {
+            x_max: largest_multiple(direction, velocity).powi(2),
+            u_max: largest_multiple(direction, acceleration),
+        }
     }
 
     /// Largest x at one end, when it is `x` at the other.

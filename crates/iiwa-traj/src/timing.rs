@@ -124,7 +124,7 @@ pub enum TimingError {
         /// The first motion of a section without a stop.
         motion: MotionIndex,
     },
-    /// The planner was told to stop.
+    /// The flag of [`Planner::interrupted_by`](crate::Planner::interrupted_by) was set.
     #[error("interrupted")]
     Interrupted,
     /// No stamps were found: the arm would stop on the way, or intervals had to be tightened again and

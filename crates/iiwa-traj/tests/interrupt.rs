@@ -1,4 +1,4 @@
-//! Planning that is told to stop.
+//! Interrupting the planner.
 
 use std::{
     sync::{

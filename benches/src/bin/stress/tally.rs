@@ -137,7 +137,7 @@ impl fmt::Display for Tally {
             |worst: &[Worst]| worst.iter().map(Worst::to_string).collect::<Vec<_>>().join(", ");
         writeln!(f, "  worst ratios at an instant {}", list(&self.instants))?;
         let clear = list(&self.clear);
-        writeln!(f, "  worst ratios at an instant but for rounding {clear}")?;
+        writeln!(f, "  worst ratios at an instant, rounding excluded, {clear}")?;
         writeln!(f, "  worst ratios over 1 ms {}", list(&self.means))?;
         writeln!(f, "  worst ratios without limits of jerk {}", list(&self.swept))?;
         writeln!(

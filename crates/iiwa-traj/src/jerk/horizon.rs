@@ -10,8 +10,8 @@ use crate::timing::JerkOptions;
 /// Segments that are settled at a time.
 const SETTLED: usize = 30;
 
-/// How many of them fewer are settled, one number after the other, until there is a way on from their end: the state
-/// there is given, and leaves no room where it is at a limit.
+/// Numbers of segments by which a part is shortened, in this order, until the next part has a solution: the state at
+/// its start is given, and may leave no room.
 const FEWER: [usize; 6] = [0, 1, 2, 3, 5, 8];
 
 /// Segments beyond them that are looked ahead, at least.

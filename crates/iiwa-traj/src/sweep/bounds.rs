@@ -155,7 +155,7 @@ pub(super) fn largest<S: Simd>(
     cap: f64,
     lines: &mut [usize; 2],
 ) -> (f64, f64) {
-    // Each line limits once, but for rounding.
+    // Up to rounding, no line is the limiting one twice.
     const STEPS: usize = 16;
     let mut found = (0.0, 0.0);
     for _ in 0..STEPS {
