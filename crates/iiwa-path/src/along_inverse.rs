@@ -13,9 +13,26 @@ type Table = [[f64; 2]; INTERVALS + 1];
 
 /// The s in [0, 1] at which `s + alpha(s)` is `sigma`, in [0, 2].
 pub(crate) fn s_at(continuity: Continuity, sigma: f64) -> f64 {
+    let [s] = each_s_at(continuity, [sigma]);
+    s
+}
+
+/// The same at several places: only to look them up in the table goes one by one.
+#[inline(always)]
+pub(crate) fn each_s_at<const N: usize>(continuity: Continuity, sigma: [f64; N]) -> [f64; N] {
     static TABLES: [OnceLock<Box<Table>>; 3] = [const { OnceLock::new() }; 3];
     let along = continuity.along();
     let table = TABLES[continuity as usize].get_or_init(|| table(&along));
+    let mut s = sigma.map(|sigma| interpolated(table, sigma));
+    for i in 0..N {
+        s[i] = newton(&along, sigma[i], s[i]);
+    }
+    s
+}
+
+/// s by the table.
+#[inline(always)]
+fn interpolated(table: &Table, sigma: f64) -> f64 {
     let place = (sigma * (INTERVALS as f64 / 2.0)).clamp(0.0, INTERVALS as f64);
     #[expect(
         clippy::cast_possible_truncation,
@@ -28,11 +45,11 @@ pub(crate) fn s_at(continuity: Continuity, sigma: f64) -> f64 {
     // Hermite's cubic.
     let h = 2.0 / INTERVALS as f64;
     let (da, db, rise) = (da * h, db * h, b - a);
-    let s = a + f * (da + f * (3.0 * rise - 2.0 * da - db + f * (da + db - 2.0 * rise)));
-    newton(&along, sigma, s)
+    a + f * (da + f * (3.0 * rise - 2.0 * da - db + f * (da + db - 2.0 * rise)))
 }
 
 /// One step of Newton's method.
+#[inline(always)]
 fn newton(along: &Polynomial, sigma: f64, s: f64) -> f64 {
     let (mut value, mut slope) = (0.0, 0.0);
     for c in along.iter().rev() {

@@ -32,6 +32,12 @@ impl Continuity {
         along
     }
 
+    /// `s alpha - kappa beta`.
+    pub(crate) fn across(self, kappa: f64) -> Polynomial {
+        let (alpha, beta) = (self.alpha(), self.beta());
+        std::array::from_fn(|i| if i == 0 { 0.0 } else { alpha[i - 1] - kappa * beta[i] })
+    }
+
     /// beta of Larsen 2019, Eq. 21 with k = 1. The sign of N = 2 differs from the other two.
     pub(crate) const fn beta(self) -> Polynomial {
         match self {
@@ -61,6 +67,7 @@ impl Continuity {
 }
 
 /// Value and first three derivatives of a polynomial.
+#[inline(always)]
 pub(crate) fn evaluate(polynomial: &Polynomial, s: f64) -> [f64; 4] {
     // Horner's scheme on the value and, one step behind each, on the derivatives (over their
     // factorials).
@@ -88,11 +95,9 @@ pub(crate) struct Basis {
 
 impl Basis {
     pub(crate) fn at(continuity: Continuity, s: f64) -> Self {
-        let alpha = continuity.alpha();
-        let across: Polynomial = std::array::from_fn(|i| if i == 0 { 0.0 } else { alpha[i - 1] });
         Self {
             along: evaluate(&continuity.along(), s),
-            across: evaluate(&across, s),
+            across: evaluate(&continuity.across(0.0), s),
             bulge: evaluate(&continuity.beta(), s),
         }
     }

@@ -9,6 +9,7 @@ use crate::{
     along_inverse,
     continuity::{Basis, Continuity, evaluate},
     grid::{Grid, GridNode},
+    planar_graph::{PLACES, PlanarGraph},
     segment::{Derivatives, Segment},
     sigma::by_sigma,
 };
@@ -92,16 +93,54 @@ impl PolynomialBlend {
 
 impl PolynomialBlend {
     /// A = s alpha - kappa beta and its first three derivatives by `unit (s + alpha)`.
+    #[inline(always)]
     fn across(&self, s: f64, unit: f64) -> [f64; 4] {
-        let Basis { along, across, bulge } = Basis::at(self.continuity, s);
-        let [one, two, three] = by_sigma(along, unit);
-        let [a, a1, a2, a3]: [f64; 4] = std::array::from_fn(|n| across[n] - self.kappa * bulge[n]);
+        let [one, two, three] = by_sigma(evaluate(&self.continuity.along(), s), unit);
+        let [a, a1, a2, a3] = evaluate(&self.continuity.across(self.kappa), s);
         [
             a,
             a1 * one,
             a2 * one * one + a1 * two,
             a3 * one * one * one + 3.0 * a2 * one * two + a1 * three,
         ]
+    }
+}
+
+/// With sigma = reach (s + alpha), q(sigma) = start + sigma / reach d0 + A turn.
+impl PlanarGraph for PolynomialBlend {
+    fn ahead(&self) -> Joints {
+        vector::scale(1.0 / self.reach, &self.d0)
+    }
+
+    fn across(&self) -> Joints {
+        self.turn
+    }
+
+    fn derivatives(&self, sigma_rad: &[f64; PLACES]) -> [[f64; PLACES]; 3] {
+        pulp::Arch::new().dispatch(DerivativesAcross { blend: self, sigma_rad })
+    }
+}
+
+/// The derivatives of A at some places, by the widest vector instructions that the machine has.
+struct DerivativesAcross<'a> {
+    blend: &'a PolynomialBlend,
+    sigma_rad: &'a [f64; PLACES],
+}
+
+impl pulp::WithSimd for DerivativesAcross<'_> {
+    type Output = [[f64; PLACES]; 3];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { blend, sigma_rad } = self;
+        let per_rad = 1.0 / blend.reach;
+        let s = along_inverse::each_s_at(blend.continuity, sigma_rad.map(|sigma| sigma * per_rad));
+        let mut found = [[0.0; PLACES]; 3];
+        for i in 0..PLACES {
+            let [_, first, second, third] = blend.across(s[i], blend.reach);
+            (found[0][i], found[1][i], found[2][i]) = (first, second, third);
+        }
+        found
     }
 }
 
@@ -142,13 +181,10 @@ impl Segment for PolynomialBlend {
         along_inverse::s_at(self.continuity, sigma)
     }
 
-    /// With sigma = reach (s + alpha), q(sigma) = start + sigma / reach d0 + A turn: all joints share the three
-    /// derivatives of A = s alpha - kappa beta.
     fn sigma_derivatives(&self, s: f64) -> [Joints; 3] {
         let [_, first, second, third] = self.across(s, self.reach);
-        let per_rad = 1.0 / self.reach;
         [
-            std::array::from_fn(|j| self.d0[j] * per_rad + self.turn[j] * first),
+            vector::add_scaled(&self.ahead(), first, &self.turn),
             self.turn.map(|turn| turn * second),
             self.turn.map(|turn| turn * third),
         ]
@@ -168,8 +204,8 @@ impl Segment for PolynomialBlend {
         }
     }
 
-    fn is_planar(&self) -> bool {
-        true
+    fn as_planar_graph(&self) -> Option<&dyn PlanarGraph> {
+        Some(self)
     }
 
     fn grid_nodes<'a>(&self, grid: &'a Grid) -> Cow<'a, [GridNode]> {

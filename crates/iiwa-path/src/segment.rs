@@ -6,6 +6,7 @@ use iiwa_kin::{Joints, vector};
 
 use crate::{
     grid::{Grid, GridNode},
+    planar_graph::PlanarGraph,
     sigma::{by_sigma, newton},
 };
 
@@ -131,10 +132,10 @@ pub trait Segment: fmt::Debug + Send + Sync {
         }
     }
 
-    /// Whether q(s) stays in one plane of joint space. Then few joints can limit it, the same ones all along,
-    /// and the planner leaves out the others.
-    fn is_planar(&self) -> bool {
-        self.is_straight()
+    /// The segment as the graph of one function in a plane of joint space, if it is one: then its stamps are found in
+    /// a fraction of the time.
+    fn as_planar_graph(&self) -> Option<&dyn PlanarGraph> {
+        None
     }
 
     /// The nodes of `grid` on this segment.

@@ -7,9 +7,10 @@ use std::{ops::Range, sync::atomic::AtomicBool};
 
 use crate::{
     error::SolveError,
+    geometry::Places,
     limited_segment::LimitedSegment,
     mesh::{Cell, Mesh, mesh},
-    peaks::{larger, peaks},
+    peaks::{SHARES, larger},
     settings::{AttemptSettings, RefinementSettings, SETTINGS, WarmStart, WindowSettings},
     solver::Solver,
 };
@@ -74,6 +75,7 @@ impl Attempt {
     }
 
     /// Speed, acceleration and jerk of sigma at the share `f` of an inner cell, if it is not slowed down.
+    #[inline(always)]
     pub(crate) fn rates(&self, cell: usize, f: f64) -> [f64; 3] {
         let [x, dx, ddx] = self.solver.at(cell, f);
         let speed = x.sqrt();
@@ -100,11 +102,10 @@ impl Attempt {
         is_cautious: bool,
         stop: &AtomicBool,
     ) -> Result<(), SolveError> {
-        let [some, all] = REFINEMENT.checks;
         let whole = 0..self.mesh.cells.len();
         self.solve(SETTINGS.interior_point.first_gap, stop)?;
         // Where limits will be exceeded is seen long before the end.
-        let early = self.lower(segments, some, REFINEMENT.early, whole.clone(), &[]);
+        let early = self.lower(segments, REFINEMENT.early, whole.clone(), &[]);
         if early.excess > REFINEMENT.abrupt {
             self.solver.restart(REFINEMENT.far);
         }
@@ -114,7 +115,7 @@ impl Attempt {
         for _ in 0..REFINEMENT.rounds {
             let mut lowered = Lowered::default();
             for window in windows {
-                lowered.add(self.lower(segments, all, REFINEMENT.tolerance, window, &before));
+                lowered.add(self.lower(segments, REFINEMENT.tolerance, window, &before));
             }
             if lowered.cells.is_empty() {
                 return Ok(());
@@ -209,8 +210,7 @@ impl Attempt {
     /// The share of all times that keeps the limits.
     fn time_scale(&self, segments: &[LimitedSegment<'_>]) -> f64 {
         let mut largest = [1.0, 1.0, self.solver.rest_jerk()];
-        for shares in self.largest_shares(segments, REFINEMENT.checks[1], 0..self.mesh.cells.len())
-        {
+        for shares in self.largest_shares(segments, 0..self.mesh.cells.len()) {
             for i in 0..3 {
                 largest[i] = larger(largest[i], shares[i]);
             }
@@ -225,14 +225,13 @@ impl Attempt {
     fn lower(
         &mut self,
         segments: &[LimitedSegment<'_>],
-        parts: u32,
         allowed: [f64; 3],
         window: Range<usize>,
         before: &[usize],
     ) -> Lowered {
         let first = window.start;
         let mut lowered = Lowered::default();
-        let found = self.largest_shares(segments, parts, window);
+        let found = self.largest_shares(segments, window);
         let mut by: Vec<_> = found
             .into_iter()
             .zip(first..)
@@ -268,32 +267,44 @@ impl Attempt {
     fn largest_shares(
         &self,
         segments: &[LimitedSegment<'_>],
-        parts: u32,
         window: Range<usize>,
     ) -> Vec<[f64; 3]> {
-        pulp::Arch::new().dispatch(Check { attempt: self, segments, parts, window })
+        pulp::Arch::new().dispatch(Check { attempt: self, segments, window })
     }
 
-    /// The same in one cell, from samples at the ends of its `parts`.
+    /// The same in one cell, stretch by stretch if it is slow.
     #[inline(always)]
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "it is from 1 to 4"
-    )]
-    fn largest_shares_in(&self, k: usize, segments: &[LimitedSegment<'_>], parts: u32) -> [f64; 3] {
+    fn largest_shares_in(&self, k: usize, segments: &[LimitedSegment<'_>]) -> [f64; 3] {
         let cell = &self.mesh.cells[k];
         let segment = &segments[cell.segment];
-        let parts = parts * self.slowness(segment, k).ceil().clamp(1.0, 4.0) as u32;
-        let places = (0..=parts).map(|i| f64::from(i) / f64::from(parts));
-        if segment.is_line() {
-            let shares = places.map(|f| segment.line_shares(self.rates(k, f)));
-            return peaks(shares.map(|shares| shares.map(|share| [share])));
+        let stretches = self.slowness(segment, k).ceil().clamp(1.0, REFINEMENT.stretches);
+        if stretches == 1.0 {
+            return segment
+                .largest_shares(&self.mesh.geometry[k], &self.rates_along(k, [0.0, 1.0]));
         }
-        peaks(places.map(|f| {
-            let s = segment.s(cell.from + f * cell.length).clamp(0.0, 1.0);
-            segment.shares(&segment.derivatives(s), self.rates(k, f))
-        }))
+        let mut largest = [0.0; 3];
+        let mut from = 0.0;
+        while from < stretches {
+            let stretch = [from / stretches, (from + 1.0) / stretches];
+            let geometry = cell.geometry(segments, stretch);
+            let shares = segment.largest_shares(&geometry, &self.rates_along(k, stretch));
+            for i in 0..3 {
+                largest[i] = larger(largest[i], shares[i]);
+            }
+            from += 1.0;
+        }
+        largest
+    }
+
+    /// Speed, acceleration and jerk of sigma at [`SHARES`] of the stretch between two shares of a cell.
+    #[inline(always)]
+    fn rates_along(&self, k: usize, [from, to]: [f64; 2]) -> [Places; 3] {
+        let mut rates = [Places::default(); 3];
+        for i in 0..SHARES.len() {
+            let [speed, acceleration, jerk] = self.rates(k, from + SHARES[i] * (to - from));
+            (rates[0][i], rates[1][i], rates[2][i]) = (speed, acceleration, jerk);
+        }
+        rates
     }
 }
 
@@ -301,7 +312,6 @@ impl Attempt {
 struct Check<'a, 'b> {
     attempt: &'a Attempt,
     segments: &'a [LimitedSegment<'b>],
-    parts: u32,
     window: Range<usize>,
 }
 
@@ -310,7 +320,7 @@ impl pulp::WithSimd for Check<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
-        let Check { attempt, segments, parts, window } = self;
-        window.map(|k| attempt.largest_shares_in(k, segments, parts)).collect()
+        let Check { attempt, segments, window } = self;
+        window.map(|k| attempt.largest_shares_in(k, segments)).collect()
     }
 }

@@ -21,6 +21,7 @@ use crate::{
         CellState, ControlV, EndV, EndW, EndX, MiddleV, MiddleW, MiddleX, SecondControlX, StartV,
         StartW, StartX, ThirdControlX,
     },
+    geometry::Geometry,
     jerk_rows::JerkRows,
     lanes::{LANES, Lanes, Vector, registers},
     limited_segment::LimitedSegment,
@@ -76,6 +77,7 @@ pub(crate) struct CellBlock<const J: usize> {
 pub(crate) struct LimitedCell<'a, 'b> {
     pub(crate) cell: &'a Cell,
     pub(crate) segment: &'a LimitedSegment<'b>,
+    geometry: &'a Geometry,
     /// The segment that ends where the cell starts.
     before: Option<&'a LimitedSegment<'b>>,
 }
@@ -89,7 +91,7 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         };
         let before = if starts_segment { cell.segment.checked_sub(1) } else { None };
         let before = before.map(|before| &segments[before]);
-        Self { cell, segment: &segments[cell.segment], before }
+        Self { cell, segment: &segments[cell.segment], geometry: &mesh.geometry[k], before }
     }
 
     /// One over the limits of velocity and acceleration at the start: the lower ones of both segments.
@@ -102,7 +104,7 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
 
     /// The joints that can be at a limit of acceleration at the start, and along the cell, and of jerk.
     fn limiting(&self) -> [LimitingJoints; 3] {
-        let [acceleration, jerk] = self.segment.limiting;
+        let [_, acceleration, jerk] = self.segment.limiting;
         let [_, own, _] = self.segment.inverse;
         let [_, at_start] = self.at_start();
         [if at_start == own { acceleration } else { LimitingJoints::ALL }, acceleration, jerk]
@@ -146,13 +148,10 @@ impl<const J: usize> CellBlock<J> {
     /// Sets the rows of one cell.
     fn set(&mut self, lane: usize, limited: &LimitedCell<'_, '_>) {
         let segment = limited.segment;
-        let Cell { from, length, .. } = *limited.cell;
-        let at = |share: f64| segment.derivatives(segment.s(from + share * length).clamp(0.0, 1.0));
-        let [start, third, middle, two_thirds, end] = if segment.is_line() {
-            [at(0.0); 5]
-        } else {
-            [at(0.0), at(1.0 / 3.0), at(0.5), at(2.0 / 3.0), at(1.0)]
-        };
+        let length = limited.cell.length;
+        // At the start, a third, half, two thirds and the end.
+        let [start, third, middle, two_thirds, end] =
+            [0, 2, 3, 4, 6].map(|place| segment.derivatives_at(limited.geometry, place));
         let [velocity, acceleration, jerk] = &segment.inverse;
         let [start_velocity, start_acceleration] = &limited.at_start();
         let [start_joints, acceleration_joints, jerk_joints] = &limited.limiting();

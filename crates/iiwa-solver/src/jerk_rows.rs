@@ -8,8 +8,9 @@ use pulp::Simd;
 
 use crate::{
     functionals::Functional,
+    geometry::SigmaDerivatives,
     lanes::{Lanes, Vector},
-    limited_segment::{SigmaDerivatives, largest_share},
+    limited_segment::largest_share,
     quadratic::Terms,
     settings::InteriorPointSettings,
     slack_pair::{Decreases, InteriorStart, InteriorSteps, SlackPair},

@@ -50,6 +50,7 @@ mod blocks;
 mod cells;
 mod error;
 mod functionals;
+mod geometry;
 mod jerk_rows;
 mod lanes;
 mod limited_segment;
@@ -66,6 +67,7 @@ mod swept;
 mod velocity_rows;
 
 pub use error::SolveError;
+pub use geometry::Geometry;
 pub use limited_segment::LimitedSegment;
 pub use mesh::{Cell, Mesh};
 pub use solution::{Solution, Window};

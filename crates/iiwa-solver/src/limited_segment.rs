@@ -5,10 +5,15 @@
 //! the part across the path jumps. With s as the parameter the part along the path would jump as
 //! well: the solver would have to make the speed's own second derivative jump against it.
 
-use iiwa_kin::{Joints, vector::largest_multiple};
-use iiwa_path::{MotionLimits, Segment};
+use iiwa_kin::{Joints, vector, vector::largest_multiple};
+use iiwa_path::{MotionLimits, PlanarGraph, Segment};
 
-use crate::{limiting_joints::LimitingJoints, swept::SweptNode};
+use crate::{
+    geometry::{Geometry, Places, SigmaDerivatives, in_plane},
+    limiting_joints::LimitingJoints,
+    peaks::Peak,
+    swept::SweptNode,
+};
 
 /// A segment and its limits, as the solver sees them.
 pub struct LimitedSegment<'a> {
@@ -25,14 +30,15 @@ pub struct LimitedSegment<'a> {
     unit: f64,
     /// dq/dsigma of a straight segment.
     direction: Option<Joints>,
-    /// One over the largest speed, acceleration and jerk of sigma on a line.
-    line_shares: [f64; 3],
-    /// The joints that can be at their limits of acceleration and of jerk.
-    pub(crate) limiting: [LimitingJoints; 2],
+    /// The curve as a graph in a plane, if it is one.
+    graph: Option<&'a dyn PlanarGraph>,
+    /// The directions ahead and across of a line or a graph in a plane.
+    plane: [Joints; 2],
+    /// What the slope of the graph has to be raised by in these directions.
+    slope: f64,
+    /// The joints that can be at their limits of velocity, acceleration and jerk.
+    pub(crate) limiting: [LimitingJoints; 3],
 }
-
-/// First to third derivative of q by sigma; in 1, 1/rad and 1/rad^2.
-pub(crate) type SigmaDerivatives = [Joints; 3];
 
 impl<'a> LimitedSegment<'a> {
     /// The segment under its limits, with the acceleration-limited stamps to start from, at least two.
@@ -63,22 +69,25 @@ impl<'a> LimitedSegment<'a> {
                 .fold(f64::INFINITY, f64::min),
             unit,
             direction,
-            limiting: [LimitingJoints::ALL; 2],
-            line_shares: [0.0; 3],
+            graph: shape.as_planar_graph(),
+            plane: [direction.unwrap_or_default(), [0.0; 7]],
+            slope: 0.0,
+            limiting: [LimitingJoints::ALL; 3],
         };
-        if segment.is_line() {
-            segment.line_shares = segment.straight(0.0).map(|limit| 1.0 / limit);
+        if let Some(graph) = segment.graph {
+            // Perpendicular to each other: in a near turn-back, both would point almost the same way.
+            let (ahead, across) = (graph.ahead(), graph.across());
+            let square = vector::dot(&across, &across);
+            if square > 0.0 {
+                segment.slope = vector::dot(&ahead, &across) / square;
+            }
+            segment.plane = [vector::add_scaled(&ahead, -segment.slope, &across), across];
         }
-        if shape.is_planar() {
-            // Where the curve bends most, its first two derivatives span the plane; at some places it may not bend.
-            let bend = |at: &SigmaDerivatives| at[1].iter().map(|v| v * v).sum::<f64>();
-            let places = [0.1, 0.25, 0.4, 0.5].map(|s| segment.derivatives(s));
-            let most = places.into_iter().max_by(|a, b| bend(a).total_cmp(&bend(b)));
-            let [dq, ddq, _] = most.unwrap_or_default();
-            let [_, acceleration, jerk] = &segment.inverse;
-            segment.limiting = [acceleration, jerk].map(|inverse| {
+        if segment.is_line() || segment.graph.is_some() {
+            let [ahead, across] = &segment.plane;
+            segment.limiting = segment.inverse.map(|inverse| {
                 LimitingJoints::new(&std::array::from_fn(|j| {
-                    [dq[j] * inverse[j], ddq[j] * inverse[j]]
+                    [ahead[j] * inverse[j], across[j] * inverse[j]]
                 }))
             });
         }
@@ -106,6 +115,40 @@ impl<'a> LimitedSegment<'a> {
     /// (dsigma/dt)^2 at a sample of the acceleration-limited stamps.
     pub(crate) fn swept_x(&self, node: &SweptNode) -> f64 {
         (node.rate * self.length).powi(2)
+    }
+
+    /// The derivatives of q by sigma at some sigma, in rad.
+    #[must_use]
+    pub fn geometry(&self, sigma: &Places) -> Geometry {
+        if self.is_line() {
+            return Geometry::Line;
+        }
+        match self.graph {
+            Some(graph) => {
+                let [slope, second, third] = graph.derivatives(sigma);
+                Geometry::Planar([slope.map(|slope| slope + self.slope), second, third])
+            }
+            None => Geometry::General(Box::new(
+                sigma.map(|sigma| self.derivatives(self.s(sigma).clamp(0.0, 1.0))),
+            )),
+        }
+    }
+
+    /// First to third derivative of q by sigma at one place of its `geometry`.
+    pub(crate) fn derivatives_at(&self, geometry: &Geometry, place: usize) -> SigmaDerivatives {
+        let [ahead, across] = &self.plane;
+        match geometry {
+            Geometry::Line => [*ahead, [0.0; 7], [0.0; 7]],
+            Geometry::Planar(_) => {
+                let [one, two, three] = geometry.across(place);
+                [
+                    vector::add_scaled(ahead, one, across),
+                    vector::scale(two, across),
+                    vector::scale(three, across),
+                ]
+            }
+            Geometry::General(derivatives) => derivatives[place],
+        }
     }
 
     /// First to third derivative of q by sigma at `s`; in 1, 1/rad and 1/rad^2.
@@ -149,7 +192,10 @@ impl<'a> LimitedSegment<'a> {
         let swept = self.swept.first().map_or(0.0, |node| self.swept_x(node));
         let x = [(Some(self), 0.0), (before, 1.0)]
             .into_iter()
-            .filter_map(|(segment, s)| Some(segment?.x_by_jerk(s)))
+            .filter_map(|(segment, s)| {
+                let [_, _, dddq] = segment?.derivatives(s);
+                Some(segment?.jerk_at_unit_speed(&dddq).powf(-2.0 / 3.0))
+            })
             .fold(swept, f64::min);
         let speed = x.sqrt();
         let [_, acceleration, jerk] = self.straight(0.0);
@@ -161,14 +207,11 @@ impl<'a> LimitedSegment<'a> {
         }
     }
 
-    /// Largest x at `s` at which the path's own third derivative leaves jerk within its limits.
-    pub(crate) fn x_by_jerk(&self, s: f64) -> f64 {
-        if self.is_line() {
-            return f64::INFINITY;
-        }
-        let [_, _, dddq] = self.derivatives(s);
+    /// The largest share of a limit of jerk where sigma goes on at a steady speed of 1 rad/s and the curve's
+    /// third derivative is `dddq`; it goes with the speed's cube.
+    pub(crate) fn jerk_at_unit_speed(&self, dddq: &Joints) -> f64 {
         let [_, _, inverse] = &self.inverse;
-        largest_share(&dddq, inverse).powf(-2.0 / 3.0)
+        largest_share(dddq, inverse)
     }
 
     /// Largest speed, acceleration and jerk of sigma at `s`, if the path went straight on from there; in rad/s,
@@ -181,26 +224,74 @@ impl<'a> LimitedSegment<'a> {
             .map(|limit| largest_multiple(&direction, limit))
     }
 
-    /// Shares of the limits of a line at speed, acceleration and jerk of sigma, with their signs.
-    #[inline(always)]
-    pub(crate) fn line_shares(&self, [v, a, j]: [f64; 3]) -> [f64; 3] {
-        let [speed, acceleration, jerk] = self.line_shares;
-        [v * speed, a * acceleration, j * jerk]
-    }
-
-    /// Shares of all limits at speed, acceleration and jerk of sigma, where the derivatives are these, with their
-    /// signs; of each kind one for each joint, and a zero.
+    /// Shares of all limits at one place of its `geometry`, where speed, acceleration and jerk of sigma are these,
+    /// with their signs; of each kind one for each joint, and a zero.
     #[inline(always)]
     #[must_use]
-    pub fn shares(&self, [dq, ddq, dddq]: &[Joints; 3], [v, a, j]: [f64; 3]) -> [[f64; 8]; 3] {
-        let [speed, acceleration, jerk] = &self.inverse;
+    pub fn shares(&self, geometry: &Geometry, place: usize, rates: [f64; 3]) -> [[f64; 8]; 3] {
         let mut shares = [[0.0; 8]; 3];
-        for i in 0..7 {
-            shares[0][i] = dq[i] * v * speed[i];
-            shares[1][i] = (dq[i] * a + ddq[i] * v * v) * acceleration[i];
-            shares[2][i] = (dq[i] * j + 3.0 * ddq[i] * v * a + dddq[i] * v * v * v) * jerk[i];
+        if let Geometry::General(derivatives) = geometry {
+            let ([dq, ddq, dddq], [v, a, j]) = (&derivatives[place], rates);
+            for i in 0..7 {
+                shares[0][i] = dq[i] * v;
+                shares[1][i] = dq[i] * a + ddq[i] * v * v;
+                shares[2][i] = dq[i] * j + 3.0 * ddq[i] * v * a + dddq[i] * v * v * v;
+            }
+        } else {
+            let [ahead, across] = &self.plane;
+            let of_plane = in_plane(geometry.across(place), rates);
+            for (shares, [along, aside]) in std::iter::zip(&mut shares, of_plane) {
+                for i in 0..7 {
+                    shares[i] = ahead[i] * along + across[i] * aside;
+                }
+            }
+        }
+        for (shares, inverse) in std::iter::zip(&mut shares, &self.inverse) {
+            for i in 0..7 {
+                shares[i] *= inverse[i];
+            }
         }
         shares
+    }
+
+    /// The largest shares of the limits of velocity, acceleration and jerk from samples of a stretch: its `geometry` at
+    /// [`SHARES`](crate::peaks::SHARES) of it, and speed, acceleration and jerk of sigma there.
+    #[inline(always)]
+    pub(crate) fn largest_shares(&self, geometry: &Geometry, rates: &[Places; 3]) -> [f64; 3] {
+        let at = |i: usize| rates.map(|rate| rate[i]);
+        let mut peaks = [Peak::default(); 3];
+        if let Geometry::General(_) = geometry {
+            let mut shares = [[Places::default(); 7]; 3];
+            for i in 0..Places::default().len() {
+                let found = self.shares(geometry, i, at(i));
+                for (shares, found) in std::iter::zip(&mut shares, found) {
+                    std::iter::zip(shares, found).for_each(|(share, found)| share[i] = found);
+                }
+            }
+            for (peak, shares) in std::iter::zip(&mut peaks, shares) {
+                for shares in &shares {
+                    peak.add(shares);
+                }
+            }
+            return peaks.map(|peak| peak.get());
+        }
+        let mut of_plane = [[Places::default(); 2]; 3];
+        let across =
+            if let Geometry::Planar(across) = geometry { *across } else { Default::default() };
+        for i in 0..Places::default().len() {
+            let found = in_plane(across.map(|derivative| derivative[i]), at(i));
+            for (of_plane, [along, aside]) in std::iter::zip(&mut of_plane, found) {
+                (of_plane[0][i], of_plane[1][i]) = (along, aside);
+            }
+        }
+        for (peak, (joints, [along, aside])) in
+            std::iter::zip(&mut peaks, std::iter::zip(&self.limiting, &of_plane))
+        {
+            for [ahead, across] in joints.points() {
+                peak.add(&std::array::from_fn(|i| ahead * along[i] + across * aside[i]));
+            }
+        }
+        peaks.map(|peak| peak.get())
     }
 }
 

@@ -9,11 +9,14 @@
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LimitingJoints {
     joints: [usize; 7],
+    /// Their points.
+    points: [[f64; 2]; 7],
     count: usize,
 }
 
 impl LimitingJoints {
-    pub(crate) const ALL: Self = Self { joints: [0, 1, 2, 3, 4, 5, 6], count: 7 };
+    pub(crate) const ALL: Self =
+        Self { joints: [0, 1, 2, 3, 4, 5, 6], points: [[0.0; 2]; 7], count: 7 };
 
     /// The corners of the convex hull of `points` and their opposites.
     pub(crate) fn new(points: &[[f64; 2]; 7]) -> Self {
@@ -22,44 +25,51 @@ impl LimitingJoints {
         // The farthest point is a corner. The corners from there around to its opposite are all others, or theirs.
         let farthest = (0..7).max_by(by_distance).unwrap_or_default();
         let from = points[farthest];
-        let mut left: Vec<(usize, [f64; 2])> = (0..7)
-            .filter_map(|j| {
-                let side = cross(from, points[j]);
-                let point = if side < 0.0 { points[j].map(|v| -v) } else { points[j] };
-                (side != 0.0).then_some((j, point))
+        let mut left: Vec<_> = (0..7)
+            .filter(|&j| j != farthest)
+            .map(|j| {
+                let right = cross(from, points[j]) < 0.0;
+                (j, if right { points[j].map(|v| -v) } else { points[j] })
             })
             .collect();
-        left.sort_by(|a, b| 0.0_f64.total_cmp(&cross(a.1, b.1)));
         left.push((farthest, from.map(|v| -v)));
-        let mut corners = vec![(farthest, from)];
-        for (j, point) in left {
-            while let [.., (_, before), (_, last)] = corners[..]
-                && turn(before, last, point) <= 0.0
-            {
-                corners.pop();
+        let mut limiting = Self { joints: [0; 7], points: [[0.0; 2]; 7], count: 0 };
+        let mut corner = (farthest, from);
+        loop {
+            let (joint, point) = corner;
+            limiting.joints[limiting.count] = joint;
+            limiting.points[limiting.count] = points[joint];
+            limiting.count += 1;
+            // Gift wrapping: all others are to the left of the way to the next corner. Of some in one direction it is
+            // the farthest, whichever rounding prefers.
+            let to = |other: [f64; 2]| [other[0] - point[0], other[1] - point[1]];
+            let mut next = left.len() - 1;
+            for other in 0..next {
+                let [best, way] = [next, other].map(|place| to(left[place].1));
+                let side = cross(best, way);
+                if side < 0.0 || side == 0.0 && square(way) > square(best) {
+                    next = other;
+                }
             }
-            corners.push((j, point));
+            corner = left.remove(next);
+            if corner.0 == farthest {
+                return limiting;
+            }
         }
-        corners.pop();
-        let mut joints = [0; 7];
-        for (place, (j, _)) in joints.iter_mut().zip(&corners) {
-            *place = *j;
-        }
-        Self { joints, count: corners.len() }
     }
 
     pub(crate) fn get(&self) -> &[usize] {
         &self.joints[..self.count]
     }
+
+    /// The points of these joints in the plane.
+    pub(crate) fn points(&self) -> &[[f64; 2]] {
+        &self.points[..self.count]
+    }
 }
 
 fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
-}
-
-/// Above zero where the way from `a` over `b` to `c` turns to the left.
-fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    cross([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]])
 }
 
 #[cfg(test)]
@@ -73,11 +83,14 @@ mod tests {
         fn the_others_limit_nothing(
             points in prop::array::uniform7(prop::array::uniform2(-1.0..1.0_f64)),
             equal in 0..7_usize,
+            factor in -2.0..2.0_f64,
             angles in prop::collection::vec(0.0..std::f64::consts::TAU, 50),
         ) {
             let mut points = points;
             // Joints that do not move along one direction, or at all, and joints that move alike.
             points[equal] = points[0];
+            points[(equal + 3) % 7] = points[0].map(|v| factor * v);
+            points[(equal + 4) % 7] = points[0].map(|v| factor * factor * v);
             points[(equal + 1) % 7][0] = 0.0;
             points[(equal + 2) % 7] = [0.0; 2];
             let limiting = LimitingJoints::new(&points);
@@ -89,6 +102,21 @@ mod tests {
                 prop_assert!(all <= kept * (1.0 + 1e-12), "{all} {kept} {limiting:?}");
             }
         }
+    }
+
+    /// All joints but one move in proportion.
+    #[test]
+    fn the_largest_of_proportional_joints() {
+        let points = [
+            [-0.0007070155993254299, 1.6273147192234487e-5],
+            [-0.0028006239711400524, 6.446104747327476e-5],
+            [0.0017949684729800103, -4.131420324260653e-5],
+            [-3.919993786090194e-5, 9.022521700306685e-7],
+            [-0.002319949786422209, 5.339752671519828e-5],
+            [0.03473593643336644, 0.003262039244813337],
+            [-0.010277804378863864, 0.0002365608674402951],
+        ];
+        assert_eq!(LimitingJoints::new(&points).get(), [5, 6]);
     }
 
     #[test]

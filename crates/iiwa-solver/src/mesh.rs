@@ -6,7 +6,10 @@
 
 use std::ops::Range;
 
-use crate::{limited_segment::LimitedSegment, settings::MeshSettings, swept::SweptNode};
+use crate::{
+    geometry::Geometry, limited_segment::LimitedSegment, peaks::SHARES, settings::MeshSettings,
+    swept::SweptNode,
+};
 
 const SETTINGS: MeshSettings = crate::settings::SETTINGS.mesh;
 
@@ -34,6 +37,21 @@ pub struct Mesh {
     pub cells: Vec<Cell>,
     /// The cell that ends at rest: jerk is constant in it.
     pub to_rest: Cell,
+    /// The curve at [`SHARES`] of the cells between.
+    pub(crate) geometry: Vec<Geometry>,
+}
+
+impl Cell {
+    /// The curve at [`SHARES`] of the cell's stretch between two shares of it.
+    #[inline(always)]
+    pub(crate) fn geometry(
+        &self,
+        segments: &[LimitedSegment<'_>],
+        [from, to]: [f64; 2],
+    ) -> Geometry {
+        let share = |f: f64| from + f * (to - from);
+        segments[self.segment].geometry(&SHARES.map(|f| self.from + share(f) * self.length))
+    }
 }
 
 impl MeshSettings {
@@ -184,7 +202,8 @@ pub(crate) fn mesh(
     }
     let to_rest = cells.pop()?;
     let from_rest = if starts_at_rest { Some(cells.remove(0)) } else { None };
-    (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest })
+    let geometry = cells.iter().map(|cell| cell.geometry(segments, [0.0, 1.0])).collect();
+    (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest, geometry })
 }
 
 /// Nodes from 0 to `length` with distances of about `size`, which changes little from one to the next;

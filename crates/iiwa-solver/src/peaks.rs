@@ -1,38 +1,45 @@
 //! Extrema of smooth curves from samples.
 
-/// The largest magnitudes of three groups of `N` curves that are sampled at evenly spaced places, each where it is
-/// sampled and where the parabola through three neighbouring samples has its vertex. What is not a number counts
-/// as too much.
-#[inline(always)]
-pub(crate) fn peaks<const N: usize>(samples: impl Iterator<Item = [[f64; N]; 3]>) -> [f64; 3] {
-    let mut largest = [[0.0; N]; 3];
-    let mut before = None;
-    for next in samples {
-        for i in 0..3 {
-            for j in 0..N {
-                largest[i][j] = larger(largest[i][j], next[i][j].abs());
-            }
-        }
-        if let Some((Some(first), middle)) = before {
-            let (first, middle): ([[f64; N]; 3], [[f64; N]; 3]) = (first, middle);
-            for i in 0..3 {
-                for j in 0..N {
-                    let vertex = vertex([first[i][j], middle[i][j], next[i][j]]);
-                    largest[i][j] = larger(largest[i][j], vertex.abs());
-                }
-            }
-        }
-        before = Some((before.map(|(_, middle)| middle), next));
-    }
-    largest.map(|group| group.into_iter().fold(0.0, larger))
+use crate::geometry::Places;
+
+/// The places of a cell that are sampled, as shares of it: evenly spaced from its start to its end. The last is there
+/// twice, to fill vector registers.
+pub(crate) const SHARES: Places = [0.0, 1.0 / 6.0, 1.0 / 3.0, 0.5, 2.0 / 3.0, 5.0 / 6.0, 1.0, 1.0];
+
+/// The largest magnitude of some curves.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Peak {
+    largest: Places,
+    /// Zero, unless there is a sample that is not finite.
+    spoilt: Places,
 }
 
-/// The extremum of the parabola through three values, or the middle one if it has none between the others.
-#[inline(always)]
-fn vertex([first, middle, last]: [f64; 3]) -> f64 {
-    let slope = 0.5 * (last - first);
-    let bend = last - 2.0 * middle + first;
-    if slope.abs() < bend.abs() { middle - 0.5 * slope * slope / bend } else { middle }
+impl Peak {
+    /// Adds a curve, sampled at [`SHARES`]: what it is there, and where the parabola through three neighbouring samples
+    /// has its vertex.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, samples: &Places) {
+        // At both ends the parabola is one with its vertex there.
+        let before = [1, 0, 1, 2, 3, 4, 5, 7].map(|i: usize| samples[i]);
+        let after = [1, 2, 3, 4, 5, 6, 5, 7].map(|i: usize| samples[i]);
+        for i in 0..samples.len() {
+            let middle = samples[i];
+            let slope = 0.5 * (after[i] - before[i]);
+            let bend = after[i] - 2.0 * middle + before[i];
+            let rise = if slope.abs() < bend.abs() { 0.5 * slope * slope / bend } else { 0.0 };
+            let vertex = (middle - rise).abs();
+            let larger = if vertex > middle.abs() { vertex } else { middle.abs() };
+            self.largest[i] = if larger > self.largest[i] { larger } else { self.largest[i] };
+            self.spoilt[i] += 0.0 * middle;
+        }
+    }
+
+    /// The largest magnitude of all; not a number if a sample was not finite.
+    #[inline(always)]
+    pub(crate) fn get(&self) -> f64 {
+        let largest = self.largest.into_iter().fold(0.0, larger);
+        largest + self.spoilt.into_iter().sum::<f64>()
+    }
 }
 
 /// The larger one, or the one that is not a number.
@@ -45,15 +52,27 @@ pub(crate) fn larger(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
 
+    fn peak(curve: impl Fn(f64) -> f64) -> f64 {
+        let mut peak = Peak::default();
+        peak.add(&SHARES.map(curve));
+        peak.get()
+    }
+
     #[test]
-    fn are_found_between_samples_and_at_ends() {
-        let curve = |x: f64| [[1.0 - (x - 0.3).powi(2), x], [-x * x, 0.0], [0.0, f64::NAN]];
-        let [a, b, c] = peaks((0..=4).map(|i| curve(f64::from(i) / 4.0)));
-        assert!((a - 1.0).abs() < 1e-15 && b == 1.0 && c.is_nan());
-        // Two samples have no parabola.
-        assert_eq!(
-            peaks([[[1.0], [2.0], [3.0]], [[-4.0], [1.0], [0.0]]].into_iter()),
-            [4.0, 2.0, 3.0]
-        );
+    fn is_found_between_samples_and_at_ends() {
+        assert!((peak(|x| 1.0 - (x - 0.3).powi(2)) - 1.0).abs() < 1e-15);
+        assert_eq!(peak(|x| x), 1.0);
+        assert_eq!(peak(|x| -x * x), 1.0);
+        assert_eq!(peak(|x| 1.0 - x), 1.0);
+        assert!(peak(|x| if x == 0.5 { f64::NAN } else { x }).is_nan());
+        assert!(peak(|x| 1.0 / x).is_nan());
+    }
+
+    #[test]
+    fn is_that_of_the_largest_curve() {
+        let mut peak = Peak::default();
+        peak.add(&SHARES.map(|x| x - 3.0));
+        peak.add(&SHARES.map(|x| 2.0 * x));
+        assert_eq!(peak.get(), 3.0);
     }
 }

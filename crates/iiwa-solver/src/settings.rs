@@ -122,8 +122,8 @@ pub(crate) struct RefinementSettings {
     pub(crate) far: WarmStart,
     /// Excess over a limit that calls for the far start, as a ratio.
     pub(crate) abrupt: f64,
-    /// Intervals of a cell at whose ends limits are checked: at first, and in the end.
-    pub(crate) checks: [u32; 2],
+    /// Most stretches of a slow cell that are checked one by one.
+    pub(crate) stretches: f64,
     /// Duration from which on a cell is slow, over that in which jerk builds up acceleration: it is checked more
     /// finely.
     pub(crate) slow: f64,
@@ -203,7 +203,7 @@ pub(crate) const SETTINGS: Settings = Settings {
         cautious: WarmStart { mu: 1e-3, slack: 1e-3, kept: 1.0 },
         far: WarmStart { mu: 1e-2, slack: 1e-2, kept: 1.0 },
         abrupt: 1.3,
-        checks: [4, 6],
+        stretches: 4.0,
         slow: 0.9,
         rounds: 8,
         longer: [1.002, 1.25],

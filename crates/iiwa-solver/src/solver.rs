@@ -198,7 +198,7 @@ impl Solver {
             *x = x.min(2.0 * acceleration * way);
             way += length;
         }
-        lower_to_jerk(segments, cells, &mut x);
+        lower_to_jerk(segments, mesh, &mut x);
         solver.guess(&x);
         solver
     }
@@ -293,6 +293,7 @@ impl Solver {
 
     /// x and its first two derivatives by sigma, at the share `f` of the cell `k` of those between
     /// the two that touch rest.
+    #[inline(always)]
     pub(crate) fn at(&self, k: usize, f: f64) -> [f64; 3] {
         let [x, v, w0, w1] = self.states[k];
         let h = self.lengths[k];
@@ -498,22 +499,31 @@ impl Solver {
 
 /// Lowers `x` at the nodes between cells to what the limits of jerk leave along the path, and next to it to
 /// what can be reached from there: a start at which jerk is many times as large as it may be is lost.
-fn lower_to_jerk(segments: &[LimitedSegment<'_>], cells: &[Cell], x: &mut [f64]) {
+fn lower_to_jerk(segments: &[LimitedSegment<'_>], mesh: &Mesh, x: &mut [f64]) {
     let mut lowered = false;
-    for (k, cell) in cells.iter().enumerate() {
+    for (k, (cell, geometry)) in std::iter::zip(&mesh.cells, &mesh.geometry).enumerate() {
         let segment = &segments[cell.segment];
-        for (node, place) in [(k, 0.0), (k, 0.5), (k + 1, 0.5), (k + 1, 1.0)] {
-            let cap = segment.x_by_jerk(segment.s(cell.from + place * cell.length));
-            let cap = SETTINGS.start_jerk * cap;
-            lowered |= cap < x[node];
-            x[node] = x[node].min(cap);
+        if segment.is_line() {
+            continue;
+        }
+        let [start, middle, end] = [0, 3, 6].map(|place| {
+            let [_, _, dddq] = segment.derivatives_at(geometry, place);
+            segment.jerk_at_unit_speed(&dddq)
+        });
+        for (node, share) in [(k, start), (k, middle), (k + 1, middle), (k + 1, end)] {
+            let steady = x[node] / SETTINGS.start_jerk;
+            if share * steady * steady.sqrt() > 1.0 {
+                lowered = true;
+                x[node] = SETTINGS.start_jerk * share.powf(-2.0 / 3.0);
+            }
         }
     }
     if !lowered {
         return;
     }
     // With constant jerk from rest, x^(3/4) grows evenly with sigma.
-    let growth: Vec<_> = cells
+    let growth: Vec<_> = mesh
+        .cells
         .iter()
         .map(|cell| {
             let segment = &segments[cell.segment];

@@ -133,9 +133,9 @@ mod tests {
             let rates = x0.sqrt() + x1.sqrt();
             let [t, ..] = durations(pulp::Scalar::new(), &[ds; 8], &[rates; 8], &[u1 - u0; 8]);
             // Simpson's rule for dt = ds / sqrt(x).
-            let at = |i: i32| x(f64::from(i) / 2000.0 * ds, ds, x0, [u0, u1]).sqrt().recip();
-            let weight = |i| if i == 0 || i == 2000 { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
-            let integral = (0..=2000).map(|i| weight(i) * at(i)).sum::<f64>() * ds / 6000.0;
+            let at = |i: i32| x(f64::from(i) / 8000.0 * ds, ds, x0, [u0, u1]).sqrt().recip();
+            let weight = |i| if i == 0 || i == 8000 { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
+            let integral = (0..=8000).map(|i| weight(i) * at(i)).sum::<f64>() * ds / 24000.0;
             prop_assert!((t / integral - 1.0).abs() < 1e-8, "{t} {integral}");
 
             // In between, the polynomial of time is close to what goes on.

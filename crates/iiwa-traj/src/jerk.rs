@@ -8,7 +8,7 @@ mod stamps;
 
 use std::sync::atomic::AtomicBool;
 
-use iiwa_path::Step;
+use iiwa_path::{PLACES, Step};
 use iiwa_solver::{LimitedSegment, SolveError, SweptNode};
 
 use crate::{
@@ -75,7 +75,7 @@ fn straight(segment: &LimitedSegment<'_>) -> Stamps {
         })
         .collect();
     let mut usage = LimitUsage::default();
-    let derivatives = segment.derivatives(0.0);
+    let geometry = segment.geometry(&[0.0; PLACES]);
     for pair in instants.windows(2) {
         let [from, to] = [pair[0], pair[1]];
         let dt = from.phase_s;
@@ -87,7 +87,8 @@ fn straight(segment: &LimitedSegment<'_>) -> Stamps {
             ..from
         };
         for (at, dt) in [(half, dt), (to, 0.0)] {
-            usage.sample(&segment.shares(&derivatives, [at.speed, at.acceleration, jerk]), dt);
+            let rates = [at.speed, at.acceleration, jerk];
+            usage.sample(&segment.shares(&geometry, 0, rates), dt);
         }
     }
     let segments = vec![SegmentStamps { nodes: 0..nodes.len(), usage }];

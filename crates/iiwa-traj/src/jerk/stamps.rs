@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use iiwa_solver::{Cell, LimitedSegment, Mesh, Solution, Window};
+use iiwa_path::PLACES;
+use iiwa_solver::{Cell, Geometry, LimitedSegment, Mesh, Solution, Window};
 
 use crate::{interval::later, limit_usage::LimitUsage, node::Node};
 
@@ -64,12 +65,20 @@ impl Stamper {
         });
     }
 
-    /// Adds what holds at `s` for `dt`, at speed, acceleration and jerk of sigma before the motion is slowed down.
-    fn usage(&mut self, segment: &LimitedSegment<'_>, s: f64, [v, a, j]: [f64; 3], dt: f64) {
+    /// Adds what holds at a `place` of some `geometry` for `dt`, at speed, acceleration and jerk of sigma before the
+    /// motion is slowed down.
+    #[inline(always)]
+    fn usage(
+        &mut self,
+        segment: &LimitedSegment<'_>,
+        (geometry, place): (&Geometry, usize),
+        [v, a, j]: [f64; 3],
+        dt: f64,
+    ) {
         let time_scale = self.time_scale;
         let at = [v / time_scale, a / time_scale.powi(2), j / time_scale.powi(3)];
         if let Some(stamps) = self.stamps.segments.last_mut() {
-            stamps.usage.sample(&segment.shares(&segment.derivatives(s), at), dt);
+            stamps.usage.sample(&segment.shares(geometry, place, at), dt);
         }
     }
 
@@ -77,7 +86,8 @@ impl Stamper {
     fn rest(&mut self, segment: &LimitedSegment<'_>, cell: &Cell, seconds: f64) {
         let jerk = 6.0 * cell.length / seconds.powi(3);
         let half = [0.125 * jerk * seconds * seconds, 0.5 * jerk * seconds, jerk];
-        self.usage(segment, 0.0, half, seconds * self.time_scale);
+        let geometry = segment.geometry(&[0.0; PLACES]);
+        self.usage(segment, (&geometry, 0), half, seconds * self.time_scale);
     }
 
     /// Begins the next segment, unless it has begun.
@@ -111,16 +121,21 @@ impl Stamper {
         for (k, cell) in cells.iter().enumerate().take_while(|(_, cell)| cell.segment < end) {
             let segment = &segments[cell.segment];
             self.begin(cell.segment);
-            let s = |f: f64| segment.s(cell.from + f * cell.length).clamp(0.0, 1.0);
             let parts = solution.parts(segment, k);
+            let mut geometry = Geometry::Line;
             for part in 0..parts {
-                let [from, middle, to] =
-                    [0.0, 0.5, 1.0].map(|half| (f64::from(part) + half) / f64::from(parts));
+                let share = |half: f64| (f64::from(part) + half) / f64::from(parts);
+                let [from, middle, to] = [0.0, 0.5, 1.0].map(share);
+                let place = part as usize % PLACES;
+                if place == 0 {
+                    let middles = std::array::from_fn(|i| share(i as f64 + 0.5).min(1.0));
+                    geometry = segment.geometry(&middles.map(|f: f64| cell.from + f * cell.length));
+                }
                 let [x, dx, _] = solution.at(k, from);
                 let dt = self.time_scale * solution.cell_s(k, from, to);
                 let way = [cell.from + from * cell.length, (to - from) * cell.length];
                 self.node(segment, way, [self.t_s, dt], [x, dx]);
-                self.usage(segment, s(middle), solution.rates(k, middle), dt);
+                self.usage(segment, (&geometry, place), solution.rates(k, middle), dt);
                 self.t_s = later(self.start_s, self.t_s, dt);
             }
             if cells.get(k + 1).is_none_or(|next| next.segment != cell.segment) {
