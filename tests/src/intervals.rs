@@ -17,27 +17,33 @@ pub(crate) struct Interval {
     way: [f64; 6],
 }
 
+/// By which share of the way a polynomial may miss the second node.
+const MISSED: f64 = 1e-12;
+
 impl Interval {
-    /// p, dp/dt and d2p/dt2 are those of both nodes.
+    /// p, dp/dt and d2p/dt2 are those of both nodes; but for what is below [`MISSED`], where d3p/dt3 is constant.
     pub(crate) fn between(from: &Node, to: &Node) -> Self {
         let t = from.dt_s;
         // Per unit of the share: speeds, and halves of accelerations.
         let [v0, v1] = [t * from.rate, t * to.rate];
         let [a0, a1] = [0.5 * t * t * from.u[0], 0.5 * t * t * from.u[1]];
-        // What the first three powers miss at the end, of the way, its first and half of its second
-        // derivative; the other three powers make up for it.
-        let miss = from.dp - v0 - a0;
-        let miss_v = v1 - v0 - 2.0 * a0;
+        // What constant d3p/dt3 misses at the end, of the way and its first derivative; the last two powers make up
+        // for it.
         let miss_a = a1 - a0;
+        let mut miss = from.dp - v0 - a0 - miss_a / 3.0;
+        let mut miss_v = v1 - v0 - 2.0 * a0 - miss_a;
+        let mut missed = f64::EPSILON * (from.dp + from.rate.max(to.rate) * t);
+        if miss.abs().max(miss_v.abs()) <= MISSED * from.dp {
+            (miss, miss_v, missed) = (0.0, 0.0, 0.0);
+        }
         let way = [
             0.0,
             v0,
             a0,
-            10.0 * miss - 4.0 * miss_v + miss_a,
-            -15.0 * miss + 7.0 * miss_v - 2.0 * miss_a,
-            6.0 * miss - 3.0 * miss_v + miss_a,
+            10.0 * miss - 4.0 * miss_v + miss_a / 3.0,
+            -15.0 * miss + 7.0 * miss_v,
+            6.0 * miss - 3.0 * miss_v,
         ];
-        let missed = f64::EPSILON * (from.dp + from.rate.max(to.rate) * t);
         Self { from_p: from.p, duration_s: t, miss: missed, way }
     }
 

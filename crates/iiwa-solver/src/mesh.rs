@@ -81,48 +81,75 @@ struct Switch {
     build_up_s: f64,
 }
 
-/// The acceleration-limited stamps along a segment, by sigma.
+/// Where in a segment, in rad from its start and from its end. The smaller of both has digits of its own: next to
+/// an end, cells may be shorter than what rounding leaves of the way from the other one.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    start: f64,
+    end: f64,
+}
+
+impl Place {
+    fn is_nearer_to_start(self) -> bool {
+        self.start < self.end
+    }
+
+    /// The place that is `way` further along a segment of this `length`.
+    fn after(self, way: f64, length: f64) -> Self {
+        if self.is_nearer_to_start() {
+            let start = self.start + way;
+            Self { start, end: length - start }
+        } else {
+            let end = self.end - way;
+            Self { start: length - end, end }
+        }
+    }
+
+    /// The way to `other`, further along the segment.
+    fn way_to(self, other: Self) -> f64 {
+        if self.is_nearer_to_start() { other.start - self.start } else { self.end - other.end }
+    }
+
+    /// The same place on the segment turned around.
+    fn reversed(self) -> Self {
+        Self { start: self.end, end: self.start }
+    }
+}
+
+/// The acceleration-limited stamps along a segment, by the way from its start, or from its end where it rests there.
 struct Swept(Vec<SweptSample>);
 
 #[derive(Clone, Copy)]
 struct SweptSample {
-    sigma: f64,
+    way: f64,
     x: f64,
     t_s: f64,
 }
 
 impl Swept {
-    fn new(segment: &LimitedSegment<'_>) -> Self {
-        Self(
-            segment
-                .swept
-                .iter()
-                .map(|node| SweptSample {
-                    sigma: node.p * segment.length,
-                    x: segment.swept_x(node),
-                    t_s: node.t_s,
-                })
-                .collect(),
-        )
+    fn new(segment: &LimitedSegment<'_>, from_end: bool) -> Self {
+        let sample = |node: &SweptNode| SweptSample {
+            way: segment.length * if from_end { 1.0 - node.p } else { node.p },
+            x: segment.swept_x(node),
+            t_s: node.t_s,
+        };
+        Self(if from_end {
+            segment.swept.iter().rev().map(sample).collect()
+        } else {
+            segment.swept.iter().map(sample).collect()
+        })
     }
 
-    fn ends(&self) -> [SweptSample; 2] {
-        [self.0[0], self.0[self.0.len() - 1]]
-    }
-
-    /// x and time at `sigma`.
-    fn at(&self, sigma: f64) -> SweptSample {
-        let next = self.0.partition_point(|sample| sample.sigma <= sigma);
+    /// x and time after `way`.
+    fn at(&self, way: f64) -> SweptSample {
+        let next = self.0.partition_point(|sample| sample.way <= way);
         let next = next.clamp(1, self.0.len() - 1);
         let (a, b) = (self.0[next - 1], self.0[next]);
-        let share = ((sigma - a.sigma) / (b.sigma - a.sigma)).clamp(0.0, 1.0);
+        let share = ((way - a.way) / (b.way - a.way)).clamp(0.0, 1.0);
         let x = a.x + share * (b.x - a.x);
         let mean = 0.5 * (a.x.sqrt() + x.sqrt());
-        SweptSample {
-            sigma,
-            x,
-            t_s: a.t_s + share * (b.sigma - a.sigma) / mean.max(f64::MIN_POSITIVE),
-        }
+        let seconds = share * (b.way - a.way) / mean.max(f64::MIN_POSITIVE);
+        SweptSample { way, x, t_s: a.t_s + seconds.copysign(b.t_s - a.t_s) }
     }
 }
 
@@ -140,9 +167,10 @@ pub(crate) fn mesh(
     let mut near = 0..0;
     for index in part.clone() {
         let segment = &segments[index];
-        let swept = &Swept::new(segment);
+        let backwards = index + 1 == part.end;
+        let swept = &Swept::new(segment, backwards);
         // A few of the switches before and after the segment, to be able to look ahead.
-        let [start, end] = swept.ends();
+        let [start, .., end] = segment.swept else { return None };
         near.start += switches[near.start..].partition_point(|switch| switch.t_s < start.t_s);
         near.end = near.end.max(near.start);
         near.end += switches[near.end..].partition_point(|switch| switch.t_s <= end.t_s);
@@ -154,7 +182,7 @@ pub(crate) fn mesh(
             rests.then(|| sizes.rest * build_up.min(segment.length / 6.0))
         };
         let from_rest = rest(starts_at_rest && index == part.start);
-        let to_rest = rest(index + 1 == part.end);
+        let to_rest = rest(backwards);
         let end_size = |neighbour: Option<&LimitedSegment<'_>>| {
             let of = |segment: &LimitedSegment<'_>| {
                 segment.length * if segment.is_line() { sizes.line } else { sizes.blend_end }
@@ -168,8 +196,9 @@ pub(crate) fn mesh(
         let least =
             1e-3 * from_rest.or(to_rest).unwrap_or(most).min(at_start).min(at_end).min(most);
         let turn = segment.turn_back();
-        let size = |sigma: f64| {
-            let SweptSample { x, t_s, .. } = swept.at(sigma);
+        let swept_at = |place: Place| swept.at(if backwards { place.end } else { place.start });
+        let size = |place: Place| {
+            let SweptSample { x, t_s, .. } = swept_at(place);
             let duration_s = near
                 .iter()
                 .map(|near| sizes.switch * near.build_up_s + sizes.fade * (t_s - near.t_s).abs())
@@ -178,26 +207,23 @@ pub(crate) fn mesh(
                 Some(_) => sizes.rest_growth * way,
                 None => size + sizes.blend_end_growth * way,
             };
-            most.min(grown(from_rest, at_start, sigma))
-                .min(grown(to_rest, at_end, segment.length - sigma))
+            most.min(grown(from_rest, at_start, place.start))
+                .min(grown(to_rest, at_end, place.end))
                 .min(x.sqrt() * duration_s)
-                .min(sizes.turn * turn + sizes.turn_growth * (sigma - 0.5 * segment.length).abs())
+                .min(sizes.turn * turn + sizes.turn_growth * 0.5 * (place.start - place.end).abs())
                 .max(least)
         };
-        let backwards = to_rest.is_some();
-        let size = |way: f64| size(if backwards { segment.length - way } else { way });
+        let size = |place: Place| size(if backwards { place.reversed() } else { place });
         let mut nodes = march(segment.length, from_rest.or(to_rest), size)?;
         if backwards {
             nodes.reverse();
-            for node in &mut nodes {
-                *node = segment.length - *node;
-            }
+            nodes.iter_mut().for_each(|node| *node = node.reversed());
         }
         cells.extend(nodes.windows(2).map(|pair| Cell {
             segment: index,
-            from: pair[0],
-            length: pair[1] - pair[0],
-            x: swept.at(pair[0]).x,
+            from: pair[0].start,
+            length: pair[0].way_to(pair[1]),
+            x: swept_at(pair[0]).x,
         }));
     }
     let to_rest = cells.pop()?;
@@ -206,21 +232,23 @@ pub(crate) fn mesh(
     (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest, geometry })
 }
 
-/// Nodes from 0 to `length` with distances of about `size`, which changes little from one to the next;
+/// Nodes along `length` with distances of about `size`, which changes little from one to the next;
 /// the first distance is given where the arm rests. None if there are too many.
-fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Option<Vec<f64>> {
-    let mut nodes = vec![0.0];
-    let mut at = 0.0;
+fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<Vec<Place>> {
+    let mut at = Place { start: 0.0, end: length };
+    let mut nodes = vec![at];
     if let Some(rest) = rest {
-        at = rest;
-        nodes.push(rest);
+        at = at.after(rest, length);
+        nodes.push(at);
     }
-    while at < length {
+    let end = Place { start: length, end: 0.0 };
+    while at.end > 0.0 {
+        let after = |step: f64| if step < at.way_to(end) { at.after(step, length) } else { end };
         // As small as the cell has to be at its start, its middle and its end.
         let mut step = size(at);
-        step = step.min(size((at + step).min(length)));
-        step = step.min(size((at + 0.5 * step).min(length)));
-        at += step;
+        step = step.min(size(after(step)));
+        step = step.min(size(after(0.5 * step)));
+        at = at.after(step, length);
         nodes.push(at);
         if nodes.len() > SETTINGS.most_nodes {
             return None;
@@ -228,12 +256,19 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(f64) -> f64) -> Option<Ve
     }
     // The last node overshoots: it, or the one before, is moved to the end, and the others with it.
     let n = nodes.len();
-    if n > 3 && nodes[n - 1] - length > 0.5 * (nodes[n - 1] - nodes[n - 2]) {
+    if n > 3 && -nodes[n - 1].end > 0.5 * nodes[n - 2].way_to(nodes[n - 1]) {
         nodes.pop();
     }
-    let fit = length / nodes[nodes.len() - 1];
+    let missing = nodes[nodes.len() - 1].end;
+    let fit = length / (length - missing);
     for node in &mut nodes {
-        *node *= fit;
+        *node = if node.is_nearer_to_start() {
+            let start = node.start * fit;
+            Place { start, end: length - start }
+        } else {
+            let end = (node.end - missing) * fit;
+            Place { start: length - end, end }
+        };
     }
     Some(nodes)
 }

@@ -89,19 +89,29 @@ pub(crate) struct Progress {
     pub(crate) du: f64,
 }
 
+/// By which share of the way between two nodes a polynomial may miss the second one: far above what rounding
+/// leaves of the nodes, far below what can be seen.
+const MISSED: f64 = 1e-12;
+
 /// Progress at `t` after the node `from`, where p is the polynomial of degree five in time that meets
 /// both nodes.
+///
+/// If it differs from the cubic that goes from one d2p/dt2 to the other by next to nothing, it is that cubic: over
+/// some nanoseconds jerk would be made of the rounding of rates and ways.
 #[inline]
 pub(crate) fn progress(t: f64, from: &Node, to: &Node) -> Progress {
     let (whole, dp) = (from.dt_s, from.dp);
     let (v, a) = (from.rate, from.u[0]);
-    // What constant d2p/dt2 would miss at the end.
-    let way = dp - whole * (v + 0.5 * whole * a);
-    let faster = whole * (to.rate - v - whole * a);
     let harder = whole * whole * (from.u[1] - a);
-    let cubic = 10.0 * way - 4.0 * faster + 0.5 * harder;
-    let quartic = -15.0 * way + 7.0 * faster - harder;
-    let quintic = 6.0 * way - 3.0 * faster + 0.5 * harder;
+    // What constant d3p/dt3 would miss at the end.
+    let mut way = dp - whole * (v + 0.5 * whole * a) - harder / 6.0;
+    let mut faster = whole * (to.rate - v - whole * a) - 0.5 * harder;
+    if way.abs().max(faster.abs()) <= MISSED * dp {
+        (way, faster) = (0.0, 0.0);
+    }
+    let cubic = 10.0 * way - 4.0 * faster + harder / 6.0;
+    let quartic = -15.0 * way + 7.0 * faster;
+    let quintic = 6.0 * way - 3.0 * faster;
     let f = t / whole;
     let p = t * (v + 0.5 * t * a) + f * f * f * (cubic + f * (quartic + f * quintic));
     let rate = v + t * a + f * f * (3.0 * cubic + f * (4.0 * quartic + f * 5.0 * quintic)) / whole;

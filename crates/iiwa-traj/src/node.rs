@@ -1,6 +1,7 @@
 //! Samples at which stamps are found.
 
-/// A sample of a piece. Until the next one p is the polynomial of degree five in time that meets both; under
+/// A sample of a piece. Until the next one p is the polynomial of degree five in time that meets both, or the cubic
+/// that goes from d2p/dt2 here to d2p/dt2 there where it misses the next one by no more than 1e-12 of the way; under
 /// jerk-limited timing, d2p/dt2 continues from interval to interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Node {
