@@ -1,6 +1,6 @@
 //! From the motions of a program to the steps of its path.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use iiwa_kin::{Joint, Joints, Robot, vector};
 
@@ -22,18 +22,21 @@ use crate::{
 /// is about a hundred times as much.
 const NO_MOTION_RAD: f64 = 1e-9;
 
-/// The steps of the path of `program`, which has been checked.
+/// The steps of the path of `program`, which has been checked: those of the motions in `range`, from where the arm is
+/// when the first of them begins.
 pub(crate) fn steps(
     program: &Program,
     robot: &Robot,
     options: PathOptions,
+    range: Range<usize>,
+    from_rad: Joints,
 ) -> Result<Vec<Step>, Fault> {
-    let mut steps = Builder { robot, steps: Vec::with_capacity(2 * program.motions.len()) };
+    let mut steps = Builder { robot, steps: Vec::with_capacity(2 * range.len()) };
     // Where the last blend ended, or the arm stands.
-    let mut from = program.start_rad;
+    let mut from = from_rad;
     // The target before, blended away or not: directions are taken between targets.
-    let mut last_target = program.start_rad;
-    for (motion, entry) in program.entries() {
+    let mut last_target = program.target_before(range.start);
+    for (motion, entry) in program.entries().take(range.end).skip(range.start) {
         let ptp = match entry {
             Motion::Ptp(ptp) => ptp,
             Motion::Wait { seconds } => {
@@ -108,7 +111,7 @@ impl Builder<'_> {
         };
         if segment.tangent_lengths_rad()[0] <= NO_MOTION_RAD {
             // A circle that turns back has no radius: it stops where it starts.
-            self.push(Step::Corner);
+            self.push(Step::Corner { motion });
             return Ok(());
         }
         let blend = Some(Corner { motion, gamma_deg });

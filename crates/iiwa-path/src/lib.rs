@@ -66,7 +66,7 @@ pub use line::Line;
 pub use motion_index::MotionIndex;
 pub use motion_limits::MotionLimits;
 pub use options::{BlendShape, PathOptions};
-pub use path::JointPath;
+pub use path::{JointPath, ReplacedSteps};
 pub use planar_graph::{PLACES, PlanarGraph};
 pub use polynomial::{KAPPA_MIN_ACCELERATION, PolynomialBlend};
 pub use program::{Motion, Program, Ptp};

@@ -1,5 +1,7 @@
 //! The path of a motion program.
 
+mod update;
+
 use std::sync::Arc;
 
 use iiwa_kin::{Joints, Robot};
@@ -14,6 +16,8 @@ use crate::{
     segment::Segment,
     step::{Corner, Step},
 };
+
+pub use update::ReplacedSteps;
 
 /// The path of a motion program: what the arm does, in order, without time.
 ///
@@ -63,7 +67,8 @@ impl JointPath {
         options: PathOptions,
     ) -> Result<Self, Fault> {
         program.check(robot.limits())?;
-        let steps = steps(program, robot, options)?;
+        let all = 0..program.motions.len();
+        let steps = steps(program, robot, options, all, program.start_rad)?;
         Ok(Self {
             robot: Arc::new(robot.clone()),
             start: program.start_rad,

@@ -1,5 +1,7 @@
 //! The motion program: what the robot is told to do.
 
+use std::ops::Range;
+
 use iiwa_kin::{Joint, Joints, Limits};
 
 use crate::{
@@ -108,16 +110,37 @@ impl Program {
         if self.motions.is_empty() {
             return Err(Fault::NoMotions);
         }
-        for (motion, entry) in self.entries() {
-            match entry {
-                Motion::Ptp(ptp) => self.check_ptp(motion, ptp)?,
-                Motion::Wait { seconds } if !(0.0..=MAX_WAIT_S).contains(seconds) => {
-                    return Err(Fault::Wait { motion, found: *seconds, max_s: MAX_WAIT_S });
-                }
-                Motion::Wait { .. } => {}
+        self.entries().try_for_each(|(motion, entry)| self.check_entry(motion, entry))
+    }
+
+    fn check_entry(&self, motion: MotionIndex, entry: &Motion) -> Result<(), Fault> {
+        match entry {
+            Motion::Ptp(ptp) => self.check_ptp(motion, ptp),
+            Motion::Wait { seconds } if !(0.0..=MAX_WAIT_S).contains(seconds) => {
+                Err(Fault::Wait { motion, found: *seconds, max_s: MAX_WAIT_S })
+            }
+            Motion::Wait { .. } => Ok(()),
+        }
+    }
+
+    /// What [`check`](Self::check) says of the motions in `range`.
+    pub(crate) fn check_motions(&self, range: Range<usize>, limits: &Limits) -> Result<(), Fault> {
+        for (motion, entry) in self.entries().take(range.end).skip(range.start) {
+            self.check_entry(motion, entry)?;
+            if let Motion::Ptp(ptp) = entry {
+                check_joints(Some(motion), &ptp.target_rad, limits)?;
             }
         }
         Ok(())
+    }
+
+    /// Where the motion at `index` begins, if the one before is not blended into it, in rad.
+    pub(crate) fn target_before(&self, index: usize) -> Joints {
+        let target = |entry: &Motion| match entry {
+            Motion::Ptp(ptp) => Some(ptp.target_rad),
+            Motion::Wait { .. } => None,
+        };
+        self.motions[..index].iter().rev().find_map(target).unwrap_or(self.start_rad)
     }
 
     /// The motions with their places.

@@ -19,7 +19,10 @@ pub enum Step {
         blend: Option<Corner>,
     },
     /// It stops and goes on at once: a corner that no blend rounds.
-    Corner,
+    Corner {
+        /// The motion that has ended.
+        motion: MotionIndex,
+    },
     /// It stands until it has settled, at the end of `motion` (Larsen 2019, Appendix C).
     Settle {
         /// The motion that has ended.

@@ -13,6 +13,7 @@ use crate::{
     peaks::{SHARES, larger},
     settings::{AttemptSettings, RefinementSettings, SETTINGS, WarmStart, WindowSettings},
     solver::Solver,
+    window::Window,
 };
 
 const REFINEMENT: RefinementSettings = SETTINGS.refinement;
@@ -43,20 +44,19 @@ impl Lowered {
 }
 
 impl Attempt {
-    /// Solves for the segments in `range`, from rest or from `entry`: x and its derivative by sigma. None if they
-    /// have no mesh.
+    /// Solves for `window`. None if it has no mesh.
     pub(crate) fn run(
-        segments: &[LimitedSegment<'_>],
-        range: Range<usize>,
-        entry: Option<[f64; 2]>,
+        window: &Window<'_, '_>,
         settings: AttemptSettings,
         stop: &AtomicBool,
     ) -> Result<Option<Self>, SolveError> {
+        let Window { segments, ref range, entry, exit } = *window;
         let AttemptSettings { refinement, is_safe, is_cautious } = settings;
-        let Some(mesh) = mesh(segments, range, entry.is_none(), refinement) else {
+        let rests = [entry.is_none(), exit.is_none()];
+        let Some(mesh) = mesh(segments, range.clone(), rests, refinement) else {
             return Ok(None);
         };
-        let solver = Solver::new(segments, &mesh, entry, is_cautious);
+        let solver = Solver::new(segments, &mesh, [entry, exit], is_cautious);
         let mut attempt = Self { mesh, solver, time_scale: 1.0, gap: f64::INFINITY };
         let scale = if is_safe { attempt.time_scale(segments).powi(-2) } else { REFINEMENT.start };
         attempt.solver.start(scale);

@@ -32,7 +32,7 @@
 //!         _ => None,
 //!     })
 //!     .collect();
-//! let window = Window { segments: &segments, range: 0..3, entry: None };
+//! let window = Window { segments: &segments, range: 0..3, entry: None, exit: None };
 //! let best = Solution::find(&window, 1.0, &AtomicBool::new(false))?;
 //! assert!((0.5..0.8).contains(&best.duration_s()));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -65,10 +65,12 @@ mod solution;
 mod solver;
 mod swept;
 mod velocity_rows;
+mod window;
 
 pub use error::SolveError;
 pub use geometry::Geometry;
 pub use limited_segment::LimitedSegment;
 pub use mesh::{Cell, Mesh};
-pub use solution::{Solution, Window};
+pub use solution::Solution;
 pub use swept::SweptNode;
+pub use window::Window;

@@ -44,7 +44,7 @@ impl LimitingJoints {
             // the farthest, whichever rounding prefers.
             let to = |other: [f64; 2]| [other[0] - point[0], other[1] - point[1]];
             let mut next = left.len() - 1;
-            for other in 0..next {
+            for other in 0..left.len() - 1 {
                 let [best, way] = [next, other].map(|place| to(left[place].1));
                 let side = cross(best, way);
                 if side < 0.0 || side == 0.0 && square(way) > square(best) {

@@ -27,16 +27,16 @@ pub struct Cell {
     pub(crate) x: f64,
 }
 
-/// The cells of a part of a section that ends at rest.
+/// The cells of a window.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Mesh {
-    /// The cell that touches rest, if the part starts there: jerk is constant in it.
+    /// The cell that touches rest, if the window starts there: jerk is constant in it.
     pub from_rest: Option<Cell>,
     /// The cells between.
     pub cells: Vec<Cell>,
-    /// The cell that ends at rest: jerk is constant in it.
-    pub to_rest: Cell,
+    /// The cell that touches rest, if the window ends there: jerk is constant in it.
+    pub to_rest: Option<Cell>,
     /// The curve at [`SHARES`] of the cells between.
     pub(crate) geometry: Vec<Geometry>,
 }
@@ -153,12 +153,12 @@ impl Swept {
     }
 }
 
-/// The cells of the segments in `part`, of which the last ends at rest, and the first starts there or goes
-/// on from the segment before. None if there are no cells but those that touch rest, or far too many.
+/// The cells of the segments in `part`, which starts and ends at rest, or goes on from the segment before and to the
+/// one after. None if there are no cells but those that touch rest, or far too many.
 pub(crate) fn mesh(
     segments: &[LimitedSegment<'_>],
     part: Range<usize>,
-    starts_at_rest: bool,
+    [starts_at_rest, ends_at_rest]: [bool; 2],
     refinement: f64,
 ) -> Option<Mesh> {
     let sizes = SETTINGS.refined(refinement);
@@ -226,7 +226,7 @@ pub(crate) fn mesh(
             x: swept_at(pair[0]).x,
         }));
     }
-    let to_rest = cells.pop()?;
+    let to_rest = if ends_at_rest { cells.pop() } else { None };
     let from_rest = if starts_at_rest { Some(cells.remove(0)) } else { None };
     let geometry = cells.iter().map(|cell| cell.geometry(segments, [0.0, 1.0])).collect();
     (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest, geometry })

@@ -27,7 +27,7 @@ pub(crate) struct Chain<'a> {
     pub(crate) states: &'a [CellState],
     /// V over x at the start, if it comes from rest; else both stay as they are.
     pub(crate) slope_from_rest: Option<f64>,
-    /// What has to be zero for x to come to rest: a row of the last cell.
+    /// What has to be zero for x to come to rest, where the last of all cells is a stage: a row of it.
     pub(crate) to_rest: CellState,
 }
 

@@ -1,6 +1,6 @@
 //! The fastest motion along a window of segments.
 
-use std::{ops::Range, sync::atomic::AtomicBool};
+use std::sync::atomic::AtomicBool;
 
 use crate::{
     attempt::Attempt,
@@ -8,18 +8,8 @@ use crate::{
     limited_segment::LimitedSegment,
     mesh::Mesh,
     settings::{AttemptSettings, SETTINGS},
+    window::Window,
 };
-
-/// Segments that are solved for together. The last of them is a line, and ends at rest.
-#[derive(Clone)]
-pub struct Window<'a, 'b> {
-    /// All segments of a section.
-    pub segments: &'a [LimitedSegment<'b>],
-    /// Which of them, at least one.
-    pub range: Range<usize>,
-    /// x (rad^2/s^2) and its derivative by sigma (rad/s^2) at the start; none at rest.
-    pub entry: Option<[f64; 2]>,
-}
 
 /// The fastest motion that was found.
 pub struct Solution(Attempt);
@@ -40,8 +30,7 @@ impl Solution {
         for settings in SETTINGS.refinement.attempts {
             let settings =
                 AttemptSettings { refinement: refinement * settings.refinement, ..settings };
-            let Window { segments, range, entry } = window;
-            let attempt = Attempt::run(segments, range.clone(), *entry, settings, stop)?;
+            let attempt = Attempt::run(window, settings, stop)?;
             let Some(attempt) = attempt else { continue };
             if attempt.longer() <= best.as_ref().map_or(most, Attempt::longer) {
                 best = Some(attempt);
@@ -101,7 +90,7 @@ impl Solution {
         self.0.solver.start_s()
     }
 
-    /// Duration of the cell that comes to rest, in s.
+    /// Duration of the cell that comes to rest, if there is one, in s.
     #[must_use]
     pub fn stop_s(&self) -> f64 {
         self.0.solver.stop_s()

@@ -78,12 +78,13 @@ struct Rest {
 struct Rests {
     /// None if it starts at `entry`.
     from: Option<Rest>,
-    to: Rest,
+    /// None if it ends at `exit`.
+    to: Option<Rest>,
 }
 
 impl Rests {
     fn iter(&self) -> impl Iterator<Item = &Rest> {
-        self.from.iter().chain([&self.to])
+        self.from.iter().chain(&self.to)
     }
 
     /// Those next to one of `cells`.
@@ -92,7 +93,7 @@ impl Rests {
     }
 
     fn within_mut(&mut self, cells: &Range<usize>) -> impl Iterator<Item = &mut Rest> {
-        let rests = self.from.iter_mut().chain([&mut self.to]);
+        let rests = self.from.iter_mut().chain(&mut self.to);
         rests.filter(|rest| cells.contains(&rest.cell))
     }
 }
@@ -137,12 +138,12 @@ const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point
 impl Solver {
     /// The problem, standing at the acceleration-limited x.
     ///
-    /// It starts at rest, or where `entry` says: x and its derivative by sigma. If it is cautious, steps end at the
-    /// first boundary that a slack or a dual comes to.
+    /// It starts and ends at rest, or where `entry` and `exit` say: x and its derivative by sigma. If it is cautious,
+    /// steps end at the first boundary that a slack or a dual comes to.
     pub(crate) fn new(
         segments: &[LimitedSegment<'_>],
         mesh: &Mesh,
-        entry: Option<[f64; 2]>,
+        [entry, exit]: [Option<[f64; 2]>; 2],
         is_cautious: bool,
     ) -> Self {
         let cells = &mesh.cells;
@@ -151,7 +152,9 @@ impl Solver {
         let from_rest = mesh.from_rest.as_ref();
         let from_rest =
             from_rest.map(|rest| Rest::new(rest, &segments[rest.segment], 0, StartX::ROW));
-        let to_rest = Rest::new(&mesh.to_rest, &segments[mesh.to_rest.segment], n - 1, EndX::ROW);
+        let to_rest = mesh.to_rest.as_ref();
+        let to_rest =
+            to_rest.map(|rest| Rest::new(rest, &segments[rest.segment], n - 1, EndX::ROW));
         let [x, dx] = entry.unwrap_or_default();
         let mut free = vec![true; n];
         let mut limited = Vec::with_capacity(n);
@@ -190,22 +193,36 @@ impl Solver {
             last: InteriorStep::default(),
             lengths,
         };
-        let mut x: Vec<_> = cells.iter().chain([&mesh.to_rest]).map(|cell| cell.x).collect();
-        // The acceleration-limited stamps may not stop where this does.
-        let [_, acceleration, _] = segments[mesh.to_rest.segment].straight(0.0);
-        let mut way = mesh.to_rest.length;
-        for (x, length) in x.iter_mut().rev().zip(solver.lengths.iter().rev().chain([&0.0])) {
-            *x = x.min(2.0 * acceleration * way);
-            way += length;
+        let last = mesh.to_rest.as_ref().map(|cell| cell.x).or(exit.map(|[x, _]| x));
+        let mut x: Vec<_> = cells.iter().map(|cell| cell.x).chain(last).collect();
+        if let Some(to_rest) = &mesh.to_rest {
+            // The acceleration-limited stamps may not stop where this does.
+            let [_, acceleration, _] = segments[to_rest.segment].straight(0.0);
+            let mut way = to_rest.length;
+            for (x, length) in x.iter_mut().rev().zip(solver.lengths.iter().rev().chain([&0.0])) {
+                *x = x.min(2.0 * acceleration * way);
+                way += length;
+            }
         }
         lower_to_jerk(segments, mesh, &mut x);
         solver.guess(&x);
+        if let Some([x, dx]) = exit {
+            // A cell beyond the last, which stays as it is: there they meet.
+            let length = solver.lengths[n - 1];
+            solver.lengths.push(length);
+            solver.free.push(false);
+            solver.states.push([x, dx * length, 0.0, 0.0]);
+            solver.steps.push([0.0; 4]);
+            solver.quadratics.push(Quadratic::default());
+            solver.gains.push(Gain::default());
+        }
         solver
     }
 
     /// Starts from `scale` times the x at which it stands.
     pub(crate) fn start(&mut self, scale: f64) {
-        self.states.as_flattened_mut().iter_mut().for_each(|value| *value *= scale);
+        let inner = &mut self.states[self.window.clone()];
+        inner.as_flattened_mut().iter_mut().for_each(|value| *value *= scale);
         if self.rests.from.is_none() {
             self.states[0][..2].copy_from_slice(&self.entry);
         }
@@ -233,7 +250,9 @@ impl Solver {
         if let Some(from_rest) = &self.rests.from {
             control[0] = rest(1, from_rest) * control[1];
         }
-        control[n + 1] = rest(n, &self.rests.to) * control[n];
+        if let Some(to_rest) = &self.rests.to {
+            control[n + 1] = rest(n, to_rest) * control[n];
+        }
         for k in 1..=n {
             let (a, b, c) = (length(k - 1), length(k), length(k + 1));
             let slope = 2.0 * (control[k] - control[k - 1]) / (a + b);
@@ -309,9 +328,9 @@ impl Solver {
         self.rests.from.as_ref().map_or(0.0, |rest| rest.duration_s(&self.states))
     }
 
-    /// Duration of the cell that comes to rest, in s.
+    /// Duration of the cell that comes to rest, if there is one, in s.
     pub(crate) fn stop_s(&self) -> f64 {
-        self.rests.to.duration_s(&self.states)
+        self.rests.to.as_ref().map_or(0.0, |rest| rest.duration_s(&self.states))
     }
 
     /// Largest share of the limit of jerk in the cells that touch rest.
@@ -352,16 +371,16 @@ impl Solver {
         from.map(|rest| 4.0 * self.lengths[0] / (3.0 * rest.length))
     }
 
-    /// What has to be zero for x to come to rest: a row of the last cell.
-    fn to_rest(&self) -> CellState {
-        let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * self.rests.to.length);
-        std::array::from_fn(|i| EndV::ROW[i] + slope * EndX::ROW[i])
+    /// What has to be zero for x to come to rest, if it does: a row of the last cell.
+    fn to_rest(&self) -> Option<CellState> {
+        let rest = self.rests.to.as_ref()?;
+        let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * rest.length);
+        Some(std::array::from_fn(|i| EndV::ROW[i] + slope * EndX::ROW[i]))
     }
 
-    /// Sets the last W1 so that x comes to rest.
+    /// Sets the last W1 so that x comes to rest, if it does.
     fn stop(&mut self) {
-        let to_rest = self.to_rest();
-        if let Some(last) = self.states.last_mut() {
+        if let (Some(to_rest), Some(last)) = (self.to_rest(), self.states.last_mut()) {
             riccati::come_to_rest(&to_rest, last);
         }
     }
@@ -453,7 +472,7 @@ impl Solver {
             quadratics: &self.quadratics,
             states: &self.states,
             slope_from_rest: self.slope_from_rest(),
-            to_rest: self.to_rest(),
+            to_rest: self.to_rest().unwrap_or_default(),
         };
         riccati::solve(simd, &chain, &mut self.gains, &mut self.steps)
     }

@@ -113,7 +113,11 @@ fn steps_have_to_join() {
     assert!(matches!(gap, Some(JoinError::Gap { step: 1, .. })));
     let kink = made(vec![first(), line(along(0.5, 0.0), along(0.5, 0.5))]);
     assert_eq!(kink, Some(JoinError::Kink { step: 1 }));
-    let stops = made(vec![first(), Step::Corner, line(along(0.5, 0.0), along(0.5, 0.5))]);
+    let stops = made(vec![
+        first(),
+        Step::Corner { motion: MotionIndex::new(0) },
+        line(along(0.5, 0.0), along(0.5, 0.5)),
+    ]);
     assert_eq!(stops, None);
     let mut other = first();
     if let Step::Move { motion, .. } = &mut other {

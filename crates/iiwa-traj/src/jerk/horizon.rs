@@ -32,7 +32,7 @@ pub(crate) fn stamps(
     {
         return Ok(stamps);
     }
-    let whole = Window { segments, range: 0..segments.len(), entry: None };
+    let whole = Window { segments, range: 0..segments.len(), entry: None, exit: None };
     let solution = Solution::find(&whole, options.refinement, stop)?;
     let mut stamper = Stamper::new(start_s);
     stamper.add(&solution, &whole, segments.len());
@@ -109,7 +109,7 @@ fn part<'a, 'b>(
         Some(end + lines).filter(|end| end + (settled - start) / 2 < segments.len())
     });
     let (settled, end) = settled.zip(end).unwrap_or((segments.len(), segments.len()));
-    Some(Part { window: Window { segments, range: start..end, entry }, settled })
+    Some(Part { window: Window { segments, range: start..end, entry, exit: None }, settled })
 }
 
 /// The solution of a part; none if it had to be slowed down.

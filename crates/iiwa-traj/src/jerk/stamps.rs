@@ -141,13 +141,13 @@ impl Stamper {
             if cells.get(k + 1).is_none_or(|next| next.segment != cell.segment) {
                 let [x, dx, _] = solution.at(k, 1.0);
                 // Exactly at the segment's end, unless it goes on to rest.
-                let rests = to_rest.segment == cell.segment;
+                let rests = to_rest.as_ref().is_some_and(|rest| rest.segment == cell.segment);
                 let end = if rests { cell.from + cell.length } else { segment.length_rad() };
                 self.node(segment, [end, 0.0], [self.t_s, 0.0], [x, dx]);
                 self.end();
             }
         }
-        if to_rest.segment < end {
+        if let Some(to_rest) = to_rest.as_ref().filter(|rest| rest.segment < end) {
             let segment = &segments[to_rest.segment];
             let length = segment.length_rad();
             self.begin(to_rest.segment);
