@@ -142,9 +142,9 @@ impl JerkSamples {
         self.first.push(first);
         self.second.push(second);
         self.third.push(third);
-        self.velocity.push(piece.limits.velocity_rad_s);
-        self.acceleration.push(piece.limits.acceleration_rad_s2);
-        self.jerk.push(piece.limits.jerk_rad_s3);
+        self.velocity.push(*piece.limits.velocity_rad_s());
+        self.acceleration.push(*piece.limits.acceleration_rad_s2());
+        self.jerk.push(*piece.limits.jerk_rad_s3());
     }
 
     /// The number of nodes.
@@ -293,8 +293,8 @@ impl Piece<'_> {
         let along = |limits: &Joints| {
             limits.iter().zip(&first).map(|(l, v)| l / v.abs()).fold(f64::INFINITY, f64::min)
         };
-        let acceleration = along(&self.limits.acceleration_rad_s2);
-        let jerk = along(&self.limits.jerk_rad_s3);
+        let acceleration = along(self.limits.acceleration_rad_s2());
+        let jerk = along(self.limits.jerk_rad_s3());
         let way = acceleration.powi(3) / (6.0 * jerk * jerk);
         (way / self.segment.tangent_lengths_rad()[0]).min(0.25)
     }

@@ -46,15 +46,15 @@ impl AccelerationSamples {
                     && let Some(last) = samples.velocity.len().checked_sub(1)
                 {
                     // Both neighbours' limits hold where they meet.
-                    least(&mut samples.velocity[last], &limits.velocity_rad_s);
-                    least(&mut samples.acceleration[last], &limits.acceleration_rad_s2);
+                    least(&mut samples.velocity[last], limits.velocity_rad_s());
+                    least(&mut samples.acceleration[last], limits.acceleration_rad_s2());
                     continue;
                 }
                 samples.distance.push(start + s * length);
                 samples.first.push(at.dq.map(|v| v / length));
                 samples.second.push(at.ddq.map(|v| v / (length * length)));
-                samples.velocity.push(limits.velocity_rad_s);
-                samples.acceleration.push(limits.acceleration_rad_s2);
+                samples.velocity.push(*limits.velocity_rad_s());
+                samples.acceleration.push(*limits.acceleration_rad_s2());
             }
             start += length;
         }

@@ -5,7 +5,7 @@
 //! for, and each part's largest value is found exactly.
 
 use iiwa_kin::{Joint, Joints};
-use iiwa_path::Segment;
+use iiwa_path::{LimitKind, Segment};
 use iiwa_traj::{Piece, Section, Timing, Trajectory};
 
 use crate::{
@@ -13,9 +13,6 @@ use crate::{
     intervals::Interval,
     jumps::jumps,
 };
-
-/// Velocity, acceleration and jerk: names of what there are limits of, in their order everywhere here.
-pub const KINDS: [&str; 3] = ["velocity", "acceleration", "jerk"];
 
 /// Where a joint comes closest to a limit, or exceeds it most.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,7 +39,7 @@ pub const BLUR: f64 = 0.01;
 /// What a trajectory, or a piece of it, does to its limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extremes {
-    /// Of velocity, acceleration and jerk, over the limits of the motion that the piece belongs to. Jerk is zero
+    /// Of each [kind](LimitKind::ALL), over the limits of the motion that the piece belongs to. Jerk is zero
     /// under acceleration-limited stamps, where it has no limit.
     pub clear: [Peak; 3],
     /// The same between nodes that are so near to each other that rounding of s and of the stamps shows in jerk:
@@ -56,13 +53,13 @@ pub struct Extremes {
 }
 
 impl Extremes {
-    /// The peaks of velocity, acceleration and jerk, blurred or not.
+    /// The peaks of each kind, blurred or not.
     #[must_use]
     pub fn peaks(&self) -> [Peak; 3] {
         higher(&self.clear, &self.blurred)
     }
 
-    /// Largest ratios of velocity, acceleration and jerk.
+    /// Largest ratios of each kind.
     #[must_use]
     pub fn ratios(&self) -> [f64; 3] {
         self.peaks().map(|peak| peak.ratio)
@@ -109,8 +106,7 @@ pub fn piece_extremes(
 ) -> Extremes {
     let Some(segment) = section.segment(piece) else { return Extremes::default() };
     let limits = &trajectory.path().limits()[piece.motion.index()];
-    let mut over = [&limits.velocity_rad_s, &limits.acceleration_rad_s2, &limits.jerk_rad_s3]
-        .map(|limits| limits.map(|limit| 1.0 / limit));
+    let mut over = LimitKind::ALL.map(|kind| limits.of(kind).map(|limit| 1.0 / limit));
     if !matches!(timing, Timing::Jerk(_)) {
         over[2] = [0.0; 7];
     }
@@ -345,13 +341,10 @@ mod tests {
                                 let t_s = section.start_s() + pair[0].t_s + share * dt;
                                 let at = section.at(t_s);
                                 for j in 0..7 {
-                                    let ratios = [
-                                        at.dq[j] / limits.velocity_rad_s[j],
-                                        at.ddq[j] / limits.acceleration_rad_s2[j],
-                                        at.dddq[j] / limits.jerk_rad_s3[j],
-                                    ];
-                                    for (sampled, ratio) in sampled.iter_mut().zip(ratios) {
-                                        *sampled = sampled.max(ratio.abs());
+                                    let values = [at.dq[j], at.ddq[j], at.dddq[j]];
+                                    for (i, kind) in LimitKind::ALL.into_iter().enumerate() {
+                                        let ratio = values[i].abs() / limits.of(kind)[j];
+                                        sampled[i] = sampled[i].max(ratio);
                                     }
                                 }
                             }
@@ -361,7 +354,7 @@ mod tests {
                 let kinds = if matches!(timing, Timing::Jerk(_)) { 3 } else { 2 };
                 for kind in 0..kinds {
                     let [found, sampled] = [found.ratios()[kind], sampled[kind]];
-                    let what = KINDS[kind];
+                    let what = LimitKind::ALL[kind];
                     assert!(
                         sampled <= found * (1.0 + 1e-7),
                         "{what} {found}, {sampled} by samples"
@@ -390,13 +383,13 @@ mod tests {
                     let [velocity, acceleration, _] = found.peaks();
                     let at = section.at(velocity.t_s);
                     let j = velocity.joint.unwrap().index();
-                    let there = at.dq[j].abs() / limits.velocity_rad_s[j];
+                    let there = at.dq[j].abs() / limits.velocity_rad_s()[j];
                     assert!((there / velocity.ratio - 1.0).abs() < 1e-6, "{velocity:?}, {there}");
                     // Under acceleration-limited stamps it jumps, and may be that of the next interval.
                     if matches!(timing, Timing::Jerk(_)) {
                         let at = section.at(acceleration.t_s);
                         let j = acceleration.joint.unwrap().index();
-                        let there = at.ddq[j].abs() / limits.acceleration_rad_s2[j];
+                        let there = at.ddq[j].abs() / limits.acceleration_rad_s2()[j];
                         let off = (there / acceleration.ratio - 1.0).abs();
                         assert!(off < 1e-6, "{acceleration:?}, {there}");
                     }

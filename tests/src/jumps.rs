@@ -1,8 +1,10 @@
 //! Whether velocity and acceleration go on where pieces and intervals meet.
 
 use iiwa_kin::Joints;
-use iiwa_path::{Derivatives, MotionLimits};
+use iiwa_path::{Derivatives, LimitKind, MotionLimits};
 use iiwa_traj::{Section, Timing, Trajectory};
+
+use crate::differences::largest;
 
 /// Velocity and acceleration of all joints at the end of an interval, and the limits there.
 #[derive(Clone, Copy)]
@@ -17,10 +19,11 @@ pub(crate) fn jumps(trajectory: &Trajectory, section: &Section, timing: Timing) 
     let mut worst = [0.0_f64; 2];
     let is_jerk_limited = matches!(timing, Timing::Jerk(_));
     let mut jump = |a: &Side<'_>, b: &Side<'_>| {
+        let limits = [*a.limits, *b.limits];
+        let [velocity, acceleration] =
+            [LimitKind::Velocity, LimitKind::Acceleration].map(|kind| largest(&limits, kind));
         for j in 0..7 {
-            let velocity = a.limits.velocity_rad_s[j].max(b.limits.velocity_rad_s[j]);
-            let acceleration = a.limits.acceleration_rad_s2[j].max(b.limits.acceleration_rad_s2[j]);
-            let by = [(a.dq[j] - b.dq[j]) / velocity, (a.ddq[j] - b.ddq[j]) / acceleration];
+            let by = [(a.dq[j] - b.dq[j]) / velocity[j], (a.ddq[j] - b.ddq[j]) / acceleration[j]];
             for (worst, by) in worst.iter_mut().zip(by).take(1 + usize::from(is_jerk_limited)) {
                 let by = if by.is_nan() { f64::INFINITY } else { by.abs() };
                 *worst = worst.max(by);

@@ -1,12 +1,12 @@
 //! Limits as a drive sees them: means of velocity, acceleration and jerk over a short time.
 
 use iiwa_kin::Joints;
-use iiwa_path::MotionLimits;
+use iiwa_path::LimitKind;
 use iiwa_traj::{State, Trajectory};
 
-use crate::differences::ratio;
+use crate::differences::{largest, ratio};
 
-/// Largest ratios of the means of velocity, acceleration and jerk over `window_s` to their limits.
+/// Largest ratios of the means over `window_s` to the limits of each kind.
 ///
 /// A mean is the change of the next lower derivative over the window. Windows start, end and have their
 /// middles at nodes and halfway between them: means are largest about there. Where motions meet within
@@ -17,9 +17,6 @@ pub fn mean_ratios(trajectory: &Trajectory, window_s: f64) -> [f64; 3] {
     let mut worst = [0.0_f64; 3];
     let mut window = |start: &State, end: &State| {
         let motions = &limits[start.motion.index()..=end.motion.index()];
-        let largest = |of: fn(&MotionLimits) -> &Joints| -> Joints {
-            std::array::from_fn(|j| motions.iter().map(|limits| of(limits)[j]).fold(0.0, f64::max))
-        };
         // Late in a long program, times are rounded. Windows that are cut short at its start or its end
         // show rounding, not means.
         let seconds = end.t_s - start.t_s;
@@ -28,13 +25,9 @@ pub fn mean_ratios(trajectory: &Trajectory, window_s: f64) -> [f64; 3] {
         }
         let mean =
             |from: &Joints, to: &Joints| std::array::from_fn(|j| (to[j] - from[j]) / seconds);
-        let found = [
-            ratio(&mean(&start.q, &end.q), &largest(|limits| &limits.velocity_rad_s)),
-            ratio(&mean(&start.dq, &end.dq), &largest(|limits| &limits.acceleration_rad_s2)),
-            ratio(&mean(&start.ddq, &end.ddq), &largest(|limits| &limits.jerk_rad_s3)),
-        ];
-        for (worst, found) in worst.iter_mut().zip(found) {
-            *worst = worst.max(found);
+        let means = [mean(&start.q, &end.q), mean(&start.dq, &end.dq), mean(&start.ddq, &end.ddq)];
+        for ((worst, mean), kind) in worst.iter_mut().zip(&means).zip(LimitKind::ALL) {
+            *worst = worst.max(ratio(mean, &largest(motions, kind)));
         }
     };
     let end_s = trajectory.cycle_time_s();

@@ -7,11 +7,11 @@ use std::{
 
 use crate::{
     bars::{COARSE, FAR, FASTER, FINE_SAMPLES, JUMP, RATIOS, SWEPT_RATIOS},
-    extremes::{Extremes, KINDS, extremes},
+    extremes::{Extremes, extremes},
     means::mean_ratios,
 };
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Program};
+use iiwa_path::{JointPath, LimitKind, Program};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 /// A millisecond: the drive's shortest cycle.
@@ -111,14 +111,14 @@ impl Verdict {
             _ => [SWEPT_RATIOS[0], SWEPT_RATIOS[1], f64::INFINITY],
         };
         for (peaks, when) in [(found.clear, ""), (found.blurred, " where rounding shows")] {
-            for ((kind, peak), allowed) in KINDS.into_iter().zip(peaks).zip(allowed) {
+            for ((kind, peak), allowed) in LimitKind::ALL.into_iter().zip(peaks).zip(allowed) {
                 if peak.ratio > allowed {
                     let far = if peak.ratio > FAR { " by far" } else { "" };
                     fail(&format!("{kind} exceeded{far}{when}"));
                 }
             }
         }
-        for (kind, jump) in KINDS.into_iter().zip(found.jumps) {
+        for (kind, jump) in LimitKind::ALL.into_iter().zip(found.jumps) {
             if jump > JUMP {
                 fail(&format!("{kind} jumps"));
             }

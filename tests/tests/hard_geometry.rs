@@ -91,8 +91,8 @@ fn check(trajectory: &Trajectory) {
     for state in trajectory.states() {
         let limits = &path.limits()[state.motion.index()];
         for j in 0..7 {
-            let v = state.dq[j].abs() / limits.velocity_rad_s[j];
-            let a = state.ddq[j].abs() / limits.acceleration_rad_s2[j];
+            let v = state.dq[j].abs() / limits.velocity_rad_s()[j];
+            let a = state.ddq[j].abs() / limits.acceleration_rad_s2()[j];
             assert!(v <= 1.0 + 1e-6 && a <= 1.0 + 1e-6, "at {} s: {v}, {a}", state.t_s);
         }
         if let Some(last) = last {

@@ -2,11 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-use iiwa_kin::{Joints, Robot};
-use iiwa_path::{JointPath, Motion, MotionLimits, Program, Step};
+use iiwa_kin::Robot;
+use iiwa_path::{JointPath, LimitKind, Motion, Program, Step};
 use iiwa_traj::{State, SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{
-    differences::{ratio, ratios},
+    differences::{largest, ratio, ratios},
     random::programs,
 };
 use proptest::{prelude::*, test_runner::RngSeed};
@@ -47,7 +47,7 @@ fn ends_at_the_target(program: &Program, trajectory: &Trajectory) -> Result<(), 
 
 fn keeps(trajectory: &Trajectory, rate_hz: f64, allowed: &[f64]) -> Result<(), TestCaseError> {
     let found = ratios(trajectory, rate_hz);
-    for (i, what) in ["velocity", "acceleration", "jerk"].iter().enumerate().take(allowed.len()) {
+    for (i, what) in LimitKind::ALL.iter().enumerate().take(allowed.len()) {
         let ratio = found[i];
         // Not a number is too much, too.
         let kept = ratio <= allowed[i];
@@ -60,8 +60,8 @@ fn check_acceleration(program: &Program) -> Result<(), TestCaseError> {
     let trajectory = plan(program, Timing::Acceleration(SweepOptions::default()))?;
     for state in trajectory.states() {
         let limits = &trajectory.path().limits()[state.motion.index()];
-        let v = ratio(&state.dq, &limits.velocity_rad_s);
-        let a = ratio(&state.ddq, &limits.acceleration_rad_s2);
+        let v = ratio(&state.dq, limits.velocity_rad_s());
+        let a = ratio(&state.ddq, limits.acceleration_rad_s2());
         prop_assert!(v <= 1.0 + 1e-6, "velocity ratio {v} at {} s", state.t_s);
         prop_assert!(a <= 1.0 + 1e-6, "acceleration ratio {a} at {} s", state.t_s);
     }
@@ -88,13 +88,9 @@ fn acceleration_continues(trajectory: &Trajectory) -> Result<(), TestCaseError> 
     let all = trajectory.path().limits();
     for node in trajectory.states() {
         let [before, after] = [-JUST, JUST].map(|just| trajectory.at(node.t_s + just));
-        let larger = |of: fn(&MotionLimits) -> &Joints| -> Joints {
-            std::array::from_fn(|j| {
-                of(&all[before.motion.index()])[j].max(of(&all[after.motion.index()])[j])
-            })
-        };
-        let acceleration = larger(|limits| &limits.acceleration_rad_s2);
-        let jerk = larger(|limits| &limits.jerk_rad_s3);
+        let motions = &all[before.motion.index()..=after.motion.index()];
+        let acceleration = largest(motions, LimitKind::Acceleration);
+        let jerk = largest(motions, LimitKind::Jerk);
         for j in 0..7 {
             let jump = (after.ddq[j] - before.ddq[j]).abs();
             // Jerk is held against its limit over a millisecond: for an instant it may be above.

@@ -5,7 +5,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, BlendShape, Continuity, JointPath, Motion, PathOptions, Program, Ptp};
+use iiwa_path::{
+    Blend, BlendShape, Continuity, JointPath, LimitKind, Motion, MotionLimits, PathOptions,
+    Program, Ptp,
+};
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
 use proptest::{
     prelude::*,
@@ -30,16 +33,11 @@ fn duration_s(distance: f64, [v, a, j]: [f64; 3]) -> f64 {
     }
 }
 
-/// The three limits of `ptp`, over the way of each joint: the slowest joint decides, for each apart.
+/// The limits of `ptp` of each kind, over the way of each joint: the slowest joint decides, for each apart.
 fn expected_s(start: &Joints, ptp: &Ptp) -> f64 {
-    let robot = Robot::lbr_iiwa_7_r800();
-    let robot = robot.limits();
-    let limits = [
-        (&robot.velocity_rad_s, &ptp.velocity_rel),
-        (&robot.acceleration_rad_s2, &ptp.acceleration_rel),
-        (&robot.jerk_rad_s3, &ptp.jerk_rel),
-    ];
-    let least = limits.map(|(limit, share)| {
+    let robot = MotionLimits::full(&Robot::lbr_iiwa_7_r800());
+    let least = LimitKind::ALL.map(|kind| {
+        let (limit, share) = (robot.of(kind), ptp.share(kind));
         (0..7)
             .map(|i| limit[i] * share[i] / (ptp.target_rad[i] - start[i]).abs())
             .fold(f64::INFINITY, f64::min)
@@ -214,18 +212,18 @@ fn random_moves(count: usize) -> Vec<(Joints, Ptp)> {
 /// Duration of ruckig's phase-synchronised motion, and how far it strays from the line as a share of
 /// the way.
 fn ruckig(start: &Joints, ptp: &Ptp) -> (f64, f64) {
-    let robot = Robot::lbr_iiwa_7_r800();
-    let robot = robot.limits();
-    let of = |limit: &Joints, share: &Joints| {
+    let robot = MotionLimits::full(&Robot::lbr_iiwa_7_r800());
+    let of = |kind| {
+        let (limit, share) = (robot.of(kind), ptp.share(kind));
         DataArrayOrVec::Stack(std::array::from_fn(|i| limit[i] * share[i]))
     };
     let mut input = InputParameter::<7>::new(None);
     input.synchronization = Synchronization::Phase;
     input.current_position = DataArrayOrVec::Stack(*start);
     input.target_position = DataArrayOrVec::Stack(ptp.target_rad);
-    input.max_velocity = of(&robot.velocity_rad_s, &ptp.velocity_rel);
-    input.max_acceleration = of(&robot.acceleration_rad_s2, &ptp.acceleration_rel);
-    input.max_jerk = of(&robot.jerk_rad_s3, &ptp.jerk_rel);
+    input.max_velocity = of(LimitKind::Velocity);
+    input.max_acceleration = of(LimitKind::Acceleration);
+    input.max_jerk = of(LimitKind::Jerk);
     let mut trajectory = RuckigTrajectory::new(None);
     Ruckig::<7, ThrowErrorHandler>::new(None, 1e-3).calculate(&input, &mut trajectory).unwrap();
     let duration_s = trajectory.get_duration();

@@ -39,8 +39,8 @@ impl Grid {
             let lower = |a: &mut Joints, b: &Joints| {
                 *a = std::array::from_fn(|j| a[j].min(b[j]));
             };
-            lower(self.velocity.last_mut().unwrap(), &limits.velocity_rad_s);
-            lower(self.acceleration.last_mut().unwrap(), &limits.acceleration_rad_s2);
+            lower(self.velocity.last_mut().unwrap(), limits.velocity_rad_s());
+            lower(self.acceleration.last_mut().unwrap(), limits.acceleration_rad_s2());
         }
         for i in first..=intervals {
             let s = i as f64 / intervals as f64;
@@ -48,8 +48,8 @@ impl Grid {
             self.sigma.push(start + s * tangent);
             self.dq.push(at.dq.map(|v| v / tangent));
             self.ddq.push(at.ddq.map(|v| v / (tangent * tangent)));
-            self.velocity.push(limits.velocity_rad_s);
-            self.acceleration.push(limits.acceleration_rad_s2);
+            self.velocity.push(*limits.velocity_rad_s());
+            self.acceleration.push(*limits.acceleration_rad_s2());
         }
     }
 

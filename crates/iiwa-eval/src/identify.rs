@@ -24,7 +24,7 @@ use iiwa_kin::{
     vector::{distance, dot, norm, sub, unit},
 };
 use iiwa_log::JointLog;
-use iiwa_path::{BlendSearch, Fault, JointPath, Motion, MotionIndex, Program, Step};
+use iiwa_path::{BlendSearch, Fault, JointPath, LimitKind, Motion, MotionIndex, Program, Step};
 
 use crate::{
     estimate::{Estimate, Linear, Row},
@@ -245,8 +245,7 @@ impl std::fmt::Display for Why {
     }
 }
 
-/// Within what share of their largest figure joints may be the one that limits a motion: for speed,
-/// acceleration and jerk.
+/// Within what share of their largest figure joints may be the one that limits a motion: for each kind.
 const TOLERANCES: [f64; 3] = [0.005, 0.02, 0.1];
 
 /// What may be left over of a motion that is taken for one along a line, or for a blend, in rad: what
@@ -430,7 +429,7 @@ impl Observer<'_> {
             return None;
         };
         let Motion::Ptp(ptp) = &self.program.motions[motion.index()] else { return None };
-        let shares = [&ptp.velocity_rel, &ptp.acceleration_rel, &ptp.jerk_rel];
+        let shares = LimitKind::ALL.map(|kind| ptp.share(kind));
         let figures = [ramps.speed, ramps.acceleration, ramps.jerk];
         for ((bounds, along), shares) in self.found.bounds.iter_mut().zip(figures).zip(shares) {
             bounds.extend(along.map(|along| Bound::new(along, &direction, shares)));

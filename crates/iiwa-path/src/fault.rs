@@ -1,11 +1,9 @@
 //! What can be wrong with a program.
 
-use std::fmt;
-
 use iiwa_json::{Place, Step, locate};
 use iiwa_kin::{Joint, OutsideRange};
 
-use crate::{blend::Blend, motion_index::MotionIndex};
+use crate::{blend::Blend, limit_kind::LimitKind, motion_index::MotionIndex};
 
 /// Something in a motion program that cannot be planned.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -24,15 +22,16 @@ pub enum Fault {
     },
     /// A relative speed, acceleration or jerk is not in (0, 1], or next to nothing.
     #[error(
-        "motion {motion}: {field}{} is {found}; it must be {} and at most 1",
+        "motion {motion}: {}{} is {found}; it must be {} and at most 1",
+        .kind.share_key(),
         .joint.map(|joint| format!(" of joint {joint}")).unwrap_or_default(),
         if *.found > 0.0 && *.found < *.min { format!("at least {min}") } else { "above 0".to_owned() }
     )]
     Share {
         /// The motion.
         motion: MotionIndex,
-        /// Which of the three.
-        field: Field,
+        /// Of which limits.
+        kind: LimitKind,
         /// The joint; none if it is the same for all.
         joint: Option<Joint>,
         /// What it is.
@@ -82,34 +81,6 @@ pub enum Fault {
     },
 }
 
-/// A motion's relative limits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Field {
-    /// `velocity_rel`.
-    Velocity,
-    /// `acceleration_rel`.
-    Acceleration,
-    /// `jerk_rel`.
-    Jerk,
-}
-
-impl Field {
-    fn key(self) -> &'static str {
-        match self {
-            Self::Velocity => "velocity_rel",
-            Self::Acceleration => "acceleration_rel",
-            Self::Jerk => "jerk_rel",
-        }
-    }
-}
-
-impl fmt::Display for Field {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.key())
-    }
-}
-
 impl Fault {
     /// The place of the fault in the program's JSON text.
     #[must_use]
@@ -133,8 +104,8 @@ impl Fault {
                     .min_by_key(|place| place.span.len())
                     .unwrap_or_else(|| locate(text, &owner))
             }
-            Self::Share { motion, field, joint, .. } => {
-                let mut path = vec![motions, Index(motion.index()), Key(field.key())];
+            Self::Share { motion, kind, joint, .. } => {
+                let mut path = vec![motions, Index(motion.index()), Key(kind.share_key())];
                 path.extend(joint.map(|joint| Index(joint.index())));
                 locate(text, &path)
             }

@@ -1,45 +1,69 @@
 //! The limits of one motion.
 
+use enum_map::{EnumMap, enum_map};
 use iiwa_kin::{Joints, Robot};
 
-use crate::program::Motion;
+use crate::{limit_kind::LimitKind, program::Motion};
 
-/// A motion's limits: the robot's, times the motion's shares (Larsen 2019, Eq. 33, and 35 for the
-/// share of speed).
+/// A motion's limits of its joints, of each kind: the robot's, times the motion's shares (Larsen 2019,
+/// Eq. 33, and 35 for the share of speed).
+///
+/// ```
+/// use iiwa_kin::Robot;
+/// use iiwa_path::{LimitKind, MotionLimits};
+///
+/// let limits = MotionLimits::full(&Robot::default());
+/// assert_eq!(limits.of(LimitKind::Jerk), limits.jerk_rad_s3());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionLimits {
-    /// In rad/s.
-    pub velocity_rad_s: Joints,
-    /// In rad/s^2.
-    pub acceleration_rad_s2: Joints,
-    /// In rad/s^3.
-    pub jerk_rad_s3: Joints,
-}
+pub struct MotionLimits(EnumMap<LimitKind, Joints>);
 
 impl MotionLimits {
     /// All that `robot` can do.
     #[must_use]
     pub fn full(robot: &Robot) -> Self {
         let limits = robot.limits();
-        Self {
-            velocity_rad_s: limits.velocity_rad_s,
-            acceleration_rad_s2: limits.acceleration_rad_s2,
-            jerk_rad_s3: limits.jerk_rad_s3,
-        }
+        Self(enum_map! {
+            LimitKind::Velocity => limits.velocity_rad_s,
+            LimitKind::Acceleration => limits.acceleration_rad_s2,
+            LimitKind::Jerk => limits.jerk_rad_s3,
+        })
     }
 
     /// Those of `motion` on `robot`.
-    pub(crate) fn of(robot: &Robot, motion: &Motion) -> Self {
-        let limits = robot.limits();
-        let times = |limit: &Joints, share: &Joints| std::array::from_fn(|j| limit[j] * share[j]);
-        let [velocity, acceleration, jerk] = match motion {
-            Motion::Ptp(ptp) => [ptp.velocity_rel, ptp.acceleration_rel, ptp.jerk_rel],
-            Motion::Wait { .. } => [[1.0; 7]; 3],
-        };
-        Self {
-            velocity_rad_s: times(&limits.velocity_rad_s, &velocity),
-            acceleration_rad_s2: times(&limits.acceleration_rad_s2, &acceleration),
-            jerk_rad_s3: times(&limits.jerk_rad_s3, &jerk),
+    pub(crate) fn of_motion(robot: &Robot, motion: &Motion) -> Self {
+        let Self(mut limits) = Self::full(robot);
+        if let Motion::Ptp(ptp) = motion {
+            for (kind, limits) in &mut limits {
+                for (limit, share) in limits.iter_mut().zip(ptp.share(kind)) {
+                    *limit *= share;
+                }
+            }
         }
+        Self(limits)
+    }
+
+    /// Those of a kind; in rad/s, rad/s^2 or rad/s^3, by the kind's [order](LimitKind::order).
+    #[must_use]
+    pub fn of(&self, kind: LimitKind) -> &Joints {
+        &self.0[kind]
+    }
+
+    /// Those of velocity, in rad/s.
+    #[must_use]
+    pub fn velocity_rad_s(&self) -> &Joints {
+        self.of(LimitKind::Velocity)
+    }
+
+    /// Those of acceleration, in rad/s^2.
+    #[must_use]
+    pub fn acceleration_rad_s2(&self) -> &Joints {
+        self.of(LimitKind::Acceleration)
+    }
+
+    /// Those of jerk, in rad/s^3.
+    #[must_use]
+    pub fn jerk_rad_s3(&self) -> &Joints {
+        self.of(LimitKind::Jerk)
     }
 }

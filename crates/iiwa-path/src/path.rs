@@ -74,7 +74,11 @@ impl JointPath {
             start: program.start_rad,
             steps: Arc::new(steps),
             limits: Arc::new(
-                program.motions.iter().map(|motion| MotionLimits::of(robot, motion)).collect(),
+                program
+                    .motions
+                    .iter()
+                    .map(|motion| MotionLimits::of_motion(robot, motion))
+                    .collect(),
             ),
         })
     }

@@ -4,11 +4,7 @@ use std::ops::Range;
 
 use iiwa_kin::{Joint, Joints, Limits};
 
-use crate::{
-    blend::Blend,
-    fault::{Fault, Field},
-    motion_index::MotionIndex,
-};
+use crate::{blend::Blend, fault::Fault, limit_kind::LimitKind, motion_index::MotionIndex};
 
 /// A motion program (version 1).
 ///
@@ -62,6 +58,25 @@ impl Ptp {
             acceleration_rel: [1.0; 7],
             jerk_rel: [1.0; 7],
             blend: None,
+        }
+    }
+
+    /// Share of each joint's limit of a kind: `velocity_rel`, `acceleration_rel` or `jerk_rel`.
+    #[must_use]
+    pub fn share(&self, kind: LimitKind) -> &Joints {
+        match kind {
+            LimitKind::Velocity => &self.velocity_rel,
+            LimitKind::Acceleration => &self.acceleration_rel,
+            LimitKind::Jerk => &self.jerk_rel,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn share_mut(&mut self, kind: LimitKind) -> &mut Joints {
+        match kind {
+            LimitKind::Velocity => &mut self.velocity_rel,
+            LimitKind::Acceleration => &mut self.acceleration_rel,
+            LimitKind::Jerk => &mut self.jerk_rel,
         }
     }
 
@@ -149,16 +164,12 @@ impl Program {
     }
 
     fn check_ptp(&self, motion: MotionIndex, ptp: &Ptp) -> Result<(), Fault> {
-        let shares = [
-            (Field::Velocity, &ptp.velocity_rel),
-            (Field::Acceleration, &ptp.acceleration_rel),
-            (Field::Jerk, &ptp.jerk_rel),
-        ];
-        for (field, values) in shares {
+        for kind in LimitKind::ALL {
+            let values = ptp.share(kind);
             let wrong = |(_, share): &(Joint, &f64)| !(MIN_SHARE..=1.0).contains(*share);
             if let Some((joint, &found)) = Joint::ALL.into_iter().zip(values).find(wrong) {
                 let joint = values.iter().any(|v| v.to_bits() != found.to_bits()).then_some(joint);
-                return Err(Fault::Share { motion, field, joint, found, min: MIN_SHARE });
+                return Err(Fault::Share { motion, kind, joint, found, min: MIN_SHARE });
             }
         }
         let Some(blend) = ptp.blend else { return Ok(()) };

@@ -137,10 +137,10 @@ fn shares_for_all_joints_or_one_each() {
     let path = path(&program);
     let (limits, robot) = (&path.limits()[0], path.robot().limits());
     for j in 0..7 {
-        assert_eq!(limits.velocity_rad_s[j], 0.5 * robot.velocity_rad_s[j]);
+        assert_eq!(limits.velocity_rad_s()[j], 0.5 * robot.velocity_rad_s[j]);
         let share = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7][j];
-        assert_eq!(limits.acceleration_rad_s2[j], share * robot.acceleration_rad_s2[j]);
-        assert_eq!(limits.jerk_rad_s3[j], robot.jerk_rad_s3[j]);
+        assert_eq!(limits.acceleration_rad_s2()[j], share * robot.acceleration_rad_s2[j]);
+        assert_eq!(limits.jerk_rad_s3()[j], robot.jerk_rad_s3[j]);
     }
     assert!(program.to_json().contains("0.7"));
     assert_eq!(Program::from_json(&program.to_json()).unwrap(), program);

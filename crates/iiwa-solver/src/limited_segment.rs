@@ -6,7 +6,7 @@
 //! well: the solver would have to make the speed's own second derivative jump against it.
 
 use iiwa_kin::{Joints, vector, vector::largest_multiple};
-use iiwa_path::{MotionLimits, PlanarGraph, Segment};
+use iiwa_path::{LimitKind, MotionLimits, PlanarGraph, Segment};
 
 use crate::{
     geometry::{Geometry, Places, SigmaDerivatives, in_plane},
@@ -56,15 +56,14 @@ impl<'a> LimitedSegment<'a> {
         let unit = shape.sigma_unit_rad();
         let direction = shape.is_straight().then(|| shape.at(0.0).dq.map(|d| d / unit));
         let [end, ..] = shape.sigma(1.0);
-        let inverse = [limits.velocity_rad_s, limits.acceleration_rad_s2, limits.jerk_rad_s3]
-            .map(|limits| limits.map(|limit| 1.0 / limit));
+        let inverse = LimitKind::ALL.map(|kind| limits.of(kind).map(|limit| 1.0 / limit));
         let mut segment = Self {
             limits,
             inverse,
             length: end * unit,
             swept,
             shape,
-            least_build_up_s: std::iter::zip(limits.acceleration_rad_s2, limits.jerk_rad_s3)
+            least_build_up_s: std::iter::zip(limits.acceleration_rad_s2(), limits.jerk_rad_s3())
                 .map(|(acceleration, jerk)| acceleration / jerk)
                 .fold(f64::INFINITY, f64::min),
             unit,
@@ -170,11 +169,11 @@ impl<'a> LimitedSegment<'a> {
         let [dq, ddq, _] = self.derivatives(0.5);
         let norm = |row: &Joints| row.iter().map(|v| v * v).sum::<f64>().sqrt();
         let straight = norm(&dq) / norm(&ddq);
-        let MotionLimits { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 } = self.limits;
+        let [speed, acceleration, jerk] = LimitKind::ALL.map(|kind| self.limits.of(kind));
         let turn = (0..7).map(|j| {
             // On the way `way`, joint j comes from its full speed to rest.
-            let speed = velocity_rad_s[j];
-            let way = speed * (speed / acceleration_rad_s2[j]).max((speed / jerk_rad_s3[j]).sqrt());
+            let speed = speed[j];
+            let way = speed * (speed / acceleration[j]).max((speed / jerk[j]).sqrt());
             (way / ddq[j].abs()).sqrt()
         });
         straight + turn.fold(f64::INFINITY, f64::min)
@@ -219,9 +218,7 @@ impl<'a> LimitedSegment<'a> {
     #[must_use]
     pub fn straight(&self, s: f64) -> [f64; 3] {
         let [direction, ..] = self.derivatives(s);
-        let MotionLimits { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 } = self.limits;
-        [velocity_rad_s, acceleration_rad_s2, jerk_rad_s3]
-            .map(|limit| largest_multiple(&direction, limit))
+        LimitKind::ALL.map(|kind| largest_multiple(&direction, self.limits.of(kind)))
     }
 
     /// Shares of all limits at one place of its `geometry`, where speed, acceleration and jerk of sigma are these,

@@ -111,7 +111,7 @@ impl Section {
             piece.start_s = self.start_s + start;
             piece.end_s = self.start_s + end;
             piece.duration_s = end - start;
-            piece.peak_velocity_rel = usage.peak_velocity_rel(&limits.velocity_rad_s, full);
+            piece.peak_velocity_rel = usage.peak_velocity_rel(limits.velocity_rad_s(), full);
             piece.limited_by = Some(usage.limit());
             piece.usage = usage;
             debug_assert!(matches!(piece.kind, PieceKind::Line | PieceKind::Blend));

@@ -44,11 +44,11 @@ mod sweep;
 mod timing;
 mod trajectory;
 
-pub use iiwa_path::playback;
+pub use iiwa_path::{LimitKind, playback};
 
 pub use batch::{PlanError, plan_all};
 pub use figures::{BlendFigures, MotionFigures, MotionType, Totals};
-pub use limit::{Limit, LimitKind, LimitShare};
+pub use limit::{Limit, LimitShare};
 pub use node::Node;
 pub use planner::Planner;
 pub use section::{Piece, PieceKind, Section};

@@ -1,9 +1,11 @@
 //! How close a piece comes to its limits, and for how long it is at each.
 
+use enum_map::EnumMap;
 use iiwa_kin::Joint;
+use iiwa_path::LimitKind;
 
 use crate::{
-    limit::{Limit, LimitKind, LimitShare},
+    limit::{Limit, LimitShare},
     node::Node,
     sweep::{greater, lesser},
 };
@@ -14,19 +16,16 @@ const SATURATED: f64 = 0.995;
 /// Largest value over limit that is taken for rounding.
 pub(crate) const TOLERANCE: f64 = 1e-6;
 
+/// What is used of the limits of each kind.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LimitUsage(EnumMap<LimitKind, Shares>);
+
 /// For each joint, the largest share of its limit, and the time at it in s. The eighth number is
 /// zero and fills the vector register.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LimitUsage {
-    pub(crate) velocity: Shares,
-    pub(crate) acceleration: Shares,
-    pub(crate) jerk: Shares,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Shares {
-    pub(crate) peak: [f64; 8],
-    pub(crate) time_s: [f64; 8],
+struct Shares {
+    peak: [f64; 8],
+    time_s: [f64; 8],
 }
 
 impl Shares {
@@ -81,27 +80,25 @@ impl LimitUsage {
                 accelerations[0][j] = greater(acceleration, last);
                 accelerations[1][j] = lesser(acceleration, last);
             }
-            self.velocity.add(&speeds[0], &speeds[1], dt);
-            self.acceleration.add(&accelerations[0], &accelerations[1], dt);
+            self.0[LimitKind::Velocity].add(&speeds[0], &speeds[1], dt);
+            self.0[LimitKind::Acceleration].add(&accelerations[0], &accelerations[1], dt);
             (from, start) = (to, *end);
         }
     }
 
-    /// Adds the shares of the limits of speed, acceleration and jerk that hold for `dt`.
+    /// Adds the shares of the limits of all kinds that hold for `dt`.
     #[inline(always)]
     pub(crate) fn sample(&mut self, shares: &[[f64; 8]; 3], dt: f64) {
-        for (kind, shares) in
-            [&mut self.velocity, &mut self.acceleration, &mut self.jerk].into_iter().zip(shares)
-        {
+        for (kind, shares) in LimitKind::ALL.into_iter().zip(shares) {
             let shares = &shares.map(f64::abs);
-            kind.add(shares, shares, dt);
+            self.0[kind].add(shares, shares, dt);
         }
     }
 
     pub(crate) fn merge(&mut self, other: &Self) {
-        self.velocity.merge(&other.velocity);
-        self.acceleration.merge(&other.acceleration);
-        self.jerk.merge(&other.jerk);
+        for (kind, shares) in &mut self.0 {
+            shares.merge(&other.0[kind]);
+        }
     }
 
     /// The largest share of any limit, and which one it is.
@@ -118,14 +115,14 @@ impl LimitUsage {
     /// The largest share of a limit of speed, where `full` are the limits, of which `own` are shares.
     #[inline(always)]
     pub(crate) fn peak_velocity_rel(&self, own: &[f64; 7], full: &[f64; 7]) -> f64 {
-        (0..7).map(|j| self.velocity.peak[j] * own[j] / full[j]).fold(0.0, f64::max)
+        (0..7).map(|j| self.0[LimitKind::Velocity].peak[j] * own[j] / full[j]).fold(0.0, f64::max)
     }
 
     /// The limits that are kept, with their shares of `total_s`, the largest first.
     pub(crate) fn shares(&self, total_s: f64) -> Vec<LimitShare> {
         let mut shares: Vec<_> = self
-            .kinds()
-            .into_iter()
+            .0
+            .iter()
             .flat_map(|(kind, shares)| {
                 // A wait is at none, and may take no time.
                 let kept =
@@ -140,17 +137,9 @@ impl LimitUsage {
         shares
     }
 
-    fn kinds(&self) -> [(LimitKind, &Shares); 3] {
-        [
-            (LimitKind::Velocity, &self.velocity),
-            (LimitKind::Acceleration, &self.acceleration),
-            (LimitKind::Jerk, &self.jerk),
-        ]
-    }
-
     fn largest(&self, value: impl Fn(&Shares) -> &[f64; 8]) -> (Limit, f64) {
         let mut best = (Limit { joint: Joint::A1, kind: LimitKind::Velocity }, 0.0);
-        for (kind, shares) in self.kinds() {
+        for (kind, shares) in &self.0 {
             for (joint, &value) in Joint::ALL.into_iter().zip(value(shares)) {
                 if value > best.1 {
                     best = (Limit { joint, kind }, value);

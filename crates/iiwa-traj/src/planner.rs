@@ -271,10 +271,10 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         let path: &'a JointPath = self.path;
         let Step::Move { motion, segment, blend } = &path.steps()[step] else { return None };
         let limits = &path.limits()[motion.index()];
-        let acceleration = &limits.acceleration_rad_s2;
+        let [speed, acceleration] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
         let mut velocity = [0.0; 8];
         for j in 0..7 {
-            velocity[j] = acceleration[j] / limits.velocity_rad_s[j];
+            velocity[j] = acceleration[j] / speed[j];
         }
         Some(SweepSegment {
             shape: segment.as_ref(),
@@ -284,7 +284,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
             velocity,
             line: segment.is_straight().then(|| {
                 let direction = segment.at(0.0).dq;
-                LineLimits::new(&direction, &limits.velocity_rad_s, acceleration)
+                LineLimits::new(&direction, speed, acceleration)
             }),
         })
     }
@@ -477,7 +477,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
             return Err(TimingError::LimitExceeded { motion, joint, kind, ratio });
         }
         // Shares of the motion's limits become shares of the robot's.
-        let own = &self.path.limits()[motion.index()].velocity_rad_s;
+        let own = self.path.limits()[motion.index()].velocity_rad_s();
         let full = &self.path.robot().limits().velocity_rad_s;
         let peak_velocity_rel = usage.peak_velocity_rel(own, full);
         section.pieces.push(Piece {

@@ -1,9 +1,7 @@
 //! What limits the stamps.
 
 use iiwa_kin::Joint;
-use iiwa_path::MotionIndex;
-
-use crate::limit::LimitKind;
+use iiwa_path::{LimitKind, MotionIndex};
 
 /// The limits that a trajectory keeps, and how its stamps are found.
 ///

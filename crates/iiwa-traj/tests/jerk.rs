@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
+use iiwa_path::{Blend, JointPath, LimitKind, Motion, Program, Ptp};
 use iiwa_traj::{State, SweepOptions, Timing, TimingError, Trajectory};
 use proptest::{
     prelude::*,
@@ -69,24 +69,24 @@ fn changed(program: &Program, change: impl Fn(usize, &mut Ptp)) -> Program {
 
 #[test]
 fn slower_limits_never_make_it_faster() {
-    const SHARES: [fn(&mut Ptp) -> &mut Joints; 3] =
-        [|ptp| &mut ptp.velocity_rel, |ptp| &mut ptp.acceleration_rel, |ptp| &mut ptp.jerk_rel];
     let mut least = f64::INFINITY;
     for program in programs(40) {
         let before = motion_time_s(&program);
-        let mut slower = |what: &str, change: &dyn Fn(usize, &mut Ptp)| {
+        let mut slower = |what: LimitKind, change: &dyn Fn(usize, &mut Ptp)| {
             let ratio = motion_time_s(&changed(&program, change)) / before;
             assert!(ratio > 1.0 - 1e-3, "{ratio} times as long with a lower {what}: {program:?}");
             least = least.min(ratio);
         };
-        for (of, what) in SHARES.iter().zip(["velocity", "acceleration", "jerk"]) {
-            let times = |ptp: &mut Ptp, factor: f64| *of(ptp) = of(ptp).map(|share| factor * share);
+        for kind in LimitKind::ALL {
+            let times = |ptp: &mut Ptp, factor: f64| {
+                ptp.share_mut(kind).iter_mut().for_each(|share| *share *= factor);
+            };
             for factor in [0.9, 0.5, 0.15] {
-                slower(what, &|_, ptp| times(ptp, factor));
+                slower(kind, &|_, ptp| times(ptp, factor));
             }
             // Of one motion, and of one joint.
-            slower(what, &|i, ptp| times(ptp, if i == 1 { 0.7 } else { 1.0 }));
-            slower(what, &|_, ptp| of(ptp)[3] *= 0.4);
+            slower(kind, &|i, ptp| times(ptp, if i == 1 { 0.7 } else { 1.0 }));
+            slower(kind, &|_, ptp| ptp.share_mut(kind)[3] *= 0.4);
         }
     }
     println!("at least {least} times as long");
@@ -123,9 +123,9 @@ fn scale_does_not_matter() {
             let times = |values: Joints| values.map(|value| scale * value);
             let mut scaled = changed(&program, |_, ptp| {
                 ptp.target_rad = times(ptp.target_rad);
-                ptp.velocity_rel = times(ptp.velocity_rel);
-                ptp.acceleration_rel = times(ptp.acceleration_rel);
-                ptp.jerk_rel = times(ptp.jerk_rel);
+                for kind in LimitKind::ALL {
+                    *ptp.share_mut(kind) = times(*ptp.share(kind));
+                }
             });
             scaled.start_rad = times(scaled.start_rad);
             let change = motion_time_s(&scaled) / before - 1.0;
@@ -144,9 +144,10 @@ fn time_scales() {
         let before = motion_time_s(&program);
         for scale in [2.0, 3.0] {
             let slower = changed(&program, |_, ptp| {
-                ptp.velocity_rel = ptp.velocity_rel.map(|v| v / scale);
-                ptp.acceleration_rel = ptp.acceleration_rel.map(|a| a / (scale * scale));
-                ptp.jerk_rel = ptp.jerk_rel.map(|j| j / (scale * scale * scale));
+                for kind in LimitKind::ALL {
+                    let slower = |share: f64| share / f64::powi(scale, kind.order().into());
+                    *ptp.share_mut(kind) = ptp.share(kind).map(slower);
+                }
             });
             let change = motion_time_s(&slower) / (scale * before) - 1.0;
             // Cells that are slow in seconds are checked at more places, and limits lowered for what is found there.

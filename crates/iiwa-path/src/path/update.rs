@@ -44,7 +44,7 @@ impl JointPath {
         let from = self.steps[..before.start].iter().rev().find_map(end_rad).unwrap_or(self.start);
         let mut new = steps(program, &self.robot, options, range, from)?;
 
-        let limits = MotionLimits::of(&self.robot, &program.motions[motion.index()]);
+        let limits = MotionLimits::of_motion(&self.robot, &program.motions[motion.index()]);
         let changed = limits != self.limits[motion.index()];
         let is_same = |old: &Step, new: &Step| {
             let is_limited = matches!(new, Step::Move { motion: own, .. } if *own == motion);

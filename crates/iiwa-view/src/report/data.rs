@@ -8,7 +8,7 @@ use std::{
 use iiwa_eval::{Comparison, Plan};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{Loss, PlanPiece};
-use iiwa_path::{Blend, Motion, Ptp};
+use iiwa_path::{Blend, LimitKind, Motion};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -348,10 +348,8 @@ fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compare
 /// The motions with limits of their own, each with its number.
 fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
     let own = |(index, motion): (usize, &Motion)| {
-        let Motion::Ptp(Ptp { velocity_rel, acceleration_rel, jerk_rel, .. }) = motion else {
-            return None;
-        };
-        let [velocity, acceleration, jerk] = [*velocity_rel, *acceleration_rel, *jerk_rel];
+        let Motion::Ptp(ptp) = motion else { return None };
+        let [velocity, acceleration, jerk] = LimitKind::ALL.map(|kind| *ptp.share(kind));
         let narrower = [velocity, acceleration, jerk].iter().flatten().any(|share| *share < 1.0);
         narrower.then_some((index + 1, Shares { velocity, acceleration, jerk }))
     };

@@ -1,0 +1,65 @@
+//! The kinds of limits.
+
+use std::fmt;
+
+use enum_map::Enum;
+
+/// A kind of limit of a joint.
+///
+/// ```
+/// use iiwa_path::LimitKind;
+///
+/// let jerk = LimitKind::ALL[2];
+/// assert_eq!((jerk.name(), jerk.order()), ("jerk", 3));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Enum)]
+#[non_exhaustive]
+pub enum LimitKind {
+    /// Speed.
+    Velocity,
+    /// Acceleration.
+    Acceleration,
+    /// Jerk.
+    Jerk,
+}
+
+impl LimitKind {
+    /// All kinds, by their order.
+    pub const ALL: [Self; 3] = [Self::Velocity, Self::Acceleration, Self::Jerk];
+
+    /// Its name in files: `velocity`, `acceleration` or `jerk`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Jerk => "jerk",
+        }
+    }
+
+    /// The derivative of the position by time that it limits: 1 for velocity, 2, 3. Its unit is rad over s to
+    /// this power.
+    #[must_use]
+    pub fn order(self) -> u8 {
+        match self {
+            Self::Velocity => 1,
+            Self::Acceleration => 2,
+            Self::Jerk => 3,
+        }
+    }
+
+    /// The key of a motion's share of it in programs: `velocity_rel`, `acceleration_rel` or `jerk_rel`.
+    pub(crate) fn share_key(self) -> &'static str {
+        match self {
+            Self::Velocity => "velocity_rel",
+            Self::Acceleration => "acceleration_rel",
+            Self::Jerk => "jerk_rel",
+        }
+    }
+}
+
+impl fmt::Display for LimitKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
