@@ -22,18 +22,16 @@ use crate::{
 /// is about a hundred times as much.
 const NO_MOTION_RAD: f64 = 1e-9;
 
-/// The steps of the path of `program`, which has been checked: those of the motions in `range`, from where the arm is
-/// when the first of them begins.
+/// The steps of the path of `program`, which has been checked: those of the motions in `range`.
 pub(crate) fn steps(
     program: &Program,
     robot: &Robot,
     options: PathOptions,
     range: Range<usize>,
-    from_rad: Joints,
 ) -> Result<Vec<Step>, Fault> {
     let mut steps = Builder { robot, steps: Vec::with_capacity(2 * range.len()) };
     // Where the last blend ended, or the arm stands.
-    let mut from = from_rad;
+    let mut from = begin(program, robot, options, range.start);
     // The target before, blended away or not: directions are taken between targets.
     let mut last_target = program.target_before(range.start);
     for (motion, entry) in program.entries().take(range.end).skip(range.start) {
@@ -44,12 +42,8 @@ pub(crate) fn steps(
                 continue;
             }
         };
-        let corner = RoundedCorner::new(robot, options.blend_search, &last_target, ptp, || {
-            match program.motions.get(motion.index() + 1) {
-                Some(Motion::Ptp(next)) => Some(next.target_rad),
-                _ => None,
-            }
-        });
+        let after = || target_of(program, motion.index() + 1);
+        let corner = RoundedCorner::new(robot, options.blend_search, &last_target, ptp, after);
         last_target = ptp.target_rad;
         if let Some(corner) = corner {
             steps.push_line(motion, from, corner.start());
@@ -62,6 +56,25 @@ pub(crate) fn steps(
         }
     }
     Ok(steps.steps)
+}
+
+/// The target of the motion at `index`, if it is one that has a target.
+fn target_of(program: &Program, index: usize) -> Option<Joints> {
+    match program.motions.get(index)? {
+        Motion::Ptp(ptp) => Some(ptp.target_rad),
+        Motion::Wait { .. } => None,
+    }
+}
+
+/// Where the arm is when the motion at `index` begins: at the target of the one before, or where its blend ends.
+fn begin(program: &Program, robot: &Robot, options: PathOptions, index: usize) -> Joints {
+    let rounded = || {
+        let Motion::Ptp(before) = &program.motions[index.checked_sub(1)?] else { return None };
+        let from = program.target_before(index - 1);
+        let after = || target_of(program, index);
+        RoundedCorner::new(robot, options.blend_search, &from, before, after)
+    };
+    rounded().map_or_else(|| program.target_before(index), |corner| corner.end())
 }
 
 /// The steps of a path so far.

@@ -68,7 +68,7 @@ impl JointPath {
     ) -> Result<Self, Fault> {
         program.check(robot.limits())?;
         let all = 0..program.motions.len();
-        let steps = steps(program, robot, options, all, program.start_rad)?;
+        let steps = steps(program, robot, options, all)?;
         Ok(Self {
             robot: Arc::new(robot.clone()),
             start: program.start_rad,

@@ -27,9 +27,11 @@ impl Solution {
     ) -> Result<Self, SolveError> {
         let [enough, most] = SETTINGS.refinement.longer;
         let mut best: Option<Attempt> = None;
-        for settings in SETTINGS.refinement.attempts {
+        // Between two states that are given there may be no way.
+        let attempts = if window.exit.is_some() { 1 } else { SETTINGS.refinement.attempts.len() };
+        for settings in &SETTINGS.refinement.attempts[..attempts] {
             let settings =
-                AttemptSettings { refinement: refinement * settings.refinement, ..settings };
+                AttemptSettings { refinement: refinement * settings.refinement, ..*settings };
             let attempt = Attempt::run(window, settings, stop)?;
             let Some(attempt) = attempt else { continue };
             if attempt.longer() <= best.as_ref().map_or(most, Attempt::longer) {

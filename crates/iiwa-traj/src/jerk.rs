@@ -6,19 +6,20 @@
 mod horizon;
 mod stamps;
 
-use std::sync::atomic::AtomicBool;
+use std::{ops::Range, sync::atomic::AtomicBool};
 
 use iiwa_path::{PLACES, Step};
-use iiwa_solver::{LimitedSegment, SolveError, SweptNode};
+use iiwa_solver::{LimitedSegment, Solution, SolveError, SweptNode, Window};
 
 use crate::{
     limit_usage::LimitUsage,
     node::Node,
     phases::{ProfilePoint, phases},
-    section::{PieceKind, Section},
+    section::{Piece, Section},
     timing::{JerkOptions, TimingError},
 };
-use stamps::{SegmentStamps, Stamps};
+use stamps::Stamper;
+pub(crate) use stamps::{SegmentStamps, Stamps};
 
 /// Replaces the acceleration-limited stamps of `section` by jerk-limited ones, unless `stop` is set.
 pub(crate) fn limit(
@@ -26,8 +27,29 @@ pub(crate) fn limit(
     options: JerkOptions,
     stop: &AtomicBool,
 ) -> Result<(), TimingError> {
-    let Some(first) = section.pieces.first() else { return Ok(()) };
-    let motion = first.motion;
+    if !section.pieces.is_empty() {
+        let all = Part { pieces: 0..section.pieces.len(), ends: [None; 2] };
+        let stamped = stamps(section, &all, options, stop)?;
+        section.stamp(stamped);
+    }
+    Ok(())
+}
+
+/// Pieces of a section, at least one.
+pub(crate) struct Part {
+    pub(crate) pieces: Range<usize>,
+    /// Where they begin and end: the square of the speed along the path (rad^2/s^2) and its derivative by the way
+    /// (rad/s^2); none at rest.
+    pub(crate) ends: [Option<[f64; 2]>; 2],
+}
+
+/// The jerk-limited stamps of a part of `section`, in place of its acceleration-limited ones, which it loses.
+pub(crate) fn stamps(
+    section: &mut Section,
+    part: &Part,
+    options: JerkOptions,
+    stop: &AtomicBool,
+) -> Result<Stamps, TimingError> {
     let path = section.path.clone();
     // The section gets new nodes: in long ones, the memory of these counts.
     let swept: Vec<_> = std::mem::take(&mut section.nodes)
@@ -45,18 +67,37 @@ pub(crate) fn limit(
         };
         segments.push(segment);
     }
-    let stamped = match segments.as_slice() {
-        [line] if line.is_line() && !options.general => straight(line),
-        _ => horizon::stamps(&segments, section.start_s, options, stop).map_err(
-            |error| match error {
-                SolveError::NotConverged => TimingError::NotConverged { motion },
-                SolveError::Interrupted => TimingError::Interrupted,
-            },
-        )?,
+    let [entry, exit] = part.ends;
+    let found = match segments.as_slice() {
+        [line] if line.is_line() && !options.general && part.ends == [None; 2] => {
+            Ok(straight(line))
+        }
+        all if part.ends == [None; 2] => horizon::stamps(all, section.start_s, options, stop),
+        segments => {
+            let window = Window { segments, range: part.pieces.clone(), entry, exit };
+            window_stamps(&window, options, stop)
+        }
     };
-    drop(segments);
-    section.stamp(stamped);
-    Ok(())
+    let motion = section.pieces[part.pieces.start].motion;
+    found.map(Stamps::joined).map_err(|error| match error {
+        SolveError::NotConverged => TimingError::NotConverged { motion },
+        SolveError::Interrupted => TimingError::Interrupted,
+    })
+}
+
+/// The stamps of a window. Its ends are given: it cannot be slowed down.
+fn window_stamps(
+    window: &Window<'_, '_>,
+    options: JerkOptions,
+    stop: &AtomicBool,
+) -> Result<Stamps, SolveError> {
+    let solution = Solution::find(window, options.refinement, stop)?;
+    if solution.time_scale() != 1.0 {
+        return Err(SolveError::NotConverged);
+    }
+    let mut stamper = Stamper::new(0.0, window.range.start);
+    stamper.add(&solution, window, window.range.end);
+    Ok(stamper.finish())
 }
 
 /// The stamps of a section that is one line.
@@ -97,26 +138,27 @@ fn straight(segment: &LimitedSegment<'_>) -> Stamps {
 
 impl Section {
     /// Replaces the stamps of its pieces, which all move.
-    fn stamp(&mut self, stamps: Stamps) {
-        let Stamps { mut nodes, segments, .. } = stamps;
-        for (piece, SegmentStamps { nodes: range, usage }) in self.pieces.iter_mut().zip(segments) {
-            let own = &mut nodes[range.clone()];
+    fn stamp(&mut self, Stamps { mut nodes, segments }: Stamps) {
+        let pieces = self.pieces.iter().zip(segments).filter_map(|(piece, stamps)| {
+            let SegmentStamps { nodes: range, usage } = stamps;
+            let times_s = [nodes[range.start].t_s, nodes[range.end - 1].t_s];
+            Piece::moving(self, piece.step, times_s, &usage, range)
+        });
+        self.pieces = pieces.collect();
+        nodes.shrink_to_fit();
+        self.nodes = nodes;
+    }
+}
+
+impl Stamps {
+    /// Notes at each node how fast the rate changes at the end of what begins there.
+    fn joined(mut self) -> Self {
+        for SegmentStamps { nodes, .. } in &self.segments {
+            let own = &mut self.nodes[nodes.clone()];
             for i in 1..own.len() {
                 own[i - 1].u[1] = own[i].u[0];
             }
-            let [start, end] = [own[0].t_s, own[own.len() - 1].t_s];
-            let limits = &self.path.limits()[piece.motion.index()];
-            let full = &self.path.robot().limits().velocity_rad_s;
-            piece.nodes = range;
-            piece.start_s = self.start_s + start;
-            piece.end_s = self.start_s + end;
-            piece.duration_s = end - start;
-            piece.peak_velocity_rel = usage.peak_velocity_rel(limits.velocity_rad_s(), full);
-            piece.limited_by = Some(usage.limit());
-            piece.usage = usage;
-            debug_assert!(matches!(piece.kind, PieceKind::Line | PieceKind::Blend));
         }
-        nodes.shrink_to_fit();
-        self.nodes = nodes;
+        self
     }
 }

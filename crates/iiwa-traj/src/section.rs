@@ -83,6 +83,34 @@ impl PieceKind {
     }
 }
 
+impl Piece {
+    /// That of a step of the path of `section` which moves the arm, between two instants after the section's start.
+    pub(crate) fn moving(
+        section: &Section,
+        step: usize,
+        [start_s, end_s]: [f64; 2],
+        usage: &LimitUsage,
+        nodes: Range<usize>,
+    ) -> Option<Self> {
+        let Step::Move { motion, blend, .. } = &section.path.steps()[step] else { return None };
+        // Shares of the motion's limits become shares of the robot's.
+        let own = section.path.limits()[motion.index()].velocity_rad_s();
+        let full = &section.path.robot().limits().velocity_rad_s;
+        Some(Self {
+            kind: if blend.is_some() { PieceKind::Blend } else { PieceKind::Line },
+            motion: *motion,
+            start_s: section.start_s + start_s,
+            end_s: section.start_s + end_s,
+            duration_s: end_s - start_s,
+            peak_velocity_rel: usage.peak_velocity_rel(own, full),
+            limited_by: Some(usage.limit()),
+            usage: *usage,
+            step,
+            nodes,
+        })
+    }
+}
+
 impl Section {
     /// When it starts, in s.
     #[must_use]
@@ -141,9 +169,9 @@ impl Section {
         let t_s = t_s.clamp(self.start_s, self.end_s());
         let next = self.pieces.partition_point(|piece| piece.end_s <= t_s);
         let Some(piece) = self.pieces.get(next).or(self.pieces.last()) else {
-            return self.rest(t_s, MotionIndex::default());
+            return self.resting(t_s, MotionIndex::default());
         };
-        let Some(segment) = self.segment(piece) else { return self.rest(t_s, piece.motion) };
+        let Some(segment) = self.segment(piece) else { return self.resting(t_s, piece.motion) };
         let nodes = self.nodes(piece);
         let t = t_s - self.start_s;
         let node = nodes.partition_point(|node| node.t_s <= t).clamp(1, nodes.len() - 1) - 1;
@@ -205,12 +233,39 @@ impl Section {
                     self.state(self.start_s + pair[0].t_s, piece, segment, &pair[0], &pair[1])
                 })
             });
-            let resting = (!piece.kind.moves()).then(|| self.rest(piece.start_s, piece.motion));
+            let resting = (!piece.kind.moves()).then(|| self.resting(piece.start_s, piece.motion));
             moving.chain(resting)
         })
     }
 
-    fn rest(&self, t_s: f64, motion: MotionIndex) -> State {
+    /// Adds the step at `step`, if the arm stands there for some time.
+    pub(crate) fn rest(&mut self, step: usize) {
+        let (kind, motion, seconds) = match self.path.steps()[step] {
+            Step::Settle { motion } => {
+                (PieceKind::Settle, motion, self.path.robot().settle_time_s())
+            }
+            Step::Wait { motion, seconds } => (PieceKind::Wait, motion, seconds),
+            _ => return,
+        };
+        let start_s = self.end_s();
+        // What takes no time has no place in it: stamps increase.
+        if start_s + seconds > start_s {
+            self.pieces.push(Piece {
+                kind,
+                motion,
+                start_s,
+                end_s: start_s + seconds,
+                duration_s: seconds,
+                peak_velocity_rel: 0.0,
+                limited_by: None,
+                usage: LimitUsage::default(),
+                step,
+                nodes: 0..0,
+            });
+        }
+    }
+
+    fn resting(&self, t_s: f64, motion: MotionIndex) -> State {
         State { t_s, q: self.rest_rad, dq: [0.0; 7], ddq: [0.0; 7], dddq: [0.0; 7], motion }
     }
 

@@ -29,12 +29,17 @@ impl Trajectory {
     /// [`TimingError::CurvatureJumps`] for jerk-limited timing of blends whose curvature jumps at their ends; any
     /// other error is a fault of the planner.
     pub fn plan(path: &JointPath, timing: Timing) -> Result<Self, TimingError> {
-        let sections: Vec<_> = Planner::new(path, timing).collect::<Result<_, _>>()?;
+        let sections = Planner::new(path, timing).collect::<Result<_, _>>()?;
+        Ok(Self::from_sections(path.clone(), sections))
+    }
+
+    /// That of some sections, in order.
+    pub(crate) fn from_sections(path: JointPath, sections: Vec<Section>) -> Self {
         let mut totals = Totals::default();
         for section in &sections {
             totals.add(section);
         }
-        Ok(Self { path: path.clone(), sections, totals })
+        Self { path, sections, totals }
     }
 
     /// The path.

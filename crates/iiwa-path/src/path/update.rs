@@ -2,8 +2,6 @@
 
 use std::{ops::Range, sync::Arc};
 
-use iiwa_kin::Joints;
-
 use super::JointPath;
 use crate::{
     builder::steps,
@@ -41,8 +39,7 @@ impl JointPath {
         let range = affected(&program.motions, motion.index());
         program.check_motions(range.clone(), self.robot.limits())?;
         let before = self.steps_of(&range);
-        let from = self.steps[..before.start].iter().rev().find_map(end_rad).unwrap_or(self.start);
-        let mut new = steps(program, &self.robot, options, range, from)?;
+        let mut new = steps(program, &self.robot, options, range)?;
 
         let limits = MotionLimits::of_motion(&self.robot, &program.motions[motion.index()]);
         let changed = limits != self.limits[motion.index()];
@@ -87,14 +84,6 @@ fn affected(motions: &[Motion], index: usize) -> Range<usize> {
     // The next one is blended into the one after it.
     let last = (index + 1..motions.len()).filter(is_ptp).take(2).last().unwrap_or(index);
     first..last + 1
-}
-
-/// Where the arm is after a step that moves it.
-fn end_rad(step: &Step) -> Option<Joints> {
-    match step {
-        Step::Move { segment, .. } => Some(segment.at(1.0).q),
-        _ => None,
-    }
 }
 
 impl Step {

@@ -34,7 +34,7 @@ pub(crate) fn stamps(
     }
     let whole = Window { segments, range: 0..segments.len(), entry: None, exit: None };
     let solution = Solution::find(&whole, options.refinement, stop)?;
-    let mut stamper = Stamper::new(start_s);
+    let mut stamper = Stamper::new(start_s, 0);
     stamper.add(&solution, &whole, segments.len());
     Ok(stamper.finish())
 }
@@ -48,7 +48,7 @@ fn receding(
     options: JerkOptions,
     stop: &AtomicBool,
 ) -> Result<Option<Stamps>, SolveError> {
-    let mut stamper = Stamper::new(start_s);
+    let mut stamper = Stamper::new(start_s, 0);
     let Some(first) =
         part(segments, 0, None).filter(|first| first.window.range.end < segments.len())
     else {

@@ -24,6 +24,8 @@ pub(crate) struct Stamps {
 /// Makes the stamps of a section, window after window.
 pub(crate) struct Stamper {
     start_s: f64,
+    /// The first segment that gets stamps.
+    first: usize,
     /// Time since the start of the section, in s.
     t_s: f64,
     /// Factor by which what is added is slowed down.
@@ -32,9 +34,9 @@ pub(crate) struct Stamper {
 }
 
 impl Stamper {
-    /// None yet, of a section that starts at `start_s`.
-    pub(crate) fn new(start_s: f64) -> Self {
-        Self { start_s, t_s: 0.0, time_scale: 1.0, stamps: Stamps::default() }
+    /// None yet, of a section that starts at `start_s`, from the segment `first` on.
+    pub(crate) fn new(start_s: f64, first: usize) -> Self {
+        Self { start_s, first, t_s: 0.0, time_scale: 1.0, stamps: Stamps::default() }
     }
 
     /// The stamps.
@@ -92,7 +94,7 @@ impl Stamper {
 
     /// Begins the next segment, unless it has begun.
     fn begin(&mut self, segment: usize) {
-        if self.stamps.segments.len() <= segment {
+        if self.stamps.segments.len() <= segment - self.first {
             let nodes = self.stamps.nodes.len()..self.stamps.nodes.len();
             self.stamps.segments.push(SegmentStamps { nodes, usage: LimitUsage::default() });
         }

@@ -1,0 +1,411 @@
+//! The acceleration-limited stamps of a section, or of a part of it.
+
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicBool, Ordering},
+};
+
+use iiwa_kin::Joints;
+use iiwa_path::{Grid, GridNode, JointPath, MotionIndex, Segment, Step};
+use pulp::Simd;
+
+use crate::{
+    interval,
+    limit_usage::{LimitUsage, TOLERANCE},
+    line_limits::LineLimits,
+    node::Node,
+    section::{Piece, Section},
+    sweep::{self, Bounds, Nodes, Sample},
+    timing::TimingError,
+};
+
+/// Memory that is used again for each section.
+#[derive(Debug)]
+pub(crate) struct Scratch {
+    grid: Grid,
+    /// The nodes of all segments.
+    samples: Vec<Sample>,
+    /// What the way backwards found out about curves, for the way forwards.
+    curves: Vec<CurveSamples>,
+}
+
+impl Scratch {
+    /// For grids of `intervals` intervals.
+    pub(crate) fn new(intervals: usize) -> Self {
+        Self { grid: Grid::new(intervals), samples: Vec::new(), curves: Vec::new() }
+    }
+}
+
+/// Most nodes that are kept, of about 0.4 kB each: 64 curves of 100 intervals.
+const KEPT_NODES: usize = 6_500;
+
+/// The derivatives at the nodes of one curve, and what the limits leave there.
+#[derive(Debug, Default)]
+struct CurveSamples {
+    /// Place of the segment among the path's steps.
+    step: Option<usize>,
+    grid: Vec<GridNode>,
+    dq: Vec<[f64; 8]>,
+    ddq: Vec<[f64; 8]>,
+    bounds: Vec<Bounds>,
+}
+
+/// Intervals a blend of the acceleration-limited stamps from which jerk-limited ones are sought.
+pub(crate) const SAMPLES_BEFORE_JERK: usize = 32;
+
+/// Most sweeps of one section until none of its intervals has to be tightened.
+const ROUNDS: usize = 30;
+
+/// Moves that follow each other without a stop.
+pub(crate) struct Moves {
+    /// Their places among the path's steps.
+    pub(crate) steps: Range<usize>,
+    /// Squares of the speeds along the path, |dq/dt|, with which they begin and end, in rad^2/s^2; none at rest.
+    pub(crate) ends: [Option<f64>; 2],
+}
+
+/// Plans `moves` and adds them to `section`, as pieces that keep the limits of velocity and acceleration.
+pub(crate) fn sweep_moves(
+    moves: &Moves,
+    scratch: &mut Scratch,
+    stop: &AtomicBool,
+    section: &mut Section,
+) -> Result<(), TimingError> {
+    scratch.curves.iter_mut().for_each(|curve| curve.step = None);
+    pulp::Arch::new().dispatch(WidestSweep { moves, scratch, stop, section })
+}
+
+/// The sweep by the widest vector instructions that the machine has.
+///
+/// Not a closure: those reach the function with vector instructions by way of a shim that is not
+/// inlined into it, and so stay without them.
+struct WidestSweep<'a> {
+    moves: &'a Moves,
+    scratch: &'a mut Scratch,
+    stop: &'a AtomicBool,
+    section: &'a mut Section,
+}
+
+impl pulp::WithSimd for WidestSweep<'_> {
+    type Output = Result<(), TimingError>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let WidestSweep { moves, scratch, stop, section } = self;
+        let path = &section.path.clone();
+        SectionSweep { simd, path, scratch, stop }.moves(moves, section)
+    }
+}
+
+/// What one section is planned with.
+struct SectionSweep<'a, S> {
+    simd: S,
+    path: &'a JointPath,
+    scratch: &'a mut Scratch,
+    stop: &'a AtomicBool,
+}
+
+/// A segment and its limits, in the form that the sweep takes.
+struct SweepSegment<'a> {
+    shape: &'a dyn Segment,
+    motion: MotionIndex,
+    /// One over each acceleration limit.
+    scale: Joints,
+    /// Acceleration limits over velocity limits, in 1/s.
+    velocity: [f64; 8],
+    line: Option<LineLimits>,
+}
+
+impl<'a, S: Simd> SectionSweep<'a, S> {
+    #[inline(always)]
+    fn segment(&self, step: usize) -> Option<SweepSegment<'a>> {
+        let path: &'a JointPath = self.path;
+        let Step::Move { motion, segment, .. } = &path.steps()[step] else { return None };
+        let limits = &path.limits()[motion.index()];
+        let [speed, acceleration] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
+        let mut velocity = [0.0; 8];
+        for j in 0..7 {
+            velocity[j] = acceleration[j] / speed[j];
+        }
+        Some(SweepSegment {
+            shape: segment.as_ref(),
+            motion: *motion,
+            scale: acceleration.map(|a| 1.0 / a),
+            velocity,
+            line: segment.is_straight().then(|| {
+                let direction = segment.at(0.0).dq;
+                LineLimits::new(&direction, speed, acceleration)
+            }),
+        })
+    }
+
+    fn nodes(&self, segment: &SweepSegment<'_>) -> usize {
+        if segment.line.is_some() { 2 } else { self.scratch.grid.intervals() + 1 }
+    }
+
+    /// Plans `moves` and adds them to `section`.
+    #[inline(always)]
+    fn moves(&mut self, moves: &Moves, section: &mut Section) -> Result<(), TimingError> {
+        let steps = &moves.steps;
+        let total = steps
+            .clone()
+            .filter_map(|step| self.segment(step))
+            .map(|segment| self.nodes(&segment))
+            .sum();
+        let mut samples = std::mem::take(&mut self.scratch.samples);
+        samples.clear();
+        samples.resize(total, Sample::default());
+        // A line has up to four nodes, and two among the samples.
+        section.nodes.reserve_exact(total + 2 * steps.len());
+
+        for round in 0..ROUNDS {
+            if !self.sweep(moves, round > 0, &mut samples, section)? {
+                break;
+            }
+            section.pieces.clear();
+            section.nodes.clear();
+        }
+        if section.pieces.is_empty() && !steps.is_empty() {
+            let motion =
+                self.segment(steps.start).map_or(MotionIndex::default(), |segment| segment.motion);
+            return Err(TimingError::Stuck { motion });
+        }
+        self.scratch.samples = samples;
+        Ok(())
+    }
+
+    /// Sweeps backwards and forwards once, `again` with what an earlier time found. True if intervals had to
+    /// be tightened, which makes another time necessary.
+    #[inline(always)]
+    fn sweep(
+        &mut self,
+        Moves { steps, ends: [start, end] }: &Moves,
+        again: bool,
+        samples: &mut [Sample],
+        section: &mut Section,
+    ) -> Result<bool, TimingError> {
+        let mut tightened = false;
+        // Backwards, from rest: at each node the largest x that all that follows allows.
+        let mut next: Option<(f64, f64)> = end.map(|square| (square, 1.0));
+        let mut to = samples.len();
+        for step in steps.clone().rev() {
+            let Some(segment) = self.segment(step) else { continue };
+            if self.stop.load(Ordering::Relaxed) {
+                return Err(TimingError::Interrupted);
+            }
+            let from = to - self.nodes(&segment);
+            let [first, last] = self.tangent_lengths_rad(&segment, step);
+            let end = next.map_or(0.0, |(x, tangent)| x * (tangent / last).powi(2));
+            let samples = &mut samples[from..to];
+            if let Some(line) = &segment.line {
+                samples[1].x = end.min(line.x_max);
+                samples[0].x = line.reach(samples[1].x);
+            } else {
+                let (nodes, bounds) = self.curve(&segment, step);
+                if again {
+                    sweep::lower(bounds, samples);
+                }
+                sweep::backward(nodes, bounds, end, samples);
+            }
+            next = Some((samples[0].x, first));
+            to = from;
+        }
+
+        if let (Some(start), Some((x, tangent))) = (*start, next)
+            && x * tangent * tangent < start * (1.0 - TOLERANCE)
+        {
+            let motion =
+                self.segment(steps.start).map_or(MotionIndex::default(), |segment| segment.motion);
+            return Err(TimingError::Stuck { motion });
+        }
+
+        // Forwards, from rest: as fast as that allows.
+        let mut before: Option<(f64, f64)> = start.map(|square| (square, 1.0));
+        let mut from = 0;
+        let mut t_s = 0.0;
+        for step in steps.clone() {
+            let Some(segment) = self.segment(step) else { continue };
+            let to = from + self.nodes(&segment);
+            let [first, last] = self.tangent_lengths_rad(&segment, step);
+            let start = before.map_or(0.0, |(x, tangent)| x * (tangent / first).powi(2));
+            let samples = &mut samples[from..to];
+            let first_node = section.nodes.len();
+            if let Some(line) = &segment.line {
+                let x0 = start.min(samples[0].x);
+                let x1 = line.reach(x0).min(samples[1].x);
+                samples[1].x = x1;
+                let line = line.fastest(x0, x1);
+                stamp(self.simd, line, section.start_s, &mut t_s, &mut section.nodes);
+            } else {
+                let (nodes, bounds) = self.curve(&segment, step);
+                if again {
+                    sweep::lower(bounds, samples);
+                }
+                tightened |= !sweep::sweep_until_valid(nodes, bounds, start, samples);
+                let Nodes { simd, grid, .. } = nodes;
+                let nodes = grid.iter().map(|node| node.p).zip(samples.iter().copied());
+                stamp(simd, nodes, section.start_s, &mut t_s, &mut section.nodes);
+            }
+            before = Some((samples[samples.len() - 1].x, last));
+            from = to;
+            if !tightened {
+                self.finish_piece(&segment, step, first_node, t_s, section)?;
+            }
+        }
+        Ok(tightened)
+    }
+
+    /// Length of the tangent dq/dp at both ends, in rad.
+    #[inline(always)]
+    fn tangent_lengths_rad(&mut self, segment: &SweepSegment<'_>, step: usize) -> [f64; 2] {
+        let [first, last] = segment.shape.tangent_lengths_rad();
+        if segment.line.is_some() {
+            return [first, last];
+        }
+        let (Nodes { grid, .. }, _) = self.curve(segment, step);
+        [first * grid[0].slope, last * grid[grid.len() - 1].slope]
+    }
+
+    /// The nodes of a curve, of which `step` is the place, and what the limits leave there.
+    #[inline(always)]
+    fn curve<'n>(
+        &'n mut self,
+        segment: &'n SweepSegment<'_>,
+        step: usize,
+    ) -> (Nodes<'n, S>, &'n mut [Bounds]) {
+        let Scratch { grid, curves, .. } = &mut *self.scratch;
+        let nodes = grid.intervals() + 1;
+        // Of blended motions, every second step is a curve.
+        let slot = (step / 2) % (KEPT_NODES / nodes).max(1);
+        if curves.len() <= slot {
+            curves.resize_with(slot + 1, CurveSamples::default);
+        }
+        let curve = &mut curves[slot];
+        if curve.step != Some(step) {
+            curve.step = Some(step);
+            curve.dq.resize(nodes, [0.0; 8]);
+            curve.ddq.resize(nodes, [0.0; 8]);
+            curve.bounds.resize(nodes, Bounds::default());
+            let CurveSamples { dq, ddq, bounds, .. } = curve;
+            curve.grid.clear();
+            curve.grid.extend_from_slice(&segment.shape.grid_nodes(grid));
+            segment.shape.grid_derivatives(grid, &segment.scale, dq, ddq);
+            sweep::bounds(self.simd, dq, ddq, &segment.velocity, &curve.grid, bounds);
+        }
+        let CurveSamples { grid, dq, ddq, bounds, .. } = curve;
+        (Nodes { simd: self.simd, dq, ddq, velocity: &segment.velocity, grid }, bounds)
+    }
+
+    /// Checks the nodes from `first_node` on against the limits and makes them a piece.
+    #[inline(always)]
+    fn finish_piece(
+        &mut self,
+        segment: &SweepSegment<'_>,
+        step: usize,
+        first_node: usize,
+        end_s: f64,
+        section: &mut Section,
+    ) -> Result<(), TimingError> {
+        let nodes = &section.nodes[first_node..];
+        let mut usage = LimitUsage::default();
+        if segment.line.is_some() {
+            // dq/ds is the same at all nodes of a line: one interval after the other.
+            let direction = segment.shape.at(0.0).dq;
+            let mut row = [0.0; 8];
+            for j in 0..7 {
+                row[j] = direction[j] * segment.scale[j];
+            }
+            for pair in nodes.windows(2) {
+                usage.add(pair, &[row; 2], &[[0.0; 8]; 2], &segment.velocity);
+            }
+        } else {
+            let (Nodes { dq, ddq, .. }, _) = self.curve(segment, step);
+            usage.add(nodes, dq, ddq, &segment.velocity);
+        }
+        let motion = segment.motion;
+        if !end_s.is_finite() {
+            return Err(TimingError::Stuck { motion });
+        }
+        let (limit, ratio) = usage.worst();
+        if ratio > 1.0 + TOLERANCE {
+            let crate::Limit { joint, kind } = limit;
+            return Err(TimingError::LimitExceeded { motion, joint, kind, ratio });
+        }
+        let times_s = [nodes[0].t_s, end_s];
+        let nodes = first_node..section.nodes.len();
+        section.pieces.extend(Piece::moving(section, step, times_s, &usage, nodes));
+        Ok(())
+    }
+}
+
+/// Gives samples at p their time, counted on from `t_s` in a section that starts at `start_s`.
+#[inline(always)]
+fn stamp<S: Simd>(
+    simd: S,
+    samples: impl Iterator<Item = (f64, Sample)>,
+    start_s: f64,
+    t_s: &mut f64,
+    nodes: &mut Vec<Node>,
+) {
+    let first = nodes.len();
+    for (p, Sample { x, u, .. }) in samples {
+        nodes.push(Node { t_s: *t_s, p, rate: x.sqrt(), u, ..Node::default() });
+    }
+    let mut nodes = &mut nodes[first..];
+    while nodes.len() > 1 {
+        // Eight intervals at a time; of the last eight, some may be empty.
+        let intervals = (nodes.len() - 1).min(8);
+        let (mut dp, mut rates, mut change) = ([1.0; 8], [1.0; 8], [0.0; 8]);
+        for (i, pair) in nodes.windows(2).take(8).enumerate() {
+            dp[i] = pair[1].p - pair[0].p;
+            rates[i] = pair[0].rate + pair[1].rate;
+            change[i] = pair[0].u[1] - pair[0].u[0];
+        }
+        let durations = interval::durations(simd, &dp, &rates, &change);
+        for (i, (dp, duration)) in dp.into_iter().zip(durations).enumerate().take(intervals) {
+            (nodes[i].dp, nodes[i].dt_s) = (dp, duration);
+            *t_s = interval::later(start_s, *t_s, duration);
+            nodes[i + 1].t_s = *t_s;
+        }
+        nodes = &mut nodes[intervals..];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use iiwa_kin::Robot;
+    use iiwa_path::Program;
+
+    #[test]
+    fn the_same_without_vector_instructions() {
+        let text = r#"{ "version": 1, "start": { "joints_deg": [0, 10, 0, -80, 0, 60, 0] }, "motions": [
+            { "type": "ptp", "joints_deg": [40, 30, -20, -60, 10, 50, 30], "blend": { "fraction": 0.4 } },
+            { "type": "ptp", "joints_deg": [-10, 50, 30, -90, -20, 70, 0], "blend": { "fraction": 0.3 } },
+            { "type": "ptp", "joints_deg": [40, 30, -20, -60, 10, 50, 30], "blend": { "fraction": 0.5 } },
+            { "type": "ptp", "joints_deg": [0, 10, 0, -80, 0, 60, 0] }] }"#;
+        let program = Program::from_json(text).unwrap();
+        let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
+        let widest =
+            crate::Planner::new(&path, crate::Timing::Acceleration(crate::SweepOptions::default()))
+                .next()
+                .unwrap()
+                .unwrap();
+
+        let mut scratch = Scratch::new(100);
+        let mut section = Section { pieces: Vec::new(), nodes: Vec::new(), ..widest.clone() };
+        let sweep = WidestSweep {
+            moves: &Moves { steps: 0..7, ends: [None; 2] },
+            scratch: &mut scratch,
+            stop: &AtomicBool::new(false),
+            section: &mut section,
+        };
+        pulp::WithSimd::with_simd(sweep, pulp::Scalar::new()).unwrap();
+        assert_eq!(widest.nodes.len(), section.nodes.len());
+        for (a, b) in widest.nodes.iter().zip(&section.nodes) {
+            assert!(
+                (a.t_s - b.t_s).abs() < 1e-9 && (a.rate - b.rate).abs() < 1e-6 * a.rate.max(1.0)
+            );
+        }
+    }
+}
