@@ -15,8 +15,8 @@ use std::{
 };
 
 use iiwa_kin::{Pose, Robot};
-use iiwa_path::{BlendSearch, JointPath, Program};
-use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
+use iiwa_path::{BlendSearch, JointPath, Motion, MotionIndex, PathOptions, Program};
+use iiwa_traj::{JerkOptions, Replanner, SweepOptions, Timing, Trajectory};
 use iiwasim_benches::{
     Result,
     joints::poses,
@@ -49,10 +49,11 @@ enum Workload {
     Plan,
     Jerk,
     LongJerk,
+    Replan,
 }
 
 impl Workload {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::Forward,
         Self::ForwardBatch,
         Self::BlendSearch,
@@ -60,6 +61,7 @@ impl Workload {
         Self::Plan,
         Self::Jerk,
         Self::LongJerk,
+        Self::Replan,
     ];
 
     fn name(self) -> &'static str {
@@ -71,6 +73,7 @@ impl Workload {
             Self::Plan => "ten motions from JSON to stamps",
             Self::Jerk => "stamps of ten motions, jerk-limited",
             Self::LongJerk => "stamps of 100 motions, jerk-limited",
+            Self::Replan => "a target of 100 motions moves, jerk-limited",
         }
     }
 
@@ -124,6 +127,20 @@ impl Workload {
                 let timing = Timing::Jerk(JerkOptions::default());
                 for _ in 0..runs {
                     black_box(Trajectory::plan(black_box(&path), timing)?);
+                }
+            }
+            Self::Replan => {
+                let program = Program::from_json(&long_program::text(Kind::Blended, 100))?;
+                let options = JerkOptions::default();
+                let mut plan = Replanner::new(program, &robot, PathOptions::default(), options)?;
+                let moved = MotionIndex::new(50);
+                for run in 0..runs {
+                    let mut motion = plan.program().motions[moved.index()].clone();
+                    if let Motion::Ptp(ptp) = &mut motion {
+                        ptp.target_rad[0] += if run % 2 == 0 { 0.05 } else { -0.05 };
+                    }
+                    plan.replace(moved, black_box(motion))?;
+                    black_box(plan.cycle_time_s());
                 }
             }
             Self::Plan => {

@@ -2,8 +2,8 @@
 
 pub use iiwa_kin::{Joints, Pose, Robot};
 #[cfg(feature = "plan")]
-pub use iiwa_path::{Blend, JointPath, Motion, PathOptions, Program, Ptp};
+pub use iiwa_path::{Blend, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp};
 #[cfg(feature = "scene")]
 pub use iiwa_scene::{ArmInScene, Scene};
 #[cfg(feature = "plan")]
-pub use iiwa_traj::{Timing, Trajectory, plan_all};
+pub use iiwa_traj::{JerkOptions, Replanner, Timing, Trajectory, plan_all};

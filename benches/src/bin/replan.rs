@@ -1,0 +1,127 @@
+//! Prints how often a second `Replanner` plans programs anew in which one motion changes, and how far the cycle time is
+//! from that of a plan from nothing, as Markdown tables.
+#![expect(clippy::print_stdout, reason = "a table is what it is for")]
+
+use std::time::Instant;
+
+use fastrand::Rng;
+use iiwa_kin::Robot;
+use iiwa_path::{Blend, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp};
+use iiwa_traj::{JerkOptions, Replanner, Timing, Trajectory};
+use iiwasim_benches::{
+    Result,
+    long_program::{Kind, seeded},
+    machine,
+};
+
+/// Motions of a program, and how many programs.
+const SIZES: [(usize, u64); 4] = [(10, 60), (100, 6), (1000, 1), (10_000, 1)];
+/// Changes of each kind in each program of that size.
+const CHANGES: [usize; 4] = [10, 100, 600, 600];
+
+/// What changes.
+#[derive(Clone, Copy)]
+enum Change {
+    /// Each joint of a target, by up to 0.1 rad.
+    Target,
+    /// The share of speed, to 0.2 to 1.
+    Speed,
+    /// The blend, to 0.05 to 0.45 of the legs.
+    Radius,
+}
+
+impl Change {
+    const ALL: [Self; 3] = [Self::Target, Self::Speed, Self::Radius];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Target => "target",
+            Self::Speed => "speed",
+            Self::Radius => "radius",
+        }
+    }
+
+    fn apply(self, ptp: &mut Ptp, rng: &mut Rng) {
+        let mut between = |least: f64, most: f64| least + (most - least) * rng.f64();
+        match self {
+            Self::Target => ptp.target_rad.iter_mut().for_each(|q| *q += between(-0.1, 0.1)),
+            Self::Speed => ptp.velocity_rel = [between(0.2, 1.0); 7],
+            Self::Radius => ptp.blend = Some(Blend::Fraction(between(0.05, 0.45))),
+        }
+    }
+}
+
+/// What was measured of one kind of change in programs of one size.
+#[derive(Default)]
+struct Measured {
+    changes: u32,
+    time_s: f64,
+    /// Cycle times less those of plans from nothing, in s.
+    off_s: Vec<f64>,
+}
+
+fn main() -> Result<()> {
+    println!("On {}, {}.\n", machine::processor(), machine::instruction_level());
+    println!(
+        "| change | motions | changes/s | off a plan from nothing: median | 90 % | slowest | fastest |"
+    );
+    println!("|---|---:|---:|---:|---:|---:|---:|");
+    for change in Change::ALL {
+        for (&(motions, programs), &changes) in SIZES.iter().zip(&CHANGES) {
+            let mut measured = Measured::default();
+            for seed in 0..programs {
+                measure(change, motions, seed, changes, &mut measured)?;
+            }
+            let Measured { changes, time_s, mut off_s } = measured;
+            off_s.sort_by(f64::total_cmp);
+            let mut sizes: Vec<_> = off_s.iter().map(|off| off.abs()).collect();
+            sizes.sort_by(f64::total_cmp);
+            let of = |list: &[f64], share: f64| match list.len() {
+                0 => "-".to_owned(),
+                n => format!("{:.1e} s", list[(share * (n - 1) as f64) as usize]),
+            };
+            println!(
+                "| {} | {motions} | {:.0} | {} | {} | {} | {} |",
+                change.name(),
+                f64::from(changes) / time_s,
+                of(&sizes, 0.5),
+                of(&sizes, 0.9),
+                of(&off_s, 1.0),
+                of(&off_s, 0.0),
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Changes a program again and again.
+fn measure(
+    change: Change,
+    motions: usize,
+    seed: u64,
+    changes: usize,
+    measured: &mut Measured,
+) -> Result<()> {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let program = Program::from_json(&seeded(Kind::Blended, motions, seed))?;
+    let options = JerkOptions::default();
+    let mut plan = Replanner::new(program, &robot, PathOptions::default(), options)?;
+    let mut rng = Rng::with_seed(seed);
+    for _ in 0..changes {
+        let index = rng.usize(0..motions - 1);
+        let Motion::Ptp(mut ptp) = plan.program().motions[index].clone() else { continue };
+        change.apply(&mut ptp, &mut rng);
+        let start = Instant::now();
+        plan.replace(MotionIndex::new(index), Motion::Ptp(ptp))?;
+        let cycle_time_s = plan.cycle_time_s();
+        measured.time_s += start.elapsed().as_secs_f64();
+        measured.changes += 1;
+        // The rest of a long program is as it was.
+        if motions <= 10 {
+            let path = JointPath::new(plan.program(), &robot)?;
+            let cold = Trajectory::plan(&path, Timing::Jerk(options))?;
+            measured.off_s.push(cycle_time_s - cold.cycle_time_s());
+        }
+    }
+    Ok(())
+}
