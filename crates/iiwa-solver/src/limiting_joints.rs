@@ -17,35 +17,39 @@ impl LimitingJoints {
 
     /// The corners of the convex hull of `points` and their opposites.
     pub(crate) fn new(points: &[[f64; 2]; 7]) -> Self {
-        let square = |[a, b]: [f64; 2]| a * a + b * b;
-        let by_distance = |&i: &usize, &j: &usize| square(points[i]).total_cmp(&square(points[j]));
-        // The farthest point is a corner. The corners from there around to its opposite are all others, or theirs.
-        let farthest = (0..7).max_by(by_distance).unwrap_or_default();
-        let from = points[farthest];
-        let mut left: Vec<(usize, [f64; 2])> = (0..7)
-            .filter_map(|j| {
-                let side = cross(from, points[j]);
-                let point = if side < 0.0 { points[j].map(|v| -v) } else { points[j] };
-                (side != 0.0).then_some((j, point))
-            })
-            .collect();
-        left.sort_by(|a, b| 0.0_f64.total_cmp(&cross(a.1, b.1)));
-        left.push((farthest, from.map(|v| -v)));
-        let mut corners = vec![(farthest, from)];
-        for (j, point) in left {
-            while let [.., (_, before), (_, last)] = corners[..]
-                && turn(before, last, point) <= 0.0
-            {
-                corners.pop();
+        let mut areas = [[0.0; 7]; 7];
+        let mut largest = 0.0_f64;
+        for i in 0..7 {
+            for k in 0..i {
+                let area = area(points[i], points[k]);
+                (areas[i][k], areas[k][i]) = (area, area);
+                largest = largest.max(area);
             }
-            corners.push((j, point));
         }
-        corners.pop();
-        let mut joints = [0; 7];
-        for (place, (j, _)) in joints.iter_mut().zip(&corners) {
-            *place = *j;
+        let mut kept = [true; 7];
+        if largest == 0.0 {
+            // All on one line through the origin.
+            let square = |j: &usize| points[*j].iter().map(|v| v * v).sum::<f64>();
+            let farthest = (0..7).max_by(|i, j| square(i).total_cmp(&square(j)));
+            kept = std::array::from_fn(|j| Some(j) == farthest);
+        } else {
+            for j in 0..7 {
+                // A sum of shares of two others that make one at most.
+                let is_between = |i: usize, k: usize| {
+                    let whole = areas[i][k];
+                    whole > FLAT * largest && areas[j][k] + areas[i][j] <= whole * (1.0 + ROUNDING)
+                };
+                let others = |i: &usize| kept[*i] && *i != j;
+                kept[j] =
+                    !(0..7).filter(others).any(|i| (0..i).filter(others).any(|k| is_between(i, k)));
+            }
         }
-        Self { joints, count: corners.len() }
+        let mut limiting = Self { joints: [0; 7], count: 0 };
+        for j in (0..7).filter(|j| kept[*j]) {
+            limiting.joints[limiting.count] = j;
+            limiting.count += 1;
+        }
+        limiting
     }
 
     pub(crate) fn get(&self) -> &[usize] {
@@ -53,13 +57,18 @@ impl LimitingJoints {
     }
 }
 
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
+/// Share of a sum or a product that may be rounding.
+const ROUNDING: f64 = 1e-12;
 
-/// Above zero where the way from `a` over `b` to `c` turns to the left.
-fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    cross([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]])
+/// Share of the largest area below which two points do not tell what is between them: what they span is rounding.
+const FLAT: f64 = 1e-6;
+
+/// Area that two points span; nothing if it is rounding. One direction of the plane may be a thousand million times
+/// as long as the other: what is small depends on the products, not on the distances.
+fn area(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (one, other) = (a[0] * b[1], a[1] * b[0]);
+    let area = (one - other).abs();
+    if area > ROUNDING * (one.abs() + other.abs()) { area } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -91,12 +100,28 @@ mod tests {
         }
     }
 
+    /// Six joints on one ray, in a short blend: the direction across the path is a thousand million times as long.
+    #[test]
+    fn rounding_takes_no_corner_away() {
+        let points = [
+            [0.000_130_960_940_367_212_9, -109_595.371_571_696_3],
+            [0.003_370_867_573_191_455_7, -65_406.913_920_018_56],
+            [-0.001_127_229_869_066_937_8, 21_872.300_057_261_073],
+            [0.000_563_298_772_724_077_3, -10_930.015_356_234_586],
+            [0.000_884_617_092_816_720_6, -17_164.742_543_492_976],
+            [0.000_414_151_068_630_548_4, -8_036.015_271_331_289],
+            [0.000_862_743_337_873_42, -16_740.313_290_305_35],
+        ];
+        assert_eq!(LimitingJoints::new(&points).get(), [0, 1]);
+        // All on one line, but for rounding.
+        let line = points.map(|[a, _]| [a, a / 3.0]);
+        assert_eq!(LimitingJoints::new(&line).get(), [1]);
+    }
+
     #[test]
     fn corners_only() {
         let square =
             [[1.0, 1.0], [1.0, -1.0], [0.5, 0.5], [0.9, 0.0], [0.0; 2], [1.0, 0.0], [0.1, 0.9]];
-        let mut found = LimitingJoints::new(&square).get().to_vec();
-        found.sort_unstable();
-        assert_eq!(found, [0, 1]);
+        assert_eq!(LimitingJoints::new(&square).get(), [0, 1]);
     }
 }
