@@ -213,6 +213,9 @@ pub(crate) fn mesh(
     (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest })
 }
 
+/// Least size at a cell's end, as a share of that at its start, for which the cell is made as short as that at once.
+const LEAST_SHRINKING: f64 = 0.125;
+
 /// Nodes along `length` with distances of about `size`, which changes little from one to the next;
 /// the first distance is given where the arm rests. None if there are too many.
 fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<Vec<Place>> {
@@ -225,9 +228,15 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<
     let end = Place { start: length, end: 0.0 };
     while at.end > 0.0 {
         let after = |step: f64| if step < at.way_to(end) { at.after(step, length) } else { end };
-        // As small as the cell has to be at its start, its middle and its end.
+        // As small as the cell has to be at its start, its middle and its end. The end must not be much too far:
+        // what would be small there says nothing about here.
         let mut step = size(at);
-        step = step.min(size(after(step)));
+        let mut at_end = size(after(step));
+        while at_end < LEAST_SHRINKING * step {
+            step *= 0.5;
+            at_end = size(after(step));
+        }
+        step = step.min(at_end);
         step = step.min(size(after(0.5 * step)));
         at = at.after(step, length);
         nodes.push(at);
