@@ -18,16 +18,20 @@ impl LimitingJoints {
     /// The corners of the convex hull of `points` and their opposites.
     pub(crate) fn new(points: &[[f64; 2]; 7]) -> Self {
         let mut areas = [[0.0; 7]; 7];
-        let mut largest = 0.0_f64;
+        // Pairs that span an area which is more than rounding. One direction of the plane may be a thousand million
+        // times as long as the other: what is rounding depends on the products, not on the distances.
+        let mut spans = [[false; 7]; 7];
         for i in 0..7 {
             for k in 0..i {
-                let area = area(points[i], points[k]);
+                let ([a, b], [c, d]) = (points[i], points[k]);
+                let (one, other) = (a * d, b * c);
+                let area = (one - other).abs();
                 (areas[i][k], areas[k][i]) = (area, area);
-                largest = largest.max(area);
+                spans[i][k] = area > ROUNDING * (one.abs() + other.abs());
             }
         }
         let mut kept = [true; 7];
-        if largest == 0.0 {
+        if *spans.as_flattened() == [false; 49] {
             // All on one line through the origin.
             let square = |j: &usize| points[*j].iter().map(|v| v * v).sum::<f64>();
             let farthest = (0..7).max_by(|i, j| square(i).total_cmp(&square(j)));
@@ -36,8 +40,7 @@ impl LimitingJoints {
             for j in 0..7 {
                 // A sum of shares of two others that make one at most.
                 let is_between = |i: usize, k: usize| {
-                    let whole = areas[i][k];
-                    whole > FLAT * largest && areas[j][k] + areas[i][j] <= whole * (1.0 + ROUNDING)
+                    spans[i][k] && areas[j][k] + areas[i][j] <= areas[i][k] * (1.0 + EQUAL)
                 };
                 let others = |i: &usize| kept[*i] && *i != j;
                 kept[j] =
@@ -57,19 +60,11 @@ impl LimitingJoints {
     }
 }
 
-/// Share of a sum or a product that may be rounding.
-const ROUNDING: f64 = 1e-12;
+/// Share of a product below which a difference of two tells nothing.
+const ROUNDING: f64 = 1e-10;
 
-/// Share of the largest area below which two points do not tell what is between them: what they span is rounding.
-const FLAT: f64 = 1e-6;
-
-/// Area that two points span; nothing if it is rounding. One direction of the plane may be a thousand million times
-/// as long as the other: what is small depends on the products, not on the distances.
-fn area(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (one, other) = (a[0] * b[1], a[1] * b[0]);
-    let area = (one - other).abs();
-    if area > ROUNDING * (one.abs() + other.abs()) { area } else { 0.0 }
-}
+/// By which share two points may differ that count as equal.
+const EQUAL: f64 = 1e-12;
 
 #[cfg(test)]
 mod tests {
@@ -113,9 +108,16 @@ mod tests {
             [0.000_862_743_337_873_42, -16_740.313_290_305_35],
         ];
         assert_eq!(LimitingJoints::new(&points).get(), [0, 1]);
-        // All on one line, but for rounding.
-        let line = points.map(|[a, _]| [a, a / 3.0]);
-        assert_eq!(LimitingJoints::new(&line).get(), [1]);
+        // All on one line, but for rounding: the farthest stays, whatever else does.
+        for rounding in [0.0, 1e-15, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9] {
+            let mut sign = 1.0;
+            let line = points.map(|[a, _]| {
+                sign = -sign;
+                [a, a / 3.0 * (1.0 + sign * rounding)]
+            });
+            let limiting = LimitingJoints::new(&line);
+            assert!(limiting.get().contains(&1), "{rounding}: {:?}", limiting.get());
+        }
     }
 
     #[test]
