@@ -287,3 +287,36 @@ fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
     }
     switches
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lengths(nodes: &[Place]) -> Vec<f64> {
+        nodes.windows(2).map(|pair| pair[0].way_to(pair[1])).collect()
+    }
+
+    /// Next to a stop at the end of a metre, cells are as small as next to one at its start, down to what numbers
+    /// can hold: far below what rounding leaves of the way from the start.
+    #[test]
+    fn both_ends_have_digits_of_their_own() {
+        let size = |place: Place| 1e-20 + 0.25 * place.start.min(place.end);
+        let nodes = march(1.0, Some(1e-20), size).unwrap();
+        let lengths = lengths(&nodes);
+        assert!((lengths[0] / 1e-20 - 1.0).abs() < 0.3, "{:e}", lengths[0]);
+        for pair in lengths.windows(2) {
+            let ratio = pair[1] / pair[0];
+            assert!((0.5..2.0).contains(&ratio), "{:e}, then {:e}", pair[0], pair[1]);
+        }
+        assert!((lengths.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+        let last = nodes[nodes.len() - 1];
+        assert!(last.end == 0.0 && lengths[lengths.len() - 1] < 3e-20, "{last:?}");
+    }
+
+    /// The size reaches beyond the end, where it is tiny: cells shrink towards it, not before.
+    #[test]
+    fn a_tiny_size_ahead_does_not_make_all_cells_tiny() {
+        let nodes = march(1.0, None, |place| (1.1 * place.end).max(1e-9)).unwrap();
+        assert!(nodes.len() < 100, "{}", nodes.len());
+    }
+}
