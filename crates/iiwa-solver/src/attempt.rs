@@ -127,7 +127,10 @@ impl Attempt {
         if early.excess > REFINEMENT.abrupt {
             self.solver.restart(REFINEMENT.far);
         }
-        self.solve(GAP, stop)?;
+        match self.solve(GAP, stop) {
+            Err(SolveError::NotConverged) => self.solve(SETTINGS.interior_point.last_gap, stop)?,
+            result => result?,
+        }
         let mut windows = vec![whole.clone()];
         let mut before = Vec::new();
         for _ in 0..REFINEMENT.rounds {
