@@ -199,7 +199,9 @@ pub(crate) fn mesh(
         let mut nodes = march(segment.length, from_rest.or(to_rest), size)?;
         if backwards {
             nodes.reverse();
-            nodes.iter_mut().for_each(|node| *node = node.reversed());
+            for node in &mut nodes {
+                *node = node.reversed();
+            }
         }
         cells.extend(nodes.windows(2).map(|pair| Cell {
             segment: index,
