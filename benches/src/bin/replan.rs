@@ -76,18 +76,19 @@ fn main() -> Result<()> {
             off_s.sort_by(f64::total_cmp);
             let mut sizes: Vec<_> = off_s.iter().map(|off| off.abs()).collect();
             sizes.sort_by(f64::total_cmp);
-            let of = |list: &[f64], share: f64| match list.len() {
+            // The value below which so many tenths of them are.
+            let of = |list: &[f64], tenths: usize| match list.len() {
                 0 => "-".to_owned(),
-                n => format!("{:.1e} s", list[(share * (n - 1) as f64) as usize]),
+                n => format!("{:.1e} s", list[(n - 1) * tenths / 10]),
             };
             println!(
                 "| {} | {motions} | {:.0} | {} | {} | {} | {} |",
                 change.name(),
                 f64::from(changes) / time_s,
-                of(&sizes, 0.5),
-                of(&sizes, 0.9),
-                of(&off_s, 1.0),
-                of(&off_s, 0.0),
+                of(&sizes, 5),
+                of(&sizes, 9),
+                of(&off_s, 10),
+                of(&off_s, 0),
             );
         }
     }

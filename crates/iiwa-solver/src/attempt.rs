@@ -118,13 +118,20 @@ impl Attempt {
         stop: &AtomicBool,
     ) -> Result<(), SolveError> {
         let whole = 0..self.mesh.cells.len();
-        self.solve(SETTINGS.interior_point.first_gap, stop)?;
-        // Where limits will be exceeded is seen long before the end.
+        // Where limits will be exceeded is seen long before the end. Where a segment takes next to none of the time, x
+        // may not settle until the gap is below that.
+        match self.solve(SETTINGS.interior_point.first_gap, stop) {
+            Ok(()) | Err(SolveError::NotConverged) => {}
+            Err(error) => return Err(error),
+        }
         let early = self.lower(segments, REFINEMENT.early, whole.clone(), &[]);
         if early.excess > REFINEMENT.abrupt {
             self.solver.restart(REFINEMENT.far);
         }
-        self.solve(GAP, stop)?;
+        match self.solve(GAP, stop) {
+            Err(SolveError::NotConverged) => self.solve(SETTINGS.interior_point.last_gap, stop)?,
+            result => result?,
+        }
         let mut windows = vec![whole.clone()];
         let mut before = Vec::new();
         for _ in 0..REFINEMENT.rounds {

@@ -234,6 +234,9 @@ pub(crate) fn mesh(
     (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest, geometry })
 }
 
+/// Least size at a cell's end, as a share of that at its start, for which the cell is made as short as that at once.
+const LEAST_SHRINKING: f64 = 0.125;
+
 /// Nodes along `length` with distances of about `size`, which changes little from one to the next;
 /// the first distance is given where the arm rests. None if there are too many.
 fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<Vec<Place>> {
@@ -246,9 +249,15 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<
     let end = Place { start: length, end: 0.0 };
     while at.end > 0.0 {
         let after = |step: f64| if step < at.way_to(end) { at.after(step, length) } else { end };
-        // As small as the cell has to be at its start, its middle and its end.
+        // As small as the cell has to be at its start, its middle and its end. The end must not be much too far:
+        // what would be small there says nothing about here.
         let mut step = size(at);
-        step = step.min(size(after(step)));
+        let mut at_end = size(after(step));
+        while at_end < LEAST_SHRINKING * step {
+            step *= 0.5;
+            at_end = size(after(step));
+        }
+        step = step.min(at_end);
         step = step.min(size(after(0.5 * step)));
         at = at.after(step, length);
         nodes.push(at);
@@ -298,4 +307,37 @@ fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
         add(&segment.swept[segment.swept.len() - 1]);
     }
     switches
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lengths(nodes: &[Place]) -> Vec<f64> {
+        nodes.windows(2).map(|pair| pair[0].way_to(pair[1])).collect()
+    }
+
+    /// Next to a stop at the end of a metre, cells are as small as next to one at its start, down to what numbers
+    /// can hold: far below what rounding leaves of the way from the start.
+    #[test]
+    fn both_ends_have_digits_of_their_own() {
+        let size = |place: Place| 1e-20 + 0.25 * place.start.min(place.end);
+        let nodes = march(1.0, Some(1e-20), size).unwrap();
+        let lengths = lengths(&nodes);
+        assert!((lengths[0] / 1e-20 - 1.0).abs() < 0.3, "{:e}", lengths[0]);
+        for pair in lengths.windows(2) {
+            let ratio = pair[1] / pair[0];
+            assert!((0.5..2.0).contains(&ratio), "{:e}, then {:e}", pair[0], pair[1]);
+        }
+        assert!((lengths.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+        let last = nodes[nodes.len() - 1];
+        assert!(last.end == 0.0 && lengths[lengths.len() - 1] < 3e-20, "{last:?}");
+    }
+
+    /// The size reaches beyond the end, where it is tiny: cells shrink towards it, not before.
+    #[test]
+    fn a_tiny_size_ahead_does_not_make_all_cells_tiny() {
+        let nodes = march(1.0, None, |place| (1.1 * place.end).max(1e-9)).unwrap();
+        assert!(nodes.len() < 100, "{}", nodes.len());
+    }
 }

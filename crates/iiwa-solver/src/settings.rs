@@ -72,6 +72,8 @@ pub(crate) struct InteriorPointSettings {
     pub(crate) gap: f64,
     /// Duality gap at which limits are checked for the first time.
     pub(crate) first_gap: f64,
+    /// The same where x does not settle at that gap, because some segment takes less of the time than it.
+    pub(crate) last_gap: f64,
     /// Largest residual of a limit, relative to its bound, at which the problem counts as solved.
     pub(crate) residual: f64,
     /// Least primal step length at which it does.
@@ -186,6 +188,7 @@ pub(crate) const SETTINGS: Settings = Settings {
         least_mu: 0.2,
         gap: 3e-5,
         first_gap: 1e-3,
+        last_gap: 1e-6,
         residual: 1e-4,
         last_step: 0.4,
         steps: 150,

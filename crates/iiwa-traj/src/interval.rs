@@ -164,6 +164,27 @@ mod tests {
         }
     }
 
+    /// Over half a nanosecond, rounding of the rate alone would make up a thousand times this jerk.
+    #[test]
+    fn jerk_is_not_made_of_rounding() {
+        let (t, v, a, j) = (5e-10, 0.7, 3.0, 20.0);
+        let from = Node {
+            dt_s: t,
+            dp: t * (v + t * (a / 2.0 + t * j / 6.0)) * (1.0 + f64::EPSILON),
+            rate: v,
+            u: [a, a + j * t],
+            ..Node::default()
+        };
+        let rate = (v + t * (a + t * j / 2.0)) * (1.0 - f64::EPSILON);
+        let to = Node { rate, u: [a + j * t; 2], ..Node::default() };
+        for i in 0..=10 {
+            let found = progress(f64::from(i) / 10.0 * t, &from, &to);
+            assert!((found.du / j - 1.0).abs() < 1e-4, "{found:?}");
+        }
+        let end = progress(t, &from, &to);
+        assert!((end.dp / from.dp - 1.0).abs() < 1e-12 && (end.rate / rate - 1.0).abs() < 1e-12);
+    }
+
     #[test]
     fn series_and_functions_meet() {
         for z in [SMALL, -SMALL] {
