@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::{
     cells::{CellBlock, LimitedCell},
+    lanes::LANES,
     limited_segment::LimitedSegment,
     mesh::Mesh,
 };
@@ -92,5 +93,10 @@ fn blocks<const J: usize>(
     mesh: &Mesh,
     list: &[usize],
 ) -> Vec<CellBlock<J>> {
-    list.chunks(crate::lanes::LANES).map(|chunk| CellBlock::new(segments, mesh, chunk)).collect()
+    // Set where they stay: a block is some kilobytes.
+    let mut blocks = vec![CellBlock::default(); list.len().div_ceil(LANES)];
+    for (block, cells) in blocks.iter_mut().zip(list.chunks(LANES)) {
+        block.set(segments, mesh, cells);
+    }
+    blocks
 }

@@ -119,24 +119,29 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
     }
 }
 
+impl<const J: usize> Default for CellBlock<J> {
+    fn default() -> Self {
+        Self {
+            cells: [0; LANES],
+            weight: Lanes::default(),
+            velocities: [VelocityRows::default(); 3],
+            accelerations: [AccelerationRows::default(); 2],
+            jerks: [JerkRows::default(); 3],
+        }
+    }
+}
+
 impl<const J: usize> CellBlock<J> {
     /// How many sides limits have in a block.
     pub(crate) const SIDES: usize = LANES
         * (3 * VelocityRows::SIDES + 2 * AccelerationRows::<J>::SIDES + 3 * JerkRows::<J>::SIDES);
 
-    /// The block of at most eight cells.
-    pub(crate) fn new(segments: &[LimitedSegment<'_>], mesh: &Mesh, cells: &[usize]) -> Self {
-        let mut block = Self {
-            cells: std::array::from_fn(|l| cells[l.min(cells.len() - 1)]),
-            weight: Lanes::default(),
-            velocities: [VelocityRows::default(); 3],
-            accelerations: [AccelerationRows::default(); 2],
-            jerks: [JerkRows::default(); 3],
-        };
-        for (lane, k) in block.cells.into_iter().enumerate() {
-            block.set(lane, &LimitedCell::new(segments, mesh, k));
+    /// Sets the rows of at most eight cells.
+    pub(crate) fn set(&mut self, segments: &[LimitedSegment<'_>], mesh: &Mesh, cells: &[usize]) {
+        self.cells = std::array::from_fn(|l| cells[l.min(cells.len() - 1)]);
+        for (lane, k) in self.cells.into_iter().enumerate() {
+            self.set_cell(lane, &LimitedCell::new(segments, mesh, k));
         }
-        block
     }
 
     /// Whether it has a cell in `window`.
@@ -146,7 +151,7 @@ impl<const J: usize> CellBlock<J> {
     }
 
     /// Sets the rows of one cell.
-    fn set(&mut self, lane: usize, limited: &LimitedCell<'_, '_>) {
+    fn set_cell(&mut self, lane: usize, limited: &LimitedCell<'_, '_>) {
         let segment = limited.segment;
         let length = limited.cell.length;
         // At the start, a third, half, two thirds and the end.

@@ -28,7 +28,7 @@ pub(crate) fn limit(
     stop: &AtomicBool,
 ) -> Result<(), TimingError> {
     if !section.pieces.is_empty() {
-        let all = Part { pieces: 0..section.pieces.len(), ends: [None; 2] };
+        let all = Pieces { range: 0..section.pieces.len(), ends: [None; 2] };
         let stamped = stamps(section, &all, options, stop)?;
         section.stamp(stamped);
     }
@@ -36,17 +36,17 @@ pub(crate) fn limit(
 }
 
 /// Pieces of a section, at least one.
-pub(crate) struct Part {
-    pub(crate) pieces: Range<usize>,
+pub(crate) struct Pieces {
+    pub(crate) range: Range<usize>,
     /// Where they begin and end: the square of the speed along the path (rad^2/s^2) and its derivative by the way
     /// (rad/s^2); none at rest.
     pub(crate) ends: [Option<[f64; 2]>; 2],
 }
 
-/// The jerk-limited stamps of a part of `section`, in place of its acceleration-limited ones, which it loses.
+/// The jerk-limited stamps of some `pieces` of `section`, in place of its acceleration-limited ones, which it loses.
 pub(crate) fn stamps(
     section: &mut Section,
-    part: &Part,
+    pieces: &Pieces,
     options: JerkOptions,
     stop: &AtomicBool,
 ) -> Result<Stamps, TimingError> {
@@ -67,18 +67,18 @@ pub(crate) fn stamps(
         };
         segments.push(segment);
     }
-    let [entry, exit] = part.ends;
+    let [entry, exit] = pieces.ends;
     let found = match segments.as_slice() {
-        [line] if line.is_line() && !options.general && part.ends == [None; 2] => {
+        [line] if line.is_line() && !options.general && pieces.ends == [None; 2] => {
             Ok(straight(line))
         }
-        all if part.ends == [None; 2] => horizon::stamps(all, section.start_s, options, stop),
+        all if pieces.ends == [None; 2] => horizon::stamps(all, section.start_s, options, stop),
         segments => {
-            let window = Window { segments, range: part.pieces.clone(), entry, exit };
+            let window = Window { segments, range: pieces.range.clone(), entry, exit };
             window_stamps(&window, options, stop)
         }
     };
-    let motion = section.pieces[part.pieces.start].motion;
+    let motion = section.pieces[pieces.range.start].motion;
     found.map(Stamps::joined).map_err(|error| match error {
         SolveError::NotConverged => TimingError::NotConverged { motion },
         SolveError::Interrupted => TimingError::Interrupted,

@@ -8,7 +8,7 @@ use iiwa_path::{JointPath, Motion, MotionIndex, PathOptions, Program, Step};
 use crate::{
     batch::PlanError,
     interval::later,
-    jerk::{self, Part, Stamps},
+    jerk::{self, Pieces, Stamps},
     limit_usage::LimitUsage,
     node::Node,
     section::{Piece, Section},
@@ -271,11 +271,11 @@ impl Replanner {
         let mut section = self.section(0.0);
         let moves = Moves { steps: swept.clone(), ends };
         sweep_moves(&moves, &mut self.scratch, &stop, &mut section)?;
-        let part = Part {
-            pieces: window.start - swept.start..window.end - swept.start,
+        let pieces = Pieces {
+            range: window.start - swept.start..window.end - swept.start,
             ends: [window.start, window.end].map(|step| self.state(step)),
         };
-        Ok(StepPlan::of(jerk::stamps(&mut section, &part, self.options, &stop)?))
+        Ok(StepPlan::of(jerk::stamps(&mut section, &pieces, self.options, &stop)?))
     }
 
     /// The state in which the step at `step` begins: the square of the speed along the path and its derivative by the
