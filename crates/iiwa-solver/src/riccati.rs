@@ -31,11 +31,15 @@ pub(crate) struct Chain<'a> {
     pub(crate) to_rest: CellState,
 }
 
-/// Feedback: `dW0 = -w0 [dx, dV, 1]`, `dW1 = -w1 [dx, dV, dW0, 1]`.
+/// Feedback: `dW0 = -w0 [dx, dV, 1]`, `dW1 = -w1 [dx, dV, 1]`, and where it leads: the next state is
+/// `next [dx, dV, 1]`.
+///
+/// Without `next`, each stage on the way forwards would wait for the controls of the one before.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Gain {
     w0: [f64; 3],
-    w1: [f64; 4],
+    w1: [f64; 3],
+    next: [[f64; 3]; 2],
 }
 
 impl Gain {
@@ -44,14 +48,30 @@ impl Gain {
         let [dx, dv] = defect(lengths, states, k);
         let dv = dv * lengths[k] / lengths[k + 1];
         // The cubic that meets both ends.
-        Self { w0: [6.0, 4.0, 6.0 * dx - 2.0 * dv], w1: [-6.0, -2.0, 0.0, 4.0 * dv - 6.0 * dx] }
+        let (w0, w1) = ([6.0, 4.0, 6.0 * dx - 2.0 * dv], [-6.0, -2.0, 4.0 * dv - 6.0 * dx]);
+        Self { w0, w1, next: [[0.0; 3]; 2] }
     }
 
-    /// The cost from the cell's start, if W1 does not depend on W0: second derivatives by (x, x), (x, V), (V, V),
-    /// and first ones.
+    /// With `next`, for a next cell `ratio` times as long, which the end of this one misses by `defect`.
+    #[inline(always)]
+    fn leading_on<S: Simd>(self, ratio: f64, defect: [f64; 2]) -> Self {
+        let Self { w0, w1, .. } = self;
+        let row = |row: CellState, scale: f64, defect: f64| -> [f64; 3] {
+            let through = |a: usize| fused::<S>(-row[2], w0[a], -row[3] * w1[a]);
+            [
+                scale * (row[0] + through(0)),
+                scale * (row[1] + through(1)),
+                fused::<S>(scale, through(2), defect),
+            ]
+        };
+        let [dx, dv] = defect;
+        Self { w0, w1, next: [row(EndX::ROW, 1.0, dx), row(EndV::ROW, ratio, dv)] }
+    }
+
+    /// The cost from the cell's start: second derivatives by (x, x), (x, V), (V, V), and first ones.
     #[inline(never)]
     fn cost(&self, Quadratic { h, g }: &Quadratic) -> ([f64; 3], [f64; 2]) {
-        let ([w0x, w0v, w0], [w1x, w1v, _, w1]) = (self.w0, self.w1);
+        let ([w0x, w0v, w0], [w1x, w1v, w1]) = (self.w0, self.w1);
         let by = [[1.0, 0.0, -w0x, -w1x], [0.0, 1.0, -w0v, -w1v]];
         let [xx, xv, xw, xz, vv, vw, vz, ww, wz, zz] = *h;
         let product = |[x, v, w, z]: CellState| {
@@ -82,8 +102,7 @@ pub(crate) fn solve<S: Simd>(
     gains: &mut [Gain],
     steps: &mut [CellState],
 ) -> Result<(), NotConvex> {
-    let Chain { ref stages, lengths, free, quadratics, states, slope_from_rest, ref to_rest } =
-        *chain;
+    let Chain { ref stages, lengths, free, quadratics, states, ref to_rest, .. } = *chain;
     let n = lengths.len();
     // Cost-to-go: second derivatives by (x, x), (x, V), (V, V), and first ones.
     let (mut p, mut pg) = ([0.0_f64; 3], [0.0_f64; 2]);
@@ -97,6 +116,7 @@ pub(crate) fn solve<S: Simd>(
         if !free[k] {
             (m, g) = ([0.0; 10], [0.0; 4]);
         }
+        let mut onward = (0.0, [0.0; 2]);
         if k + 1 < stages.end {
             let [dx, dv] = defect(lengths, states, k);
             pg = [
@@ -105,6 +125,7 @@ pub(crate) fn solve<S: Simd>(
             ];
             // With V in units of this cell's length.
             let ratio = lengths[k + 1] / lengths[k];
+            onward = (ratio, [dx, dv]);
             let [xx, xv, vv] = [p[0], ratio * p[1], ratio * ratio * p[2]];
             let slope = [pg[0], ratio * pg[1]];
             let mut i = 0;
@@ -145,17 +166,36 @@ pub(crate) fn solve<S: Simd>(
             xv = fused::<S>(-xw, w0[1], xv);
             vv = fused::<S>(-vw, w0[1], vv);
             g = [fused::<S>(-xw, w0[2], g[0]), fused::<S>(-vw, w0[2], g[1]), 0.0, 0.0];
-            gain = Gain { w0, w1 };
+            // W1 by W0 in place of W0.
+            let [by_x, by_v, by_w0, one] = w1;
+            let w1 = [
+                fused::<S>(-by_w0, w0[0], by_x),
+                fused::<S>(-by_w0, w0[1], by_v),
+                fused::<S>(-by_w0, w0[2], one),
+            ];
+            gain = Gain { w0, w1, ..gain };
         }
-        gains[k] = gain;
-        // Convex, whatever rounding says.
-        let (xx, vv) = (xx.max(0.0), vv.max(0.0));
-        if xv * xv > xx * vv {
-            xv = (xx * vv).sqrt().copysign(xv);
+        let (ratio, defect) = onward;
+        gains[k] = gain.leading_on::<S>(ratio, defect);
+        if xx < 0.0 || vv < 0.0 || xv * xv > xx * vv {
+            [xx, xv, vv] = convex([xx, xv, vv]);
         }
         p = [xx, xv, vv];
         pg = [g[0], g[1]];
     }
+    forwards::<S>(chain, gains, (p, pg), steps)
+}
+
+/// Finds the steps from the feedback of all stages and the cost-to-go from the first one.
+#[inline(always)]
+fn forwards<S: Simd>(
+    chain: &Chain<'_>,
+    gains: &[Gain],
+    (p, pg): ([f64; 3], [f64; 2]),
+    steps: &mut [CellState],
+) -> Result<(), NotConvex> {
+    let Chain { ref stages, lengths, free, slope_from_rest, ref to_rest, .. } = *chain;
+    let n = lengths.len();
     let (mut x, mut v) = (0.0, 0.0);
     if let Some(slope) = slope_from_rest {
         let curvature = p[0] + slope * (2.0 * p[1] + slope * p[2]);
@@ -166,25 +206,30 @@ pub(crate) fn solve<S: Simd>(
         v = slope * x;
     }
     for k in stages.clone() {
-        let Gain { w0, w1 } = gains[k];
+        let Gain { w0, w1, next } = gains[k];
         let mut dy = [x, v, 0.0, 0.0];
         if free[k] {
-            dy[2] = -fused::<S>(w0[0], x, fused::<S>(w0[1], v, w0[2]));
+            let by = |w: [f64; 3]| -fused::<S>(w[0], x, fused::<S>(w[1], v, w[2]));
+            dy[2] = by(w0);
             if k + 1 < n {
-                dy[3] =
-                    -fused::<S>(w1[0], x, fused::<S>(w1[1], v, fused::<S>(w1[2], dy[2], w1[3])));
+                dy[3] = by(w1);
             } else {
                 come_to_rest(to_rest, &mut dy);
             }
         }
         steps[k] = dy;
-        if k + 1 < stages.end {
-            let defect = defect(lengths, states, k);
-            x = dot(&EndX::ROW, &dy) + defect[0];
-            v = fused::<S>(lengths[k + 1] / lengths[k], dot(&EndV::ROW, &dy), defect[1]);
-        }
+        let by = |row: [f64; 3]| fused::<S>(row[0], x, fused::<S>(row[1], v, row[2]));
+        [x, v] = next.map(by);
     }
     Ok(())
+}
+
+/// The nearest second derivatives by (x, x), (x, V), (V, V) of a convex function, whatever rounding says.
+#[cold]
+fn convex([xx, xv, vv]: [f64; 3]) -> [f64; 3] {
+    let (xx, vv) = (xx.max(0.0), vv.max(0.0));
+    let most = (xx * vv).sqrt();
+    [xx, if xv * xv > xx * vv { most.copysign(xv) } else { xv }, vv]
 }
 
 /// By how much the end of cell `k` misses the start of the next one, in x and V.

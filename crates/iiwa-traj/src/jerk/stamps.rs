@@ -109,6 +109,11 @@ impl Stamper {
 
     /// Adds those of the segments of `window` before the segment `end`.
     pub(crate) fn add(&mut self, solution: &Solution, window: &Window<'_, '_>, end: usize) {
+        pulp::Arch::new().dispatch(Add { stamper: self, solution, window, end });
+    }
+
+    #[inline(always)]
+    fn add_all(&mut self, solution: &Solution, window: &Window<'_, '_>, end: usize) {
         self.time_scale = solution.time_scale();
         let segments = window.segments;
         let Mesh { from_rest, cells, to_rest, .. } = solution.mesh();
@@ -162,5 +167,22 @@ impl Stamper {
             self.node(segment, [length, 0.0], [self.t_s, 0.0], [0.0; 2]);
             self.end();
         }
+    }
+}
+
+/// The stamps of a window, by the widest vector instructions that the machine has.
+struct Add<'a, 'b, 'c> {
+    stamper: &'a mut Stamper,
+    solution: &'a Solution,
+    window: &'a Window<'b, 'c>,
+    end: usize,
+}
+
+impl pulp::WithSimd for Add<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.stamper.add_all(self.solution, self.window, self.end);
     }
 }
