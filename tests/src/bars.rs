@@ -4,7 +4,7 @@
 pub const RATIOS: [f64; 3] = [1.001, 1.002, 1.02];
 
 /// The same of velocity and acceleration under acceleration-limited stamps.
-pub const SWEPT_RATIOS: [f64; 2] = [1.003, 1.005];
+pub const SWEPT_RATIOS: [f64; 2] = [1.0015, 1.005];
 
 /// Above this ratio, a limit counts as exceeded by far.
 pub const FAR: f64 = 1.1;

@@ -24,6 +24,8 @@
 //! limit, so that the limit is 1. The eighth of each row of eight is zero.
 
 mod bounds;
+#[cfg(test)]
+mod tests;
 
 use iiwa_path::GridNode;
 use pulp::Simd;
@@ -31,14 +33,23 @@ use pulp::Simd;
 pub(crate) use bounds::{Bounds, greater, lesser};
 use bounds::{Row, UNLIMITED, largest};
 
-/// Share of a limit by which an interval may exceed it between its ends.
+/// Share of a limit of acceleration, or of squared speed, by which an interval may exceed it between its ends.
 const SWING: f64 = 0.0017;
+
+/// Share by which it may half-way without being looked at closely.
+const NEAR: f64 = 0.0013;
 
 /// Up to this share, it is less of the limit that mends it; beyond, u has to be the same at both ends.
 const MILD: f64 = 0.02;
 
-/// A change of u within an interval, times its length over x, above which half-way is not enough to look at.
-const KINK: f64 = 0.05;
+/// Half-way is not enough to look at if within an interval u changes, times its length, by more than this share
+/// of x; or x does by more than the other.
+const KINK: f64 = 0.008;
+const STEEP: f64 = 0.3;
+
+/// Nor is it where the limits leave u no more than this share of itself: a joint that leaves its limit there may
+/// exceed it first.
+const NARROW: f64 = 0.01;
 
 /// Differences of x by such a share are rounding.
 const SAME: f64 = 1e-12;
@@ -102,9 +113,9 @@ impl Interval<'_> {
     fn reachable(&self, x: f64, cap: f64) -> (f64, f64) {
         let (mut brake, mut most) = (UNLIMITED, UNLIMITED);
         for j in 0..7 {
-            let Bounds { fall, rise, half, .. } = self.start;
-            brake = lesser(brake, fall[j] * x + half[j]);
-            most = lesser(most, rise[j] * x + half[j]);
+            let Bounds { fall, rise, below, above, .. } = self.start;
+            brake = lesser(brake, fall[j] * x + below[j]);
+            most = lesser(most, rise[j] * x + above[j]);
         }
         let least = -brake;
         // With u the same at both ends, each end's band has to hold it alone, over both halves.
@@ -115,18 +126,18 @@ impl Interval<'_> {
             (self.h, x + self.h * least, x + self.h * most, 0.0, cap)
         };
         for j in 0..7 {
-            // y - h (rise y + half) <= drive.
+            // y - h (rise y + above) <= drive.
             let factor = 1.0 - h * self.end.rise[j];
-            let half = h * self.end.half[j];
             if factor > 1e-9 {
-                high = high.min((drive + half) / factor);
+                high = high.min((drive + h * self.end.above[j]) / factor);
             }
-            // y + h (fall y + half) >= brake.
+            // y + h (fall y + below) >= brake.
             let factor = 1.0 + h * self.end.fall[j];
+            let least = brake - h * self.end.below[j];
             if factor > 1e-9 {
-                low = low.max((brake - half) / factor);
+                low = low.max(least / factor);
             } else if factor < -1e-9 {
-                high = high.min((brake - half) / factor);
+                high = high.min(least / factor);
             }
         }
         (low.max(0.0), high)
@@ -239,7 +250,7 @@ fn lower_x<S: Simd>(
         let brake = end - h * next_least;
         // Where the arm speeds up although it has to arrive at `end`, a lower speed at the start may allow for more.
         let needs_search = even || brake < 0.5 * end;
-        let brakes = [&start.fall, &start.half];
+        let brakes = [&start.fall, &start.below];
         let brake_most;
         (x, brake_most) = largest(simd, brakes, h, brake, cap, &mut lines);
         let mut least = -brake_most;
@@ -254,7 +265,7 @@ fn lower_x<S: Simd>(
         } else if end - h * next_most > drive {
             // Out of reach: it will arrive slower, and has to be able to.
             let (slower, _) =
-                largest(simd, [&next.rise, &next.half], h, drive, end, &mut next_lines);
+                largest(simd, [&next.rise, &next.above], h, drive, end, &mut next_lines);
             let able = slower - h * next.least(simd, slower) >= x + h * least;
             if able { None } else { Some(interval(even).search(end, x)) }
         } else {
@@ -311,6 +322,7 @@ fn forward<S: Simd>(
     let mut lines = [0; 2];
     let mut x = samples[first].x;
     let (mut least, mut most) = (bounds[first].least(simd, x), bounds[first].most(simd, x));
+    let mut narrow = false;
     for i in first..n {
         let h = grid[i].step;
         let next = &bounds[i + 1];
@@ -318,7 +330,7 @@ fn forward<S: Simd>(
         let interval = |even| Interval { h, even, start: &bounds[i], end: next };
         let cap = samples[i + 1].x;
         let drive = x + h * most;
-        let drives = [&next.rise, &next.half];
+        let drives = [&next.rise, &next.above];
         let (mut y, mut next_most) = largest(simd, drives, h, drive, cap, &mut lines);
         let mut next_least = next.least(simd, y);
         if even || y < 0.0 || y - h * next_least < x + h * least - 1e-12 * x {
@@ -328,9 +340,9 @@ fn forward<S: Simd>(
         let sum = (y - x) / h;
         let mut u =
             if even { [0.5 * sum; 2] } else { split(sum, [least, most], [next_least, next_most]) };
-        let (acceleration, square) = nodes.inside(i, h, x, u, 0.5);
-        let kinks = h * (u[1] - u[0]).abs() > KINK * x;
-        if kinks || simd.reduce_max_f64s(simd.max_f64s(acceleration, square)) > 1.0 + SWING {
+        let next_narrow = next_most - next_least < NARROW * next_most.abs();
+        let bends = h * (u[1] - u[0]).abs() > KINK * x || (y - x).abs() > STEEP * x;
+        if bends || narrow || next_narrow || nodes.half_way(i, h, x, u) > 1.0 + NEAR {
             let [mut acceleration, mut square] = nodes.worst(i, h, x, u);
             if acceleration > 1.0 + SWING && !even {
                 // On the way up it can often be mended here: arriving slower, or else with u the same.
@@ -371,7 +383,7 @@ fn forward<S: Simd>(
         if i + 1 >= last && y >= cap * (1.0 - SAME) {
             break;
         }
-        (x, least, most) = (y, next_least, next_most);
+        (x, least, most, narrow) = (y, next_least, next_most, next_narrow);
     }
     tightened
 }
@@ -385,45 +397,103 @@ impl<S: Simd> Nodes<'_, S> {
         Self { simd, dq: &dq[rows], ddq: &ddq[rows], velocity, grid: &grid[rows] }
     }
 
-    /// What interval `i` is at the share `t` of its length: the share of each acceleration limit, and the
-    /// squared share of each velocity limit; of joints that share a lane, the largest.
+    /// The largest share of an acceleration limit or squared share of a velocity limit half-way through interval
+    /// `i`.
     #[inline(always)]
-    fn inside(&self, i: usize, h: f64, x: f64, u: [f64; 2], t: f64) -> (S::f64s, S::f64s) {
+    fn half_way(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> f64 {
         let Self { simd, dq, ddq, velocity, .. } = *self;
         let row = |row| S::as_simd_f64s(row).0;
         let (dq, ddq) = ([row(&dq[i]), row(&dq[i + 1])], [row(&ddq[i]), row(&ddq[i + 1])]);
         let velocity = row(velocity);
-        let u_t = simd.splat_f64s(u[0] + t * (u[1] - u[0]));
-        let x_t = simd.splat_f64s(x + h * t * (2.0 * u[0] + t * (u[1] - u[0])));
-        // Of the cubic with the same values of q' and q'' at both ends, and of its slope.
-        let to = t * t * (3.0 - 2.0 * t);
-        let value = [1.0 - to, to, h * t * (1.0 - t) * (1.0 - t), h * t * t * (t - 1.0)];
-        let steep = 6.0 * t * (1.0 - t) / h;
-        let slope = [-steep, steep, (1.0 - t) * (1.0 - 3.0 * t), t * (3.0 * t - 2.0)];
+        let place = Place::new(h, x, u, 0.5);
         let (mut acceleration, mut square) = (simd.splat_f64s(0.0), simd.splat_f64s(0.0));
         for k in 0..velocity.len() {
             let ends = [dq[0][k], dq[1][k], ddq[0][k], ddq[1][k]];
-            let (p, r) = (mix(simd, value, ends), mix(simd, slope, ends));
-            let a = simd.abs_f64s(simd.mul_add_e_f64s(p, u_t, simd.mul_f64s(r, x_t)));
-            let v = simd.mul_f64s(p, velocity[k]);
-            acceleration = simd.max_f64s(acceleration, a);
-            square = simd.max_f64s(square, simd.mul_f64s(simd.mul_f64s(v, v), x_t));
+            let (a, v) = place.joints(simd, ends, velocity[k]);
+            acceleration = simd.max_f64s(acceleration, simd.abs_f64s(a));
+            square = simd.max_f64s(square, v);
         }
-        (acceleration, square)
+        simd.reduce_max_f64s(simd.max_f64s(acceleration, square))
     }
 
-    /// The largest of both in the inner quarters of interval `i`.
+    /// The largest share of an acceleration limit, and squared share of a velocity limit, in the inner
+    /// quarters of interval `i`.
     #[inline(always)]
     fn worst(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> [f64; 2] {
-        let Self { simd, .. } = *self;
-        let mut worst = [0.0; 2];
-        for t in [0.25, 0.5, 0.75] {
-            let (acceleration, square) = self.inside(i, h, x, u, t);
-            worst[0] = greater(worst[0], simd.reduce_max_f64s(acceleration));
-            worst[1] = greater(worst[1], simd.reduce_max_f64s(square));
+        let Self { simd, dq, ddq, velocity, .. } = *self;
+        let row = |row| S::as_simd_f64s(row).0;
+        let (dq, ddq) = ([row(&dq[i]), row(&dq[i + 1])], [row(&ddq[i]), row(&ddq[i + 1])]);
+        let velocity = row(velocity);
+        let places =
+            [Place::new(h, x, u, 0.25), Place::new(h, x, u, 0.5), Place::new(h, x, u, 0.75)];
+        let (mut acceleration, mut square) = (simd.splat_f64s(0.0), simd.splat_f64s(0.0));
+        for k in 0..velocity.len() {
+            let ends = [dq[0][k], dq[1][k], ddq[0][k], ddq[1][k]];
+            // No `map`: its closure would not have the vector instructions.
+            let a = places[0].joints(simd, ends, velocity[k]);
+            let b = places[1].joints(simd, ends, velocity[k]);
+            let c = places[2].joints(simd, ends, velocity[k]);
+            acceleration = simd.max_f64s(acceleration, peak(simd, [a.0, b.0, c.0]));
+            square = simd.max_f64s(square, peak(simd, [a.1, b.1, c.1]));
         }
-        worst
+        [simd.reduce_max_f64s(acceleration), simd.reduce_max_f64s(square)]
     }
+}
+
+/// A place within an interval.
+struct Place {
+    /// Weights of q' at both ends of the interval and of q'' there: those of q' and of q'' at the place, by the
+    /// cubic that has the same at both ends.
+    value: [f64; 4],
+    slope: [f64; 4],
+    x: f64,
+    u: f64,
+}
+
+impl Place {
+    /// At the share `t` of the interval's length.
+    #[inline(always)]
+    fn new(h: f64, x: f64, u: [f64; 2], t: f64) -> Self {
+        let to = t * t * (3.0 - 2.0 * t);
+        let steep = 6.0 * t * (1.0 - t) / h;
+        Self {
+            value: [1.0 - to, to, h * t * (1.0 - t) * (1.0 - t), h * t * t * (t - 1.0)],
+            slope: [-steep, steep, (1.0 - t) * (1.0 - 3.0 * t), t * (3.0 * t - 2.0)],
+            x: x + h * t * (2.0 * u[0] + t * (u[1] - u[0])),
+            u: u[0] + t * (u[1] - u[0]),
+        }
+    }
+
+    /// The shares of the acceleration limits, with their signs, and the squared shares of the velocity limits.
+    #[inline(always)]
+    fn joints<S: Simd>(
+        &self,
+        simd: S,
+        ends: [S::f64s; 4],
+        velocity: S::f64s,
+    ) -> (S::f64s, S::f64s) {
+        let (p, r) = (mix(simd, self.value, ends), mix(simd, self.slope, ends));
+        let x = simd.splat_f64s(self.x);
+        let a = simd.mul_add_e_f64s(p, simd.splat_f64s(self.u), simd.mul_f64s(r, x));
+        let v = simd.mul_f64s(p, velocity);
+        (a, simd.mul_f64s(simd.mul_f64s(v, v), x))
+    }
+}
+
+/// The largest absolute value of the parabolas through three values at equal distances, as far as they reach.
+#[inline(always)]
+fn peak<S: Simd>(simd: S, values: [S::f64s; 3]) -> S::f64s {
+    let sign = simd.and_f64s(values[1], simd.splat_f64s(-0.0));
+    let [a, b, c] = values;
+    let (a, c) = (simd.xor_f64s(a, sign), simd.xor_f64s(c, sign));
+    let b = simd.abs_f64s(b);
+    let slope = simd.mul_f64s(simd.splat_f64s(0.5), simd.sub_f64s(c, a));
+    let bend = simd.sub_f64s(simd.add_f64s(b, b), simd.add_f64s(a, c));
+    // Where the parabola has no top between them, this is less than the greater end.
+    let width = simd.max_f64s(simd.max_f64s(bend, simd.abs_f64s(slope)), simd.splat_f64s(1e-30));
+    let top = simd.div_f64s(simd.mul_f64s(slope, slope), simd.add_f64s(width, width));
+    let ends = simd.max_f64s(simd.abs_f64s(a), simd.abs_f64s(c));
+    simd.max_f64s(ends, simd.add_f64s(b, top))
 }
 
 /// The sum of `values`, each times its weight.

@@ -8,18 +8,19 @@ pub(super) type Row = [f64; 8];
 pub(super) const UNLIMITED: f64 = 1e30;
 
 /// What the limits leave at one node: x at most `cap`, and for each joint u from
-/// `-(fall x + half)` to `rise x + half`.
+/// `-(fall x + below)` to `rise x + above`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Bounds {
     pub(super) fall: Row,
     pub(super) rise: Row,
-    pub(super) half: Row,
+    pub(super) below: Row,
+    pub(super) above: Row,
     /// Largest x at which no joint is too fast.
     pub(super) cap: f64,
     /// The largest |q''| of any joint.
     pub(super) bend: f64,
     /// Share of the acceleration limits that is left to be used.
-    share: f64,
+    pub(super) share: f64,
 }
 
 impl Bounds {
@@ -30,7 +31,8 @@ impl Bounds {
         let (dq, ddq, velocity) = (row(dq), row(ddq), row(velocity));
         let fall = S::as_mut_simd_f64s(&mut self.fall).0;
         let rise = S::as_mut_simd_f64s(&mut self.rise).0;
-        let half = S::as_mut_simd_f64s(&mut self.half).0;
+        let below = S::as_mut_simd_f64s(&mut self.below).0;
+        let above = S::as_mut_simd_f64s(&mut self.above).0;
         let [zero, one, tiny, near, beside] =
             [0.0, 1.0, 1.0 / UNLIMITED, 0.5 * h, 1.25 * h].map(|value| simd.splat_f64s(value));
         let (mut fastest, mut bent) = (zero, zero);
@@ -47,11 +49,12 @@ impl Bounds {
             let (back, against) = (simd.less_than_f64s(dq[k], zero), simd.neg_f64s(ddq[k]));
             let slopes =
                 [simd.select_f64s(back, against, ddq[k]), simd.select_f64s(back, ddq[k], against)];
-            half[k] = simd.div_f64s(one, simd.max_f64s(simd.max_f64s(p, nearby), tiny));
+            let half = simd.div_f64s(one, simd.max_f64s(simd.max_f64s(p, nearby), tiny));
+            (below[k], above[k]) = (half, half);
             let [down, up] =
                 slopes.map(|slope| simd.select_f64s(turns, simd.neg_f64s(bend), slope));
-            fall[k] = simd.mul_f64s(down, half[k]);
-            rise[k] = simd.mul_f64s(up, half[k]);
+            fall[k] = simd.mul_f64s(down, half);
+            rise[k] = simd.mul_f64s(up, half);
         }
         let fastest = simd.reduce_max_f64s(fastest);
         self.cap = if fastest > 1e-15 { 1.0 / (fastest * fastest) } else { UNLIMITED };
@@ -63,7 +66,8 @@ impl Bounds {
     pub(super) fn lower(&mut self, share: f64) {
         if share != self.share {
             let factor = share / self.share;
-            self.half = self.half.map(|half| factor * half);
+            self.below = self.below.map(|below| factor * below);
+            self.above = self.above.map(|above| factor * above);
             self.share = share;
         }
     }
@@ -71,13 +75,13 @@ impl Bounds {
     /// Largest u at `x`.
     #[inline(always)]
     pub(super) fn most<S: Simd>(&self, simd: S, x: f64) -> f64 {
-        lowest(simd, &self.rise, x, &self.half)
+        lowest(simd, &self.rise, x, &self.above)
     }
 
     /// Smallest u at `x`.
     #[inline(always)]
     pub(super) fn least<S: Simd>(&self, simd: S, x: f64) -> f64 {
-        -lowest(simd, &self.fall, x, &self.half)
+        -lowest(simd, &self.fall, x, &self.below)
     }
 
     /// Largest x, not above `x`, at which some u keeps all limits.
@@ -90,7 +94,7 @@ impl Bounds {
         const STEPS: usize = 64;
         for _ in 0..STEPS {
             let [j, k] = *pair;
-            let root = (self.half[j] + self.half[k]) / -(self.rise[j] + self.fall[k]);
+            let root = (self.above[j] + self.below[k]) / -(self.rise[j] + self.fall[k]);
             if root > 0.0 && root < x {
                 x = root;
             }
@@ -99,8 +103,8 @@ impl Bounds {
                 break;
             }
             let narrowest = [
-                place(simd, &self.rise, x, &self.half, most),
-                place(simd, &self.fall, x, &self.half, brake),
+                place(simd, &self.rise, x, &self.above, most),
+                place(simd, &self.fall, x, &self.below, brake),
             ];
             if narrowest == *pair {
                 break;

@@ -1,0 +1,110 @@
+//! Bounds whose two sides differ, against trying everything.
+
+use super::*;
+
+/// Nodes at which each joint has a lower and an upper limit of its own: u is at most `(upper - c x) / m`.
+fn node(random: &mut fastrand::Rng) -> Bounds {
+    let unlimited = [UNLIMITED; 8];
+    let mut bounds =
+        Bounds { cap: UNLIMITED, below: unlimited, above: unlimited, ..Bounds::default() };
+    for j in 0..7 {
+        let (m, c) = (0.1 + random.f64(), 2.0 * random.f64() - 1.0);
+        let [lower, upper] = [0.2 + random.f64(), 0.2 + random.f64()];
+        (bounds.rise[j], bounds.above[j]) = (-c / m, upper / m);
+        (bounds.fall[j], bounds.below[j]) = (c / m, lower / m);
+    }
+    bounds
+}
+
+/// Smallest and largest u at `x`, joint by joint.
+fn band(bounds: &Bounds, x: f64) -> [f64; 2] {
+    (0..7).fold([f64::NEG_INFINITY, f64::INFINITY], |[least, most], j| {
+        let low = -(bounds.fall[j] * x + bounds.below[j]);
+        [least.max(low), most.min(bounds.rise[j] * x + bounds.above[j])]
+    })
+}
+
+/// The steps in which x is tried, from 0 to 4.
+const STEP: f64 = 1e-4;
+
+fn tried() -> impl DoubleEndedIterator<Item = f64> {
+    (0..=40_000).map(|i| f64::from(i) * STEP)
+}
+
+/// Whether u at both ends, apart or the same, takes x from `x` to `y`.
+fn reaches(interval: &Interval<'_>, x: f64, y: f64) -> bool {
+    let (start, end) = (band(interval.start, x), band(interval.end, y));
+    let sum = (y - x) / interval.h;
+    if interval.even {
+        let u = 0.5 * sum;
+        [start, end].iter().all(|[least, most]| (*least..=*most).contains(&u))
+    } else {
+        let possible = start[0] <= start[1] && end[0] <= end[1];
+        possible && (start[0] + end[0]..=start[1] + end[1]).contains(&sum)
+    }
+}
+
+#[test]
+fn largest_possible_x() {
+    let mut random = fastrand::Rng::with_seed(1);
+    for _ in 0..30 {
+        let bounds = node(&mut random);
+        let found = bounds.possible(pulp::Scalar::new(), 4.0, &mut [0; 2]);
+        let expected = tried().rfind(|x| {
+            let [least, most] = band(&bounds, *x);
+            least <= most
+        });
+        let expected = expected.unwrap();
+        assert!((-1e-9..=STEP).contains(&(found - expected)), "{found}, by trial {expected}");
+        let [least, most] = band(&bounds, 0.5 * found);
+        assert!((bounds.least(pulp::Scalar::new(), 0.5 * found) - least).abs() < 1e-12);
+        assert!((bounds.most(pulp::Scalar::new(), 0.5 * found) - most).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn what_is_reached_in_an_interval() {
+    let mut random = fastrand::Rng::with_seed(2);
+    let (mut asymmetric, mut slower) = (0, 0);
+    for round in 0..60 {
+        let [start, end] = [node(&mut random), node(&mut random)];
+        let (h, even) = (0.05 + 0.3 * random.f64(), round % 2 == 0);
+        let interval = Interval { h, even, start: &start, end: &end };
+        let possible = |node: &Bounds| node.possible(pulp::Scalar::new(), 4.0, &mut [0; 2]);
+        let (x, cap) = (random.f64() * possible(&start), possible(&end));
+        let (low, high) = interval.reachable(x, cap);
+        let mut reached = tried().filter(|y| *y <= cap && reaches(&interval, x, *y));
+        if let Some(first) = reached.next() {
+            let last = reached.next_back().unwrap_or(first);
+            assert!((low - first).abs() <= STEP && (high - last).abs() <= STEP, "{low} to {high}");
+        } else {
+            assert!(high - low < STEP, "{low} to {high}");
+        }
+        asymmetric += usize::from(start.below != start.above);
+
+        // Backwards: the largest x from which something up to `end` is reached.
+        let end = random.f64() * cap;
+        let found = interval.search(end, possible(&start));
+        let fits = |x: f64| {
+            let (low, high) = interval.reachable(x, end);
+            low <= high
+        };
+        let expected = tried().rfind(|x| *x <= possible(&start) && fits(*x)).unwrap_or(0.0);
+        assert!((found - expected).abs() <= 2.0 * STEP, "{found}, by trial {expected}");
+        slower += usize::from(found < possible(&start) - STEP);
+    }
+    assert!(asymmetric == 60 && slower > 10, "{slower}");
+}
+
+#[test]
+fn a_share_of_both_sides() {
+    let before = node(&mut fastrand::Rng::with_seed(3));
+    let mut bounds = Bounds { share: 1.0, ..before };
+    bounds.lower(0.5);
+    for j in 0..8 {
+        assert_eq!(
+            [bounds.below[j], bounds.above[j]],
+            [before.below[j], before.above[j]].map(|v| 0.5 * v)
+        );
+    }
+}
