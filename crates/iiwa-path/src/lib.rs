@@ -63,7 +63,7 @@ pub use crossing::BlendSearch;
 pub use fault::Fault;
 pub use grid::{Grid, GridNode};
 pub use join::JoinError;
-pub use limit_kind::LimitKind;
+pub use limit_kind::{ByKind, LimitKind};
 pub use line::Line;
 pub use motion_index::MotionIndex;
 pub use motion_limits::MotionLimits;

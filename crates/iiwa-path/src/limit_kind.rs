@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use enum_map::Enum;
+use enum_map::{Enum, EnumMap};
 
 /// A kind of limit of a joint.
 ///
@@ -57,6 +57,9 @@ impl LimitKind {
         }
     }
 }
+
+/// A value for each kind of limit.
+pub type ByKind<T> = EnumMap<LimitKind, T>;
 
 impl fmt::Display for LimitKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,9 +1,12 @@
 //! The limits of one motion.
 
-use enum_map::{EnumMap, enum_map};
+use enum_map::enum_map;
 use iiwa_kin::{Joints, Robot};
 
-use crate::{limit_kind::LimitKind, program::Motion};
+use crate::{
+    limit_kind::{ByKind, LimitKind},
+    program::Motion,
+};
 
 /// A motion's limits of its joints, of each kind: the robot's, times the motion's shares (Larsen 2019,
 /// Eq. 33, and 35 for the share of speed).
@@ -16,7 +19,7 @@ use crate::{limit_kind::LimitKind, program::Motion};
 /// assert_eq!(limits.of(LimitKind::Jerk), limits.jerk_rad_s3());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionLimits(EnumMap<LimitKind, Joints>);
+pub struct MotionLimits(ByKind<Joints>);
 
 impl MotionLimits {
     /// All that `robot` can do.

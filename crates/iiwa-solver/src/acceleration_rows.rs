@@ -8,7 +8,7 @@ use crate::{
     lanes::{Lanes, Vector},
     limited_segment::largest_share,
     quadratic::Terms,
-    slack_pair::{Decreases, InteriorStart, InteriorSteps, SlackPair},
+    slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };
 
 /// The rows of `J` joints at one place of eight cells. With `J` = 1, the cells are on lines: all joints move in
@@ -17,19 +17,19 @@ use crate::{
 pub(crate) struct AccelerationRows<const J: usize> {
     x: [Lanes; J],
     v: [Lanes; J],
-    sides: [[SlackPair; 2]; J],
+    sides: [Sides; J],
 }
 
 impl<const J: usize> Default for AccelerationRows<J> {
     fn default() -> Self {
         let rows = [Lanes::default(); J];
-        Self { x: rows, v: rows, sides: [[SlackPair::default(); 2]; J] }
+        Self { x: rows, v: rows, sides: [Sides::default(); J] }
     }
 }
 
 impl<const J: usize> AccelerationRows<J> {
     /// How many sides limits have.
-    pub(crate) const SIDES: usize = 2 * J;
+    pub(crate) const SIDES: usize = Sides::COUNT * J;
 
     /// Sets the rows of a cell of this `length` for some `joints`, from one over the limits (s^2/rad).
     pub(crate) fn set(
@@ -72,13 +72,10 @@ impl<const J: usize> AccelerationRows<J> {
         start: &InteriorStart<S>,
         y: &[Vector<S>; 4],
     ) {
-        let one = Vector::splat(start.simd, 1.0);
         let place = [X::of(y), V::of(y)];
         for j in 0..J {
             let value = self.value(j, start.simd, start.register, place);
-            let [upper, lower] = &mut self.sides[j];
-            upper.start(start, one - value, start.least);
-            lower.start(start, one + value, start.least);
+            self.sides[j].start(start, value, bounds(start.simd), [start.least; 2]);
         }
     }
 
@@ -97,13 +94,9 @@ impl<const J: usize> AccelerationRows<J> {
         for j in 0..J {
             let (px, pv) = (self.x[j].load(simd, r), self.v[j].load(simd, r));
             let value = self.value(j, simd, r, place);
-            let [a, b] = &mut self.sides[j];
-            let (a, b) = (a.advance(steps), b.advance(steps));
-            let miss = [value - one + a.s, b.s - value - one];
-            sum.gap = a.s.mul_add(a.z, b.s.mul_add(b.z, sum.gap));
-            sum.residual = sum.residual.max(miss[0].abs()).max(miss[1].abs());
-            let slope = a.slope(steps, miss[0]) - b.slope(steps, miss[1]);
-            let both = a.weight + b.weight;
+            let Contribution { weights: [a, b], slopes: [up, down], .. } =
+                self.sides[j].advance(steps, value, bounds(simd), one, sum);
+            let (both, slope) = (a + b, up - down);
             let bv = both * pv;
             vv = bv.mul_add(pv, vv);
             gv = slope.mul_add(pv, gv);
@@ -132,11 +125,15 @@ impl<const J: usize> AccelerationRows<J> {
         mu: Vector<S>,
         decreases: &mut Decreases<S>,
     ) {
-        let one = Vector::splat(mu.simd(), 1.0);
         let place = [X::of(y), V::of(y)];
         for j in 0..J {
             let value = self.value(j, mu.simd(), r, place);
-            decreases.add(&mut self.sides[j], r, [one - value, one + value], mu);
+            self.sides[j].find_steps(r, value, bounds(mu.simd()), mu, decreases);
         }
     }
+}
+
+#[inline(always)]
+fn bounds<S: Simd>(simd: S) -> [Vector<S>; 2] {
+    [-1.0, 1.0].map(|bound| Vector::splat(simd, bound))
 }

@@ -5,7 +5,10 @@
 
 use std::{ops::Range, sync::atomic::AtomicBool};
 
+use iiwa_path::{ByKind, LimitKind};
+
 use crate::{
+    cells::has_row_at_end,
     error::SolveError,
     geometry::Places,
     limited_segment::LimitedSegment,
@@ -231,15 +234,17 @@ impl Attempt {
 
     /// The share of all times that keeps the limits.
     fn time_scale(&self, segments: &[LimitedSegment<'_>]) -> f64 {
-        let mut largest = [1.0, 1.0, self.solver.rest_jerk()];
+        let mut largest = ByKind::from_fn(|_| 1.0);
+        largest[LimitKind::Jerk] = self.solver.rest_jerk();
         for shares in self.largest_shares(segments, 0..self.mesh.cells.len()) {
-            for i in 0..3 {
-                largest[i] = larger(largest[i], shares[i]);
+            for (kind, share) in shares {
+                largest[kind] = larger(largest[kind], share);
             }
         }
-        let [v, a, j]: [f64; 3] = std::array::from_fn(|i| largest[i] / REFINEMENT.tolerance[i]);
-        let factors = [v, a.sqrt(), j.cbrt(), self.solver.continuity_defect()];
-        factors.into_iter().fold(1.0, larger)
+        let slower = |(kind, share): (LimitKind, f64)| {
+            (share / REFINEMENT.tolerance[kind]).powf(1.0 / f64::from(kind.order()))
+        };
+        largest.into_iter().map(slower).fold(larger(1.0, self.solver.continuity_defect()), larger)
     }
 
     /// Lowers the limits of the cells in `window` that exceed them by more than the shares `allowed`. Of those that
@@ -247,7 +252,7 @@ impl Attempt {
     fn lower(
         &mut self,
         segments: &[LimitedSegment<'_>],
-        allowed: [f64; 3],
+        allowed: ByKind<f64>,
         window: Range<usize>,
         before: &[usize],
     ) -> Lowered {
@@ -258,14 +263,16 @@ impl Attempt {
             .into_iter()
             .zip(first..)
             .map(|(shares, cell)| {
-                let mut by = [1.0; 3];
-                for i in 0..3 {
-                    if shares[i] > allowed[i] || shares[i].is_nan() {
-                        lowered.excess = lowered.excess.max(shares[i]);
-                        by[i] = REFINEMENT.target[i] / shares[i];
+                let by = ByKind::from_fn(|kind| {
+                    let share = shares[kind];
+                    if share > allowed[kind] || share.is_nan() {
+                        lowered.excess = lowered.excess.max(share);
+                        REFINEMENT.target[kind] / share
+                    } else {
+                        1.0
                     }
-                }
-                if by != [1.0; 3] {
+                });
+                if by.values().any(|by| *by != 1.0) {
                     lowered.cells.push(cell);
                 }
                 by
@@ -273,9 +280,8 @@ impl Attempt {
             .collect();
         for cell in lowered.cells.iter().filter(|cell| before.binary_search(cell).is_ok()) {
             if let [own, next, ..] = &mut by[cell - first..] {
-                // Jerk has a row at the end.
-                for i in 0..2 {
-                    next[i] = next[i].min(own[i]);
+                for (kind, next) in next.iter_mut().filter(|(kind, _)| !has_row_at_end(*kind)) {
+                    *next = next.min(own[kind]);
                 }
             }
         }
@@ -285,18 +291,18 @@ impl Attempt {
         lowered
     }
 
-    /// The largest shares of the limits of speed, acceleration and jerk in each cell of `window`.
+    /// The largest shares of the limits in each cell of `window`.
     fn largest_shares(
         &self,
         segments: &[LimitedSegment<'_>],
         window: Range<usize>,
-    ) -> Vec<[f64; 3]> {
+    ) -> Vec<ByKind<f64>> {
         pulp::Arch::new().dispatch(Check { attempt: self, segments, window })
     }
 
     /// The same in one cell, stretch by stretch if it is slow.
     #[inline(always)]
-    fn largest_shares_in(&self, k: usize, segments: &[LimitedSegment<'_>]) -> [f64; 3] {
+    fn largest_shares_in(&self, k: usize, segments: &[LimitedSegment<'_>]) -> ByKind<f64> {
         let cell = &self.mesh.cells[k];
         let segment = &segments[cell.segment];
         let stretches = self.slowness(segment, k).ceil().clamp(1.0, REFINEMENT.stretches);
@@ -304,14 +310,14 @@ impl Attempt {
             return segment
                 .largest_shares(&self.mesh.geometry[k], &self.rates_along(k, [0.0, 1.0]));
         }
-        let mut largest = [0.0; 3];
+        let mut largest = ByKind::default();
         let mut from = 0.0;
         while from < stretches {
             let stretch = [from / stretches, (from + 1.0) / stretches];
             let geometry = cell.geometry(segments, stretch);
             let shares = segment.largest_shares(&geometry, &self.rates_along(k, stretch));
-            for i in 0..3 {
-                largest[i] = larger(largest[i], shares[i]);
+            for (kind, share) in shares {
+                largest[kind] = larger(largest[kind], share);
             }
             from += 1.0;
         }
@@ -345,7 +351,7 @@ struct Check<'a, 'b> {
 }
 
 impl pulp::WithSimd for Check<'_, '_> {
-    type Output = Vec<[f64; 3]>;
+    type Output = Vec<ByKind<f64>>;
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {

@@ -13,6 +13,7 @@
 
 use std::ops::Range;
 
+use iiwa_path::{ByKind, LimitKind};
 use pulp::Simd;
 
 use crate::{
@@ -73,6 +74,14 @@ pub(crate) struct CellBlock<const J: usize> {
     jerks: [JerkRows<J>; 3],
 }
 
+/// Kinds that have a row where a cell starts, and none where it ends: there the lower limits of both segments hold.
+const AT_STARTS: [LimitKind; 2] = [LimitKind::Velocity, LimitKind::Acceleration];
+
+/// Whether limits of this kind have a row where a cell ends.
+pub(crate) fn has_row_at_end(kind: LimitKind) -> bool {
+    !AT_STARTS.contains(&kind)
+}
+
 /// A cell with the limits that hold where it starts and along it.
 pub(crate) struct LimitedCell<'a, 'b> {
     pub(crate) cell: &'a Cell,
@@ -96,16 +105,18 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
 
     /// One over the limits of velocity and acceleration at the start: the lower ones of both segments.
     fn at_start(&self) -> [[f64; 7]; 2] {
-        let [velocity, acceleration, _] = self.segment.inverse;
+        let [velocity, acceleration] = AT_STARTS.map(|kind| self.segment.inverse[kind]);
         let Some(before) = self.before else { return [velocity, acceleration] };
         let lower = |own: [f64; 7], other: [f64; 7]| std::array::from_fn(|j| own[j].max(other[j]));
-        [lower(velocity, before.inverse[0]), lower(acceleration, before.inverse[1])]
+        let [before_velocity, before_acceleration] = AT_STARTS.map(|kind| before.inverse[kind]);
+        [lower(velocity, before_velocity), lower(acceleration, before_acceleration)]
     }
 
     /// The joints that can be at a limit of acceleration at the start, and along the cell, and of jerk.
     fn limiting(&self) -> [LimitingJoints; 3] {
-        let [_, acceleration, jerk] = self.segment.limiting;
-        let [_, own, _] = self.segment.inverse;
+        let [acceleration, jerk] =
+            [LimitKind::Acceleration, LimitKind::Jerk].map(|kind| self.segment.limiting[kind]);
+        let own = self.segment.inverse[LimitKind::Acceleration];
         let [_, at_start] = self.at_start();
         [if at_start == own { acceleration } else { LimitingJoints::ALL }, acceleration, jerk]
     }
@@ -157,7 +168,7 @@ impl<const J: usize> CellBlock<J> {
         // At the start, a third, half, two thirds and the end.
         let [start, third, middle, two_thirds, end] =
             [0, 2, 3, 4, 6].map(|place| segment.derivatives_at(limited.geometry, place));
-        let [velocity, acceleration, jerk] = &segment.inverse;
+        let [velocity, acceleration, jerk] = LimitKind::ALL.map(|kind| &segment.inverse[kind]);
         let [start_velocity, start_acceleration] = &limited.at_start();
         let [start_joints, acceleration_joints, jerk_joints] = &limited.limiting();
 
@@ -180,11 +191,12 @@ impl<const J: usize> CellBlock<J> {
         }
     }
 
-    /// Lowers the limits of velocity, acceleration and jerk in the cells from `first` on by the factors `by`.
-    pub(crate) fn lower(&mut self, first: usize, by: &[[f64; 3]]) {
+    /// Lowers the limits in the cells from `first` on by the factors `by`.
+    pub(crate) fn lower(&mut self, first: usize, by: &[ByKind<f64>]) {
         for (lane, cell) in self.cells.into_iter().enumerate() {
             let by = cell.checked_sub(first).and_then(|k| by.get(k));
-            let Some(&[velocity, acceleration, jerk]) = by else { continue };
+            let Some(by) = by else { continue };
+            let [velocity, acceleration, jerk] = by.into_array();
             self.velocities.iter_mut().for_each(|rows| rows.scale(lane, velocity));
             self.accelerations.iter_mut().for_each(|rows| rows.scale(lane, acceleration));
             self.jerks.iter_mut().for_each(|rows| rows.scale(lane, jerk));

@@ -13,7 +13,7 @@ use crate::{
     limited_segment::largest_share,
     quadratic::Terms,
     settings::InteriorPointSettings,
-    slack_pair::{Decreases, InteriorStart, InteriorSteps, SlackPair},
+    slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };
 
 const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
@@ -24,19 +24,19 @@ pub(crate) struct JerkRows<const J: usize> {
     x: [Lanes; J],
     v: [Lanes; J],
     w: [Lanes; J],
-    sides: [[SlackPair; 2]; J],
+    sides: [Sides; J],
 }
 
 impl<const J: usize> Default for JerkRows<J> {
     fn default() -> Self {
         let rows = [Lanes::default(); J];
-        Self { x: rows, v: rows, w: rows, sides: [[SlackPair::default(); 2]; J] }
+        Self { x: rows, v: rows, w: rows, sides: [Sides::default(); J] }
     }
 }
 
 impl<const J: usize> JerkRows<J> {
     /// How many sides limits have.
-    pub(crate) const SIDES: usize = 2 * J;
+    pub(crate) const SIDES: usize = Sides::COUNT * J;
 
     /// Sets the rows of a cell of this `length` for some `joints`, from one over the limits (s^3/rad).
     pub(crate) fn set(
@@ -86,9 +86,8 @@ impl<const J: usize> JerkRows<J> {
         let bound = place[0].sqrt().inverse();
         for j in 0..J {
             let value = self.value(j, start.simd, start.register, place);
-            let [upper, lower] = &mut self.sides[j];
-            upper.start(start, bound - value, start.least * bound);
-            lower.start(start, bound + value, start.least * bound);
+            let least = [start.least * bound; 2];
+            self.sides[j].start(start, value, [-bound, bound], least);
         }
     }
 
@@ -116,14 +115,11 @@ impl<const J: usize> JerkRows<J> {
             let (jx, jv, jw) =
                 (self.x[j].load(simd, r), self.v[j].load(simd, r), self.w[j].load(simd, r));
             let value = self.value(j, simd, r, place);
-            let [a, b] = &mut self.sides[j];
-            let (a, b) = (a.advance(steps), b.advance(steps));
-            let miss = [value - bound + a.s, b.s - value - bound];
-            sum.gap = a.s.mul_add(a.z, b.s.mul_add(b.z, sum.gap));
-            sum.residual = sum.residual.max(miss[0].abs().max(miss[1].abs()) * root);
-            let slope = [a.slope(steps, miss[0]), b.slope(steps, miss[1])];
-            let (both, apart) = (a.weight + b.weight, a.weight - b.weight);
-            let apart_slope = slope[0] - slope[1];
+            // In units of the limit, jerk is root times the row's value.
+            let Contribution { weights: [a, b], slopes: [up, down], duals: own } =
+                self.sides[j].advance(steps, value, [-bound, bound], root, sum);
+            let (both, apart) = (a + b, a - b);
+            let apart_slope = up - down;
             let bw = both * jw;
             ww = bw.mul_add(jw, ww);
             gw = apart_slope.mul_add(jw, gw);
@@ -141,8 +137,8 @@ impl<const J: usize> JerkRows<J> {
                 ev = apart.mul_add(jv, ev);
             }
             weights = weights + both;
-            slopes = slopes + slope[0] + slope[1];
-            duals = duals + a.z + b.z;
+            slopes = slopes + up + down;
+            duals = duals + own;
         }
         // The Lagrangian's curvature in x is (weight - duals) 3/4 x^(-5/2), below zero where duals are large. A step
         // needs a convex function: the size of the curvature is right, and never nothing.
@@ -183,7 +179,7 @@ impl<const J: usize> JerkRows<J> {
         decreases.x = decreases.x.max(-growth);
         for j in 0..J {
             let value = self.value(j, mu.simd(), r, place);
-            decreases.add(&mut self.sides[j], r, [bound - value, bound + value], mu);
+            self.sides[j].find_steps(r, value, [-bound, bound], mu, decreases);
         }
     }
 }

@@ -6,7 +6,7 @@
 //! well: the solver would have to make the speed's own second derivative jump against it.
 
 use iiwa_kin::{Joints, vector, vector::largest_multiple};
-use iiwa_path::{LimitKind, MotionLimits, PlanarGraph, Segment};
+use iiwa_path::{ByKind, LimitKind, MotionLimits, PlanarGraph, Segment};
 
 use crate::{
     geometry::{Geometry, Places, SigmaDerivatives, in_plane},
@@ -18,8 +18,8 @@ use crate::{
 /// A segment and its limits, as the solver sees them.
 pub struct LimitedSegment<'a> {
     limits: &'a MotionLimits,
-    /// One over the limits of velocity, acceleration and jerk.
-    pub(crate) inverse: [Joints; 3],
+    /// One over the limits.
+    pub(crate) inverse: ByKind<Joints>,
     pub(crate) length: f64,
     /// The acceleration-limited stamps.
     pub(crate) swept: &'a [SweptNode],
@@ -36,8 +36,8 @@ pub struct LimitedSegment<'a> {
     plane: [Joints; 2],
     /// What the slope of the graph has to be raised by in these directions.
     slope: f64,
-    /// The joints that can be at their limits of velocity, acceleration and jerk.
-    pub(crate) limiting: [LimitingJoints; 3],
+    /// The joints that can be at their limits.
+    pub(crate) limiting: ByKind<LimitingJoints>,
 }
 
 impl<'a> LimitedSegment<'a> {
@@ -56,7 +56,7 @@ impl<'a> LimitedSegment<'a> {
         let unit = shape.sigma_unit_rad();
         let direction = shape.is_straight().then(|| shape.at(0.0).dq.map(|d| d / unit));
         let [end, ..] = shape.sigma(1.0);
-        let inverse = LimitKind::ALL.map(|kind| limits.of(kind).map(|limit| 1.0 / limit));
+        let inverse = ByKind::from_fn(|kind| limits.of(kind).map(|limit| 1.0 / limit));
         let mut segment = Self {
             limits,
             inverse,
@@ -71,7 +71,7 @@ impl<'a> LimitedSegment<'a> {
             graph: shape.as_planar_graph(),
             plane: [direction.unwrap_or_default(), [0.0; 7]],
             slope: 0.0,
-            limiting: [LimitingJoints::ALL; 3],
+            limiting: ByKind::from_fn(|_| LimitingJoints::ALL),
         };
         if let Some(graph) = segment.graph {
             // Perpendicular to each other: in a near turn-back, both would point almost the same way.
@@ -84,7 +84,7 @@ impl<'a> LimitedSegment<'a> {
         }
         if segment.is_line() || segment.graph.is_some() {
             let [ahead, across] = &segment.plane;
-            segment.limiting = segment.inverse.map(|inverse| {
+            segment.limiting = segment.inverse.map(|_, inverse| {
                 LimitingJoints::new(&std::array::from_fn(|j| {
                     [ahead[j] * inverse[j], across[j] * inverse[j]]
                 }))
@@ -209,8 +209,7 @@ impl<'a> LimitedSegment<'a> {
     /// The largest share of a limit of jerk where sigma goes on at a steady speed of 1 rad/s and the curve's
     /// third derivative is `dddq`; it goes with the speed's cube.
     pub(crate) fn jerk_at_unit_speed(&self, dddq: &Joints) -> f64 {
-        let [_, _, inverse] = &self.inverse;
-        largest_share(dddq, inverse)
+        largest_share(dddq, &self.inverse[LimitKind::Jerk])
     }
 
     /// Largest speed, acceleration and jerk of sigma at `s`, if the path went straight on from there; in rad/s,
@@ -225,7 +224,7 @@ impl<'a> LimitedSegment<'a> {
     /// with their signs; of each kind one for each joint, and a zero.
     #[inline(always)]
     #[must_use]
-    pub fn shares(&self, geometry: &Geometry, place: usize, rates: [f64; 3]) -> [[f64; 8]; 3] {
+    pub fn shares(&self, geometry: &Geometry, place: usize, rates: [f64; 3]) -> ByKind<[f64; 8]> {
         let mut shares = [[0.0; 8]; 3];
         if let Geometry::General(derivatives) = geometry {
             let ([dq, ddq, dddq], [v, a, j]) = (&derivatives[place], rates);
@@ -243,34 +242,34 @@ impl<'a> LimitedSegment<'a> {
                 }
             }
         }
-        for (shares, inverse) in std::iter::zip(&mut shares, &self.inverse) {
+        for (shares, inverse) in std::iter::zip(&mut shares, self.inverse.as_array()) {
             for i in 0..7 {
                 shares[i] *= inverse[i];
             }
         }
-        shares
+        ByKind::from_array(shares)
     }
 
-    /// The largest shares of the limits of velocity, acceleration and jerk from samples of a stretch: its `geometry` at
+    /// The largest shares of the limits from samples of a stretch: its `geometry` at
     /// [`SHARES`](crate::peaks::SHARES) of it, and speed, acceleration and jerk of sigma there.
     #[inline(always)]
-    pub(crate) fn largest_shares(&self, geometry: &Geometry, rates: &[Places; 3]) -> [f64; 3] {
+    pub(crate) fn largest_shares(&self, geometry: &Geometry, rates: &[Places; 3]) -> ByKind<f64> {
         let at = |i: usize| rates.map(|rate| rate[i]);
-        let mut peaks = [Peak::default(); 3];
+        let mut peaks = ByKind::<Peak>::default();
         if let Geometry::General(_) = geometry {
             let mut shares = [[Places::default(); 7]; 3];
             for i in 0..Places::default().len() {
-                let found = self.shares(geometry, i, at(i));
+                let found = self.shares(geometry, i, at(i)).into_array();
                 for (shares, found) in std::iter::zip(&mut shares, found) {
                     std::iter::zip(shares, found).for_each(|(share, found)| share[i] = found);
                 }
             }
-            for (peak, shares) in std::iter::zip(&mut peaks, shares) {
+            for (peak, shares) in std::iter::zip(peaks.values_mut(), shares) {
                 for shares in &shares {
                     peak.add(shares);
                 }
             }
-            return peaks.map(|peak| peak.get());
+            return peaks.map(|_, peak| peak.get());
         }
         let mut of_plane = [[Places::default(); 2]; 3];
         let across =
@@ -281,14 +280,12 @@ impl<'a> LimitedSegment<'a> {
                 (of_plane[0][i], of_plane[1][i]) = (along, aside);
             }
         }
-        for (peak, (joints, [along, aside])) in
-            std::iter::zip(&mut peaks, std::iter::zip(&self.limiting, &of_plane))
-        {
-            for [ahead, across] in joints.points() {
+        for ((kind, peak), [along, aside]) in std::iter::zip(&mut peaks, &of_plane) {
+            for [ahead, across] in self.limiting[kind].points() {
                 peak.add(&std::array::from_fn(|i| ahead * along[i] + across * aside[i]));
             }
         }
-        peaks.map(|peak| peak.get())
+        peaks.map(|_, peak| peak.get())
     }
 }
 

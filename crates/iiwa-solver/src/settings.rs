@@ -6,6 +6,8 @@
 //! (to within 1e-4) while the number of steps or cells had not yet begun to rise. None is a property of the
 //! robot: lengths are relative to segments, times relative to how long jerk takes to build up acceleration.
 
+use iiwa_path::ByKind;
+
 /// The settings of the solver, with a value each in [`SETTINGS`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
@@ -109,13 +111,13 @@ pub(crate) struct WarmStart {
 /// How cells are brought below the limits between the places at which the solver keeps them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RefinementSettings {
-    /// Largest shares of the limits of velocity, acceleration and jerk that are handed out.
-    pub(crate) tolerance: [f64; 3],
+    /// Largest shares of the limits that are handed out.
+    pub(crate) tolerance: ByKind<f64>,
     /// Shares from which on a cell's limits are lowered early, when the first check finds them: below the
     /// tolerance, for what is near to it then may be above it in the end.
-    pub(crate) early: [f64; 3],
+    pub(crate) early: ByKind<f64>,
     /// Shares that a cell is brought down to once it is above the tolerance.
-    pub(crate) target: [f64; 3],
+    pub(crate) target: ByKind<f64>,
     /// Start after limits were lowered by little.
     pub(crate) close: WarmStart,
     /// The same in a cautious attempt: duals start anew.
@@ -199,9 +201,9 @@ pub(crate) const SETTINGS: Settings = Settings {
         mid_jerk: 1.005,
     },
     refinement: RefinementSettings {
-        tolerance: [1.0009, 1.0018, 1.018],
-        early: [1.0003, 1.0008, 1.01],
-        target: [0.9998, 1.0, 1.01],
+        tolerance: ByKind::from_array([1.0009, 1.0018, 1.018]),
+        early: ByKind::from_array([1.0003, 1.0008, 1.01]),
+        target: ByKind::from_array([0.9998, 1.0, 1.01]),
         close: WarmStart { mu: 1e-5, slack: 1e-3, kept: 10.0 },
         cautious: WarmStart { mu: 1e-3, slack: 1e-3, kept: 1.0 },
         far: WarmStart { mu: 1e-2, slack: 1e-2, kept: 1.0 },

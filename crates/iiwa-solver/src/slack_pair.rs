@@ -1,9 +1,12 @@
-//! The slack and the dual of one side of a limit, and how they go along with a step.
+//! The slacks and the duals of a row's two bounds, and how they go along with a step.
 
 use pulp::Simd;
 
-use crate::lanes::{Lanes, Vector};
-use crate::settings::InteriorPointSettings;
+use crate::{
+    lanes::{Lanes, Vector},
+    quadratic::Terms,
+    settings::InteriorPointSettings,
+};
 
 const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
@@ -54,9 +57,9 @@ pub(crate) struct InteriorStart<S: Simd> {
     pub(crate) kept: f64,
 }
 
-/// Slack and dual of one side of a limit.
+/// Slack and dual of one bound of a row.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct SlackPair {
+struct SlackPair {
     s: Lanes,
     z: Lanes,
     /// One over the slack: dividing is slow.
@@ -66,31 +69,99 @@ pub(crate) struct SlackPair {
 }
 
 /// A slack pair after its last step.
-pub(crate) struct Advanced<S: Simd> {
-    pub(crate) s: Vector<S>,
-    pub(crate) z: Vector<S>,
+struct Advanced<S: Simd> {
+    s: Vector<S>,
+    z: Vector<S>,
     inverse: Vector<S>,
     /// z / s.
-    pub(crate) weight: Vector<S>,
+    weight: Vector<S>,
 }
 
 impl<S: Simd> Advanced<S> {
     /// What the slack contributes to the slope when its limit is missed by `miss`.
     #[inline(always)]
-    pub(crate) fn slope(&self, steps: &InteriorSteps<S>, miss: Vector<S>) -> Vector<S> {
+    fn slope(&self, steps: &InteriorSteps<S>, miss: Vector<S>) -> Vector<S> {
         steps.mu.mul_add(self.inverse, self.weight * miss)
+    }
+}
+
+/// Both sides of a row: the slack pairs of its upper and of its lower bound.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sides([SlackPair; 2]);
+
+/// What both sides of a row contribute to a step, of the upper bound and of the lower one.
+pub(crate) struct Contribution<S: Simd> {
+    /// z / s.
+    pub(crate) weights: [Vector<S>; 2],
+    /// Slopes by the row's value of the upper side, and by its negative of the lower one.
+    pub(crate) slopes: [Vector<S>; 2],
+    /// The sum of both duals.
+    pub(crate) duals: Vector<S>,
+}
+
+impl Sides {
+    /// How many sides a row has in a block.
+    pub(crate) const COUNT: usize = 2;
+
+    /// The slacks become the room that is left up to the bounds `[lower, upper]`, but not less than `least`, above and
+    /// below.
+    #[inline(always)]
+    pub(crate) fn start<S: Simd>(
+        &mut self,
+        start: &InteriorStart<S>,
+        value: Vector<S>,
+        [lower, upper]: [Vector<S>; 2],
+        least: [Vector<S>; 2],
+    ) {
+        let Self([above, below]) = self;
+        above.start(start, upper - value, least[0]);
+        below.start(start, value - lower, least[1]);
+    }
+
+    /// Goes the last step, and adds the row to the gap and the residual, which is `scale` times that of its value.
+    #[inline(always)]
+    pub(crate) fn advance<S: Simd>(
+        &mut self,
+        steps: &InteriorSteps<S>,
+        value: Vector<S>,
+        [lower, upper]: [Vector<S>; 2],
+        scale: Vector<S>,
+        sum: &mut Terms<S>,
+    ) -> Contribution<S> {
+        let Self([above, below]) = self;
+        let (above, below) = (above.advance(steps), below.advance(steps));
+        let misses = [value - upper + above.s, below.s - value + lower];
+        sum.gap = above.s.mul_add(above.z, below.s.mul_add(below.z, sum.gap));
+        sum.residual = sum.residual.max(misses[0].abs().max(misses[1].abs()) * scale);
+        Contribution {
+            weights: [above.weight, below.weight],
+            slopes: [above.slope(steps, misses[0]), below.slope(steps, misses[1])],
+            duals: above.z + below.z,
+        }
+    }
+
+    /// Sets the steps with which the slacks become the room that is left at `value`.
+    #[inline(always)]
+    pub(crate) fn find_steps<S: Simd>(
+        &mut self,
+        r: usize,
+        value: Vector<S>,
+        [lower, upper]: [Vector<S>; 2],
+        mu: Vector<S>,
+        decreases: &mut Decreases<S>,
+    ) {
+        let Self([above, below]) = self;
+        let above = above.find_step(r, upper - value, mu);
+        let below = below.find_step(r, value - lower, mu);
+        decreases.slack = decreases.slack.max(above[0]).max(below[0]);
+        decreases.dual = decreases.dual.max(above[1]).max(below[1]);
     }
 }
 
 impl SlackPair {
     /// The slack becomes the room that is left, but not less than `least`.
     #[inline(always)]
-    pub(crate) fn start<S: Simd>(
-        &mut self,
-        start: &InteriorStart<S>,
-        room: Vector<S>,
-        least: Vector<S>,
-    ) {
+    fn start<S: Simd>(&mut self, start: &InteriorStart<S>, room: Vector<S>, least: Vector<S>) {
         let (simd, r) = (start.simd, start.register);
         let s = room.max(least);
         let inverse = s.inverse();
@@ -105,7 +176,7 @@ impl SlackPair {
     /// Goes the last step. Each slack and dual stops at its own boundary: a few that come near to it do not make
     /// the step of all others short.
     #[inline(always)]
-    pub(crate) fn advance<S: Simd>(&mut self, steps: &InteriorSteps<S>) -> Advanced<S> {
+    fn advance<S: Simd>(&mut self, steps: &InteriorSteps<S>) -> Advanced<S> {
         let InteriorSteps { simd, register: r, .. } = *steps;
         let (s, z) = (self.s.load(simd, r), self.z.load(simd, r));
         let (ds, inverse) = (self.ds.load(simd, r), self.inverse.load(simd, r));
@@ -121,12 +192,7 @@ impl SlackPair {
 
     /// Sets the slack's step so that it becomes `room`. The relative decreases of slack and dual in a full step.
     #[inline(always)]
-    pub(crate) fn find_step<S: Simd>(
-        &mut self,
-        r: usize,
-        room: Vector<S>,
-        mu: Vector<S>,
-    ) -> [Vector<S>; 2] {
+    fn find_step<S: Simd>(&mut self, r: usize, room: Vector<S>, mu: Vector<S>) -> [Vector<S>; 2] {
         let simd = mu.simd();
         let (s, z) = (self.s.load(simd, r), self.z.load(simd, r));
         let ds = room - s;
@@ -151,21 +217,5 @@ impl<S: Simd> Decreases<S> {
     pub(crate) fn new(simd: S) -> Self {
         let zero = Vector::splat(simd, 0.0);
         Self { slack: zero, dual: zero, x: zero }
-    }
-
-    /// Sets the steps of both sides of a limit, whose slacks are to become `rooms`.
-    #[inline(always)]
-    pub(crate) fn add(
-        &mut self,
-        sides: &mut [SlackPair; 2],
-        r: usize,
-        rooms: [Vector<S>; 2],
-        mu: Vector<S>,
-    ) {
-        for (side, room) in std::iter::zip(sides, rooms) {
-            let [slack, dual] = side.find_step(r, room, mu);
-            self.slack = self.slack.max(slack);
-            self.dual = self.dual.max(dual);
-        }
     }
 }

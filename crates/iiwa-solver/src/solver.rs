@@ -20,6 +20,7 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
+use iiwa_path::ByKind;
 use pulp::Simd;
 
 use crate::{
@@ -304,8 +305,8 @@ impl Solver {
         pulp::Arch::new().dispatch(Solve { solver: self, gap, stop })
     }
 
-    /// Lowers the limits of speed, acceleration and jerk in the cells from `first` on by the factors `by`.
-    pub(crate) fn lower(&mut self, first: usize, by: &[[f64; 3]]) {
+    /// Lowers the limits in the cells from `first` on by the factors `by`.
+    pub(crate) fn lower(&mut self, first: usize, by: &[ByKind<f64>]) {
         let cells = &(first..first + by.len());
         for_each_block!(&mut self.blocks, cells, block => block.lower(first, by));
     }

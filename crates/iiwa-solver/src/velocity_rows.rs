@@ -8,7 +8,7 @@ use crate::{
     functionals::Functional,
     lanes::{Lanes, Vector},
     quadratic::Terms,
-    slack_pair::{Decreases, InteriorStart, InteriorSteps, SlackPair},
+    slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };
 
 /// The row at one control point of eight cells.
@@ -16,12 +16,12 @@ use crate::{
 pub(crate) struct VelocityRows {
     /// One over the largest x.
     x: Lanes,
-    sides: [SlackPair; 2],
+    sides: Sides,
 }
 
 impl VelocityRows {
     /// How many sides limits have.
-    pub(crate) const SIDES: usize = 2;
+    pub(crate) const SIDES: usize = Sides::COUNT;
 
     /// Sets the row of a cell, from dq/dsigma and one over the limits (s/rad).
     pub(crate) fn set(&mut self, lane: usize, dq: &[f64; 7], inverse: &[f64; 7]) {
@@ -40,11 +40,10 @@ impl VelocityRows {
         start: &InteriorStart<S>,
         y: &[Vector<S>; 4],
     ) {
-        let one = Vector::splat(start.simd, 1.0);
         let value = self.x.load(start.simd, start.register) * X::of(y);
-        let [upper, lower] = &mut self.sides;
-        upper.start(start, one - value, start.least);
-        lower.start(start, value, start.least * value.abs());
+        // Next to its lower bound, x goes by factors.
+        let least = [start.least, start.least * value.abs()];
+        self.sides.start(start, value, bounds(start.simd), least);
     }
 
     #[inline(always)]
@@ -57,13 +56,10 @@ impl VelocityRows {
         let one = Vector::splat(steps.simd, 1.0);
         let row = self.x.load(steps.simd, steps.register);
         let value = row * X::of(y);
-        let [a, b] = &mut self.sides;
-        let (a, b) = (a.advance(steps), b.advance(steps));
-        let miss = [value - one + a.s, b.s - value];
-        sum.gap = a.s.mul_add(a.z, b.s.mul_add(b.z, sum.gap));
-        sum.residual = sum.residual.max(miss[0].abs()).max(miss[1].abs());
-        sum.add_square::<X>((a.weight + b.weight) * row * row);
-        sum.add_linear::<X>((a.slope(steps, miss[0]) - b.slope(steps, miss[1])) * row);
+        let Contribution { weights: [a, b], slopes: [up, down], .. } =
+            self.sides.advance(steps, value, bounds(steps.simd), one, sum);
+        sum.add_square::<X>((a + b) * row * row);
+        sum.add_linear::<X>((up - down) * row);
     }
 
     /// `y` is the state after a full step.
@@ -75,8 +71,12 @@ impl VelocityRows {
         mu: Vector<S>,
         decreases: &mut Decreases<S>,
     ) {
-        let one = Vector::splat(mu.simd(), 1.0);
         let value = self.x.load(mu.simd(), r) * X::of(y);
-        decreases.add(&mut self.sides, r, [one - value, value], mu);
+        self.sides.find_steps(r, value, bounds(mu.simd()), mu, decreases);
     }
+}
+
+#[inline(always)]
+fn bounds<S: Simd>(simd: S) -> [Vector<S>; 2] {
+    [0.0, 1.0].map(|bound| Vector::splat(simd, bound))
 }

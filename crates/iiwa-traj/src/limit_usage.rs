@@ -1,8 +1,7 @@
 //! How close a piece comes to its limits, and for how long it is at each.
 
-use enum_map::EnumMap;
 use iiwa_kin::Joint;
-use iiwa_path::LimitKind;
+use iiwa_path::{ByKind, LimitKind};
 
 use crate::{
     limit::{Limit, LimitShare},
@@ -18,7 +17,7 @@ pub(crate) const TOLERANCE: f64 = 1e-6;
 
 /// What is used of the limits of each kind.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LimitUsage(EnumMap<LimitKind, Shares>);
+pub(crate) struct LimitUsage(ByKind<Shares>);
 
 /// For each joint, the largest share of its limit, and the time at it in s. The eighth number is
 /// zero and fills the vector register.
@@ -88,8 +87,8 @@ impl LimitUsage {
 
     /// Adds the shares of the limits of all kinds that hold for `dt`.
     #[inline(always)]
-    pub(crate) fn sample(&mut self, shares: &[[f64; 8]; 3], dt: f64) {
-        for (kind, shares) in LimitKind::ALL.into_iter().zip(shares) {
+    pub(crate) fn sample(&mut self, shares: &ByKind<[f64; 8]>, dt: f64) {
+        for (kind, shares) in shares {
             let shares = &shares.map(f64::abs);
             self.0[kind].add(shares, shares, dt);
         }
