@@ -22,6 +22,20 @@ pub(crate) fn start() {
     drop(started);
 }
 
+/// Prints what the solver traces, as it is.
+pub(crate) fn trace() {
+    let started = tracing_subscriber::fmt()
+        .with_writer(io::stderr)
+        .with_max_level(tracing::Level::TRACE)
+        .without_time()
+        .with_level(false)
+        .with_target(false)
+        .with_ansi(false)
+        .try_init();
+    // It may have been started before.
+    drop(started);
+}
+
 /// Lines from one place in the program within [`WINDOW`], at most. A peer that repeats a fault must not fill
 /// the disk.
 const MAX_LINES: u64 = 20;

@@ -43,6 +43,28 @@ fn writes_a_file_and_a_table() {
 }
 
 #[test]
+fn the_solver_can_be_watched() {
+    let folder = tempdir().unwrap();
+    let program = fixture("appendix-b.json");
+    let watched = plan(&folder, &program, &["--no-output", "--trace"]).success();
+    let unwatched = plan(&folder, &program, &["--no-output"]).success().stderr(is_empty());
+    assert_eq!(watched.get_output().stdout, unwatched.get_output().stdout);
+    let trace = String::from_utf8_lossy(&watched.get_output().stderr).into_owned();
+    assert!(trace.starts_with("cells 0 to "), "{trace}");
+    // The first solution: its gap falls to what its heading says.
+    let steps: Vec<_> =
+        trace.lines().skip(2).take_while(|line| !line.starts_with("cells")).collect();
+    let gap = |line: &str| line.split_whitespace().nth(2).unwrap().parse::<f64>().unwrap();
+    let [first, .., last] = steps.as_slice() else { panic!("{trace}") };
+    assert!(gap(first) > 0.1 && gap(last) < 1e-3, "{first}\n{last}");
+
+    let timing = ["--no-output", "--trace", "--timing", "acceleration"];
+    plan(&folder, &program, &timing).code(2).stderr(contains("--trace shows iterations"));
+    let both = [program.to_str().unwrap(), "--trace"];
+    plan(&folder, &program, &both).code(2).stderr(contains("plan that one alone"));
+}
+
+#[test]
 fn figures_are_as_promised() {
     let folder = tempdir().unwrap();
     let program = fixture("waits-and-stops.json");

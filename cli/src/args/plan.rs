@@ -92,6 +92,11 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "TIME", value_parser = epoch)]
     pub(crate) epoch: Option<Duration>,
 
+    /// Also print the solver's iterations on standard error, of a single program with --timing jerk. A straight line
+    /// takes none
+    #[arg(long)]
+    pub(crate) trace: bool,
+
     /// Also draw the path of the flange and the joint speeds as a picture, of a single program
     #[arg(long, value_name = "FILE.svg")]
     pub(crate) picture: Option<PathBuf>,

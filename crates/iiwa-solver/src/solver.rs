@@ -134,6 +134,10 @@ impl From<NotConvex> for SolveError {
     }
 }
 
+/// Heads the table of iterations: the duration, its share that is left to be gained, the largest residual of a limit as a
+/// share of its bound, the product of slacks and duals that the step aimed at, and the two step lengths.
+const ITERATIONS: &str = "step     duration s      gap residual       mu  primal    dual";
+
 const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
 impl Solver {
@@ -403,6 +407,9 @@ impl Solver {
         let [primal_beyond, dual_beyond] =
             if self.is_cautious { [1.0; 2] } else { SETTINGS.beyond };
         let mut stalled = 0;
+        let Range { start, end } = self.window;
+        tracing::trace!("cells {start} to {end} of {}, to a gap of {gap:.0e}", self.lengths.len());
+        tracing::trace!("{ITERATIONS}");
         for step in 1..=SETTINGS.steps {
             if stop.load(Ordering::Relaxed) {
                 return Err(SolveError::Interrupted);
@@ -426,6 +433,12 @@ impl Solver {
             if !duration_s.is_finite() {
                 return Err(SolveError::NotConverged);
             }
+            tracing::trace!(
+                "{step:4} {duration_s:14.9} {:8.1e} {:8.1e} {:8.1e} {primal:7.3} {dual:7.3}",
+                self.gap,
+                sums.residual,
+                self.mu,
+            );
             let least = primal.min(dual);
             // Far from the boundary the next step may aim closer to it.
             let aim = SETTINGS.centring.iter().find(|(length, _)| least >= *length);

@@ -34,6 +34,9 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
     if options.picture.is_some() {
         return Err(Failure::input("--picture draws one program; plan that one alone"));
     }
+    if options.trace {
+        return Err(Failure::input("--trace shows how one program is solved; plan that one alone"));
+    }
     let jobs = programs::jobs(options, given)?;
     if let Some(robot) = &options.robot {
         // An invalid robot is reported once, not for each program.

@@ -9,7 +9,12 @@ use std::{
 use iiwa_log::PlanFigures;
 use iiwa_view::plan_table;
 
-use crate::{args::Plan, failure::Failure, input, output, progress::Progress};
+use crate::{
+    args::{Plan, Timing},
+    failure::Failure,
+    input, log, output,
+    progress::Progress,
+};
 
 use super::{
     answer::PlanAnswer,
@@ -19,6 +24,14 @@ use super::{
 
 /// Plans one program.
 pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
+    if options.trace {
+        if matches!(options.timing, Timing::Acceleration) {
+            return Err(Failure::input(
+                "--trace shows iterations, which --timing acceleration has none of",
+            ));
+        }
+        log::trace();
+    }
     let target = output_path(options, program);
     distinct(options, program, target.as_deref())?;
     let scene = scene(options)?;
