@@ -1,6 +1,9 @@
 //! Grids over a segment, with the polynomials of blends evaluated once for all blends.
 
-use std::{f64::consts::TAU, sync::OnceLock};
+use std::{
+    f64::consts::TAU,
+    sync::{Arc, Mutex, OnceLock, PoisonError},
+};
 
 use crate::{
     continuity::{Basis, Continuity},
@@ -11,8 +14,18 @@ use crate::{
 #[derive(Debug)]
 pub struct Grid {
     intervals: usize,
-    blends: [OnceLock<BlendTable>; 3],
+    blends: Arc<BlendTables>,
 }
+
+/// The polynomials of blends at the nodes of a grid, of each order of continuity.
+type BlendTables = [OnceLock<BlendTable>; 3];
+
+/// Those of the grids that were asked for last: they depend on the number of intervals alone, and take as long to make as
+/// the stamps of some motions.
+static RECENT: Mutex<Vec<(usize, Arc<BlendTables>)>> = Mutex::new(Vec::new());
+
+/// How many of them are kept.
+const KEPT: usize = 4;
 
 /// A node of a grid over one segment, in p: its share of the segment's sigma, 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,7 +55,17 @@ impl Grid {
     /// A grid of `intervals` intervals, at least one, and one node more.
     #[must_use]
     pub fn new(intervals: usize) -> Self {
-        Self { intervals: intervals.max(1), blends: Default::default() }
+        let intervals = intervals.max(1);
+        let mut recent = RECENT.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = recent.iter().find(|(own, _)| *own == intervals);
+        let blends = found.map_or_else(Default::default, |(_, blends)| Arc::clone(blends));
+        if found.is_none() {
+            if recent.len() == KEPT {
+                recent.remove(0);
+            }
+            recent.push((intervals, Arc::clone(&blends)));
+        }
+        Self { intervals, blends }
     }
 
     /// The number of intervals.

@@ -58,6 +58,7 @@ mod limiting_joints;
 mod mesh;
 mod peaks;
 mod quadratic;
+mod rests;
 mod riccati;
 mod settings;
 mod slack_pair;

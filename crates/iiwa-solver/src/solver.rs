@@ -31,6 +31,7 @@ use crate::{
     limited_segment::LimitedSegment,
     mesh::{Cell, Mesh},
     quadratic::Quadratic,
+    rests::{Rest, Rests, ScalarSlackPair},
     riccati::{self, Chain, Gain, NotConvex},
     settings::{InteriorPointSettings, WarmStart},
     slack_pair::InteriorStep,
@@ -61,71 +62,6 @@ pub(crate) struct Solver {
     window: Range<usize>,
     /// The last step, which the slacks and duals of the cells have still to go.
     last: InteriorStep,
-}
-
-/// A cell that touches rest, seen from its other end.
-#[derive(Clone, Copy, Debug)]
-struct Rest {
-    length: f64,
-    /// The cell next to it, and the row of x where they meet.
-    cell: usize,
-    row: CellState,
-    /// Largest x there that jerk allows.
-    cap: f64,
-    slack: ScalarSlackPair,
-}
-
-/// The cells that touch rest.
-struct Rests {
-    /// None if it starts at `entry`.
-    from: Option<Rest>,
-    /// None if it ends at `exit`.
-    to: Option<Rest>,
-}
-
-impl Rests {
-    fn iter(&self) -> impl Iterator<Item = &Rest> {
-        self.from.iter().chain(&self.to)
-    }
-
-    /// Those next to one of `cells`.
-    fn within(&self, cells: &Range<usize>) -> impl Iterator<Item = &Rest> {
-        self.iter().filter(|rest| cells.contains(&rest.cell))
-    }
-
-    fn within_mut(&mut self, cells: &Range<usize>) -> impl Iterator<Item = &mut Rest> {
-        let rests = self.from.iter_mut().chain(&mut self.to);
-        rests.filter(|rest| cells.contains(&rest.cell))
-    }
-}
-
-/// Slack and dual of a limit, and their step.
-#[derive(Clone, Copy, Debug, Default)]
-struct ScalarSlackPair {
-    s: f64,
-    z: f64,
-    ds: f64,
-    dz: f64,
-}
-
-impl Rest {
-    fn new(rest: &Cell, segment: &LimitedSegment<'_>, cell: usize, row: CellState) -> Self {
-        let [_, _, jerk] = segment.straight(0.0);
-        let length = rest.length;
-        // sigma = j t^3 / 6 and x = (j t^2 / 2)^2.
-        let cap = (4.5 * length * length * jerk).powf(2.0 / 3.0);
-        Self { length, cell, row, cap, slack: ScalarSlackPair::default() }
-    }
-
-    /// x where it meets the cell next to it.
-    fn x(&self, states: &[CellState]) -> f64 {
-        riccati::dot(&self.row, &states[self.cell])
-    }
-
-    /// Time from rest until there, or from there to rest.
-    fn duration_s(&self, states: &[CellState]) -> f64 {
-        3.0 * self.length / self.x(states).sqrt()
-    }
 }
 
 impl From<NotConvex> for SolveError {

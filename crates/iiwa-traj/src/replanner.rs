@@ -196,10 +196,10 @@ impl Replanner {
             found.push(self.plan_moves(step..step)?);
         }
         while step < changed.end {
-            let end = step + self.plans[step..changed.end].len().min(self.run(step));
-            if end > step {
-                found.push(self.plan_moves(step..end)?);
-                step = end;
+            let moves = (step..changed.end).take_while(|step| self.moves(*step)).count();
+            if moves > 0 {
+                found.push(self.plan_moves(step..step + moves)?);
+                step += moves;
             } else {
                 let duration_s = match self.path.steps()[step] {
                     Step::Settle { .. } => self.path.robot().settle_time_s(),
@@ -223,26 +223,25 @@ impl Replanner {
         matches!(self.path.steps().get(step), Some(Step::Move { .. }))
     }
 
-    /// How many steps move the arm from `step` on, without a stop.
-    fn run(&self, step: usize) -> usize {
-        self.path.steps()[step..]
-            .iter()
-            .take_while(|step| matches!(step, Step::Move { .. }))
-            .count()
+    /// Whether the step at `step` is a line.
+    fn is_straight(&self, step: usize) -> bool {
+        match &self.path.steps()[step] {
+            Step::Move { segment, .. } => segment.is_straight(),
+            _ => false,
+        }
     }
 
     /// `moves` and at least `count` more on either side, as far as there is no stop, from a line to a line: where a curve
     /// begins, the arm has slowed down for it already.
     fn around(&self, moves: &Range<usize>, count: usize) -> Range<usize> {
         let Range { mut start, mut end } = *moves;
-        let is_straight = |step: usize| matches!(&self.path.steps()[step], Step::Move { segment, .. } if segment.is_straight());
         let mut left = count;
-        while start > 0 && self.moves(start - 1) && (left > 0 || !is_straight(start)) {
+        while start > 0 && self.moves(start - 1) && (left > 0 || !self.is_straight(start)) {
             start -= 1;
             left = left.saturating_sub(1);
         }
         let mut left = count;
-        while self.moves(end) && (left > 0 || end == 0 || !is_straight(end - 1)) {
+        while self.moves(end) && (left > 0 || end == 0 || !self.is_straight(end - 1)) {
             end += 1;
             left = left.saturating_sub(1);
         }

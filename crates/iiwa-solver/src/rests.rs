@@ -1,0 +1,75 @@
+//! The cells that touch rest, in which jerk is constant.
+
+use std::ops::Range;
+
+use crate::{functionals::CellState, limited_segment::LimitedSegment, mesh::Cell, riccati};
+
+/// A cell that touches rest, seen from its other end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rest {
+    pub(crate) length: f64,
+    /// The cell next to it, and the row of x where they meet.
+    pub(crate) cell: usize,
+    pub(crate) row: CellState,
+    /// Largest x there that jerk allows.
+    pub(crate) cap: f64,
+    pub(crate) slack: ScalarSlackPair,
+}
+
+/// The cells that touch rest.
+pub(crate) struct Rests {
+    /// None if it starts at `entry`.
+    pub(crate) from: Option<Rest>,
+    /// None if it ends at `exit`.
+    pub(crate) to: Option<Rest>,
+}
+
+impl Rests {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Rest> {
+        self.from.iter().chain(&self.to)
+    }
+
+    /// Those next to one of `cells`.
+    pub(crate) fn within(&self, cells: &Range<usize>) -> impl Iterator<Item = &Rest> {
+        self.iter().filter(|rest| cells.contains(&rest.cell))
+    }
+
+    pub(crate) fn within_mut(&mut self, cells: &Range<usize>) -> impl Iterator<Item = &mut Rest> {
+        let rests = self.from.iter_mut().chain(&mut self.to);
+        rests.filter(|rest| cells.contains(&rest.cell))
+    }
+}
+
+/// Slack and dual of a limit, and their step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ScalarSlackPair {
+    pub(crate) s: f64,
+    pub(crate) z: f64,
+    pub(crate) ds: f64,
+    pub(crate) dz: f64,
+}
+
+impl Rest {
+    pub(crate) fn new(
+        rest: &Cell,
+        segment: &LimitedSegment<'_>,
+        cell: usize,
+        row: CellState,
+    ) -> Self {
+        let [_, _, jerk] = segment.straight(0.0);
+        let length = rest.length;
+        // sigma = j t^3 / 6 and x = (j t^2 / 2)^2.
+        let cap = (4.5 * length * length * jerk).powf(2.0 / 3.0);
+        Self { length, cell, row, cap, slack: ScalarSlackPair::default() }
+    }
+
+    /// x where it meets the cell next to it.
+    pub(crate) fn x(&self, states: &[CellState]) -> f64 {
+        riccati::dot(&self.row, &states[self.cell])
+    }
+
+    /// Time from rest until there, or from there to rest.
+    pub(crate) fn duration_s(&self, states: &[CellState]) -> f64 {
+        3.0 * self.length / self.x(states).sqrt()
+    }
+}
