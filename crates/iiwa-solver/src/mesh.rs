@@ -182,7 +182,7 @@ pub(crate) fn mesh(
             rests.then(|| sizes.rest * build_up.min(segment.length / 6.0))
         };
         let from_rest = rest(starts_at_rest && index == part.start);
-        let to_rest = rest(backwards);
+        let to_rest = rest(ends_at_rest && backwards);
         let end_size = |neighbour: Option<&LimitedSegment<'_>>| {
             let of = |segment: &LimitedSegment<'_>| {
                 segment.length * if segment.is_line() { sizes.line } else { sizes.blend_end }

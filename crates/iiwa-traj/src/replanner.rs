@@ -69,9 +69,6 @@ struct StepPlan {
     usage: LimitUsage,
 }
 
-/// Steps on either side of a change that are planned anew with it.
-const AROUND: usize = 1;
-
 /// Steps beyond them from which the acceleration-limited stamps start that the solver starts from.
 const BEFORE: usize = 4;
 
@@ -100,7 +97,7 @@ impl Replanner {
             plans: vec![StepPlan::default(); steps],
             scratch: Scratch::new(SAMPLES_BEFORE_JERK),
         };
-        replanner.plan(0..steps)?;
+        replanner.plan(0..steps, 0)?;
         Ok(replanner)
     }
 
@@ -135,6 +132,7 @@ impl Replanner {
     ///
     /// If the program has no such motion.
     pub fn replace(&mut self, motion: MotionIndex, new: Motion) -> Result<(), PlanError> {
+        let limits = self.path.limits()[motion.index()];
         let old = std::mem::replace(&mut self.program.motions[motion.index()], new);
         let replaced = match self.path.update(&self.program, self.path_options, motion) {
             Ok(replaced) => replaced,
@@ -145,7 +143,10 @@ impl Replanner {
         };
         let blank = replaced.after.clone().map(|_| StepPlan::default());
         let before: Vec<_> = self.plans.splice(replaced.before, blank).collect();
-        if let Err(error) = self.plan(replaced.after.clone()) {
+        // The outermost lines of a change in shape are longer or shorter at their inner ends only; one with other limits
+        // is another from end to end.
+        let around = usize::from(self.path.limits()[motion.index()] != limits);
+        if let Err(error) = self.plan(replaced.after.clone(), around) {
             self.plans.splice(replaced.after, before);
             self.program.motions[motion.index()] = old;
             // It was possible before.
@@ -187,18 +188,19 @@ impl Replanner {
         }
     }
 
-    /// Plans the steps in `changed`, and some around them. If there is an error, all plans are as before.
-    fn plan(&mut self, changed: Range<usize>) -> Result<(), TimingError> {
+    /// Plans the steps in `changed` and at least `around` steps on either side. If there is an error, all plans are as
+    /// before.
+    fn plan(&mut self, changed: Range<usize>, around: usize) -> Result<(), TimingError> {
         let mut found = Vec::new();
         let mut step = changed.start;
         if changed.is_empty() && self.moves(step) {
             // Something between two moves is gone.
-            found.push(self.plan_moves(step..step)?);
+            found.push(self.plan_moves(step..step, around)?);
         }
         while step < changed.end {
             let moves = (step..changed.end).take_while(|step| self.moves(*step)).count();
             if moves > 0 {
-                found.push(self.plan_moves(step..step + moves)?);
+                found.push(self.plan_moves(step..step + moves, around)?);
                 step += moves;
             } else {
                 let duration_s = match self.path.steps()[step] {
@@ -248,16 +250,19 @@ impl Replanner {
         start..end
     }
 
-    /// Plans for moves that follow each other without a stop and as many around them as it takes to fit to the rest:
-    /// the first step, and a plan for each.
-    fn plan_moves(&mut self, moves: Range<usize>) -> Result<(usize, Vec<StepPlan>), TimingError> {
-        let mut count = AROUND;
+    /// Plans for moves that follow each other without a stop, `count` around them, or as many more as it takes to fit to
+    /// the rest: the first step, and a plan for each.
+    fn plan_moves(
+        &mut self,
+        moves: Range<usize>,
+        mut count: usize,
+    ) -> Result<(usize, Vec<StepPlan>), TimingError> {
         loop {
             let window = self.around(&moves, count);
             match self.plan_window(&window) {
                 Ok(plans) => return Ok((window.start, plans)),
                 Err(error) if self.around(&window, 1) == window => return Err(error),
-                Err(_) => count *= MORE,
+                Err(_) => count = MORE * count.max(1),
             }
         }
     }
