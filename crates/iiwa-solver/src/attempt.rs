@@ -121,15 +121,18 @@ impl Attempt {
         stop: &AtomicBool,
     ) -> Result<(), SolveError> {
         let whole = 0..self.mesh.cells.len();
-        // Where limits will be exceeded is seen long before the end. Where a segment takes next to none of the time, x
-        // may not settle until the gap is below that.
         match self.solve(SETTINGS.interior_point.first_gap, stop) {
-            Ok(()) | Err(SolveError::NotConverged) => {}
+            Ok(()) => {
+                // Where limits will be exceeded is seen long before the end.
+                let early = self.lower(segments, REFINEMENT.early, whole.clone(), &[]);
+                if early.excess > REFINEMENT.abrupt {
+                    self.solver.restart(REFINEMENT.far);
+                }
+            }
+            // Where a segment takes next to none of the time, x may not settle until the gap is below that. What
+            // exceeds a limit before says nothing.
+            Err(SolveError::NotConverged) => {}
             Err(error) => return Err(error),
-        }
-        let early = self.lower(segments, REFINEMENT.early, whole.clone(), &[]);
-        if early.excess > REFINEMENT.abrupt {
-            self.solver.restart(REFINEMENT.far);
         }
         match self.solve(GAP, stop) {
             Err(SolveError::NotConverged) => self.solve(SETTINGS.interior_point.last_gap, stop)?,
