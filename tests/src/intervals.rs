@@ -21,7 +21,8 @@ pub(crate) struct Interval {
 const MISSED: f64 = 1e-12;
 
 impl Interval {
-    /// p, dp/dt and d2p/dt2 are those of both nodes; but for what is below [`MISSED`], where d3p/dt3 is constant.
+    /// The polynomial with p, dp/dt and d2p/dt2 of both nodes. Where constant d3p/dt3 misses the second node by no
+    /// more than [`MISSED`], it is that.
     pub(crate) fn between(from: &Node, to: &Node) -> Self {
         let t = from.dt_s;
         // Per unit of the share: speeds, and halves of accelerations.

@@ -96,6 +96,12 @@ pub trait Segment: fmt::Debug + Send + Sync {
         self.tangent_lengths_rad()[0]
     }
 
+    /// The range of [`sigma`](Self::sigma), in rad: from 0 to this.
+    fn sigma_length_rad(&self) -> f64 {
+        let [end, ..] = self.sigma(1.0);
+        end * self.sigma_unit_rad()
+    }
+
     /// s at a `sigma`, the inverse of [`sigma`](Self::sigma): by Newton's method, unless the shape knows
     /// better.
     fn s_at(&self, sigma: f64) -> f64 {
@@ -123,7 +129,7 @@ pub trait Segment: fmt::Debug + Send + Sync {
         let [end, ..] = self.sigma(1.0);
         let s = self.s_at(p * end);
         let [dq, ddq, dddq] = self.sigma_derivatives(s);
-        let length = end * self.sigma_unit_rad();
+        let length = self.sigma_length_rad();
         Derivatives {
             q: self.at(s).q,
             dq: vector::scale(length, &dq),

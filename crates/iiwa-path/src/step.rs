@@ -37,6 +37,14 @@ pub enum Step {
     },
 }
 
+impl Step {
+    /// Whether the arm moves.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        matches!(self, Self::Move { .. })
+    }
+}
+
 /// What a blend rounds off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {

@@ -240,9 +240,7 @@ impl Attempt {
         let mut largest = ByKind::from_fn(|_| 1.0);
         largest[LimitKind::Jerk] = self.solver.rest_jerk();
         for shares in self.largest_shares(segments, 0..self.mesh.cells.len()) {
-            for (kind, share) in shares {
-                largest[kind] = larger(largest[kind], share);
-            }
+            raise(&mut largest, &shares);
         }
         let slower = |(kind, share): (LimitKind, f64)| {
             (share / REFINEMENT.tolerance[kind]).powf(1.0 / f64::from(kind.order()))
@@ -319,9 +317,7 @@ impl Attempt {
             let stretch = [from / stretches, (from + 1.0) / stretches];
             let geometry = cell.geometry(segments, stretch);
             let shares = segment.largest_shares(&geometry, &self.rates_along(k, stretch));
-            for (kind, share) in shares {
-                largest[kind] = larger(largest[kind], share);
-            }
+            raise(&mut largest, &shares);
             from += 1.0;
         }
         largest
@@ -336,6 +332,14 @@ impl Attempt {
             (rates[0][i], rates[1][i], rates[2][i]) = (speed, acceleration, jerk);
         }
         rates
+    }
+}
+
+/// Raises what is `largest` of each kind to the `shares`, where these are larger.
+#[inline(always)]
+fn raise(largest: &mut ByKind<f64>, shares: &ByKind<f64>) {
+    for (kind, share) in shares {
+        largest[kind] = larger(largest[kind], *share);
     }
 }
 

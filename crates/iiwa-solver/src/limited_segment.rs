@@ -55,12 +55,11 @@ impl<'a> LimitedSegment<'a> {
         }
         let unit = shape.sigma_unit_rad();
         let direction = shape.is_straight().then(|| shape.at(0.0).dq.map(|d| d / unit));
-        let [end, ..] = shape.sigma(1.0);
         let inverse = ByKind::from_fn(|kind| limits.of(kind).map(|limit| 1.0 / limit));
         let mut segment = Self {
             limits,
             inverse,
-            length: end * unit,
+            length: shape.sigma_length_rad(),
             swept,
             shape,
             least_build_up_s: std::iter::zip(limits.acceleration_rad_s2(), limits.jerk_rad_s3())
@@ -106,8 +105,7 @@ impl<'a> LimitedSegment<'a> {
     }
 
     /// s, 0 to 1, at `sigma`, in rad.
-    #[must_use]
-    pub fn s(&self, sigma: f64) -> f64 {
+    pub(crate) fn s(&self, sigma: f64) -> f64 {
         self.shape.s_at(sigma / self.unit)
     }
 
@@ -151,8 +149,7 @@ impl<'a> LimitedSegment<'a> {
     }
 
     /// First to third derivative of q by sigma at `s`; in 1, 1/rad and 1/rad^2.
-    #[must_use]
-    pub fn derivatives(&self, s: f64) -> [Joints; 3] {
+    pub(crate) fn derivatives(&self, s: f64) -> [Joints; 3] {
         if let Some(direction) = self.direction {
             return [direction, [0.0; 7], [0.0; 7]];
         }

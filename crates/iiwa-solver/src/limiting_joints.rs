@@ -120,7 +120,7 @@ mod tests {
             [0.000_862_743_337_873_42, -16_740.313_290_305_35],
         ];
         assert_eq!(LimitingJoints::new(&points).get(), [0, 1]);
-        // All on one line, but for rounding: the farthest stays, whatever else does.
+        // All on one line through the origin, but for rounding: whichever others stay, the farthest has to.
         for rounding in [0.0, 1e-15, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9] {
             let mut sign = 1.0;
             let line = points.map(|[a, _]| {

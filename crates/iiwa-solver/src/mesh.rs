@@ -167,7 +167,7 @@ pub(crate) fn mesh(
     let mut near = 0..0;
     for index in part.clone() {
         let segment = &segments[index];
-        let backwards = index + 1 == part.end;
+        let backwards = ends_at_rest && index + 1 == part.end;
         let swept = &Swept::new(segment, backwards);
         // A few of the switches before and after the segment, to be able to look ahead.
         let [start, .., end] = segment.swept else { return None };
@@ -182,7 +182,7 @@ pub(crate) fn mesh(
             rests.then(|| sizes.rest * build_up.min(segment.length / 6.0))
         };
         let from_rest = rest(starts_at_rest && index == part.start);
-        let to_rest = rest(ends_at_rest && backwards);
+        let to_rest = rest(backwards);
         let end_size = |neighbour: Option<&LimitedSegment<'_>>| {
             let of = |segment: &LimitedSegment<'_>| {
                 segment.length * if segment.is_line() { sizes.line } else { sizes.blend_end }

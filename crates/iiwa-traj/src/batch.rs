@@ -5,6 +5,7 @@ use iiwa_path::{Fault, JointPath, PathOptions, Program};
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::{
+    planner::Planner,
     timing::{Timing, TimingError},
     trajectory::Trajectory,
 };
@@ -64,9 +65,11 @@ pub fn plan_all(
     path_options: PathOptions,
     timing: Timing,
 ) -> Vec<Result<Trajectory, PlanError>> {
-    let plan = |program| {
+    let plan = |planner: &mut Option<Planner>, program| {
         let path = JointPath::with_options(program, robot, path_options)?;
-        Ok(Trajectory::plan(&path, timing)?)
+        let planner = planner.get_or_insert_with(|| Planner::new(&path, timing));
+        planner.restart(&path);
+        Ok(Trajectory::by(planner)?)
     };
-    programs.par_iter().map(plan).collect()
+    programs.par_iter().map_init(|| None, plan).collect()
 }

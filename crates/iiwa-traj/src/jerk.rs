@@ -9,7 +9,7 @@ mod stamps;
 use std::{ops::Range, sync::atomic::AtomicBool};
 
 use iiwa_path::{PLACES, Step};
-use iiwa_solver::{LimitedSegment, Solution, SolveError, SweptNode, Window};
+use iiwa_solver::{LimitedSegment, SolveError, SweptNode, Window};
 
 use crate::{
     limit_usage::LimitUsage,
@@ -67,13 +67,10 @@ pub(crate) fn stamps(
         };
         segments.push(segment);
     }
-    let [entry, exit] = pieces.ends;
-    let found = match segments.as_slice() {
-        [line] if line.is_line() && !options.general && pieces.ends == [None; 2] => {
-            Ok(straight(line))
-        }
-        all if pieces.ends == [None; 2] => horizon::stamps(all, section.start_s, options, stop),
-        segments => {
+    let found = match (segments.as_slice(), pieces.ends) {
+        ([line], [None, None]) if line.is_line() && !options.general => Ok(straight(line)),
+        (all, [None, None]) => horizon::stamps(all, section.start_s, options, stop),
+        (segments, [entry, exit]) => {
             let window = Window { segments, range: pieces.range.clone(), entry, exit };
             window_stamps(&window, options, stop)
         }
@@ -91,10 +88,7 @@ fn window_stamps(
     options: JerkOptions,
     stop: &AtomicBool,
 ) -> Result<Stamps, SolveError> {
-    let solution = Solution::find(window, options.refinement, stop)?;
-    if solution.time_scale() != 1.0 {
-        return Err(SolveError::NotConverged);
-    }
+    let solution = horizon::solve(window, options, stop)?.ok_or(SolveError::NotConverged)?;
     let mut stamper = Stamper::new(0.0, window.range.start);
     stamper.add(&solution, window, window.range.end);
     Ok(stamper.finish())

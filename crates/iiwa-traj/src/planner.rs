@@ -65,6 +65,17 @@ impl Planner {
         }
     }
 
+    /// The path.
+    pub(crate) fn path(&self) -> &JointPath {
+        &self.path
+    }
+
+    /// Begins again, with `path`, in the memory that it has.
+    pub(crate) fn restart(&mut self, path: &JointPath) {
+        (self.path, self.rest_rad) = (path.clone(), *path.start_rad());
+        (self.step, self.time_s) = (0, 0.0);
+    }
+
     /// Ends in [`TimingError::Interrupted`] soon after `stop` is set, in the middle of a section as well.
     #[must_use]
     pub fn interrupted_by(mut self, stop: Arc<AtomicBool>) -> Self {
@@ -85,9 +96,8 @@ impl Iterator for Planner {
     fn next(&mut self) -> Option<Self::Item> {
         let steps = self.path.steps();
         let first = self.step;
-        let moves = |step: &Step| matches!(step, Step::Move { .. });
-        let rest = first + steps[first..].iter().take_while(|step| moves(step)).count();
-        let end = rest + steps[rest..].iter().take_while(|step| !moves(step)).count();
+        let rest = first + steps[first..].iter().take_while(|step| step.moves()).count();
+        let end = rest + steps[rest..].iter().take_while(|step| !step.moves()).count();
         if first == end {
             return None;
         }

@@ -222,7 +222,7 @@ impl Replanner {
 
     /// Whether there is a step at `step` that moves the arm.
     fn moves(&self, step: usize) -> bool {
-        matches!(self.path.steps().get(step), Some(Step::Move { .. }))
+        self.path.steps().get(step).is_some_and(Step::moves)
     }
 
     /// Whether the step at `step` is a line.
@@ -291,8 +291,7 @@ impl Replanner {
         // One of both is not planned anew.
         let node = |step: usize, node: Option<&Node>| {
             let Step::Move { segment, .. } = &self.path.steps()[step] else { return None };
-            let [length, ..] = segment.sigma(1.0);
-            let length = length * segment.sigma_unit_rad();
+            let length = segment.sigma_length_rad();
             let Node { rate, u, .. } = node?;
             Some([(rate * length).powi(2), 2.0 * u[0] * length])
         };

@@ -139,6 +139,12 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         })
     }
 
+    /// That there is no way on from the step at `step`.
+    fn stuck(&self, step: usize) -> TimingError {
+        let motion = self.segment(step).map_or(MotionIndex::default(), |segment| segment.motion);
+        TimingError::Stuck { motion }
+    }
+
     fn nodes(&self, segment: &SweepSegment<'_>) -> usize {
         if segment.line.is_some() { 2 } else { self.scratch.grid.intervals() + 1 }
     }
@@ -166,9 +172,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
             section.nodes.clear();
         }
         if section.pieces.is_empty() && !steps.is_empty() {
-            let motion =
-                self.segment(steps.start).map_or(MotionIndex::default(), |segment| segment.motion);
-            return Err(TimingError::Stuck { motion });
+            return Err(self.stuck(steps.start));
         }
         self.scratch.samples = samples;
         Ok(())
@@ -214,9 +218,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         if let (Some(start), Some((x, tangent))) = (*start, next)
             && x * tangent * tangent < start * (1.0 - TOLERANCE)
         {
-            let motion =
-                self.segment(steps.start).map_or(MotionIndex::default(), |segment| segment.motion);
-            return Err(TimingError::Stuck { motion });
+            return Err(self.stuck(steps.start));
         }
 
         // Forwards, from rest: as fast as that allows.

@@ -29,8 +29,14 @@ impl Trajectory {
     /// [`TimingError::CurvatureJumps`] for jerk-limited timing of blends whose curvature jumps at their ends; any
     /// other error is a fault of the planner.
     pub fn plan(path: &JointPath, timing: Timing) -> Result<Self, TimingError> {
-        let sections = Planner::new(path, timing).collect::<Result<_, _>>()?;
-        Ok(Self::from_sections(path.clone(), sections))
+        Self::by(&mut Planner::new(path, timing))
+    }
+
+    /// That of all sections of a planner, which has not begun yet.
+    pub(crate) fn by(planner: &mut Planner) -> Result<Self, TimingError> {
+        let path = planner.path().clone();
+        let sections = planner.collect::<Result<_, _>>()?;
+        Ok(Self::from_sections(path, sections))
     }
 
     /// That of some sections, in order.

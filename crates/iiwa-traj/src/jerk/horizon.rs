@@ -54,14 +54,14 @@ fn receding(
     else {
         return Ok(None);
     };
-    let Some(solution) = solve(&first, options, stop)? else { return Ok(None) };
+    let Some(solution) = solve(&first.window, options, stop)? else { return Ok(None) };
     let (mut before, mut solution) = (first, solution);
     while before.settled < segments.len() {
         let mut next = None;
         for fewer in FEWER {
             let start = before.settled - fewer;
             let Some(part) = part(segments, start, solution.entry(start)) else { break };
-            if let Some(solution) = solve(&part, options, stop)? {
+            if let Some(solution) = solve(&part.window, options, stop)? {
                 next = Some((start, part, solution));
                 break;
             }
@@ -112,13 +112,13 @@ fn part<'a, 'b>(
     Some(Part { window: Window { segments, range: start..end, entry, exit: None }, settled })
 }
 
-/// The solution of a part; none if it had to be slowed down.
-fn solve(
-    part: &Part<'_, '_>,
+/// The solution of a window; none if it had to be slowed down: then its ends are not those that were given.
+pub(super) fn solve(
+    window: &Window<'_, '_>,
     options: JerkOptions,
     stop: &AtomicBool,
 ) -> Result<Option<Solution>, SolveError> {
-    match Solution::find(&part.window, options.refinement, stop) {
+    match Solution::find(window, options.refinement, stop) {
         Ok(solution) => Ok(Some(solution).filter(|solution| solution.time_scale() == 1.0)),
         Err(SolveError::NotConverged) => Ok(None),
         Err(error) => Err(error),
