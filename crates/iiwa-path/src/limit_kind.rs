@@ -4,7 +4,7 @@ use std::fmt;
 
 use enum_map::{Enum, EnumMap};
 
-/// A kind of limit of a joint.
+/// A kind of limit of a joint, or of the TCP.
 ///
 /// ```
 /// use iiwa_path::LimitKind;
@@ -37,8 +37,8 @@ impl LimitKind {
         }
     }
 
-    /// The derivative of the position by time that it limits: 1 for velocity, 2, 3. Its unit is rad over s to
-    /// this power.
+    /// The derivative of the position by time that it limits: 1 for velocity, 2, 3. Its unit is rad, or m, over s
+    /// to this power.
     #[must_use]
     pub fn order(self) -> u8 {
         match self {

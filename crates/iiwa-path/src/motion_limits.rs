@@ -6,10 +6,11 @@ use iiwa_kin::{Joints, Robot};
 use crate::{
     limit_kind::{ByKind, LimitKind},
     program::Motion,
+    tool_limits::ToolLimits,
 };
 
 /// A motion's limits of its joints, of each kind: the robot's, times the motion's shares (Larsen 2019,
-/// Eq. 33, and 35 for the share of speed).
+/// Eq. 33, and 35 for the share of speed); and those of the TCP.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -19,52 +20,68 @@ use crate::{
 /// assert_eq!(limits.of(LimitKind::Jerk), limits.jerk_rad_s3());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionLimits(ByKind<Joints>);
+pub struct MotionLimits {
+    joints: ByKind<Joints>,
+    tool: ToolLimits,
+}
 
 impl MotionLimits {
     /// All that `robot` can do.
     #[must_use]
     pub fn full(robot: &Robot) -> Self {
         let limits = robot.limits();
-        Self(enum_map! {
+        let joints = enum_map! {
             LimitKind::Velocity => limits.velocity_rad_s,
             LimitKind::Acceleration => limits.acceleration_rad_s2,
             LimitKind::Jerk => limits.jerk_rad_s3,
-        })
+        };
+        Self { joints, tool: ToolLimits::NONE }
     }
 
     /// Those of `motion` on `robot`.
     pub(crate) fn of_motion(robot: &Robot, motion: &Motion) -> Self {
-        let Self(mut limits) = Self::full(robot);
+        let mut limits = Self::full(robot);
         if let Motion::Ptp(ptp) = motion {
-            for (kind, limits) in &mut limits {
+            for (kind, limits) in &mut limits.joints {
                 for (limit, share) in limits.iter_mut().zip(ptp.share(kind)) {
                     *limit *= share;
                 }
             }
         }
-        Self(limits)
+        limits
     }
 
-    /// Those of a kind; in rad/s, rad/s^2 or rad/s^3, by the kind's [order](LimitKind::order).
+    /// The same, with these limits of the TCP.
+    #[must_use]
+    pub fn with_tool(self, tool: ToolLimits) -> Self {
+        Self { tool, ..self }
+    }
+
+    /// Those of the TCP.
+    #[must_use]
+    pub fn tool(&self) -> &ToolLimits {
+        &self.tool
+    }
+
+    /// Those of the joints of a kind; in rad/s, rad/s^2 or rad/s^3, by the kind's [order](LimitKind::order).
     #[must_use]
     pub fn of(&self, kind: LimitKind) -> &Joints {
-        &self.0[kind]
+        &self.joints[kind]
     }
 
-    /// Those of velocity, in rad/s.
+    /// Those of the joints' velocity, in rad/s.
     #[must_use]
     pub fn velocity_rad_s(&self) -> &Joints {
         self.of(LimitKind::Velocity)
     }
 
-    /// Those of acceleration, in rad/s^2.
+    /// Those of the joints' acceleration, in rad/s^2.
     #[must_use]
     pub fn acceleration_rad_s2(&self) -> &Joints {
         self.of(LimitKind::Acceleration)
     }
 
-    /// Those of jerk, in rad/s^3.
+    /// Those of the joints' jerk, in rad/s^3.
     #[must_use]
     pub fn jerk_rad_s3(&self) -> &Joints {
         self.of(LimitKind::Jerk)

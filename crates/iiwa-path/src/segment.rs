@@ -8,6 +8,7 @@ use crate::{
     grid::{Grid, GridNode},
     planar_graph::PlanarGraph,
     sigma::{by_sigma, newton},
+    tool_way::ToolWay,
 };
 
 /// Joint positions as a function of s in [0, 1], and their first three derivatives by s.
@@ -80,6 +81,18 @@ pub trait Segment: fmt::Debug + Send + Sync {
     /// d2q/ds2 across dq/ds is zero at both ends. Jerk-limited timing needs it.
     fn has_continuous_curvature(&self) -> bool {
         true
+    }
+
+    /// How the TCP goes and turns at `s`. By default it does not: no limit of the TCP holds for the segment.
+    fn tool_way(&self, s: f64) -> ToolWay {
+        let _ = s;
+        ToolWay::default()
+    }
+
+    /// Whether the TCP goes and turns evenly: [`tool_way`](Self::tool_way) is the same for all s, and only its first
+    /// derivatives are not zero. So it is on a line or an arc of the TCP: then one limit stands for both.
+    fn has_even_tool_way(&self) -> bool {
+        false
     }
 
     /// The segment's own parametrisation, sigma, and its first three derivatives by s, in units of
