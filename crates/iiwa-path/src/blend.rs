@@ -24,9 +24,9 @@ pub enum Blend {
 }
 
 /// Sunrise takes a relative blend below this as an exact stop.
-const SUNRISE_REL_MIN: f64 = 0.05;
+pub(crate) const SUNRISE_REL_MIN: f64 = 0.05;
 /// Sunrise takes a Cartesian blend below this as an exact stop, in mm.
-const CART_MM_MIN: f64 = 4.0;
+pub(crate) const CART_MM_MIN: f64 = 4.0;
 
 impl Blend {
     /// Whether it is large enough not to be a stop.

@@ -5,15 +5,23 @@ use std::{ops::Range, sync::Arc};
 use iiwa_kin::{Joint, Joints, Robot, vector};
 
 use crate::{
+    blend::Blend,
+    cartesian::{
+        corner::CurvedCorner,
+        joint_curve::Part,
+        leg::{Leg, legs},
+    },
+    cartesian_motion::PathBlend,
     circle::CircularBlend,
     continuity::Continuity,
     crossing::BlendSearch,
     fault::Fault,
+    joint_spline::{JointSpline, Sigma},
     line::Line,
     motion_index::MotionIndex,
     options::{BlendShape, PathOptions},
-    polynomial::{KAPPA_MIN_ACCELERATION, PolynomialBlend},
-    program::{Motion, Program, Ptp},
+    polynomial::PolynomialBlend,
+    program::{Motion, Program},
     segment::Segment,
     step::{Corner, Step},
 };
@@ -25,67 +33,224 @@ const NO_MOTION_RAD: f64 = 1e-9;
 /// The steps of the path of `program`, which has been checked: those of the motions in `range`.
 pub(crate) fn steps(
     program: &Program,
-    robot: &Robot,
+    robot: &Arc<Robot>,
     options: PathOptions,
     range: Range<usize>,
 ) -> Result<Vec<Step>, Fault> {
+    let legs = Legs::new(program, robot)?;
+    let corners = Corners { program, robot, options, legs: &legs };
     let mut steps = Builder { robot, steps: Vec::with_capacity(2 * range.len()) };
-    // Where the last blend ended, or the arm stands.
-    let mut from = begin(program, robot, options, range.start);
-    // The target before, blended away or not: directions are taken between targets.
-    let mut last_target = program.target_before(range.start);
+    // What the blend before has left of the motion.
+    let mut rest = match range.start.checked_sub(1) {
+        Some(before) => corners.at_end_of(before)?.map(|corner| corner.after()),
+        None => None,
+    };
     for (motion, entry) in program.entries().take(range.end).skip(range.start) {
-        let ptp = match entry {
-            Motion::Ptp(ptp) => ptp,
-            Motion::Wait { seconds } => {
-                steps.push(Step::Wait { motion, seconds: *seconds });
-                continue;
-            }
-        };
-        let after = || target_of(program, motion.index() + 1);
-        let corner = RoundedCorner::new(robot, options.blend_search, &last_target, ptp, after);
-        last_target = ptp.target_rad;
-        if let Some(corner) = corner {
-            steps.push_line(motion, from, corner.start());
-            steps.push_blend(motion, &corner, options.blend_shape)?;
-            from = corner.end();
-        } else {
-            steps.push_line(motion, from, ptp.target_rad);
-            steps.push(Step::Settle { motion });
-            from = ptp.target_rad;
+        if let Motion::Wait { seconds } = entry {
+            steps.push(Step::Wait { motion, seconds: *seconds });
+            continue;
         }
+        let Some(leg) = legs.get(motion.index()) else { continue };
+        let corner = corners.at_end_of(motion.index())?;
+        steps.push_leg(motion, &leg, rest, corner.as_ref())?;
+        match &corner {
+            Some(RoundedCorner::InJoints(corner)) => {
+                steps.push_blend(motion, corner, options.blend_shape)?;
+            }
+            Some(RoundedCorner::Curved(corner, _)) => {
+                let CurvedCorner { image, gamma_deg, .. } = corner;
+                steps.check_image(motion, image)?;
+                let blend = Some(Corner { motion, gamma_deg: *gamma_deg });
+                let segment = Arc::new(image.clone());
+                steps.push(Step::Move { motion: motion.next(), segment, blend });
+            }
+            None => steps.push(Step::Settle { motion }),
+        }
+        rest = corner.map(|corner| corner.after());
     }
     Ok(steps.steps)
 }
 
-/// The target of the motion at `index`, if it is one that has a target.
-fn target_of(program: &Program, index: usize) -> Option<Joints> {
-    match program.motions.get(index)? {
-        Motion::Ptp(ptp) => Some(ptp.target_rad),
-        Motion::Wait { .. } => None,
+/// The motions of a program on one robot. Programs without frames need no list of them.
+enum Legs<'a> {
+    InJoints { program: &'a Program, start_rad: Joints },
+    Listed(Vec<Option<Leg>>),
+}
+
+impl<'a> Legs<'a> {
+    fn new(program: &'a Program, robot: &Arc<Robot>) -> Result<Self, Fault> {
+        match program.start.joints_rad() {
+            Some(start_rad) if !program.has_frames() => {
+                Ok(Self::InJoints { program, start_rad: *start_rad })
+            }
+            _ => legs(program, robot).map(Self::Listed),
+        }
+    }
+
+    /// The motion at `index`; none if it is a wait, or there is none.
+    fn get(&self, index: usize) -> Option<Leg> {
+        match self {
+            Self::Listed(legs) => legs.get(index)?.clone(),
+            Self::InJoints { program, start_rad } => {
+                let target = |entry: &Motion| match entry {
+                    Motion::Ptp(ptp) => Some(ptp.target_rad),
+                    _ => None,
+                };
+                let to_rad = target(program.motions.get(index)?)?;
+                let from_rad = program.motions[..index].iter().rev().find_map(target);
+                Some(Leg { ends_rad: [from_rad.unwrap_or(*start_rad), to_rad], path: None })
+            }
+        }
     }
 }
 
-/// Where the arm is when the motion at `index` begins: at the target of the one before, or where its blend ends.
-fn begin(program: &Program, robot: &Robot, options: PathOptions, index: usize) -> Joints {
-    let rounded = || {
-        let Motion::Ptp(before) = &program.motions[index.checked_sub(1)?] else { return None };
-        let from = program.target_before(index - 1);
-        let after = || target_of(program, index);
-        RoundedCorner::new(robot, options.blend_search, &from, before, after)
-    };
-    rounded().map_or_else(|| program.target_before(index), |corner| corner.end())
+/// What is left of a motion when the blend before it ends.
+enum Rest {
+    /// A line from here, in rad.
+    Line(Joints),
+    /// The path of the TCP from this share on.
+    Path(f64),
+}
+
+/// Finds the corners of a program that are rounded off.
+struct Corners<'a> {
+    program: &'a Program,
+    robot: &'a Arc<Robot>,
+    options: PathOptions,
+    legs: &'a Legs<'a>,
+}
+
+/// A corner that is rounded off.
+#[expect(clippy::large_enum_variant, reason = "it lives on the stack, one at a time")]
+enum RoundedCorner {
+    InJoints(JointCorner),
+    /// And where the blend ends.
+    Curved(CurvedCorner, Rest),
+}
+
+impl RoundedCorner {
+    /// What it leaves of the motion after it.
+    fn after(self) -> Rest {
+        match self {
+            Self::InJoints(corner) => Rest::Line(corner.end()),
+            Self::Curved(_, rest) => rest,
+        }
+    }
+}
+
+impl Corners<'_> {
+    /// The corner at the target of a motion; none if the arm stops there.
+    fn at_end_of(&self, index: usize) -> Result<Option<RoundedCorner>, Fault> {
+        let motion = MotionIndex::new(index);
+        let Some(leg) = self.legs.get(index) else { return Ok(None) };
+        let size = match &self.program.motions[index] {
+            Motion::Ptp(ptp) => ptp.blend.map(PathBlend::from),
+            Motion::Cartesian(own) => own.blend,
+            Motion::Wait { .. } => None,
+        };
+        let (Some(size), Some(next)) = (size, self.legs.get(index + 1)) else { return Ok(None) };
+        if leg.path.is_none() && next.path.is_none() {
+            let ends = [leg.ends_rad[0], leg.ends_rad[1], next.ends_rad[1]];
+            let corner = size.in_joints().and_then(|blend| {
+                JointCorner::new(self.robot, self.options.blend_search, ends, blend)
+            });
+            return Ok(corner.map(RoundedCorner::InJoints));
+        }
+        let is_still = |leg: &Leg| {
+            leg.path.is_none() && vector::distance(&leg.ends_rad[0], &leg.ends_rad[1]) <= NO_MOTION_RAD
+        };
+        if is_still(&leg) || is_still(&next) {
+            return Ok(None);
+        }
+        let corner = CurvedCorner::new(self.robot, self.options, [&leg, &next], &size);
+        let corner = corner.map_err(|found| Fault::Cartesian {
+            motion: Some(motion),
+            key: "blend",
+            fault: Box::new(found.in_blend()),
+        })?;
+        Ok(corner.map(|corner| {
+            let share = corner.shares[1];
+            let rest = match next.path {
+                Some(_) => Rest::Path(share),
+                None => {
+                    let [from, to] = next.ends_rad;
+                    Rest::Line(vector::add_scaled(&from, share, &vector::sub(&to, &from)))
+                }
+            };
+            RoundedCorner::Curved(corner, rest)
+        }))
+    }
 }
 
 /// The steps of a path so far.
 struct Builder<'a> {
-    robot: &'a Robot,
+    robot: &'a Arc<Robot>,
     steps: Vec<Step>,
 }
 
 impl Builder<'_> {
     fn push(&mut self, step: Step) {
         self.steps.push(step);
+    }
+
+    /// Adds what blends leave of a motion.
+    fn push_leg(
+        &mut self,
+        motion: MotionIndex,
+        leg: &Leg,
+        before: Option<Rest>,
+        after: Option<&RoundedCorner>,
+    ) -> Result<(), Fault> {
+        let [from_rad, to_rad] = leg.ends_rad;
+        let Some(path) = &leg.path else {
+            let from_rad = match before {
+                Some(Rest::Line(from_rad)) => from_rad,
+                _ => from_rad,
+            };
+            let to_rad = match after {
+                Some(RoundedCorner::InJoints(corner)) => corner.start(),
+                Some(RoundedCorner::Curved(corner, _)) => {
+                    let back = vector::sub(&leg.ends_rad[0], &to_rad);
+                    vector::add_scaled(&to_rad, corner.shares[0], &back)
+                }
+                None => to_rad,
+            };
+            self.push_line(motion, from_rad, to_rad);
+            return Ok(());
+        };
+        let from = if let Some(Rest::Path(share)) = before { share } else { 0.0 };
+        let to = match after {
+            Some(RoundedCorner::Curved(corner, _)) => 1.0 - corner.shares[0],
+            _ => 1.0,
+        };
+        if (to - from) * path.rate_rad <= NO_MOTION_RAD {
+            return Ok(());
+        }
+        let sigma = Sigma::even(path.rate_rad * (to - from));
+        let image = if [from, to] == [0.0, 1.0] {
+            JointSpline::clone(&path.image)
+        } else {
+            let curve = Part { range: [from, to], curve: Arc::clone(&path.curve) };
+            JointSpline::of(Arc::new(curve)).map_err(|found| Fault::Cartesian {
+                motion: Some(motion),
+                key: "frame",
+                fault: Box::new(path.curve.fault(found)),
+            })?
+        };
+        let segment = Arc::new(image.with_sigma(sigma));
+        self.push(Step::Move { motion, segment, blend: None });
+        Ok(())
+    }
+
+    /// Finds the joint that leaves its position limits on a blend.
+    fn check_image(&self, motion: MotionIndex, image: &JointSpline) -> Result<(), Fault> {
+        let limits = self.robot.limits();
+        match image.outside(limits) {
+            Some((joint, _, found_rad)) => {
+                Err(Fault::BlendOutside { motion, outside: limits.outside(joint, found_rad) })
+            }
+            None => Ok(()),
+        }
     }
 
     fn push_line(&mut self, motion: MotionIndex, from: Joints, to: Joints) {
@@ -98,15 +263,11 @@ impl Builder<'_> {
     fn push_blend(
         &mut self,
         motion: MotionIndex,
-        corner: &RoundedCorner,
+        corner: &JointCorner,
         shape: BlendShape,
     ) -> Result<(), Fault> {
         let gamma_deg = corner.gamma_rad().to_degrees();
-        let kappa = match shape {
-            BlendShape::Iiwa => self.robot.kappa(gamma_deg),
-            BlendShape::MinAcceleration => KAPPA_MIN_ACCELERATION,
-            BlendShape::Alpha(_) | BlendShape::Circle => 0.0,
-        };
+        let kappa = shape.kappa(self.robot, gamma_deg);
         let continuity = match shape {
             BlendShape::Alpha(continuity) => continuity,
             _ => Continuity::Second,
@@ -136,7 +297,7 @@ impl Builder<'_> {
     fn check_position_limits(
         &self,
         motion: MotionIndex,
-        corner: &RoundedCorner,
+        corner: &JointCorner,
         blend: &PolynomialBlend,
     ) -> Result<(), Fault> {
         let limits = self.robot.limits();
@@ -175,7 +336,7 @@ impl Builder<'_> {
 const OVERSHOOT_SAMPLES: u32 = 1024;
 
 /// A corner that is to be rounded off, and how far on either side.
-struct RoundedCorner {
+struct JointCorner {
     target: Joints,
     /// Unit vector of the motion into the corner (Larsen 2019, Eq. 27).
     y0: Joints,
@@ -185,27 +346,23 @@ struct RoundedCorner {
     reach: f64,
 }
 
-impl RoundedCorner {
-    /// The corner at the target of `ptp`; none if the arm stops there, because it has no blend, or
-    /// one too small to count, or because one of the two motions does not move.
+impl JointCorner {
+    /// The corner at the second of three targets; none if the arm stops there, because the blend is too small to
+    /// count, or because one of the two motions does not move.
     fn new(
         robot: &Robot,
         search: BlendSearch,
-        before: &Joints,
-        ptp: &Ptp,
-        after: impl FnOnce() -> Option<Joints>,
+        [before, target, after]: [Joints; 3],
+        blend: Blend,
     ) -> Option<Self> {
-        let blend = ptp.blend?;
-        let target = ptp.target_rad;
-        let after = after()?;
-        let (d0, d1) = (vector::sub(&target, before), vector::sub(&after, &target));
+        let (d0, d1) = (vector::sub(&target, &before), vector::sub(&after, &target));
         let (l0, l1) = (vector::norm(&d0), vector::norm(&d1));
         if l0 <= NO_MOTION_RAD || l1 <= NO_MOTION_RAD {
             return None;
         }
         let share = |other_end: &Joints| blend.share(robot, search, &target, other_end);
         // Both sides reach as far as the shorter one does (Larsen 2019, Algorithm 3).
-        let reach = (share(before)? * l0).min(share(&after)? * l1);
+        let reach = (share(&before)? * l0).min(share(&after)? * l1);
         (reach > NO_MOTION_RAD).then(|| Self {
             target,
             y0: vector::scale(1.0 / l0, &d0),

@@ -3,10 +3,12 @@
 use iiwa_json::{Place, Step, locate};
 use iiwa_kin::{Joint, OutsideRange};
 
-use crate::{blend::Blend, limit_kind::LimitKind, motion_index::MotionIndex};
+use crate::{
+    blend::Blend, cartesian::CartesianFault, limit_kind::LimitKind, motion_index::MotionIndex,
+};
 
 /// Something in a motion program that cannot be planned.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
     /// The list of motions is empty.
@@ -71,6 +73,16 @@ pub enum Fault {
         /// The motion.
         motion: MotionIndex,
     },
+    /// A motion to a frame, or the start at one, cannot be planned.
+    #[error("{}: {fault}", place_name(*.motion))]
+    Cartesian {
+        /// The motion, or none for the start pose.
+        motion: Option<MotionIndex>,
+        /// The key of the motion at which it is.
+        key: &'static str,
+        /// What is wrong.
+        fault: Box<CartesianFault>,
+    },
     /// A blend carries the path outside the joint ranges.
     #[error("motion {motion}: on its blend, {outside}; choose a smaller blend or move the target")]
     BlendOutside {
@@ -87,8 +99,12 @@ impl Fault {
     pub fn place_in(&self, text: &str) -> Place {
         use Step::{Index, Key};
         let motions = Key("motions");
-        match *self {
+        match self {
             Self::NoMotions => locate(text, &[motions]),
+            Self::Cartesian { motion, key, .. } => match motion {
+                Some(motion) => locate(text, &[motions, Index(motion.index()), Key(key)]),
+                None => locate(text, &[Key("start"), Key(key)]),
+            },
             Self::JointOutside { motion, outside } => {
                 let owner = match motion {
                     None => vec![Key("start")],

@@ -41,14 +41,20 @@ impl MotionLimits {
     /// Those of `motion` on `robot`.
     pub(crate) fn of_motion(robot: &Robot, motion: &Motion) -> Self {
         let mut limits = Self::full(robot);
-        if let Motion::Ptp(ptp) = motion {
-            for (kind, limits) in &mut limits.joints {
-                for (limit, share) in limits.iter_mut().zip(ptp.share(kind)) {
-                    *limit *= share;
-                }
+        for (kind, limits) in &mut limits.joints {
+            let shares = match motion {
+                Motion::Ptp(ptp) => ptp.share(kind),
+                Motion::Cartesian(own) => &own.shares[kind],
+                Motion::Wait { .. } => continue,
+            };
+            for (limit, share) in limits.iter_mut().zip(shares) {
+                *limit *= share;
             }
         }
-        limits
+        match motion {
+            Motion::Cartesian(own) => limits.with_tool(own.tool_limits),
+            _ => limits,
+        }
     }
 
     /// The same, with these limits of the TCP.

@@ -1,6 +1,10 @@
 //! How blends are made.
 
-use crate::{continuity::Continuity, crossing::BlendSearch};
+use iiwa_kin::Robot;
+
+use crate::{
+    continuity::Continuity, crossing::BlendSearch, polynomial::KAPPA_MIN_ACCELERATION,
+};
 
 /// The curve of a blend.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +19,17 @@ pub enum BlendShape {
     MinAcceleration,
     /// Larsen 2019, Eq. 32.
     Circle,
+}
+
+impl BlendShape {
+    /// The weight of beta in a blend of this shape, at a corner of `gamma_deg`.
+    pub(crate) fn kappa(self, robot: &Robot, gamma_deg: f64) -> f64 {
+        match self {
+            Self::Iiwa => robot.kappa(gamma_deg),
+            Self::MinAcceleration => KAPPA_MIN_ACCELERATION,
+            Self::Alpha(_) | Self::Circle => 0.0,
+        }
+    }
 }
 
 /// How blends are made.

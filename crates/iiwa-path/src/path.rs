@@ -68,18 +68,19 @@ impl JointPath {
     ) -> Result<Self, Fault> {
         program.check(robot.limits())?;
         let all = 0..program.motions.len();
-        let steps = steps(program, robot, options, all)?;
+        let robot = Arc::new(robot.clone());
+        let steps = steps(program, &robot, options, all)?;
         Ok(Self {
-            robot: Arc::new(robot.clone()),
-            start: program.start_rad,
-            steps: Arc::new(steps),
+            start: program.start_rad(&robot)?,
             limits: Arc::new(
                 program
                     .motions
                     .iter()
-                    .map(|motion| MotionLimits::of_motion(robot, motion))
+                    .map(|motion| MotionLimits::of_motion(&robot, motion))
                     .collect(),
             ),
+            robot,
+            steps: Arc::new(steps),
         })
     }
 

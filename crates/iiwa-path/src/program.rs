@@ -4,7 +4,16 @@ use std::ops::Range;
 
 use iiwa_kin::{Joint, Joints, Limits};
 
-use crate::{blend::Blend, fault::Fault, limit_kind::LimitKind, motion_index::MotionIndex};
+use crate::{
+    blend::Blend,
+    cartesian::CartesianFault,
+    cartesian_motion::CartesianMotion,
+    fault::Fault,
+    limit_kind::LimitKind,
+    motion_index::MotionIndex,
+    target::TargetRef,
+    workcell::Workcell,
+};
 
 /// A motion program (version 1).
 ///
@@ -13,10 +22,38 @@ use crate::{blend::Blend, fault::Fault, limit_kind::LimitKind, motion_index::Mot
 pub struct Program {
     /// Name of a built-in model or of a robot profile file; the LBR iiwa 7 R800 if absent.
     pub robot: Option<String>,
-    /// Where the arm stands before the first motion, in rad.
-    pub start_rad: Joints,
+    /// Where the arm stands before the first motion.
+    pub start: Start,
     /// What it does, in order.
     pub motions: Vec<Motion>,
+    /// Tools, bases and frames that the motions name.
+    pub workcell: Workcell,
+}
+
+/// Where the arm stands before the first motion.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Start {
+    /// With its joints there, in rad.
+    Joints(Joints),
+    /// With its TCP at a frame, which has to say E1 and status unless they are 0 and 2.
+    Frame(TargetRef),
+}
+
+impl From<Joints> for Start {
+    fn from(joints_rad: Joints) -> Self {
+        Self::Joints(joints_rad)
+    }
+}
+
+impl Start {
+    /// The joints, in rad, unless they are given by a frame.
+    #[must_use]
+    pub fn joints_rad(&self) -> Option<&Joints> {
+        match self {
+            Self::Joints(joints_rad) => Some(joints_rad),
+            Self::Frame(_) => None,
+        }
+    }
 }
 
 /// One entry of a program's list of motions.
@@ -26,6 +63,8 @@ pub struct Program {
 pub enum Motion {
     /// A point-to-point motion: a straight line in joint space.
     Ptp(Ptp),
+    /// A motion to a frame: from point to point, or along a path of the TCP.
+    Cartesian(Box<CartesianMotion>),
     /// The arm stands still.
     Wait {
         /// For how long, in s.
@@ -111,7 +150,9 @@ impl Program {
     /// A [`Fault`] that says what is wrong in which motion.
     pub fn check(&self, limits: &Limits) -> Result<(), Fault> {
         self.check_numbers()?;
-        check_joints(None, &self.start_rad, limits)?;
+        if let Start::Joints(start_rad) = &self.start {
+            check_joints(None, start_rad, limits)?;
+        }
         for (motion, entry) in self.entries() {
             if let Motion::Ptp(ptp) = entry {
                 check_joints(Some(motion), &ptp.target_rad, limits)?;
@@ -131,6 +172,7 @@ impl Program {
     fn check_entry(&self, motion: MotionIndex, entry: &Motion) -> Result<(), Fault> {
         match entry {
             Motion::Ptp(ptp) => self.check_ptp(motion, ptp),
+            Motion::Cartesian(own) => self.check_cartesian(motion, own),
             Motion::Wait { seconds } if !(0.0..=MAX_WAIT_S).contains(seconds) => {
                 Err(Fault::Wait { motion, found: *seconds, max_s: MAX_WAIT_S })
             }
@@ -149,13 +191,10 @@ impl Program {
         Ok(())
     }
 
-    /// Where the motion at `index` begins, if the one before is not blended into it, in rad.
-    pub(crate) fn target_before(&self, index: usize) -> Joints {
-        let target = |entry: &Motion| match entry {
-            Motion::Ptp(ptp) => Some(ptp.target_rad),
-            Motion::Wait { .. } => None,
-        };
-        self.motions[..index].iter().rev().find_map(target).unwrap_or(self.start_rad)
+    /// Whether any frame has to be found on the robot.
+    pub(crate) fn has_frames(&self) -> bool {
+        self.start.joints_rad().is_none()
+            || self.motions.iter().any(|motion| matches!(motion, Motion::Cartesian(_)))
     }
 
     /// The motions with their places.
@@ -164,15 +203,28 @@ impl Program {
     }
 
     fn check_ptp(&self, motion: MotionIndex, ptp: &Ptp) -> Result<(), Fault> {
-        for kind in LimitKind::ALL {
-            let values = ptp.share(kind);
-            let wrong = |(_, share): &(Joint, &f64)| !(MIN_SHARE..=1.0).contains(*share);
-            if let Some((joint, &found)) = Joint::ALL.into_iter().zip(values).find(wrong) {
-                let joint = values.iter().any(|v| v.to_bits() != found.to_bits()).then_some(joint);
-                return Err(Fault::Share { motion, kind, joint, found, min: MIN_SHARE });
+        check_shares(motion, |kind| ptp.share(kind))?;
+        ptp.blend.map_or(Ok(()), |blend| self.check_blend(motion, blend))
+    }
+
+    fn check_cartesian(&self, motion: MotionIndex, own: &CartesianMotion) -> Result<(), Fault> {
+        check_shares(motion, |kind| &own.shares[kind])?;
+        let fault = |key, fault| Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) };
+        for (key, found) in own.limits_by_key() {
+            if !(found > 0.0) {
+                return Err(fault(key, CartesianFault::Limit { key, found }));
             }
         }
-        let Some(blend) = ptp.blend else { return Ok(()) };
+        let Some(blend) = own.blend else { return Ok(()) };
+        blend.check(own.is_ptp()).map_err(|problem| fault("blend", problem))?;
+        match blend.in_joints() {
+            Some(size) => self.check_blend(motion, size),
+            // Of the orientation alone.
+            None => self.check_what_follows(motion),
+        }
+    }
+
+    fn check_blend(&self, motion: MotionIndex, blend: Blend) -> Result<(), Fault> {
         let (found, max) = match blend {
             Blend::Fraction(b) => (b, 0.5),
             Blend::SunriseRel(x) => (x, 1.0),
@@ -181,13 +233,33 @@ impl Program {
         if !(0.0..=max).contains(&found) {
             return Err(Fault::Blend { motion, blend });
         }
+        if blend.has_effect() { self.check_what_follows(motion) } else { Ok(()) }
+    }
+
+    /// That there is a motion to blend into.
+    fn check_what_follows(&self, motion: MotionIndex) -> Result<(), Fault> {
         match self.motions.get(motion.index() + 1) {
-            _ if !blend.has_effect() => Ok(()),
             None => Err(Fault::BlendAtTheEnd { motion }),
             Some(Motion::Wait { .. }) => Err(Fault::BlendBeforeWait { motion }),
-            Some(Motion::Ptp(_)) => Ok(()),
+            Some(Motion::Ptp(_) | Motion::Cartesian(_)) => Ok(()),
         }
     }
+}
+
+/// That all shares of limits are above 0 and at most 1.
+fn check_shares<'a>(
+    motion: MotionIndex,
+    of: impl Fn(LimitKind) -> &'a Joints,
+) -> Result<(), Fault> {
+        for kind in LimitKind::ALL {
+            let values = of(kind);
+            let wrong = |(_, share): &(Joint, &f64)| !(MIN_SHARE..=1.0).contains(*share);
+            if let Some((joint, &found)) = Joint::ALL.into_iter().zip(values).find(wrong) {
+                let joint = values.iter().any(|v| v.to_bits() != found.to_bits()).then_some(joint);
+                return Err(Fault::Share { motion, kind, joint, found, min: MIN_SHARE });
+            }
+        }
+    Ok(())
 }
 
 /// The least share of a limit: at a millionth of its speed the arm takes weeks for half a turn.

@@ -36,7 +36,12 @@ impl JointPath {
         options: PathOptions,
         motion: MotionIndex,
     ) -> Result<ReplacedSteps, Fault> {
-        let range = affected(&program.motions, motion.index());
+        // Where a motion to a frame starts settles how it ends, and with it all that follows.
+        let range = if program.has_frames() {
+            0..program.motions.len()
+        } else {
+            affected(&program.motions, motion.index())
+        };
         program.check_motions(range.clone(), self.robot.limits())?;
         let before = self.steps_of(&range);
         let mut new = steps(program, &self.robot, options, range)?;

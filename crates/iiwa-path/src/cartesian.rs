@@ -1,0 +1,11 @@
+//! Paths of the TCP, and the curves that they are in joint space.
+
+pub(crate) mod corner;
+pub(crate) mod fault;
+pub(crate) mod joint_curve;
+pub(crate) mod leg;
+mod rotation;
+mod tcp_course;
+
+pub use fault::CartesianFault;
+pub use tcp_course::CourseFault;

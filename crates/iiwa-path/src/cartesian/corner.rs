@@ -1,0 +1,161 @@
+//! Blends of which at least one side is a path of the TCP.
+
+use std::sync::Arc;
+
+use iiwa_kin::{Joints, Pose, Robot, Taylor, vector};
+
+use super::{
+    joint_curve::{JointBlend, JointCurve, Part, TcpBlend},
+    leg::{Leg, TcpPath},
+    rotation::{norm, scaled, sub},
+};
+use crate::{
+    blend::{Blend, CART_MM_MIN, SUNRISE_REL_MIN},
+    cartesian_motion::PathBlend,
+    crossing::HALF,
+    joint_spline::{CurveFaultAt, JointSpline, Sigma},
+    line::Line,
+    options::PathOptions,
+};
+
+/// A blend between two motions, and how much of both it takes away.
+#[derive(Debug)]
+pub(crate) struct CurvedCorner {
+    /// Share of the end of the first motion, and of the start of the second.
+    pub(crate) shares: [f64; 2],
+    pub(crate) image: JointSpline,
+    /// Angle between both directions: of the TCP between two paths of it, else in joint space.
+    pub(crate) gamma_deg: f64,
+}
+
+impl CurvedCorner {
+    /// The blend of `size` between two motions; none if it is too small to count, or if one of them does not move.
+    pub(crate) fn new(
+        robot: &Robot,
+        options: PathOptions,
+        legs: [&Leg; 2],
+        size: &PathBlend,
+    ) -> Result<Option<Self>, CurveFaultAt> {
+        let Some(shares) = shares(robot, options, legs, size) else { return Ok(None) };
+        let ranges = [[1.0 - shares[0], 1.0], [0.0, shares[1]]];
+        let paths = legs.map(|leg| leg.path.as_ref());
+        let (gamma_rad, curve): (f64, Arc<dyn JointCurve>) = match paths {
+            [Some(a), Some(b)] if a.curve.flange == b.curve.flange => {
+                let rate = |path: &TcpPath, s: f64| {
+                    let pose = path.curve.course.at(Taylor::variable(s));
+                    pose.position_m.map(|x| x.derivatives()[1])
+                };
+                let (into, out) = (scaled(shares[0], &rate(a, 1.0)), scaled(shares[1], &rate(b, 0.0)));
+                let gamma_rad = if norm(&into) * norm(&out) > 0.0 {
+                    let (a, b) = (scaled(1.0 / norm(&into), &into), scaled(1.0 / norm(&out), &out));
+                    let sum = std::array::from_fn(|i| a[i] + b[i]);
+                    2.0 * norm(&sub(&b, &a)).atan2(norm(&sum))
+                } else {
+                    0.0
+                };
+                let kappa = options.blend_shape.kappa(robot, gamma_rad.to_degrees());
+                let part = |path: &TcpPath, range| Part { range, curve: Arc::clone(&path.curve) };
+                let parts = [part(a, ranges[0]), part(b, ranges[1])];
+                (gamma_rad, Arc::new(TcpBlend { parts, kappa, turn: sub(&out, &into) }))
+            }
+            _ => {
+                let parts = [0, 1].map(|side| {
+                    let curve: Arc<dyn JointCurve> = match paths[side] {
+                        Some(path) => Arc::clone(&path.curve) as Arc<dyn JointCurve>,
+                        None => Arc::new(Line::new(legs[side].ends_rad[0], legs[side].ends_rad[1])),
+                    };
+                    Part { range: ranges[side], curve }
+                });
+                let rate = |part: &Part<dyn JointCurve>, s: f64| -> Result<Joints, CurveFaultAt> {
+                    let joints = part.at(Taylor::variable(s));
+                    let joints = joints.map_err(|fault| CurveFaultAt { s, fault })?;
+                    Ok(joints.map(|joint| joint.derivatives()[1]))
+                };
+                let (into, out) = (rate(&parts[0], 1.0)?, rate(&parts[1], 0.0)?);
+                let gamma_rad = vector::angle(&vector::unit(&into), &vector::unit(&out));
+                let kappa = options.blend_shape.kappa(robot, gamma_rad.to_degrees());
+                let tool = paths.into_iter().flatten().next_back();
+                let tcp = tool.map_or(Pose::IDENTITY, |path| path.curve.flange.inverse());
+                let blend = JointBlend {
+                    robot: Arc::new(robot.clone()),
+                    tcp,
+                    parts,
+                    kappa,
+                    turn: vector::sub(&out, &into),
+                };
+                (gamma_rad, Arc::new(blend))
+            }
+        };
+        let rates = [0, 1].map(|side| shares[side] * rate_rad(legs[side]));
+        let image = JointSpline::of(curve)?.with_sigma(Sigma::of_blend(rates));
+        Ok(Some(Self { shares, image, gamma_deg: gamma_rad.to_degrees() }))
+    }
+}
+
+/// dsigma/ds of a motion, in rad.
+fn rate_rad(leg: &Leg) -> f64 {
+    match &leg.path {
+        Some(path) => path.rate_rad,
+        None => vector::distance(&leg.ends_rad[0], &leg.ends_rad[1]),
+    }
+}
+
+/// How much of both motions a blend of `size` takes away, as shares in s; none if it is too small to count.
+fn shares(
+    robot: &Robot,
+    options: PathOptions,
+    legs: [&Leg; 2],
+    size: &PathBlend,
+) -> Option<[f64; 2]> {
+    if size.cart_mm.is_some_and(|radius| radius < CART_MM_MIN)
+        || size.sunrise_rel.is_some_and(|share| share < SUNRISE_REL_MIN)
+    {
+        return None;
+    }
+    // On a path of the TCP, `setBlendingRel` counts for the redundancy only, and the blend is the least possible.
+    let least_mm = (legs[0].path.is_some() && size.sunrise_rel.is_some()).then_some(CART_MM_MIN);
+    let radius_mm = size.cart_mm.or(least_mm);
+    let in_joints = match (radius_mm, size.sunrise_rel, size.fraction) {
+        (Some(radius), ..) => Some(Blend::CartMm(radius)),
+        (_, Some(share), _) => Some(Blend::SunriseRel(share)),
+        (.., Some(share)) => Some(Blend::Fraction(share)),
+        _ => None,
+    };
+    let share = |side: usize| -> Option<f64> {
+        let leg = legs[side];
+        let Some(path) = &leg.path else {
+            let [from, to] = leg.ends_rad;
+            let (target, other) = if side == 0 { (to, from) } else { (from, to) };
+            return match in_joints {
+                Some(blend) => blend.share(robot, options.blend_search, &target, &other),
+                None => Some(HALF),
+            };
+        };
+        let (way_mm, turn) = (1e3 * path.curve.course.way_m(), path.curve.course.turn_rad());
+        let by_way = radius_mm.map(|radius| radius / way_mm);
+        let by_turn = size.orientation_rad.map(|angle| angle / turn);
+        let by_share = match in_joints {
+            Some(Blend::SunriseRel(share)) => Some(0.5 * share),
+            Some(Blend::Fraction(share)) => Some(share),
+            _ => None,
+        };
+        let all = [by_way, by_turn, by_share];
+        Some(all.into_iter().flatten().fold(HALF, f64::min))
+    };
+    let mut shares = [share(0)?, share(1)?];
+    if let [Some(a), Some(b)] = legs.map(|leg| leg.path.as_ref())
+        && a.curve.flange == b.curve.flange
+    {
+        let ways = [a, b].map(|path| path.curve.course.way_m());
+        let reach = (shares[0] * ways[0]).min(shares[1] * ways[1]);
+        if reach > NO_WAY_M {
+            shares = ways.map(|way| reach / way);
+        }
+    }
+    shares.iter().all(|share| *share > NO_SHARE).then_some(shares)
+}
+
+/// Shorter than this, in m, the TCP does not move.
+const NO_WAY_M: f64 = 1e-9;
+/// Less than this is no blend.
+const NO_SHARE: f64 = 1e-9;

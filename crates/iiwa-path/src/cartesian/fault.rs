@@ -1,0 +1,96 @@
+//! What can be wrong with a motion to a frame.
+
+use iiwa_kin::{OutsideRange, SingularPart, Unreachable};
+
+use super::tcp_course::CourseFault;
+use crate::workcell::NameFault;
+
+/// Something in a motion to a frame that cannot be planned.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CartesianFault {
+    /// A name leads nowhere.
+    #[error(transparent)]
+    Name(#[from] NameFault),
+    /// No joints reach the frame.
+    #[error("the frame is {0}")]
+    Unreachable(#[from] Unreachable),
+    /// The joints that reach the frame are outside their ranges.
+    #[error("at the frame, {0}")]
+    Outside(OutsideRange),
+    /// There is no such line or circle.
+    #[error(transparent)]
+    Course(#[from] CourseFault),
+    /// The arm does not reach the path everywhere.
+    #[error("at {:.1} % of the way, the path is {reason}", 100.0 * .s)]
+    UnreachableOnTheWay {
+        /// Where, as a share of the way.
+        s: f64,
+        /// Why.
+        reason: Unreachable,
+    },
+    /// A joint leaves its range on the way.
+    #[error("at {:.1} % of the way, {outside}{}", 100.0 * .s, hint(*.other_e1_deg))]
+    OutsideOnTheWay {
+        /// Where it is farthest outside, as a share of the way.
+        s: f64,
+        /// Which joint, and its range.
+        outside: OutsideRange,
+        /// E1 at the target, in degrees, with which the motion can be done; if one was found.
+        other_e1_deg: Option<f64>,
+    },
+    /// The path comes too near to a singular pose.
+    #[error(
+        "at {:.1} % of the way, the arm is singular: {}{}", 100.0 * .s, what(*.part), hint(*.other_e1_deg)
+    )]
+    Singular {
+        /// Where, as a share of the way.
+        s: f64,
+        /// Which part of the arm; none where the joints turn too abruptly to tell.
+        part: Option<SingularPart>,
+        /// E1 at the target, in degrees, with which the motion stays away from it; if one was found.
+        other_e1_deg: Option<f64>,
+    },
+    /// A limit of the TCP is not above zero.
+    #[error("{key} is {found}; it must be above 0")]
+    Limit {
+        /// The limit's key in programs.
+        key: &'static str,
+        /// What it is.
+        found: f64,
+    },
+    /// A number of a frame is not finite.
+    #[error("{key} contains a value that is not finite")]
+    NotFinite {
+        /// The key of the frame.
+        key: &'static str,
+    },
+    /// A circle's angle is zero or beyond a full turn.
+    #[error("circ_angle_deg is {found_deg}; it must be from -360 to 360, and not 0")]
+    CircAngle {
+        /// What it is, in degrees.
+        found_deg: f64,
+    },
+    /// The auxiliary orientation is to be reached at the auxiliary frame, on a circle with an angle.
+    #[error("aux_orientation cannot be `interpolate` on a circle with circ_angle_deg")]
+    AuxWithAngle,
+    /// A blend of a path has a size that is for other motions.
+    #[error("{0}")]
+    Blend(&'static str),
+}
+
+fn what(part: Option<SingularPart>) -> &'static str {
+    match part {
+        Some(SingularPart::Shoulder) => "the wrist passes over joint A1, and E1 cannot be kept",
+        Some(SingularPart::Elbow) => "A4 is at 0 and the arm stretched",
+        Some(SingularPart::Wrist) => "A6 is at 0 and the flange in line with the forearm",
+        None => "joints would have to turn abruptly",
+    }
+}
+
+fn hint(other_e1_deg: Option<f64>) -> String {
+    match other_e1_deg {
+        Some(e1_deg) => format!("; with E1 at {e1_deg:.0} deg at the target it can be done"),
+        None => "; move the frame, or go there by ptp".to_owned(),
+    }
+}

@@ -1,0 +1,238 @@
+//! Curves in joint space that are given otherwise than as polynomials.
+
+use std::{fmt, sync::Arc};
+
+use iiwa_kin::{MovingPose, Number, Pose, Robot, SingularPart, Status, Taylor, Unreachable};
+
+use super::{
+    rotation::{Vec3, exp, log, product, transposed},
+    tcp_course::{TcpCourse, tool_way},
+};
+use crate::{
+    continuity::{Continuity, Polynomial},
+    line::Line,
+    segment::Segment as _,
+    tool_way::ToolWay,
+};
+
+/// All joints at once, as series in the curve's parameter.
+pub(crate) type MovingJoints = [Taylor; 7];
+
+/// Why the arm cannot be on a curve.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum CurveFault {
+    /// It does not reach there.
+    Unreachable(Unreachable),
+    /// It is too near to a singular pose.
+    Singular(SingularPart),
+    /// The joints turn too abruptly to be followed.
+    Abrupt,
+}
+
+/// A curve in joint space, for s from 0 to 1.
+pub(crate) trait JointCurve: fmt::Debug + Send + Sync {
+    /// The joints where the parameter is `s`, itself a series.
+    fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault>;
+
+    /// How the TCP moves, where limits of the TCP hold.
+    fn tool_way(&self, s: f64) -> ToolWay;
+
+    /// Whether that is the same everywhere.
+    fn is_even(&self) -> bool;
+}
+
+/// A path of the TCP.
+#[derive(Clone, Debug)]
+pub(crate) struct TcpCurve {
+    pub(crate) robot: Arc<Robot>,
+    pub(crate) course: Arc<TcpCourse>,
+    /// The flange in the TCP's frame.
+    pub(crate) flange: Pose,
+    /// The position of A3 at the start, and by how much it changes; in rad.
+    pub(crate) e1_rad: [f64; 2],
+    pub(crate) status: Status,
+}
+
+/// Nearer than this to a singular pose, the joints are no function of the TCP: 0.006 deg.
+pub(crate) const SINGULAR: f64 = 1e-4;
+
+impl TcpCurve {
+    fn e1(&self, s: Taylor) -> Taylor {
+        Taylor::constant(self.e1_rad[0]) + s * self.e1_rad[1]
+    }
+}
+
+/// The joints of a moving TCP.
+fn joints_of(
+    robot: &Robot,
+    tcp: &MovingPose,
+    flange: &Pose,
+    e1: Taylor,
+    status: Status,
+) -> Result<MovingJoints, CurveFault> {
+    let joints = robot
+        .inverse_moving(&tcp.then_fixed(flange), e1, status)
+        .map_err(CurveFault::Unreachable)?;
+    let (least, axis) = robot.singularity(&joints.map(Number::value)).least();
+    if least < SINGULAR || !joints.iter().flat_map(|joint| joint.0).all(f64::is_finite) {
+        return Err(CurveFault::Singular(axis));
+    }
+    Ok(joints)
+}
+
+impl JointCurve for TcpCurve {
+    fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
+        joints_of(&self.robot, &self.course.at(s), &self.flange, self.e1(s), self.status)
+    }
+
+    fn tool_way(&self, s: f64) -> ToolWay {
+        match self.course.even_rates() {
+            Some([way, turn]) => {
+                ToolWay { way_m: [way, 0.0, 0.0], turn_rad: [turn, 0.0, 0.0] }
+            }
+            None => tool_way(&self.course.at(Taylor::variable(s))),
+        }
+    }
+
+    fn is_even(&self) -> bool {
+        self.course.even_rates().is_some()
+    }
+}
+
+/// A straight line in joint space.
+impl JointCurve for Line {
+    fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
+        let from = <Self as crate::segment::Segment>::at(self, 0.0).q;
+        let direction = self.direction_rad();
+        Ok(std::array::from_fn(|j| Taylor::constant(from[j]) + s * direction[j]))
+    }
+
+    fn tool_way(&self, _: f64) -> ToolWay {
+        ToolWay::default()
+    }
+
+    fn is_even(&self) -> bool {
+        true
+    }
+}
+
+/// The part of a curve between two of its parameters.
+#[derive(Clone, Debug)]
+pub(crate) struct Part<C: ?Sized> {
+    pub(crate) range: [f64; 2],
+    pub(crate) curve: Arc<C>,
+}
+
+impl<C: ?Sized> Part<C> {
+    fn inner(&self, s: Taylor) -> Taylor {
+        let [from, to] = self.range;
+        Taylor::constant(from) + s * (to - from)
+    }
+}
+
+impl<C: JointCurve + ?Sized> JointCurve for Part<C> {
+    fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
+        self.curve.at(self.inner(s))
+    }
+
+    fn tool_way(&self, s: f64) -> ToolWay {
+        let [from, to] = self.range;
+        let ToolWay { way_m, turn_rad } = self.curve.tool_way(from + s * (to - from));
+        let scale = to - from;
+        let powers = [scale, scale * scale, scale * scale * scale];
+        let stretched = |rates: [f64; 3]| std::array::from_fn(|k| rates[k] * powers[k]);
+        ToolWay { way_m: stretched(way_m), turn_rad: stretched(turn_rad) }
+    }
+
+    fn is_even(&self) -> bool {
+        self.curve.is_even()
+    }
+}
+
+/// A polynomial of a series.
+fn along(polynomial: &Polynomial, s: Taylor) -> Taylor {
+    let [rest @ .., last] = polynomial;
+    rest.iter().rev().fold(Taylor::constant(*last), |sum, c| sum * s + Taylor::constant(*c))
+}
+
+/// alpha and `kappa beta` of a blend at `s` (Larsen 2019, Eq. 18 and 21).
+fn mixing(kappa: f64, s: Taylor) -> [Taylor; 2] {
+    let continuity = Continuity::Second;
+    [along(&continuity.alpha(), s), along(&continuity.beta(), s) * kappa]
+}
+
+/// A blend in joint space of two curves that meet: `(1 - alpha) A + alpha B - kappa beta (B'(0) - A'(1))`, which is
+/// Larsen 2019, Eq. 39 where both are lines.
+#[derive(Debug)]
+pub(crate) struct JointBlend {
+    pub(crate) robot: Arc<Robot>,
+    /// The TCP in the flange's frame.
+    pub(crate) tcp: Pose,
+    /// The last part of one curve, and the first of the other.
+    pub(crate) parts: [Part<dyn JointCurve>; 2],
+    pub(crate) kappa: f64,
+    /// B'(0) - A'(1), in rad.
+    pub(crate) turn: [f64; 7],
+}
+
+impl JointCurve for JointBlend {
+    fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
+        let [a, b] = [self.parts[0].at(s)?, self.parts[1].at(s)?];
+        let [alpha, bulge] = mixing(self.kappa, s);
+        Ok(std::array::from_fn(|j| a[j] + alpha * (b[j] - a[j]) - bulge * self.turn[j]))
+    }
+
+    fn tool_way(&self, s: f64) -> ToolWay {
+        self.at(Taylor::variable(s)).map_or_else(
+            |_| ToolWay::default(),
+            |joints| tool_way(&self.robot.flange_moving(&joints).then_fixed(&self.tcp)),
+        )
+    }
+
+    fn is_even(&self) -> bool {
+        false
+    }
+}
+
+/// A blend of two paths of the TCP, in Cartesian space: positions as in joint space, orientations by the turn from one
+/// to the other, E1 in proportion.
+#[derive(Debug)]
+pub(crate) struct TcpBlend {
+    pub(crate) parts: [Part<TcpCurve>; 2],
+    pub(crate) kappa: f64,
+    /// B'(0) - A'(1), in m.
+    pub(crate) turn: Vec3<f64>,
+}
+
+impl TcpBlend {
+    fn pose(&self, s: Taylor) -> (MovingPose, Taylor) {
+        let [(a, e1_a), (b, e1_b)] = self.parts.each_ref().map(|part| {
+            let s = part.inner(s);
+            (part.curve.course.at(s), part.curve.e1(s))
+        });
+        let [alpha, bulge] = mixing(self.kappa, s);
+        let position_m = std::array::from_fn(|i| {
+            let (a, b) = (a.position_m[i], b.position_m[i]);
+            a + alpha * (b - a) - bulge * self.turn[i]
+        });
+        let between = log(&product(&transposed(&a.rotation), &b.rotation));
+        let rotation = product(&a.rotation, &exp(&between.map(|v| alpha * v)));
+        (MovingPose { position_m, rotation }, e1_a + alpha * (e1_b - e1_a))
+    }
+}
+
+impl JointCurve for TcpBlend {
+    fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
+        let TcpCurve { robot, flange, status, .. } = &*self.parts[0].curve;
+        let (tcp, e1) = self.pose(s);
+        joints_of(robot, &tcp, flange, e1, *status)
+    }
+
+    fn tool_way(&self, s: f64) -> ToolWay {
+        tool_way(&self.pose(Taylor::variable(s)).0)
+    }
+
+    fn is_even(&self) -> bool {
+        false
+    }
+}

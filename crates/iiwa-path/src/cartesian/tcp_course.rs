@@ -1,0 +1,253 @@
+//! How the TCP goes from one frame to another: position and orientation as functions of s.
+
+use iiwa_kin::{MovingPose, Number, Pose, Taylor};
+
+use super::rotation::{
+    Mat3, Vec3, constant, cross, dot, exp, log_or_half_turn, norm, product, scaled, sub,
+    transposed,
+};
+use crate::tool_way::ToolWay;
+
+/// The course of the TCP in the robot's foot, for s from 0 to 1.
+#[derive(Clone, Debug)]
+pub(crate) struct TcpCourse {
+    position: Position,
+    orientation: Orientation,
+}
+
+/// Where the TCP is; evenly in s.
+#[derive(Clone, Debug)]
+enum Position {
+    /// `from + s by`, in m.
+    Straight { from: Vec3<f64>, by: Vec3<f64> },
+    /// On a circle: `centre + cos(s angle) u + sin(s angle) v`.
+    Arc { centre: Vec3<f64>, u: Vec3<f64>, v: Vec3<f64>, angle: f64 },
+}
+
+/// How it is turned.
+#[derive(Clone, Debug)]
+struct Orientation {
+    /// At the start.
+    from: Mat3<f64>,
+    /// The rotation vector in the frame of the start: `s linear + s^2 square`.
+    linear: Vec3<f64>,
+    square: Vec3<f64>,
+    /// A turn of the whole, evenly in s: its rotation vector in the robot's foot.
+    carried: Option<Vec3<f64>>,
+}
+
+/// What a circle and the frames on it cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CourseFault {
+    /// The orientations differ by half a turn.
+    #[error(
+        "the orientation would turn by half a turn: the way round is not defined; add a frame in between, or turn a \
+         little less"
+    )]
+    HalfTurn,
+    /// Start, auxiliary frame and end are on a line, or two of them are the same.
+    #[error("start, auxiliary frame and end are on one line: no circle goes through them")]
+    NoCircle,
+}
+
+/// How the orientation goes along a circle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ArcTurn {
+    /// Whether it turns with the path.
+    pub(crate) with_path: bool,
+    /// The orientation that is reached on the way, and the share of the way at which; none if the auxiliary frame's
+    /// does not count.
+    pub(crate) by_way_of: Option<(Mat3<f64>, ByWayOf)>,
+    /// Whether the orientation of the end is reached at the end frame, and goes on beyond it.
+    pub(crate) extrapolates: bool,
+    /// The whole angle of the arc, in rad; to the end frame if absent.
+    pub(crate) angle_rad: Option<f64>,
+}
+
+/// Where the orientation of the auxiliary frame is reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ByWayOf {
+    /// Somewhere: where its share of the whole turn is.
+    Somewhere,
+    /// At the auxiliary frame.
+    AtAux,
+}
+
+impl TcpCourse {
+    /// A straight line, with one turn about a fixed axis evenly along it; or none, if `is_constant`.
+    pub(crate) fn line(from: &Pose, to: &Pose, is_constant: bool) -> Result<Self, CourseFault> {
+        let linear = if is_constant {
+            [0.0; 3]
+        } else {
+            let between = product(&transposed(&from.rotation), &to.rotation);
+            log_or_half_turn(&between).ok_or(CourseFault::HalfTurn)?
+        };
+        let by = sub(&to.position_m, &from.position_m);
+        Ok(Self {
+            position: Position::Straight { from: from.position_m, by },
+            orientation: Orientation {
+                from: from.rotation,
+                linear,
+                square: [0.0; 3],
+                carried: None,
+            },
+        })
+    }
+
+    /// A circle from `from` through the point `aux` to `to`.
+    pub(crate) fn arc(
+        from: &Pose,
+        aux: &Vec3<f64>,
+        to: &Pose,
+        is_constant: bool,
+        turn: &ArcTurn,
+    ) -> Result<Self, CourseFault> {
+        /// Height of the triangle over its longest side below which its corners are on a line.
+        const FLAT: f64 = 1e-6;
+        let (a, b) = (sub(aux, &from.position_m), sub(&to.position_m, &from.position_m));
+        let normal = cross(&a, &b);
+        let longest = norm(&a).max(norm(&b)).max(norm(&sub(&a, &b)));
+        let area = norm(&normal);
+        let far_apart = [&a, &b, &sub(&a, &b)].iter().all(|side| norm(side) > FLAT * longest);
+        if !(far_apart && area > FLAT * longest * longest) {
+            return Err(CourseFault::NoCircle);
+        }
+        let axis = scaled(1.0 / area, &normal);
+        // From the start to the centre of the circle through three points.
+        let to_centre = {
+            let (aa, bb) = (dot(&a, &a), dot(&b, &b));
+            let toward: Vec3<f64> = std::array::from_fn(|i| aa * b[i] - bb * a[i]);
+            scaled(0.5 / (area * area), &cross(&toward, &normal))
+        };
+        let centre = std::array::from_fn(|i| from.position_m[i] + to_centre[i]);
+        let u = scaled(-1.0, &to_centre);
+        let v = cross(&axis, &u);
+        let angle_of = |point: &Vec3<f64>| {
+            let d = sub(point, &centre);
+            dot(&d, &v).atan2(dot(&d, &u)).rem_euclid(std::f64::consts::TAU)
+        };
+        let (at_aux, programmed) = (angle_of(aux), angle_of(&to.position_m));
+        let angle = turn.angle_rad.unwrap_or(programmed);
+        let position = Position::Arc { centre, u, v, angle };
+
+        // The law of the orientation up to where the end's is reached.
+        let whole = if turn.extrapolates { programmed } else { angle };
+        let carried = turn.with_path.then(|| scaled(whole, &axis));
+        let relative = |rotation: &Mat3<f64>, share: f64| {
+            let carried = carried.map_or([0.0; 3], |r| scaled(-share, &r));
+            let own = product(&exp(&carried), rotation);
+            log_or_half_turn(&product(&transposed(&from.rotation), &own))
+                .ok_or(CourseFault::HalfTurn)
+        };
+        let (mut linear, mut square) = ([0.0; 3], [0.0; 3]);
+        if !is_constant {
+            linear = relative(&to.rotation, 1.0)?;
+            if let Some((rotation, place)) = &turn.by_way_of {
+                let on_way = at_aux / whole;
+                let by_way = relative(rotation, on_way)?;
+                let share = match place {
+                    ByWayOf::AtAux => on_way,
+                    ByWayOf::Somewhere => {
+                        let before = norm(&by_way);
+                        let after = norm(&sub(&linear, &by_way));
+                        if before + after > 0.0 { before / (before + after) } else { 0.5 }
+                    }
+                };
+                // Through 0 at 0, `by_way` at `share` and `linear` at 1.
+                if share > 0.0 && share < 1.0 {
+                    for i in 0..3 {
+                        square[i] =
+                            (linear[i] - by_way[i] / share) / (1.0 - share);
+                        linear[i] -= square[i];
+                    }
+                }
+            }
+        }
+        let stretch = angle / whole;
+        Ok(Self {
+            position,
+            orientation: Orientation {
+                from: from.rotation,
+                linear: scaled(stretch, &linear),
+                square: scaled(stretch * stretch, &square),
+                carried: carried.filter(|_| !is_constant).map(|r| scaled(stretch, &r)),
+            },
+        })
+    }
+
+    /// Pose of the TCP at `s`.
+    pub(crate) fn at(&self, s: Taylor) -> MovingPose {
+        let position_m = match &self.position {
+            Position::Straight { from, by } => {
+                std::array::from_fn(|i| Taylor::constant(from[i]) + s * by[i])
+            }
+            Position::Arc { centre, u, v, angle } => {
+                let (sin, cos) = (s * *angle).sin_cos();
+                std::array::from_fn(|i| Taylor::constant(centre[i]) + cos * u[i] + sin * v[i])
+            }
+        };
+        let Orientation { from, linear, square, carried } = &self.orientation;
+        let from = constant(from);
+        let mut rotation = if *linear == [0.0; 3] && *square == [0.0; 3] {
+            from
+        } else {
+            let vector = std::array::from_fn(|i| s * linear[i] + s * s * square[i]);
+            product(&from, &exp(&vector))
+        };
+        if let Some(vector) = carried {
+            rotation = product(&exp(&vector.map(|v| s * v)), &rotation);
+        }
+        MovingPose { position_m, rotation }
+    }
+
+    /// The way of the TCP in m and its turn in rad, by s, if both are the same everywhere.
+    pub(crate) fn even_rates(&self) -> Option<[f64; 2]> {
+        let Orientation { linear, square, carried, .. } = &self.orientation;
+        if *square != [0.0; 3] || (carried.is_some() && *linear != [0.0; 3]) {
+            return None;
+        }
+        let turn = carried.as_ref().unwrap_or(linear);
+        Some([self.way_m(), norm(turn)])
+    }
+
+    /// Length of the way of the TCP, in m.
+    pub(crate) fn way_m(&self) -> f64 {
+        match &self.position {
+            Position::Straight { by, .. } => norm(by),
+            Position::Arc { u, angle, .. } => norm(u) * angle.abs(),
+        }
+    }
+
+    /// By how much the TCP turns, in rad.
+    pub(crate) fn turn_rad(&self) -> f64 {
+        let Orientation { linear, square, carried, .. } = &self.orientation;
+        norm(linear) + norm(square) + carried.as_ref().map_or(0.0, norm)
+    }
+}
+
+/// The way of a frame and its turn, from how it moves by s.
+pub(crate) fn tool_way(pose: &MovingPose) -> ToolWay {
+    let rate = pose.position_m.map(derivative);
+    // R' R^T = [omega]; as R is a rotation, any three of its entries tell omega.
+    let turning = product(&pose.rotation.map(|row| row.map(derivative)), &transposed(&pose.rotation));
+    let omega = [turning[2][1], turning[0][2], turning[1][0]];
+    ToolWay { way_m: length(&rate), turn_rad: length(&omega) }
+}
+
+/// The derivative of a series, whose last coefficient is lost.
+fn derivative(Taylor([_, one, two, three]): Taylor) -> Taylor {
+    Taylor([one, 2.0 * two, 3.0 * three, 0.0])
+}
+
+/// The length of a vector and its first two derivatives; zeros where it stands still.
+fn length(v: &Vec3<Taylor>) -> [f64; 3] {
+    /// Shorter than this, in m or rad, it is rounding.
+    const NOTHING: f64 = 1e-12;
+    let square = dot(v, v);
+    if square.value() <= NOTHING * NOTHING {
+        return [0.0; 3];
+    }
+    let [zero, one, two, _] = square.sqrt().derivatives();
+    [zero, one, two]
+}

@@ -1,0 +1,309 @@
+//! Curves in joint space as piecewise polynomials.
+
+use std::sync::Arc;
+
+use iiwa_kin::{Joint, Joints, Limits, Taylor};
+
+use crate::{
+    cartesian::joint_curve::{CurveFault, JointCurve, MovingJoints},
+    segment::{Derivatives, Segment},
+    tool_way::ToolWay,
+};
+
+/// A curve in joint space as polynomials of degree 7 that meet with three derivatives: what timing, sampling, checks of
+/// joint limits and clearance work with.
+#[derive(Clone, Debug)]
+pub(crate) struct JointSpline {
+    /// Where pieces begin, in s, and 1.
+    breaks: Vec<f64>,
+    pieces: Vec<Piece>,
+    sigma: Sigma,
+    /// How the TCP moves along, where its limits hold.
+    curve: Arc<dyn JointCurve>,
+}
+
+/// The coefficients of all joints, the lowest power of the share of the piece first.
+type Piece = [Joints; 8];
+
+/// How far the polynomials may be off the curve, in rad.
+const TOLERANCE_RAD: f64 = 1e-9;
+
+/// Most halvings of a piece.
+const MOST_HALVINGS: u32 = 12;
+
+/// Where the curve cannot be followed, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct CurveFaultAt {
+    pub(crate) s: f64,
+    pub(crate) fault: CurveFault,
+}
+
+/// The path parameter: `s + alpha` of a blend, with other rates at both ends.
+///
+/// Both ends' neighbours set the rates: with sigma as the parameter, q' and q'' go on from segment to segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sigma {
+    /// dsigma/ds at the start and at the end, in rad.
+    rates: [f64; 2],
+    /// What alpha adds, in rad.
+    middle: f64,
+}
+
+impl Sigma {
+    /// Even along the curve, of this length in rad.
+    pub(crate) fn even(length_rad: f64) -> Self {
+        Self { rates: [length_rad; 2], middle: 0.0 }
+    }
+
+    /// Of a blend between curves whose rates are these.
+    pub(crate) fn of_blend(rates: [f64; 2]) -> Self {
+        Self { rates, middle: f64::midpoint(rates[0], rates[1]) }
+    }
+
+    /// Value and three derivatives.
+    fn at(&self, s: f64) -> [f64; 4] {
+        let [from, to] = self.rates;
+        let alpha = s * s * s * (10.0 + s * (6.0 * s - 15.0));
+        let rate = 30.0 * s * s * (1.0 - s) * (1.0 - s);
+        let bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s);
+        let change = 60.0 * (1.0 - 6.0 * s + 6.0 * s * s);
+        let area = s * s * s * s * (2.5 + s * (s - 3.0));
+        let by = to - from;
+        [
+            from * s + by * area + self.middle * alpha,
+            from + by * alpha + self.middle * rate,
+            by * rate + self.middle * bend,
+            by * bend + self.middle * change,
+        ]
+    }
+}
+
+impl JointSpline {
+    /// The image of `curve`.
+    pub(crate) fn of(curve: Arc<dyn JointCurve>) -> Result<Self, CurveFaultAt> {
+        let mut spline =
+            Self { breaks: vec![0.0], pieces: Vec::new(), sigma: Sigma::even(1.0), curve };
+        let at = |s| spline.joints(s);
+        let ends = [at(0.0)?, at(1.0)?];
+        let middle = at(0.5)?;
+        spline.halve([0.0, 1.0], &ends, &middle, 0)?;
+        Ok(spline)
+    }
+
+    /// The same with another path parameter.
+    pub(crate) fn with_sigma(self, sigma: Sigma) -> Self {
+        Self { sigma, ..self }
+    }
+
+    fn joints(&self, s: f64) -> Result<MovingJoints, CurveFaultAt> {
+        self.curve.at(Taylor::variable(s)).map_err(|fault| CurveFaultAt { s, fault })
+    }
+
+    /// Adds the pieces of a range, whose ends and middle are known.
+    fn halve(
+        &mut self,
+        [from, to]: [f64; 2],
+        ends: &[MovingJoints; 2],
+        middle: &MovingJoints,
+        halvings: u32,
+    ) -> Result<(), CurveFaultAt> {
+        let length = to - from;
+        let piece = hermite(ends, length);
+        let [quarter, three] = [0.25, 0.75].map(|share| self.joints(from + share * length));
+        let [quarter, three] = [quarter?, three?];
+        let is_near = |share: f64, joints: &MovingJoints| {
+            let q = value(&piece, share);
+            std::iter::zip(q, joints).all(|(q, joint)| (q - joint.0[0]).abs() <= TOLERANCE_RAD)
+        };
+        if is_near(0.25, &quarter) && is_near(0.5, middle) && is_near(0.75, &three) {
+            self.pieces.push(piece);
+            self.breaks.push(to);
+            return Ok(());
+        }
+        let half = f64::midpoint(from, to);
+        if halvings == MOST_HALVINGS {
+            return Err(CurveFaultAt { s: half, fault: CurveFault::Abrupt });
+        }
+        self.halve([from, half], &[ends[0], *middle], &quarter, halvings + 1)?;
+        self.halve([half, to], &[*middle, ends[1]], &three, halvings + 1)
+    }
+
+    /// The piece at `s`, the share of it, and its length in s.
+    fn piece(&self, s: f64) -> (&Piece, f64, f64) {
+        let index = self.breaks[1..self.pieces.len()].partition_point(|end| *end <= s);
+        let [from, to] = [self.breaks[index], self.breaks[index + 1]];
+        (&self.pieces[index], (s - from) / (to - from), to - from)
+    }
+
+    /// The joint that is farthest outside its range: where, in s, and at which position.
+    pub(crate) fn outside(&self, limits: &Limits) -> Option<(Joint, f64, f64)> {
+        let mut worst: Option<(f64, Joint, f64, f64)> = None;
+        for (piece, ends) in self.pieces.iter().zip(self.breaks.windows(2)) {
+            for joint in Joint::ALL {
+                let j = joint.index();
+                let range = limits.range_rad(joint);
+                let excess = |q: f64| (range[0] - q).max(q - range[1]);
+                let control = bernstein(&piece.map(|power| power[j]));
+                if control.iter().all(|q| excess(*q) <= 0.0) {
+                    continue;
+                }
+                // The curve is within the hull of its control points, which close in on it.
+                let mut parts = vec![(control, ends[0], ends[1])];
+                while let Some((control, from, to)) = parts.pop() {
+                    let known = |worst: &Option<(f64, _, _, _)>| {
+                        worst.as_ref().map_or(ROUNDING_RAD, |(most, ..)| *most)
+                    };
+                    for (s, q) in [(from, control[0]), (to, control[7])] {
+                        if excess(q) > known(&worst) {
+                            worst = Some((excess(q), joint, s, q));
+                        }
+                    }
+                    let most = control.iter().map(|q| excess(*q)).fold(f64::MIN, f64::max);
+                    if most > known(&worst) + ROUNDING_RAD && to - from > f64::EPSILON {
+                        let half = f64::midpoint(from, to);
+                        let [left, right] = split(&control);
+                        parts.extend([(left, from, half), (right, half, to)]);
+                    }
+                }
+            }
+        }
+        worst.map(|(_, joint, s, q)| (joint, s, q))
+    }
+
+    /// The mean of |dq/ds|, in rad.
+    pub(crate) fn mean_rate_rad(&self) -> f64 {
+        let ends = self.breaks.windows(2);
+        let lengths = ends.map(|ends| {
+            [0.0, 0.5, 1.0]
+                .map(|share| iiwa_kin::vector::norm(&self.at(ends[0] + share * (ends[1] - ends[0])).dq))
+                .into_iter()
+                .zip([1.0, 4.0, 1.0])
+                .map(|(rate, weight)| rate * weight / 6.0)
+                .sum::<f64>()
+                * (ends[1] - ends[0])
+        });
+        lengths.sum()
+    }
+}
+
+/// How far outside its range a joint may be, in rad: as in [`Limits::check`].
+const ROUNDING_RAD: f64 = 5e-9;
+
+impl Segment for JointSpline {
+    fn at(&self, s: f64) -> Derivatives {
+        let (piece, share, length) = self.piece(s);
+        // Horner's scheme on the value and, one step behind each, on the derivatives over their factorials.
+        let [mut q, mut dq, mut ddq, mut dddq] = [[0.0; 7]; 4];
+        for power in piece.iter().rev() {
+            for j in 0..7 {
+                dddq[j] = dddq[j] * share + ddq[j];
+                ddq[j] = ddq[j] * share + dq[j];
+                dq[j] = dq[j] * share + q[j];
+                q[j] = q[j] * share + power[j];
+            }
+        }
+        let per = 1.0 / length;
+        Derivatives {
+            q,
+            dq: dq.map(|v| v * per),
+            ddq: ddq.map(|v| 2.0 * v * per * per),
+            dddq: dddq.map(|v| 6.0 * v * per * per * per),
+        }
+    }
+
+    fn bend_bound_rad(&self) -> Joints {
+        let mut bound = [0.0_f64; 7];
+        for (piece, ends) in self.pieces.iter().zip(self.breaks.windows(2)) {
+            let per = 1.0 / (ends[1] - ends[0]);
+            for (j, bound) in bound.iter_mut().enumerate() {
+                let mut second = [0.0; 8];
+                for k in 2..8 {
+                    second[k - 2] = (k * (k - 1)) as f64 * piece[k][j];
+                }
+                let most = bernstein(&second).into_iter().map(f64::abs).fold(0.0, f64::max);
+                *bound = bound.max(most * per * per);
+            }
+        }
+        bound
+    }
+
+    fn sigma(&self, s: f64) -> [f64; 4] {
+        self.sigma.at(s)
+    }
+
+    fn sigma_unit_rad(&self) -> f64 {
+        1.0
+    }
+
+    fn tool_way(&self, s: f64) -> ToolWay {
+        self.curve.tool_way(s)
+    }
+
+    fn has_even_tool_way(&self) -> bool {
+        self.curve.is_even()
+    }
+}
+
+/// The polynomials that meet value and three derivatives at both ends of a piece of this length in s.
+fn hermite(ends: &[MovingJoints; 2], length: f64) -> Piece {
+    let mut piece = [[0.0; 7]; 8];
+    for j in 0..7 {
+        let powers = [1.0, length, length * length, length * length * length];
+        let [a, b]: [[f64; 4]; 2] = ends
+            .each_ref()
+            .map(|end| std::array::from_fn(|k| end[j].0[k] * powers[k]));
+        // What the first four powers leave of value and derivatives, over their factorials, at the end.
+        let rest = [
+            b[0] - (a[0] + a[1] + a[2] + a[3]),
+            b[1] - (a[1] + 2.0 * a[2] + 3.0 * a[3]),
+            b[2] - (a[2] + 3.0 * a[3]),
+            b[3] - a[3],
+        ];
+        for (k, a) in a.into_iter().enumerate() {
+            piece[k][j] = a;
+        }
+        for (k, weights) in HERMITE.iter().enumerate() {
+            piece[4 + k][j] = std::iter::zip(weights, rest).map(|(w, r)| w * r).sum();
+        }
+    }
+    piece
+}
+
+/// From what is left at the end to the coefficients of the fourth to the seventh power.
+const HERMITE: [[f64; 4]; 4] = [
+    [35.0, -15.0, 5.0, -1.0],
+    [-84.0, 39.0, -14.0, 3.0],
+    [70.0, -34.0, 13.0, -3.0],
+    [-20.0, 10.0, -4.0, 1.0],
+];
+
+fn value(piece: &Piece, share: f64) -> Joints {
+    let [rest @ .., last] = piece;
+    rest.iter().rev().fold(*last, |q, power| std::array::from_fn(|j| q[j] * share + power[j]))
+}
+
+/// The control points of a polynomial of degree 7 on 0 to 1 (Bernstein's form).
+fn bernstein(powers: &[f64; 8]) -> [f64; 8] {
+    let mut control = [0.0; 8];
+    for (i, control) in control.iter_mut().enumerate() {
+        // binomial(i, k) / binomial(7, k)
+        let mut weight = 1.0;
+        for (k, power) in powers.iter().enumerate().take(i + 1) {
+            *control += weight * power;
+            weight *= (i - k) as f64 / (7 - k).max(1) as f64;
+        }
+    }
+    control
+}
+
+/// The control points of both halves (de Casteljau's algorithm).
+fn split(control: &[f64; 8]) -> [[f64; 8]; 2] {
+    let (mut left, mut right, mut points) = ([0.0; 8], [0.0; 8], *control);
+    for k in 0..8 {
+        (left[k], right[7 - k]) = (points[0], points[7 - k]);
+        for i in 0..7 - k {
+            points[i] = f64::midpoint(points[i], points[i + 1]);
+        }
+    }
+    [left, right]
+}

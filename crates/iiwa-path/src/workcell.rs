@@ -1,0 +1,177 @@
+//! What a program knows by name: tools, bases and frames.
+
+use std::collections::BTreeMap;
+
+use iiwa_kin::Pose;
+
+use crate::{
+    frame::Frame,
+    target::{Target, TargetRef},
+};
+
+/// Tools, bases and frames of a program, and which of them its motions use unless they say otherwise.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Workcell {
+    /// The tools by name.
+    pub tools: BTreeMap<String, Tool>,
+    /// The bases by name.
+    pub bases: BTreeMap<String, Base>,
+    /// The frames by name.
+    pub frames: BTreeMap<String, Target>,
+    /// The tool in use; the bare flange if absent.
+    pub tool: Option<String>,
+    /// The base in use; the robot's foot if absent.
+    pub base: Option<String>,
+}
+
+/// A tool at the flange.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tool {
+    /// Its TCP, in the flange's frame.
+    pub tcp: Frame,
+    /// Further TCPs by name, in the flange's frame.
+    pub tips: BTreeMap<String, Frame>,
+    /// What it weighs, if that is known.
+    pub load: Option<Load>,
+}
+
+/// A load at the flange.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Mass, in kg.
+    pub mass_kg: f64,
+    /// Centre of mass in the flange's frame, in mm.
+    pub center_mm: [f64; 3],
+    /// Principal moments of inertia about the centre, in kg m^2.
+    pub inertia_kg_m2: [f64; 3],
+    /// Orientation of the principal axes in the flange's frame: a, b, c in rad.
+    pub abc_rad: [f64; 3],
+}
+
+/// A frame in which others are given.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Base {
+    /// Where it is in the base that it is given in.
+    pub frame: Frame,
+    /// That base; the robot's foot if absent.
+    pub base: Option<String>,
+}
+
+/// A name that leads nowhere.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NameFault {
+    /// There is no such tool, TCP, base or frame.
+    #[error("there is no {kind} `{name}`{}", known(.known))]
+    Unknown {
+        /// What it should have been: `tool`, `base` or `frame`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// Those that there are.
+        known: Vec<String>,
+    },
+    /// A base is given in itself, by way of others or not.
+    #[error("the base `{name}` is given in itself, by way of its own base")]
+    Cycle {
+        /// The base.
+        name: String,
+    },
+}
+
+fn known(names: &[String]) -> String {
+    /// More would hide the message.
+    const MOST: usize = 8;
+    if names.is_empty() {
+        return "; the program names none".to_owned();
+    }
+    let shown = names.iter().take(MOST).map(|name| format!("`{name}`")).collect::<Vec<_>>();
+    let more = if names.len() > MOST { ", ..." } else { "" };
+    format!("; there are {}{more}", shown.join(", "))
+}
+
+/// The name of the bare flange among tools.
+pub(crate) const FLANGE: &str = "flange";
+/// The name of the robot's foot among bases.
+pub(crate) const ROBOT: &str = "robot";
+
+impl Workcell {
+    /// The TCP of a tool in the flange's frame, by its name `TOOL` or `TOOL/TIP`; of the tool in use if there is none.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such tool.
+    pub fn tcp(&self, name: Option<&str>) -> Result<Pose, NameFault> {
+        let name = name.or(self.tool.as_deref()).unwrap_or(FLANGE);
+        if name == FLANGE {
+            return Ok(Pose::IDENTITY);
+        }
+        let found = match name.split_once('/') {
+            Some((tool, tip)) => self.tools.get(tool).and_then(|tool| tool.tips.get(tip)),
+            None => self.tools.get(name).map(|tool| &tool.tcp),
+        };
+        found.map(Frame::pose).ok_or_else(|| {
+            let tips = |(tool, entry): (&String, &Tool)| {
+                let tips = entry.tips.keys().map(|tip| format!("{tool}/{tip}")).collect::<Vec<_>>();
+                std::iter::once(tool.clone()).chain(tips)
+            };
+            let known = self.tools.iter().flat_map(tips).collect();
+            NameFault::Unknown { kind: "tool", name: name.to_owned(), known }
+        })
+    }
+
+    /// A base in the robot's foot, by its name; the base in use if there is none.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such base, or if it is given in itself.
+    pub fn base(&self, name: Option<&str>) -> Result<Pose, NameFault> {
+        let mut name = name.or(self.base.as_deref()).unwrap_or(ROBOT);
+        let mut pose = Pose::IDENTITY;
+        for _ in 0..=self.bases.len() {
+            if name == ROBOT {
+                return Ok(pose);
+            }
+            let base = self.bases.get(name).ok_or_else(|| NameFault::Unknown {
+                kind: "base",
+                name: name.to_owned(),
+                known: self.bases.keys().cloned().collect(),
+            })?;
+            pose = base.frame.pose().then(&pose);
+            name = base.base.as_deref().unwrap_or(ROBOT);
+        }
+        Err(NameFault::Cycle { name: name.to_owned() })
+    }
+
+    /// A target, and where it is in the robot's foot. A target that is given where it is used is in `base` unless it
+    /// names another; one with a name is in the program's, so that it is the same place for all motions.
+    ///
+    /// # Errors
+    ///
+    /// If it, or a base, is not there.
+    pub fn target<'a>(
+        &'a self,
+        target: &'a TargetRef,
+        base: Option<&str>,
+    ) -> Result<(&'a Target, Pose), NameFault> {
+        let (target, base) = match target {
+            TargetRef::Given(target) => (target, base),
+            TargetRef::Named(name) => {
+                let target = self.frames.get(name).ok_or_else(|| NameFault::Unknown {
+                    kind: "frame",
+                    name: name.clone(),
+                    known: self.frames.keys().cloned().collect(),
+                })?;
+                (target, None)
+            }
+        };
+        let base = self.base(target.base.as_deref().or(base))?;
+        Ok((target, base.then(&target.frame.pose())))
+    }
+
+    /// Whether nothing is named.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
