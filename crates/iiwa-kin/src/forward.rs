@@ -237,7 +237,7 @@ impl Robot {
 
 /// Sines and cosines of seven joints, computed as eight: an even number fills vector registers.
 #[inline(always)]
-fn sin_cos_of_joints(q: &Joints) -> (Joints, Joints) {
+pub(crate) fn sin_cos_of_joints(q: &Joints) -> (Joints, Joints) {
     let (s, c) = sin_cos(&[q[0], q[1], q[2], q[3], q[4], q[5], q[6], 0.0]);
     ([s[0], s[1], s[2], s[3], s[4], s[5], s[6]], [c[0], c[1], c[2], c[3], c[4], c[5], c[6]])
 }

@@ -1,4 +1,4 @@
-//! Kinematics of the KUKA LBR iiwa: robot models, forward kinematics, Jacobian, URDF in and out.
+//! Kinematics of the KUKA LBR iiwa: robot models, forward and inverse kinematics, Jacobian, URDF in and out.
 //! It knows nothing of motion.
 //!
 //! ```
@@ -21,14 +21,24 @@
 mod batch;
 mod dh;
 mod forward;
+mod inverse;
 mod joint;
 mod limits;
+mod moving_pose;
+mod number;
 mod pose;
 #[cfg(feature = "profile")]
 mod profile;
+mod reachable;
+mod redundancy;
 mod robot;
 mod shapes;
+mod singularity;
+mod status;
+mod taylor;
 mod trig;
+mod turn;
+mod unreachable;
 #[cfg(feature = "urdf")]
 mod urdf;
 pub mod vector;
@@ -36,11 +46,19 @@ pub mod vector;
 pub use dh::DhRow;
 pub use joint::Joint;
 pub use limits::{Limits, OutsideRange};
+pub use moving_pose::MovingPose;
+pub use number::Number;
 pub use pose::Pose;
 #[cfg(feature = "profile")]
 pub use profile::ProfileError;
+pub use redundancy::Redundancy;
 pub use robot::{Assumption, BadLength, Lengths, Robot};
 pub use shapes::{Along, Shape, Solid};
+pub use singularity::{SingularPart, Singularity};
+pub use status::Status;
+pub use taylor::Taylor;
+pub use turn::Turn;
+pub use unreachable::Unreachable;
 #[cfg(feature = "urdf")]
 pub use urdf::{LimitDifference, Listed, UrdfError, UrdfReport};
 

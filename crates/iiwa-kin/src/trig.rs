@@ -9,6 +9,8 @@
     reason = "kernels must be inlined into the function that enables vector instructions"
 )]
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
 /// Largest angle, in rad, for which the reduction below is exact to double precision.
 const MAX_REDUCED_RAD: f64 = 1.0e6;
 
@@ -83,6 +85,44 @@ pub(crate) fn sin_cos<const N: usize>(angles: &[f64; N]) -> ([f64; N], [f64; N])
     (sin, cos)
 }
 
+// Coefficients of fdlibm (`s_atan.c`, Sun Microsystems 1993) for |u| < 7/16.
+const ATAN: [f64; 11] = [
+    3.333_333_333_333_293e-1,
+    -1.999_999_999_987_648_3e-1,
+    1.428_571_427_250_346_6e-1,
+    -1.111_111_040_546_235_6e-1,
+    9.090_887_133_436_507e-2,
+    -7.691_876_205_044_83e-2,
+    6.661_073_137_387_531e-2,
+    -5.833_570_133_790_573_5e-2,
+    4.976_877_994_615_932e-2,
+    -3.653_157_274_421_691_6e-2,
+    1.628_582_011_536_578_2e-2,
+];
+
+/// Angle of the point (`x`, `y`), in rad, from -pi to pi; error below 2 ulp of pi. 0 at the origin, and never -0.
+#[inline(always)]
+pub(crate) fn atan2(y: f64, x: f64) -> f64 {
+    /// tan(pi/8): up to it the quotient is small enough, beyond it that of the point turned by pi/4 is.
+    const EIGHTH: f64 = 0.414_213_562_373_095_03;
+    let (flat, steep) = (x.abs(), y.abs());
+    let swap = steep > flat;
+    let (long, short) = if swap { (steep, flat) } else { (flat, steep) };
+    let turn = short > EIGHTH * long;
+    let (above, below) = if turn { (short - long, short + long) } else { (short, long) };
+    let u = above / (below + if below == 0.0 { 1.0 } else { 0.0 });
+    let z = u * u;
+    let w = z * z;
+    let odd = z
+        * (ATAN[0] + w * (ATAN[2] + w * (ATAN[4] + w * (ATAN[6] + w * (ATAN[8] + w * ATAN[10])))));
+    let even = w * (ATAN[1] + w * (ATAN[3] + w * (ATAN[5] + w * (ATAN[7] + w * ATAN[9]))));
+    let small = u - u * (odd + even);
+    let eighth = if turn { small + FRAC_PI_4 } else { small };
+    let quarter = if swap { FRAC_PI_2 - eighth } else { eighth };
+    let half = if x < 0.0 { PI - quarter } else { quarter };
+    half.copysign(y) + 0.0
+}
+
 #[cold]
 fn by_the_standard_library<const N: usize>(angles: &[f64; N]) -> ([f64; N], [f64; N]) {
     (angles.map(f64::sin), angles.map(f64::cos))
@@ -102,6 +142,27 @@ mod tests {
                 prop_assert!((cos[i] - angle.cos()).abs() < 5e-16, "cos {angle}");
             }
         }
+    }
+
+    proptest! {
+        #[test]
+        fn angles_agree_with_the_standard_library(
+            turn in -3.2..3.2_f64, y in -1.0..1.0_f64, x in -1.0..1.0_f64, scale in -30..30_i32,
+        ) {
+            let (sin, cos) = turn.sin_cos();
+            prop_assert!((atan2(sin, cos) - sin.atan2(cos)).abs() < 9e-16, "at {turn}");
+            let k = 10.0_f64.powi(scale);
+            prop_assert!((atan2(k * y, k * x) - (k * y).atan2(k * x)).abs() < 9e-16, "({x}, {y})");
+        }
+    }
+
+    #[test]
+    fn angles_of_axes_are_exact() {
+        for (y, x) in [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (1.0, 1.0), (0.0, 0.0)] {
+            assert_eq!(atan2(y, x), f64::atan2(y, x), "({x}, {y})");
+        }
+        assert!(atan2(-0.0, 1.0).is_sign_positive());
+        assert!(atan2(f64::NAN, 1.0).is_nan() && atan2(1.0, f64::NAN).is_nan());
     }
 
     #[test]

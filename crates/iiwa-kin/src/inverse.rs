@@ -1,0 +1,229 @@
+//! Inverse kinematics: the joints that reach a pose, in closed form.
+//!
+//! With the position of joint A3 given (Sunrise's E1) the arm has six joints left. The wrist's distance from
+//! the shoulder gives A4; its height and its way round the vertical axis give A1 and A2; what is left of the
+//! orientation gives A5 to A7. Each step leaves two choices, which the three bits of [`Status`] make.
+//!
+//! One function serves numbers and their derivatives. It carries sines and cosines along, each a quotient of
+//! lengths at hand, and takes all angles at its end.
+
+#![expect(
+    clippy::inline_always,
+    reason = "kernels must be inlined where their numbers are known to be plain or Taylor series"
+)]
+
+use crate::{
+    Joints, MovingPose, Pose, Robot, Taylor, number::Number, status::Status,
+    unreachable::Unreachable,
+};
+
+/// How far out of reach a wrist may be, in m. A millionth of a millimetre: poses at the border of what is
+/// within reach must not fail by the rounding of a text.
+const ROUNDING_M: f64 = 1e-9;
+
+/// Where two axes are in line up to this (in m, or as a sine), only the sum of their joints counts. The first
+/// of them stays at 0.
+const IN_LINE: f64 = 1e-12;
+
+impl Robot {
+    /// The joints, in rad, that bring the flange to a pose in the base frame with joint A3 at `e1_rad`, in the
+    /// way that `status` chooses. Limits of the joints are not checked; A1, A2 and A4 to A7 are between -pi
+    /// and pi.
+    ///
+    /// Where A6 is 0 (to 1e-12) A5 is taken as 0, and where the wrist is above the base A1 is.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    ///
+    /// let robot = Robot::lbr_iiwa_7_r800();
+    /// let joints = [0.3, 0.5, 0.2, -1.0, 0.4, 0.7, -0.1];
+    /// let redundancy = robot.redundancy(&joints);
+    /// let flange = robot.flange_pose(&joints);
+    /// let again = robot.inverse(&flange, redundancy.e1_rad, redundancy.status)?;
+    /// assert!((0..7).all(|j| (again[j] - joints[j]).abs() < 1e-12));
+    /// # Ok::<(), iiwa_kin::Unreachable>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If no joints reach the pose, or none with this E1.
+    pub fn inverse(
+        &self,
+        flange: &Pose,
+        e1_rad: f64,
+        status: Status,
+    ) -> Result<Joints, Unreachable> {
+        solve(&self.offsets(), &flange.position_m, &flange.rotation, e1_rad, status)
+    }
+
+    /// The joints, in rad, and their first three derivatives while flange and E1 move: the same as
+    /// [`inverse`](Self::inverse) at every value of the parameter.
+    ///
+    /// In a singularity ([`Robot::singularity`]) derivatives are not finite.
+    ///
+    /// # Errors
+    ///
+    /// If no joints reach the pose, or none with this E1.
+    pub fn inverse_moving(
+        &self,
+        flange: &MovingPose,
+        e1: Taylor,
+        status: Status,
+    ) -> Result<[Taylor; 7], Unreachable> {
+        solve(&self.offsets(), &flange.position_m, &flange.rotation, e1, status)
+    }
+}
+
+/// The wrist as seen from the shoulder, in the base's directions; and the squares of its distances from the
+/// vertical axis and from the shoulder.
+#[inline(always)]
+fn wrist<T: Number>(d: &[f64; 4], position: &[T; 3], rotation: &[[T; 3]; 3]) -> ([T; 3], T, T) {
+    let w = [
+        position[0] + rotation[0][2] * -d[3],
+        position[1] + rotation[1][2] * -d[3],
+        position[2] + rotation[2][2] * -d[3] + -d[0],
+    ];
+    let aside = w[0] * w[0] + w[1] * w[1];
+    (w, aside, aside + w[2] * w[2])
+}
+
+/// Sine (above 0) and cosine of A4 from the square of the wrist's distance from the shoulder, by the law of
+/// cosines. Square roots of sums and differences, for `acos` would lose half of the digits near 0.
+#[inline(always)]
+fn elbow<T: Number>([_, d3, d5, _]: &[f64; 4], distance: T) -> Result<(T, T), Unreachable> {
+    let (longest, shortest) = (d3 + d5, d3 - d5);
+    let mut to_stretched = -distance + longest * longest;
+    let mut to_folded = distance + -(shortest * shortest);
+    if to_stretched.value() < 0.0 || to_folded.value() < 0.0 {
+        check_distance(distance.value().sqrt(), longest, shortest.abs())?;
+        let (none, all) = (T::constant(0.0), T::constant(4.0 * d3 * d5));
+        (to_stretched, to_folded) =
+            if to_stretched.value() < 0.0 { (none, all) } else { (all, none) };
+    }
+    let per = (2.0 * d3 * d5).recip();
+    let sin = to_stretched.sqrt() * to_folded.sqrt() * per;
+    Ok((sin, (to_folded - to_stretched) * (0.5 * per)))
+}
+
+#[cold]
+fn check_distance(distance: f64, longest: f64, shortest: f64) -> Result<(), Unreachable> {
+    if distance > longest + ROUNDING_M {
+        return Err(Unreachable::TooFar { by_mm: 1e3 * (distance - longest) });
+    }
+    if distance < shortest - ROUNDING_M {
+        return Err(Unreachable::TooNear { by_mm: 1e3 * (shortest - distance) });
+    }
+    Ok(())
+}
+
+/// What a pose says of the arm before E1 is known.
+pub(crate) struct Arm {
+    /// The wrist as seen from the shoulder.
+    pub(crate) wrist_m: [f64; 3],
+    /// Without the sign that the status chooses.
+    pub(crate) sin_a4: f64,
+    pub(crate) cos_a4: f64,
+    /// d5 |sin A4|: how far the wrist can be from the plane of A1 and A2.
+    lever_m: f64,
+}
+
+impl Arm {
+    /// How far E1 may be from 0 or from half a turn, in rad; a quarter turn for every E1.
+    pub(crate) fn within_rad(&self) -> f64 {
+        let [x, y, _] = self.wrist_m;
+        x.hypot(y).atan2((self.lever_m * self.lever_m - x * x - y * y).max(0.0).sqrt())
+    }
+}
+
+/// The arm at a pose of the flange; an error if it does not reach so far.
+pub(crate) fn arm_at(d: &[f64; 4], flange: &Pose) -> Result<Arm, Unreachable> {
+    let (wrist_m, _, distance) = wrist(d, &flange.position_m, &flange.rotation);
+    let (sin_a4, cos_a4) = elbow(d, distance)?;
+    Ok(Arm { wrist_m, sin_a4, cos_a4, lever_m: d[2] * sin_a4 })
+}
+
+#[inline(always)]
+fn dot<T: Number>(a: &[T; 3], b: &[T; 3]) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross<T: Number>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[inline(always)]
+fn solve<T: Number>(
+    d: &[f64; 4],
+    position: &[T; 3],
+    rotation: &[[T; 3]; 3],
+    e1: T,
+    status: Status,
+) -> Result<[T; 7], Unreachable> {
+    let [_, d3, d5, _] = *d;
+    let [ahead_sign, a4_sign, a6_sign] = status.signs();
+    let (zero, one) = (T::constant(0.0), T::constant(1.0));
+    let (w, aside, distance) = wrist(d, position, rotation);
+
+    let (sin4, cos4) = elbow(d, distance)?;
+    let sin4 = sin4 * a4_sign;
+
+    // The wrist in the frame that A1 and A2 turn, v, and in the one that A1 turns: (ahead, v[1], w[2]).
+    let (sin3, cos3) = e1.sin_cos();
+    let lever = sin4 * -d5;
+    let mut v = [lever * cos3, lever * sin3, cos4 * d5 + d3];
+    let mut ahead_square = aside - v[1] * v[1];
+    if ahead_square.value() < 0.0 {
+        let border = aside.sqrt();
+        let beyond_m = v[1].value().abs() - border.value();
+        if beyond_m > ROUNDING_M {
+            let within_rad = (border.value() / lever.value().abs()).asin();
+            return Err(Unreachable::E1 { e1_rad: e1.value(), within_rad });
+        }
+        v[1] = if v[1].value() < 0.0 { -border } else { border };
+        ahead_square = zero;
+    }
+    let ahead = ahead_square.sqrt() * ahead_sign;
+
+    let (sin1, cos1) = if aside.value() > IN_LINE * IN_LINE {
+        let per = one / aside;
+        ((w[1] * ahead - w[0] * v[1]) * per, (w[0] * ahead + w[1] * v[1]) * per)
+    } else {
+        (zero, one)
+    };
+    let square = ahead_square + w[2] * w[2];
+    let (sin2, cos2) = if square.value() > IN_LINE * IN_LINE {
+        let per = one / square;
+        ((ahead * v[2] - w[2] * v[0]) * per, (w[2] * v[2] + ahead * v[0]) * per)
+    } else {
+        (zero, one)
+    };
+
+    // The frame of the forearm: z along it, y along the axis of A4.
+    let upper_arm = [cos1 * sin2, sin1 * sin2, cos2];
+    let z: [T; 3] = std::array::from_fn(|i| (w[i] - upper_arm[i] * d3) * d5.recip());
+    let turned = sin3 * cos2;
+    let y = [-(turned * cos1 + cos3 * sin1), cos3 * cos1 - turned * sin1, sin3 * sin2];
+    let x = cross(&y, &z);
+
+    // The flange in it is a turn about z, y and z again.
+    let axis = |k: usize| [rotation[0][k], rotation[1][k], rotation[2][k]];
+    let flange_z = axis(2);
+    let (along_x, along_y) = (dot(&x, &flange_z), dot(&y, &flange_z));
+    let square = along_x * along_x + along_y * along_y;
+    let cos6 = dot(&z, &flange_z);
+    let (sin6, sin5, cos5) = if square.value() > IN_LINE * IN_LINE {
+        let length = square.sqrt();
+        let per = one / length * a6_sign;
+        (length * a6_sign, along_y * per, along_x * per)
+    } else {
+        (zero, zero, one)
+    };
+    // The axis of A6 says what A7 has left to do, also where A5 is uncertain: next to A6 = 0 only their sum counts.
+    let axis6 = std::array::from_fn(|i| y[i] * cos5 - x[i] * sin5);
+    let (sin7, cos7) = (dot(&axis6, &axis(0)), dot(&axis6, &axis(1)));
+
+    let [a1, a2, a4, a5, a6, a7] =
+        T::angles(&[sin1, sin2, sin4, sin5, sin6, sin7], &[cos1, cos2, cos4, cos5, cos6, cos7]);
+    Ok([a1, a2, e1, a4, a5, a6, a7])
+}

@@ -1,0 +1,85 @@
+//! How near the arm is to a singularity.
+
+use std::fmt;
+
+use crate::{Joints, Robot, forward::sin_cos_of_joints};
+
+/// How far the arm is from the three singularities that it has while joint A3 keeps to a law of its own;
+/// each is 0 in the singularity and 1 at most. The Jacobian's determinant without the column of A3 is
+/// their product, times lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Singularity {
+    /// Distance of the wrist from the plane through the axes of A1 and A2, as a share of the arm's length
+    /// d3 + d5. At 0 another E1 would be out of reach.
+    pub shoulder: f64,
+    /// |sin A4|: 0 where the arm is stretched.
+    pub elbow: f64,
+    /// |sin A6|: 0 where the flange is in line with the forearm.
+    pub wrist: f64,
+}
+
+/// Where the arm is singular.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SingularPart {
+    /// The wrist in the plane through the axes of A1 and A2.
+    Shoulder,
+    /// A4 at 0.
+    Elbow,
+    /// A6 at 0.
+    Wrist,
+}
+
+impl Singularity {
+    /// The least of the three, and which it is.
+    #[must_use]
+    pub fn least(&self) -> (f64, SingularPart) {
+        let mut least = (self.shoulder, SingularPart::Shoulder);
+        for other in [(self.elbow, SingularPart::Elbow), (self.wrist, SingularPart::Wrist)] {
+            if other.0 < least.0 {
+                least = other;
+            }
+        }
+        least
+    }
+}
+
+impl fmt::Display for SingularPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Shoulder => "shoulder",
+            Self::Elbow => "elbow",
+            Self::Wrist => "wrist",
+        })
+    }
+}
+
+impl Robot {
+    /// How near the arm is to a singularity at `joints_rad`.
+    ///
+    /// ```
+    /// use iiwa_kin::{Robot, SingularPart};
+    ///
+    /// let near = Robot::lbr_iiwa_7_r800().singularity(&[0.0, 0.5, 0.0, -1.0, 0.0, 0.02, 0.0]);
+    /// let (least, part) = near.least();
+    /// assert!((least - 0.02).abs() < 1e-5);
+    /// assert_eq!(part, SingularPart::Wrist);
+    /// ```
+    #[must_use]
+    pub fn singularity(&self, joints_rad: &Joints) -> Singularity {
+        let (sin, _) = sin_cos_of_joints(joints_rad);
+        let [_, upper_arm, forearm, _] = self.offsets();
+        Singularity {
+            shoulder: self.wrist_ahead_m(joints_rad).abs() / (upper_arm + forearm),
+            elbow: sin[3].abs(),
+            wrist: sin[5].abs(),
+        }
+    }
+
+    /// The wrist's x in the frame that joint A1 turns, in m.
+    #[must_use]
+    pub(crate) fn wrist_ahead_m(&self, joints_rad: &Joints) -> f64 {
+        let (s, c) = sin_cos_of_joints(joints_rad);
+        let [_, upper_arm, forearm, _] = self.offsets();
+        upper_arm * s[1] + forearm * (s[1] * c[3] - c[1] * s[3] * c[2])
+    }
+}
