@@ -84,7 +84,7 @@ pub fn searches() -> Result<Vec<Search>> {
                 _ => None,
             })
             .collect();
-        let mut before = program.start_rad;
+        let mut before = *program.start.joints_rad().ok_or("the start is a frame")?;
         for (i, ptp) in targets.iter().enumerate() {
             let point_rad = ptp.target_rad;
             if let (Some(Blend::CartMm(radius_mm)), Some(next)) = (ptp.blend, targets.get(i + 1)) {

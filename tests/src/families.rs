@@ -128,7 +128,7 @@ mod tests {
         let ptps = |family: Family| {
             let programs = (0..50).map(move |index| family.program(1, index).program);
             programs.flat_map(|program| {
-                let mut at = program.start_rad;
+                let mut at = *program.start.joints_rad().unwrap();
                 let moves = program.motions.into_iter().filter_map(move |motion| match motion {
                     Motion::Ptp(ptp) => {
                         let way = iiwa_kin::vector::sub(&ptp.target_rad, &at);

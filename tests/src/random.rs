@@ -1,7 +1,7 @@
 //! Random programs: everything that a program may hold, the odd things more often than in life.
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
 use proptest::prelude::*;
 
 /// How far a motion goes: whole sweeps of the arm, short moves, tiny ones, and none.
@@ -145,5 +145,5 @@ fn program(start_rad: Joints, drafts: &[Draft]) -> Program {
             ptp.blend = None;
         }
     }
-    Program { robot: None, start_rad, motions }
+    Program { robot: None, start: Start::Joints(start_rad), motions, workcell: Workcell::default() }
 }

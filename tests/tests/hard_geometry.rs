@@ -7,7 +7,7 @@
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{
     Blend, BlendShape, Continuity, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp,
-    Segment, Step,
+    Segment, Start, Step, Workcell,
 };
 use iiwa_traj::{State, SweepOptions, Timing, TimingError, Trajectory};
 use iiwasim_tests::differences::ratios;
@@ -32,7 +32,12 @@ fn only(joint: usize, deg: f64) -> Joints {
 
 fn path(start: Joints, motions: &[Ptp], shape: BlendShape) -> JointPath {
     let motions = motions.iter().cloned().map(Motion::Ptp).collect();
-    let program = Program { robot: None, start_rad: start, motions };
+    let program = Program {
+        robot: None,
+        start: Start::Joints(start),
+        motions,
+        workcell: Workcell::default(),
+    };
     let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
     JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
 }
@@ -466,7 +471,12 @@ fn curvature_that_jumps_is_named() {
         ptp(b, Some(blend)),
         ptp([0.0; 7], None),
     ];
-    let program = Program { robot: None, start_rad: [0.0; 7], motions };
+    let program = Program {
+        robot: None,
+        start: Start::Joints([0.0; 7]),
+        motions,
+        workcell: Workcell::default(),
+    };
     for shape in SHAPES {
         let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
         let path = JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap();

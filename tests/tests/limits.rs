@@ -33,13 +33,15 @@ fn ends_at_the_target(program: &Program, trajectory: &Trajectory) -> Result<(), 
         Step::Move { segment, .. } => Some(segment.at(1.0).q),
         _ => None,
     });
-    prop_assert_eq!(end.q, last.unwrap_or(program.start_rad));
+    prop_assert_eq!(end.q, last.unwrap_or(*program.start.joints_rad().unwrap()));
     let target = program.motions.iter().rev().find_map(|motion| match motion {
         Motion::Ptp(ptp) => Some(ptp.target_rad),
         _ => None,
     });
     // Less than a nanoradian is no motion: a few of these may be missing.
-    for (found, expected) in end.q.iter().zip(target.unwrap_or(program.start_rad)) {
+    for (found, expected) in
+        end.q.iter().zip(target.unwrap_or(*program.start.joints_rad().unwrap()))
+    {
         prop_assert!((found - expected).abs() < 1e-8, "ends at {found}, not at {expected}");
     }
     Ok(())

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::Robot;
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{JerkOptions, State, Timing, Trajectory};
 use iiwasim_tests::differences::ratios;
 use proptest::{
@@ -26,8 +26,16 @@ fn path(motions: usize, blend: &BoxedStrategy<Blend>) -> JointPath {
     let path = prop::collection::vec(motion, motions).prop_filter_map("swings out", |mut all| {
         all.last_mut()?.blend = None;
         let motions = all.into_iter().map(Motion::Ptp).collect();
-        JointPath::new(&Program { robot: None, start_rad: [0.0; 7], motions }, &Robot::default())
-            .ok()
+        JointPath::new(
+            &Program {
+                robot: None,
+                start: Start::Joints([0.0; 7]),
+                motions,
+                workcell: Workcell::default(),
+            },
+            &Robot::default(),
+        )
+        .ok()
     });
     let config = ProptestConfig { rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() };
     path.new_tree(&mut TestRunner::new(config)).unwrap().current()

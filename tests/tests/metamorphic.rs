@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::families::Family;
 
@@ -41,7 +41,7 @@ fn changed(
     change: impl Fn(&mut Ptp),
 ) -> Program {
     let mut program = program.clone();
-    program.start_rad = pose(program.start_rad);
+    program.start = Start::Joints(pose(*program.start.joints_rad().unwrap()));
     for motion in &mut program.motions {
         if let Motion::Ptp(ptp) = motion {
             ptp.target_rad = pose(ptp.target_rad);
@@ -76,7 +76,12 @@ fn programs(
             .collect();
         motions.last_mut().unwrap().blend = None;
         let motions = motions.into_iter().map(Motion::Ptp).collect();
-        let program = Program { robot: None, start_rad, motions };
+        let program = Program {
+            robot: None,
+            start: Start::Joints(start_rad),
+            motions,
+            workcell: Workcell::default(),
+        };
         // A blend may swing out of a joint's range.
         if JointPath::new(&program, &Robot::default()).is_ok() {
             found.push(program);
@@ -129,11 +134,16 @@ fn the_way_back_takes_as_long() {
         let mut targets: Vec<_> = ways.iter().map(|ptp| ptp.target_rad).collect();
         let start_rad = targets.pop().unwrap();
         let blends = ways.iter().rev().skip(1).map(|ptp| ptp.blend).chain([None]);
-        let targets = targets.into_iter().rev().chain([there.start_rad]);
+        let targets = targets.into_iter().rev().chain([*there.start.joints_rad().unwrap()]);
         let back = targets
             .zip(blends)
             .map(|(target_rad, blend)| Motion::Ptp(Ptp { target_rad, blend, ..ways[0].clone() }));
-        let back = Program { robot: None, start_rad, motions: back.collect() };
+        let back = Program {
+            robot: None,
+            start: Start::Joints(start_rad),
+            motions: back.collect(),
+            workcell: Workcell::default(),
+        };
         for timing in timings() {
             largest = largest.max(compare(&there, &back, 1.0, timing, BAR));
         }
@@ -146,7 +156,7 @@ fn the_way_back_takes_as_long() {
 fn legs_in_two_halves_take_as_long() {
     let mut largest = 0.0_f64;
     for program in programs(40, apart, 0.25) {
-        let mut from = program.start_rad;
+        let mut from = *program.start.joints_rad().unwrap();
         let mut motions = Vec::new();
         for ptp in ptps(&program) {
             let to = ptp.target_rad;
@@ -203,7 +213,7 @@ fn a_stop_cuts_a_program_in_two() {
         let whole = Program {
             motions: [
                 first.motions.clone(),
-                vec![Motion::Ptp(Ptp::to(second.start_rad))],
+                vec![Motion::Ptp(Ptp::to(*second.start.joints_rad().unwrap()))],
                 second.motions.clone(),
             ]
             .concat(),
@@ -211,8 +221,9 @@ fn a_stop_cuts_a_program_in_two() {
         };
         let link = Program {
             robot: None,
-            start_rad: ptps(&first).last().unwrap().target_rad,
-            motions: vec![Motion::Ptp(Ptp::to(second.start_rad))],
+            start: Start::Joints(ptps(&first).last().unwrap().target_rad),
+            motions: vec![Motion::Ptp(Ptp::to(*second.start.joints_rad().unwrap()))],
+            workcell: Workcell::default(),
         };
         for timing in timings() {
             let parts: f64 =

@@ -5,7 +5,9 @@
 
 use fastrand::Rng;
 use iiwa_kin::Robot;
-use iiwa_path::{Blend, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp};
+use iiwa_path::{
+    Blend, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp, Start, Workcell,
+};
 use iiwa_traj::{JerkOptions, PlanError, Replanner, Timing, Trajectory};
 use iiwasim_tests::{bars::RATIOS, extremes::extremes, families::Family};
 
@@ -97,7 +99,12 @@ fn stops_come_and_go() {
         })
         .to_vec();
     motions.push(Motion::Ptp(Ptp::to([0.0; 7])));
-    let mut plan = replanner(&Program { robot: None, start_rad: [0.3; 7], motions });
+    let mut plan = replanner(&Program {
+        robot: None,
+        start: Start::Joints([0.3; 7]),
+        motions,
+        workcell: Workcell::default(),
+    });
     let sections = |plan: &Replanner| plan.trajectory().sections().len();
     let is_as_cold = |plan: &Replanner| {
         let expected_s = cold(plan.program()).cycle_time_s();

@@ -7,7 +7,7 @@
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{
     Blend, BlendShape, Continuity, JointPath, LimitKind, Motion, MotionLimits, PathOptions,
-    Program, Ptp,
+    Program, Ptp, Start, Workcell,
 };
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
 use proptest::{
@@ -47,7 +47,12 @@ fn expected_s(start: &Joints, ptp: &Ptp) -> f64 {
 
 fn path(start_rad: Joints, motions: Vec<Ptp>, blend_shape: BlendShape) -> JointPath {
     let motions = motions.into_iter().map(Motion::Ptp).collect();
-    let program = Program { robot: None, start_rad, motions };
+    let program = Program {
+        robot: None,
+        start: Start::Joints(start_rad),
+        motions,
+        workcell: Workcell::default(),
+    };
     let options = PathOptions { blend_shape, ..PathOptions::default() };
     JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
 }

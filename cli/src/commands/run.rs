@@ -33,12 +33,13 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
         output::print(&plan_table(&figures))?;
     }
     let output = target.as_deref().map(Output::new).transpose()?;
-    let task = if options.as_trajectory {
+    // The robot's program knows no tools and no bases.
+    let task = if options.as_trajectory || program.has_frames() {
         Task::Trajectory(sampled(&plan)?)
     } else {
         Task::Motions(program.motions)
     };
-    go_to_start(&mut line, options.move_to_start, &program.start_rad)?;
+    go_to_start(&mut line, options.move_to_start, plan.path().start_rad())?;
     output::check_interrupt()?;
 
     let watched = execute_with_progress(&mut line, task, Some(plan.cycle_time_s()));

@@ -10,7 +10,7 @@ use std::{
 };
 
 use iiwa_kin::Joints;
-use iiwa_path::{Blend, Motion, Program, Ptp};
+use iiwa_path::{Blend, Motion, Program, Ptp, Start, Workcell};
 use iiwa_view::Extent;
 use serde::Serialize;
 use tokio::runtime::Handle;
@@ -168,7 +168,13 @@ impl Dispatcher {
         let inner = targets.iter().map(|to| blended(ptp(to)));
         let motions = inner.chain([ptp(last)]).map(Motion::Ptp).collect();
         let robot = Some(self.setup.robot.name().to_owned());
-        Ok(Program { robot, start_rad: start.joints_rad, motions }.to_json())
+        Ok(Program {
+            robot,
+            start: Start::Joints(start.joints_rad),
+            motions,
+            workcell: Workcell::default(),
+        }
+        .to_json())
     }
 
     /// Plans a program and shows it. Errors are shown on the page.

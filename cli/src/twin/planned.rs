@@ -2,6 +2,7 @@
 
 use std::{fs, path::PathBuf};
 
+use iiwa_kin::Joints;
 use iiwa_log::{PlanConfig, PlanOptions, PlanSize, write_plan};
 use iiwa_path::Program;
 use iiwa_traj::Trajectory;
@@ -22,6 +23,7 @@ pub(super) struct Planned {
     /// Unique, so that a page can only run the plan that it shows.
     pub(super) id: u64,
     pub(super) program: Program,
+    pub(super) start_rad: Joints,
     pub(super) text: String,
     /// Name of its files, without an extension.
     pub(super) stem: String,
@@ -81,6 +83,7 @@ impl Planned {
             .map_err(what)?;
         let cycle_time_s = plan.cycle_time_s();
         // The page is made from the file.
+        let start_rad = *plan.path().start_rad();
         drop(plan);
         let page = setup.page(&mcap, None, Extent::Sketch).map_err(what)?;
         let message = page_message(
@@ -90,13 +93,13 @@ impl Planned {
                 name: &stem,
                 cycle_time_s,
                 motions,
-                start_rad: &program.start_rad,
+                start_rad: &start_rad,
                 nearest,
                 refused: refused.as_deref(),
                 sketch: page.sketch(),
             },
         );
-        Ok(Self { id, program, text, stem, mcap, refused, message })
+        Ok(Self { id, program, start_rad, text, stem, mcap, refused, message })
     }
 }
 

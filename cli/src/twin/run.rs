@@ -15,7 +15,7 @@ use iiwa_link::{
     ClientError,
     message::{DriveState, Run as Measured, Status},
 };
-use iiwa_path::{Motion, Program, Ptp};
+use iiwa_path::{Motion, Program, Ptp, Start, Workcell};
 use iiwa_view::{Extent, Page};
 use serde::Serialize;
 
@@ -79,7 +79,7 @@ impl ProgramRun {
             .state()
             .map_err(|error| format!("cannot ask for the position of the robot: {error}"))?;
         let joints_rad = position_when_idle(&status)?;
-        let start_rad = plan.program.start_rad;
+        let start_rad = plan.start_rad;
         let offset = StartOffset::new(&joints_rad, &start_rad);
         let to_start = if offset.is_within_tolerance() {
             None
@@ -152,7 +152,12 @@ fn position_when_idle(status: &Status) -> Result<Joints, String> {
 /// The slow motion to a program's start, if it keeps clear of obstacles.
 fn motion_to_start(start_rad: Joints, joints_rad: Joints, setup: &Setup) -> Result<Motion, String> {
     let motion = Motion::Ptp(Ptp::to(start_rad).velocity(TO_START_VELOCITY_REL));
-    let program = Program { robot: None, start_rad: joints_rad, motions: vec![motion.clone()] };
+    let program = Program {
+        robot: None,
+        start: Start::Joints(joints_rad),
+        motions: vec![motion.clone()],
+        workcell: Workcell::default(),
+    };
     let plan = setup.plan(&program)?;
     match setup.too_near(setup.nearest_of(&plan).as_ref()) {
         None => Ok(motion),

@@ -11,7 +11,7 @@ use iiwa_link::{
     message::{Code, DriveState, Refusal, Sensors},
     robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
 };
-use iiwa_path::{JointPath, Motion, Program};
+use iiwa_path::{JointPath, Motion, Program, Start, Workcell};
 use iiwa_traj::{
     Timing, Trajectory,
     playback::{EMERGENCY_STOP_S, Playback, STOP_S},
@@ -494,7 +494,12 @@ pub(crate) fn plan(
     start_rad: Joints,
     motions: Vec<Motion>,
 ) -> Result<Trajectory, Refusal> {
-    let program = Program { robot: None, start_rad, motions };
+    let program = Program {
+        robot: None,
+        start: Start::Joints(start_rad),
+        motions,
+        workcell: Workcell::default(),
+    };
     let path = JointPath::new(&program, robot)
         .map_err(|fault| Refusal::new(Code::Limit, fault.to_string()))?;
     Trajectory::plan(&path, Timing::default()).map_err(|error| Refusal::robot(error.to_string()))

@@ -8,7 +8,7 @@ use iiwa_kin::{
     Joints, Robot,
     vector::{norm, sub},
 };
-use iiwa_path::{Blend, Motion, Program, Ptp};
+use iiwa_path::{Blend, Motion, Program, Ptp, Start, Workcell};
 
 /// A program of an experiment.
 #[derive(Clone, Debug, PartialEq)]
@@ -270,7 +270,12 @@ fn rad(deg: Joints) -> Joints {
 }
 
 fn program(start_rad: Joints, motions: impl IntoIterator<Item = Ptp>) -> Program {
-    Program { robot: None, start_rad, motions: motions.into_iter().map(Motion::Ptp).collect() }
+    Program {
+        robot: None,
+        start: Start::Joints(start_rad),
+        motions: motions.into_iter().map(Motion::Ptp).collect(),
+        workcell: Workcell::default(),
+    }
 }
 
 #[cfg(test)]
@@ -297,7 +302,7 @@ mod tests {
         let case = CycleTimeCase { path: 3, velocity_rel: 0.4, blend: 0.25, length_deg: 200.0 };
         let Trial { name, program } = case.trial(&Robot::default(), 1);
         assert_eq!(name, "path-4-velocity-040-blend-25-length-200");
-        let mut at = program.start_rad;
+        let mut at = *program.start.joints_rad().unwrap();
         for motion in &program.motions {
             let Motion::Ptp(ptp) = motion else { panic!("a wait") };
             assert!((norm(&sub(&ptp.target_rad, &at)).to_degrees() - 200.0).abs() < 1e-9);

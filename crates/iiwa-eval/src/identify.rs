@@ -544,7 +544,7 @@ impl Observer<'_> {
             _ => None,
         };
         let index = motion.index();
-        let before = (0..index).rev().find_map(target).unwrap_or(self.program.start_rad);
+        let before = (0..index).rev().find_map(target).unwrap_or(*self.path.start_rad());
         Some([before, target(index)?, target(index + 1)?])
     }
 }

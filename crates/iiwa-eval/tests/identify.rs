@@ -10,7 +10,9 @@ use iiwa_eval::{
 };
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
-use iiwa_path::{Continuity, JointPath, Motion, PolynomialBlend, Program, Ptp, Segment, Step};
+use iiwa_path::{
+    Continuity, JointPath, Motion, PolynomialBlend, Program, Ptp, Segment, Start, Step, Workcell,
+};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 /// A robot whose limits are up to 25 % below and 30 % above the model's, and whose kappa is up to 1.5 away
@@ -255,8 +257,9 @@ fn ptp(joints_deg: Joints) -> Ptp {
 fn program(motions: impl IntoIterator<Item = Ptp>) -> Program {
     Program {
         robot: None,
-        start_rad: [0.0; 7],
+        start: Start::Joints([0.0; 7]),
         motions: motions.into_iter().map(Motion::Ptp).collect(),
+        workcell: Workcell::default(),
     }
 }
 
@@ -331,7 +334,7 @@ fn another_program_is_refused() {
     let far = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
     let log = VirtualRobot::new(Robot::default(), 1).run(&far).unwrap();
     let mut elsewhere = far.clone();
-    elsewhere.start_rad[1] = 0.1;
+    elsewhere.start = Start::Joints([0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let recording = Recording { program: &elsewhere, log: &log };
     let error = identify(&[recording], &Robot::default()).unwrap_err();
     assert!(matches!(error, IdentifyError::NotThere { .. }), "{error}");

@@ -21,6 +21,7 @@
 mod batch;
 mod dh;
 mod forward;
+mod forward_moving;
 mod inverse;
 mod joint;
 mod limits;

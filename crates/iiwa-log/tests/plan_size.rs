@@ -6,7 +6,7 @@ use std::{fs, io::Cursor, path::Path as FilePath};
 
 use iiwa_kin::Robot;
 use iiwa_log::{Compression, PlanConfig, PlanFigures, PlanSize, PlanWriter};
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 fn planned(program: &Program) -> Trajectory {
@@ -44,7 +44,12 @@ fn motions(joints: usize, velocity_rel: f64, count: u32) -> Program {
         let ptp = target(i).velocity(velocity_rel);
         Motion::Ptp(if i < count { ptp.blend(Blend::Fraction(0.2)) } else { ptp })
     };
-    Program { robot: None, start_rad: [0.0; 7], motions: (1..=count).map(motion).collect() }
+    Program {
+        robot: None,
+        start: Start::Joints([0.0; 7]),
+        workcell: Workcell::default(),
+        motions: (1..=count).map(motion).collect(),
+    }
 }
 
 #[test]

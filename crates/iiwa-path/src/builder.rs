@@ -157,7 +157,8 @@ impl Corners<'_> {
             return Ok(corner.map(RoundedCorner::InJoints));
         }
         let is_still = |leg: &Leg| {
-            leg.path.is_none() && vector::distance(&leg.ends_rad[0], &leg.ends_rad[1]) <= NO_MOTION_RAD
+            leg.path.is_none()
+                && vector::distance(&leg.ends_rad[0], &leg.ends_rad[1]) <= NO_MOTION_RAD
         };
         if is_still(&leg) || is_still(&next) {
             return Ok(None);

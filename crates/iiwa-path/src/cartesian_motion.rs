@@ -3,7 +3,8 @@
 use iiwa_kin::Joints;
 
 use crate::{
-    blend::Blend, cartesian::CartesianFault, frame::Frame, limit_kind::ByKind, target::TargetRef, tool_limits::ToolLimits,
+    blend::Blend, cartesian::CartesianFault, frame::Frame, limit_kind::ByKind, target::TargetRef,
+    tool_limits::ToolLimits,
 };
 
 /// A motion whose end is given as a frame of the TCP.
@@ -175,7 +176,9 @@ impl PathBlend {
         let wrong = |what| Err(CartesianFault::Blend(what));
         if is_ptp {
             if self.orientation_rad.is_some() {
-                return wrong("ori_deg is for paths of the TCP: a point-to-point motion cannot have it");
+                return wrong(
+                    "ori_deg is for paths of the TCP: a point-to-point motion cannot have it",
+                );
             }
             if self.sizes().count() != 1 {
                 return wrong("a blend has exactly one of `fraction`, `sunrise_rel` and `cart_mm`");

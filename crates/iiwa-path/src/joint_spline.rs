@@ -175,7 +175,9 @@ impl JointSpline {
         let ends = self.breaks.windows(2);
         let lengths = ends.map(|ends| {
             [0.0, 0.5, 1.0]
-                .map(|share| iiwa_kin::vector::norm(&self.at(ends[0] + share * (ends[1] - ends[0])).dq))
+                .map(|share| {
+                    iiwa_kin::vector::norm(&self.at(ends[0] + share * (ends[1] - ends[0])).dq)
+                })
                 .into_iter()
                 .zip([1.0, 4.0, 1.0])
                 .map(|(rate, weight)| rate * weight / 6.0)
@@ -249,9 +251,8 @@ fn hermite(ends: &[MovingJoints; 2], length: f64) -> Piece {
     let mut piece = [[0.0; 7]; 8];
     for j in 0..7 {
         let powers = [1.0, length, length * length, length * length * length];
-        let [a, b]: [[f64; 4]; 2] = ends
-            .each_ref()
-            .map(|end| std::array::from_fn(|k| end[j].0[k] * powers[k]));
+        let [a, b]: [[f64; 4]; 2] =
+            ends.each_ref().map(|end| std::array::from_fn(|k| end[j].0[k] * powers[k]));
         // What the first four powers leave of value and derivatives, over their factorials, at the end.
         let rest = [
             b[0] - (a[0] + a[1] + a[2] + a[3]),

@@ -2,9 +2,7 @@
 
 use iiwa_kin::Robot;
 
-use crate::{
-    continuity::Continuity, crossing::BlendSearch, polynomial::KAPPA_MIN_ACCELERATION,
-};
+use crate::{continuity::Continuity, crossing::BlendSearch, polynomial::KAPPA_MIN_ACCELERATION};
 
 /// The curve of a blend.
 #[derive(Clone, Copy, Debug, PartialEq)]

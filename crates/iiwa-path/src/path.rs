@@ -23,14 +23,14 @@ pub use update::ReplacedSteps;
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
+/// use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
 ///
 /// let corner = Ptp::to([0.5, 0.3, 0.0, -1.0, 0.0, 0.7, 0.0]).blend(Blend::Fraction(0.25));
 /// let end = Ptp::to([0.0, 0.6, 0.0, -1.2, 0.0, 0.4, 0.0]);
 /// let program = Program {
 ///     robot: None,
-///     start_rad: [0.0; 7],
-///     motions: vec![Motion::Ptp(corner), Motion::Ptp(end)],
+///     start: Start::Joints([0.0; 7]),
+///     motions: vec![Motion::Ptp(corner), Motion::Ptp(end)], workcell: Workcell::default(),
 /// };
 /// let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
 /// assert_eq!(path.blends().count(), 1);

@@ -5,14 +5,8 @@ use std::ops::Range;
 use iiwa_kin::{Joint, Joints, Limits};
 
 use crate::{
-    blend::Blend,
-    cartesian::CartesianFault,
-    cartesian_motion::CartesianMotion,
-    fault::Fault,
-    limit_kind::LimitKind,
-    motion_index::MotionIndex,
-    target::TargetRef,
-    workcell::Workcell,
+    blend::Blend, cartesian::CartesianFault, cartesian_motion::CartesianMotion, fault::Fault,
+    limit_kind::LimitKind, motion_index::MotionIndex, target::TargetRef, workcell::Workcell,
 };
 
 /// A motion program (version 1).
@@ -191,8 +185,9 @@ impl Program {
         Ok(())
     }
 
-    /// Whether any frame has to be found on the robot.
-    pub(crate) fn has_frames(&self) -> bool {
+    /// Whether the start or a motion is given by a frame, so that where the arm goes depends on the robot.
+    #[must_use]
+    pub fn has_frames(&self) -> bool {
         self.start.joints_rad().is_none()
             || self.motions.iter().any(|motion| matches!(motion, Motion::Cartesian(_)))
     }
@@ -209,7 +204,8 @@ impl Program {
 
     fn check_cartesian(&self, motion: MotionIndex, own: &CartesianMotion) -> Result<(), Fault> {
         check_shares(motion, |kind| &own.shares[kind])?;
-        let fault = |key, fault| Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) };
+        let fault =
+            |key, fault| Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) };
         for (key, found) in own.limits_by_key() {
             if !(found > 0.0) {
                 return Err(fault(key, CartesianFault::Limit { key, found }));
@@ -251,14 +247,14 @@ fn check_shares<'a>(
     motion: MotionIndex,
     of: impl Fn(LimitKind) -> &'a Joints,
 ) -> Result<(), Fault> {
-        for kind in LimitKind::ALL {
-            let values = of(kind);
-            let wrong = |(_, share): &(Joint, &f64)| !(MIN_SHARE..=1.0).contains(*share);
-            if let Some((joint, &found)) = Joint::ALL.into_iter().zip(values).find(wrong) {
-                let joint = values.iter().any(|v| v.to_bits() != found.to_bits()).then_some(joint);
-                return Err(Fault::Share { motion, kind, joint, found, min: MIN_SHARE });
-            }
+    for kind in LimitKind::ALL {
+        let values = of(kind);
+        let wrong = |(_, share): &(Joint, &f64)| !(MIN_SHARE..=1.0).contains(*share);
+        if let Some((joint, &found)) = Joint::ALL.into_iter().zip(values).find(wrong) {
+            let joint = values.iter().any(|v| v.to_bits() != found.to_bits()).then_some(joint);
+            return Err(Fault::Share { motion, kind, joint, found, min: MIN_SHARE });
         }
+    }
     Ok(())
 }
 

@@ -5,6 +5,7 @@ use iiwa_kin::Joints;
 use crate::{
     blend::Blend,
     program::{Motion, Program, Ptp},
+    workcell::Workcell,
 };
 
 /// Puts a program together, with angles in degrees as on the robot's panel.
@@ -38,7 +39,14 @@ impl Program {
 
     /// A program that starts at these joint angles, in rad, and has no motions yet.
     pub fn from_rad(start_rad: Joints) -> ProgramBuilder {
-        ProgramBuilder { program: Self { robot: None, start_rad, motions: Vec::new() } }
+        ProgramBuilder {
+            program: Self {
+                robot: None,
+                start: start_rad.into(),
+                motions: Vec::new(),
+                workcell: Workcell::default(),
+            },
+        }
     }
 }
 

@@ -1,26 +1,33 @@
 //! The program's JSON form. The types here are the ones that are read, written and described by
 //! the JSON Schema.
 
-use std::fmt;
+mod cartesian;
+mod frames;
+mod share;
+
+use std::collections::BTreeMap;
 
 use iiwa_json::{
-    Numbers, Object, Place, Step, Unread, element_at, excerpt, locate, numbers, object,
-    object_or_null, problem, read_version, tag,
+    Object, Place, Step, Unread, element_at, excerpt, locate, numbers, object, object_or_null,
+    problem, read_version, tag,
 };
 use iiwa_kin::Joints;
 use schemars::JsonSchema;
-use serde::{
-    Deserialize, Deserializer, Serialize, Serializer,
-    de::{Error as _, SeqAccess, Visitor},
-};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 use serde_json::value::RawValue;
 
 use crate::{
     blend::Blend,
+    cartesian_motion::{CartesianMotion, Course, PathBlend},
     fault::Fault,
+    limit_kind::ByKind,
     motion_index::MotionIndex,
-    program::{Motion, Program, Ptp},
+    program::{Motion, Program, Ptp, Start},
+    workcell::Workcell,
 };
+use cartesian::{CircWire, LinRelWire, LinWire};
+use frames::{BaseWire, TargetRefWire, TargetWire, ToolWire};
+use share::Share;
 
 /// The version of the program format that this library reads.
 const VERSION: u64 = 1;
@@ -107,12 +114,23 @@ impl Program {
                 Unread::Json(error) => json_error(text, text, None, &error),
             },
         )?;
-        let start_rad = wire.start.joints().map_err(|what| ProgramError::Json {
-            what: format!("the start pose: {what}"),
+        let at = |what: String, path: &[Step<'_>]| ProgramError::Json {
+            what,
             motion: None,
-            place: locate(text, &[Step::Key("start")]),
-        })?;
-        checked(text, wire.robot, start_rad, &wire.motions)
+            place: locate(text, path),
+        };
+        let start = wire
+            .start
+            .start()
+            .map_err(|what| at(format!("the start pose: {what}"), &[Step::Key("start")]))?;
+        let workcell = frames::workcell(wire.tools, wire.bases, wire.frames).map_err(
+            |(list, name, what)| {
+                at(format!("`{name}`: {what}"), &[Step::Key(list), Step::Key(&name)])
+            },
+        )?;
+        let workcell = Workcell { tool: wire.tool, base: wire.base, ..workcell };
+        let program = Program { robot: wire.robot, start, motions: Vec::new(), workcell };
+        checked(text, program, &wire.motions)
     }
 
     /// The program as JSON (version 1), joints in rad, so that it reads back as it is.
@@ -129,7 +147,27 @@ impl Program {
         let wire = ProgramOut {
             version: VERSION,
             robot: self.robot.as_deref(),
-            start: StartWire { joints_rad: Some(self.start_rad), joints_deg: None },
+            start: StartWire::from(&self.start),
+            tools: self
+                .workcell
+                .tools
+                .iter()
+                .map(|(name, tool)| (name.as_str(), tool.into()))
+                .collect(),
+            bases: self
+                .workcell
+                .bases
+                .iter()
+                .map(|(name, base)| (name.as_str(), base.into()))
+                .collect(),
+            frames: self
+                .workcell
+                .frames
+                .iter()
+                .map(|(name, target)| (name.as_str(), target.into()))
+                .collect(),
+            tool: self.workcell.tool.as_deref(),
+            base: self.workcell.base.as_deref(),
             motions: self.motions.iter().map(MotionWire::from).collect(),
         };
         // Only a map with keys that are no strings could fail.
@@ -153,7 +191,8 @@ impl Motion {
     pub fn list_from_json(text: &str) -> Result<Vec<Self>, ProgramError> {
         let Object(list) = serde_json::from_str::<Object<MotionsOnly<'_>>>(text)
             .map_err(|error| json_error(text, text, None, &error))?;
-        checked(text, None, [0.0; 7], &list.motions).map(|program| program.motions)
+        let program = Program::from_rad([0.0; 7]).build();
+        checked(text, program, &list.motions).map(|program| program.motions)
     }
 }
 
@@ -165,14 +204,9 @@ impl Serialize for Motion {
 }
 
 /// The program with these motions, checked as far as it can be without a robot.
-fn checked(
-    text: &str,
-    robot: Option<String>,
-    start_rad: Joints,
-    motions: &[&RawValue],
-) -> Result<Program, ProgramError> {
+fn checked(text: &str, program: Program, motions: &[&RawValue]) -> Result<Program, ProgramError> {
     let motions = motions.iter().enumerate().map(|(index, raw)| motion(text, index, raw.get()));
-    let program = Program { robot, start_rad, motions: motions.collect::<Result<_, _>>()? };
+    let program = Program { motions: motions.collect::<Result<_, _>>()?, ..program };
     match program.check_numbers() {
         Ok(()) => Ok(program),
         Err(fault) => Err(ProgramError::Fault { place: fault.place_in(text), fault }),
@@ -190,19 +224,34 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
     match tag(raw).map_err(fail)?.as_deref() {
         Some("ptp") => {
             let Object(wire) = serde_json::from_str::<Object<PtpWire>>(raw).map_err(fail)?;
-            wire.motion().map_err(|what| wrong(what.to_owned(), None))
+            wire.motion().map_err(|what| wrong(what, None))
+        }
+        Some("lin") => {
+            let Object(wire) = serde_json::from_str::<Object<LinWire>>(raw).map_err(fail)?;
+            wire.motion().map_err(|(key, what)| wrong(what, Some(key)))
+        }
+        Some("lin_rel") => {
+            let Object(wire) = serde_json::from_str::<Object<LinRelWire>>(raw).map_err(fail)?;
+            wire.motion().map_err(|(key, what)| wrong(what, Some(key)))
+        }
+        Some("circ") => {
+            let Object(wire) = serde_json::from_str::<Object<CircWire>>(raw).map_err(fail)?;
+            wire.motion().map_err(|(key, what)| wrong(what, Some(key)))
         }
         Some("wait") => {
             let Object(wire) = serde_json::from_str::<Object<WaitWire>>(raw).map_err(fail)?;
             Ok(Motion::Wait { seconds: wire.seconds })
         }
         Some(other) => {
-            let what = format!("unknown type `{}`; `ptp` and `wait` are known", excerpt(other));
+            let what = format!("unknown type `{}`; {KNOWN_TYPES} are known", excerpt(other));
             Err(wrong(what, Some("type")))
         }
-        None => Err(wrong("it has no `type`; `ptp` and `wait` are known".to_owned(), None)),
+        None => Err(wrong(format!("it has no `type`; {KNOWN_TYPES} are known"), None)),
     }
 }
+
+/// The types of motions.
+const KNOWN_TYPES: &str = "`ptp`, `lin`, `lin_rel`, `circ` and `wait`";
 
 fn json_error(
     text: &str,
@@ -237,6 +286,21 @@ struct ProgramWire<'a> {
     /// Where the arm stands before the first motion.
     #[serde(deserialize_with = "object")]
     start: StartWire,
+    /// Tools by name.
+    #[serde(default)]
+    tools: BTreeMap<String, ToolWire>,
+    /// Frames that others are given in, by name.
+    #[serde(default)]
+    bases: BTreeMap<String, BaseWire>,
+    /// Frames to go to, by name.
+    #[serde(default)]
+    frames: BTreeMap<String, TargetWire>,
+    /// The tool in use, `TOOL` or `TOOL/TIP`; `flange` is none.
+    #[serde(default)]
+    tool: Option<String>,
+    /// The base in use; `robot` is the robot's foot.
+    #[serde(default)]
+    base: Option<String>,
     /// What it does, in order.
     #[serde(borrow)]
     #[schemars(with = "Vec<MotionWire>", length(min = 1))]
@@ -249,15 +313,27 @@ struct ProgramOut<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     robot: Option<&'a str>,
     start: StartWire,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    tools: BTreeMap<&'a str, ToolWire>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    bases: BTreeMap<&'a str, BaseWire>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    frames: BTreeMap<&'a str, TargetWire>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tool: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    base: Option<&'a str>,
     motions: Vec<MotionWire>,
 }
 
-/// The start pose: either `joints_deg` or `joints_rad`.
+/// The start pose: `joints_deg`, `joints_rad` or a `frame`.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(
     rename = "Start",
-    extend("oneOf" = [{"required": ["joints_deg"]}, {"required": ["joints_rad"]}])
+    extend("oneOf" = [
+        {"required": ["joints_deg"]}, {"required": ["joints_rad"]}, {"required": ["frame"]}
+    ])
 )]
 struct StartWire {
     /// Joints A1 to A7, in rad.
@@ -268,11 +344,33 @@ struct StartWire {
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "[f64; 7]")]
     joints_deg: Option<Joints>,
+    /// A frame for the TCP, with `e1_deg` and `status`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    frame: Option<TargetRefWire>,
 }
 
 impl StartWire {
-    fn joints(&self) -> Result<Joints, &'static str> {
-        joints_of(self.joints_rad, self.joints_deg)
+    fn start(self) -> Result<Start, String> {
+        match self.frame {
+            None => Ok(Start::Joints(joints_of(self.joints_rad, self.joints_deg)?)),
+            Some(_) if self.joints_rad.is_some() || self.joints_deg.is_some() => {
+                Err("give either the joints or a `frame`, not both".to_owned())
+            }
+            Some(frame) => Ok(Start::Frame(frame.target()?)),
+        }
+    }
+}
+
+impl From<&Start> for StartWire {
+    fn from(start: &Start) -> Self {
+        match start {
+            Start::Joints(joints_rad) => {
+                Self { joints_rad: Some(*joints_rad), joints_deg: None, frame: None }
+            }
+            Start::Frame(frame) => {
+                Self { joints_rad: None, joints_deg: None, frame: Some(frame.into()) }
+            }
+        }
     }
 }
 
@@ -292,6 +390,9 @@ fn joints_of(rad: Option<Joints>, deg: Option<Joints>) -> Result<Joints, &'stati
 #[expect(clippy::large_enum_variant, reason = "nearly all motions are of the large kind")]
 enum MotionWire {
     Ptp(PtpWire),
+    Lin(LinWire),
+    LinRel(LinRelWire),
+    Circ(CircWire),
     Wait(WaitWire),
 }
 
@@ -309,12 +410,14 @@ enum WaitTag {
     Wait,
 }
 
-/// A point-to-point motion, with its target in either `joints_deg` or `joints_rad`.
+/// A point-to-point motion, with its target as `joints_deg`, `joints_rad` or a `frame`.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(
     rename = "Ptp",
-    extend("oneOf" = [{"required": ["joints_deg"]}, {"required": ["joints_rad"]}])
+    extend("oneOf" = [
+        {"required": ["joints_deg"]}, {"required": ["joints_rad"]}, {"required": ["frame"]}
+    ])
 )]
 struct PtpWire {
     r#type: PtpTag,
@@ -326,6 +429,15 @@ struct PtpWire {
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "[f64; 7]")]
     joints_deg: Option<Joints>,
+    /// A frame for the TCP.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    frame: Option<TargetRefWire>,
+    /// The TCP that goes to the frame, `TOOL` or `TOOL/TIP`; the program's if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tool: Option<String>,
+    /// The base of the frame; the program's if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    base: Option<String>,
     /// Share of the speed limits, above 0 and at most 1: one for all joints or one a joint.
     #[serde(default, skip_serializing_if = "Share::is_full")]
     velocity_rel: Share,
@@ -394,18 +506,48 @@ impl<'de> Deserialize<'de> for BlendWire {
 }
 
 impl PtpWire {
-    fn motion(self) -> Result<Motion, &'static str> {
-        Ok(Motion::Ptp(Ptp {
-            target_rad: joints_of(self.joints_rad, self.joints_deg)?,
-            velocity_rel: self.velocity_rel.each(),
-            acceleration_rel: self.acceleration_rel.each(),
-            jerk_rel: self.jerk_rel.each(),
-            blend: self.blend.map(|blend| match blend {
-                BlendWire::Fraction(b) => Blend::Fraction(b),
-                BlendWire::SunriseRel(x) => Blend::SunriseRel(x),
-                BlendWire::CartMm(r) => Blend::CartMm(r),
+    fn motion(self) -> Result<Motion, String> {
+        let shares = [self.velocity_rel, self.acceleration_rel, self.jerk_rel].map(Share::each);
+        let blend = self.blend.map(|blend| match blend {
+            BlendWire::Fraction(b) => Blend::Fraction(b),
+            BlendWire::SunriseRel(x) => Blend::SunriseRel(x),
+            BlendWire::CartMm(r) => Blend::CartMm(r),
+        });
+        if let Some(frame) = self.frame {
+            if self.joints_rad.is_some() || self.joints_deg.is_some() {
+                return Err("give either the joints or a `frame`, not both".to_owned());
+            }
+            return Ok(Motion::Cartesian(Box::new(CartesianMotion {
+                tool: self.tool,
+                base: self.base,
+                shares: ByKind::from_array(shares),
+                blend: blend.map(PathBlend::from),
+                ..CartesianMotion::new(Course::Ptp { to: frame.target()? })
+            })));
+        }
+        let [velocity_rel, acceleration_rel, jerk_rel] = shares;
+        let target_rad = joints_of(self.joints_rad, self.joints_deg)?;
+        Ok(Motion::Ptp(Ptp { target_rad, velocity_rel, acceleration_rel, jerk_rel, blend }))
+    }
+
+    /// A motion without a target yet.
+    fn to_nowhere([velocity, acceleration, jerk]: [Joints; 3], blend: Option<Blend>) -> Self {
+        Self {
+            r#type: PtpTag::Ptp,
+            joints_rad: None,
+            joints_deg: None,
+            frame: None,
+            tool: None,
+            base: None,
+            velocity_rel: Share::from(velocity),
+            acceleration_rel: Share::from(acceleration),
+            jerk_rel: Share::from(jerk),
+            blend: blend.map(|blend| match blend {
+                Blend::Fraction(b) => BlendWire::Fraction(b),
+                Blend::SunriseRel(x) => BlendWire::SunriseRel(x),
+                Blend::CartMm(r) => BlendWire::CartMm(r),
             }),
-        }))
+        }
     }
 }
 
@@ -415,88 +557,25 @@ impl From<&Motion> for MotionWire {
             Motion::Wait { seconds } => {
                 Self::Wait(WaitWire { r#type: WaitTag::Wait, seconds: *seconds })
             }
-            Motion::Ptp(ptp) => Self::Ptp(PtpWire {
-                r#type: PtpTag::Ptp,
-                joints_rad: Some(ptp.target_rad),
-                joints_deg: None,
-                velocity_rel: Share::from(ptp.velocity_rel),
-                acceleration_rel: Share::from(ptp.acceleration_rel),
-                jerk_rel: Share::from(ptp.jerk_rel),
-                blend: ptp.blend.map(|blend| match blend {
-                    Blend::Fraction(b) => BlendWire::Fraction(b),
-                    Blend::SunriseRel(x) => BlendWire::SunriseRel(x),
-                    Blend::CartMm(r) => BlendWire::CartMm(r),
-                }),
-            }),
+            Motion::Ptp(ptp) => {
+                let shares = [ptp.velocity_rel, ptp.acceleration_rel, ptp.jerk_rel];
+                let wire = PtpWire::to_nowhere(shares, ptp.blend);
+                Self::Ptp(PtpWire { joints_rad: Some(ptp.target_rad), ..wire })
+            }
+            Motion::Cartesian(own) => match &own.course {
+                Course::Ptp { to } => {
+                    let blend = own.blend.and_then(|blend| blend.in_joints());
+                    let wire = PtpWire::to_nowhere(own.shares.into_array(), blend);
+                    let (tool, base) = (own.tool.clone(), own.base.clone());
+                    Self::Ptp(PtpWire { frame: Some(to.into()), tool, base, ..wire })
+                }
+                Course::Lin { to } => Self::Lin(LinWire::new(own, to)),
+                Course::LinRel { offset, e1_rad, within } => {
+                    Self::LinRel(LinRelWire::new(own, offset, *e1_rad, within.as_ref()))
+                }
+                Course::Circ(circ) => Self::Circ(CircWire::new(own, circ)),
+            },
         }
-    }
-}
-
-/// One share for all joints, or one a joint.
-#[derive(Clone, Copy, PartialEq, Serialize, JsonSchema)]
-#[serde(untagged)]
-#[schemars(inline)]
-enum Share {
-    All(#[schemars(extend("minimum" = 1e-6, "maximum" = 1))] f64),
-    Each(
-        #[schemars(extend(
-            "items" = { "type": "number", "minimum": 1e-6, "maximum": 1 }
-        ))]
-        Joints,
-    ),
-}
-
-impl Default for Share {
-    fn default() -> Self {
-        Self::All(1.0)
-    }
-}
-
-impl Share {
-    fn is_full(&self) -> bool {
-        *self == Self::default()
-    }
-
-    fn each(self) -> Joints {
-        match self {
-            Self::All(share) => [share; 7],
-            Self::Each(shares) => shares,
-        }
-    }
-}
-
-impl From<Joints> for Share {
-    fn from(shares: Joints) -> Self {
-        if shares.iter().all(|share| *share == shares[0]) {
-            Self::All(shares[0])
-        } else {
-            Self::Each(shares)
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Share {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ShareVisitor;
-        impl<'de> Visitor<'de> for ShareVisitor {
-            type Value = Share;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number above 0 and at most 1, or seven of them")
-            }
-            fn visit_f64<E>(self, value: f64) -> Result<Share, E> {
-                Ok(Share::All(value))
-            }
-            fn visit_u64<E>(self, value: u64) -> Result<Share, E> {
-                Ok(Share::All(value as f64))
-            }
-            fn visit_i64<E>(self, value: i64) -> Result<Share, E> {
-                Ok(Share::All(value as f64))
-            }
-            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Share, A::Error> {
-                Numbers("seven shares, for joints A1 to A7").visit_seq(seq).map(Share::Each)
-            }
-        }
-        deserializer.deserialize_any(ShareVisitor)
     }
 }
 

@@ -62,7 +62,7 @@ pub struct Base {
 #[non_exhaustive]
 pub enum NameFault {
     /// There is no such tool, TCP, base or frame.
-    #[error("there is no {kind} `{name}`{}", known(.known))]
+    #[error("there is no {kind} `{name}`{}", listed(.known))]
     Unknown {
         /// What it should have been: `tool`, `base` or `frame`.
         kind: &'static str,
@@ -79,7 +79,7 @@ pub enum NameFault {
     },
 }
 
-fn known(names: &[String]) -> String {
+fn listed(names: &[String]) -> String {
     /// More would hide the message.
     const MOST: usize = 8;
     if names.is_empty() {

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use iiwa_json::Place;
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Motion, Program, ProgramError, Ptp};
+use iiwa_path::{JointPath, Motion, Program, ProgramError, Ptp, Start, Workcell};
 
 const GOOD: &str = r#"{
   "version": 1,
@@ -280,12 +280,17 @@ fn not_a_number_in_a_program_made_in_code() {
     for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         target[2] = wrong;
         let motions = vec![Motion::Ptp(Ptp::to([0.0; 7])), Motion::Ptp(Ptp::to(target))];
-        let program = Program { robot: None, start_rad: [0.0; 7], motions };
+        let program = Program {
+            robot: None,
+            start: Start::Joints([0.0; 7]),
+            motions,
+            workcell: Workcell::default(),
+        };
         let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
         let expected =
             format!("motion 2: joint A3 is at {wrong} deg; its range is -170 to 170 deg");
         assert_eq!(fault.to_string(), expected);
-        let program = Program { start_rad: target, ..program };
+        let program = Program { start: Start::Joints(target), ..program };
         let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
         assert!(fault.to_string().starts_with("the start pose: joint A3 is at "), "{fault}");
     }

@@ -6,7 +6,7 @@
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{
     Blend, BlendSearch, BlendShape, Continuity, JointPath, Motion, PathOptions, Program, Ptp,
-    Segment, Step,
+    Segment, Start, Step, Workcell,
 };
 use proptest::prelude::*;
 
@@ -42,7 +42,12 @@ fn between(a: &Joints, b: &Joints, u: f64) -> Joints {
 
 fn path(shape: BlendShape, start: Joints, motions: Vec<Ptp>) -> JointPath {
     let motions = motions.into_iter().map(Motion::Ptp).collect();
-    let program = Program { robot: None, start_rad: start, motions };
+    let program = Program {
+        robot: None,
+        start: Start::Joints(start),
+        motions,
+        workcell: Workcell::default(),
+    };
     let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
     JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
 }
@@ -306,7 +311,12 @@ fn a_sphere_that_is_crossed_twice_within_one_step() {
     let reach = |blend_search| {
         let ptp = Ptp::to(point).blend(Blend::CartMm(1e3 * radius));
         let motions = vec![Motion::Ptp(ptp), Motion::Ptp(Ptp::to(other))];
-        let program = Program { robot: None, start_rad: other, motions };
+        let program = Program {
+            robot: None,
+            start: Start::Joints(other),
+            motions,
+            workcell: Workcell::default(),
+        };
         let options = PathOptions { blend_search, ..PathOptions::default() };
         let path = JointPath::with_options(&program, &robot, options).unwrap();
         path.blends().next().unwrap().1.tangent_lengths_rad()[0]

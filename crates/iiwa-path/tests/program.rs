@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, JointPath, Motion, MotionIndex, Program, Ptp, Step};
+use iiwa_path::{Blend, JointPath, Motion, MotionIndex, Program, Ptp, Start, Step, Workcell};
 use proptest::prelude::*;
 
 fn read(motions: &str) -> Program {
@@ -26,8 +26,9 @@ fn corner(blend: Option<Blend>) -> JointPath {
     let second = Ptp::to([0.8, 0.6, 0.0, 0.0, 0.0, 0.0, 0.0]);
     path(&Program {
         robot: None,
-        start_rad: [0.0; 7],
+        start: Start::Joints([0.0; 7]),
         motions: vec![Motion::Ptp(first), Motion::Ptp(second)],
+        workcell: Workcell::default(),
     })
 }
 
@@ -84,7 +85,12 @@ fn any_program() -> impl Strategy<Value = Program> {
                     ptp.blend = None;
                 }
             }
-            Program { robot, start_rad, motions }
+            Program {
+                robot,
+                start: Start::Joints(start_rad),
+                motions,
+                workcell: Workcell::default(),
+            }
         },
     )
 }
@@ -200,7 +206,12 @@ fn a_repeated_target_only_settles() {
         (go(a).blend(blend), go(a).blend(blend)),
     ] {
         let motions = vec![Motion::Ptp(first), Motion::Ptp(second), Motion::Ptp(go(b))];
-        let path = path(&Program { robot: None, start_rad: [0.0; 7], motions });
+        let path = path(&Program {
+            robot: None,
+            start: Start::Joints([0.0; 7]),
+            motions,
+            workcell: Workcell::default(),
+        });
         assert_eq!(path.blends().count(), 0);
         let kinds: Vec<_> = path
             .steps()

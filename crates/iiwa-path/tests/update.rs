@@ -4,7 +4,9 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::Robot;
-use iiwa_path::{Blend, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp};
+use iiwa_path::{
+    Blend, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp, Start, Workcell,
+};
 use proptest::prelude::*;
 
 fn motion() -> impl Strategy<Value = Motion> {
@@ -45,7 +47,7 @@ proptest! {
     ) {
         let robot = Robot::default();
         let options = PathOptions::default();
-        let mut program = Program { robot: None, start_rad: [0.0; 7], motions: cleaned(motions) };
+        let mut program = Program { robot: None, start: Start::Joints([0.0; 7]), motions: cleaned(motions), workcell: Workcell::default() };
         let mut path = JointPath::new(&program, &robot).unwrap();
         for (index, motion) in changes {
             let index = index % program.motions.len();
@@ -83,7 +85,12 @@ fn replaces_little_of_a_long_path() {
     };
     let mut motions: Vec<_> = (0..100).map(corner).collect();
     motions.push(Motion::Ptp(Ptp::to([0.0; 7])));
-    let mut program = Program { robot: None, start_rad: [0.0; 7], motions };
+    let mut program = Program {
+        robot: None,
+        start: Start::Joints([0.0; 7]),
+        motions,
+        workcell: Workcell::default(),
+    };
     let mut path = JointPath::new(&program, &Robot::default()).unwrap();
     let Motion::Ptp(ptp) = &mut program.motions[50] else { panic!() };
     ptp.target_rad[0] += 0.1;

@@ -6,7 +6,9 @@
 mod common;
 
 use iiwa_kin::Robot;
-use iiwa_path::{BlendShape, Continuity, JointPath, Motion, PathOptions, Program, Ptp};
+use iiwa_path::{
+    BlendShape, Continuity, JointPath, Motion, PathOptions, Program, Ptp, Start, Workcell,
+};
 use iiwa_scene::{ArmInScene, Form, Obstacle, Scene};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{fixture, random::programs};
@@ -119,14 +121,18 @@ fn ten_motions_in_the_cage() {
 #[test]
 fn an_arm_that_turns_over_a_table_keeps_its_distance() {
     let q = |q1| [q1, 1.2, 0.0, -1.2, 0.0, 0.6, 0.0];
-    let program =
-        Program { robot: None, start_rad: q(-2.0), motions: vec![Motion::Ptp(Ptp::to(q(2.0)))] };
+    let program = Program {
+        robot: None,
+        start: Start::Joints(q(-2.0)),
+        motions: vec![Motion::Ptp(Ptp::to(q(2.0)))],
+        workcell: Workcell::default(),
+    };
     let table = Form::Plane { point_m: [0.0, 0.0, -0.01], normal: [0.0, 0.0, 1.0] };
     let scene = Scene::new(vec![Obstacle { name: "table".to_owned(), form: table }]).unwrap();
     let arm = ArmInScene::new(&Robot::default(), &scene);
     let trajectory = plan(&program, PathOptions::default(), Timing::default());
     let found = arm.clearance_of(&trajectory).unwrap();
-    let at_start = arm.clearance(&program.start_rad).unwrap();
+    let at_start = arm.clearance(program.start.joints_rad().unwrap()).unwrap();
     assert!((found.clearance.distance_m - at_start.distance_m).abs() < 1e-12);
 }
 
@@ -134,12 +140,13 @@ fn an_arm_that_turns_over_a_table_keeps_its_distance() {
 fn the_first_touch_is_told() {
     let program = Program {
         robot: None,
-        start_rad: [0.0, 0.5, 0.0, -1.0, 0.0, 0.5, 0.0],
+        start: Start::Joints([0.0, 0.5, 0.0, -1.0, 0.0, 0.5, 0.0]),
         motions: vec![
             Motion::Ptp(Ptp::to([0.0, 1.5, 0.0, -1.0, 0.0, 0.5, 0.0])),
             Motion::Wait { seconds: 2.0 },
             Motion::Ptp(Ptp::to([0.0, 1.7, 0.0, -1.0, 0.0, 0.5, 0.0])),
         ],
+        workcell: Workcell::default(),
     };
     let table = Form::Plane { point_m: [0.0, 0.0, 0.2], normal: [0.0, 0.0, 1.0] };
     let scene = Scene::new(vec![Obstacle { name: "table".to_owned(), form: table }]).unwrap();
@@ -156,8 +163,12 @@ fn nothing_to_touch_is_no_clearance() {
     let scene = Scene::new(Vec::new()).unwrap();
     let arm = ArmInScene::new(&Robot::default(), &scene);
     assert_eq!(arm.clearance(&[0.0; 7]), None);
-    let program =
-        Program { robot: None, start_rad: [0.0; 7], motions: vec![Motion::Wait { seconds: 1.0 }] };
+    let program = Program {
+        robot: None,
+        start: Start::Joints([0.0; 7]),
+        motions: vec![Motion::Wait { seconds: 1.0 }],
+        workcell: Workcell::default(),
+    };
     let waiting = plan(&program, PathOptions::default(), Timing::default());
     assert_eq!(arm.clearance_of(&waiting), None);
     // An arm that only waits has a clearance, too.

@@ -32,17 +32,17 @@ pub enum PlanError {
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_path::{Motion, PathOptions, Program, Ptp};
+/// use iiwa_path::{Start, Workcell, Motion, PathOptions, Program, Ptp};
 /// use iiwa_traj::{Timing, plan_all};
 ///
 /// // By which elbow does the arm come to the other side soonest?
 /// let by_way_of = |elbow_rad: f64| Program {
 ///     robot: None,
-///     start_rad: [0.5, 0.3, 0.0, -1.0, 0.0, 0.7, 0.0],
+///     start: Start::Joints([0.5, 0.3, 0.0, -1.0, 0.0, 0.7, 0.0]),
 ///     motions: vec![
 ///         Motion::Ptp(Ptp::to([0.0, 0.3, 0.0, elbow_rad, 0.0, 0.7, 0.0])),
 ///         Motion::Ptp(Ptp::to([-0.5, 0.3, 0.0, -1.4, 0.0, 0.7, 0.0])),
-///     ],
+///     ], workcell: Workcell::default(),
 /// };
 /// let programs = [-2.0, -1.2, 0.0, 9.0].map(by_way_of);
 /// let plans = plan_all(

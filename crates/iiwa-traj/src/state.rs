@@ -7,12 +7,12 @@ use iiwa_path::MotionIndex;
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_path::{JointPath, Motion, Program, Ptp};
+/// use iiwa_path::{Start, Workcell, JointPath, Motion, Program, Ptp};
 /// use iiwa_traj::{Timing, Trajectory};
 ///
 /// let target = [0.5, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0];
 /// let program =
-///     Program { robot: None, start_rad: [0.0; 7], motions: vec![Motion::Ptp(Ptp::to(target))] };
+///     Program { robot: None, start: Start::Joints([0.0; 7]), motions: vec![Motion::Ptp(Ptp::to(target))], workcell: Workcell::default() };
 /// let path = JointPath::new(&program, &Robot::default())?;
 /// let trajectory = Trajectory::plan(&path, Timing::default())?;
 /// // Jerk-limited timing begins with the jerk of the joint that limits it.

@@ -1,7 +1,9 @@
 //! Many programs at once come out as they do one by one.
 
 use iiwa_kin::{Joint, Robot};
-use iiwa_path::{Blend, BlendShape, Fault, JointPath, Motion, PathOptions, Program, Ptp};
+use iiwa_path::{
+    Blend, BlendShape, Fault, JointPath, Motion, PathOptions, Program, Ptp, Start, Workcell,
+};
 use iiwa_traj::{PlanError, State, SweepOptions, Timing, Trajectory, plan_all};
 use rayon::ThreadPoolBuilder;
 
@@ -20,7 +22,12 @@ fn programs(count: u32) -> Vec<Program> {
             }
         }
         motions.push(Motion::Wait { seconds: f64::from(k) });
-        Program { robot: None, start_rad: [0.0; 7], motions }
+        Program {
+            robot: None,
+            start: Start::Joints([0.0; 7]),
+            motions,
+            workcell: Workcell::default(),
+        }
     };
     (0..count).map(program).collect()
 }
@@ -53,7 +60,7 @@ fn the_same_as_one_by_one_and_in_order() {
 fn a_bad_program_has_its_error_in_its_place_only() {
     let mut programs = programs(9);
     programs[4].motions.clear();
-    programs[7].start_rad[3] = f64::NAN;
+    programs[7].start = Start::Joints([0.0, 0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0]);
     let robot = Robot::lbr_iiwa_7_r800();
     let plans = plan_all(&programs, &robot, PathOptions::default(), Timing::default());
     for (k, plan) in plans.iter().enumerate() {

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, JointPath, LimitKind, Motion, Program, Ptp};
+use iiwa_path::{Blend, JointPath, LimitKind, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{State, SweepOptions, Timing, TimingError, Trajectory};
 use proptest::{
     prelude::*,
@@ -37,7 +37,12 @@ fn program(start_rad: Joints, mut motions: Vec<Ptp>) -> Program {
     if let Some(last) = motions.last_mut() {
         last.blend = None;
     }
-    Program { robot: None, start_rad, motions: motions.into_iter().map(Motion::Ptp).collect() }
+    Program {
+        robot: None,
+        start: Start::Joints(start_rad),
+        motions: motions.into_iter().map(Motion::Ptp).collect(),
+        workcell: Workcell::default(),
+    }
 }
 
 /// Random programs of two to six motions, most of them blended; the same at each call.
@@ -127,7 +132,7 @@ fn scale_does_not_matter() {
                     *ptp.share_mut(kind) = times(*ptp.share(kind));
                 }
             });
-            scaled.start_rad = times(scaled.start_rad);
+            scaled.start = Start::Joints(times(*scaled.start.joints_rad().unwrap()));
             let change = motion_time_s(&scaled) / before - 1.0;
             assert!(change.abs() < 1e-6, "{change:e} at {scale} times the size: {program:?}");
             largest = largest.max(change.abs());
@@ -166,7 +171,7 @@ fn the_way_back_takes_as_long() {
         let there = changed(&there, |_, motion| {
             *motion = ptp(motion.target_rad, [0.8, 0.9, 0.7], 0.3);
         });
-        let targets: Vec<_> = std::iter::once(there.start_rad)
+        let targets: Vec<_> = std::iter::once(*there.start.joints_rad().unwrap())
             .chain(there.motions.iter().filter_map(|motion| match motion {
                 Motion::Ptp(ptp) => Some(ptp.target_rad),
                 _ => None,

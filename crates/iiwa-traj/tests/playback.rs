@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::Robot;
-use iiwa_path::{Blend, JointPath, Motion as Entry, Program, Ptp, playback::*};
+use iiwa_path::{Blend, JointPath, Motion as Entry, Program, Ptp, Start, Workcell, playback::*};
 use iiwa_traj::{Timing, Trajectory};
 
 fn planned() -> Trajectory {
@@ -17,7 +17,12 @@ fn planned() -> Trajectory {
         targets.map(|target| Ptp::to(target).blend(Blend::Fraction(0.3))).into();
     motions[2].blend = None;
     let motions = motions.into_iter().map(Entry::Ptp).collect();
-    let program = Program { robot: None, start_rad: [0.0; 7], motions };
+    let program = Program {
+        robot: None,
+        start: Start::Joints([0.0; 7]),
+        motions,
+        workcell: Workcell::default(),
+    };
     let path = JointPath::new(&program, &Robot::default()).unwrap();
     Trajectory::plan(&path, Timing::default()).unwrap()
 }

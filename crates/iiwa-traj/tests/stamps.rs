@@ -1,7 +1,7 @@
 //! Stamps increase, whatever takes no time.
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Motion, Program, Ptp};
+use iiwa_path::{JointPath, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 fn wait(seconds: f64) -> Motion {
@@ -21,7 +21,12 @@ fn a_wait_of_no_time_has_no_stamp() {
         Motion::Ptp(there),
         wait(0.0),
     ];
-    let program = Program { robot: None, start_rad: [0.0; 7], motions };
+    let program = Program {
+        robot: None,
+        start: Start::Joints([0.0; 7]),
+        motions,
+        workcell: Workcell::default(),
+    };
     let path = JointPath::new(&program, &Robot::default()).unwrap();
     let plan = Trajectory::plan(&path, Timing::default()).unwrap();
     for pair in plan.states().collect::<Vec<_>>().windows(2) {
@@ -37,7 +42,12 @@ fn a_wait_of_no_time_has_no_stamp() {
 
 #[test]
 fn a_program_may_take_no_time_at_all() {
-    let program = Program { robot: None, start_rad: [0.1; 7], motions: vec![wait(0.0)] };
+    let program = Program {
+        robot: None,
+        start: Start::Joints([0.1; 7]),
+        motions: vec![wait(0.0)],
+        workcell: Workcell::default(),
+    };
     let path = JointPath::new(&program, &Robot::default()).unwrap();
     let plan = Trajectory::plan(&path, Timing::default()).unwrap();
     assert_eq!((plan.cycle_time_s(), plan.states().count()), (0.0, 1));

@@ -27,8 +27,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Of a motion past the box: no pose is left out, found to 0.1 mm.
     let program = Program {
         robot: None,
-        start_rad: [-0.8, 0.6, 0.0, -1.2, 0.0, 1.0, 0.0],
+        start: Start::Joints([-0.8, 0.6, 0.0, -1.2, 0.0, 1.0, 0.0]),
         motions: vec![Motion::Ptp(Ptp::to([0.8, 0.6, 0.0, -1.2, 0.0, 1.0, 0.0]))],
+        workcell: Workcell::default(),
     };
     let trajectory = Trajectory::plan(&JointPath::new(&program, &robot)?, Timing::default())?;
     if let Some(nearest) = arm.clearance_of(&trajectory) {

@@ -56,7 +56,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     there[0] += 30_f64.to_radians();
     let motions =
         vec![Motion::Ptp(Ptp::to(there).velocity(0.5)), Motion::Ptp(Ptp::to(here).velocity(0.5))];
-    let program = Program { robot: None, start_rad: here, motions: motions.clone() };
+    let program = Program {
+        robot: None,
+        start: Start::Joints(here),
+        motions: motions.clone(),
+        workcell: Workcell::default(),
+    };
     let path = JointPath::new(&program, &Robot::default())?;
     let planned_s = Trajectory::plan(&path, Timing::default())?.cycle_time_s();
 

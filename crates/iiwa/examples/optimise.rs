@@ -10,11 +10,12 @@ fn by_way_of(shoulder_rad: f64, elbow_rad: f64) -> Program {
     let via = [0.0, shoulder_rad, 0.0, elbow_rad, 0.0, 0.7, 0.0];
     Program {
         robot: None,
-        start_rad: [0.8, 0.6, 0.0, -1.2, 0.0, 0.7, 0.0],
+        start: Start::Joints([0.8, 0.6, 0.0, -1.2, 0.0, 0.7, 0.0]),
         motions: vec![
             Motion::Ptp(Ptp::to(via).blend(Blend::Fraction(0.5))),
             Motion::Ptp(Ptp::to([-0.8, 0.6, 0.0, -1.2, 0.0, 0.7, 0.0])),
         ],
+        workcell: Workcell::default(),
     }
 }
 

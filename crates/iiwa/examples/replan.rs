@@ -19,7 +19,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         .chain([Motion::Ptp(Ptp::to([0.9, 0.5, 0.0, -1.0, 0.0, 0.7, 0.0]))])
         .collect();
     let start_rad = [0.9, 0.5, 0.0, -1.0, 0.0, 0.7, 0.0];
-    let program = Program { robot: None, start_rad, motions };
+    let program = Program {
+        robot: None,
+        start: Start::Joints(start_rad),
+        motions,
+        workcell: Workcell::default(),
+    };
     let robot = Robot::lbr_iiwa_7_r800();
     let mut plan = Replanner::new(program, &robot, PathOptions::default(), JerkOptions::default())?;
 

@@ -11,8 +11,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let robot = Robot::lbr_iiwa_7_r800();
     let program = Program {
         robot: None,
-        start_rad: [0.0; 7],
+        start: Start::Joints([0.0; 7]),
         motions: vec![Motion::Ptp(Ptp::to([0.3, 0.5, 0.0, -1.0, 0.0, 0.8, 0.0]))],
+        workcell: Workcell::default(),
     };
     let path = JointPath::new(&program, &robot)?;
     let trajectory = Trajectory::plan(&path, Timing::default())?;

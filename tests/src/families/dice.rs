@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use fastrand::Rng;
 use iiwa_kin::{Joints, Robot, vector};
-use iiwa_path::{Blend, Motion, Program, Ptp};
+use iiwa_path::{Blend, Motion, Program, Ptp, Start, Workcell};
 
 /// A source of random numbers.
 #[derive(Debug)]
@@ -125,5 +125,10 @@ pub(crate) fn program(start_rad: Joints, mut motions: Vec<Ptp>) -> Program {
     if let Some(last) = motions.last_mut() {
         last.blend = None;
     }
-    Program { robot: None, start_rad, motions: motions.into_iter().map(Motion::Ptp).collect() }
+    Program {
+        robot: None,
+        start: Start::Joints(start_rad),
+        motions: motions.into_iter().map(Motion::Ptp).collect(),
+        workcell: Workcell::default(),
+    }
 }

@@ -7,7 +7,7 @@ use std::{
 
 use iiwa_kin::Robot;
 use iiwa_link::{Client, Remote, TimedJoints};
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::Result;
 
@@ -69,7 +69,12 @@ fn there_and_back() -> Result<TimedJoints> {
         Motion::Ptp(to([-40.0, 20.0, 10.0, -80.0, 20.0, 50.0, 90.0])),
         Motion::Ptp(to([0.0; 7])),
     ];
-    let program = Program { robot: None, start_rad: [0.0; 7], motions };
+    let program = Program {
+        robot: None,
+        start: Start::Joints([0.0; 7]),
+        motions,
+        workcell: Workcell::default(),
+    };
     let path = JointPath::new(&program, &Robot::default())?;
     let plan = Trajectory::plan(&path, Timing::default())?;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousands")]

@@ -36,7 +36,9 @@ impl Arm {
 
 fn run_real(line: &mut DriveConnection, to_start: f64, trial: &Trial) -> Result<JointLog, Failure> {
     print_note(&format!("{}\n", trial.name));
-    go_to_start(line, Some(to_start), &trial.program.start_rad)?;
+    if let Some(start_rad) = trial.program.start.joints_rad() {
+        go_to_start(line, Some(to_start), start_rad)?;
+    }
     output::check_interrupt()?;
     let motions: Vec<Motion> = trial.program.motions.clone();
     let measured =

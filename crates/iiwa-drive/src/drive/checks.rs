@@ -13,7 +13,7 @@ use iiwa_link::{
     robot_program::RunId,
     transport::Permit,
 };
-use iiwa_path::{JointPath, Motion, Program};
+use iiwa_path::{JointPath, Motion, Program, Start, Workcell};
 
 /// A job of the thread. `C` identifies clients.
 pub(super) enum CheckJob<C> {
@@ -111,7 +111,12 @@ fn check_motions(motions: &[Motion], robot: &Robot, at_rad: &Joints) -> Result<(
         )));
     }
     let start_rad = robot.limits().clamp(at_rad);
-    let program = Program { robot: None, start_rad, motions: motions.to_vec() };
+    let program = Program {
+        robot: None,
+        start: Start::Joints(start_rad),
+        motions: motions.to_vec(),
+        workcell: Workcell::default(),
+    };
     JointPath::new(&program, robot)
         .map(drop)
         .map_err(|fault| Refusal::new(Code::Limit, fault.to_string()))

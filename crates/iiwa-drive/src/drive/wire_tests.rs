@@ -40,7 +40,7 @@ use fastrand::Rng;
 use iiwa_fri::{Controller, Format, SessionState};
 use iiwa_kin::Robot;
 use iiwa_link::TimedJoints;
-use iiwa_path::{Motion, Program, Ptp};
+use iiwa_path::{Motion, Program, Ptp, Start, Workcell};
 
 use self::{
     cell::{CABINET, Cell, Missing},
@@ -184,8 +184,9 @@ fn a_restarted_controller_is_detected() {
         // The next run works.
         cell.begin(&sampled(&Program {
             robot: None,
-            start_rad: cell.q,
+            start: Start::Joints(cell.q),
             motions: vec![Motion::Ptp(Ptp::to([0.0; 7]))],
+            workcell: Workcell::default(),
         }));
         cell.until(5000, |cell| cell.end.is_some());
         assert_eq!(cell.end.take().unwrap().error, None);

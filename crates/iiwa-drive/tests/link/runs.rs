@@ -5,7 +5,7 @@ use iiwa_link::{
     ClientError, TimedJoints,
     message::{Code, DriveState, Run},
 };
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_tests::calm::in_real_time;
 
@@ -24,7 +24,12 @@ fn motions() -> Vec<Motion> {
 }
 
 pub(crate) fn planned(motions: Vec<Motion>) -> Trajectory {
-    let program = Program { robot: None, start_rad: [0.0; 7], motions };
+    let program = Program {
+        robot: None,
+        start: Start::Joints([0.0; 7]),
+        motions,
+        workcell: Workcell::default(),
+    };
     let path = JointPath::new(&program, &Robot::default()).unwrap();
     Trajectory::plan(&path, Timing::default()).unwrap()
 }

@@ -2,7 +2,7 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::TimedJoints;
-use iiwa_path::{Motion, Program, Ptp};
+use iiwa_path::{Motion, Program, Ptp, Start, Workcell};
 use proptest::prelude::*;
 
 use crate::{
@@ -57,11 +57,12 @@ fn programs_to_the_limits() -> impl Strategy<Value = Program> {
     (prop::array::uniform7(-1.0..1.0_f64), prop::collection::vec(target, 1..5)).prop_map(
         move |(start, targets)| Program {
             robot: None,
-            start_rad: place(start),
+            start: Start::Joints(place(start)),
             motions: targets
                 .into_iter()
                 .map(|(share, speed)| Motion::Ptp(Ptp::to(place(share)).velocity(speed)))
                 .collect(),
+            workcell: Workcell::default(),
         },
     )
 }
@@ -80,7 +81,7 @@ proptest! {
             Motion::Ptp(ptp) => Some(ptp.target_rad),
             _ => None,
         });
-        let stops: Vec<Joints> = targets.chain([program.start_rad]).collect();
+        let stops: Vec<Joints> = targets.chain([*program.start.joints_rad().unwrap()]).collect();
         let bound = |j: usize, of: fn(f64, f64) -> f64| {
             stops.iter().map(|stop| stop[j]).reduce(of).unwrap()
         };

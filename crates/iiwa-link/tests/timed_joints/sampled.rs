@@ -5,7 +5,7 @@ use iiwa_link::{
     TimedJoints,
     message::{Code, Refusal},
 };
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 use proptest::prelude::*;
 
@@ -44,7 +44,12 @@ pub(crate) fn programs() -> impl Strategy<Value = Program> {
                     ptp.blend = None;
                 }
             }
-            Program { robot: None, start_rad, motions }
+            Program {
+                robot: None,
+                start: Start::Joints(start_rad),
+                motions,
+                workcell: Workcell::default(),
+            }
         })
         .prop_filter("a blend swings out of the limits", |program| {
             JointPath::new(program, &Robot::default()).is_ok()

@@ -45,7 +45,8 @@ impl CurvedCorner {
                     let pose = path.curve.course.at(Taylor::variable(s));
                     pose.position_m.map(|x| x.derivatives()[1])
                 };
-                let (into, out) = (scaled(shares[0], &rate(a, 1.0)), scaled(shares[1], &rate(b, 0.0)));
+                let (into, out) =
+                    (scaled(shares[0], &rate(a, 1.0)), scaled(shares[1], &rate(b, 0.0)));
                 let gamma_rad = if norm(&into) * norm(&out) > 0.0 {
                     let (a, b) = (scaled(1.0 / norm(&into), &into), scaled(1.0 / norm(&out), &out));
                     let sum = std::array::from_fn(|i| a[i] + b[i]);

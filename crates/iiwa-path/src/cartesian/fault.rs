@@ -59,12 +59,6 @@ pub enum CartesianFault {
         /// What it is.
         found: f64,
     },
-    /// A number of a frame is not finite.
-    #[error("{key} contains a value that is not finite")]
-    NotFinite {
-        /// The key of the frame.
-        key: &'static str,
-    },
     /// A circle's angle is zero or beyond a full turn.
     #[error("circ_angle_deg is {found_deg}; it must be from -360 to 360, and not 0")]
     CircAngle {

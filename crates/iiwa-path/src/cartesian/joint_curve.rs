@@ -11,7 +11,7 @@ use super::{
 use crate::{
     continuity::{Continuity, Polynomial},
     line::Line,
-    segment::Segment as _,
+    segment::Segment,
     tool_way::ToolWay,
 };
 
@@ -87,9 +87,7 @@ impl JointCurve for TcpCurve {
 
     fn tool_way(&self, s: f64) -> ToolWay {
         match self.course.even_rates() {
-            Some([way, turn]) => {
-                ToolWay { way_m: [way, 0.0, 0.0], turn_rad: [turn, 0.0, 0.0] }
-            }
+            Some([way, turn]) => ToolWay { way_m: [way, 0.0, 0.0], turn_rad: [turn, 0.0, 0.0] },
             None => tool_way(&self.course.at(Taylor::variable(s))),
         }
     }
@@ -102,7 +100,7 @@ impl JointCurve for TcpCurve {
 /// A straight line in joint space.
 impl JointCurve for Line {
     fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
-        let from = <Self as crate::segment::Segment>::at(self, 0.0).q;
+        let from = <Self as Segment>::at(self, 0.0).q;
         let direction = self.direction_rad();
         Ok(std::array::from_fn(|j| Taylor::constant(from[j]) + s * direction[j]))
     }

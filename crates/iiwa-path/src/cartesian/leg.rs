@@ -47,9 +47,11 @@ pub(crate) fn legs(program: &Program, robot: &Arc<Robot>) -> Result<Vec<Option<L
         let leg = match entry {
             Motion::Ptp(ptp) => Some(Leg { ends_rad: [at_rad, ptp.target_rad], path: None }),
             Motion::Wait { .. } => None,
-            Motion::Cartesian(own) => Some(leg(program, robot, &at_rad, own).map_err(
-                |(key, fault)| Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) },
-            )?),
+            Motion::Cartesian(own) => {
+                Some(leg(program, robot, &at_rad, own).map_err(|(key, fault)| {
+                    Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) }
+                })?)
+            }
         };
         if let Some(leg) = &leg {
             at_rad = leg.ends_rad[1];
@@ -140,7 +142,14 @@ fn leg(
             };
             (TcpCourse::line(&from, &to, is_constant), *e1_rad)
         }
-        Course::Circ(Circ { aux, to, angle_rad, turns_with_path, aux_orientation, extrapolates }) => {
+        Course::Circ(Circ {
+            aux,
+            to,
+            angle_rad,
+            turns_with_path,
+            aux_orientation,
+            extrapolates,
+        }) => {
             let (_, aux) = frame("aux", aux)?;
             let (target, pose) = frame("frame", to)?;
             if let Some(angle) = angle_rad
@@ -177,9 +186,8 @@ fn leg(
     };
     let path = TcpPath::of(&curve).map_err(|fault| (motion.end_key(), fault))?;
     let end = path.curve.at(Taylor::constant(1.0)).map(|joints| joints.map(Number::value));
-    let to_rad = end.map_err(|fault| {
-        (motion.end_key(), curve.fault(CurveFaultAt { s: 1.0, fault }))
-    })?;
+    let to_rad =
+        end.map_err(|fault| (motion.end_key(), curve.fault(CurveFaultAt { s: 1.0, fault })))?;
     Ok(Leg { ends_rad: [*from_rad, to_rad], path: Some(path) })
 }
 
@@ -209,16 +217,12 @@ impl TcpCurve {
         match fault {
             CurveFault::Unreachable(reason) if s == 1.0 => CartesianFault::Unreachable(reason),
             CurveFault::Unreachable(reason) => CartesianFault::UnreachableOnTheWay { s, reason },
-            CurveFault::Singular(part) => CartesianFault::Singular {
-                s,
-                part: Some(part),
-                other_e1_deg: self.other_e1_deg(),
-            },
-            CurveFault::Abrupt => CartesianFault::Singular {
-                s,
-                part: None,
-                other_e1_deg: self.other_e1_deg(),
-            },
+            CurveFault::Singular(part) => {
+                CartesianFault::Singular { s, part: Some(part), other_e1_deg: self.other_e1_deg() }
+            }
+            CurveFault::Abrupt => {
+                CartesianFault::Singular { s, part: None, other_e1_deg: self.other_e1_deg() }
+            }
         }
     }
 

@@ -73,11 +73,7 @@ pub(crate) fn exp<T: Number>(r: &Vec3<T>) -> Mat3<T> {
 pub(crate) fn log<T: Number>(a: &Mat3<T>) -> Vec3<T> {
     let half = T::constant(0.5);
     // sin(t) times the axis.
-    let v = [
-        half * (a[2][1] - a[1][2]),
-        half * (a[0][2] - a[2][0]),
-        half * (a[1][0] - a[0][1]),
-    ];
+    let v = [half * (a[2][1] - a[1][2]), half * (a[0][2] - a[2][0]), half * (a[1][0] - a[0][1])];
     let cos = half * (a[0][0] + a[1][1] + a[2][2] - T::constant(1.0));
     let square = dot(&v, &v);
     if cos.value() > 0.0 && square.value() < SERIES_OF_ARCSINE {

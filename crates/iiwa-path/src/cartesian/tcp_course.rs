@@ -3,8 +3,7 @@
 use iiwa_kin::{MovingPose, Number, Pose, Taylor};
 
 use super::rotation::{
-    Mat3, Vec3, constant, cross, dot, exp, log_or_half_turn, norm, product, scaled, sub,
-    transposed,
+    Mat3, Vec3, constant, cross, dot, exp, log_or_half_turn, norm, product, scaled, sub, transposed,
 };
 use crate::tool_way::ToolWay;
 
@@ -157,8 +156,7 @@ impl TcpCourse {
                 // Through 0 at 0, `by_way` at `share` and `linear` at 1.
                 if share > 0.0 && share < 1.0 {
                     for i in 0..3 {
-                        square[i] =
-                            (linear[i] - by_way[i] / share) / (1.0 - share);
+                        square[i] = (linear[i] - by_way[i] / share) / (1.0 - share);
                         linear[i] -= square[i];
                     }
                 }
@@ -230,7 +228,8 @@ impl TcpCourse {
 pub(crate) fn tool_way(pose: &MovingPose) -> ToolWay {
     let rate = pose.position_m.map(derivative);
     // R' R^T = [omega]; as R is a rotation, any three of its entries tell omega.
-    let turning = product(&pose.rotation.map(|row| row.map(derivative)), &transposed(&pose.rotation));
+    let turning =
+        product(&pose.rotation.map(|row| row.map(derivative)), &transposed(&pose.rotation));
     let omega = [turning[2][1], turning[0][2], turning[1][0]];
     ToolWay { way_m: length(&rate), turn_rad: length(&omega) }
 }

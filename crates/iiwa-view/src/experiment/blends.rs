@@ -197,7 +197,7 @@ fn corners(
         let first = log.t_s.partition_point(|t_s| *t_s < from_s);
         let last = log.t_s.partition_point(|t_s| *t_s <= to_s);
         from_s = next_s;
-        let before_rad = run.trial.program.start_rad;
+        let before_rad = *path.start_rad();
         let target = |motion: usize| match run.trial.program.motions.get(motion) {
             Some(iiwa_path::Motion::Ptp(ptp)) => Some(ptp.target_rad),
             _ => None,

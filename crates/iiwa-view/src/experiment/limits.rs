@@ -7,7 +7,7 @@ use iiwa_eval::{
     local_cubic,
 };
 use iiwa_kin::Joint;
-use iiwa_path::{Motion, Program, Ptp};
+use iiwa_path::{Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 use crate::{
@@ -151,8 +151,9 @@ fn figure(bench: &Bench, run: &TrialRun, line: &LineObservation) -> Result<Strin
     // What the model plans for this motion by itself.
     let program = Program {
         robot: None,
-        start_rad: line.from_rad,
+        start: Start::Joints(line.from_rad),
         motions: vec![Motion::Ptp(Ptp::to(line.to_rad))],
+        workcell: Workcell::default(),
     };
     let trial = Trial { name: run.trial.name.clone(), program };
     let planned: Trajectory = planned(&bench.model, &trial, Timing::default())?;

@@ -16,7 +16,7 @@ pub fn motion_warning<'a>(trials: impl Iterator<Item = &'a Trial>, count: usize)
             Motion::Ptp(ptp) => Some(ptp.target_rad),
             _ => None,
         });
-        for target in targets.chain([trial.program.start_rad]) {
+        for target in targets.chain(trial.program.start.joints_rad().copied()) {
             for (range, q) in range.iter_mut().zip(target) {
                 *range = (range.0.min(q), range.1.max(q));
             }

@@ -3,7 +3,7 @@
 use fastrand::Rng;
 use iiwa_kin::Robot;
 use iiwa_link::TimedJoints;
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp};
+use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 /// Motions at full speed between positions anywhere in the range, including its ends.
@@ -19,7 +19,12 @@ pub(super) fn program(random: &mut Rng) -> Program {
             ptp.blend = blend.then(|| Blend::Fraction(0.5 * random.f64()));
         }
         let motions = motions.into_iter().map(Motion::Ptp).collect();
-        let program = Program { robot: None, start_rad, motions };
+        let program = Program {
+            robot: None,
+            start: Start::Joints(start_rad),
+            motions,
+            workcell: Workcell::default(),
+        };
         if JointPath::new(&program, &Robot::default()).is_ok() {
             return program;
         }
@@ -36,7 +41,7 @@ pub(super) fn sampled(program: &Program) -> TimedJoints {
     t_s.push(end_s);
     let joints_rad = t_s.iter().map(|t_s| plan.at(*t_s).q).collect();
     let trajectory = TimedJoints { t_s, joints_rad };
-    trajectory.check(Robot::default().limits(), &program.start_rad).unwrap();
+    trajectory.check(Robot::default().limits(), program.start.joints_rad().unwrap()).unwrap();
     trajectory
 }
 

@@ -1,0 +1,410 @@
+//! Paths of the TCP in programs.
+
+use iiwa_json::{object, object_or_null};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    frames::{PoseWire, TargetRefWire},
+    share::Share,
+};
+use crate::{
+    cartesian_motion::{AuxOrientation, CartesianMotion, Circ, Course, OrientationType, PathBlend},
+    frame::Frame,
+    limit_kind::ByKind,
+    program::Motion,
+    target::TargetRef,
+    tool_limits::ToolLimits,
+};
+
+/// Declares a path of the TCP with the keys that all have.
+macro_rules! path_wire {
+    (
+        $(#[$meta:meta])* $name:ident, $tag:ident = $type:literal
+        { $($(#[$field_meta:meta])* $field:ident: $field_type:ty,)* }
+    ) => {
+        #[derive(Default, Deserialize, Serialize, JsonSchema)]
+        #[schemars(inline)]
+        pub(super) enum $tag {
+            #[default]
+            #[serde(rename = $type)]
+            Type,
+        }
+
+        #[derive(Deserialize, Serialize, JsonSchema)]
+        $(#[$meta])*
+        #[serde(deny_unknown_fields)]
+        pub(super) struct $name {
+            r#type: $tag,
+            $($(#[$field_meta])* $field: $field_type,)*
+            /// The TCP that moves, `TOOL` or `TOOL/TIP`, or `flange`; the program's if absent.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            tool: Option<String>,
+            /// The base of frames that name no other; the program's if absent.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            base: Option<String>,
+            /// How the orientation goes along.
+            #[serde(default, skip_serializing_if = "OrientationWire::is_variable")]
+            orientation: OrientationWire,
+            /// Share of the joints' speed limits, above 0 and at most 1.
+            #[serde(default, skip_serializing_if = "Share::is_full")]
+            velocity_rel: Share,
+            /// Share of the joints' acceleration limits, above 0 and at most 1.
+            #[serde(default, skip_serializing_if = "Share::is_full")]
+            acceleration_rel: Share,
+            /// Share of the joints' jerk limits, above 0 and at most 1.
+            #[serde(default, skip_serializing_if = "Share::is_full")]
+            jerk_rel: Share,
+            /// Limit of the TCP's speed, in mm/s.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("exclusiveMinimum" = 0))]
+            cart_velocity_mm_s: Option<f64>,
+            /// Limit of the TCP's acceleration along the path, in mm/s^2.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("exclusiveMinimum" = 0))]
+            cart_acceleration_mm_s2: Option<f64>,
+            /// Limit of the TCP's jerk along the path, in mm/s^3.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("exclusiveMinimum" = 0))]
+            cart_jerk_mm_s3: Option<f64>,
+            /// Limit of the speed at which the TCP turns, in deg/s.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("exclusiveMinimum" = 0))]
+            orientation_velocity_deg_s: Option<f64>,
+            /// Limit of the acceleration with which the TCP turns, in deg/s^2.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("exclusiveMinimum" = 0))]
+            orientation_acceleration_deg_s2: Option<f64>,
+            /// Limit of the jerk with which the TCP turns, in deg/s^3.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("exclusiveMinimum" = 0))]
+            orientation_jerk_deg_s3: Option<f64>,
+            /// How the target is blended away; without it the arm stops there.
+            #[serde(
+                default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none"
+            )]
+            blend: Option<PathBlendWire>,
+        }
+
+        impl $name {
+            /// The motion on a `course`.
+            fn on(self, course: Course) -> Motion {
+                let mm = |limit: Option<f64>| limit.map_or(f64::INFINITY, |limit| 1e-3 * limit);
+                let deg = |limit: Option<f64>| limit.map_or(f64::INFINITY, f64::to_radians);
+                let shares = [self.velocity_rel, self.acceleration_rel, self.jerk_rel];
+                Motion::Cartesian(Box::new(CartesianMotion {
+                    course,
+                    tool: self.tool,
+                    base: self.base,
+                    shares: ByKind::from_array(shares.map(Share::each)),
+                    tool_limits: ToolLimits {
+                        way: ByKind::from_array([
+                            mm(self.cart_velocity_mm_s),
+                            mm(self.cart_acceleration_mm_s2),
+                            mm(self.cart_jerk_mm_s3),
+                        ]),
+                        turn: ByKind::from_array([
+                            deg(self.orientation_velocity_deg_s),
+                            deg(self.orientation_acceleration_deg_s2),
+                            deg(self.orientation_jerk_deg_s3),
+                        ]),
+                    },
+                    orientation: self.orientation.into(),
+                    blend: self.blend.map(PathBlendWire::blend),
+                }))
+            }
+
+            /// As `motion`, whose course is written by these fields.
+            #[expect(clippy::too_many_arguments, reason = "a macro's, for the fields of each type")]
+            fn of(motion: &CartesianMotion, $($field: $field_type),*) -> Self {
+                let given = |limit: f64| Some(limit).filter(|limit| limit.is_finite());
+                let mm = |limit: f64| given(limit).map(|limit| 1e3 * limit);
+                let deg = |limit: f64| given(limit).map(f64::to_degrees);
+                let ToolLimits { way, turn } = motion.tool_limits;
+                let ([v, a, j], [turn_v, turn_a, turn_j]) = (way.into_array(), turn.into_array());
+                let [velocity, acceleration, jerk] = motion.shares.into_array().map(Share::from);
+                Self {
+                    r#type: $tag::Type,
+                    $($field,)*
+                    tool: motion.tool.clone(),
+                    base: motion.base.clone(),
+                    orientation: motion.orientation.into(),
+                    velocity_rel: velocity,
+                    acceleration_rel: acceleration,
+                    jerk_rel: jerk,
+                    cart_velocity_mm_s: mm(v),
+                    cart_acceleration_mm_s2: mm(a),
+                    cart_jerk_mm_s3: mm(j),
+                    orientation_velocity_deg_s: deg(turn_v),
+                    orientation_acceleration_deg_s2: deg(turn_a),
+                    orientation_jerk_deg_s3: deg(turn_j),
+                    blend: motion.blend.map(PathBlendWire::from),
+                }
+            }
+        }
+    };
+}
+
+path_wire! {
+    /// The TCP goes straight to a frame.
+    #[schemars(rename = "Lin")]
+    LinWire, LinTag = "lin" {
+        /// Where it goes.
+        frame: TargetRefWire,
+    }
+}
+
+path_wire! {
+    /// The TCP goes straight, by an offset.
+    #[schemars(rename = "LinRel")]
+    LinRelWire, LinRelTag = "lin_rel" {
+        /// By how much.
+        #[serde(deserialize_with = "object")]
+        offset: PoseWire,
+        /// In whose orientation the offset is given: `tcp`, or a frame.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        r#in: Option<TargetRefWire>,
+        /// Position of joint A3 at the end, in degrees; as at the start if absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        e1_deg: Option<f64>,
+    }
+}
+
+path_wire! {
+    /// The TCP goes on a circle through an auxiliary frame.
+    #[schemars(rename = "Circ")]
+    CircWire, CircTag = "circ" {
+        /// A frame on the way.
+        aux: TargetRefWire,
+        /// The frame that the circle goes to.
+        frame: TargetRefWire,
+        /// The angle by which it goes on, in degrees; to the frame if absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(range(min = -360, max = 360))]
+        circ_angle_deg: Option<f64>,
+        /// Whether the orientation is given in the base or turns with the path.
+        #[serde(default, skip_serializing_if = "ReferenceWire::is_base")]
+        orientation_reference: ReferenceWire,
+        /// What the orientation of the auxiliary frame is for.
+        #[serde(default, skip_serializing_if = "AuxWire::is_consider")]
+        aux_orientation: AuxWire,
+        /// Where the orientation of the frame is reached, with an angle.
+        #[serde(default, skip_serializing_if = "EndWire::is_interpolate")]
+        end_orientation: EndWire,
+    }
+}
+
+/// What is wrong, and the key at which it is.
+type Wrong = (&'static str, String);
+
+impl LinWire {
+    pub(super) fn motion(mut self) -> Result<Motion, Wrong> {
+        let frame = std::mem::replace(&mut self.frame, TargetRefWire::Named(String::new()));
+        let to = frame.target().map_err(|what| ("frame", what))?;
+        Ok(self.on(Course::Lin { to }))
+    }
+
+    pub(super) fn new(motion: &CartesianMotion, to: &TargetRef) -> Self {
+        Self::of(motion, to.into())
+    }
+}
+
+/// The TCP itself, as what an offset is given in.
+const TCP: &str = "tcp";
+
+impl LinRelWire {
+    pub(super) fn motion(mut self) -> Result<Motion, Wrong> {
+        let offset = self.offset.frame().map_err(|what| ("offset", what))?;
+        let within = match self.r#in.take() {
+            None => None,
+            Some(TargetRefWire::Named(name)) if name == TCP => None,
+            Some(within) => Some(within.target().map_err(|what| ("in", what))?),
+        };
+        let e1_rad = self.e1_deg.map(f64::to_radians);
+        Ok(self.on(Course::LinRel { offset, e1_rad, within }))
+    }
+
+    pub(super) fn new(
+        motion: &CartesianMotion,
+        offset: &Frame,
+        e1_rad: Option<f64>,
+        within: Option<&TargetRef>,
+    ) -> Self {
+        let e1_deg = e1_rad.map(f64::to_degrees);
+        Self::of(motion, offset.into(), within.map(TargetRefWire::from), e1_deg)
+    }
+}
+
+impl CircWire {
+    pub(super) fn motion(mut self) -> Result<Motion, Wrong> {
+        let nowhere = || TargetRefWire::Named(String::new());
+        let aux = std::mem::replace(&mut self.aux, nowhere()).target();
+        let to = std::mem::replace(&mut self.frame, nowhere()).target();
+        let circ = Circ {
+            aux: aux.map_err(|what| ("aux", what))?,
+            to: to.map_err(|what| ("frame", what))?,
+            angle_rad: self.circ_angle_deg.map(f64::to_radians),
+            turns_with_path: !self.orientation_reference.is_base(),
+            aux_orientation: match self.aux_orientation {
+                AuxWire::Consider => AuxOrientation::Consider,
+                AuxWire::Interpolate => AuxOrientation::Interpolate,
+                AuxWire::Ignore => AuxOrientation::Ignore,
+            },
+            extrapolates: !self.end_orientation.is_interpolate(),
+        };
+        Ok(self.on(Course::Circ(circ)))
+    }
+
+    pub(super) fn new(motion: &CartesianMotion, circ: &Circ) -> Self {
+        let reference =
+            if circ.turns_with_path { ReferenceWire::Path } else { ReferenceWire::Base };
+        let aux_orientation = match circ.aux_orientation {
+            AuxOrientation::Consider => AuxWire::Consider,
+            AuxOrientation::Interpolate => AuxWire::Interpolate,
+            AuxOrientation::Ignore => AuxWire::Ignore,
+        };
+        let end = if circ.extrapolates { EndWire::Extrapolate } else { EndWire::Interpolate };
+        let angle_deg = circ.angle_rad.map(f64::to_degrees);
+        Self::of(
+            motion,
+            (&circ.aux).into(),
+            (&circ.to).into(),
+            angle_deg,
+            reference,
+            aux_orientation,
+            end,
+        )
+    }
+}
+
+/// How the orientation goes along a path.
+#[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "OrientationType")]
+pub(super) enum OrientationWire {
+    /// One turn about a fixed axis, evenly along the path.
+    #[default]
+    Variable,
+    /// As at the start.
+    Constant,
+}
+
+impl OrientationWire {
+    fn is_variable(&self) -> bool {
+        *self == Self::Variable
+    }
+}
+
+impl From<OrientationWire> for OrientationType {
+    fn from(wire: OrientationWire) -> Self {
+        match wire {
+            OrientationWire::Variable => Self::Variable,
+            OrientationWire::Constant => Self::Constant,
+        }
+    }
+}
+
+impl From<OrientationType> for OrientationWire {
+    fn from(orientation: OrientationType) -> Self {
+        match orientation {
+            OrientationType::Variable => Self::Variable,
+            OrientationType::Constant => Self::Constant,
+        }
+    }
+}
+
+/// What the orientation on a circle is given in.
+#[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "OrientationReference")]
+pub(super) enum ReferenceWire {
+    /// The base.
+    #[default]
+    Base,
+    /// A frame that turns with the path.
+    Path,
+}
+
+impl ReferenceWire {
+    fn is_base(&self) -> bool {
+        *self == Self::Base
+    }
+}
+
+/// What the orientation of the auxiliary frame is for.
+#[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "AuxOrientation")]
+pub(super) enum AuxWire {
+    /// It is reached somewhere on the way.
+    #[default]
+    Consider,
+    /// It is reached at the auxiliary frame.
+    Interpolate,
+    /// It does not count.
+    Ignore,
+}
+
+impl AuxWire {
+    fn is_consider(&self) -> bool {
+        *self == Self::Consider
+    }
+}
+
+/// Where the orientation of the frame is reached.
+#[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "EndOrientation")]
+pub(super) enum EndWire {
+    /// Where the motion ends.
+    #[default]
+    Interpolate,
+    /// At the frame, and on beyond it.
+    Extrapolate,
+}
+
+impl EndWire {
+    fn is_interpolate(&self) -> bool {
+        *self == Self::Interpolate
+    }
+}
+
+/// Where the arm may leave the path to the target and cut the corner; of several sizes the smallest counts.
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "PathBlend")]
+pub(super) struct PathBlendWire {
+    /// The distance from the target, in mm; below 4 the arm stops.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0))]
+    cart_mm: Option<f64>,
+    /// By how much the orientation may differ from the target's, in degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0))]
+    ori_deg: Option<f64>,
+    /// Sunrise's `setBlendingRel`: on paths it is for the redundancy only, and the blend as small as can be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0, max = 1))]
+    sunrise_rel: Option<f64>,
+}
+
+impl PathBlendWire {
+    fn blend(self) -> PathBlend {
+        PathBlend {
+            cart_mm: self.cart_mm,
+            orientation_rad: self.ori_deg.map(f64::to_radians),
+            sunrise_rel: self.sunrise_rel,
+            fraction: None,
+        }
+    }
+}
+
+impl From<PathBlend> for PathBlendWire {
+    fn from(blend: PathBlend) -> Self {
+        Self {
+            cart_mm: blend.cart_mm,
+            ori_deg: blend.orientation_rad.map(f64::to_degrees),
+            sunrise_rel: blend.sunrise_rel,
+        }
+    }
+}

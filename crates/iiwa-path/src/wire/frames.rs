@@ -1,0 +1,347 @@
+//! Frames, tools and bases in programs.
+
+use std::{collections::BTreeMap, fmt};
+
+use iiwa_json::{numbers, object, object_or_null};
+use iiwa_kin::Status;
+use schemars::JsonSchema;
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{MapAccess, Visitor, value::MapAccessDeserializer},
+};
+
+use crate::{
+    frame::Frame,
+    target::{Target, TargetRef},
+    workcell::{Base, Load, Tool, Workcell},
+};
+
+/// Declares what is written as a pose with more keys.
+macro_rules! pose_wire {
+    ($(#[$meta:meta])* $name:ident { $($(#[$field_meta:meta])* $field:ident: $type:ty,)* }) => {
+        #[derive(Default, Deserialize, Serialize, JsonSchema)]
+        $(#[$meta])*
+        #[serde(deny_unknown_fields)]
+        pub(super) struct $name {
+            /// Origin, in mm.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            x_mm: Option<f64>,
+            /// Origin, in mm.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            y_mm: Option<f64>,
+            /// Origin, in mm.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            z_mm: Option<f64>,
+            /// Angle about z, in degrees: R = Rz(a) Ry(b) Rx(c).
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            a_deg: Option<f64>,
+            /// Angle about the new y, in degrees.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            b_deg: Option<f64>,
+            /// Angle about the new x, in degrees.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            c_deg: Option<f64>,
+            /// Angle about z, in rad.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            a_rad: Option<f64>,
+            /// Angle about the new y, in rad.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            b_rad: Option<f64>,
+            /// Angle about the new x, in rad.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            c_rad: Option<f64>,
+            $($(#[$field_meta])* $field: $type,)*
+        }
+
+        impl $name {
+            fn written(&self) -> Written {
+                Written {
+                    xyz_mm: [self.x_mm, self.y_mm, self.z_mm],
+                    abc_deg: [self.a_deg, self.b_deg, self.c_deg],
+                    abc_rad: [self.a_rad, self.b_rad, self.c_rad],
+                }
+            }
+        }
+
+        impl From<&Frame> for $name {
+            fn from(frame: &Frame) -> Self {
+                let [x, y, z] = frame.xyz_mm.map(Some);
+                let [a, b, c] = frame.abc_rad.map(Some);
+                Self { x_mm: x, y_mm: y, z_mm: z, a_rad: a, b_rad: b, c_rad: c, ..Self::default() }
+            }
+        }
+    };
+}
+
+/// The numbers of a pose, as far as they are given.
+struct Written {
+    xyz_mm: [Option<f64>; 3],
+    abc_deg: [Option<f64>; 3],
+    abc_rad: [Option<f64>; 3],
+}
+
+impl Written {
+    /// The frame, with zeros for what is not given, unless all of it has to be.
+    fn frame(&self, needs_all: bool) -> Result<Frame, String> {
+        let mut frame = Frame::default();
+        for i in 0..3 {
+            let (length, angle) = (["x", "y", "z"][i], ["a", "b", "c"][i]);
+            frame.xyz_mm[i] = match self.xyz_mm[i] {
+                Some(value) => value,
+                None if needs_all => return Err(format!("`{length}_mm` is missing")),
+                None => 0.0,
+            };
+            frame.abc_rad[i] = match (self.abc_deg[i], self.abc_rad[i]) {
+                (Some(_), Some(_)) => {
+                    return Err(format!("give either `{angle}_deg` or `{angle}_rad`, not both"));
+                }
+                (Some(deg), None) => deg.to_radians(),
+                (None, Some(rad)) => rad,
+                (None, None) if needs_all => return Err(format!("`{angle}_deg` is missing")),
+                (None, None) => 0.0,
+            };
+        }
+        Ok(frame)
+    }
+}
+
+pose_wire! {
+    /// A pose; what is missing is 0.
+    #[schemars(rename = "Pose")]
+    PoseWire {}
+}
+
+pose_wire! {
+    /// A frame that others are given in; what is missing is 0.
+    #[schemars(rename = "Base")]
+    BaseWire {
+        /// The base that it is given in; `robot`, the robot's foot, if absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        base: Option<String>,
+    }
+}
+
+pose_wire! {
+    /// A frame to go to: all of x, y, z, a, b and c.
+    #[schemars(rename = "Target")]
+    TargetWire {
+        /// The base that it is given in.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        base: Option<String>,
+        /// Position of joint A3 there, in degrees; as where the motion starts if absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        e1_deg: Option<f64>,
+        /// Position of joint A3 there, in rad.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        e1_rad: Option<f64>,
+        /// Sunrise's status, 0 to 7: 1 if the wrist is behind A1, 2 if A4 and 4 if A6 is negative.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(range(min = 0, max = 7))]
+        status: Option<u8>,
+        /// Sunrise's turn, 0 to 127: the signs of all joints, 1 for A1.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(range(min = 0, max = 127))]
+        turn: Option<u8>,
+    }
+}
+
+impl PoseWire {
+    pub(super) fn frame(&self) -> Result<Frame, String> {
+        self.written().frame(false)
+    }
+}
+
+impl TargetWire {
+    fn target(self) -> Result<Target, String> {
+        let frame = self.written().frame(true)?;
+        let e1_rad = match (self.e1_deg, self.e1_rad) {
+            (Some(_), Some(_)) => {
+                return Err("give either `e1_deg` or `e1_rad`, not both".to_owned());
+            }
+            (deg, rad) => deg.map(f64::to_radians).or(rad),
+        };
+        let status = match self.status {
+            Some(bits) => {
+                Some(Status::new(bits).ok_or(format!("status is {bits}; it must be from 0 to 7"))?)
+            }
+            None => None,
+        };
+        match self.turn {
+            Some(turn) if turn > 127 => Err(format!("turn is {turn}; it must be from 0 to 127")),
+            turn => Ok(Target { frame, base: self.base, e1_rad, status, turn }),
+        }
+    }
+}
+
+impl From<&Target> for TargetWire {
+    fn from(target: &Target) -> Self {
+        Self {
+            base: target.base.clone(),
+            e1_rad: target.e1_rad,
+            status: target.status.map(Status::bits),
+            turn: target.turn,
+            ..Self::from(&target.frame)
+        }
+    }
+}
+
+/// A frame to go to, or the name of one.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(rename = "TargetOrName")]
+#[expect(clippy::large_enum_variant, reason = "it is read and turned into something smaller")]
+pub(super) enum TargetRefWire {
+    /// One of `frames`.
+    Named(String),
+    Given(TargetWire),
+}
+
+impl<'de> Deserialize<'de> for TargetRefWire {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        struct NameOrObject;
+        impl<'de> Visitor<'de> for NameOrObject {
+            type Value = TargetRefWire;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a frame, or the name of one")
+            }
+            fn visit_str<E>(self, name: &str) -> Result<TargetRefWire, E> {
+                Ok(TargetRefWire::Named(name.to_owned()))
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TargetRefWire, A::Error> {
+                TargetWire::deserialize(MapAccessDeserializer::new(map)).map(TargetRefWire::Given)
+            }
+        }
+        reader.deserialize_any(NameOrObject)
+    }
+}
+
+impl TargetRefWire {
+    pub(super) fn target(self) -> Result<TargetRef, String> {
+        match self {
+            Self::Named(name) => Ok(TargetRef::Named(name)),
+            Self::Given(target) => target.target().map(TargetRef::Given),
+        }
+    }
+}
+
+impl From<&TargetRef> for TargetRefWire {
+    fn from(target: &TargetRef) -> Self {
+        match target {
+            TargetRef::Named(name) => Self::Named(name.clone()),
+            TargetRef::Given(target) => Self::Given(target.into()),
+        }
+    }
+}
+
+/// A tool at the flange.
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Tool")]
+pub(super) struct ToolWire {
+    /// Its TCP in the flange's frame.
+    #[serde(deserialize_with = "object")]
+    tcp: PoseWire,
+    /// Further TCPs by name, in the flange's frame.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    tips: BTreeMap<String, PoseWire>,
+    /// What it weighs.
+    #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
+    load: Option<LoadWire>,
+}
+
+/// A load at the flange.
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Load")]
+pub(super) struct LoadWire {
+    /// Mass, in kg.
+    #[schemars(range(min = 0))]
+    mass_kg: f64,
+    /// Centre of mass in the flange's frame, in mm.
+    #[serde(default, deserialize_with = "three")]
+    center_mm: [f64; 3],
+    /// Principal moments of inertia about the centre, in kg m^2.
+    #[serde(default, deserialize_with = "three")]
+    inertia_kg_m2: [f64; 3],
+    /// Orientation of the principal axes in the flange's frame, in degrees.
+    #[serde(default, deserialize_with = "three", skip_serializing_if = "is_zero")]
+    abc_deg: [f64; 3],
+}
+
+fn three<'de, D: Deserializer<'de>>(reader: D) -> Result<[f64; 3], D::Error> {
+    numbers(reader, "three numbers")
+}
+
+fn is_zero(numbers: &[f64; 3]) -> bool {
+    *numbers == [0.0; 3]
+}
+
+impl ToolWire {
+    fn tool(self) -> Result<Tool, String> {
+        let tip = |(name, pose): (String, PoseWire)| match pose.frame() {
+            Ok(frame) => Ok((name, frame)),
+            Err(what) => Err(format!("`{name}`: {what}")),
+        };
+        let load = self.load.map(|load| {
+            if load.mass_kg >= 0.0 {
+                Ok(Load {
+                    mass_kg: load.mass_kg,
+                    center_mm: load.center_mm,
+                    inertia_kg_m2: load.inertia_kg_m2,
+                    abc_rad: load.abc_deg.map(f64::to_radians),
+                })
+            } else {
+                Err(format!("mass_kg is {}; it must be 0 or more", load.mass_kg))
+            }
+        });
+        Ok(Tool {
+            tcp: self.tcp.frame()?,
+            tips: self.tips.into_iter().map(tip).collect::<Result<_, _>>()?,
+            load: load.transpose()?,
+        })
+    }
+}
+
+impl From<&Tool> for ToolWire {
+    fn from(tool: &Tool) -> Self {
+        let tip = |(name, frame): (&String, &Frame)| (name.clone(), frame.into());
+        Self {
+            tcp: (&tool.tcp).into(),
+            tips: tool.tips.iter().map(tip).collect(),
+            load: tool.load.map(|load| LoadWire {
+                mass_kg: load.mass_kg,
+                center_mm: load.center_mm,
+                inertia_kg_m2: load.inertia_kg_m2,
+                abc_deg: load.abc_rad.map(f64::to_degrees),
+            }),
+        }
+    }
+}
+
+impl From<&Base> for BaseWire {
+    fn from(base: &Base) -> Self {
+        Self { base: base.base.clone(), ..Self::from(&base.frame) }
+    }
+}
+
+/// What a program knows by name; or the list, the name and what is wrong with it.
+pub(super) fn workcell(
+    tools: BTreeMap<String, ToolWire>,
+    bases: BTreeMap<String, BaseWire>,
+    frames: BTreeMap<String, TargetWire>,
+) -> Result<Workcell, (&'static str, String, String)> {
+    let mut workcell = Workcell::default();
+    for (name, wire) in tools {
+        let tool = wire.tool().map_err(|what| ("tools", name.clone(), what))?;
+        workcell.tools.insert(name, tool);
+    }
+    for (name, wire) in bases {
+        let frame = wire.written().frame(false).map_err(|what| ("bases", name.clone(), what))?;
+        workcell.bases.insert(name, Base { frame, base: wire.base });
+    }
+    for (name, wire) in frames {
+        let target = wire.target().map_err(|what| ("frames", name.clone(), what))?;
+        workcell.frames.insert(name, target);
+    }
+    Ok(workcell)
+}
