@@ -261,9 +261,10 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
     )
     every("kind", "/motion", lambda m: m.kind in ("line", "blend", "settle", "wait"))
     every(
-        "a limiting joint has a kind of limit",
+        "a limiting joint has a kind of limit, and so has the TCP",
         "/motion",
-        lambda m: 0 <= m.limiting_joint <= 7 and (m.limiting_joint > 0) == bool(m.limiting_kind),
+        lambda m: 0 <= m.limiting_joint <= 7
+        and (m.limiting_joint > 0 or "_" in m.limiting_kind) == bool(m.limiting_kind),
     )
 
     (start, trajectory) = messages["/joint_trajectory"][0]

@@ -72,9 +72,10 @@ pub struct Motion<'a> {
     pub index: u32,
     /// What it is: `line`, `blend`, `settle` or `wait`.
     pub kind: Cow<'a, str>,
-    /// The joint whose limit bites first, 1 to 7.
+    /// The joint whose limit bites first, 1 to 7; none if it is one of the TCP.
     pub limiting_joint: Option<u8>,
-    /// Which of its limits: `velocity`, `acceleration` or `jerk`; empty without a joint.
+    /// Which of its limits: `velocity`, `acceleration` or `jerk`, after `cart_` or `orientation_` if it is one of the
+    /// TCP; empty where nothing moves.
     pub limiting_kind: Cow<'a, str>,
 }
 

@@ -94,8 +94,8 @@ impl<W: Write> PlanWriter<W> {
                     kind: Cow::Borrowed(piece.kind.name()),
                     limiting_joint: piece
                         .limited_by
-                        .and_then(|l| u8::try_from(l.joint.number()).ok()),
-                    limiting_kind: Cow::Borrowed(piece.limited_by.map_or("", |l| l.kind.name())),
+                        .and_then(|l| u8::try_from(l.joint()?.number()).ok()),
+                    limiting_kind: Cow::Borrowed(piece.limited_by.map_or("", |l| l.name())),
                 };
                 self.writer.motion(duration(piece.start_s), &motion)?;
             } else if t_s < section.end_s() {

@@ -2,8 +2,9 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::fmt;
 
-use iiwa_kin::Robot;
+use iiwa_kin::{Joint, Robot};
 use iiwa_traj::{BlendFigures, Limit, MotionFigures, Section, Timing, Totals, Trajectory};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -81,12 +82,13 @@ pub struct LimitShareRecord {
     pub share: f64,
 }
 
-/// A limit of a joint.
+/// A limit of a joint or of the TCP.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LimitRecord {
-    /// The joint, 1 to 7.
-    pub joint: usize,
-    /// `velocity`, `acceleration` or `jerk`.
+    /// The joint, 1 to 7; none if the TCP is limited.
+    pub joint: Option<usize>,
+    /// `velocity`, `acceleration` or `jerk`; of the TCP the same after `cart_` (along its way) or `orientation_` (as it
+    /// turns).
     pub kind: Cow<'static, str>,
 }
 
@@ -199,7 +201,17 @@ pub(crate) fn to_json(entries: &BTreeMap<String, String>) -> Value {
 
 impl From<Limit> for LimitRecord {
     fn from(limit: Limit) -> Self {
-        Self { joint: limit.joint.number(), kind: limit.kind.name().into() }
+        Self { joint: limit.joint().map(Joint::number), kind: limit.name().into() }
+    }
+}
+
+/// As it is shown: `A4 velocity`, or `cart velocity`.
+impl fmt::Display for LimitRecord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(joint) = self.joint {
+            write!(f, "A{joint} ")?;
+        }
+        f.write_str(&self.kind.replace('_', " "))
     }
 }
 

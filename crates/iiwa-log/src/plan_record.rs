@@ -52,9 +52,10 @@ pub struct PlanPiece {
     pub start_s: f64,
     /// When it ends, in s.
     pub end_s: f64,
-    /// The joint whose limit binds, 1 to 7.
+    /// The joint whose limit binds, 1 to 7; none if it is one of the TCP.
     pub joint: Option<u8>,
-    /// Which of its limits: `velocity`, `acceleration` or `jerk`; empty without a joint.
+    /// Which of its limits: `velocity`, `acceleration` or `jerk`, after `cart_` or `orientation_` if it is one of the
+    /// TCP; empty where nothing moves.
     pub limit: String,
 }
 

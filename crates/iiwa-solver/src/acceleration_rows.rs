@@ -1,5 +1,6 @@
 //! Limits of acceleration as rows: `-1 <= (q''_j x + q'_j V / (2 h)) / a_j <= 1`, h the length of a cell.
 
+use iiwa_path::Coordinates;
 use pulp::Simd;
 
 use crate::{
@@ -11,7 +12,7 @@ use crate::{
     slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };
 
-/// The rows of `J` joints at one place of eight cells. With `J` = 1, the cells are on lines: all joints move in
+/// The rows of `J` coordinates at one place of eight cells. With `J` = 1, the cells are on lines: all joints move in
 /// proportion, and the one that comes first at its limit stands for all.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AccelerationRows<const J: usize> {
@@ -31,14 +32,14 @@ impl<const J: usize> AccelerationRows<J> {
     /// How many sides limits have.
     pub(crate) const SIDES: usize = Sides::COUNT * J;
 
-    /// Sets the rows of a cell of this `length` for some `joints`, from one over the limits (s^2/rad).
+    /// Sets the rows of a cell of this `length` for some `coordinates`, from one over the limits (s^2/rad).
     pub(crate) fn set(
         &mut self,
         lane: usize,
-        joints: &[usize],
+        coordinates: &[usize],
         [dq, ddq, _]: &SigmaDerivatives,
         length: f64,
-        inverse: &[f64; 7],
+        inverse: &Coordinates,
     ) {
         // dx/dsigma = V / length.
         let half = 0.5 / length;
@@ -46,7 +47,7 @@ impl<const J: usize> AccelerationRows<J> {
             self.v[0].0[lane] = largest_share(dq, inverse) * half;
             return;
         }
-        for (row, &j) in joints.iter().enumerate() {
+        for (row, &j) in coordinates.iter().enumerate() {
             self.x[row].0[lane] = ddq[j] * inverse[j];
             self.v[row].0[lane] = dq[j] * inverse[j] * half;
         }

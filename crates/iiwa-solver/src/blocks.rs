@@ -9,7 +9,7 @@ use crate::{
     mesh::Mesh,
 };
 
-/// Blocks of cells: with one row of each kind at a place on lines, with two to seven in curves.
+/// Blocks of cells: with one row of each kind at a place on lines, with two to eight in curves.
 #[derive(Default)]
 pub(crate) struct Blocks {
     pub(crate) lines: Vec<CellBlock<1>>,
@@ -18,6 +18,7 @@ pub(crate) struct Blocks {
     pub(crate) four: Vec<CellBlock<4>>,
     pub(crate) five: Vec<CellBlock<5>>,
     pub(crate) seven: Vec<CellBlock<7>>,
+    pub(crate) eight: Vec<CellBlock<8>>,
 }
 
 /// Does the same with every block of some [`Blocks`] that has a cell in the window.
@@ -30,6 +31,7 @@ macro_rules! for_each_block {
         for_each_block!(@ window, $block => $do; &mut blocks.four);
         for_each_block!(@ window, $block => $do; &mut blocks.five);
         for_each_block!(@ window, $block => $do; &mut blocks.seven);
+        for_each_block!(@ window, $block => $do; &mut blocks.eight);
     }};
     (@ $window:ident, $block:ident => $do:expr; $list:expr) => {
         for $block in $list {
@@ -44,7 +46,7 @@ pub(crate) use for_each_block;
 impl Blocks {
     /// Blocks of the cells in `list`.
     pub(crate) fn new(segments: &[LimitedSegment<'_>], mesh: &Mesh, list: &[usize]) -> Self {
-        let mut of_rows: [Vec<usize>; 6] = Default::default();
+        let mut of_rows: [Vec<usize>; 7] = Default::default();
         for &k in list {
             let place = match LimitedCell::new(segments, mesh, k).rows() {
                 1 if segments[mesh.cells[k].segment].is_line() => 0,
@@ -52,18 +54,19 @@ impl Blocks {
                 3 => 2,
                 4 => 3,
                 5 => 4,
-                _ => 5,
+                6 | 7 => 5,
+                _ => 6,
             };
             of_rows[place].push(k);
         }
         // A block that is not full takes those that need fewer rows, but lines.
-        for place in (2..6).rev() {
+        for place in (2..7).rev() {
             let room = of_rows[place].len().next_multiple_of(8) - of_rows[place].len();
             let fewer = &mut of_rows[place - 1];
             let moved = fewer.split_off(fewer.len() - room.min(fewer.len()));
             of_rows[place].extend(moved);
         }
-        let [lines, two, three, four, five, seven] = of_rows;
+        let [lines, two, three, four, five, seven, eight] = of_rows;
         Self {
             lines: blocks(segments, mesh, &lines),
             two: blocks(segments, mesh, &two),
@@ -71,6 +74,7 @@ impl Blocks {
             four: blocks(segments, mesh, &four),
             five: blocks(segments, mesh, &five),
             seven: blocks(segments, mesh, &seven),
+            eight: blocks(segments, mesh, &eight),
         }
     }
 
@@ -85,6 +89,7 @@ impl Blocks {
             + of(&self.four, window)
             + of(&self.five, window)
             + of(&self.seven, window)
+            + of(&self.eight, window)
     }
 }
 

@@ -13,7 +13,7 @@
 
 use std::ops::Range;
 
-use iiwa_path::{ByKind, LimitKind};
+use iiwa_path::{ByKind, Coordinates, LimitKind};
 use pulp::Simd;
 
 use crate::{
@@ -22,7 +22,7 @@ use crate::{
         CellState, ControlV, EndV, EndW, EndX, MiddleV, MiddleW, MiddleX, SecondControlX, StartV,
         StartW, StartX, ThirdControlX,
     },
-    geometry::Geometry,
+    geometry::{Geometry, SigmaDerivatives},
     jerk_rows::JerkRows,
     lanes::{LANES, Lanes, Vector, registers},
     limited_segment::LimitedSegment,
@@ -74,6 +74,9 @@ pub(crate) struct CellBlock<const J: usize> {
     jerks: [JerkRows<J>; 3],
 }
 
+/// The place of the tool among the coordinates.
+const TOOL: usize = 7;
+
 /// Kinds that have a row where a cell starts, and none where it ends: there the lower limits of both segments hold.
 const AT_STARTS: [LimitKind; 2] = [LimitKind::Velocity, LimitKind::Acceleration];
 
@@ -103,22 +106,48 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         Self { cell, segment: &segments[cell.segment], geometry: &mesh.geometry[k], before }
     }
 
-    /// One over the limits of velocity and acceleration at the start: the lower ones of both segments.
-    fn at_start(&self) -> [[f64; 7]; 2] {
-        let [velocity, acceleration] = AT_STARTS.map(|kind| self.segment.inverse[kind]);
-        let Some(before) = self.before else { return [velocity, acceleration] };
-        let lower = |own: [f64; 7], other: [f64; 7]| std::array::from_fn(|j| own[j].max(other[j]));
-        let [before_velocity, before_acceleration] = AT_STARTS.map(|kind| before.inverse[kind]);
-        [lower(velocity, before_velocity), lower(acceleration, before_acceleration)]
+    /// One over the limits of velocity and acceleration at the start, the lower ones of both segments, and the
+    /// derivatives by sigma that go with them.
+    fn at_start(&self) -> ([Coordinates; 2], SigmaDerivatives) {
+        let own = AT_STARTS.map(|kind| self.segment.inverse[kind]);
+        let mut derivatives = self.segment.derivatives_at(self.geometry, 0);
+        let Some(before) = self.before else { return (own, derivatives) };
+        let other = AT_STARTS.map(|kind| before.inverse[kind]);
+        let mut lower: [Coordinates; 2] =
+            std::array::from_fn(|k| std::array::from_fn(|j| own[k][j].max(other[k][j])));
+        if before.has_tool() {
+            // Each segment has a coordinate of its own for the tool: the one that goes on here takes the lower limits of
+            // both, in its own unit.
+            let at_end = before.derivatives(1.0);
+            let [rate, rate_before] = [derivatives[0][TOOL], at_end[0][TOOL]];
+            let ratio = if rate > 0.0 && self.segment.has_tool() {
+                rate_before / rate
+            } else {
+                std::iter::zip(&mut derivatives, at_end)
+                    .for_each(|(to, from)| to[TOOL] = from[TOOL]);
+                1.0
+            };
+            for k in 0..2 {
+                lower[k][TOOL] = own[k][TOOL].max(ratio * other[k][TOOL]);
+            }
+        }
+        (lower, derivatives)
     }
 
-    /// The joints that can be at a limit of acceleration at the start, and along the cell, and of jerk.
+    /// The coordinates that can be at a limit of acceleration at the start, and along the cell, and of jerk.
     fn limiting(&self) -> [LimitingJoints; 3] {
         let [acceleration, jerk] =
             [LimitKind::Acceleration, LimitKind::Jerk].map(|kind| self.segment.limiting[kind]);
         let own = self.segment.inverse[LimitKind::Acceleration];
-        let [_, at_start] = self.at_start();
-        [if at_start == own { acceleration } else { LimitingJoints::ALL }, acceleration, jerk]
+        let ([_, at_start], _) = self.at_start();
+        let at_start = if at_start == own {
+            acceleration
+        } else if at_start[TOOL] > 0.0 {
+            LimitingJoints::ALL
+        } else {
+            LimitingJoints::JOINTS
+        };
+        [at_start, acceleration, jerk]
     }
 
     /// How many rows of each kind it needs at a place.
@@ -126,7 +155,7 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         if self.segment.is_line() {
             return 1;
         }
-        self.limiting().iter().map(|joints| joints.get().len()).max().unwrap_or(7)
+        self.limiting().iter().map(|limiting| limiting.get().len()).max().unwrap_or(7)
     }
 }
 
@@ -168,26 +197,26 @@ impl<const J: usize> CellBlock<J> {
         // At the start, a third, half, two thirds and the end.
         let [start, third, middle, two_thirds, end] =
             [0, 2, 3, 4, 6].map(|place| segment.derivatives_at(limited.geometry, place));
+        let ([start_velocity, start_acceleration], both_start) = &limited.at_start();
         let [velocity, acceleration, jerk] = LimitKind::ALL.map(|kind| &segment.inverse[kind]);
-        let [start_velocity, start_acceleration] = &limited.at_start();
-        let [start_joints, acceleration_joints, jerk_joints] = &limited.limiting();
+        let [start_limiting, acceleration_limiting, jerk_limiting] = &limited.limiting();
 
         self.weight.0[lane] = 0.5 * length;
         let [first, second, third_control] = &mut self.velocities;
-        first.set(lane, &start[0], start_velocity);
+        first.set(lane, &both_start[0], start_velocity);
         second.set(lane, &third[0], velocity);
         third_control.set(lane, &two_thirds[0], velocity);
 
         let [at_start, in_middle] = &mut self.accelerations;
-        at_start.set(lane, start_joints.get(), &start, length, start_acceleration);
-        in_middle.set(lane, acceleration_joints.get(), &middle, length, acceleration);
+        at_start.set(lane, start_limiting.get(), both_start, length, start_acceleration);
+        in_middle.set(lane, acceleration_limiting.get(), &middle, length, acceleration);
 
         let bound = if J > 1 { SETTINGS.mid_jerk } else { 1.0 };
         let in_middle = jerk.map(|inverse| inverse / bound);
         for (rows, (place, inverse)) in
             self.jerks.iter_mut().zip([(&start, jerk), (&end, jerk), (&middle, &in_middle)])
         {
-            rows.set(lane, jerk_joints.get(), place, length, inverse);
+            rows.set(lane, jerk_limiting.get(), place, length, inverse);
         }
     }
 

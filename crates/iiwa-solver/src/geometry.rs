@@ -1,10 +1,10 @@
 //! The derivatives of a segment by sigma, at some places at once.
 
-use iiwa_kin::Joints;
-use iiwa_path::PLACES;
+use iiwa_path::{Coordinates, PLACES};
 
-/// First to third derivative of q by sigma; in 1, 1/rad and 1/rad^2.
-pub(crate) type SigmaDerivatives = [Joints; 3];
+/// First to third derivative of q by sigma; in 1, 1/rad and 1/rad^2. The last of each, of the coordinate of the tool,
+/// is in its unit instead of rad.
+pub(crate) type SigmaDerivatives = [Coordinates; 3];
 
 /// A number for each of some places.
 pub(crate) type Places = [f64; PLACES];
@@ -17,8 +17,8 @@ pub enum Geometry {
     Line,
     /// In a plane: the derivatives of f, of which the curve is the graph.
     Planar([[f64; PLACES]; 3]),
-    /// Of each joint.
-    General(Box<[[Joints; 3]; PLACES]>),
+    /// Of each coordinate.
+    General(Box<[[Coordinates; 3]; PLACES]>),
 }
 
 impl Geometry {

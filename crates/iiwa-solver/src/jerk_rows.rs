@@ -4,6 +4,7 @@
 //! sqrt(x) and by the limit, it is linear, and its bound is `x^(-1/2)`: convex in x, as is the duration, whose
 //! integrand it is.
 
+use iiwa_path::Coordinates;
 use pulp::Simd;
 
 use crate::{
@@ -18,7 +19,7 @@ use crate::{
 
 const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
-/// The rows of `J` joints at one place of eight cells; on lines, `J` = 1 stands for all joints.
+/// The rows of `J` coordinates at one place of eight cells; on lines, `J` = 1 stands for all joints.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JerkRows<const J: usize> {
     x: [Lanes; J],
@@ -38,21 +39,21 @@ impl<const J: usize> JerkRows<J> {
     /// How many sides limits have.
     pub(crate) const SIDES: usize = Sides::COUNT * J;
 
-    /// Sets the rows of a cell of this `length` for some `joints`, from one over the limits (s^3/rad).
+    /// Sets the rows of a cell of this `length` for some `coordinates`, from one over the limits (s^3/rad).
     pub(crate) fn set(
         &mut self,
         lane: usize,
-        joints: &[usize],
+        coordinates: &[usize],
         [dq, ddq, dddq]: &SigmaDerivatives,
         length: f64,
-        inverse: &[f64; 7],
+        inverse: &Coordinates,
     ) {
         let (one, two) = (1.5 / length, 0.5 / (length * length));
         if J == 1 {
             self.w[0].0[lane] = largest_share(dq, inverse) * two;
             return;
         }
-        for (row, &j) in joints.iter().enumerate() {
+        for (row, &j) in coordinates.iter().enumerate() {
             self.x[row].0[lane] = dddq[j] * inverse[j];
             self.v[row].0[lane] = ddq[j] * inverse[j] * one;
             self.w[row].0[lane] = dq[j] * inverse[j] * two;

@@ -5,8 +5,10 @@
 //! the part across the path jumps. With s as the parameter the part along the path would jump as
 //! well: the solver would have to make the speed's own second derivative jump against it.
 
-use iiwa_kin::{Joints, vector, vector::largest_multiple};
-use iiwa_path::{ByKind, LimitKind, MotionLimits, PlanarGraph, Segment};
+use iiwa_kin::{Joints, vector};
+use iiwa_path::{
+    ByKind, Coordinates, LimitKind, MotionLimits, PlanarGraph, Segment, ToolCoordinate,
+};
 
 use crate::{
     geometry::{Geometry, Places, SigmaDerivatives, in_plane},
@@ -17,14 +19,17 @@ use crate::{
 
 /// A segment and its limits, as the solver sees them.
 pub struct LimitedSegment<'a> {
-    limits: &'a MotionLimits,
+    /// Infinite for the tool where it has none.
+    limits: ByKind<Coordinates>,
     /// One over the limits.
-    pub(crate) inverse: ByKind<Joints>,
+    pub(crate) inverse: ByKind<Coordinates>,
     pub(crate) length: f64,
     /// The acceleration-limited stamps.
     pub(crate) swept: &'a [SweptNode],
     shape: &'a dyn Segment,
-    /// The shortest time in which the jerk of a joint builds up its acceleration, in s.
+    /// The coordinate of the tool, if it is limited.
+    tool: Option<ToolCoordinate>,
+    /// The shortest time in which the jerk of a joint or the tool builds up its acceleration, in s.
     pub(crate) least_build_up_s: f64,
     /// The unit of its sigma, in rad.
     unit: f64,
@@ -36,7 +41,7 @@ pub struct LimitedSegment<'a> {
     plane: [Joints; 2],
     /// What the slope of the graph has to be raised by in these directions.
     slope: f64,
-    /// The joints that can be at their limits.
+    /// The coordinates that can be at their limits.
     pub(crate) limiting: ByKind<LimitingJoints>,
 }
 
@@ -54,23 +59,36 @@ impl<'a> LimitedSegment<'a> {
             return None;
         }
         let unit = shape.sigma_unit_rad();
-        let direction = shape.is_straight().then(|| shape.at(0.0).dq.map(|d| d / unit));
-        let inverse = ByKind::from_fn(|kind| limits.of(kind).map(|limit| 1.0 / limit));
+        let tool = ToolCoordinate::new(shape, limits.tool());
+        // In a plane, all coordinates would have to be: where the tool is limited, it is a curve like any other.
+        let is_straight = shape.is_straight() && tool.is_none();
+        let direction = is_straight.then(|| shape.at(0.0).dq.map(|d| d / unit));
+        let limits = ByKind::from_fn(|kind| {
+            let tool = tool.as_ref().map_or(f64::INFINITY, |tool| tool.limits()[kind]);
+            with_tool(limits.of(kind), tool)
+        });
+        let inverse = limits.map(|_, limits| limits.map(|limit| 1.0 / limit));
+        let least_build_up_s =
+            std::iter::zip(&limits[LimitKind::Acceleration], &limits[LimitKind::Jerk])
+                .filter(|(_, jerk)| jerk.is_finite())
+                .map(|(acceleration, jerk)| acceleration / jerk)
+                .fold(f64::INFINITY, f64::min);
         let mut segment = Self {
             limits,
             inverse,
             length: shape.sigma_length_rad(),
             swept,
             shape,
-            least_build_up_s: std::iter::zip(limits.acceleration_rad_s2(), limits.jerk_rad_s3())
-                .map(|(acceleration, jerk)| acceleration / jerk)
-                .fold(f64::INFINITY, f64::min),
+            tool,
+            least_build_up_s,
             unit,
             direction,
-            graph: shape.as_planar_graph(),
+            graph: if tool.is_none() { shape.as_planar_graph() } else { None },
             plane: [direction.unwrap_or_default(), [0.0; 7]],
             slope: 0.0,
-            limiting: ByKind::from_fn(|_| LimitingJoints::ALL),
+            limiting: ByKind::from_fn(|_| {
+                if tool.is_some() { LimitingJoints::ALL } else { LimitingJoints::JOINTS }
+            }),
         };
         if let Some(graph) = segment.graph {
             // Perpendicular to each other: in a near turn-back, both would point almost the same way.
@@ -92,10 +110,15 @@ impl<'a> LimitedSegment<'a> {
         Some(segment)
     }
 
-    /// Whether it is straight.
+    /// Whether it is straight, and only joints are limited.
     #[must_use]
     pub fn is_line(&self) -> bool {
         self.direction.is_some()
+    }
+
+    /// Whether the tool is limited.
+    pub(crate) fn has_tool(&self) -> bool {
+        self.tool.is_some()
     }
 
     /// Its range of sigma, in rad: from 0 to this.
@@ -135,13 +158,13 @@ impl<'a> LimitedSegment<'a> {
     pub(crate) fn derivatives_at(&self, geometry: &Geometry, place: usize) -> SigmaDerivatives {
         let [ahead, across] = &self.plane;
         match geometry {
-            Geometry::Line => [*ahead, [0.0; 7], [0.0; 7]],
+            Geometry::Line => [with_tool(ahead, 0.0), [0.0; 8], [0.0; 8]],
             Geometry::Planar(_) => {
                 let [one, two, three] = geometry.across(place);
                 [
-                    vector::add_scaled(ahead, one, across),
-                    vector::scale(two, across),
-                    vector::scale(three, across),
+                    with_tool(&vector::add_scaled(ahead, one, across), 0.0),
+                    with_tool(&vector::scale(two, across), 0.0),
+                    with_tool(&vector::scale(three, across), 0.0),
                 ]
             }
             Geometry::General(derivatives) => derivatives[place],
@@ -149,11 +172,13 @@ impl<'a> LimitedSegment<'a> {
     }
 
     /// First to third derivative of q by sigma at `s`; in 1, 1/rad and 1/rad^2.
-    pub(crate) fn derivatives(&self, s: f64) -> [Joints; 3] {
-        if let Some(direction) = self.direction {
-            return [direction, [0.0; 7], [0.0; 7]];
+    pub(crate) fn derivatives(&self, s: f64) -> SigmaDerivatives {
+        if let Some(direction) = &self.direction {
+            return [with_tool(direction, 0.0), [0.0; 8], [0.0; 8]];
         }
-        self.shape.sigma_derivatives(s)
+        let joints = self.shape.sigma_derivatives(s);
+        let tool = self.tool.map_or([0.0; 3], |tool| tool.sigma_derivatives(self.shape, s));
+        std::array::from_fn(|k| with_tool(&joints[k], tool[k]))
     }
 
     /// The way in the middle of a blend on which it turns back: infinite for a line, long for a blend
@@ -164,9 +189,10 @@ impl<'a> LimitedSegment<'a> {
         }
         // There q goes as q' (sigma - middle) + q'' (sigma - middle)^2 / 2.
         let [dq, ddq, _] = self.derivatives(0.5);
-        let norm = |row: &Joints| row.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let norm = |row: &Coordinates| row[..7].iter().map(|v| v * v).sum::<f64>().sqrt();
         let straight = norm(&dq) / norm(&ddq);
-        let [speed, acceleration, jerk] = LimitKind::ALL.map(|kind| self.limits.of(kind));
+        let [speed, acceleration, jerk] = LimitKind::ALL.map(|kind| &self.limits[kind]);
+        // The tool never does.
         let turn = (0..7).map(|j| {
             // On the way `way`, joint j comes from its full speed to rest.
             let speed = speed[j];
@@ -205,7 +231,7 @@ impl<'a> LimitedSegment<'a> {
 
     /// The largest share of a limit of jerk where sigma goes on at a steady speed of 1 rad/s and the curve's
     /// third derivative is `dddq`; it goes with the speed's cube.
-    pub(crate) fn jerk_at_unit_speed(&self, dddq: &Joints) -> f64 {
+    pub(crate) fn jerk_at_unit_speed(&self, dddq: &Coordinates) -> f64 {
         largest_share(dddq, &self.inverse[LimitKind::Jerk])
     }
 
@@ -214,18 +240,23 @@ impl<'a> LimitedSegment<'a> {
     #[must_use]
     pub fn straight(&self, s: f64) -> [f64; 3] {
         let [direction, ..] = self.derivatives(s);
-        LimitKind::ALL.map(|kind| largest_multiple(&direction, self.limits.of(kind)))
+        LimitKind::ALL.map(|kind| largest_multiple(&direction, &self.limits[kind]))
     }
 
     /// Shares of all limits at one place of its `geometry`, where speed, acceleration and jerk of sigma are these,
-    /// with their signs; of each kind one for each joint, and a zero.
+    /// with their signs; of each kind one for each coordinate.
     #[inline(always)]
     #[must_use]
-    pub fn shares(&self, geometry: &Geometry, place: usize, rates: [f64; 3]) -> ByKind<[f64; 8]> {
+    pub fn shares(
+        &self,
+        geometry: &Geometry,
+        place: usize,
+        rates: [f64; 3],
+    ) -> ByKind<Coordinates> {
         let mut shares = [[0.0; 8]; 3];
         if let Geometry::General(derivatives) = geometry {
             let ([dq, ddq, dddq], [v, a, j]) = (&derivatives[place], rates);
-            for i in 0..7 {
+            for i in 0..8 {
                 shares[0][i] = dq[i] * v;
                 shares[1][i] = dq[i] * a + ddq[i] * v * v;
                 shares[2][i] = dq[i] * j + 3.0 * ddq[i] * v * a + dddq[i] * v * v * v;
@@ -240,7 +271,7 @@ impl<'a> LimitedSegment<'a> {
             }
         }
         for (shares, inverse) in std::iter::zip(&mut shares, self.inverse.as_array()) {
-            for i in 0..7 {
+            for i in 0..8 {
                 shares[i] *= inverse[i];
             }
         }
@@ -254,7 +285,7 @@ impl<'a> LimitedSegment<'a> {
         let at = |i: usize| rates.map(|rate| rate[i]);
         let mut peaks = ByKind::<Peak>::default();
         if let Geometry::General(_) = geometry {
-            let mut shares = [[Places::default(); 7]; 3];
+            let mut shares = [[Places::default(); 8]; 3];
             for i in 0..Places::default().len() {
                 let found = self.shares(geometry, i, at(i)).into_array();
                 for (shares, found) in std::iter::zip(&mut shares, found) {
@@ -262,7 +293,8 @@ impl<'a> LimitedSegment<'a> {
                 }
             }
             for (peak, shares) in std::iter::zip(peaks.values_mut(), shares) {
-                for shares in &shares {
+                let limited = if self.has_tool() { 8 } else { 7 };
+                for shares in &shares[..limited] {
                     peak.add(shares);
                 }
             }
@@ -287,6 +319,19 @@ impl<'a> LimitedSegment<'a> {
 }
 
 /// The largest of `|derivative_j| inverse_j`, with one over the limits.
-pub(crate) fn largest_share(derivative: &Joints, inverse: &Joints) -> f64 {
+pub(crate) fn largest_share(derivative: &Coordinates, inverse: &Coordinates) -> f64 {
     std::iter::zip(derivative, inverse).map(|(d, i)| d.abs() * i).fold(0.0, f64::max)
+}
+
+/// The largest multiple of `direction` within the limits.
+fn largest_multiple(direction: &Coordinates, limits: &Coordinates) -> f64 {
+    std::iter::zip(direction, limits).map(|(d, limit)| limit / d.abs()).fold(f64::MAX, f64::min)
+}
+
+/// Values of the joints, and that of the tool.
+#[inline(always)]
+fn with_tool(joints: &Joints, tool: f64) -> Coordinates {
+    let mut all = [tool; 8];
+    all[..7].copy_from_slice(joints);
+    all
 }

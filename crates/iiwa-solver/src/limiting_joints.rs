@@ -1,22 +1,26 @@
-//! Which joints can limit a curve that lies in a plane.
+//! Which coordinates can limit a curve: all of them, unless it lies in a plane.
 //!
 //! There, each limit reads `|a e_j + b t_j| <= 1` in two numbers a and b that all joints share, with `e_j` and `t_j` the
 //! parts of joint j along two directions of the plane, over its limit. The points (a, b) that keep the limits
 //! form the polar of the convex hull of the 14 points `+-(e_j, t_j)`: a joint whose point is no corner of the hull
 //! never limits alone. Leaving it out changes nothing.
 
-/// Joints (0 to 6) that can be at their limit.
+/// Joints (0 to 6), and the tool (7), that can be at their limit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LimitingJoints {
-    joints: [usize; 7],
-    /// Their points.
+    coordinates: [usize; 8],
+    /// Their points, where the curve lies in a plane.
     points: [[f64; 2]; 7],
     count: usize,
 }
 
 impl LimitingJoints {
-    pub(crate) const ALL: Self =
-        Self { joints: [0, 1, 2, 3, 4, 5, 6], points: [[0.0; 2]; 7], count: 7 };
+    /// All joints.
+    pub(crate) const JOINTS: Self =
+        Self { coordinates: [0, 1, 2, 3, 4, 5, 6, 7], points: [[0.0; 2]; 7], count: 7 };
+
+    /// All joints and the tool.
+    pub(crate) const ALL: Self = Self { count: 8, ..Self::JOINTS };
 
     /// The corners of the convex hull of `points` and their opposites.
     pub(crate) fn new(points: &[[f64; 2]; 7]) -> Self {
@@ -50,9 +54,9 @@ impl LimitingJoints {
                     !(0..7).filter(others).any(|i| (0..i).filter(others).any(|k| is_between(i, k)));
             }
         }
-        let mut limiting = Self { joints: [0; 7], points: [[0.0; 2]; 7], count: 0 };
+        let mut limiting = Self { coordinates: [0; 8], points: [[0.0; 2]; 7], count: 0 };
         for j in (0..7).filter(|j| kept[*j]) {
-            limiting.joints[limiting.count] = j;
+            limiting.coordinates[limiting.count] = j;
             limiting.points[limiting.count] = points[j];
             limiting.count += 1;
         }
@@ -60,10 +64,10 @@ impl LimitingJoints {
     }
 
     pub(crate) fn get(&self) -> &[usize] {
-        &self.joints[..self.count]
+        &self.coordinates[..self.count]
     }
 
-    /// The points of these joints in the plane.
+    /// Their points in the plane.
     pub(crate) fn points(&self) -> &[[f64; 2]] {
         &self.points[..self.count]
     }

@@ -176,13 +176,13 @@ pub(crate) fn mesh(
         near.end += switches[near.end..].partition_point(|switch| switch.t_s <= end.t_s);
         let near = &switches[near.start.saturating_sub(2)..(near.end + 2).min(switches.len())];
 
-        let rest = |rests: bool| {
-            let [_, _, jerk] = segment.straight(0.0);
-            let build_up = jerk * segment.build_up_s(0.0).powi(3) / 6.0;
+        let rest = |rests: bool, s: f64| {
+            let [_, _, jerk] = segment.straight(s);
+            let build_up = jerk * segment.build_up_s(s).powi(3) / 6.0;
             rests.then(|| sizes.rest * build_up.min(segment.length / 6.0))
         };
-        let from_rest = rest(starts_at_rest && index == part.start);
-        let to_rest = rest(backwards);
+        let from_rest = rest(starts_at_rest && index == part.start, 0.0);
+        let to_rest = rest(backwards, 1.0);
         let end_size = |neighbour: Option<&LimitedSegment<'_>>| {
             let of = |segment: &LimitedSegment<'_>| {
                 segment.length * if segment.is_line() { sizes.line } else { sizes.blend_end }

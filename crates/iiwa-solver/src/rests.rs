@@ -50,13 +50,15 @@ pub(crate) struct ScalarSlackPair {
 }
 
 impl Rest {
+    /// At the place `s` of its segment: at its start or at its end.
     pub(crate) fn new(
         rest: &Cell,
         segment: &LimitedSegment<'_>,
+        s: f64,
         cell: usize,
         row: CellState,
     ) -> Self {
-        let [_, _, jerk] = segment.straight(0.0);
+        let [_, _, jerk] = segment.straight(s);
         let length = rest.length;
         // sigma = j t^3 / 6 and x = (j t^2 / 2)^2.
         let cap = (4.5 * length * length * jerk).powf(2.0 / 3.0);

@@ -92,10 +92,10 @@ impl Solver {
         let lengths: Vec<_> = cells.iter().map(|cell| cell.length).collect();
         let from_rest = mesh.from_rest.as_ref();
         let from_rest =
-            from_rest.map(|rest| Rest::new(rest, &segments[rest.segment], 0, StartX::ROW));
+            from_rest.map(|rest| Rest::new(rest, &segments[rest.segment], 0.0, 0, StartX::ROW));
         let to_rest = mesh.to_rest.as_ref();
         let to_rest =
-            to_rest.map(|rest| Rest::new(rest, &segments[rest.segment], n - 1, EndX::ROW));
+            to_rest.map(|rest| Rest::new(rest, &segments[rest.segment], 1.0, n - 1, EndX::ROW));
         let [x, dx] = entry.unwrap_or_default();
         let mut free = vec![true; n];
         let mut limited = Vec::with_capacity(n);
@@ -138,7 +138,7 @@ impl Solver {
         let mut x: Vec<_> = cells.iter().map(|cell| cell.x).chain(last).collect();
         if let Some(to_rest) = &mesh.to_rest {
             // The acceleration-limited stamps may not stop where this does.
-            let [_, acceleration, _] = segments[to_rest.segment].straight(0.0);
+            let [_, acceleration, _] = segments[to_rest.segment].straight(1.0);
             let mut way = to_rest.length;
             for (x, length) in x.iter_mut().rev().zip(solver.lengths.iter().rev().chain([&0.0])) {
                 *x = x.min(2.0 * acceleration * way);

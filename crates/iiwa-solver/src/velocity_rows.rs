@@ -1,7 +1,8 @@
 //! The limit of velocity as a row: `0 <= max_j (q'_j / v_j)^2 x <= 1` at a control point of x.
 //!
-//! All joints share one row, the largest. The lower side keeps x positive.
+//! All coordinates share one row, the largest. The lower side keeps x positive.
 
+use iiwa_path::Coordinates;
 use pulp::Simd;
 
 use crate::{
@@ -24,7 +25,7 @@ impl VelocityRows {
     pub(crate) const SIDES: usize = Sides::COUNT;
 
     /// Sets the row of a cell, from dq/dsigma and one over the limits (s/rad).
-    pub(crate) fn set(&mut self, lane: usize, dq: &[f64; 7], inverse: &[f64; 7]) {
+    pub(crate) fn set(&mut self, lane: usize, dq: &Coordinates, inverse: &Coordinates) {
         let largest = std::iter::zip(dq, inverse).map(|(d, i)| (d * i).powi(2)).fold(0.0, f64::max);
         self.x.0[lane] = largest;
     }

@@ -50,7 +50,7 @@ pub use iiwa_path::{LimitKind, playback};
 
 pub use batch::{PlanError, plan_all};
 pub use figures::{BlendFigures, MotionFigures, MotionType, Totals};
-pub use limit::{Limit, LimitShare};
+pub use limit::{Limit, LimitShare, Limited};
 pub use node::Node;
 pub use planner::Planner;
 pub use replanner::Replanner;

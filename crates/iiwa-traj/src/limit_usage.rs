@@ -1,15 +1,15 @@
 //! How close a piece comes to its limits, and for how long it is at each.
 
 use iiwa_kin::Joint;
-use iiwa_path::{ByKind, LimitKind};
+use iiwa_path::{ByKind, LimitKind, ToolCoordinate};
 
 use crate::{
-    limit::{Limit, LimitShare},
+    limit::{Limit, LimitShare, Limited},
     node::Node,
     sweep::{greater, lesser},
 };
 
-/// Above this share of a limit, a joint counts as being at it.
+/// Above this share of a limit, a joint or the tool counts as being at it.
 const SATURATED: f64 = 0.995;
 
 /// Largest value over limit that is taken for rounding.
@@ -19,13 +19,18 @@ pub(crate) const TOLERANCE: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LimitUsage(ByKind<Shares>);
 
-/// For each joint, the largest share of its limit, and the time at it in s. The eighth number is
-/// zero and fills the vector register.
+/// For each joint and, last, the tool, the largest share of its limit, and the time at it in s.
 #[derive(Clone, Copy, Debug, Default)]
 struct Shares {
     peak: [f64; 8],
     time_s: [f64; 8],
+    /// The same for the turn of the tool, once it is told apart: then the last of the others are those of its way.
+    turn_peak: f64,
+    turn_time_s: f64,
 }
+
+/// The place of the tool.
+const TOOL: usize = 7;
 
 impl Shares {
     /// Adds an interval of `dt` with the largest and the smallest shares in it.
@@ -42,7 +47,23 @@ impl Shares {
             self.peak[j] = self.peak[j].max(other.peak[j]);
             self.time_s[j] += other.time_s[j];
         }
+        self.turn_peak = self.turn_peak.max(other.turn_peak);
+        self.turn_time_s += other.turn_time_s;
     }
+
+    fn peaks(&self) -> impl Iterator<Item = (Limited, f64)> + use<> {
+        each(&self.peak, self.turn_peak)
+    }
+
+    fn times_s(&self) -> impl Iterator<Item = (Limited, f64)> + use<> {
+        each(&self.time_s, self.turn_time_s)
+    }
+}
+
+/// The values with what they are of.
+fn each(values: &[f64; 8], of_turn: f64) -> impl Iterator<Item = (Limited, f64)> + use<> {
+    let joints = Joint::ALL.into_iter().map(Limited::Joint).zip(*values);
+    joints.chain([(Limited::Way, values[TOOL]), (Limited::Turn, of_turn)])
 }
 
 impl LimitUsage {
@@ -94,6 +115,16 @@ impl LimitUsage {
         }
     }
 
+    /// The same, with what is used of the limits of the `tool` as that of its way or of its turn.
+    pub(crate) fn told_apart(mut self, tool: Option<&ToolCoordinate>) -> Self {
+        let Some(tool) = tool else { return self };
+        for (_, shares) in self.0.iter_mut().filter(|(kind, _)| tool.is_of_turn(*kind)) {
+            shares.turn_peak = std::mem::take(&mut shares.peak[TOOL]);
+            shares.turn_time_s = std::mem::take(&mut shares.time_s[TOOL]);
+        }
+        self
+    }
+
     pub(crate) fn merge(&mut self, other: &Self) {
         for (kind, shares) in &mut self.0 {
             shares.merge(&other.0[kind]);
@@ -102,12 +133,12 @@ impl LimitUsage {
 
     /// The largest share of any limit, and which one it is.
     pub(crate) fn worst(&self) -> (Limit, f64) {
-        self.largest(|shares| &shares.peak)
+        self.largest(Shares::peaks)
     }
 
     /// The limit that is kept for the longest time, or else the one that is come closest to.
     pub(crate) fn limit(&self) -> Limit {
-        let (limit, time_s) = self.largest(|shares| &shares.time_s);
+        let (limit, time_s) = self.largest(Shares::times_s);
         if time_s > 0.0 { limit } else { self.worst().0 }
     }
 
@@ -124,10 +155,9 @@ impl LimitUsage {
             .iter()
             .flat_map(|(kind, shares)| {
                 // A wait is at none, and may take no time.
-                let kept =
-                    Joint::ALL.into_iter().zip(&shares.time_s).filter(|(_, time_s)| **time_s > 0.0);
-                kept.map(move |(joint, time_s)| LimitShare {
-                    limit: Limit { joint, kind },
+                let kept = shares.times_s().filter(|(_, time_s)| *time_s > 0.0);
+                kept.map(move |(of, time_s)| LimitShare {
+                    limit: Limit { of, kind },
                     share: (time_s / total_s).min(1.0),
                 })
             })
@@ -136,12 +166,15 @@ impl LimitUsage {
         shares
     }
 
-    fn largest(&self, value: impl Fn(&Shares) -> &[f64; 8]) -> (Limit, f64) {
-        let mut best = (Limit { joint: Joint::A1, kind: LimitKind::Velocity }, 0.0);
+    fn largest<V: Iterator<Item = (Limited, f64)>>(
+        &self,
+        values: impl Fn(&Shares) -> V,
+    ) -> (Limit, f64) {
+        let mut best = (Limit { of: Limited::Joint(Joint::A1), kind: LimitKind::Velocity }, 0.0);
         for (kind, shares) in &self.0 {
-            for (joint, &value) in Joint::ALL.into_iter().zip(value(shares)) {
+            for (of, value) in values(shares) {
                 if value > best.1 {
-                    best = (Limit { joint, kind }, value);
+                    best = (Limit { of, kind }, value);
                 }
             }
         }

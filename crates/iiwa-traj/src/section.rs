@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use iiwa_kin::Joints;
-use iiwa_path::{JointPath, MotionIndex, Segment, Step};
+use iiwa_path::{JointPath, MotionIndex, Segment, Step, ToolCoordinate};
 
 use crate::{
     interval::{self, Progress},
@@ -92,9 +92,13 @@ impl Piece {
         usage: &LimitUsage,
         nodes: Range<usize>,
     ) -> Option<Self> {
-        let Step::Move { motion, blend, .. } = &section.path.steps()[step] else { return None };
+        let Step::Move { motion, segment, blend } = &section.path.steps()[step] else {
+            return None;
+        };
+        let limits = &section.path.limits()[motion.index()];
+        let usage = usage.told_apart(ToolCoordinate::new(segment.as_ref(), limits.tool()).as_ref());
         // Shares of the motion's limits become shares of the robot's.
-        let own = section.path.limits()[motion.index()].velocity_rad_s();
+        let own = limits.velocity_rad_s();
         let full = &section.path.robot().limits().velocity_rad_s;
         Some(Self {
             kind: if blend.is_some() { PieceKind::Blend } else { PieceKind::Line },
@@ -104,7 +108,7 @@ impl Piece {
             duration_s: end_s - start_s,
             peak_velocity_rel: usage.peak_velocity_rel(own, full),
             limited_by: Some(usage.limit()),
-            usage: *usage,
+            usage,
             step,
             nodes,
         })

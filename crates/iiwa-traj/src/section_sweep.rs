@@ -6,11 +6,12 @@ use std::{
 };
 
 use iiwa_kin::Joints;
-use iiwa_path::{Grid, GridNode, JointPath, MotionIndex, Segment, Step};
+use iiwa_path::{Grid, GridNode, JointPath, LimitKind, MotionIndex, Segment, Step, ToolCoordinate};
 use pulp::Simd;
 
 use crate::{
     interval,
+    limit::Limit,
     limit_usage::{LimitUsage, TOLERANCE},
     line_limits::LineLimits,
     node::Node,
@@ -113,7 +114,26 @@ struct SweepSegment<'a> {
     scale: Joints,
     /// Acceleration limits over velocity limits, in 1/s.
     velocity: [f64; 8],
+    /// The coordinate of the tool, if it is limited, and what scales it as `scale` does the joints.
+    tool: Option<(ToolCoordinate, f64)>,
     line: Option<LineLimits>,
+}
+
+/// What stands for the limit of the tool's acceleration where there is none, over that of its speed, in 1/s: so high that
+/// it never matters.
+const AT_ONCE_PER_S: f64 = 1e9;
+
+impl SweepSegment<'_> {
+    /// The derivatives of the tool at the `nodes` of a grid, beside those of the joints.
+    fn tool_derivatives(&self, nodes: &[GridNode], dq: &mut [[f64; 8]], ddq: &mut [[f64; 8]]) {
+        let Some((tool, scale)) = &self.tool else { return };
+        let [end, ..] = self.shape.sigma(1.0);
+        for ((node, dq), ddq) in nodes.iter().zip(dq).zip(ddq) {
+            let s = self.shape.s_at(node.p * end).clamp(0.0, 1.0);
+            let derivatives = tool.grid_derivatives(self.shape, s, node);
+            [dq[7], ddq[7]] = derivatives.map(|derivative| derivative * scale);
+        }
+    }
 }
 
 impl<'a, S: Simd> SectionSweep<'a, S> {
@@ -127,12 +147,22 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         for j in 0..7 {
             velocity[j] = acceleration[j] / speed[j];
         }
+        let tool = ToolCoordinate::new(segment.as_ref(), limits.tool());
+        let tool = tool.map(|tool| {
+            let [speed, acceleration] =
+                [LimitKind::Velocity, LimitKind::Acceleration].map(|kind| tool.limits()[kind]);
+            let acceleration = acceleration.min(AT_ONCE_PER_S * speed);
+            // Both are infinite where only jerk is limited.
+            velocity[7] = if speed.is_finite() { acceleration / speed } else { 0.0 };
+            (tool, 1.0 / acceleration)
+        });
         Some(SweepSegment {
             shape: segment.as_ref(),
             motion: *motion,
             scale: acceleration.map(|a| 1.0 / a),
             velocity,
-            line: segment.is_straight().then(|| {
+            tool,
+            line: (segment.is_straight() && tool.is_none()).then(|| {
                 let direction = segment.at(0.0).dq;
                 LineLimits::new(&direction, speed, acceleration)
             }),
@@ -292,6 +322,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
             curve.grid.clear();
             curve.grid.extend_from_slice(&segment.shape.grid_nodes(grid));
             segment.shape.grid_derivatives(grid, &segment.scale, dq, ddq);
+            segment.tool_derivatives(&curve.grid, dq, ddq);
             sweep::bounds(self.simd, dq, ddq, &segment.velocity, &curve.grid, bounds);
         }
         let CurveSamples { grid, dq, ddq, bounds, .. } = curve;
@@ -328,10 +359,10 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         if !end_s.is_finite() {
             return Err(TimingError::Stuck { motion });
         }
-        let (limit, ratio) = usage.worst();
+        let tool = segment.tool.map(|(tool, _)| tool);
+        let (Limit { of, kind }, ratio) = usage.told_apart(tool.as_ref()).worst();
         if ratio > 1.0 + TOLERANCE {
-            let crate::Limit { joint, kind } = limit;
-            return Err(TimingError::LimitExceeded { motion, joint, kind, ratio });
+            return Err(TimingError::LimitExceeded { motion, of, kind, ratio });
         }
         let times_s = [nodes[0].t_s, end_s];
         let nodes = first_node..section.nodes.len();

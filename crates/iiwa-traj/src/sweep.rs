@@ -21,7 +21,8 @@
 //! that changes is swept again.
 //!
 //! All numbers are in units of the limits: derivatives are divided by the joint's acceleration
-//! limit, so that the limit is 1. The eighth of each row of eight is zero.
+//! limit, so that the limit is 1. The eighth of each row of eight is the coordinate of the tool, zero where that has
+//! no limit.
 
 mod bounds;
 #[cfg(test)]
@@ -112,7 +113,7 @@ impl Interval<'_> {
     #[inline(never)]
     fn reachable(&self, x: f64, cap: f64) -> (f64, f64) {
         let (mut brake, mut most) = (UNLIMITED, UNLIMITED);
-        for j in 0..7 {
+        for j in 0..8 {
             let Bounds { fall, rise, below, above, .. } = self.start;
             brake = lesser(brake, fall[j] * x + below[j]);
             most = lesser(most, rise[j] * x + above[j]);
@@ -125,7 +126,7 @@ impl Interval<'_> {
         } else {
             (self.h, x + self.h * least, x + self.h * most, 0.0, cap)
         };
-        for j in 0..7 {
+        for j in 0..8 {
             // y - h (rise y + above) <= drive.
             let factor = 1.0 - h * self.end.rise[j];
             if factor > 1e-9 {

@@ -1,7 +1,8 @@
 //! What limits the stamps.
 
-use iiwa_kin::Joint;
 use iiwa_path::{LimitKind, MotionIndex};
+
+use crate::limit::Limited;
 
 /// The limits that a trajectory keeps, and how its stamps are found.
 ///
@@ -91,14 +92,14 @@ impl Default for JerkOptions {
 pub enum TimingError {
     /// The stamps that were found do not keep the limits. A trajectory is never handed out then.
     #[error(
-        "motion {motion}: the stamps found for it take joint {joint} to {ratio} times its {kind} limit; \
+        "motion {motion}: the stamps found for it take {of} to {ratio} times its {kind} limit; \
          this is a fault of the planner, please report the program"
     )]
     LimitExceeded {
         /// The motion.
         motion: MotionIndex,
-        /// The joint.
-        joint: Joint,
+        /// What exceeds its limit.
+        of: Limited,
         /// Which limit.
         kind: LimitKind,
         /// Value over limit.

@@ -174,7 +174,7 @@ impl Trajectory {
     /// let trajectory = Trajectory::plan(&path, Timing::default())?;
     /// for motion in trajectory.motions() {
     ///     let limit = motion.limited_by.expect("it moves");
-    ///     println!("{}: joint {} at its {} limit", motion.motion, limit.joint, limit.kind);
+    ///     println!("{}: limited by {limit}", motion.motion);
     /// }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -70,12 +70,12 @@ fn longest_limit(figures: &PlanFigures) -> Option<String> {
     let mut times = BTreeMap::new();
     for motion in &figures.motions {
         if let Some(limit) = &motion.limited_by {
-            *times.entry((limit.joint, &*limit.kind)).or_insert(0.0) +=
-                motion.end_s - motion.start_s;
+            let (time_s, _) = times.entry((limit.joint, &*limit.kind)).or_insert((0.0, limit));
+            *time_s += motion.end_s - motion.start_s;
         }
     }
-    let longest = times.into_iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
-    longest.map(|((joint, kind), _)| format!("A{joint} {kind}"))
+    let longest = times.into_values().max_by(|(a, _), (b, _)| a.total_cmp(b));
+    longest.map(|(_, limit)| limit.to_string())
 }
 
 /// The results of all programs.

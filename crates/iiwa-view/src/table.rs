@@ -86,14 +86,13 @@ fn clearance(nearest: &ClearanceRecord) -> String {
 fn limits(first: &LimitRecord, all: &[LimitShareRecord]) -> String {
     /// Shares of the time below which a limit is left out.
     const SHOWN_SHARE: f64 = 0.05;
-    let name = |limit: &LimitRecord| format!("A{} {}", limit.joint, limit.kind);
     let shown: Vec<_> = all
         .iter()
         .filter(|limit| limit.share >= SHOWN_SHARE)
         .take(2)
-        .map(|limit| format!("{} {:.0} %", name(&limit.limit), 100.0 * limit.share))
+        .map(|limit| format!("{} {:.0} %", limit.limit, 100.0 * limit.share))
         .collect();
-    if shown.is_empty() { name(first) } else { shown.join(", ") }
+    if shown.is_empty() { first.to_string() } else { shown.join(", ") }
 }
 
 fn add(table: &mut Table, row: &MotionRecord) {

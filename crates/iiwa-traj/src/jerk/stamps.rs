@@ -88,7 +88,7 @@ impl Stamper {
     fn rest(&mut self, segment: &LimitedSegment<'_>, cell: &Cell, seconds: f64) {
         let jerk = 6.0 * cell.length / seconds.powi(3);
         let half = [0.125 * jerk * seconds * seconds, 0.5 * jerk * seconds, jerk];
-        let geometry = segment.geometry(&[0.0; PLACES]);
+        let geometry = segment.geometry(&[cell.from; PLACES]);
         self.usage(segment, (&geometry, 0), half, seconds * self.time_scale);
     }
 

@@ -223,12 +223,17 @@ function writeNow() {
   const piece = report.pieces.length ? pieceAt(t) : null;
   const words = { line: "on its line", blend: "blending in", settle: "settling", wait: "waiting" };
   $("piece").textContent = piece
-    ? `Motion ${piece.motion}, ${words[piece.kind] || piece.kind}${piece.joint ? `; limited by the ${piece.limit} of A${piece.joint}` : ""}`
+    ? `Motion ${piece.motion}, ${words[piece.kind] || piece.kind}${piece.limit ? `; limited by the ${piece.limit.replace("_", " ")}${piece.joint ? ` of A${piece.joint}` : ""}` : ""}`
     : "";
   for (const { row, motion } of cells.rows) row.classList.toggle("current", Boolean(piece) && piece.motion === motion);
 }
 
 // ---- the table of motions
+
+/** A limit of a joint, or of the TCP. */
+function limitName(joint, kind) {
+  return (joint ? `A${joint} ` : "") + kind.replace("_", " ");
+}
 
 /** The motions, as the figures have them; else as the pieces tell. */
 function motionRows() {
@@ -238,7 +243,7 @@ function motionRows() {
     let row = rows[rows.length - 1];
     if (!row || row.index !== piece.motion) {
       row = { index: piece.motion, type: piece.kind === "wait" ? "wait" : "ptp", start_s: piece.start_s, limits: [] };
-      row.limited_by = piece.joint ? { joint: piece.joint, kind: piece.limit } : null;
+      row.limited_by = piece.limit ? { joint: piece.joint, kind: piece.limit } : null;
       rows.push(row);
     }
     if (piece.kind !== "settle") row.end_s = piece.end_s;
@@ -282,8 +287,8 @@ function writeMotions() {
     const shares = (motion.limits || [])
       .filter(({ share }) => share >= 0.005)
       .slice(0, 4)
-      .map(({ joint, kind, share }) => `A${joint} ${kind} ${number(100 * share, 0)} %`);
-    if (!shares.length && motion.limited_by) shares.push(`A${motion.limited_by.joint} ${motion.limited_by.kind}`);
+      .map(({ joint, kind, share }) => `${limitName(joint, kind)} ${number(100 * share, 0)} %`);
+    if (!shares.length && motion.limited_by) shares.push(limitName(motion.limited_by.joint, motion.limited_by.kind));
     add(shares.join(", "), "word");
     row.addEventListener("click", () => {
       seek(motion.start_s);
