@@ -74,10 +74,9 @@ impl Grid {
         self.intervals
     }
 
-    /// s at each node.
-    pub(crate) fn s(&self) -> impl Iterator<Item = f64> + use<> {
-        let n = self.intervals as f64;
-        (0..=self.intervals).map(move |i| i as f64 / n)
+    /// s at each node of so many even intervals.
+    pub(crate) fn even(intervals: usize) -> impl Iterator<Item = f64> {
+        (0..=intervals).map(move |i| i as f64 / intervals as f64)
     }
 
     /// s at each node of a polynomial blend.
@@ -85,7 +84,7 @@ impl Grid {
     /// Between nodes, a sweep's error goes with the square of an interval's length times the third derivative
     /// of the path's direction by p, and that is largest within a tenth of s from either end, whatever the blend's kappa.
     fn blend_s(&self) -> impl Iterator<Item = f64> + use<> {
-        self.s().map(|t| t - ENDS * (TAU * t).sin() / TAU)
+        Self::even(self.intervals).map(|t| t - ENDS * (TAU * t).sin() / TAU)
     }
 
     /// The nodes at `s` over a segment whose sigma is `sigma`, from the values and derivatives at each node.

@@ -6,6 +6,7 @@ use iiwa_kin::{Joint, Joints, Limits, Taylor};
 
 use crate::{
     cartesian::joint_curve::{CurveFault, JointCurve, MovingJoints},
+    grid::Grid,
     segment::{Derivatives, Segment},
     tool_way::ToolWay,
 };
@@ -30,6 +31,11 @@ const TOLERANCE_RAD: f64 = 1e-9;
 
 /// Most halvings of a piece.
 const MOST_HALVINGS: u32 = 12;
+
+/// How many times the intervals of a blend a curve has: one time for so many pieces, at least and at most so many times.
+const PIECES_A_GRID: usize = 4;
+const LEAST_GRIDS: usize = 2;
+const MOST_GRIDS: usize = 8;
 
 /// Where the curve cannot be followed, and why.
 #[derive(Clone, Debug, PartialEq)]
@@ -239,6 +245,30 @@ impl Segment for JointSpline {
 
     fn tool_way(&self, s: f64) -> ToolWay {
         self.curve.tool_way(s)
+    }
+
+    /// As many as its pieces ask for.
+    fn grid_intervals(&self, grid: &Grid) -> usize {
+        let factor = self.pieces.len().div_ceil(PIECES_A_GRID);
+        grid.intervals() * factor.clamp(LEAST_GRIDS, MOST_GRIDS)
+    }
+
+    /// Half of the nodes lie evenly, the other half where the pieces do: where joints turn fast, pieces are short.
+    fn grid_s(&self, grid: &Grid) -> Vec<f64> {
+        let pieces = self.pieces.len() as f64;
+        let mut index = 0;
+        // Rises from 0 to 1 at the breaks.
+        let at_break = |index: usize| 0.5 * (self.breaks[index] + index as f64 / pieces);
+        Grid::even(self.grid_intervals(grid))
+            .map(|share| {
+                while index + 1 < self.pieces.len() && at_break(index + 1) <= share {
+                    index += 1;
+                }
+                let [from, to] = [index, index + 1].map(at_break);
+                let [start, end] = [self.breaks[index], self.breaks[index + 1]];
+                (start + (share - from) / (to - from) * (end - start)).clamp(0.0, 1.0)
+            })
+            .collect()
     }
 
     fn has_even_tool_way(&self) -> bool {

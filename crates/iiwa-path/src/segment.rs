@@ -157,9 +157,19 @@ pub trait Segment: fmt::Debug + Send + Sync {
         None
     }
 
+    /// The number of intervals of `grid` on this segment: a long curve may need more than a blend.
+    fn grid_intervals(&self, grid: &Grid) -> usize {
+        grid.intervals()
+    }
+
+    /// s at the nodes of `grid` on this segment, from 0 to 1; by default evenly.
+    fn grid_s(&self, grid: &Grid) -> Vec<f64> {
+        Grid::even(self.grid_intervals(grid)).collect()
+    }
+
     /// The nodes of `grid` on this segment.
     fn grid_nodes<'a>(&self, grid: &'a Grid) -> Cow<'a, [GridNode]> {
-        Cow::Owned(Grid::nodes(grid.s(), |s| self.sigma(s)))
+        Cow::Owned(Grid::nodes(self.grid_s(grid).into_iter(), |s| self.sigma(s)))
     }
 
     /// First and second derivatives by p, the share of [`sigma`](Self::sigma), at every node of `grid`,
@@ -177,11 +187,13 @@ pub trait Segment: fmt::Debug + Send + Sync {
         dq: &mut [[f64; 8]],
         ddq: &mut [[f64; 8]],
     ) {
-        let nodes = grid.s().zip(self.grid_nodes(grid).iter().copied()).collect::<Vec<_>>();
+        let s = self.grid_s(grid);
+        let nodes = self.grid_nodes(grid);
         let rows = ..nodes.len();
-        for ((s, node), (dq, ddq)) in nodes.into_iter().zip(dq[rows].iter_mut().zip(&mut ddq[rows]))
+        for ((s, node), (dq, ddq)) in
+            std::iter::zip(s, nodes.iter()).zip(dq[rows].iter_mut().zip(&mut ddq[rows]))
         {
-            let GridNode { slope, bend, .. } = node;
+            let GridNode { slope, bend, .. } = *node;
             let at = self.at(s);
             for j in 0..7 {
                 dq[j] = at.dq[j] * slope * scale[j];

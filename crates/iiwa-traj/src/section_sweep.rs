@@ -176,7 +176,11 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
     }
 
     fn nodes(&self, segment: &SweepSegment<'_>) -> usize {
-        if segment.line.is_some() { 2 } else { self.scratch.grid.intervals() + 1 }
+        if segment.line.is_some() {
+            2
+        } else {
+            segment.shape.grid_intervals(&self.scratch.grid) + 1
+        }
     }
 
     /// Plans `moves` and adds them to `section`.
@@ -306,9 +310,9 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         step: usize,
     ) -> (Nodes<'n, S>, &'n mut [Bounds]) {
         let Scratch { grid, curves, .. } = &mut *self.scratch;
-        let nodes = grid.intervals() + 1;
-        // Of blended motions, every second step is a curve.
-        let slot = (step / 2) % (KEPT_NODES / nodes).max(1);
+        let nodes = segment.shape.grid_intervals(grid) + 1;
+        // Of blended lines, every second step is a curve: the places in between stay empty.
+        let slot = step % (2 * KEPT_NODES / nodes).max(1);
         if curves.len() <= slot {
             curves.resize_with(slot + 1, CurveSamples::default);
         }
