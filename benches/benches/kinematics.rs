@@ -1,10 +1,10 @@
-//! Forward kinematics, in time a pose.
+//! Forward and inverse kinematics, in time a pose.
 #![expect(clippy::print_stderr, reason = "where a bench says that it cannot run")]
 
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use iiwa_kin::{Joints, Pose, Robot};
+use iiwa_kin::{Joints, MovingPose, Pose, Robot, Status, Taylor};
 use iiwasim_benches::{dh_product::DhProduct, joints::poses, urdf_chain::UrdfChain};
 
 const POSES: usize = 1024;
@@ -45,5 +45,37 @@ fn forward(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, forward);
+fn inverse(criterion: &mut Criterion) {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let targets: Vec<(Pose, MovingPose, f64, Status)> = poses(&robot, POSES)
+        .iter()
+        .map(|q| {
+            let flange = robot.flange_pose(q);
+            // A straight line with a constant orientation: arithmetic takes as long with zeros.
+            let mut moving = MovingPose::constant(&flange);
+            moving.position_m[0].0[1] = 0.2;
+            (flange, moving, q[2], Status::of(&robot, q))
+        })
+        .collect();
+    let mut group = criterion.benchmark_group("inverse kinematics");
+    group.throughput(Throughput::Elements(POSES as u64));
+    group.bench_function("iiwa-kin inverse", |bencher| {
+        bencher.iter(|| {
+            for (flange, _, e1_rad, status) in &targets {
+                let _ = black_box(robot.inverse(black_box(flange), *e1_rad, *status));
+            }
+        });
+    });
+    group.bench_function("iiwa-kin inverse_moving", |bencher| {
+        bencher.iter(|| {
+            for (_, moving, e1_rad, status) in &targets {
+                let e1 = Taylor::constant(*e1_rad);
+                let _ = black_box(robot.inverse_moving(black_box(moving), e1, *status));
+            }
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, forward, inverse);
 criterion_main!(benches);

@@ -18,7 +18,7 @@ pub(crate) use compare::Compare;
 pub(crate) use experiment::{Experiment, ExperimentName};
 pub(crate) use identify::Identify;
 pub(crate) use link::{Cabinet, Drive, Io, IoAction, Keygen, Record, Run, Sensors, Status, Stop};
-pub(crate) use model::{Fk, Format, Robot, Schema};
+pub(crate) use model::{Fk, Format, Ik, Robot, Schema};
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use twin::Twin;
@@ -66,6 +66,7 @@ pub(crate) enum Command {
     Cabinet(Cabinet),
     Keygen(Keygen),
     Fk(Fk),
+    Ik(Ik),
     Robot(Robot),
     Schema(Schema),
 }

@@ -8,6 +8,7 @@ mod args;
 mod commands;
 mod connection;
 mod failure;
+mod frame;
 mod input;
 mod leftovers;
 mod log;
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
         Command::Report(options) => commands::report::run(&options),
         Command::Identify(options) => commands::identify::run(&options),
         Command::Fk(options) => commands::fk::run(&options),
+        Command::Ik(options) => commands::ik::run(&options),
         Command::Robot(options) => commands::robot::run(&options),
         Command::Schema(options) => commands::schema::run(&options),
         Command::Keygen(options) => commands::keygen::run(&options),

@@ -130,6 +130,8 @@ fn main() -> Result<()> {
             "k",
         ],
     )?;
+    let inverse =
+        read("inverse kinematics", "pose", &["iiwa-kin inverse", "iiwa-kin inverse_moving"])?;
     let search = read("blend search", "search", &["first crossing", "algorithm 1", "algorithm 2"])?;
     let stamps = read(
         "stamps",
@@ -161,7 +163,8 @@ fn main() -> Result<()> {
         machine::version("rustc")
     );
     print_required(&search, &stamps, &jerk, &durations, &command, &planned);
-    for group in [&forward, &search, &stamps, &jerk, &growth, &ten, &command, &clearance, &planned]
+    for group in
+        [&forward, &inverse, &search, &stamps, &jerk, &growth, &ten, &command, &clearance, &planned]
     {
         group.print();
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::values::seven;
+use super::values::{number, seven};
 
 /// Forward kinematics: print the pose of the flange at given joint angles.
 #[derive(Args, Debug)]
@@ -16,7 +16,7 @@ pub(crate) struct Fk {
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
 
-    /// Print one JSON object: `position_m`, `rotation` (three rows), `robot`
+    /// Print one JSON object: `position_m`, `rotation` (three rows), `frame`, `robot`
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -39,6 +39,36 @@ impl Joints {
         // One of the two is required.
         self.joints_rad.or(from_deg).unwrap_or_default()
     }
+}
+
+/// Inverse kinematics: print the joint angles that bring the flange to a frame.
+#[derive(Args, Debug)]
+pub(crate) struct Ik {
+    /// The flange in the robot's base: x_mm, y_mm, z_mm, a_deg, b_deg, c_deg (or a_rad, ...), and e1_deg, status and
+    /// turn as on the robot
+    #[arg(long, value_name = "JSON")]
+    pub(crate) frame: String,
+
+    /// Position of joint A3 in degrees, in place of the frame's
+    #[arg(long, value_name = "DEG", value_parser = number, allow_hyphen_values = true)]
+    pub(crate) e1_deg: Option<f64>,
+
+    /// Which of the eight ways of the arm, in place of the frame's: 1 if the wrist is behind A1, plus 2 if A4 is
+    /// negative, plus 4 if A6 is
+    #[arg(long, value_name = "0-7", value_parser = clap::value_parser!(u8).range(0..8))]
+    pub(crate) status: Option<u8>,
+
+    /// Joints A1 to A7 in degrees; E1 and status are theirs where not given
+    #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
+    pub(crate) near: Option<[f64; 7]>,
+
+    /// Built-in model or robot profile
+    #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
+    pub(crate) robot: String,
+
+    /// Print one JSON object: `joints_deg`, `joints_rad`, `frame`, `allowed_e1_deg` (ranges), `singularity`, `robot`
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Print a robot model: lengths, limits, masses. Without a name, list the built-in models.

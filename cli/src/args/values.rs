@@ -4,7 +4,8 @@ use std::time::{Duration, UNIX_EPOCH};
 
 use iiwa_link::message::IoValue;
 
-fn number(text: &str) -> Result<f64, String> {
+/// A number.
+pub(super) fn number(text: &str) -> Result<f64, String> {
     let value: f64 = text.trim().parse().map_err(|_| format!("`{text}` is not a number"))?;
     if value.is_finite() { Ok(value) } else { Err(format!("`{text}` is not finite")) }
 }

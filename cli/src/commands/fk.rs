@@ -4,12 +4,13 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use crate::{args::Fk, failure::Failure, input::find_robot, output};
+use crate::{args::Fk, failure::Failure, frame::ReachedFrame, input::find_robot, output};
 
 #[derive(Serialize)]
 struct PoseAnswer<'a> {
     position_m: [f64; 3],
     rotation: [[f64; 3]; 3],
+    frame: ReachedFrame,
     robot: &'a str,
 }
 
@@ -19,9 +20,11 @@ pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     let joints = options.joints.rad();
     robot.limits().check(&joints).map_err(|outside| Failure::input(outside.to_string()))?;
     let pose = robot.flange_pose(&joints);
+    let frame = ReachedFrame::new(&robot, &joints);
     if options.json {
         let robot = robot.name();
-        let answer = PoseAnswer { position_m: pose.position_m, rotation: pose.rotation, robot };
+        let answer =
+            PoseAnswer { position_m: pose.position_m, rotation: pose.rotation, frame, robot };
         return output::print_json(&answer);
     }
     let [x, y, z] = pose.position_m.map(|v| v * 1e3);
@@ -32,8 +35,8 @@ pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
         let _ = writeln!(text, "{name:<10} {a:10.6} {b:10.6} {c:10.6}");
     }
     // A turns about z, then B about the new y, then C about the new x, as KUKA does it.
-    let (c, b, a) = pose.to_isometry().rotation.euler_angles();
-    let [a, b, c] = [a, b, c].map(f64::to_degrees);
+    let ReachedFrame { a_deg: a, b_deg: b, c_deg: c, e1_deg, status, turn, .. } = frame;
     let _ = writeln!(text, "A, B, C    {a:10.3} {b:10.3} {c:10.3}  deg");
+    let _ = writeln!(text, "E1         {e1_deg:10.3}  deg, status {status}, turn {turn}");
     output::print(&text)
 }

@@ -1,0 +1,134 @@
+//! `iiwasim ik`.
+
+use std::fmt::Write as _;
+
+use iiwa_kin::{Robot, Singularity, Status, Turn};
+use serde::Serialize;
+
+use crate::{
+    args::Ik,
+    failure::{Failure, print_note},
+    frame::{ReachedFrame, TargetFrame},
+    input::find_robot,
+    output,
+};
+
+#[derive(Serialize)]
+struct JointsAnswer<'a> {
+    joints_deg: [f64; 7],
+    joints_rad: [f64; 7],
+    frame: ReachedFrame,
+    /// Ranges of E1 with which all joints are within their limits.
+    allowed_e1_deg: Vec<[f64; 2]>,
+    singularity: SingularityAnswer,
+    robot: &'a str,
+}
+
+#[derive(Serialize)]
+struct SingularityAnswer {
+    least: f64,
+    axis: String,
+    shoulder: f64,
+    elbow: f64,
+    wrist: f64,
+}
+
+/// Prints the joints that reach a frame.
+pub(crate) fn run(options: &Ik) -> Result<(), Failure> {
+    let robot = find_robot(&options.robot)?;
+    let target = TargetFrame::read(&options.frame, "--frame")?;
+    let near = options.near.map(|joints_deg| joints_deg.map(f64::to_radians));
+    let near = near.map(|joints_rad| robot.redundancy(&joints_rad));
+    let e1_rad = options.e1_deg.map(f64::to_radians).or(target.e1_rad);
+    let e1_rad = e1_rad.or(near.map(|near| near.e1_rad)).ok_or_else(|| {
+        missing("E1, the position of joint A3", "--e1-deg, by `e1_deg` in the frame")
+    })?;
+    let status = options.status.and_then(Status::new).or(target.status);
+    let status = status
+        .or(near.map(|near| near.status))
+        .ok_or_else(|| missing("the status, 0 to 7,", "--status, by `status` in the frame"))?;
+
+    let allowed = robot.allowed_e1(&target.pose, status).map_err(|error| refused(&error))?;
+    let unless = |what: &dyn std::error::Error| {
+        Failure::input(format!("{what}; {}", with_other_e1(&allowed, status)))
+    };
+    let joints_rad = robot.inverse(&target.pose, e1_rad, status).map_err(|error| unless(&error))?;
+    robot.limits().check(&joints_rad).map_err(|error| unless(&error))?;
+    check_turn(target.turn, Turn::of(&joints_rad));
+    print(&robot, &joints_rad, &allowed, options.json)
+}
+
+fn missing(what: &str, how: &str) -> Failure {
+    Failure::input(format!("{what} is not given: by {how}, or by --near"))
+}
+
+fn refused(error: &dyn std::error::Error) -> Failure {
+    Failure::input(error.to_string())
+}
+
+/// What else to try.
+fn with_other_e1(allowed_rad: &[[f64; 2]], status: Status) -> String {
+    if allowed_rad.is_empty() {
+        return format!("with status {status} no E1 keeps all joints within their limits");
+    }
+    format!("with status {status} all joints are within their limits at E1 {}", ranges(allowed_rad))
+}
+
+fn ranges(of_rad: &[[f64; 2]]) -> String {
+    let ranges: Vec<_> = of_rad
+        .iter()
+        .map(|range| {
+            let [from, to] = range.map(f64::to_degrees);
+            format!("{from:.3} to {to:.3}")
+        })
+        .collect();
+    format!("{} deg", ranges.join(", "))
+}
+
+/// The turn cannot choose between joints, but it may show that the frame was not meant for this arm.
+fn check_turn(stated: Option<Turn>, found: Turn) {
+    if let Some(stated) = stated.filter(|stated| *stated != found) {
+        print_note(&format!(
+            "Warning: the frame states turn {stated}, and these joints have turn {found}\n"
+        ));
+    }
+}
+
+fn print(
+    robot: &Robot,
+    joints_rad: &[f64; 7],
+    allowed_rad: &[[f64; 2]],
+    json: bool,
+) -> Result<(), Failure> {
+    let joints_deg = joints_rad.map(f64::to_degrees);
+    let singularity = robot.singularity(joints_rad);
+    let (least, part) = singularity.least();
+    let frame = ReachedFrame::new(robot, joints_rad);
+    if json {
+        let Singularity { shoulder, elbow, wrist } = singularity;
+        return output::print_json(&JointsAnswer {
+            joints_deg,
+            joints_rad: *joints_rad,
+            frame,
+            allowed_e1_deg: allowed_rad.iter().map(|range| range.map(f64::to_degrees)).collect(),
+            singularity: SingularityAnswer {
+                least,
+                axis: part.to_string(),
+                shoulder,
+                elbow,
+                wrist,
+            },
+            robot: robot.name(),
+        });
+    }
+    let mut text = "joints    ".to_owned();
+    for joint in joints_deg {
+        // No negative zero.
+        let _ = write!(text, " {:9.3}", (joint * 1e3).round() / 1e3 + 0.0);
+    }
+    let _ = writeln!(text, "  deg");
+    let _ = writeln!(text, "status     {}, turn {}", frame.status, frame.turn);
+    let _ = writeln!(text, "E1         {} within limits", ranges(allowed_rad));
+    let _ = writeln!(text, "singular   {least:.4} ({part}; 0 in the singularity)");
+    output::print(&text)
+}

@@ -1,0 +1,121 @@
+//! Forward and inverse kinematics from outside.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+#[expect(dead_code, reason = "other tests use the rest")]
+#[path = "common/run.rs"]
+mod run;
+
+use predicates::{prelude::PredicateBooleanExt, str::contains};
+use run::iiwasim;
+use serde_json::Value;
+use tempfile::tempdir;
+
+const DOWN: &str =
+    r#"{ "x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0 }"#;
+
+fn json(arguments: &[&str]) -> Value {
+    let folder = tempdir().unwrap();
+    let assert = iiwasim(&folder, arguments).success();
+    serde_json::from_slice(&assert.get_output().stdout).unwrap()
+}
+
+fn refuses(arguments: &[&str], reasons: &[&str]) {
+    let folder = tempdir().unwrap();
+    let assert = iiwasim(&folder, &[&["ik"], arguments].concat()).code(2);
+    // Messages are wrapped to the width of the terminal.
+    let stderr = String::from_utf8_lossy(&assert.get_output().stderr).replace("\n  │", "");
+    for reason in reasons {
+        assert!(stderr.contains(reason), "{arguments:?}: no {reason:?} in {stderr}");
+    }
+}
+
+#[test]
+fn a_frame_of_fk_is_reached_by_ik() {
+    for (robot, joints) in [
+        ("lbr_iiwa_7_r800", "10,-20,30,-40,50,-60,70"),
+        ("lbr_iiwa_14_r820", "-100,80,-30,70,-150,100,-170"),
+        ("lbr_iiwa_7_r800", "10,0,30,40,50,90,0"),
+    ] {
+        let frame =
+            json(&["fk", "--json", "--robot", robot, "--joints-deg", joints])["frame"].clone();
+        let found = json(&["ik", "--json", "--robot", robot, "--frame", &frame.to_string()]);
+        for (j, asked) in joints.split(',').enumerate() {
+            let asked: f64 = asked.parse().unwrap();
+            let deg = found["joints_deg"][j].as_f64().unwrap();
+            assert!((deg - asked).abs() < 1e-9, "{joints}: {found}");
+            assert!((found["joints_rad"][j].as_f64().unwrap() - asked.to_radians()).abs() < 1e-11);
+        }
+        for key in ["status", "turn"] {
+            assert_eq!(found["frame"][key], frame[key]);
+        }
+        assert_eq!(found["robot"], robot);
+        let inside = found["allowed_e1_deg"].as_array().unwrap().iter().any(|range| {
+            let e1 = frame["e1_deg"].as_f64().unwrap();
+            range[0].as_f64().unwrap() <= e1 && e1 <= range[1].as_f64().unwrap()
+        });
+        assert!(inside, "{found}");
+        assert_eq!(
+            found["singularity"]["least"],
+            found["singularity"][found["singularity"]["axis"].as_str().unwrap()]
+        );
+    }
+}
+
+#[test]
+fn options_stand_above_the_frame_and_near_below_it() {
+    let with_all = DOWN.replace('}', r#", "e1_deg": 10, "status": 2 }"#);
+    let of = |frame: &str, more: &[&str]| {
+        let found = json(&[&["ik", "--json", "--frame", frame], more].concat());
+        (found["frame"]["e1_deg"].as_f64().unwrap().round(), found["frame"]["status"].clone())
+    };
+    let near = ["--near", "0,30,-20,60,0,90,0"];
+    assert_eq!(of(&with_all, &[]), (10.0, 2.into()));
+    assert_eq!(of(&with_all, &near), (10.0, 2.into()));
+    assert_eq!(of(&with_all, &["--e1-deg", "-15", "--status", "6"]), (-15.0, 6.into()));
+    assert_eq!(of(DOWN, &near).0, -20.0);
+    assert_eq!(of(DOWN, &[&near[..], &["--status", "2"]].concat()), (-20.0, 2.into()));
+
+    let folder = tempdir().unwrap();
+    iiwasim(&folder, &["ik", "--frame", &with_all]).success().stdout(
+        contains("joints").and(contains("status     2, turn ")).and(contains("deg within limits")),
+    );
+    let other_turn = with_all.replace('}', r#", "turn": 127 }"#);
+    iiwasim(&folder, &["ik", "--frame", &other_turn]).success().stderr(contains("turn 127"));
+}
+
+#[test]
+fn what_cannot_be_reached_is_refused_with_the_reason() {
+    let with = |frame: &'static str| ["--frame", frame, "--near", "0,30,0,-60,0,90,0"];
+    let far = r#"{ "x_mm": 1600, "y_mm": 0, "z_mm": 340, "a_deg": 0, "b_deg": 90, "c_deg": 0 }"#;
+    // Stretched out, the arm ends at 952 mm.
+    refuses(&with(far), &["648.000 mm too short"]);
+    refuses(&["--frame", DOWN], &["E1", "--e1-deg"]);
+    refuses(&["--frame", DOWN, "--e1-deg", "0"], &["status", "--near"]);
+    refuses(&["--frame", DOWN, "--e1-deg", "0", "--status", "8"], &["8 is not in 0..8"]);
+    refuses(
+        &["--frame", DOWN, "--e1-deg", "171", "--status", "2"],
+        &["joint A", "within their limits at E1", "deg"],
+    );
+    let high = r#"{ "x_mm": 100, "y_mm": 0, "z_mm": 1000, "a_deg": 0, "b_deg": 0, "c_deg": 0 }"#;
+    refuses(
+        &["--frame", high, "--e1-deg", "90", "--status", "2"],
+        &["out of reach with E1 at 90.000 deg", "within reach is E1 from -"],
+    );
+    refuses(&with(r#"{ "x_mm": 1 }"#), &["--frame", "line 1", "`y_mm` is missing"]);
+    refuses(
+        &with(r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0 }"#),
+        &["`c_deg` is missing"],
+    );
+    refuses(&with(r#"{ "x_mm": 1, "e2_deg": 2 }"#), &["unknown key", "e2_deg"]);
+    refuses(
+        &with(
+            r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0, "c_deg": 0, "turn": 128 }"#,
+        ),
+        &["0 to 127"],
+    );
+    refuses(
+        &with(r#"{ "x_mm": 1e9, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0, "c_deg": 0 }"#),
+        &["the range is"],
+    );
+}
