@@ -69,12 +69,12 @@ fn options_stand_above_the_frame_and_near_below_it() {
         let found = json(&[&["ik", "--json", "--frame", frame], more].concat());
         (found["frame"]["e1_deg"].as_f64().unwrap().round(), found["frame"]["status"].clone())
     };
-    let near = ["--near", "0,30,-20,60,0,90,0"];
+    let near = ["--near", "0,30,-80,60,0,90,0"];
     assert_eq!(of(&with_all, &[]), (10.0, 2.into()));
     assert_eq!(of(&with_all, &near), (10.0, 2.into()));
-    assert_eq!(of(&with_all, &["--e1-deg", "-15", "--status", "6"]), (-15.0, 6.into()));
-    assert_eq!(of(DOWN, &near).0, -20.0);
-    assert_eq!(of(DOWN, &[&near[..], &["--status", "2"]].concat()), (-20.0, 2.into()));
+    assert_eq!(of(&with_all, &["--e1-deg", "-30", "--status", "6"]), (-30.0, 6.into()));
+    assert_eq!(of(DOWN, &near).0, -80.0);
+    assert_eq!(of(DOWN, &[&near[..], &["--status", "2"]].concat()), (-80.0, 2.into()));
 
     let folder = tempdir().unwrap();
     iiwasim(&folder, &["ik", "--frame", &with_all]).success().stdout(
@@ -95,7 +95,7 @@ fn what_cannot_be_reached_is_refused_with_the_reason() {
     refuses(&["--frame", DOWN, "--e1-deg", "0", "--status", "8"], &["8 is not in 0..8"]);
     refuses(
         &["--frame", DOWN, "--e1-deg", "171", "--status", "2"],
-        &["joint A", "within their limits at E1", "deg"],
+        &["joint A3 is at 171 deg", "within their limits at E1", "deg"],
     );
     let high = r#"{ "x_mm": 100, "y_mm": 0, "z_mm": 1000, "a_deg": 0, "b_deg": 0, "c_deg": 0 }"#;
     refuses(
