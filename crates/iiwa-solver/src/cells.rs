@@ -106,32 +106,32 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         Self { cell, segment: &segments[cell.segment], geometry: &mesh.geometry[k], before }
     }
 
-    /// One over the limits of velocity and acceleration at the start, the lower ones of both segments, and the
-    /// derivatives by sigma that go with them.
-    fn at_start(&self) -> ([Coordinates; 2], SigmaDerivatives) {
+    /// One over the limits of velocity and acceleration at the start, the lower ones of both segments. With them come the
+    /// derivatives by sigma for which they hold, where these are not the segment's own alone.
+    fn at_start(&self) -> ([Coordinates; 2], Option<SigmaDerivatives>) {
         let own = AT_STARTS.map(|kind| self.segment.inverse[kind]);
-        let mut derivatives = self.segment.derivatives_at(self.geometry, 0);
-        let Some(before) = self.before else { return (own, derivatives) };
+        let Some(before) = self.before else { return (own, None) };
         let other = AT_STARTS.map(|kind| before.inverse[kind]);
-        let mut lower: [Coordinates; 2] =
-            std::array::from_fn(|k| std::array::from_fn(|j| own[k][j].max(other[k][j])));
-        if before.has_tool() {
-            // Each segment has a coordinate of its own for the tool: the one that goes on here takes the lower limits of
-            // both, in its own unit.
-            let at_end = before.derivatives(1.0);
-            let [rate, rate_before] = [derivatives[0][TOOL], at_end[0][TOOL]];
-            let ratio = if rate > 0.0 && self.segment.has_tool() {
-                rate_before / rate
-            } else {
-                std::iter::zip(&mut derivatives, at_end)
-                    .for_each(|(to, from)| to[TOOL] = from[TOOL]);
-                1.0
-            };
-            for k in 0..2 {
-                lower[k][TOOL] = own[k][TOOL].max(ratio * other[k][TOOL]);
-            }
+        let lower = |k: usize| std::array::from_fn(|j| own[k][j].max(other[k][j]));
+        let mut lower: [Coordinates; 2] = [lower(0), lower(1)];
+        if !before.has_tool() {
+            return (lower, None);
         }
-        (lower, derivatives)
+        // Each segment has a coordinate of its own for the tool: the one that goes on here takes the lower limits of both,
+        // in its own unit.
+        let mut derivatives = self.segment.derivatives_at(self.geometry, 0);
+        let at_end = before.derivatives(1.0);
+        let [rate, rate_before] = [derivatives[0][TOOL], at_end[0][TOOL]];
+        let ratio = if self.segment.has_tool() && rate > 0.0 {
+            rate_before / rate
+        } else {
+            std::iter::zip(&mut derivatives, at_end).for_each(|(to, from)| to[TOOL] = from[TOOL]);
+            1.0
+        };
+        for k in 0..2 {
+            lower[k][TOOL] = own[k][TOOL].max(ratio * other[k][TOOL]);
+        }
+        (lower, Some(derivatives))
     }
 
     /// The coordinates that can be at a limit of acceleration at the start, and along the cell, and of jerk.
@@ -197,7 +197,8 @@ impl<const J: usize> CellBlock<J> {
         // At the start, a third, half, two thirds and the end.
         let [start, third, middle, two_thirds, end] =
             [0, 2, 3, 4, 6].map(|place| segment.derivatives_at(limited.geometry, place));
-        let ([start_velocity, start_acceleration], both_start) = &limited.at_start();
+        let ([start_velocity, start_acceleration], both) = &limited.at_start();
+        let both_start = both.as_ref().unwrap_or(&start);
         let [velocity, acceleration, jerk] = LimitKind::ALL.map(|kind| &segment.inverse[kind]);
         let [start_limiting, acceleration_limiting, jerk_limiting] = &limited.limiting();
 
