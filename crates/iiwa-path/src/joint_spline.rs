@@ -37,6 +37,10 @@ const PIECES_A_GRID: usize = 4;
 const LEAST_GRIDS: usize = 2;
 const MOST_GRIDS: usize = 8;
 
+/// The least intervals of a curve, however few those of a blend are. Jerk-limited stamps start from acceleration-limited
+/// ones: from coarser ones, they are not always found.
+const LEAST_INTERVALS: usize = 200;
+
 /// Where the curve cannot be followed, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CurveFaultAt {
@@ -250,7 +254,7 @@ impl Segment for JointSpline {
     /// As many as its pieces ask for.
     fn grid_intervals(&self, grid: &Grid) -> usize {
         let factor = self.pieces.len().div_ceil(PIECES_A_GRID);
-        grid.intervals() * factor.clamp(LEAST_GRIDS, MOST_GRIDS)
+        (grid.intervals() * factor.clamp(LEAST_GRIDS, MOST_GRIDS)).max(LEAST_INTERVALS)
     }
 
     /// Half of the nodes lie evenly, the other half where the pieces do: where joints turn fast, pieces are short.

@@ -208,6 +208,16 @@ impl<'a> LimitedSegment<'a> {
         (acceleration / jerk).min((speed / jerk).sqrt())
     }
 
+    /// The way from a rest at `s` on which the curve's bend takes no more than a `share` of a limit of jerk, in rad.
+    ///
+    /// Where the third derivative of sigma is a constant j, `sigma = j t^3 / 6` and the jerk is
+    /// `j (q' + 9 q'' sigma)`, but for higher powers.
+    pub(crate) fn even_way(&self, s: f64, share: f64) -> f64 {
+        let [_, ddq, _] = self.derivatives(s);
+        let [_, _, jerk] = self.straight(s);
+        share / (9.0 * jerk * largest_share(&ddq, &self.inverse[LimitKind::Jerk]))
+    }
+
     /// Way on which the arm stops, straight on, from its start, in rad; `before` is the segment that ends there.
     #[must_use]
     pub fn stop_rad(&self, before: Option<&Self>) -> f64 {

@@ -69,6 +69,7 @@ impl MeshSettings {
             turn_growth: self.turn_growth * per,
             rest: self.rest * per,
             rest_growth: self.rest_growth * per,
+            rest_bend: self.rest_bend * per,
             ..self
         }
     }
@@ -179,7 +180,8 @@ pub(crate) fn mesh(
         let rest = |rests: bool, s: f64| {
             let [_, _, jerk] = segment.straight(s);
             let build_up = jerk * segment.build_up_s(s).powi(3) / 6.0;
-            rests.then(|| sizes.rest * build_up.min(segment.length / 6.0))
+            let way = sizes.rest * build_up.min(segment.length / 6.0);
+            rests.then(|| way.min(segment.even_way(s, sizes.rest_bend)))
         };
         let from_rest = rest(starts_at_rest && index == part.start, 0.0);
         let to_rest = rest(backwards, 1.0);

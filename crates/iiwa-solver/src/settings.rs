@@ -41,6 +41,8 @@ pub(crate) struct MeshSettings {
     pub(crate) rest: f64,
     /// Growth of that length per distance from rest.
     pub(crate) rest_growth: f64,
+    /// What the curve's bend adds to jerk in such a cell at most, as a share of the limit.
+    pub(crate) rest_bend: f64,
     /// Jump of d2s/dt2 that counts as a switch in a blend, as a share of its largest value there.
     pub(crate) switch_jump: f64,
     /// Most nodes of a segment; some tens are usual. A guard against stamps without sense.
@@ -175,6 +177,7 @@ pub(crate) const SETTINGS: Settings = Settings {
         turn_growth: 0.3,
         rest: 0.03,
         rest_growth: 0.25,
+        rest_bend: 0.01,
         switch_jump: 0.25,
         most_nodes: 100_000,
     },
