@@ -34,9 +34,12 @@ TYPES = {
     "/tcp_pose": "geometry_msgs/msg/PoseStamped",
     "/joint_trajectory": "trajectory_msgs/msg/JointTrajectory",
     "/motion": "iiwasim_msgs/msg/Motion",
+    "/flange_pose": "geometry_msgs/msg/PoseStamped",
 }
 # What only a plan has.
 PLANNED = {"/joint_trajectory", "/motion"}
+# What only a plan of a program with a tool has.
+WITH_TOOL = {"/flange_pose"}
 LATCHED = {"/robot_description", "/joint_trajectory"}
 JOINTS = [f"iiwa_joint_{i}" for i in range(1, 8)]
 NS = 1_000_000_000
@@ -241,6 +244,12 @@ def check_messages(tally: Tally, reader: str, messages: dict) -> None:
         lambda m: finite([m.pose.position.x, m.pose.position.y, m.pose.position.z], 3),
     )
 
+    if "/flange_pose" in messages:
+        every("frame", "/flange_pose", lambda m: m.header.frame_id == "iiwa_link_0")
+        every("unit quaternion", "/flange_pose", lambda m: unit(m.pose.orientation))
+        stamps = [[t for t, _ in messages[topic]] for topic in ("/flange_pose", "/tcp_pose")]
+        tally.check(f"{reader}: /flange_pose has the stamps of /tcp_pose", stamps[0] == stamps[1])
+
     (_, description) = messages["/robot_description"][0]
     try:
         root = ElementTree.fromstring(description.data)
@@ -259,7 +268,7 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
         bool(indices) and indices[0] >= 1 and indices == sorted(indices),
         indices,
     )
-    every("kind", "/motion", lambda m: m.kind in ("line", "blend", "settle", "wait"))
+    every("kind", "/motion", lambda m: m.kind in ("line", "lin", "circ", "blend", "settle", "wait"))
     every(
         "a limiting joint has a kind of limit, and so has the TCP",
         "/motion",
@@ -320,6 +329,12 @@ def check_figures(tally: Tally, record: dict, figures: dict) -> None:
                 tally.check(f"figure {key} is JSON", False, record[key])
 
 
+def has_topic(path: Path, topic: str) -> bool:
+    with path.open("rb") as stream:
+        summary = mcap.reader.make_reader(stream).get_summary()
+    return summary is not None and any(channel.topic == topic for channel in summary.channels.values())
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file", type=Path)
@@ -329,6 +344,8 @@ def main() -> int:
 
     tally = Tally()
     left_out = PLANNED if arguments.recording else set()
+    if not has_topic(arguments.file, "/flange_pose"):
+        left_out = left_out | WITH_TOOL
     expected = {topic: name for topic, name in TYPES.items() if topic not in left_out}
     contents = read_mcap(tally, arguments.file, expected)
     record = contents["metadata"].get("iiwasim", {})

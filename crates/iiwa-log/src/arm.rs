@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::time::Duration;
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joints, Pose, Robot};
 
 use crate::recorded_robot::PROFILE;
 use crate::{Frame, WriteError, Writer};
@@ -74,15 +74,15 @@ impl Arm {
         })
     }
 
-    /// The flange's frame in that of the base, for `/tcp_pose`.
+    /// The flange's frame in that of the base, for `/tcp_pose` where the flange is the TCP.
     #[must_use]
     pub fn flange(&self, joints_rad: &Joints) -> Frame<'static> {
-        let tcp = self.robot.flange_pose(joints_rad);
+        let pose = self.robot.flange_pose(joints_rad);
         Frame {
             parent: LINK_NAMES[0],
             child: LINK_NAMES[8],
-            translation_m: tcp.position_m,
-            rotation_xyzw: tcp.quaternion_xyzw(),
+            translation_m: pose.position_m,
+            rotation_xyzw: pose.quaternion_xyzw(),
         }
     }
 
@@ -101,6 +101,21 @@ impl Arm {
         writer.chain(t, &self.links(joints_rad))?;
         let Frame { parent, translation_m, rotation_xyzw, .. } = self.flange(joints_rad);
         writer.tcp_pose(t, parent, translation_m, rotation_xyzw)
+    }
+
+    /// Writes `/tf`, `/tcp_pose` of a TCP that is given in the flange's frame, and `/flange_pose` for these joints.
+    pub(crate) fn poses_with_tool<W: Write>(
+        &self,
+        writer: &mut Writer<W>,
+        t: Duration,
+        joints_rad: &Joints,
+        tcp: &Pose,
+    ) -> Result<(), WriteError> {
+        writer.chain(t, &self.links(joints_rad))?;
+        let flange = self.robot.flange_pose(joints_rad);
+        let (parent, tcp) = (LINK_NAMES[0], flange.then(tcp));
+        writer.tcp_pose(t, parent, tcp.position_m, tcp.quaternion_xyzw())?;
+        writer.flange_pose(t, parent, flange.position_m, flange.quaternion_xyzw())
     }
 
     /// Writes the `attachments` (name, media type, content), the robot's profile and URDF, and the

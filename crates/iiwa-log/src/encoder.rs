@@ -58,6 +58,7 @@ pub struct Encoder {
     transforms: Option<Template>,
     chain: Option<Template>,
     tcp_pose: Option<Template>,
+    flange_pose: Option<Template>,
 }
 
 impl Encoder {
@@ -76,6 +77,7 @@ impl Encoder {
             transforms: None,
             chain: None,
             tcp_pose: None,
+            flange_pose: None,
         })
     }
 
@@ -135,8 +137,7 @@ impl Encoder {
         Ok(template.fill(transform_words(&mut self.words, stamp, frames)))
     }
 
-    /// The pose of the flange in `frame_id`, for `/tcp_pose`: position in m, rotation as a unit
-    /// quaternion x, y, z, w.
+    /// The pose of the TCP in `frame_id`, for `/tcp_pose`: position in m, rotation as a unit quaternion x, y, z, w.
     ///
     /// # Errors
     ///
@@ -148,10 +149,39 @@ impl Encoder {
         position_m: [f64; 3],
         rotation_xyzw: [f64; 4],
     ) -> Result<&[u8], WriteError> {
-        let topic = Topic::TcpPose;
+        self.pose(Topic::TcpPose, t, frame_id, position_m, rotation_xyzw)
+    }
+
+    /// The pose of the flange in `frame_id`, for `/flange_pose`, where that is not the TCP.
+    ///
+    /// # Errors
+    ///
+    /// As [`joint_state`](Self::joint_state).
+    pub fn flange_pose(
+        &mut self,
+        t: Duration,
+        frame_id: &str,
+        position_m: [f64; 3],
+        rotation_xyzw: [f64; 4],
+    ) -> Result<&[u8], WriteError> {
+        self.pose(Topic::FlangePose, t, frame_id, position_m, rotation_xyzw)
+    }
+
+    fn pose(
+        &mut self,
+        topic: Topic,
+        t: Duration,
+        frame_id: &str,
+        position_m: [f64; 3],
+        rotation_xyzw: [f64; 4],
+    ) -> Result<&[u8], WriteError> {
         let stamp = self.stamp(topic, t)?;
+        let template = match topic {
+            Topic::FlangePose => &mut self.flange_pose,
+            _ => &mut self.tcp_pose,
+        };
         let template = up_to_date(
-            &mut self.tcp_pose,
+            template,
             topic,
             || iter::once(frame_id),
             |buffer, stamp, value| {

@@ -14,6 +14,8 @@ pub enum Entry {
     JointState(JointSample),
     /// A message of `/tcp_pose`.
     TcpPose(PoseSample),
+    /// A message of `/flange_pose`.
+    FlangePose(PoseSample),
     /// A message of `/motion`.
     Motion(MotionSample),
     /// A message of `/joint_trajectory`.
@@ -52,16 +54,16 @@ pub struct JointSample {
     pub dq: [f64; 7],
 }
 
-/// The pose of the flange at one time.
+/// The pose of the TCP, or of the flange, at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseSample {
     /// Time since the epoch, s.
     pub t_s: f64,
     /// The frame that the pose is given in.
     pub frame_id: Arc<str>,
-    /// The flange's origin, m.
+    /// Its origin, m.
     pub position_m: [f64; 3],
-    /// The flange's rotation, unit quaternion x, y, z, w.
+    /// Its rotation, unit quaternion x, y, z, w.
     pub rotation_xyzw: [f64; 4],
 }
 
@@ -70,7 +72,7 @@ pub struct PoseSample {
 pub struct Motion<'a> {
     /// The place in the program, from 1.
     pub index: u32,
-    /// What it is: `line`, `blend`, `settle` or `wait`.
+    /// What it is: `line`, `lin`, `circ`, `blend`, `settle` or `wait`.
     pub kind: Cow<'a, str>,
     /// The joint whose limit bites first, 1 to 7; none if it is one of the TCP.
     pub limiting_joint: Option<u8>,

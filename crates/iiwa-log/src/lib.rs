@@ -74,7 +74,8 @@ pub use error::{ReadError, WriteError};
 pub use joint_log::{JointLog, JointLogError, Loss, Place, Source};
 pub use plan::{PlanConfig, PlanWriter};
 pub use plan_figures::{
-    BlendRecord, ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord, PlanFigures,
+    BlendRecord, CartesianRecord, ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord,
+    PlanFigures, SingularityRecord,
 };
 pub use plan_options::PlanOptions;
 pub use plan_record::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};

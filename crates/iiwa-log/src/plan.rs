@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::Write;
 use std::time::Duration;
 
-use iiwa_kin::Robot;
+use iiwa_kin::{Pose, Robot};
 use iiwa_traj::{Section, State};
 
 use crate::arm::Arm;
@@ -46,6 +46,8 @@ pub struct PlanWriter<W: Write> {
     part: TrajectoryMessage,
     part_start: Duration,
     last: Option<State>,
+    /// The TCP of the last section's end, if the program has tools.
+    last_tcp: Option<Pose>,
 }
 
 /// Points of a trajectory in one message.
@@ -69,6 +71,7 @@ impl<W: Write> PlanWriter<W> {
             part: TrajectoryMessage::new()?,
             part_start: Duration::ZERO,
             last: None,
+            last_tcp: None,
         })
     }
 
@@ -99,7 +102,8 @@ impl<W: Write> PlanWriter<W> {
                 };
                 self.writer.motion(duration(piece.start_s), &motion)?;
             } else if t_s < section.end_s() {
-                self.sample(&section.at(t_s))?;
+                let state = section.at(t_s);
+                self.sample(&state, tcp(section, &state).as_ref())?;
                 self.ticks += 1;
             } else {
                 break;
@@ -110,7 +114,8 @@ impl<W: Write> PlanWriter<W> {
         for state in section.states() {
             self.node(&state)?;
         }
-        self.last = Some(section.at(section.end_s()));
+        let end = section.at(section.end_s());
+        (self.last, self.last_tcp) = (Some(end), tcp(section, &end));
         Ok(())
     }
 
@@ -125,7 +130,8 @@ impl<W: Write> PlanWriter<W> {
             // The last tick may be the end already, but for rounding.
             let last_tick = self.ticks.checked_sub(1).map(|k| k as f64 / self.rate_hz);
             if last_tick.is_none_or(|t_s| duration(t_s) < duration(end.t_s)) {
-                self.sample(&end)?;
+                let tcp = self.last_tcp;
+                self.sample(&end, tcp.as_ref())?;
             }
             self.node(&end)?;
         }
@@ -134,11 +140,14 @@ impl<W: Write> PlanWriter<W> {
         self.arm.finish(self.writer, &figures.to_metadata(), program.as_slice())
     }
 
-    /// One instant on `/joint_states`, `/tf` and `/tcp_pose`.
-    fn sample(&mut self, state: &State) -> Result<(), WriteError> {
+    /// One instant on `/joint_states`, `/tf` and `/tcp_pose`; where there is a tool, on `/flange_pose` as well.
+    fn sample(&mut self, state: &State, tcp: Option<&Pose>) -> Result<(), WriteError> {
         let t = duration(state.t_s);
         self.writer.joint_state(t, &state.q, &state.dq)?;
-        self.arm.poses(&mut self.writer, t, &state.q)
+        match tcp {
+            None => self.arm.poses(&mut self.writer, t, &state.q),
+            Some(tcp) => self.arm.poses_with_tool(&mut self.writer, t, &state.q, tcp),
+        }
     }
 
     /// One point of `/joint_trajectory`.
@@ -164,6 +173,12 @@ impl<W: Write> PlanWriter<W> {
         }
         Ok(())
     }
+}
+
+/// The TCP that moves in a state of a section, if the program has tools.
+fn tcp(section: &Section, state: &State) -> Option<Pose> {
+    let path = section.path();
+    path.has_tools().then(|| *path.tcp(state.motion))
 }
 
 /// A time in s, to the nearest nanosecond.

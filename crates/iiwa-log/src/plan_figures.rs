@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use iiwa_kin::{Joint, Robot};
-use iiwa_traj::{BlendFigures, Limit, MotionFigures, Section, Timing, Totals, Trajectory};
+use iiwa_traj::{
+    BlendFigures, CartesianFigures, Limit, MotionFigures, Section, Timing, Totals, Trajectory,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -58,7 +60,7 @@ pub struct ClearanceRecord {
 pub struct MotionRecord {
     /// The place in the program, from 1.
     pub index: usize,
-    /// `ptp` or `wait`.
+    /// `ptp`, `lin`, `lin_rel`, `circ` or `wait`.
     pub r#type: Cow<'static, str>,
     /// When it starts, in s.
     pub start_s: f64,
@@ -70,6 +72,33 @@ pub struct MotionRecord {
     pub limited_by: Option<LimitRecord>,
     /// All limits that bind, with their shares of the time.
     pub limits: Vec<LimitShareRecord>,
+    /// Of a motion to a frame, what there is to say of its TCP.
+    #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
+    pub cartesian: Option<CartesianRecord>,
+}
+
+/// What there is to say of the TCP of a motion to a frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CartesianRecord {
+    /// Its top speed, in mm/s.
+    pub tcp_speed_peak_mm_s: f64,
+    /// Where the arm is nearest to a singularity.
+    pub singularity: SingularityRecord,
+    /// The status at the motion's end, 0 to 7.
+    pub status: u8,
+    /// E1, the position of A3, at its start and at its end, in deg.
+    pub e1_deg: [f64; 2],
+}
+
+/// Where the arm is nearest to a singularity.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SingularityRecord {
+    /// How near: 0 in the singularity, 1 at most.
+    pub least: f64,
+    /// When, in s.
+    pub at_s: f64,
+    /// `shoulder`, `elbow` or `wrist`.
+    pub axis: Cow<'static, str>,
 }
 
 /// A limit and the share of a motion's time for which it binds.
@@ -229,6 +258,23 @@ impl From<&MotionFigures> for MotionRecord {
                 .iter()
                 .map(|limit| LimitShareRecord { limit: limit.limit.into(), share: limit.share })
                 .collect(),
+            cartesian: figures.cartesian.as_ref().map(CartesianRecord::from),
+        }
+    }
+}
+
+impl From<&CartesianFigures> for CartesianRecord {
+    fn from(figures: &CartesianFigures) -> Self {
+        let nearest = figures.nearest_singularity;
+        Self {
+            tcp_speed_peak_mm_s: 1000.0 * figures.tcp_speed_peak_m_s,
+            singularity: SingularityRecord {
+                least: nearest.least,
+                at_s: nearest.at_s,
+                axis: nearest.part.to_string().into(),
+            },
+            status: figures.status.bits(),
+            e1_deg: figures.e1_rad.map(f64::to_degrees),
         }
     }
 }

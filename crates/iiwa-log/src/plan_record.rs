@@ -20,7 +20,7 @@ use crate::{Entry, PlanFigures, ReadError, Reader, Topic};
 pub struct PlanRecord {
     /// The nodes of the trajectory, in the order of time.
     pub nodes: Vec<PlanNode>,
-    /// Lines, blends, settles and waits, in the order of time.
+    /// Lines, paths of the TCP, blends, settles and waits, in the order of time.
     pub pieces: Vec<PlanPiece>,
     /// The program, JSON.
     pub program: Option<String>,
@@ -46,7 +46,7 @@ pub struct PlanNode {
 pub struct PlanPiece {
     /// The motion of the program, from 1.
     pub motion: u32,
-    /// `line`, `blend`, `settle` or `wait`.
+    /// `line`, `lin`, `circ`, `blend`, `settle` or `wait`.
     pub kind: String,
     /// When it starts, in s.
     pub start_s: f64,

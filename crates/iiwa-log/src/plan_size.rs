@@ -18,6 +18,8 @@ pub struct PlanSize {
     /// The same, times the number of joints that move.
     turning_s: f64,
     resting_s: f64,
+    /// The part of the moving time in which there is a tool.
+    with_tool_s: f64,
     /// Nodes, times the number of joints that move.
     turning_nodes: f64,
 }
@@ -25,6 +27,9 @@ pub struct PlanSize {
 /// Bytes of a sample on `/joint_states`, `/tf` and `/tcp_pose` while the arm moves, and more of it for each
 /// joint that does. Before compression it is 1.3 kB.
 const MOVING_SAMPLE: [f64; 2] = [121.0, 58.0];
+
+/// More of a sample on `/flange_pose` while the arm moves, where the program has a tool.
+const FLANGE_SAMPLE: f64 = 70.0;
 
 /// Of one while the arm stands: only the stamps differ from those before.
 const RESTING_SAMPLE: f64 = 122.0;
@@ -42,7 +47,14 @@ impl PlanSize {
     /// Of a file without any section yet, with `rate_hz` joint states a second.
     #[must_use]
     pub fn new(rate_hz: f64) -> Self {
-        Self { rate_hz, moving_s: 0.0, turning_s: 0.0, resting_s: 0.0, turning_nodes: 0.0 }
+        Self {
+            rate_hz,
+            moving_s: 0.0,
+            turning_s: 0.0,
+            resting_s: 0.0,
+            with_tool_s: 0.0,
+            turning_nodes: 0.0,
+        }
     }
 
     /// Of a whole trajectory.
@@ -64,6 +76,9 @@ impl PlanSize {
             let turns = |(from, to): &(f64, f64)| from.abs().max(to.abs()) > NO_MOTION_RAD;
             let turning = zip(from, to).filter(turns).count() as f64;
             self.moving_s += piece.duration_s;
+            if section.path().has_tools() {
+                self.with_tool_s += piece.duration_s;
+            }
             self.turning_s += turning * piece.duration_s;
             self.turning_nodes += turning * section.nodes(piece).len() as f64;
         }
@@ -85,8 +100,10 @@ impl PlanSize {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let [each, more] = MOVING_SAMPLE;
-        let samples =
-            each * self.moving_s + more * self.turning_s + RESTING_SAMPLE * self.resting_s;
+        let samples = each * self.moving_s
+            + more * self.turning_s
+            + FLANGE_SAMPLE * self.with_tool_s
+            + RESTING_SAMPLE * self.resting_s;
         count(ONCE + self.rate_hz * samples + TURNING_NODE * self.turning_nodes)
     }
 }

@@ -310,17 +310,22 @@ impl Content<'_> {
         Ok(Some(match body.topic {
             Topic::Tf => return Ok(None),
             Topic::JointStates => Entry::JointState(body.joint_state()?),
-            Topic::TcpPose => {
+            topic @ (Topic::TcpPose | Topic::FlangePose) => {
                 let message: PoseStamped<'_> = body.decode()?;
                 if **self.frame_id != *message.header.frame_id {
                     *self.frame_id = Arc::from(message.header.frame_id.as_ref());
                 }
-                Entry::TcpPose(PoseSample {
+                let sample = PoseSample {
                     t_s: body.stamp_s(message.header.stamp)?,
                     frame_id: Arc::clone(self.frame_id),
                     position_m: message.position,
                     rotation_xyzw: message.orientation,
-                })
+                };
+                if topic == Topic::TcpPose {
+                    Entry::TcpPose(sample)
+                } else {
+                    Entry::FlangePose(sample)
+                }
             }
             Topic::Motion => Entry::Motion(body.motion()?),
             Topic::JointTrajectory => body.trajectory()?,

@@ -22,6 +22,8 @@ pub struct Recording {
     pub joint_states: Vec<JointSample>,
     /// `/tcp_pose`, in the order of the file.
     pub tcp_poses: Vec<PoseSample>,
+    /// `/flange_pose`, in the order of the file; empty where the flange is the TCP.
+    pub flange_poses: Vec<PoseSample>,
     /// `/motion`, in the order of the file.
     pub motions: Vec<MotionSample>,
     /// The nodes of `/joint_trajectory`; empty when there is none.
@@ -57,6 +59,7 @@ impl Recording {
             match entry? {
                 Entry::JointState(sample) => recording.joint_states.push(sample),
                 Entry::TcpPose(sample) => recording.tcp_poses.push(sample),
+                Entry::FlangePose(sample) => recording.flange_poses.push(sample),
                 Entry::Motion(sample) => recording.motions.push(sample),
                 Entry::Trajectory { t_s, points } => {
                     let start = Duration::try_from_secs_f64(t_s).unwrap_or_default();

@@ -14,23 +14,27 @@ pub enum Topic {
     Tf,
     /// `/robot_description`, `std_msgs/msg/String`: the URDF of the robot.
     RobotDescription,
-    /// `/tcp_pose`, `geometry_msgs/msg/PoseStamped`: the pose of the flange.
+    /// `/tcp_pose`, `geometry_msgs/msg/PoseStamped`: the pose of the TCP that moves; of the flange if there is no
+    /// tool.
     TcpPose,
     /// `/joint_trajectory`, `trajectory_msgs/msg/JointTrajectory`: the whole trajectory.
     JointTrajectory,
     /// `/motion`, `iiwasim_msgs/msg/Motion`: the start of a piece of the path.
     Motion,
+    /// `/flange_pose`, `geometry_msgs/msg/PoseStamped`: the pose of the flange; only of programs with a tool.
+    FlangePose,
 }
 
 impl Topic {
     /// Every topic, in the order of their channel numbers in a file.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::JointStates,
         Self::Tf,
         Self::RobotDescription,
         Self::TcpPose,
         Self::JointTrajectory,
         Self::Motion,
+        Self::FlangePose,
     ];
 
     /// How messages are encoded, as MCAP calls it.
@@ -55,6 +59,7 @@ impl Topic {
             Self::TcpPose => "/tcp_pose",
             Self::JointTrajectory => "/joint_trajectory",
             Self::Motion => "/motion",
+            Self::FlangePose => "/flange_pose",
         }
     }
 
@@ -71,7 +76,7 @@ impl Topic {
             Self::JointStates => "sensor_msgs/msg/JointState",
             Self::Tf => "tf2_msgs/msg/TFMessage",
             Self::RobotDescription => "std_msgs/msg/String",
-            Self::TcpPose => "geometry_msgs/msg/PoseStamped",
+            Self::TcpPose | Self::FlangePose => "geometry_msgs/msg/PoseStamped",
             Self::JointTrajectory => "trajectory_msgs/msg/JointTrajectory",
             Self::Motion => "iiwasim_msgs/msg/Motion",
         }
@@ -92,7 +97,7 @@ impl Topic {
                 &[&TRANSFORM_STAMPED, &HEADER, &TIME, &TRANSFORM, &VECTOR3, &QUATERNION],
             ),
             Self::RobotDescription => ("string data\n", &[]),
-            Self::TcpPose => (
+            Self::TcpPose | Self::FlangePose => (
                 "std_msgs/Header header\ngeometry_msgs/Pose pose\n",
                 &[&HEADER, &TIME, &POSE, &POINT, &QUATERNION],
             ),
@@ -125,7 +130,9 @@ impl Topic {
     pub fn offered_qos_profiles(self) -> &'static str {
         match self {
             Self::RobotDescription | Self::JointTrajectory => LATCHED,
-            Self::JointStates | Self::Tf | Self::TcpPose | Self::Motion => VOLATILE,
+            Self::JointStates | Self::Tf | Self::TcpPose | Self::Motion | Self::FlangePose => {
+                VOLATILE
+            }
         }
     }
 }

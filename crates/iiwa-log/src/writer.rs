@@ -129,8 +129,7 @@ impl<W: Write> Writer<W> {
         self.file.write(Topic::Tf, t, self.encoder.chain(t, frames)?)
     }
 
-    /// Writes the pose of the flange in `frame_id` to `/tcp_pose`: position in m, rotation as a
-    /// unit quaternion x, y, z, w.
+    /// Writes the pose of the TCP in `frame_id` to `/tcp_pose`: position in m, rotation as a unit quaternion x, y, z, w.
     ///
     /// # Errors
     ///
@@ -144,6 +143,22 @@ impl<W: Write> Writer<W> {
     ) -> Result<(), WriteError> {
         let message = self.encoder.tcp_pose(t, frame_id, position_m, rotation_xyzw)?;
         self.file.write(Topic::TcpPose, t, message)
+    }
+
+    /// Writes the pose of the flange in `frame_id` to `/flange_pose`, where that is not the TCP.
+    ///
+    /// # Errors
+    ///
+    /// As [`joint_state`](Self::joint_state).
+    pub fn flange_pose(
+        &mut self,
+        t: Duration,
+        frame_id: &str,
+        position_m: [f64; 3],
+        rotation_xyzw: [f64; 4],
+    ) -> Result<(), WriteError> {
+        let message = self.encoder.flange_pose(t, frame_id, position_m, rotation_xyzw)?;
+        self.file.write(Topic::FlangePose, t, message)
     }
 
     /// Writes the robot's URDF to `/robot_description`.

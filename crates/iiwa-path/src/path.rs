@@ -4,14 +4,16 @@ mod update;
 
 use std::sync::Arc;
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joints, Pose, Robot};
 
 use crate::{
     builder::steps,
     fault::Fault,
     join::{JoinError, check_joins},
+    motion_index::MotionIndex,
     motion_limits::MotionLimits,
     options::PathOptions,
+    path_motion::{MotionType, PathMotion, has_tools, path_motions},
     program::Program,
     segment::Segment,
     step::{Corner, Step},
@@ -44,6 +46,9 @@ pub struct JointPath {
     start: Joints,
     steps: Arc<Vec<Step>>,
     limits: Arc<Vec<MotionLimits>>,
+    /// None if there are neither tools nor frames.
+    motions: Arc<Vec<PathMotion>>,
+    has_tools: bool,
 }
 
 impl JointPath {
@@ -70,6 +75,7 @@ impl JointPath {
         let all = 0..program.motions.len();
         let robot = Arc::new(robot.clone());
         let steps = steps(program, &robot, options, all)?;
+        let motions = path_motions(program)?;
         Ok(Self {
             start: program.start_rad(&robot)?,
             limits: Arc::new(
@@ -79,6 +85,8 @@ impl JointPath {
                     .map(|motion| MotionLimits::of_motion(&robot, motion))
                     .collect(),
             ),
+            has_tools: has_tools(&motions),
+            motions: Arc::new(motions),
             robot,
             steps: Arc::new(steps),
         })
@@ -119,6 +127,8 @@ impl JointPath {
             start: start_rad,
             steps: Arc::new(steps),
             limits: Arc::new(limits),
+            motions: Arc::default(),
+            has_tools: false,
         })
     }
 
@@ -157,6 +167,42 @@ impl JointPath {
     #[must_use]
     pub fn limits(&self) -> &[MotionLimits] {
         &self.limits
+    }
+
+    /// The TCP that a motion moves, in the flange's frame: that of its tool, and of the program's where it has none of
+    /// its own; during a wait that of the motion before. The flange itself is [`Pose::IDENTITY`], also of paths that
+    /// were not made from a program.
+    ///
+    /// ```
+    /// use iiwa_kin::{Pose, Robot};
+    /// use iiwa_path::{JointPath, MotionIndex, Program};
+    ///
+    /// let program = Program::from_json(r#"{
+    ///     "version": 1,
+    ///     "tools": { "gripper": { "tcp": { "z_mm": 120 } } },
+    ///     "tool": "gripper",
+    ///     "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+    ///     "motions": [{ "type": "lin_rel", "offset": { "z_mm": -50 } }]
+    /// }"#)?;
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// assert_eq!(path.tcp(MotionIndex::new(0)).position_m, [0.0, 0.0, 0.12]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn tcp(&self, motion: MotionIndex) -> &Pose {
+        self.motions.get(motion.index()).map_or(&Pose::IDENTITY, |motion| &motion.tcp)
+    }
+
+    /// Whether any motion moves another TCP than the flange.
+    #[must_use]
+    pub fn has_tools(&self) -> bool {
+        self.has_tools
+    }
+
+    /// The type of a motion, if the path knows it: that of programs without tools and frames follows from its steps.
+    #[must_use]
+    pub fn motion_type(&self, motion: MotionIndex) -> Option<MotionType> {
+        self.motions.get(motion.index()).map(|motion| motion.motion_type)
     }
 
     /// All blends, in order: the corner, and the curve that rounds it off.

@@ -1,9 +1,10 @@
 //! The figures of a trajectory: how long each motion takes and what limits it.
 
 use iiwa_kin::Joints;
-use iiwa_path::{MotionIndex, Step};
+use iiwa_path::{MotionIndex, MotionType, Step};
 
 use crate::{
+    cartesian_figures::CartesianFigures,
     limit::{Limit, LimitShare},
     limit_usage::LimitUsage,
     section::{PieceKind, Section},
@@ -31,9 +32,11 @@ impl Totals {
     pub fn add(&mut self, section: &Section) {
         for piece in section.pieces() {
             let time_s = match piece.kind {
-                PieceKind::Line | PieceKind::Blend => &mut self.motion_time_s,
                 PieceKind::Settle => &mut self.settle_time_s,
                 PieceKind::Wait => &mut self.wait_time_s,
+                PieceKind::Line | PieceKind::Lin | PieceKind::Circ | PieceKind::Blend => {
+                    &mut self.motion_time_s
+                }
             };
             *time_s += piece.duration_s;
         }
@@ -61,27 +64,8 @@ pub struct MotionFigures {
     pub limited_by: Option<Limit>,
     /// All limits that it is at, the one for the longest time first.
     pub limits: Vec<LimitShare>,
-}
-
-/// The types of motions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum MotionType {
-    /// Point to point.
-    Ptp,
-    /// A wait.
-    Wait,
-}
-
-impl MotionType {
-    /// Its name in programs: `ptp` or `wait`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ptp => "ptp",
-            Self::Wait => "wait",
-        }
-    }
+    /// What there is to say of the TCP, if the motion is told where to go as a frame.
+    pub cartesian: Option<CartesianFigures>,
 }
 
 /// The figures of one blend.
@@ -123,18 +107,23 @@ impl Section {
                     peak_velocity_rel = peak_velocity_rel.max(piece.peak_velocity_rel);
                 }
                 let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
+                let motion_type = match first.kind {
+                    PieceKind::Wait => MotionType::Wait,
+                    _ => self.path.motion_type(first.motion).unwrap_or_default(),
+                };
                 let settles = last.kind == PieceKind::Settle;
                 MotionFigures {
                     motion: first.motion,
-                    kind: match first.kind {
-                        PieceKind::Wait => MotionType::Wait,
-                        _ => MotionType::Ptp,
-                    },
+                    kind: motion_type,
                     start_s: first.start_s,
                     end_s: if settles { last.start_s } else { last.end_s },
                     peak_velocity_rel,
                     limited_by: first.kind.moves().then(|| usage.limit()),
                     limits: usage.shares(moving_s),
+                    cartesian: motion_type
+                        .is_cartesian()
+                        .then(|| self.cartesian_figures(pieces))
+                        .flatten(),
                 }
             })
             .collect()

@@ -29,6 +29,7 @@
 )]
 
 mod batch;
+mod cartesian_figures;
 mod figures;
 mod interval;
 mod jerk;
@@ -46,10 +47,11 @@ mod sweep;
 mod timing;
 mod trajectory;
 
-pub use iiwa_path::{LimitKind, playback};
+pub use iiwa_path::{LimitKind, MotionType, playback};
 
 pub use batch::{PlanError, plan_all};
-pub use figures::{BlendFigures, MotionFigures, MotionType, Totals};
+pub use cartesian_figures::{CartesianFigures, NearestSingularity};
+pub use figures::{BlendFigures, MotionFigures, Totals};
 pub use limit::{Limit, LimitShare, Limited};
 pub use node::Node;
 pub use planner::Planner;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use iiwa_kin::Joints;
-use iiwa_path::{JointPath, MotionIndex, Segment, Step, ToolCoordinate};
+use iiwa_path::{JointPath, MotionIndex, MotionType, Segment, Step, ToolCoordinate};
 
 use crate::{
     interval::{self, Progress},
@@ -27,7 +27,7 @@ pub struct Section {
     pub(crate) nodes: Vec<Node>,
 }
 
-/// A line, a blend or a rest.
+/// A line, a path of the TCP, a blend or a rest.
 #[derive(Clone, Debug)]
 pub struct Piece {
     /// What it is.
@@ -56,6 +56,10 @@ pub struct Piece {
 pub enum PieceKind {
     /// A straight line in joint space.
     Line,
+    /// A straight line of the TCP.
+    Lin,
+    /// A circle of the TCP.
+    Circ,
     /// A blend.
     Blend,
     /// Standing until settled.
@@ -65,11 +69,13 @@ pub enum PieceKind {
 }
 
 impl PieceKind {
-    /// Its name in files: `line`, `blend`, `settle` or `wait`.
+    /// Its name in files: `line`, `lin`, `circ`, `blend`, `settle` or `wait`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Line => "line",
+            Self::Lin => "lin",
+            Self::Circ => "circ",
             Self::Blend => "blend",
             Self::Settle => "settle",
             Self::Wait => "wait",
@@ -79,7 +85,7 @@ impl PieceKind {
     /// Whether the arm moves.
     #[must_use]
     pub fn moves(self) -> bool {
-        matches!(self, Self::Line | Self::Blend)
+        !matches!(self, Self::Settle | Self::Wait)
     }
 }
 
@@ -101,7 +107,12 @@ impl Piece {
         let own = limits.velocity_rad_s();
         let full = &section.path.robot().limits().velocity_rad_s;
         Some(Self {
-            kind: if blend.is_some() { PieceKind::Blend } else { PieceKind::Line },
+            kind: match section.path.motion_type(*motion) {
+                _ if blend.is_some() => PieceKind::Blend,
+                Some(MotionType::Lin | MotionType::LinRel) => PieceKind::Lin,
+                Some(MotionType::Circ) => PieceKind::Circ,
+                _ => PieceKind::Line,
+            },
             motion: *motion,
             start_s: section.start_s + start_s,
             end_s: section.start_s + end_s,
@@ -116,6 +127,12 @@ impl Piece {
 }
 
 impl Section {
+    /// The path that it is a part of.
+    #[must_use]
+    pub fn path(&self) -> &JointPath {
+        &self.path
+    }
+
     /// When it starts, in s.
     #[must_use]
     pub fn start_s(&self) -> f64 {
@@ -239,6 +256,26 @@ impl Section {
             });
             let resting = (!piece.kind.moves()).then(|| self.resting(piece.start_s, piece.motion));
             moving.chain(resting)
+        })
+    }
+
+    /// What the arm does in a piece: at each node, and at evenly spaced instants between, so that there are `samples` in
+    /// each interval.
+    pub(crate) fn samples_of(&self, piece: &Piece, samples: u32) -> impl Iterator<Item = State> {
+        self.segment(piece).into_iter().flat_map(move |segment| {
+            let nodes = self.nodes(piece);
+            let inner = nodes.windows(2).flat_map(move |pair| {
+                let step_s = pair[0].dt_s / f64::from(samples);
+                (0..samples).map(move |k| {
+                    let t_s = self.start_s + pair[0].t_s + f64::from(k) * step_s;
+                    self.state(t_s, piece, segment, &pair[0], &pair[1])
+                })
+            });
+            let end = nodes.windows(2).next_back().map(|pair| {
+                let t_s = self.start_s + pair[1].t_s;
+                self.state(t_s, piece, segment, &pair[0], &pair[1])
+            });
+            inner.chain(end)
         })
     }
 

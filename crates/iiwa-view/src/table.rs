@@ -42,9 +42,14 @@ pub(crate) fn shortened<T>(table: &mut Table, rows: &[T], mut add: impl FnMut(&m
 /// The figures of a plan, for people.
 #[must_use]
 pub fn plan_table(figures: &PlanFigures) -> String {
-    let head = ["motion", "type", "start s", "end s", "duration s", "top speed %", "limited by"];
+    let mut head = vec!["motion", "type", "start s", "end s", "duration s", "top speed %"];
+    let has_tcp = figures.motions.iter().any(|motion| motion.cartesian.is_some());
+    if has_tcp {
+        head.push("TCP mm/s");
+    }
+    head.push("limited by");
     let mut table = table(&head);
-    shortened(&mut table, &figures.motions, add);
+    shortened(&mut table, &figures.motions, |table, row| add(table, row, has_tcp));
     let mut text = format!("{table}\n\n");
     let PlanFigures { cycle_time_s, motion_time_s, settle_time_s, wait_time_s, .. } = figures;
     let _ = writeln!(
@@ -95,17 +100,25 @@ fn limits(first: &LimitRecord, all: &[LimitShareRecord]) -> String {
     if shown.is_empty() { first.to_string() } else { shown.join(", ") }
 }
 
-fn add(table: &mut Table, row: &MotionRecord) {
+/// A row; with the TCP's top speed if any motion has one.
+fn add(table: &mut Table, row: &MotionRecord, has_tcp: bool) {
     let limit = row.limited_by.as_ref();
     let limited_by = limit.map(|limit| limits(limit, &row.limits));
     let speed = limit.map(|_| format!("{:.1}", 100.0 * row.peak_velocity_rel));
-    table.add_row([
+    let mut cells = vec![
         Cell::new(row.index),
         Cell::new(&row.r#type),
         Cell::new(format!("{:.3}", row.start_s)),
         Cell::new(format!("{:.3}", row.end_s)),
         Cell::new(format!("{:.3}", row.end_s - row.start_s)),
         Cell::new(speed.unwrap_or_default()),
-        Cell::new(limited_by.unwrap_or_default()),
-    ]);
+    ];
+    if has_tcp {
+        let tcp = row.cartesian.as_ref();
+        cells.push(Cell::new(
+            tcp.map(|tcp| format!("{:.1}", tcp.tcp_speed_peak_mm_s)).unwrap_or_default(),
+        ));
+    }
+    cells.push(Cell::new(limited_by.unwrap_or_default()));
+    table.add_row(cells);
 }

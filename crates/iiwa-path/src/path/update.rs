@@ -9,6 +9,7 @@ use crate::{
     motion_index::MotionIndex,
     motion_limits::MotionLimits,
     options::PathOptions,
+    path_motion::{has_tools, path_motions},
     program::{Motion, Program},
     segment::Segment,
     step::Step,
@@ -45,6 +46,7 @@ impl JointPath {
         program.check_motions(range.clone(), self.robot.limits())?;
         let before = self.steps_of(&range);
         let mut new = steps(program, &self.robot, options, range)?;
+        let motions = path_motions(program)?;
 
         let limits = MotionLimits::of_motion(&self.robot, &program.motions[motion.index()]);
         let changed = limits != self.limits[motion.index()];
@@ -63,6 +65,8 @@ impl JointPath {
         new.drain(..first);
         let after = replaced.start..replaced.start + new.len();
 
+        self.has_tools = has_tools(&motions);
+        self.motions = Arc::new(motions);
         Arc::make_mut(&mut self.limits)[motion.index()] = limits;
         Arc::make_mut(&mut self.steps).splice(replaced.clone(), new);
         Ok(ReplacedSteps { before: replaced, after })
