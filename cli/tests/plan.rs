@@ -179,7 +179,7 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
     refuses(&ptp("")[..60], &["line 3", "ends too early"]);
     refuses(&ptp("").replace("motions", "moves"), &["line 4", "moves"]);
     refuses(&ptp(r#", "speed": 1"#), &[line, "motion 1", "speed"]);
-    refuses(&ptp("").replace("ptp", "lin"), &[line, "motion 1", "lin", "ptp"]);
+    refuses(&ptp("").replace("ptp", "fly"), &[line, "motion 1", "fly", "ptp"]);
     refuses(&ptp("").replace("\"version\": 1", "\"version\": 2"), &["line 2", "version 2"]);
     refuses(
         &ptp("").replace("\"version\": 1", "\"version\": 1, \"robot\": \"r2d2\""),

@@ -123,13 +123,14 @@ fn a_byte_too_many_or_too_few() {
 
 #[test]
 fn unknown_names() {
-    let ptp = "one of `type`, `joints_rad`, `joints_deg`, `velocity_rel`, `acceleration_rel`, \
-               `jerk_rel`, `blend`";
+    let ptp = "one of `type`, `joints_rad`, `joints_deg`, `frame`, `tool`, `base`, `velocity_rel`, \
+               `acceleration_rel`, `jerk_rel`, `blend`";
     let what = format!("motion 2: unknown key `velocity`, expected {ptp}");
     check("\"velocity_rel\"", "\"velocity\"", (6, 64), "\"velocity\"", &what);
-    let what = "unknown key `robots`, expected one of `version`, `robot`, `start`, `motions`";
+    let what = "unknown key `robots`, expected one of `version`, `robot`, `start`, `tools`, \
+                `bases`, `frames`, `tool`, `base`, `motions`";
     check("\"start\"", "\"robots\": [], \"start\"", (3, 3), "\"robots\"", what);
-    let what = "unknown key `joints`, expected `joints_rad` or `joints_deg`";
+    let what = "unknown key `joints`, expected one of `joints_rad`, `joints_deg`, `frame`";
     check("\"joints_deg\"", "\"joints\"", (3, 14), "\"joints\"", what);
     let what = "motion 3: unknown key `second`, expected `type` or `seconds`";
     check("\"seconds\"", "\"second\"", (7, 23), "\"second\"", what);
@@ -137,9 +138,9 @@ fn unknown_names() {
                 `cart_mm`";
     check("\"cart_mm\"", "\"radius\"", (5, 74), "\"radius\"", what);
 
-    let known = "`ptp` and `wait` are known";
-    let what = format!("motion 3: unknown type `lin`; {known}");
-    check("\"wait\"", "\"lin\"", (7, 15), "\"lin\"", &what);
+    let known = "`ptp`, `lin`, `lin_rel`, `circ` and `wait` are known";
+    let what = format!("motion 3: unknown type `fly`; {known}");
+    check("\"wait\"", "\"fly\"", (7, 15), "\"fly\"", &what);
     let what = format!("motion 3: it has no `type`; {known}");
     check("\"type\": \"wait\", ", "", (7, 5), "{", &what);
     let what = "motion 3: expected a string, found `3`";

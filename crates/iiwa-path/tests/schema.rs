@@ -98,7 +98,7 @@ fn refuses_what_the_reader_refuses() {
         at("/motions", json!([])),
         at("/motions", json!({})),
         at("/motions/0", json!(["ptp"])),
-        at("/motions/0/type", json!("lin")),
+        at("/motions/0/type", json!("fly")),
         at("/motions/0/speed", json!(1)),
         at("/motions/0/joints_deg", json!([0, 0, 0, 0, 0, 0, 0])),
         at("/motions/0/joints_rad", json!([0, 0, 0, 0, 0, 0, 0, 0])),

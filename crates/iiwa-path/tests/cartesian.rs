@@ -1,0 +1,179 @@
+//! Motions to frames in programs: what is read is written, and what cannot be is refused with its place.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+use iiwa_kin::Robot;
+use iiwa_path::{JointPath, Program};
+use serde_json::{Value, json};
+
+/// A program with every kind of motion, which can be planned.
+fn good() -> Value {
+    json!({
+        "version": 1,
+        "tools": {
+            "gripper": {
+                "tcp": { "z_mm": 120 },
+                "tips": { "left": { "y_mm": 20, "z_mm": 120 } },
+                "load": { "mass_kg": 1.2, "center_mm": [0, 0, 60], "inertia_kg_m2": [0.001, 0.001, 0.001] }
+            }
+        },
+        "bases": {
+            "table": { "x_mm": 500, "z_mm": 100, "a_deg": 30 },
+            "tray": { "x_mm": 20, "base": "table" }
+        },
+        "frames": {
+            "pick": {
+                "base": "table", "x_mm": 10, "y_mm": 0, "z_mm": 50, "a_deg": 0, "b_deg": 0, "c_deg": 180,
+                "e1_deg": 0, "status": 2
+            }
+        },
+        "tool": "gripper",
+        "base": "table",
+        "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+        "motions": [
+            { "type": "ptp", "frame": "pick", "velocity_rel": 0.5, "blend": { "cart_mm": 30 } },
+            {
+                "type": "lin", "tool": "gripper/left", "cart_velocity_mm_s": 250,
+                "cart_acceleration_mm_s2": 1500, "cart_jerk_mm_s3": 20000, "orientation_velocity_deg_s": 60,
+                "velocity_rel": 0.8, "blend": { "cart_mm": 20, "ori_deg": 10 },
+                "frame": { "x_mm": 10, "y_mm": 80, "z_mm": 55, "a_deg": 0, "b_deg": 0, "c_deg": 180 }
+            },
+            { "type": "lin_rel", "offset": { "z_mm": -50 }, "in": "tcp", "orientation": "constant" },
+            {
+                "type": "circ", "circ_angle_deg": 200, "orientation_reference": "path",
+                "aux_orientation": "ignore", "end_orientation": "extrapolate", "base": "tray",
+                "aux": { "x_mm": 20, "y_mm": 100, "z_mm": 110, "a_deg": 0, "b_deg": 0, "c_deg": 180 },
+                "frame": { "x_mm": 40, "y_mm": 80, "z_mm": 110, "a_deg": 0, "b_deg": 0, "c_deg": 180 }
+            },
+            { "type": "wait", "seconds": 0.5 },
+            { "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0] }
+        ]
+    })
+}
+
+fn plan(program: &Value) -> Result<JointPath, String> {
+    let text = serde_json::to_string_pretty(program).unwrap();
+    let program = Program::from_json(&text).map_err(|error| error.to_string())?;
+    JointPath::new(&program, &Robot::default())
+        .map_err(|fault| format!("{fault}, at {}", fault.place_in(&text)))
+}
+
+#[test]
+fn it_reads_back_as_it_is() {
+    let program = Program::from_json(&good().to_string()).unwrap();
+    assert_eq!(program.motions.len(), 6);
+    let again = Program::from_json(&program.to_json()).unwrap();
+    // Limits are in m inside and in mm outside, the numbers of frames as they were written.
+    assert_eq!(again.workcell.frames, program.workcell.frames);
+    assert_eq!(again.workcell.bases, program.workcell.bases);
+    assert_eq!(again.motions.len(), program.motions.len());
+    let [a, b] =
+        [&program, &again].map(|program| JointPath::new(program, &Robot::default()).unwrap());
+    for (a, b) in a.steps().iter().zip(b.steps()) {
+        if let (
+            iiwa_path::Step::Move { segment: a, .. },
+            iiwa_path::Step::Move { segment: b, .. },
+        ) = (a, b)
+        {
+            let (a, b) = (a.at(0.3), b.at(0.3));
+            assert!((0..7).all(|j| (a.q[j] - b.q[j]).abs() < 1e-12));
+        }
+    }
+    assert_eq!(Program::from_json(&again.to_json()).unwrap(), again);
+}
+
+#[test]
+fn the_schema_takes_it() {
+    let schema = jsonschema::validator_for(&Program::schema()).unwrap();
+    let errors: Vec<_> = schema.iter_errors(&good()).map(|error| error.to_string()).collect();
+    assert!(errors.is_empty(), "{errors:?}");
+    let written: Value =
+        serde_json::from_str(&Program::from_json(&good().to_string()).unwrap().to_json()).unwrap();
+    assert!(schema.is_valid(&written));
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_its_place() {
+    plan(&good()).unwrap();
+    let to = |x: f64, z: f64, more: &Value| {
+        let mut frame = json!({
+            "x_mm": x, "y_mm": 0, "z_mm": z, "a_deg": 0, "b_deg": 0, "c_deg": 180, "base": "robot"
+        });
+        for (key, value) in more.as_object().unwrap() {
+            frame[key] = value.clone();
+        }
+        frame
+    };
+    let lin = |frame: Value| json!({ "type": "lin", "frame": frame });
+    let cases = [
+        ("/tool", json!("hammer"), vec!["there is no tool `hammer`", "`gripper/left`"]),
+        ("/base", json!("floor"), vec!["there is no base `floor`", "`table`, `tray`"]),
+        (
+            "/motions/0/frame",
+            json!("place"),
+            vec!["motion 1", "there is no frame `place`", "`pick`"],
+        ),
+        ("/bases/table/base", json!("tray"), vec!["given in itself"]),
+        ("/motions/0/frame", to(2000.0, 300.0, &json!({})), vec!["motion 1", "mm too short"]),
+        (
+            "/motions/0/frame",
+            to(100.0, 700.0, &json!({ "e1_deg": 90.0, "status": 2 })),
+            vec!["motion 1", "out of reach with E1 at 90", "within reach is E1 from"],
+        ),
+        (
+            "/motions/0/frame",
+            to(-300.0, 500.0, &json!({ "status": 2 })),
+            vec!["motion 1", "joint A"],
+        ),
+        ("/motions/0/frame/x_mm", json!("10"), vec!["motion 1"]),
+        ("/motions/0/frame", json!({ "x_mm": 10 }), vec!["motion 1", "`y_mm` is missing"]),
+        ("/motions/0/blend", json!({ "ori_deg": 5 }), vec!["motion 1", "unknown key `ori_deg`"]),
+        (
+            "/motions/1/blend",
+            json!({ "fraction": 0.2 }),
+            vec!["motion 2", "unknown key `fraction`"],
+        ),
+        ("/motions/1/blend", json!({}), vec!["motion 2", "at least one of"]),
+        ("/motions/1/cart_velocity_mm_s", json!(0), vec!["motion 2", "cart_velocity_mm_s is 0"]),
+        ("/motions/3/circ_angle_deg", json!(0), vec!["motion 4", "circ_angle_deg is 0"]),
+        ("/motions/3/aux_orientation", json!("interpolate"), vec!["motion 4", "aux_orientation"]),
+        (
+            "/motions/1",
+            lin(json!({ "x_mm": 10, "y_mm": 80, "z_mm": 55, "a_deg": 0, "b_deg": 0, "c_deg": 0 })),
+            vec!["motion 2", "half a turn"],
+        ),
+        ("/motions/3/aux", good()["motions"][3]["frame"].clone(), vec!["motion 4", "no circle"]),
+        ("/motions/1", lin(to(2000.0, 300.0, &json!({}))), vec!["motion 2", "too short"]),
+        ("/frames/pick/status", json!(9), vec!["`pick`", "status is 9"]),
+        ("/frames/pick/a_rad", json!(1), vec!["`pick`", "either `a_deg` or `a_rad`"]),
+        ("/tools/gripper/load/mass_kg", json!(-1), vec!["`gripper`", "mass_kg"]),
+    ];
+    for (pointer, value, words) in cases {
+        let mut program = good();
+        let (parent, key) = pointer.rsplit_once('/').unwrap();
+        let parent = program.pointer_mut(parent).unwrap();
+        match parent {
+            Value::Array(list) => list[key.parse::<usize>().unwrap()] = value.clone(),
+            parent => parent[key] = value.clone(),
+        }
+        let refused = plan(&program).expect_err(&format!("{pointer} = {value} is taken"));
+        for word in words {
+            assert!(refused.contains(word), "{pointer} = {value}: {refused}");
+        }
+        assert!(refused.contains("at line"), "{refused}");
+        assert!(!refused.contains("at line 1, column 1"), "{pointer}: {refused}");
+    }
+}
+
+/// From the candle pose nothing can go straight: the arm is singular there.
+#[test]
+fn singular_poses_are_refused_with_a_way_out() {
+    let program = json!({
+        "version": 1,
+        "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+        "motions": [{ "type": "lin_rel", "offset": { "z_mm": -100 } }]
+    });
+    let refused = plan(&program).unwrap_err();
+    assert!(refused.contains("at 0.0 % of the way, the arm is singular"), "{refused}");
+    assert!(refused.contains("go there by ptp"), "{refused}");
+}
