@@ -156,9 +156,9 @@ impl Corners<'_> {
             });
             return Ok(corner.map(RoundedCorner::InJoints));
         }
-        let is_still = |leg: &Leg| {
-            leg.path.is_none()
-                && vector::distance(&leg.ends_rad[0], &leg.ends_rad[1]) <= NO_MOTION_RAD
+        let is_still = |leg: &Leg| match &leg.path {
+            Some(path) => path.rate_rad <= NO_MOTION_RAD,
+            None => vector::distance(&leg.ends_rad[0], &leg.ends_rad[1]) <= NO_MOTION_RAD,
         };
         if is_still(&leg) || is_still(&next) {
             return Ok(None);

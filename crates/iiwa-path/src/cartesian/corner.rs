@@ -47,14 +47,17 @@ impl CurvedCorner {
                 };
                 let (into, out) =
                     (scaled(shares[0], &rate(a, 1.0)), scaled(shares[1], &rate(b, 0.0)));
-                let gamma_rad = if norm(&into) * norm(&out) > 0.0 {
+                // Where the TCP stands, while E1 or the orientation changes, its direction is rounding: without kappa
+                // the blend stays on the other motion's way.
+                let goes = norm(&into).min(norm(&out)) > NO_WAY_M;
+                let (gamma_rad, kappa) = if goes {
                     let (a, b) = (scaled(1.0 / norm(&into), &into), scaled(1.0 / norm(&out), &out));
                     let sum = std::array::from_fn(|i| a[i] + b[i]);
-                    2.0 * norm(&sub(&b, &a)).atan2(norm(&sum))
+                    let gamma_rad = 2.0 * norm(&sub(&b, &a)).atan2(norm(&sum));
+                    (gamma_rad, options.blend_shape.kappa(robot, gamma_rad.to_degrees()))
                 } else {
-                    0.0
+                    (0.0, 0.0)
                 };
-                let kappa = options.blend_shape.kappa(robot, gamma_rad.to_degrees());
                 let part = |path: &TcpPath, range| Part { range, curve: Arc::clone(&path.curve) };
                 let parts = [part(a, ranges[0]), part(b, ranges[1])];
                 (gamma_rad, Arc::new(TcpBlend { parts, kappa, turn: sub(&out, &into) }))
