@@ -221,7 +221,15 @@ impl TcpCurve {
                 CartesianFault::Singular { s, part: Some(part), other_e1_deg: self.other_e1_deg() }
             }
             CurveFault::Abrupt => {
-                CartesianFault::Singular { s, part: None, other_e1_deg: self.other_e1_deg() }
+                let other_e1_deg = self.other_e1_deg();
+                // Far outside its range, at half a turn, a joint jumps to the other side.
+                let joints = self.at(Taylor::constant(s)).map(|joints| joints.map(Number::value));
+                match joints.map(|joints| self.robot.limits().check(&joints)) {
+                    Ok(Err(outside)) => {
+                        CartesianFault::OutsideOnTheWay { s, outside, other_e1_deg }
+                    }
+                    _ => CartesianFault::Singular { s, part: None, other_e1_deg },
+                }
             }
         }
     }
