@@ -2,7 +2,7 @@
 //! seed and its number alone, so that it can be looked at again.
 
 mod dense;
-mod dice;
+pub(crate) mod dice;
 mod extreme;
 mod fine;
 mod mixed;

@@ -15,6 +15,8 @@ pub mod means;
 pub mod ports;
 pub mod random;
 pub mod reference;
+pub mod tcp_limits;
+pub mod tcp_programs;
 pub mod verdict;
 pub mod zmtp;
 

@@ -1,0 +1,384 @@
+//! Random programs with paths of the TCP: both timings keep all limits.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use iiwa_kin::{Joints, Pose, Robot, vector};
+use iiwa_path::{
+    CartesianMotion, Course, Frame, JointPath, LimitKind, Motion, OrientationType, PathBlend,
+    Program, Segment, Start, Step, TargetRef, Workcell,
+};
+use iiwa_traj::{SweepOptions, Timing, Trajectory};
+use iiwasim_tests::{
+    differences::ratios,
+    tcp_limits::{tcp_difference_ratios, tcp_ratios},
+    tcp_programs::{ROOT, TcpProgram, single_path, tcp_program},
+};
+
+/// What may exceed its limit by how much: velocity and acceleration by 1 %, jerk by 5 %.
+const ALLOWED: [f64; 3] = [1.01, 1.01, 1.05];
+
+/// What is wrong with a program's plans.
+fn faults(TcpProgram { robot, program, .. }: &TcpProgram) -> Vec<String> {
+    let path = match JointPath::new(program, robot) {
+        Ok(path) => path,
+        Err(fault) => return vec![fault.to_string()],
+    };
+    let mut faults = Vec::new();
+    for timing in [Timing::default(), Timing::Acceleration(SweepOptions::default())] {
+        let kinds = if matches!(timing, Timing::Jerk(_)) { 3 } else { 2 };
+        let trajectory = match Trajectory::plan(&path, timing) {
+            Ok(trajectory) => trajectory,
+            Err(error) => {
+                faults.push(format!("{}: {error}", timing.name()));
+                continue;
+            }
+        };
+        for rate_hz in [1000.0, 250.0] {
+            let found = |what: &str, ratios: &[f64]| -> Vec<String> {
+                // Not a number is too much, too.
+                let is_too_much = |i: usize| !(ratios[i] <= ALLOWED[i]);
+                (0..ratios.len().min(kinds))
+                    .filter(|i| is_too_much(*i))
+                    .map(|i| {
+                        let order = i + 1;
+                        let ratio = ratios[i];
+                        format!(
+                            "{} at {rate_hz} Hz: {what}, order {order}: {ratio:.4}",
+                            timing.name()
+                        )
+                    })
+                    .collect()
+            };
+            faults.extend(found("joints by differences", &ratios(&trajectory, rate_hz)));
+            let mut joints = [0.0_f64; 3];
+            for state in trajectory.samples(rate_hz) {
+                let limits = &path.limits()[state.motion.index()];
+                let all = [
+                    (&state.dq, limits.velocity_rad_s()),
+                    (&state.ddq, limits.acceleration_rad_s2()),
+                    (&state.dddq, limits.jerk_rad_s3()),
+                ];
+                for (worst, (values, limits)) in joints.iter_mut().zip(all) {
+                    *worst = worst.max(iiwasim_tests::differences::ratio(values, limits));
+                }
+            }
+            faults.extend(found("joints", &joints));
+            let [way, turn] = tcp_ratios(robot, program, &trajectory, rate_hz);
+            faults.extend(found("way", &way));
+            faults.extend(found("turn", &turn));
+        }
+        // Differences are along chords: at a lower rate they would cut the corners of small blends.
+        let [way, turn] = tcp_difference_ratios(robot, program, &trajectory, 4000.0);
+        for (what, ratios) in [("way", way), ("turn", turn)] {
+            if !(ratios[0] <= 1.01 && ratios[1] <= 1.03) {
+                faults.push(format!("{} by differences: {what}: {ratios:?}", timing.name()));
+            }
+        }
+    }
+    faults
+}
+
+#[test]
+fn all_limits_are_kept() {
+    let count = if std::env::var_os("IIWASIM_LONG").is_some() { 2000 } else { 200 };
+    let mut refused = BTreeMap::<_, usize>::new();
+    let mut wrong = 0;
+    for index in 0..count {
+        let drawn = tcp_program(1, index);
+        for (cause, times) in &drawn.refused {
+            *refused.entry(*cause).or_default() += times;
+        }
+        let faults = faults(&drawn);
+        if !faults.is_empty() {
+            wrong += 1;
+            println!("program {index}: {faults:#?}");
+            println!("{} with d7 = {} m", drawn.robot.name(), drawn.robot.lengths().flange_m);
+            println!("{}", drawn.program.to_json());
+        }
+    }
+    println!("refused: {refused:?}");
+    assert_eq!(wrong, 0, "of {count} programs");
+}
+
+/// The program with other joints where joints are given.
+fn with_joints(program: &Program, joints: impl Fn(Joints) -> Joints) -> Program {
+    let mut program = program.clone();
+    if let Start::Joints(start_rad) = &mut program.start {
+        *start_rad = joints(*start_rad);
+    }
+    for motion in &mut program.motions {
+        if let Motion::Ptp(ptp) = motion {
+            ptp.target_rad = joints(ptp.target_rad);
+        }
+    }
+    program
+}
+
+fn seconds(path: &JointPath, timing: Timing) -> f64 {
+    Trajectory::plan(path, timing).map_or(f64::NAN, |trajectory| trajectory.motion_time_s())
+}
+
+fn timings() -> [Timing; 2] {
+    [Timing::default(), Timing::Acceleration(SweepOptions::default())]
+}
+
+/// All frames are in one base: turned about the robot's first axis together with joint A1, the program takes as long.
+#[test]
+fn turned_about_the_first_axis_it_takes_as_long() {
+    let mut compared = 0;
+    for index in 0..60 {
+        let TcpProgram { robot, program, .. } = tcp_program(2, index);
+        for angle in [0.7, -0.9] {
+            let mut turned = with_joints(&program, |mut q| {
+                q[0] += angle;
+                q
+            });
+            let root = turned.workcell.bases.get_mut(ROOT).unwrap();
+            root.frame = Frame { xyz_mm: [0.0; 3], abc_rad: [angle, 0.0, 0.0] };
+            let Ok(there) = JointPath::new(&turned, &robot) else { continue };
+            let here = JointPath::new(&program, &robot).unwrap();
+            for timing in timings() {
+                let off = seconds(&there, timing) / seconds(&here, timing) - 1.0;
+                assert!(off.abs() < 1e-6, "program {index} by {}: {off:e}", timing.name());
+            }
+            compared += 1;
+        }
+    }
+    assert!(compared > 60, "{compared}");
+}
+
+/// Where the base is moved and the frames in it are moved back, the path stays.
+#[test]
+fn a_moved_base_and_frames_moved_back_are_the_same_path() {
+    for index in 0..60 {
+        let TcpProgram { robot, program, .. } = tcp_program(3, index);
+        let root = Frame { xyz_mm: [300.0, -200.0, 100.0], abc_rad: [0.4, -0.3, 1.1] };
+        let back = root.pose().inverse();
+        let moved_back = |frame: &mut Frame| *frame = Frame::from(&back.then(&frame.pose()));
+        let mut moved = program.clone();
+        for (name, base) in &mut moved.workcell.bases {
+            if name == ROOT {
+                base.frame = root;
+            } else {
+                moved_back(&mut base.frame);
+            }
+        }
+        for motion in &mut moved.motions {
+            let Motion::Cartesian(own) = motion else { continue };
+            // What is given in another base goes with that one.
+            if own.base.is_some() {
+                continue;
+            }
+            let targets = match &mut own.course {
+                Course::Ptp { to } | Course::Lin { to } => vec![to],
+                Course::LinRel { within, .. } => within.iter_mut().collect(),
+                Course::Circ(circ) => vec![&mut circ.aux, &mut circ.to],
+                _ => vec![],
+            };
+            for target in targets {
+                if let TargetRef::Given(target) = target {
+                    moved_back(&mut target.frame);
+                }
+            }
+        }
+        let [here, there] =
+            [&program, &moved].map(|program| JointPath::new(program, &robot).unwrap());
+        for (a, b) in segments(&here).iter().flatten().zip(segments(&there).iter().flatten()) {
+            for i in 0..=20 {
+                let s = f64::from(i) / 20.0;
+                let off = vector::distance(&a.at(s).q, &b.at(s).q);
+                assert!(off < 1e-8, "program {index}: {off:e} rad");
+                let [a, b] = [a, b].map(|segment| robot.flange_position(&segment.at(s).q));
+                let off = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+                assert!(off < 1e-8, "program {index}: {off:e} m");
+            }
+        }
+    }
+}
+
+/// With limits of the k-th derivative by a factor to the power of -k, the program takes the factor times as long.
+#[test]
+fn scaled_limits_scale_time() {
+    const FACTOR: f64 = 1.7;
+    for index in 0..60 {
+        let TcpProgram { robot, program, .. } = tcp_program(4, index);
+        let mut slow = program.clone();
+        for motion in &mut slow.motions {
+            for kind in LimitKind::ALL {
+                let by = FACTOR.powi(-i32::from(kind.order()));
+                match motion {
+                    Motion::Ptp(ptp) => ptp.share_mut(kind).iter_mut().for_each(|s| *s *= by),
+                    Motion::Cartesian(own) => {
+                        own.shares[kind].iter_mut().for_each(|share| *share *= by);
+                        own.tool_limits.way[kind] *= by;
+                        own.tool_limits.turn[kind] *= by;
+                    }
+                    _ => {}
+                }
+            }
+        }
+        let [fast, slow] =
+            [&program, &slow].map(|program| JointPath::new(program, &robot).unwrap());
+        for timing in timings() {
+            let off = seconds(&slow, timing) / (FACTOR * seconds(&fast, timing)) - 1.0;
+            assert!(off.abs() < 1e-3, "program {index} by {}: {off:e}", timing.name());
+        }
+    }
+}
+
+/// The segments between stops.
+fn segments(path: &JointPath) -> Vec<Vec<Arc<dyn Segment>>> {
+    let parts = path.steps().split(|step| !step.moves());
+    let segment = |step: &Step| match step {
+        Step::Move { segment, .. } => Some(Arc::clone(segment)),
+        _ => None,
+    };
+    parts.map(|part| part.iter().filter_map(segment).collect()).collect()
+}
+
+/// Joints go on with two derivatives by the path parameter wherever the arm does not stop, and so does the TCP: by the
+/// segments' own derivatives, and by divided differences of their positions.
+#[test]
+fn position_and_two_derivatives_go_on_across_blends() {
+    let mut joins = 0;
+    for index in 0..200 {
+        let TcpProgram { robot, program, .. } = tcp_program(5, index);
+        let path = JointPath::new(&program, &robot).unwrap();
+        for pair in segments(&path).iter().flat_map(|part| part.windows(2)) {
+            let [a, b] = [&pair[0], &pair[1]];
+            let off = vector::distance(&a.at(1.0).q, &b.at(0.0).q);
+            assert!(off < 1e-12, "program {index}: {off:e} rad");
+            let [into, out] = [a.sigma_derivatives(1.0), b.sigma_derivatives(0.0)];
+            let derivatives = [into, out];
+            for k in 0..2 {
+                let off = vector::distance(&into[k], &out[k]);
+                let scale = 1.0 + vector::norm(&into[k]);
+                assert!(off < 1e-6 * scale, "program {index}, derivative {}: {off:e}", k + 1);
+            }
+            // One-sided differences of the second order, over steps that are short on both sides.
+            let h = 1e-5 * a.sigma_length_rad().min(b.sigma_length_rad());
+            let at = |segment: &Arc<dyn Segment>, way: f64| {
+                segment.at(segment.s_at(way / segment.sigma_unit_rad())).q
+            };
+            let before = [0.0, 1.0, 2.0].map(|k| at(a, a.sigma_length_rad() - k * h));
+            let after = [0.0, 1.0, 2.0].map(|k| at(b, k * h));
+            let rate =
+                |q: &[Joints; 3], j: usize| (4.0 * q[1][j] - 3.0 * q[0][j] - q[2][j]) / (2.0 * h);
+            for j in 0..7 {
+                let [into, out] = [-rate(&before, j), rate(&after, j)];
+                let off = (into - out).abs();
+                let third = derivatives.map(|[_, _, third]| third[j].abs());
+                let most = 1e-3 * (1.0 + into.abs()) + h * h * (third[0] + third[1]);
+                assert!(off < most, "program {index}, A{}: {off:e}", j + 1);
+            }
+            joins += 1;
+        }
+    }
+    assert!(joins > 500, "{joins}");
+}
+
+/// A start, and a corner of two lines of the TCP in one plane.
+fn corner(index: u64) -> Option<(Robot, Joints, [Frame; 2])> {
+    let (robot, program) = single_path(6, index, false);
+    let start_rad = *program.start.joints_rad()?;
+    let start = robot.flange_pose(&start_rad);
+    let turned = |by: [f64; 3]| {
+        let xyz = Pose { position_m: by, ..Pose::IDENTITY };
+        Frame::from(&start.then(&xyz))
+    };
+    let angle = index as f64;
+    let second = [0.1 + 0.08 * angle.cos(), 0.08 * angle.sin(), 0.0];
+    Some((robot, start_rad, [turned([0.1, 0.0, 0.0]), turned(second)]))
+}
+
+fn lins(
+    start_rad: Joints,
+    frames: &[Frame],
+    radius_mm: f64,
+    orientation: OrientationType,
+) -> Program {
+    let count = frames.len();
+    let lin = |(i, frame): (usize, &Frame)| {
+        let blend = (i + 1 < count).then(|| PathBlend::cart_mm(radius_mm));
+        let course = Course::Lin { to: (*frame).into() };
+        let lin = CartesianMotion { orientation, blend, ..CartesianMotion::new(course) };
+        Motion::Cartesian(Box::new(lin))
+    };
+    Program {
+        robot: None,
+        start: Start::Joints(start_rad),
+        motions: frames.iter().enumerate().map(lin).collect(),
+        workcell: Workcell::default(),
+    }
+}
+
+/// Two lines in one plane without a turn: their blend stays in the plane, and does not turn either.
+#[test]
+fn blends_of_lines_keep_plane_and_orientation() {
+    let mut compared = 0;
+    for index in 0..200 {
+        let Some((robot, start_rad, frames)) = corner(index) else { continue };
+        let program = lins(start_rad, &frames, 30.0, OrientationType::Constant);
+        let Ok(path) = JointPath::new(&program, &robot) else { continue };
+        let start = robot.flange_pose(&start_rad);
+        assert_eq!(path.blends().count(), 1);
+        for segment in segments(&path).iter().flatten() {
+            for i in 0..=200 {
+                let pose = robot.flange_pose(&segment.at(f64::from(i) / 200.0).q);
+                let here = start.inverse().then(&pose);
+                let height = here.position_m[2].abs();
+                assert!(height < 2e-9, "corner {index}: {height:e} m out of the plane");
+                let turn = here.to_isometry().rotation.angle();
+                assert!(turn < 3e-9, "corner {index}: turned by {turn:e} rad");
+            }
+        }
+        compared += 1;
+    }
+    assert!(compared > 100, "{compared}");
+}
+
+/// A line in two halves with the largest blend between them is the line.
+#[test]
+fn a_line_in_two_halves_takes_as_long() {
+    let mut compared = 0;
+    for index in 0..100 {
+        let Some((robot, start_rad, [half, _])) = corner(index) else { continue };
+        let start = robot.flange_pose(&start_rad);
+        let whole = Pose { position_m: [0.2, 0.0, 0.0], ..Pose::IDENTITY };
+        let whole = Frame::from(&start.then(&whole));
+        let [one, two] = [vec![whole], vec![half, whole]].map(|frames| {
+            JointPath::new(&lins(start_rad, &frames, 50.0, OrientationType::Variable), &robot)
+        });
+        let (Ok(one), Ok(two)) = (one, two) else { continue };
+        for timing in timings() {
+            let off = seconds(&two, timing) / seconds(&one, timing) - 1.0;
+            assert!(off.abs() < 3e-3, "line {index} by {}: {off:e}", timing.name());
+        }
+        compared += 1;
+    }
+    assert!(compared > 50, "{compared}");
+}
+
+/// A path to where the arm already is is no motion: there is nothing to blend.
+#[test]
+fn blends_at_a_standing_target_are_stops() {
+    let start_rad = [0.0, 0.5, 0.0, -1.2, 0.0, 0.9, 0.0];
+    let robot = Robot::default();
+    let pose = robot.flange_pose(&start_rad);
+    let by = Pose { position_m: [0.05, 0.02, 0.03], ..Pose::IDENTITY };
+    let there = Frame::from(&pose.then(&by));
+    let here = Frame::from(&pose);
+    for frames in [vec![here, there], vec![there, there], vec![here, here, there]] {
+        let program = lins(start_rad, &frames, 30.0, OrientationType::Variable);
+        let path = JointPath::new(&program, &robot).unwrap();
+        assert_eq!(path.blends().count(), 0);
+        let alone = lins(start_rad, &[there], 30.0, OrientationType::Variable);
+        let alone = JointPath::new(&alone, &robot).unwrap();
+        for timing in timings() {
+            let off = seconds(&path, timing) / seconds(&alone, timing) - 1.0;
+            assert!(off.abs() < 1e-9, "{off:e}");
+        }
+    }
+}
