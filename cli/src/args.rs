@@ -18,7 +18,7 @@ pub(crate) use compare::Compare;
 pub(crate) use experiment::{Experiment, ExperimentName};
 pub(crate) use identify::Identify;
 pub(crate) use link::{Cabinet, Drive, Io, IoAction, Keygen, Record, Run, Sensors, Status, Stop};
-pub(crate) use model::{Fk, Format, Ik, Robot, Schema};
+pub(crate) use model::{Fk, Format, Ik, Place, Robot, Schema};
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use twin::Twin;

@@ -1,105 +1,81 @@
-//! Frames as people write them: a pose and what tells apart the joints that reach it.
+//! Where the TCP is, and where frames are, in the workcell of a program.
 
-use iiwa_json::{Object, Place, Step, locate, problem};
-use iiwa_kin::{Joints, Pose, Redundancy, Robot, Status, Turn};
-use serde::{Deserialize, Serialize};
+use iiwa_kin::{Joints, Pose, Redundancy, Robot};
+use iiwa_path::{Program, Target, TargetRef};
+use serde::Serialize;
 
-use crate::failure::Failure;
+use crate::{
+    args::Place,
+    failure::Failure,
+    input::{self, find_robot},
+};
 
-/// Farther away, in mm, there is no robot.
-const MAX_MM: f64 = 100_000.0;
-
-/// A frame to be reached.
-#[derive(Debug)]
-pub(crate) struct TargetFrame {
-    /// The flange in the robot's base.
-    pub(crate) pose: Pose,
-    pub(crate) e1_rad: Option<f64>,
-    pub(crate) status: Option<Status>,
-    pub(crate) turn: Option<Turn>,
+/// A robot and what a program says of its tool and base; without a program the bare flange and the foot.
+pub(crate) struct Workplace {
+    pub(crate) robot: Robot,
+    program: Program,
+    place: Place,
+    tcp: Pose,
+    base: Pose,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FrameWire {
-    x_mm: f64,
-    y_mm: f64,
-    z_mm: f64,
-    a_deg: Option<f64>,
-    a_rad: Option<f64>,
-    b_deg: Option<f64>,
-    b_rad: Option<f64>,
-    c_deg: Option<f64>,
-    c_rad: Option<f64>,
-    e1_deg: Option<f64>,
-    e1_rad: Option<f64>,
-    status: Option<u64>,
-    turn: Option<u64>,
-}
-
-/// Part of a text, and what is wrong with it.
-type Wrong<'a> = (Vec<Step<'a>>, String);
-
-impl TargetFrame {
-    /// Reads a frame; `name` is what the text is called in errors.
-    pub(crate) fn read(text: &str, name: &str) -> Result<Self, Failure> {
-        let Object(wire) = serde_json::from_str::<Object<FrameWire>>(text).map_err(|error| {
-            Failure::in_text(&problem(&error), &Place::of_error(text, text, &error), name, text)
-        })?;
-        Self::new(&wire)
-            .map_err(|(steps, what)| Failure::in_text(&what, &locate(text, &steps), name, text))
-    }
-
-    fn new(wire: &FrameWire) -> Result<Self, Wrong<'static>> {
-        let position_mm = [("x_mm", wire.x_mm), ("y_mm", wire.y_mm), ("z_mm", wire.z_mm)];
-        if let Some((key, _)) = position_mm.iter().find(|(_, value)| value.abs() > MAX_MM) {
-            return Err((vec![Step::Key(key)], format!("the range is -{MAX_MM} to {MAX_MM} mm")));
-        }
-        let required = |keys: [&'static str; 2], deg, rad| {
-            let missing = || (vec![], format!("the key `{}` is missing", keys[0]));
-            angle(keys, deg, rad)?.ok_or_else(missing)
+impl Workplace {
+    /// The robot, and the tool and the base that are chosen, or are the program's.
+    pub(crate) fn new(robot: Option<&str>, place: &Place) -> Result<Self, Failure> {
+        let (program, robot) = match &place.program {
+            Some(path) => {
+                input::program(path, robot).map(|(_, program, robot)| (program, robot))?
+            }
+            None => {
+                let robot = robot.map_or_else(|| Ok(Robot::default()), find_robot)?;
+                (Program::from_deg([0.0; 7]).build(), robot)
+            }
         };
-        let abc_rad = [
-            required(["a_deg", "a_rad"], wire.a_deg, wire.a_rad)?,
-            required(["b_deg", "b_rad"], wire.b_deg, wire.b_rad)?,
-            required(["c_deg", "c_rad"], wire.c_deg, wire.c_rad)?,
-        ];
-        let position_m = position_mm.map(|(_, value)| 1e-3 * value);
-        Ok(Self {
-            pose: Pose::from_xyz_abc(position_m, abc_rad),
-            e1_rad: angle(["e1_deg", "e1_rad"], wire.e1_deg, wire.e1_rad)?,
-            status: bits("status", 7, wire.status, Status::new)?,
-            turn: bits("turn", 127, wire.turn, Turn::new)?,
-        })
+        let [tool, base] = [&place.tool, &place.base].map(|name| name.as_deref());
+        let unknown = |fault: iiwa_path::NameFault| Failure::input(fault.to_string());
+        let tcp = program.workcell.tcp(tool).map_err(unknown)?;
+        let base = program.workcell.base(base).map_err(unknown)?;
+        Ok(Self { robot, program, place: place.clone(), tcp, base })
+    }
+
+    /// The pose of the TCP in the base, at `joints_rad`.
+    pub(crate) fn pose(&self, joints_rad: &Joints) -> Pose {
+        let mut pose = self.robot.flange_pose(joints_rad);
+        // What changes nothing is not to round either.
+        if self.tcp != Pose::IDENTITY {
+            pose = pose.then(&self.tcp);
+        }
+        if self.base != Pose::IDENTITY {
+            pose = self.base.inverse().then(&pose);
+        }
+        pose
+    }
+
+    /// A frame to go to, as JSON or by its name in the program; and where the flange is then, in the foot.
+    pub(crate) fn target(&self, text: &str) -> Result<(Target, Pose), Failure> {
+        let target = if text.trim_start().starts_with('{') || self.place.program.is_none() {
+            let target = Target::from_json(text)
+                .map_err(|error| Failure::in_text(&error.what(), error.place(), "--frame", text))?;
+            TargetRef::Given(target)
+        } else {
+            TargetRef::Named(text.to_owned())
+        };
+        let found = self.program.workcell.target(&target, self.place.base.as_deref());
+        let (target, pose) = found.map_err(|fault| Failure::input(fault.to_string()))?;
+        let flange = match self.tcp {
+            Pose::IDENTITY => pose,
+            tcp => pose.then(&tcp.inverse()),
+        };
+        Ok((target.clone(), flange))
+    }
+
+    /// The frame of the TCP in the base, at `joints_rad`.
+    pub(crate) fn frame(&self, joints_rad: &Joints) -> ReachedFrame {
+        ReachedFrame::new(&self.robot, &self.pose(joints_rad), joints_rad)
     }
 }
 
-/// An angle in rad, given in one unit or the other.
-fn angle(
-    keys: [&'static str; 2],
-    deg: Option<f64>,
-    rad: Option<f64>,
-) -> Result<Option<f64>, Wrong<'static>> {
-    if deg.is_some() && rad.is_some() {
-        let what = format!("there are both `{}` and `{}`; one is enough", keys[0], keys[1]);
-        return Err((vec![Step::Key(keys[1])], what));
-    }
-    Ok(deg.map(f64::to_radians).or(rad))
-}
-
-fn bits<T>(
-    key: &'static str,
-    most: u8,
-    found: Option<u64>,
-    new: fn(u8) -> Option<T>,
-) -> Result<Option<T>, Wrong<'static>> {
-    let Some(found) = found else { return Ok(None) };
-    let read = u8::try_from(found).ok().and_then(new);
-    let wrong = || (vec![Step::Key(key)], format!("the range of the {key} is 0 to {most}"));
-    read.map(Some).ok_or_else(wrong)
-}
-
-/// The frame that the flange is at, in the robot's base: what [`TargetFrame::read`] reads.
+/// The frame that the TCP is at, in the base: what [`Target::from_json`] reads.
 #[derive(Serialize)]
 pub(crate) struct ReachedFrame {
     pub(crate) x_mm: f64,
@@ -114,9 +90,7 @@ pub(crate) struct ReachedFrame {
 }
 
 impl ReachedFrame {
-    /// The frame at `joints_rad`.
-    pub(crate) fn new(robot: &Robot, joints_rad: &Joints) -> Self {
-        let pose = robot.flange_pose(joints_rad);
+    fn new(robot: &Robot, pose: &Pose, joints_rad: &Joints) -> Self {
         let [x_mm, y_mm, z_mm] = pose.position_m.map(|v| 1e3 * v);
         let [a_deg, b_deg, c_deg] = pose.abc_rad().map(f64::to_degrees);
         let Redundancy { e1_rad, status, turn } = robot.redundancy(joints_rad);

@@ -116,6 +116,46 @@ fn what_cannot_be_reached_is_refused_with_the_reason() {
     );
     refuses(
         &with(r#"{ "x_mm": 1e9, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0, "c_deg": 0 }"#),
-        &["the range is"],
+        &["mm too short"],
     );
+}
+
+/// The TCP of a program's tool in one of its bases, there and back.
+#[test]
+fn tools_and_bases_are_those_of_a_program() {
+    let cell = fixture("pick-and-place.json");
+    let program = ["--program", cell.as_str()];
+    let joints = ["--json", "--joints-deg", "20,30,10,-60,15,80,0"];
+    let fk = |more: &[&str]| json(&[&["fk"], &joints[..], more].concat())["frame"].clone();
+    let number = |frame: &Value, key: &str| frame[key].as_f64().unwrap();
+    // The program's own tool, unless the bare flange is asked for.
+    let [bare, flange, tcp] =
+        [fk(&[]), fk(&[&program[..], &["--tool", "flange"]].concat()), fk(&program)];
+    assert_eq!(bare, flange);
+    let away_mm = ["x_mm", "y_mm", "z_mm"].map(|key| number(&tcp, key) - number(&bare, key));
+    assert!((away_mm.iter().map(|v| v * v).sum::<f64>().sqrt() - 120.0).abs() < 1e-9);
+    let left = [&program[..], &["--tool", "gripper/left", "--base", "table"]].concat();
+    let frame = fk(&left);
+    assert!((number(&frame, "x_mm") - number(&tcp, "x_mm") + 500.0).abs() < 60.0);
+
+    let frame = frame.to_string();
+    let found = json(&[&["ik", "--json", "--frame", &frame], &left[..]].concat());
+    for (j, asked) in [20.0, 30.0, 10.0, -60.0, 15.0, 80.0, 0.0].into_iter().enumerate() {
+        assert!((found["joints_deg"][j].as_f64().unwrap() - asked).abs() < 1e-9, "{found}");
+    }
+    // A frame by its name, with its E1 and status.
+    let pick = json(&[&["ik", "--json", "--frame", "pick"], &program[..]].concat());
+    let near = |key: &str, mm: f64| (number(&pick["frame"], key) - mm).abs() < 1e-6;
+    assert!(near("x_mm", 500.0) && near("y_mm", -150.0) && near("z_mm", 250.0), "{pick}");
+
+    let refuses = |more: &[&str], reasons: &[&str]| {
+        refuses(&[&["--frame", DOWN, "--near", "0,30,0,-60,0,90,0"], more].concat(), reasons);
+    };
+    refuses(&[&program[..], &["--tool", "hook"]].concat(), &["no tool `hook`", "`gripper/left`"]);
+    refuses(&[&program[..], &["--base", "floor"]].concat(), &["no base `floor`"]);
+    refuses(&["--tool", "gripper"], &["--program"]);
+}
+
+fn fixture(name: &str) -> String {
+    format!("{}/../fixtures/{name}", env!("CARGO_MANIFEST_DIR"))
 }

@@ -6,19 +6,38 @@ use clap::{Args, ValueEnum};
 
 use super::values::{number, seven};
 
-/// Forward kinematics: print the pose of the flange at given joint angles.
+/// Forward kinematics: print the pose of the flange, or of a tool's TCP, at given joint angles.
 #[derive(Args, Debug)]
 pub(crate) struct Fk {
     #[command(flatten)]
     pub(crate) joints: Joints,
 
-    /// Built-in model or robot profile
-    #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
-    pub(crate) robot: String,
+    /// Built-in model or robot profile; the program's, or else lbr_iiwa_7_r800
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) robot: Option<String>,
+
+    #[command(flatten)]
+    pub(crate) place: Place,
 
     /// Print one JSON object: `position_m`, `rotation` (three rows), `frame`, `robot`
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Which tool is at the flange, and where frames are given.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct Place {
+    /// Motion program with the tools, bases and frames
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) program: Option<PathBuf>,
+
+    /// The tool whose TCP it is, as TOOL or TOOL/TIP; flange for none. The program's unless given
+    #[arg(long, value_name = "NAME", requires = "program")]
+    pub(crate) tool: Option<String>,
+
+    /// The base in which frames are given; robot for the foot. The program's unless given
+    #[arg(long, value_name = "NAME", requires = "program")]
+    pub(crate) base: Option<String>,
 }
 
 #[derive(Args, Debug)]
@@ -41,10 +60,10 @@ impl Joints {
     }
 }
 
-/// Inverse kinematics: print the joint angles that bring the flange to a frame.
+/// Inverse kinematics: print the joint angles that bring the flange, or a tool's TCP, to a frame.
 #[derive(Args, Debug)]
 pub(crate) struct Ik {
-    /// The flange in the robot's base: x_mm, y_mm, z_mm, a_deg, b_deg, c_deg (or a_rad, ...), and e1_deg, status and
+    /// The flange in the robot's foot, or the tool's TCP in the base, or the name of a frame of --program: x_mm, y_mm, z_mm, a_deg, b_deg, c_deg (or a_rad, ...), and e1_deg, status and
     /// turn as on the robot
     #[arg(long, value_name = "JSON")]
     pub(crate) frame: String,
@@ -62,9 +81,12 @@ pub(crate) struct Ik {
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
     pub(crate) near: Option<[f64; 7]>,
 
-    /// Built-in model or robot profile
-    #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
-    pub(crate) robot: String,
+    /// Built-in model or robot profile; the program's, or else lbr_iiwa_7_r800
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) robot: Option<String>,
+
+    #[command(flatten)]
+    pub(crate) place: Place,
 
     /// Print one JSON object: `joints_deg`, `joints_rad`, `frame`, `allowed_e1_deg` (ranges), `singularity`, `robot`
     #[arg(long)]

@@ -4,7 +4,12 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use crate::{args::Fk, failure::Failure, frame::ReachedFrame, input::find_robot, output};
+use crate::{
+    args::Fk,
+    failure::Failure,
+    frame::{ReachedFrame, Workplace},
+    output,
+};
 
 #[derive(Serialize)]
 struct PoseAnswer<'a> {
@@ -14,13 +19,13 @@ struct PoseAnswer<'a> {
     robot: &'a str,
 }
 
-/// Prints the pose of the flange.
+/// Prints the pose of the flange, or of a TCP.
 pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
-    let robot = find_robot(&options.robot)?;
+    let place = Workplace::new(options.robot.as_deref(), &options.place)?;
+    let robot = &place.robot;
     let joints = options.joints.rad();
     robot.limits().check(&joints).map_err(|outside| Failure::input(outside.to_string()))?;
-    let pose = robot.flange_pose(&joints);
-    let frame = ReachedFrame::new(&robot, &joints);
+    let (pose, frame) = (place.pose(&joints), place.frame(&joints));
     if options.json {
         let robot = robot.name();
         let answer =

@@ -2,14 +2,13 @@
 
 use std::fmt::Write as _;
 
-use iiwa_kin::{Robot, Singularity, Status, Turn};
+use iiwa_kin::{Singularity, Status, Turn};
 use serde::Serialize;
 
 use crate::{
     args::Ik,
     failure::{Failure, print_note},
-    frame::{ReachedFrame, TargetFrame},
-    input::find_robot,
+    frame::{ReachedFrame, Workplace},
     output,
 };
 
@@ -35,8 +34,9 @@ struct SingularityAnswer {
 
 /// Prints the joints that reach a frame.
 pub(crate) fn run(options: &Ik) -> Result<(), Failure> {
-    let robot = find_robot(&options.robot)?;
-    let target = TargetFrame::read(&options.frame, "--frame")?;
+    let place = Workplace::new(options.robot.as_deref(), &options.place)?;
+    let robot = &place.robot;
+    let (target, flange) = place.target(&options.frame)?;
     let near = options.near.map(|joints_deg| joints_deg.map(f64::to_radians));
     let near = near.map(|joints_rad| robot.redundancy(&joints_rad));
     let e1_rad = options.e1_deg.map(f64::to_radians).or(target.e1_rad);
@@ -48,14 +48,14 @@ pub(crate) fn run(options: &Ik) -> Result<(), Failure> {
         .or(near.map(|near| near.status))
         .ok_or_else(|| missing("the status, 0 to 7,", "--status, by `status` in the frame"))?;
 
-    let allowed = robot.allowed_e1(&target.pose, status).map_err(|error| refused(&error))?;
+    let allowed = robot.allowed_e1(&flange, status).map_err(|error| refused(&error))?;
     let unless = |what: &dyn std::error::Error| {
         Failure::input(format!("{what}; {}", with_other_e1(&allowed, status)))
     };
-    let joints_rad = robot.inverse(&target.pose, e1_rad, status).map_err(|error| unless(&error))?;
+    let joints_rad = robot.inverse(&flange, e1_rad, status).map_err(|error| unless(&error))?;
     robot.limits().check(&joints_rad).map_err(|error| unless(&error))?;
-    check_turn(target.turn, Turn::of(&joints_rad));
-    print(&robot, &joints_rad, &allowed, options.json)
+    check_turn(target.turn.and_then(Turn::new), Turn::of(&joints_rad));
+    print(&place, &joints_rad, &allowed, options.json)
 }
 
 fn missing(what: &str, how: &str) -> Failure {
@@ -95,15 +95,16 @@ fn check_turn(stated: Option<Turn>, found: Turn) {
 }
 
 fn print(
-    robot: &Robot,
+    place: &Workplace,
     joints_rad: &[f64; 7],
     allowed_rad: &[[f64; 2]],
     json: bool,
 ) -> Result<(), Failure> {
     let joints_deg = joints_rad.map(f64::to_degrees);
+    let robot = &place.robot;
     let singularity = robot.singularity(joints_rad);
     let (least, part) = singularity.least();
-    let frame = ReachedFrame::new(robot, joints_rad);
+    let frame = place.frame(joints_rad);
     if json {
         let Singularity { shoulder, elbow, wrist } = singularity;
         return output::print_json(&JointsAnswer {

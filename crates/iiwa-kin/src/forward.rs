@@ -233,6 +233,33 @@ impl Robot {
         }
         jacobian
     }
+
+    /// How fast a TCP goes, in m/s, that is given in the flange's frame, at joint positions in rad and velocities in
+    /// rad/s.
+    ///
+    /// ```
+    /// use iiwa_kin::{Pose, Robot};
+    ///
+    /// // A TCP 0.1 m beside the flange, which turns about its own axis.
+    /// let tcp = Pose::from_xyz_abc([0.1, 0.0, 0.0], [0.0; 3]);
+    /// let turns = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0];
+    /// let speed = Robot::default().tcp_speed_m_s(&tcp, &[0.3; 7], &turns);
+    /// assert!((speed - 0.2).abs() < 1e-12);
+    /// ```
+    #[must_use]
+    pub fn tcp_speed_m_s(&self, tcp: &Pose, joints_rad: &Joints, velocity_rad_s: &Joints) -> f64 {
+        let poses = self.link_poses(joints_rad);
+        let place = poses[8].then(tcp).position_m;
+        let mut velocity: Vec3 = [0.0; 3];
+        for (pose, rate) in std::iter::zip(&poses[1..8], velocity_rad_s) {
+            let axis = pose.rotation.map(|row| row[2]);
+            let arm: Vec3 = std::array::from_fn(|i| place[i] - pose.position_m[i]);
+            velocity[0] += rate * (axis[1] * arm[2] - axis[2] * arm[1]);
+            velocity[1] += rate * (axis[2] * arm[0] - axis[0] * arm[2]);
+            velocity[2] += rate * (axis[0] * arm[1] - axis[1] * arm[0]);
+        }
+        velocity.iter().map(|v| v * v).sum::<f64>().sqrt()
+    }
 }
 
 /// Sines and cosines of seven joints, computed as eight: an even number fills vector registers.

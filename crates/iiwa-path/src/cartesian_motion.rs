@@ -152,6 +152,16 @@ impl CartesianMotion {
         matches!(self.course, Course::Ptp { .. })
     }
 
+    /// The frame that it goes to; none if it goes by an offset.
+    #[must_use]
+    pub fn target(&self) -> Option<&TargetRef> {
+        match &self.course {
+            Course::Ptp { to } | Course::Lin { to } => Some(to),
+            Course::Circ(circ) => Some(&circ.to),
+            Course::LinRel { .. } => None,
+        }
+    }
+
     /// Its name in programs: `ptp`, `lin`, `lin_rel` or `circ`.
     #[must_use]
     pub fn name(&self) -> &'static str {

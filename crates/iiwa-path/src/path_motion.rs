@@ -73,31 +73,44 @@ pub(crate) struct PathMotion {
     pub(crate) tcp: Pose,
 }
 
+impl Program {
+    /// The TCP that each motion moves, in the flange's frame: that of its tool, and the program's where it has none of
+    /// its own; of a wait that of the motion before.
+    ///
+    /// # Errors
+    ///
+    /// [`Fault::Cartesian`] if there is no such tool.
+    pub fn tcps(&self) -> Result<Vec<Pose>, Fault> {
+        let mut before = None;
+        let tcps = self.entries().map(|(motion, entry)| {
+            let tool = match entry {
+                Motion::Cartesian(own) => own.tool.as_deref(),
+                Motion::Ptp(_) | Motion::Wait { .. } => None,
+            };
+            let tcp = match (entry, before) {
+                (Motion::Wait { .. }, Some(tcp)) => tcp,
+                _ => self.workcell.tcp(tool).map_err(|fault| Fault::Cartesian {
+                    motion: Some(motion),
+                    key: "tool",
+                    fault: Box::new(CartesianFault::Name(fault)),
+                })?,
+            };
+            before = Some(tcp);
+            Ok(tcp)
+        });
+        tcps.collect()
+    }
+}
+
 /// The motions of a program in order; none at all if it has neither tools nor frames, so that the many joint motions of
 /// a long program take no room.
 pub(crate) fn path_motions(program: &Program) -> Result<Vec<PathMotion>, Fault> {
     if program.workcell.tool.is_none() && !program.has_frames() {
         return Ok(Vec::new());
     }
-    // That of the motion before, for waits.
-    let mut before = None;
-    let motions = program.entries().map(|(motion, entry)| {
-        let tool = match entry {
-            Motion::Cartesian(own) => own.tool.as_deref(),
-            Motion::Ptp(_) | Motion::Wait { .. } => None,
-        };
-        let tcp = match (entry, before) {
-            (Motion::Wait { .. }, Some(tcp)) => tcp,
-            _ => program.workcell.tcp(tool).map_err(|fault| Fault::Cartesian {
-                motion: Some(motion),
-                key: "tool",
-                fault: Box::new(CartesianFault::Name(fault)),
-            })?,
-        };
-        before = Some(tcp);
-        Ok(PathMotion { motion_type: entry.motion_type(), tcp })
-    });
-    motions.collect()
+    let types = program.motions.iter().map(Motion::motion_type);
+    let tcps = program.tcps()?;
+    Ok(types.zip(tcps).map(|(motion_type, tcp)| PathMotion { motion_type, tcp }).collect())
 }
 
 /// Whether any motion moves another TCP than the flange.

@@ -4,6 +4,7 @@
 mod cartesian;
 mod frames;
 mod share;
+mod target;
 
 use std::collections::BTreeMap;
 

@@ -21,6 +21,36 @@ fn plan(program: &Program, options: PathOptions, timing: Timing) -> Trajectory {
     Trajectory::plan(&path, timing).unwrap()
 }
 
+/// A LIN that carries the wrist past a post: from either side of it, but not between, the arm is clear.
+#[test]
+fn a_line_of_the_tcp_passes_an_obstacle() {
+    let text = r#"{
+        "version": 1,
+        "start": { "joints_deg": [-35, 45, 0, -75, 0, 60, 0] },
+        "motions": [{ "type": "lin_rel", "offset": { "y_mm": 600 }, "in":
+            { "x_mm": 0, "y_mm": 0, "z_mm": 0, "a_deg": 0, "b_deg": 0, "c_deg": 0 } }]
+    }"#;
+    let program = Program::from_json(text).unwrap();
+    for timing in [acceleration(), Timing::default()] {
+        let plan = plan(&program, PathOptions::default(), timing);
+        let middle = plan.at(0.5 * plan.cycle_time_s());
+        let [x, y, z] = Robot::default().flange_position(&middle.q);
+        for gap_m in [0.02, 0.05, -0.05] {
+            let center_m = [x, y, z - 0.15 - 0.1 - gap_m];
+            let form = Form::Box { center_m, size_m: [0.05, 0.05, 0.3], rpy_rad: [0.0; 3] };
+            let post = Obstacle { name: "post".to_owned(), form };
+            let arm = ArmInScene::new(&Robot::default(), &Scene::new(vec![post]).unwrap());
+            check(&arm, &plan, 2000);
+            let found = arm.clearance_of(&plan).unwrap();
+            let ends_m = [0.0, plan.cycle_time_s()]
+                .map(|t_s| arm.clearance(&plan.at(t_s).q).unwrap().distance_m);
+            // The arm is nearest on the way.
+            assert!(ends_m.iter().all(|end_m| *end_m > found.clearance.distance_m + 0.05));
+            assert!(found.at_s > 0.0 && found.at_s < plan.cycle_time_s());
+        }
+    }
+}
+
 fn acceleration() -> Timing {
     Timing::Acceleration(SweepOptions::default())
 }

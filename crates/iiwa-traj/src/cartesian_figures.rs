@@ -1,11 +1,8 @@
 //! The figures of a motion to a frame: how fast its TCP goes, and how near the arm comes to a singularity.
 
-use iiwa_kin::{Pose, Robot, SingularPart, Status};
+use iiwa_kin::{SingularPart, Status};
 
-use crate::{
-    section::{Piece, Section},
-    state::State,
-};
+use crate::section::{Piece, Section};
 
 /// Samples between two nodes of a trajectory. Nodes are close where the path bends: between them speed hardly has room
 /// for a peak of its own.
@@ -48,7 +45,7 @@ impl Section {
         for piece in moving {
             let tcp = self.path.tcp(piece.motion);
             for state in self.samples_of(piece, SAMPLES) {
-                peak_m_s = peak_m_s.max(tcp_speed_m_s(robot, tcp, &state));
+                peak_m_s = peak_m_s.max(robot.tcp_speed_m_s(tcp, &state.q, &state.dq));
                 let (least, part) = robot.singularity(&state.q).least();
                 if least < nearest.least {
                     nearest = NearestSingularity { least, at_s: state.t_s, part };
@@ -63,20 +60,4 @@ impl Section {
             e1_rad: [start.q[2], end.q[2]],
         })
     }
-}
-
-/// How fast a TCP, given in the flange's frame, goes in `state`.
-fn tcp_speed_m_s(robot: &Robot, tcp: &Pose, state: &State) -> f64 {
-    let jacobian = robot.jacobian(&state.q);
-    let rate = |row: usize| (0..7).map(|j| jacobian[(row, j)] * state.dq[j]).sum::<f64>();
-    let [vx, vy, vz, wx, wy, wz] = std::array::from_fn(rate);
-    // How far the TCP is from the flange, in the robot's foot.
-    let [x, y, z] = match tcp.position_m {
-        [0.0, 0.0, 0.0] => [0.0; 3],
-        offset => robot.flange_pose(&state.q).rotation.map(|row| {
-            std::iter::zip(row, offset).map(|(along, offset)| along * offset).sum::<f64>()
-        }),
-    };
-    let tcp_velocity = [vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x];
-    tcp_velocity.iter().map(|v| v * v).sum::<f64>().sqrt()
 }

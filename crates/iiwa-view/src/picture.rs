@@ -30,6 +30,8 @@ pub(crate) const COLOURS: [RGBColor; 7] = [
 ];
 
 pub(crate) const INK: RGBColor = RGBColor(60, 60, 60);
+/// Of frames: x, y, z.
+const AXES: [RGBColor; 3] = [RGBColor(200, 40, 40), RGBColor(30, 140, 50), RGBColor(40, 90, 220)];
 const SHADE: RGBColor = RGBColor(225, 232, 240);
 
 /// What is planned or calculated, and what was measured: blue and red, as in the thesis (Larsen 2019,

@@ -10,5 +10,6 @@ mod data;
 mod measured;
 mod planned;
 mod source;
+mod tool;
 
 pub use data::{Extent, Page, PageOptions};

@@ -36,6 +36,8 @@ pub(super) fn write(
         .map_err(|fault| refuse(fault.into()))?
         .with_rate(options.rate)
         .interrupted_by(output::interrupt_flag());
+    let picture = options.picture.as_ref();
+    let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&program));
     drop(program);
     let arm = scene.map(|scene| ArmInScene::new(&robot, scene));
 
@@ -52,7 +54,6 @@ pub(super) fn write(
             Some(writer.map_err(|error| output.failure(&error))?)
         }
     };
-    let mut picture = drawing.as_ref().map(|_| PlanPicture::new(&robot));
 
     while let Some(section) = planning.next() {
         output::check_interrupt()?;

@@ -106,6 +106,8 @@ fn a_header_that_foreign_tools_know() {
     let latched = ["/joint_trajectory", "/robot_description"];
     let mut expected: Vec<_> = Topic::ALL
         .iter()
+        // What has no message has no channel: only plans with a tool have this one.
+        .filter(|topic| **topic != Topic::FlangePose)
         .map(|topic| {
             let name = topic.name();
             (name.to_owned(), topic.type_name().to_owned(), latched.contains(&name))

@@ -85,12 +85,15 @@ impl Written {
     fn frame(&self, needs_all: bool) -> Result<Frame, String> {
         let mut frame = Frame::default();
         for i in 0..3 {
-            let (length, angle) = (["x", "y", "z"][i], ["a", "b", "c"][i]);
+            let length = ["x", "y", "z"][i];
             frame.xyz_mm[i] = match self.xyz_mm[i] {
                 Some(value) => value,
                 None if needs_all => return Err(format!("`{length}_mm` is missing")),
                 None => 0.0,
             };
+        }
+        for i in 0..3 {
+            let angle = ["a", "b", "c"][i];
             frame.abc_rad[i] = match (self.abc_deg[i], self.abc_rad[i]) {
                 (Some(_), Some(_)) => {
                     return Err(format!("give either `{angle}_deg` or `{angle}_rad`, not both"));
@@ -152,7 +155,7 @@ impl PoseWire {
 }
 
 impl TargetWire {
-    fn target(self) -> Result<Target, String> {
+    pub(super) fn target(self) -> Result<Target, String> {
         let frame = self.written().frame(true)?;
         let e1_rad = match (self.e1_deg, self.e1_rad) {
             (Some(_), Some(_)) => {

@@ -88,11 +88,31 @@ function flangeAt(q) {
   return Array.from(poses[poses.length - 1].slice(12, 15));
 }
 
-/** The way of the flange: places in m, and their times. Places that cannot be told apart are left out. */
-function flangePath(arm, from = -Infinity, to = Infinity) {
+/** Where a TCP is, in m, that is given in the flange's frame; without one, the flange. */
+function tcpAt(q, offset) {
+  return offset ? transformed(linkPoses(q).at(-1), offset) : flangeAt(q);
+}
+
+/** At a time, the TCP that moves, in the flange's frame; none without tools. `tcps` are those of a program, each from a
+    motion on. */
+function toolOf(tcps, pieces) {
+  if (!tcps.length) return () => null;
+  const starts = pieces.map((piece) => piece.start_s);
+  const motions = tcps.map((tcp) => tcp.motion);
+  return (t) => {
+    const piece = pieces[Math.max(countUpTo(starts, t + 1e-9) - 1, 0)];
+    return tcps[Math.max(countUpTo(motions, piece ? piece.motion : 1) - 1, 0)].offset_m;
+  };
+}
+
+/** The way of the TCP: places in m, and their times; `gaps` has the places at which another TCP begins to move, to which no
+    way leads. Places that cannot be told apart are left out. */
+function tcpPath(arm, toolAt, from = -Infinity, to = Infinity) {
   const APART_M = 5e-4;
   const places = [];
   const times = [];
+  const gaps = new Set();
+  let tool = null;
   const add = (t, place) => {
     places.push(place);
     times.push(t);
@@ -101,7 +121,15 @@ function flangePath(arm, from = -Infinity, to = Infinity) {
   for (let i = 0; i < arm.poses.count; i++) {
     const t = arm.poses.t_s[i];
     if (t < from || t > to) continue;
-    const place = flangeAt(arm.poses.q_rad.subarray(7 * i, 7 * i + 7));
+    const q = arm.poses.q_rad.subarray(7 * i, 7 * i + 7);
+    const place = tcpAt(q, toolAt(t));
+    if (places.length && toolAt(t) !== tool) {
+      if (before) add(...before);
+      before = undefined;
+      gaps.add(places.length);
+      add(t, place);
+    }
+    tool = toolAt(t);
     const last = places[places.length - 1];
     if (!last || Math.hypot(...place.map((v, k) => v - last[k])) > APART_M) {
       // Where a rest ends, the way goes on from there.
@@ -112,16 +140,17 @@ function flangePath(arm, from = -Infinity, to = Infinity) {
     }
   }
   if (before) add(...before);
-  return { places, times };
+  return { places, times, gaps };
 }
 
-/** The way of the flange as the 3D view takes it, in the colour `usual` but for a plan's blends. */
-function wayOf(arm, pieces, usual, width, from, to) {
-  const { places, times } = flangePath(arm, from, to);
+/** The way of the TCP as the 3D view takes it, in the colour `usual` but for a plan's blends and paths of the TCP. */
+function wayOf(arm, pieces, usual, width, toolAt, from, to) {
+  const { places, times, gaps } = tcpPath(arm, toolAt, from, to);
   const starts = pieces.map((piece) => piece.start_s);
-  const kinds = times.map((t) => {
+  const kinds = times.map((t, i) => {
+    if (gaps.has(i)) return null;
     const piece = pieces[Math.max(countUpTo(starts, t - 1e-6) - 1, 0)];
-    return piece && piece.kind === "blend" ? "blend" : usual;
+    return piece && ["blend", "lin", "circ"].includes(piece.kind) ? piece.kind : usual;
   });
   return { places, kinds, width };
 }

@@ -50,6 +50,8 @@ function theme() {
     "rule",
     "accent",
     "line",
+    "lin",
+    "circ",
     "blend",
     "settle",
     "wait",

@@ -70,6 +70,13 @@ precision mediump float;
 varying vec4 vColour;
 void main() { gl_FragColor = vec4(vColour.rgb * vColour.a, vColour.a); }`;
 
+// Of frames: x, y, z.
+const AXES = [
+  [0.85, 0.16, 0.16],
+  [0.13, 0.6, 0.2],
+  [0.16, 0.4, 0.9],
+];
+
 /** The view in a canvas; none without WebGL. */
 function makeScene(canvas) {
   const gl = canvas.getContext("webgl", { antialias: true, stencil: true });
@@ -204,8 +211,8 @@ function makeScene(canvas) {
   );
   const ball = solid([{ shape: sphere(1), origin: still, colour: [1, 1, 1] }]);
 
-  /** What stands beside the arm: ways of the flange, blended targets, obstacles. */
-  let contents = { ways: [], corners: [], obstacles: [] };
+  /** What stands beside the arm: ways of the TCP, blended targets, frames, obstacles. */
+  let contents = { ways: [], corners: [], frames: [], obstacles: [] };
   let middle = [0, 0, 0];
   let reach = 1;
 
@@ -239,6 +246,7 @@ function makeScene(canvas) {
   let theme = null;
   let ground;
   let ways = [];
+  let frames = null;
   let obstacles = [];
 
   /** Takes the colours of the page: arrays of three. */
@@ -265,9 +273,18 @@ function makeScene(canvas) {
   function build() {
     for (const { mesh } of ways) discard(mesh);
     for (const { mesh, edges } of obstacles) [mesh, edges].forEach(discard);
+    if (frames) discard(frames);
+    // A cross of axes each: x red, y green, z blue.
+    const AXIS_M = 0.05;
+    const crosses = contents.frames.flatMap(({ position_m: at, rotation }) =>
+      AXES.map((colour, axis) => [at, at.map((v, i) => v + AXIS_M * rotation[i][axis]), [...colour, 1]]),
+    );
+    frames = crosses.length ? strip(crosses) : null;
     ways = contents.ways.map(({ places, kinds, width }) => ({
       width,
-      mesh: strip(places.slice(1).map((to, i) => [places[i], to, [...theme[kinds[i + 1]], 1]])),
+      mesh: strip(
+        places.slice(1).flatMap((to, i) => (kinds[i + 1] ? [[places[i], to, [...theme[kinds[i + 1]], 1]]] : [])),
+      ),
     }));
     obstacles = contents.obstacles.map(({ shape, origin }) => ({
       mesh: solid([{ shape, origin, colour: theme.soft }]),
@@ -344,7 +361,7 @@ function makeScene(canvas) {
   // Along the key light on to the ground.
   const SHADOW = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, -0.55 / 0.9, 0.45 / 0.9, 0, 0, 0, 0, 0.0005, 1]);
 
-  /** Draws arms: joint positions, and the colour of those that are ghosts. `gap` is a line from the arm to
+  /** Draws arms: joint positions, the TCP in the flange's frame if there is a tool, and the colour of those that are ghosts. `gap` is a line from the arm to
       what is nearest. */
   function show(arms, gap) {
     const ratio = Math.min(window.devicePixelRatio || 1, 2) * sharpness;
@@ -352,7 +369,7 @@ function makeScene(canvas) {
     const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     const { matrix, eye } = camera();
-    const all = arms.map(({ q, ghost }) => ({ poses: linkPoses(q), ghost }));
+    const all = arms.map(({ q, ghost, tool }) => ({ poses: linkPoses(q), ghost, tool }));
 
     gl.viewport(0, 0, width, height);
     gl.clearColor(...theme.ground, 1);
@@ -400,11 +417,21 @@ function makeScene(canvas) {
       drawLines(way.mesh, way.width);
     });
     gl.disable(gl.POLYGON_OFFSET_FILL);
+    if (frames) drawLines(frames, 2.5);
 
     shade(theme.blend, 1, 1);
     for (const corner of contents.corners) beadAt(corner.target_m, 0.008);
     shade(theme.ink, 1, 1);
     for (const { poses, ghost } of all) if (!ghost) beadAt(poses[poses.length - 1].slice(12, 15), 0.012);
+    for (const { poses, ghost, tool } of all) {
+      if (ghost || !tool) continue;
+      const [flange, tcp] = [[0, 0, 0], tool].map((place) => transformed(poses[poses.length - 1], place));
+      const mesh = strip([[flange, tcp, [...theme.ink, 1]]]);
+      drawLines(mesh, 3);
+      discard(mesh);
+      shade(theme.ink, 1, 1);
+      beadAt(tcp, 0.008);
+    }
     if (gap) {
       const mesh = strip([[...gap, [...theme.blend, 1]]]);
       drawLines(mesh, 3);

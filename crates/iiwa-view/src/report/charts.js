@@ -233,6 +233,22 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
   return largest;
 }
 
+/** The speed of the TCP. */
+function drawSpeed(canvas, curve, state, theme) {
+  const size = cleared(canvas);
+  const { context } = size;
+  const most = 1e3 * curve.high.reduce((a, b) => Math.max(a, b), 0) * 1.08 || 1;
+  const { x, y, left, right, top, bottom } = axes(context, size, state.window, [0, most], theme, true);
+  context.save();
+  context.beginPath();
+  context.rect(left, top, right - left, bottom - top);
+  context.clip();
+  context.strokeStyle = theme.lin;
+  context.lineWidth = 1.5;
+  trace(context, curve.t_s, curve.low, curve.high, 1, 0, state.window, x, (v) => y(1e3 * v));
+  context.restore();
+}
+
 /** How far the recording is off the plan's path, over the plan's time. */
 function drawDeviation(canvas, values, state, theme, withTimes) {
   const size = cleared(canvas);
@@ -269,7 +285,7 @@ function drawTimeline(canvas, state, theme) {
     const width = Math.max(b - a, 1);
     context.fillStyle = theme[piece.kind] || theme.settle;
     // Standing is lower than moving, so that shape tells as well as colour does.
-    const moves = piece.kind === "line" || piece.kind === "blend";
+    const moves = piece.kind !== "settle" && piece.kind !== "wait";
     const height = moves ? bottom - top : (bottom - top) / 2;
     context.fillRect(a, bottom - height, width > 3 ? width - 1 : width, height);
     if (piece.kind === "blend" && width > 6) {

@@ -1,6 +1,5 @@
-//! Curves of the seven joints, thinned out for the screen.
+//! Curves of the seven joints, or of one number, thinned out for the screen.
 
-use iiwa_kin::Joints;
 use serde::Serialize;
 
 use crate::page::Packed;
@@ -8,25 +7,25 @@ use crate::page::Packed;
 /// Columns of a curve at most: more than any screen has, so that there is something to zoom into.
 const COLUMNS: usize = 8000;
 
-/// Samples of seven values over time. What is not known is not a number.
+/// Samples of some values over time, as many as joints unless it says otherwise. What is not known is not a number.
 #[derive(Debug, Default)]
-pub(crate) struct Samples {
+pub(crate) struct Samples<const N: usize = 7> {
     pub(crate) t_s: Vec<f64>,
-    pub(crate) rows: Vec<Joints>,
+    pub(crate) rows: Vec<[f64; N]>,
 }
 
-impl Samples {
+impl<const N: usize> Samples<N> {
     pub(crate) fn with_capacity(count: usize) -> Self {
         Self { t_s: Vec::with_capacity(count), rows: Vec::with_capacity(count) }
     }
 
-    pub(crate) fn push(&mut self, t_s: f64, row: Joints) {
+    pub(crate) fn push(&mut self, t_s: f64, row: [f64; N]) {
         self.t_s.push(t_s);
         self.rows.push(row);
     }
 }
 
-/// For each column, when it begins, and each joint's lowest and highest value from there to the next
+/// For each column, when it begins, and each value's lowest and highest value from there to the next
 /// column: no peak gets lost.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Curve {
@@ -35,7 +34,7 @@ pub(crate) struct Curve {
     samples_a_column: usize,
     /// Doubles: one a column.
     t_s: Packed,
-    /// Singles: seven a column.
+    /// Singles: as many a column as there are values.
     low: Packed,
     /// The same; none if a column is one sample.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -44,17 +43,17 @@ pub(crate) struct Curve {
 
 impl Curve {
     /// The curve of some samples, all times later by `shift_s`.
-    pub(crate) fn new(samples: &Samples, shift_s: f64) -> Self {
+    pub(crate) fn new<const N: usize>(samples: &Samples<N>, shift_s: f64) -> Self {
         Self::with_columns(samples, shift_s, COLUMNS)
     }
 
-    fn with_columns(samples: &Samples, shift_s: f64, most: usize) -> Self {
+    fn with_columns<const N: usize>(samples: &Samples<N>, shift_s: f64, most: usize) -> Self {
         let count = samples.rows.len().div_ceil(most).max(1);
         let chunks = || samples.rows.chunks(count);
         // What is not a number yields to what is.
         let fold = |of: fn(f64, f64) -> f64| {
             chunks().flat_map(move |rows| {
-                rows.iter().fold([f64::NAN; 7], |a, row| std::array::from_fn(|j| of(a[j], row[j])))
+                rows.iter().fold([f64::NAN; N], |a, row| std::array::from_fn(|j| of(a[j], row[j])))
             })
         };
         Self {
@@ -73,7 +72,7 @@ mod tests {
 
     #[test]
     fn peaks_are_kept() {
-        let mut samples = Samples::default();
+        let mut samples = Samples::<7>::default();
         for i in 0..1000_u32 {
             let mut row = [f64::NAN; 7];
             row[0] = if i == 777 { 5.0 } else { 0.0 };

@@ -13,6 +13,13 @@ for (const arm of report.arms) {
   }
 }
 
+if (report.workcell.speed) {
+  const { speed } = report.workcell;
+  speed.t_s = new Float64Array(unpack(speed.t_s));
+  speed.low = new Float32Array(unpack(speed.low));
+  speed.high = speed.high === undefined ? speed.low : new Float32Array(unpack(speed.high));
+}
+
 const startS = Math.min(...report.arms.map((arm) => arm.start_s));
 const endS = Math.max(...report.arms.map((arm) => arm.end_s), startS + 1e-3);
 
@@ -28,6 +35,8 @@ function valueAt(curve, t, j) {
 }
 
 const pieceStarts = report.pieces.map((piece) => piece.start_s);
+/** The TCP that moves at a time, in the flange's frame. */
+const toolAt = toolOf(report.workcell.tcps, report.pieces);
 /** The piece of the plan at a time, if there is one. */
 function pieceAt(t) {
   return report.pieces[Math.max(countUpTo(pieceStarts, t) - 1, 0)];

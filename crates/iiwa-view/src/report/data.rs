@@ -8,7 +8,7 @@ use std::{
 use iiwa_eval::{Comparison, Plan};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{Loss, PlanPiece};
-use iiwa_path::{Blend, LimitKind, Motion};
+use iiwa_path::{Blend, LimitKind, Motion, Program};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -24,6 +24,7 @@ use super::{
     measured::Measured,
     planned::Planned,
     source::{Role, Source},
+    tool::Workcell,
 };
 
 /// Parts of this page alone.
@@ -39,9 +40,10 @@ pub struct Page {
     robot: Model,
     /// The arm of FILE, then the one of MEASURED.
     arms: Vec<Arm>,
-    /// Lines, blends, settles and waits, in the order of time.
+    /// Lines, paths of the TCP, blends, settles and waits, in the order of time.
     pieces: Vec<PlanPiece>,
     corners: Vec<Corner>,
+    workcell: Workcell,
     /// Of the motions that have any below 1; motions count from 1.
     shares: BTreeMap<usize, Shares>,
     /// As `iiwasim plan --json` has them.
@@ -127,6 +129,7 @@ struct Sketch<'a> {
     arms: Vec<Outline<'a>>,
     pieces: &'a [PlanPiece],
     corners: &'a [Corner],
+    workcell: &'a Workcell,
     compared: Option<&'a ComparisonReport>,
     notes: &'a [String],
 }
@@ -210,7 +213,13 @@ impl Page {
         }
 
         let mut compared = None;
-        let mut arms = vec![Arm::new(&first, from_start(&first), extent)];
+        let program = first.program();
+        let mut workcell = Workcell::new(program.as_ref());
+        let shift_s = from_start(&first);
+        let mut arms = vec![Arm::new(&first, shift_s, extent, |planned| {
+            let pieces = &first.record.pieces;
+            workcell = std::mem::take(&mut workcell).with_speed(&robot, planned, pieces, shift_s);
+        })];
         if let Some(second) = &second {
             second.check(&robot)?;
             if second.role() != Role::Recording {
@@ -231,14 +240,14 @@ impl Page {
             if compared.is_none() || !second.log.losses.iter().all(gap) {
                 notes.extend(second.losses());
             }
-            arms.push(Arm::new(second, shift_s, extent));
+            arms.push(Arm::new(second, shift_s, extent, |_| ()));
         }
-        let program = first.program();
         let motions = program.as_ref().map_or(&[][..], |program| &program.motions);
         Ok(Self {
             robot: Model::from(&robot),
             arms,
-            corners: corners(&first.record.pieces, motions, &robot),
+            corners: corners(&first.record.pieces, program.as_ref(), &robot),
+            workcell,
             shares: shares(motions),
             figures: first.record.to_json(),
             pieces: first.record.pieces,
@@ -265,6 +274,7 @@ impl Page {
                 .collect(),
             pieces: &self.pieces,
             corners: &self.corners,
+            workcell: &self.workcell,
             compared: self.compared.as_ref().map(|compared| &compared.report),
             notes: &self.notes,
         }
@@ -333,7 +343,7 @@ fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compare
         .map_err(|error| not(with_causes(&error)))?;
     let comparison: Comparison = iiwa_eval::compare(&plan, &second.log)
         .map_err(|error| not(format!("{}: {}", second.name, with_causes(&error))))?;
-    let moves = |piece: &&PlanPiece| piece.kind == "line" || piece.kind == "blend";
+    let moves = |piece: &&PlanPiece| !matches!(&*piece.kind, "settle" | "wait");
     let start_s = first.record.pieces.iter().find(moves).map_or(0.0, |piece| piece.start_s);
     let names = [Path::new(&first.name), Path::new(&second.name)];
     let compared = Compared {
@@ -348,8 +358,13 @@ fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compare
 /// The motions with limits of their own, each with its number.
 fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
     let own = |(index, motion): (usize, &Motion)| {
-        let Motion::Ptp(ptp) = motion else { return None };
-        let [velocity, acceleration, jerk] = LimitKind::ALL.map(|kind| *ptp.share(kind));
+        let share = |kind| match motion {
+            Motion::Ptp(ptp) => Some(*ptp.share(kind)),
+            Motion::Cartesian(own) => Some(own.shares[kind]),
+            _ => None,
+        };
+        let [velocity, acceleration, jerk] = LimitKind::ALL.map(share);
+        let [velocity, acceleration, jerk] = [velocity?, acceleration?, jerk?];
         let narrower = [velocity, acceleration, jerk].iter().flatten().any(|share| *share < 1.0);
         narrower.then_some((index + 1, Shares { velocity, acceleration, jerk }))
     };
@@ -357,30 +372,45 @@ fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
 }
 
 /// The targets that are blended away.
-fn corners(pieces: &[PlanPiece], motions: &[Motion], robot: &Robot) -> Vec<Corner> {
+fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Vec<Corner> {
+    let Some(program) = program else { return Vec::new() };
     let blended: BTreeSet<usize> = pieces
         .iter()
         .filter(|piece| piece.kind == "blend")
         .map(|piece| piece.motion as usize)
         .collect();
     let corner = |(index, motion): (usize, &Motion)| {
-        let Motion::Ptp(ptp) = motion else { return None };
-        let radius_m = match ptp.blend? {
-            Blend::CartMm(radius_mm) => Some(1e-3 * radius_mm),
-            _ => None,
+        let (target_m, radius_mm) = match motion {
+            Motion::Ptp(ptp) => {
+                // The TCP of the program's tool, or the flange.
+                let tcp = program.workcell.tcp(None).ok()?;
+                let target = robot.flange_pose(&ptp.target_rad).then(&tcp);
+                let radius_mm = match ptp.blend? {
+                    Blend::CartMm(radius_mm) => Some(radius_mm),
+                    _ => None,
+                };
+                (target.position_m, radius_mm)
+            }
+            Motion::Cartesian(own) => {
+                let target = own.target()?;
+                let (_, pose) = program.workcell.target(target, own.base.as_deref()).ok()?;
+                (pose.position_m, own.blend?.cart_mm)
+            }
+            _ => return None,
         };
         // A blend belongs to the motion that it leads into.
         blended.contains(&(index + 2)).then(|| Corner {
             motion: index + 1,
-            target_m: robot.flange_position(&ptp.target_rad),
-            radius_m,
+            target_m,
+            radius_m: radius_mm.map(|radius_mm| 1e-3 * radius_mm),
         })
     };
-    motions.iter().enumerate().filter_map(corner).collect()
+    program.motions.iter().enumerate().filter_map(corner).collect()
 }
 
 impl Arm {
-    fn new(source: &Source, shift_s: f64, extent: Extent) -> Self {
+    /// `take` sees what is planned, before it becomes curves.
+    fn new(source: &Source, shift_s: f64, extent: Extent, take: impl FnOnce(&Planned)) -> Self {
         let log = &source.log;
         let times = |t_s: Option<&f64>| t_s.map_or(0.0, |t_s| t_s + shift_s);
         let (start_s, end_s) = (times(log.t_s.first()), times(log.t_s.last()));
@@ -390,6 +420,7 @@ impl Arm {
             (Extent::Whole, Role::Plan) => {
                 let smooth = source.record.timing() != Some("acceleration");
                 let planned = Planned::new(&source.record.nodes, smooth);
+                take(&planned);
                 let poses = Poses::new(&planned.position.t_s, &planned.position.rows, shift_s);
                 (poses, Some(Curves::of_plan(planned, smooth, shift_s)))
             }

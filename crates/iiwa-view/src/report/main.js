@@ -62,15 +62,15 @@ function writeHead() {
 
 /** What is drawn of the ways: the plan's by its pieces, the recording's beside it. */
 function ways() {
-  const all = [wayOf(first, report.pieces, "line", second ? 6 : 3.5)];
-  if (second) all.push(wayOf(second, [], "measured", 1.8, whole.from - 1, whole.to + 1));
+  const all = [wayOf(first, report.pieces, "line", second ? 6 : 3.5, toolAt)];
+  if (second) all.push(wayOf(second, [], "measured", 1.8, toolAt, whole.from - 1, whole.to + 1));
   return all;
 }
 
 let scene = null;
 try {
   scene = makeScene($("scene"));
-  scene?.fill({ ways: ways(), corners: report.corners });
+  scene?.fill({ ways: ways(), corners: report.corners, frames: report.workcell.frames });
 } catch (error) {
   console.warn(error);
 }
@@ -86,19 +86,28 @@ function drawScene() {
   if (!scene) return;
   const arms = report.arms.map((arm, i) => ({
     q: jointsAt(arm, state.time),
+    tool: toolAt(state.time),
     ghost: second && i === 0 ? "accent" : null,
   }));
   scene.show(arms);
 }
 
 function writeLegends() {
-  const parts = report.pieces.length ? [["line", "lines"]] : [["line", "way of the flange"]];
+  const { tcps, frames } = report.workcell;
+  const parts = [["line", `way of the ${tcps.length ? "TCP" : "flange"}`]];
+  const has = (kind) => report.pieces.some((piece) => piece.kind === kind);
+  if (has("line")) parts[0][1] = "lines";
+  else if (has("lin") || has("circ")) parts.pop();
+  if (has("lin")) parts.push(["lin", "lines of the TCP"]);
+  if (has("circ")) parts.push(["circ", "circles of the TCP"]);
   if (report.pieces.some((piece) => piece.kind === "blend")) {
     const marks = ["from where they begin to where they end"];
     if (report.corners.length) marks.push("dots: their targets");
     if (report.corners.some((corner) => corner.radius_m)) marks.push("spheres: their radii");
     parts.push(["blend", `blends, ${marks.join("; ")}`]);
   }
+  if (tcps.length) parts.push(["ink", "tool, from the flange to its TCP"]);
+  if (frames.length) parts.push(["soft", "crosses of axes: frames; x red, y green, z blue"]);
   if (second)
     parts.push(
       ["accent", `see-through arm: ${called(first)}`],
@@ -107,6 +116,8 @@ function writeLegends() {
   if (scene) legend($("legend"), parts);
   const kinds = [
     ["line", "line"],
+    ["lin", "line of the TCP"],
+    ["circ", "circle of the TCP"],
     ["blend", "blend"],
     ["settle", "settling"],
     ["wait", "waiting"],
@@ -138,7 +149,7 @@ function chart(parent, title, height) {
 const charts = QUANTITIES.filter(({ key }) => report.arms.some((arm) => arm[key].columns > 0)).map(
   (quantity, i, all) => {
     const title = element("h3");
-    const last = i + 1 === all.length;
+    const last = i + 1 === all.length && !report.workcell.speed;
     const canvas = chart($("charts"), title, last ? 166 : 0);
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", `${quantity.title} of the joints over time`);
@@ -151,6 +162,13 @@ const charts = QUANTITIES.filter(({ key }) => report.arms.some((arm) => arm[key]
     return { canvas, draw };
   },
 );
+if (report.workcell.speed) {
+  const title = element("h3", "Speed of the TCP, mm/s");
+  const canvas = chart($("charts"), title, 146);
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", "Speed of the TCP over time");
+  charts.push({ canvas, draw: (colours) => drawSpeed(canvas, report.workcell.speed, state, colours) });
+}
 charts.push({ canvas: $("timeline"), draw: (colours) => drawTimeline($("timeline"), state, colours) });
 if (report.compared) {
   for (const [values, title, last] of [
@@ -221,7 +239,7 @@ function writeNow() {
     });
   });
   const piece = report.pieces.length ? pieceAt(t) : null;
-  const words = { line: "on its line", blend: "blending in", settle: "settling", wait: "waiting" };
+  const words = { line: "on its line", lin: "on the line of its TCP", circ: "on the circle of its TCP", blend: "blending in", settle: "settling", wait: "waiting" };
   $("piece").textContent = piece
     ? `Motion ${piece.motion}, ${words[piece.kind] || piece.kind}${piece.limit ? `; limited by the ${piece.limit.replace("_", " ")}${piece.joint ? ` of A${piece.joint}` : ""}` : ""}`
     : "";
@@ -259,6 +277,8 @@ function writeMotions() {
   const measured = report.compared ? new Map(report.compared.report.motions.map((row) => [row.index, row])) : null;
   const head = element("tr");
   const names = ["motion", "type", "start s", "end s", "duration s", "top speed %"];
+  const hasTcp = rows.some((row) => row.tcp_speed_peak_mm_s !== undefined);
+  if (hasTcp) names.push("TCP mm/s", "nearest singularity");
   if (measured) names.push("real s", "error s", "error %");
   names.push("limited by");
   for (const name of names) head.append(element("th", name, name === "type" || name === "limited by" ? "word" : ""));
@@ -277,6 +297,11 @@ function writeMotions() {
     add(motion.type, "word");
     for (const value of [motion.start_s, motion.end_s, motion.end_s - motion.start_s]) add(number(value, 3));
     add(motion.peak_velocity_rel === undefined ? "" : number(100 * motion.peak_velocity_rel, 1));
+    if (hasTcp) {
+      const { tcp_speed_peak_mm_s: speed, singularity } = motion;
+      add(speed === undefined ? "" : number(speed, 1));
+      add(singularity ? `${number(singularity.least, 3)} ${singularity.axis}` : "");
+    }
     if (measured) {
       const real = measured.get(motion.index) || {};
       const or = (value, decimals) => (typeof value === "number" ? number(value, decimals) : "?");

@@ -65,9 +65,11 @@ const obstacles = (setup.scene ? setup.scene.obstacles : []).map((obstacle) => {
 function fillScene() {
   if (!scene) return;
   const { plan } = desk;
-  const ways = plan ? [wayOf(plan.arms[0], plan.sketch.pieces, "line", 3.5)] : [];
-  if (canReplay()) ways.push(wayOf(desk.run.arms[1], [], "measured", 1.8));
-  scene.fill({ ways, corners: plan ? plan.sketch.corners : [], obstacles });
+  const { workcell, pieces, corners } = plan ? plan.sketch : { workcell: { tcps: [], frames: [] }, pieces: [], corners: [] };
+  const toolAt = toolOf(workcell.tcps, pieces);
+  const ways = plan ? [wayOf(plan.arms[0], pieces, "line", 3.5, toolAt)] : [];
+  if (canReplay()) ways.push(wayOf(desk.run.arms[1], [], "measured", 1.8, toolAt));
+  scene.fill({ ways, corners, frames: workcell.frames, obstacles });
 }
 
 // ---- what is played
@@ -96,7 +98,10 @@ function show(mode) {
   const parts = [];
   if (mode === "simulation") parts.push(["accent", "see-through arm: the plan"]);
   if (mode === "replay") parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: the recording"]);
-  if (desk.plan) parts.push(["line", "planned way of the flange"], ["blend", "its blends"]);
+  if (desk.plan) {
+    const what = desk.plan.sketch.workcell.tcps.length ? "TCP" : "flange";
+    parts.push(["line", `planned way of the ${what}`], ["blend", "its blends"]);
+  }
   if (canReplay()) parts.push(["measured", "measured way"]);
   if (setup.scene) parts.push(["soft", "what stands around"]);
   legend($("legend"), parts);

@@ -1,0 +1,29 @@
+//! A target by itself, as on a command line.
+
+use iiwa_json::{Object, locate};
+
+use super::{ProgramError, frames::TargetWire, json_error};
+use crate::target::Target;
+
+impl Target {
+    /// Reads a target as programs have it: an object with `x_mm` to `c_deg`, and `base`, `e1_deg`, `status` and `turn`.
+    ///
+    /// ```
+    /// use iiwa_path::Target;
+    ///
+    /// let text = r#"{ "x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 10 }"#;
+    /// let target = Target::from_json(text)?;
+    /// assert_eq!(target.frame.xyz_mm, [600.0, 0.0, 400.0]);
+    /// # Ok::<(), iiwa_path::ProgramError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If the text is no target; the error says where in the text.
+    pub fn from_json(text: &str) -> Result<Self, ProgramError> {
+        let Object(wire) = serde_json::from_str::<Object<TargetWire>>(text)
+            .map_err(|error| json_error(text, text, None, &error))?;
+        let place = || locate(text, &[]);
+        wire.target().map_err(|what| ProgramError::Json { what, motion: None, place: place() })
+    }
+}
