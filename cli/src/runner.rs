@@ -4,12 +4,13 @@ use std::{collections::BTreeMap, io::Cursor, thread, time::Duration};
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
-    Client, ClientError, LinkError, Published, Stream, TimedJoints,
+    Client, ClientError, LinkError, MAX_POINTS, Published, Stream, TimedJoints,
     message::{DriveState, FriStatus, Run as Measured, Samples, Status},
     security::Endpoint,
 };
 use iiwa_log::{Recorder, RecorderConfig};
 use iiwa_path::{Motion, Ptp};
+use iiwa_traj::Trajectory;
 use iiwa_view::printable;
 
 use crate::{
@@ -236,4 +237,29 @@ pub(crate) fn recording(
     let program = ("program.json", "application/json", program.as_bytes());
     let storage = recorder.finish(&metadata, &[program]).map_err(refuse)?;
     Ok(storage.into_inner())
+}
+
+/// Time from one point of a trajectory to the next, in s.
+const STEP_S: f64 = 0.004;
+
+/// The trajectory as it is sent: samples at a fixed step, and its end.
+pub(crate) fn sampled(plan: &Trajectory) -> Result<TimedJoints, Failure> {
+    let end_s = plan.cycle_time_s();
+    let steps = (end_s / STEP_S).ceil();
+    if steps >= MAX_POINTS as f64 {
+        return Err(Failure::input(format!(
+            "the program takes {end_s:.0} s, which is {steps:.0} points; a drive takes trajectories of \
+             {MAX_POINTS}. Without --as-trajectory, the controller plans the motions itself"
+        )));
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+    let steps = steps as u32;
+    let t_s: Vec<f64> = (0..steps)
+        .map(|i| f64::from(i) * STEP_S)
+        // No sample just before the end.
+        .filter(|t_s| end_s - t_s > 1e-3 * STEP_S)
+        .chain([end_s])
+        .collect();
+    let joints_rad = t_s.iter().map(|t_s| plan.at(*t_s).q).collect();
+    Ok(TimedJoints { t_s, joints_rad })
 }

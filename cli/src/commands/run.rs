@@ -3,7 +3,7 @@
 use std::path::{Path as FilePath, PathBuf};
 
 use iiwa_kin::Robot;
-use iiwa_link::{ClientError, MAX_POINTS, TimedJoints, message::Run as Measured};
+use iiwa_link::{ClientError, message::Run as Measured};
 use iiwa_log::{PlanFigures, PlanOptions};
 use iiwa_path::Program;
 use iiwa_traj::Trajectory;
@@ -15,11 +15,10 @@ use crate::{
     failure::Failure,
     input::{self, Text},
     output::{self, Output},
-    runner::{DriveConnection, Task, execute_with_progress, go_to_start, recording, since_start},
+    runner::{
+        DriveConnection, Task, execute_with_progress, go_to_start, recording, sampled, since_start,
+    },
 };
-
-/// Time from one point of a trajectory to the next, in s.
-const STEP_S: f64 = 0.004;
 
 /// Runs a program on the robot.
 pub(crate) fn run(options: &Run) -> Result<(), Failure> {
@@ -110,26 +109,4 @@ fn plan(
     let mut figures = PlanFigures::new(how.timing, robot, how.samples);
     plan.sections().iter().for_each(|section| figures.add(section));
     Ok((plan, figures))
-}
-
-/// The trajectory as it is sent: samples at a fixed step, and its end.
-fn sampled(plan: &Trajectory) -> Result<TimedJoints, Failure> {
-    let end_s = plan.cycle_time_s();
-    let steps = (end_s / STEP_S).ceil();
-    if steps >= MAX_POINTS as f64 {
-        return Err(Failure::input(format!(
-            "the program takes {end_s:.0} s, which is {steps:.0} points; a drive takes trajectories of \
-             {MAX_POINTS}. Without --as-trajectory, the controller plans the motions itself"
-        )));
-    }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
-    let steps = steps as u32;
-    let t_s: Vec<f64> = (0..steps)
-        .map(|i| f64::from(i) * STEP_S)
-        // No sample just before the end.
-        .filter(|t_s| end_s - t_s > 1e-3 * STEP_S)
-        .chain([end_s])
-        .collect();
-    let joints_rad = t_s.iter().map(|t_s| plan.at(*t_s).q).collect();
-    Ok(TimedJoints { t_s, joints_rad })
 }

@@ -110,14 +110,19 @@ impl ProgramRun {
         };
         if let Some(motion) = self.to_start.take() {
             publish(begun(Phase::ToStart));
-            let Some(run) = self.execute(vec![motion]) else { return failed("stopped") };
+            let Some(run) = self.execute(Task::Motions(vec![motion])) else {
+                return failed("stopped");
+            };
             if let Err(error) = run.result {
                 return failed(&format!("the robot did not move to the start: {error}"));
             }
         }
         publish(begun(Phase::Running));
-        let motions = plan.program.motions.clone();
-        let Some(run) = self.execute(motions) else { return failed("stopped") };
+        let task = match &plan.trajectory {
+            Some(trajectory) => Task::Trajectory(trajectory.clone()),
+            None => Task::Motions(plan.program.motions.clone()),
+        };
+        let Some(run) = self.execute(task) else { return failed("stopped") };
         let ExecutedRun { result, streamed } = run;
         let (measured, error) = match result {
             Ok(measured) => (measured, None),
@@ -133,11 +138,10 @@ impl ProgramRun {
         finish(&plan, &measured, error, setup)
     }
 
-    /// Runs motions on the robot; none if a stop was requested before.
-    fn execute(&mut self, motions: Vec<Motion>) -> Option<ExecutedRun> {
+    /// Runs something on the robot; none if a stop was requested before.
+    fn execute(&mut self, task: Task) -> Option<ExecutedRun> {
         let to_stop = || self.stopped.load(Ordering::Relaxed);
-        (!to_stop())
-            .then(|| runner::execute(&mut self.connection, Task::Motions(motions), to_stop, |_| ()))
+        (!to_stop()).then(|| runner::execute(&mut self.connection, task, to_stop, |_| ()))
     }
 }
 

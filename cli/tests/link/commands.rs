@@ -109,6 +109,50 @@ fn a_program_runs() {
     });
 }
 
+/// The controller's program knows no frames: a motion to one goes as a trajectory.
+#[test]
+fn a_program_with_frames_runs() {
+    in_real_time(|| {
+        let rig = Rig::new();
+        let text = r#"{
+            "version": 1,
+            "tools": { "gripper": { "tcp": { "z_mm": 120 } } },
+            "tool": "gripper",
+            "start": { "joints_deg": [0, 30, 0, -60, 0, 60, 0] },
+            "motions": [
+                { "type": "lin_rel", "offset": { "y_mm": 150 }, "cart_velocity_mm_s": 150 },
+                { "type": "lin_rel", "offset": { "y_mm": -150 }, "cart_velocity_mm_s": 150 }
+            ]
+        }"#;
+        std::fs::write(rig.path("lin.json"), text).unwrap();
+        rig.iiwasim("run", &["lin.json"])
+            .code(1)
+            .stderr(contains("the program starts at").and(contains("--move-to-start")));
+        rig.iiwasim("run", &["lin.json", "--move-to-start=50"])
+            .success()
+            .stdout(contains("lin_rel").and(contains("cart velocity")))
+            .stderr(is_empty());
+
+        let robot = iiwa_kin::Robot::default();
+        let states = rig.recording("lin.measured.mcap").joint_states;
+        let tcp = iiwa_kin::Pose { position_m: [0.0, 0.0, 0.12], ..iiwa_kin::Pose::IDENTITY };
+        let places: Vec<_> =
+            states.iter().map(|state| robot.flange_pose(&state.q).then(&tcp).position_m).collect();
+        let first = places[0];
+        let off = |axis: usize| {
+            places.iter().map(|place| (place[axis] - first[axis]).abs()).fold(0.0, f64::max)
+        };
+        // The tool's y axis is the foot's here, up to its sign: there and back on a straight line.
+        assert!(off(0) < 1e-3 && off(2) < 1e-3, "{} {}", off(0), off(2));
+        assert!((off(1) - 0.15).abs() < 1e-3, "{}", off(1));
+
+        // What cannot be planned is refused before the robot hears of it.
+        let far = text.replace("\"y_mm\": 150", "\"y_mm\": 1500");
+        std::fs::write(rig.path("far.json"), far).unwrap();
+        rig.iiwasim("run", &["far.json"]).code(2).stderr(contains("motion 1"));
+    });
+}
+
 #[test]
 fn no_file_is_written_unless_it_is_asked_for() {
     in_real_time(|| {

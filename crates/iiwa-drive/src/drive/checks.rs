@@ -13,7 +13,7 @@ use iiwa_link::{
     robot_program::RunId,
     transport::Permit,
 };
-use iiwa_path::{JointPath, Motion, Program, Start, Workcell};
+use iiwa_path::{JointPath, Motion, MotionIndex, Program, Start, Workcell};
 
 /// A job of the thread. `C` identifies clients.
 pub(super) enum CheckJob<C> {
@@ -108,6 +108,14 @@ fn check_motions(motions: &[Motion], robot: &Robot, at_rad: &Joints) -> Result<(
         return Err(Refusal::bad(format!(
             "the request has {} motions, at most {MAX_MOTIONS} are allowed; split it where the arm stops",
             motions.len()
+        )));
+    }
+    // Tools and bases are the program's, which a request does not have: the flange would go where a TCP is meant to.
+    let to_frame = |motion: &Motion| matches!(motion, Motion::Cartesian(_));
+    if let Some(index) = motions.iter().position(to_frame) {
+        return Err(Refusal::bad(format!(
+            "motion {} goes to a frame, which the robot program does not know; send a trajectory",
+            MotionIndex::new(index)
         )));
     }
     let start_rad = robot.limits().clamp(at_rad);

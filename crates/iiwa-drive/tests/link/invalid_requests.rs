@@ -101,6 +101,11 @@ pub(crate) fn invalid_requests() -> Vec<(String, &'static str, &'static str)> {
             "blend",
         ),
         value(motion(json!({"type": "wait", "seconds": 1e300})), "bad_request", "wait"),
+        value(
+            motion(json!({"type": "lin_rel", "offset": {"x_mm": 1}})),
+            "bad_request",
+            "send a trajectory",
+        ),
         value(json!({"type": long}), "bad_request", "xxx..."),
         value(json!({"type": "state", long.as_str(): 1}), "bad_request", "xxx..."),
         value(json!({"type": "get_io", "name": long}), "bad_request", "xxx..."),
