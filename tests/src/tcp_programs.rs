@@ -213,7 +213,7 @@ impl Way<'_> {
                 return Motion::Ptp(ptp);
             }
             15..30 => {
-                let mut ptp = self.unlimited(dice);
+                let mut ptp = Self::unlimited(dice);
                 let to_rad = self.near(dice, true);
                 ptp.course = Course::Ptp { to: self.target(dice, &ptp, &to_rad, true) };
                 return Motion::Cartesian(Box::new(ptp));
@@ -238,7 +238,7 @@ impl Way<'_> {
     }
 
     /// Shares, tool and base of a motion that has no course yet.
-    fn unlimited(&self, dice: &mut Dice) -> CartesianMotion {
+    fn unlimited(dice: &mut Dice) -> CartesianMotion {
         let tool = dice.percent(10).then(|| if dice.percent(50) { TIP } else { "flange" });
         let base = dice.percent(30).then(|| TABLE.to_owned());
         CartesianMotion {
@@ -250,7 +250,7 @@ impl Way<'_> {
     }
 
     /// The same with limits of the TCP and a law of orientation.
-    fn path(&self, dice: &mut Dice) -> CartesianMotion {
+    fn path(dice: &mut Dice) -> CartesianMotion {
         let mut any = |percent: u8, ranges: [[f64; 2]; 3]| {
             let limits = ranges.map(|[least, most]| {
                 if dice.percent(percent) { dice.log(least, most) } else { f64::INFINITY }
@@ -263,7 +263,7 @@ impl Way<'_> {
         };
         let orientation =
             if dice.percent(20) { OrientationType::Constant } else { OrientationType::Variable };
-        CartesianMotion { tool_limits, orientation, ..self.unlimited(dice) }
+        CartesianMotion { tool_limits, orientation, ..Self::unlimited(dice) }
     }
 
     /// The TCP of a motion at some joints, in the robot's foot.
@@ -297,7 +297,7 @@ impl Way<'_> {
     }
 
     fn lin(&self, dice: &mut Dice) -> CartesianMotion {
-        let path = self.path(dice);
+        let path = Self::path(dice);
         let swing = dice.percent(25);
         let to_rad = self.near(dice, swing);
         let to = self.target(dice, &path, &to_rad, swing);
@@ -305,7 +305,7 @@ impl Way<'_> {
     }
 
     fn lin_rel(&self, dice: &mut Dice) -> CartesianMotion {
-        let path = self.path(dice);
+        let path = Self::path(dice);
         let [from, to] =
             [self.from_rad, self.near(dice, false)].map(|joints| self.tcp(&path, &joints));
         let course = if dice.percent(50) {
@@ -327,7 +327,7 @@ impl Way<'_> {
 
     /// The arm turns about a standing TCP.
     fn null_space(&self, dice: &mut Dice) -> CartesianMotion {
-        let path = self.path(dice);
+        let path = Self::path(dice);
         let by = self.size * dice.between(-1.0, 1.0);
         let here = self.at(&path, &self.tcp(&path, &self.from_rad));
         let to = Target { e1_rad: Some(self.from_rad[2] + by), ..here };
@@ -335,7 +335,7 @@ impl Way<'_> {
     }
 
     fn circ(&self, dice: &mut Dice) -> CartesianMotion {
-        let path = self.path(dice);
+        let path = Self::path(dice);
         let [aux, to] = [0.7, 1.0].map(|share| {
             let way = Way { size: share * self.size, ..*self };
             let joints = way.near(dice, false);

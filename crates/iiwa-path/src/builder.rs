@@ -42,7 +42,7 @@ pub(crate) fn steps(
     let mut steps = Builder { robot, steps: Vec::with_capacity(2 * range.len()) };
     // What the blend before has left of the motion.
     let mut rest = match range.start.checked_sub(1) {
-        Some(before) => corners.at_end_of(before)?.map(|corner| corner.after()),
+        Some(before) => corners.at_end_of(before)?.map(RoundedCorner::after),
         None => None,
     };
     for (motion, entry) in program.entries().take(range.end).skip(range.start) {
@@ -52,7 +52,7 @@ pub(crate) fn steps(
         }
         let Some(leg) = legs.get(motion.index()) else { continue };
         let corner = corners.at_end_of(motion.index())?;
-        steps.push_leg(motion, &leg, rest, corner.as_ref())?;
+        steps.push_leg(motion, &leg, rest.as_ref(), corner.as_ref())?;
         match &corner {
             Some(RoundedCorner::InJoints(corner)) => {
                 steps.push_blend(motion, corner, options.blend_shape)?;
@@ -66,7 +66,7 @@ pub(crate) fn steps(
             }
             None => steps.push(Step::Settle { motion }),
         }
-        rest = corner.map(|corner| corner.after());
+        rest = corner.map(RoundedCorner::after);
     }
     Ok(steps.steps)
 }
@@ -121,7 +121,6 @@ struct Corners<'a> {
 }
 
 /// A corner that is rounded off.
-#[expect(clippy::large_enum_variant, reason = "it lives on the stack, one at a time")]
 enum RoundedCorner {
     InJoints(JointCorner),
     /// And where the blend ends.
@@ -171,12 +170,11 @@ impl Corners<'_> {
         })?;
         Ok(corner.map(|corner| {
             let share = corner.shares[1];
-            let rest = match next.path {
-                Some(_) => Rest::Path(share),
-                None => {
-                    let [from, to] = next.ends_rad;
-                    Rest::Line(vector::add_scaled(&from, share, &vector::sub(&to, &from)))
-                }
+            let rest = if next.path.is_some() {
+                Rest::Path(share)
+            } else {
+                let [from, to] = next.ends_rad;
+                Rest::Line(vector::add_scaled(&from, share, &vector::sub(&to, &from)))
             };
             RoundedCorner::Curved(corner, rest)
         }))
@@ -199,13 +197,13 @@ impl Builder<'_> {
         &mut self,
         motion: MotionIndex,
         leg: &Leg,
-        before: Option<Rest>,
+        before: Option<&Rest>,
         after: Option<&RoundedCorner>,
     ) -> Result<(), Fault> {
         let [from_rad, to_rad] = leg.ends_rad;
         let Some(path) = &leg.path else {
             let from_rad = match before {
-                Some(Rest::Line(from_rad)) => from_rad,
+                Some(Rest::Line(from_rad)) => *from_rad,
                 _ => from_rad,
             };
             let to_rad = match after {
@@ -219,7 +217,7 @@ impl Builder<'_> {
             self.push_line(motion, from_rad, to_rad);
             return Ok(());
         };
-        let from = if let Some(Rest::Path(share)) = before { share } else { 0.0 };
+        let from = if let Some(Rest::Path(share)) = before { *share } else { 0.0 };
         let to = match after {
             Some(RoundedCorner::Curved(corner, _)) => 1.0 - corner.shares[0],
             _ => 1.0,

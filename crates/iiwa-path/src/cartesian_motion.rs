@@ -195,7 +195,7 @@ impl PathBlend {
             }
         } else if self.fraction.is_some() {
             return wrong("fraction is for point-to-point motions; give cart_mm or ori_deg");
-        } else if self.orientation_rad.is_some_and(|angle| !(angle >= 0.0)) {
+        } else if self.orientation_rad.is_some_and(|angle| angle.is_nan() || angle < 0.0) {
             return wrong("ori_deg must be 0 or more");
         } else if self.orientation_rad.is_none() && self.sizes().count() == 0 {
             return wrong("a blend has at least one of `cart_mm`, `ori_deg` and `sunrise_rel`");

@@ -207,7 +207,7 @@ impl Program {
         let fault =
             |key, fault| Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) };
         for (key, found) in own.limits_by_key() {
-            if !(found > 0.0) {
+            if found.is_nan() || found <= 0.0 {
                 return Err(fault(key, CartesianFault::Limit { key, found }));
             }
         }

@@ -388,7 +388,6 @@ fn joints_of(rad: Option<Joints>, deg: Option<Joints>) -> Result<Joints, &'stati
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "Motion")]
-#[expect(clippy::large_enum_variant, reason = "nearly all motions are of the large kind")]
 enum MotionWire {
     Ptp(PtpWire),
     Lin(LinWire),

@@ -115,7 +115,6 @@ macro_rules! path_wire {
             }
 
             /// As `motion`, whose course is written by these fields.
-            #[expect(clippy::too_many_arguments, reason = "a macro's, for the fields of each type")]
             fn of(motion: &CartesianMotion, $($field: $field_type),*) -> Self {
                 let given = |limit: f64| Some(limit).filter(|limit| limit.is_finite());
                 let mm = |limit: f64| given(limit).map(|limit| 1e3 * limit);
@@ -290,6 +289,7 @@ pub(super) enum OrientationWire {
 }
 
 impl OrientationWire {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
     fn is_variable(&self) -> bool {
         *self == Self::Variable
     }
@@ -326,6 +326,7 @@ pub(super) enum ReferenceWire {
 }
 
 impl ReferenceWire {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
     fn is_base(&self) -> bool {
         *self == Self::Base
     }
@@ -346,6 +347,7 @@ pub(super) enum AuxWire {
 }
 
 impl AuxWire {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
     fn is_consider(&self) -> bool {
         *self == Self::Consider
     }
@@ -364,6 +366,7 @@ pub(super) enum EndWire {
 }
 
 impl EndWire {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
     fn is_interpolate(&self) -> bool {
         *self == Self::Interpolate
     }

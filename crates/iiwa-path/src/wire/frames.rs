@@ -192,7 +192,6 @@ impl From<&Target> for TargetWire {
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "TargetOrName")]
-#[expect(clippy::large_enum_variant, reason = "it is read and turned into something smaller")]
 pub(super) enum TargetRefWire {
     /// One of `frames`.
     Named(String),

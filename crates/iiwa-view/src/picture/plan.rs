@@ -89,11 +89,10 @@ impl PlanPicture {
                 t_s: state.t_s,
                 tcp_mm: self.tcp_mm(path.tcp(state.motion), &state.q),
                 offset_m: path.tcp(state.motion).position_m,
-                tcp_mm_s: match self.has_frames {
-                    true => {
-                        1e3 * self.robot.tcp_speed_m_s(path.tcp(state.motion), &state.q, &state.dq)
-                    }
-                    false => 0.0,
+                tcp_mm_s: if self.has_frames {
+                    1e3 * self.robot.tcp_speed_m_s(path.tcp(state.motion), &state.q, &state.dq)
+                } else {
+                    0.0
                 },
                 speed: std::array::from_fn(|j| state.dq[j] / limits[j]),
             });
