@@ -22,14 +22,11 @@ pub(crate) struct Workplace {
 impl Workplace {
     /// The robot, and the tool and the base that are chosen, or are the program's.
     pub(crate) fn new(robot: Option<&str>, place: &Place) -> Result<Self, Failure> {
-        let (program, robot) = match &place.program {
-            Some(path) => {
-                input::program(path, robot).map(|(_, program, robot)| (program, robot))?
-            }
-            None => {
-                let robot = robot.map_or_else(|| Ok(Robot::default()), find_robot)?;
-                (Program::from_deg([0.0; 7]).build(), robot)
-            }
+        let (program, robot) = if let Some(path) = &place.program {
+            input::program(path, robot).map(|(_, program, robot)| (program, robot))?
+        } else {
+            let robot = robot.map_or_else(|| Ok(Robot::default()), find_robot)?;
+            (Program::from_deg([0.0; 7]).build(), robot)
         };
         let [tool, base] = [&place.tool, &place.base].map(|name| name.as_deref());
         let unknown = |fault: iiwa_path::NameFault| Failure::input(fault.to_string());

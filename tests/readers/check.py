@@ -272,8 +272,9 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
     every(
         "a limiting joint has a kind of limit, and so has the TCP",
         "/motion",
-        lambda m: 0 <= m.limiting_joint <= 7
-        and (m.limiting_joint > 0 or "_" in m.limiting_kind) == bool(m.limiting_kind),
+        lambda m: (
+            0 <= m.limiting_joint <= 7 and (m.limiting_joint > 0 or "_" in m.limiting_kind) == bool(m.limiting_kind)
+        ),
     )
 
     (start, trajectory) = messages["/joint_trajectory"][0]

@@ -12,7 +12,7 @@ pub(crate) struct Fk {
     #[command(flatten)]
     pub(crate) joints: Joints,
 
-    /// Built-in model or robot profile; the program's, or else lbr_iiwa_7_r800
+    /// Built-in model or robot profile; the program's, or else the LBR iiwa 7 R800
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
@@ -63,9 +63,12 @@ impl Joints {
 /// Inverse kinematics: print the joint angles that bring the flange, or a tool's TCP, to a frame.
 #[derive(Args, Debug)]
 pub(crate) struct Ik {
-    /// The flange in the robot's foot, or the tool's TCP in the base, or the name of a frame of --program: x_mm, y_mm, z_mm, a_deg, b_deg, c_deg (or a_rad, ...), and e1_deg, status and
-    /// turn as on the robot
-    #[arg(long, value_name = "JSON")]
+    #[arg(
+        long,
+        value_name = "JSON|NAME",
+        help = "The flange in the robot's foot, or the tool's TCP in the base: x_mm, y_mm, z_mm, a_deg, b_deg, c_deg \
+                (or a_rad, ...), and e1_deg, status and turn as on the robot; or the name of a frame of --program"
+    )]
     pub(crate) frame: String,
 
     /// Position of joint A3 in degrees, in place of the frame's
@@ -81,7 +84,7 @@ pub(crate) struct Ik {
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
     pub(crate) near: Option<[f64; 7]>,
 
-    /// Built-in model or robot profile; the program's, or else lbr_iiwa_7_r800
+    /// Built-in model or robot profile; the program's, or else the LBR iiwa 7 R800
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 

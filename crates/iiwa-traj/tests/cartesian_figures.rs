@@ -64,7 +64,7 @@ fn a_limit_of_the_tcp_is_its_top_speed() {
 fn pieces_tell_which_path_the_tcp_takes() {
     use PieceKind::{Blend, Circ, Lin, Line};
     let plan = plan(TEXT);
-    let pieces = plan.sections().iter().flat_map(|section| section.pieces());
+    let pieces = plan.sections().iter().flat_map(iiwa_traj::Section::pieces);
     let kinds: Vec<_> = pieces.map(|piece| piece.kind).filter(|kind| kind.moves()).collect();
     assert_eq!(kinds, [Line, Blend, Lin, Lin, Blend, Lin, Circ, Lin, Line]);
 }
