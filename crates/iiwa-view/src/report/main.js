@@ -239,7 +239,14 @@ function writeNow() {
     });
   });
   const piece = report.pieces.length ? pieceAt(t) : null;
-  const words = { line: "on its line", lin: "on the line of its TCP", circ: "on the circle of its TCP", blend: "blending in", settle: "settling", wait: "waiting" };
+  const words = {
+    line: "on its line",
+    lin: "on the line of its TCP",
+    circ: "on the circle of its TCP",
+    blend: "blending in",
+    settle: "settling",
+    wait: "waiting",
+  };
   $("piece").textContent = piece
     ? `Motion ${piece.motion}, ${words[piece.kind] || piece.kind}${piece.limit ? `; limited by the ${piece.limit.replace("_", " ")}${piece.joint ? ` of A${piece.joint}` : ""}` : ""}`
     : "";
