@@ -195,8 +195,13 @@ pub(crate) fn mesh(
         let at_end = end_size(segments.get(index + 1));
         let most = segment.length * if segment.is_line() { sizes.line } else { sizes.blend };
         // Never to be reached; without it, one fault in the stamps would mean cells without end.
-        let least =
-            1e-3 * from_rest.or(to_rest).unwrap_or(most).min(at_start).min(at_end).min(most);
+        let least = 1e-3
+            * from_rest
+                .unwrap_or(most)
+                .min(to_rest.unwrap_or(most))
+                .min(at_start)
+                .min(at_end)
+                .min(most);
         let turn = segment.turn_back();
         let swept_at = |place: Place| swept.at(if backwards { place.end } else { place.start });
         let size = |place: Place| {
@@ -206,7 +211,7 @@ pub(crate) fn mesh(
                 .map(|near| sizes.switch * near.build_up_s + sizes.fade * (t_s - near.t_s).abs())
                 .fold(f64::INFINITY, f64::min);
             let grown = |rest: Option<f64>, size: f64, way: f64| match rest {
-                Some(_) => sizes.rest_growth * way,
+                Some(rest) => rest.max(sizes.rest_growth * way),
                 None => size + sizes.blend_end_growth * way,
             };
             most.min(grown(from_rest, at_start, place.start))
@@ -216,7 +221,8 @@ pub(crate) fn mesh(
                 .max(least)
         };
         let size = |place: Place| size(if backwards { place.reversed() } else { place });
-        let mut nodes = march(segment.length, from_rest.or(to_rest), size)?;
+        let first = if backwards { to_rest } else { from_rest };
+        let mut nodes = march(segment.length, first, size)?;
         if backwards {
             nodes.reverse();
             for node in &mut nodes {
