@@ -88,10 +88,12 @@ impl Interval<'_> {
         // A little before the root: at the root itself, rounding may leave no room.
         let margin = 1e-14 * x;
         for _ in 0..STEPS {
-            if high - low <= 3.0 * margin || spare <= 0.0 {
+            if high - low <= 3.0 * margin || spare < 0.0 {
                 break;
             }
-            let chord = (high - low) * spare / (spare - lack);
+            // Where the arm comes to rest there is no room but that: it is halved.
+            let share = if spare > 0.0 { spare / (spare - lack) } else { 0.5 };
+            let chord = (high - low) * share;
             let middle = low + (chord - margin).max(2.0 * margin);
             let found = room(middle);
             if found < 0.0 {

@@ -32,6 +32,10 @@ pub(crate) fn spline<'a>(
     let mut between = Vec::with_capacity(segments.len());
     for (index, segment) in segments.iter().enumerate() {
         let is_constant = types[index] == OrientationType::Constant;
+        if is_constant {
+            // Circles with an angle end turned otherwise than their frames.
+            knots[index + 1].pose.rotation = knots[index].pose.rotation;
+        }
         let [from, to] = [knots[index].pose, knots[index + 1].pose];
         between.push(match &segment.course {
             SegmentCourse::Spl { .. } => Between::Spl { is_constant },
