@@ -129,9 +129,9 @@ fn program(dice: &mut Dice, start_rad: Joints) -> Program {
         workcell: Workcell {
             tools: [(GRIPPER.to_owned(), tool)].into(),
             bases: [(ROOT.to_owned(), root), (TABLE.to_owned(), table)].into(),
-            frames: BTreeMap::new(),
             tool: Some(GRIPPER.to_owned()),
             base: Some(ROOT.to_owned()),
+            ..Workcell::default()
         },
     }
 }

@@ -33,7 +33,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     }
     let output = target.as_deref().map(Output::new).transpose()?;
     // The robot's program knows no tools and no bases.
-    let task = if options.as_trajectory || program.has_frames() {
+    let task = if options.as_trajectory || !program.is_plain() {
         Task::Trajectory(sampled(&plan)?)
     } else {
         Task::Motions(program.motions)

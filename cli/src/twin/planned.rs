@@ -88,7 +88,7 @@ impl Planned {
         // The page is made from the file.
         let start_rad = *plan.path().start_rad();
         let trajectory =
-            program.has_frames().then(|| runner::sampled(&plan)).transpose().map_err(what)?;
+            (!program.is_plain()).then(|| runner::sampled(&plan)).transpose().map_err(what)?;
         drop(plan);
         let page = setup.page(&mcap, None, Extent::Sketch).map_err(what)?;
         let message = page_message(

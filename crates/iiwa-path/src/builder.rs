@@ -2,7 +2,7 @@
 
 use std::{ops::Range, sync::Arc};
 
-use iiwa_kin::{Joint, Joints, Robot, vector};
+use iiwa_kin::{Joint, Joints, Pose, Robot, vector};
 
 use crate::{
     blend::Blend,
@@ -25,6 +25,8 @@ use crate::{
     program::{Motion, Program},
     segment::Segment,
     step::{Corner, Step},
+    supervised::Supervised,
+    workcell::OperatingMode,
 };
 
 /// Shorter than this, in rad, is rounding and not motion: a tenth of a micrometre at the flange
@@ -40,7 +42,11 @@ pub(crate) fn steps(
 ) -> Result<Vec<Step>, Fault> {
     let legs = Legs::new(program, robot)?;
     let corners = Corners { program, robot, options, legs: &legs };
-    let mut steps = Builder { robot, steps: Vec::with_capacity(2 * range.len()) };
+    let supervised = match program.workcell.mode {
+        OperatingMode::T1 => Some(program.tcps()?),
+        OperatingMode::Automatic => None,
+    };
+    let mut steps = Builder { robot, supervised, steps: Vec::with_capacity(2 * range.len()) };
     // What the blend before has left of the motion.
     let mut rest = match range.start.checked_sub(1) {
         Some(before) => corners.at_end_of(before)?.map(RoundedCorner::after),
@@ -185,12 +191,22 @@ impl Corners<'_> {
 /// The steps of a path so far.
 struct Builder<'a> {
     robot: &'a Arc<Robot>,
+    /// The TCPs of the motions, if their speeds are supervised.
+    supervised: Option<Vec<Pose>>,
     steps: Vec<Step>,
 }
 
 impl Builder<'_> {
     fn push(&mut self, step: Step) {
-        self.steps.push(step);
+        self.steps.push(match (step, &self.supervised) {
+            (Step::Move { motion, segment, blend }, Some(tcps)) => {
+                let robot = Arc::clone(self.robot);
+                let tcp = tcps[motion.index()];
+                let segment = Arc::new(Supervised { inner: segment, robot, tcp });
+                Step::Move { motion, segment, blend }
+            }
+            (step, _) => step,
+        });
     }
 
     /// Adds what blends leave of a motion.

@@ -8,7 +8,7 @@ mod rotation;
 mod site;
 mod spline;
 mod spline_leg;
-mod tcp_course;
+pub(crate) mod tcp_course;
 pub(crate) mod tcp_path;
 
 pub use fault::CartesianFault;

@@ -7,6 +7,7 @@ use crate::{
     limit_kind::{ByKind, LimitKind},
     program::Motion,
     tool_limits::ToolLimits,
+    workcell::{OperatingMode, T1_SPEED_M_S},
 };
 
 /// A motion's limits of its joints, of each kind: the robot's, times the motion's shares (Larsen 2019,
@@ -39,7 +40,7 @@ impl MotionLimits {
     }
 
     /// Those of `motion` on `robot`.
-    pub(crate) fn of_motion(robot: &Robot, motion: &Motion) -> Self {
+    pub(crate) fn of_motion(robot: &Robot, motion: &Motion, mode: OperatingMode) -> Self {
         let mut limits = Self::full(robot);
         for (kind, limits) in &mut limits.joints {
             let shares = match motion {
@@ -51,10 +52,14 @@ impl MotionLimits {
                 *limit *= share;
             }
         }
-        match motion {
-            Motion::Cartesian(own) => limits.with_tool(own.tool_limits),
-            _ => limits,
+        if let Motion::Cartesian(own) = motion {
+            limits.tool = own.tool_limits;
         }
+        if mode == OperatingMode::T1 {
+            let speed = &mut limits.tool.way[LimitKind::Velocity];
+            *speed = speed.min(T1_SPEED_M_S);
+        }
+        limits
     }
 
     /// The same, with these limits of the TCP.

@@ -76,13 +76,14 @@ impl JointPath {
         let robot = Arc::new(robot.clone());
         let steps = steps(program, &robot, options, all)?;
         let motions = path_motions(program)?;
+        let mode = program.workcell.mode;
         Ok(Self {
             start: program.start_rad(&robot)?,
             limits: Arc::new(
                 program
                     .motions
                     .iter()
-                    .map(|motion| MotionLimits::of_motion(&robot, motion))
+                    .map(|motion| MotionLimits::of_motion(&robot, motion, mode))
                     .collect(),
             ),
             has_tools: has_tools(&motions),

@@ -23,7 +23,7 @@ use crate::{
     fault::Fault,
     motion_index::MotionIndex,
     program::{Motion, Program, Start},
-    workcell::Workcell,
+    workcell::{OperatingMode, Workcell},
 };
 use cartesian::{CircWire, LinRelWire, LinWire};
 use frames::{BaseWire, TargetRefWire, TargetWire, ToolWire};
@@ -129,7 +129,8 @@ impl Program {
                 at(format!("`{name}`: {what}"), &[Step::Key(list), Step::Key(&name)])
             },
         )?;
-        let workcell = Workcell { tool: wire.tool, base: wire.base, ..workcell };
+        let mode = wire.mode.map_or_else(OperatingMode::default, OperatingMode::from);
+        let workcell = Workcell { tool: wire.tool, base: wire.base, mode, ..workcell };
         let program = Program { robot: wire.robot, start, motions: Vec::new(), workcell };
         checked(text, program, &wire.motions)
     }
@@ -169,6 +170,7 @@ impl Program {
                 .collect(),
             tool: self.workcell.tool.as_deref(),
             base: self.workcell.base.as_deref(),
+            mode: ModeWire::of(self.workcell.mode),
             motions: self.motions.iter().map(MotionWire::from).collect(),
         };
         // Only a map with keys that are no strings could fail.
@@ -315,6 +317,9 @@ struct ProgramWire<'a> {
     /// The base in use; `robot` is the robot's foot.
     #[serde(default)]
     base: Option<String>,
+    /// The operating mode of the controller.
+    #[serde(default)]
+    mode: Option<ModeWire>,
     /// What it does, in order.
     #[serde(borrow)]
     #[schemars(with = "Vec<MotionWire>", length(min = 1))]
@@ -337,7 +342,33 @@ struct ProgramOut<'a> {
     tool: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     base: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mode: Option<ModeWire>,
     motions: Vec<MotionWire>,
+}
+
+/// An operating mode of the controller.
+#[derive(Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "OperatingMode")]
+enum ModeWire {
+    /// For tests: TCP and flange go at 250 mm/s at most.
+    T1,
+}
+
+impl ModeWire {
+    fn of(mode: OperatingMode) -> Option<Self> {
+        match mode {
+            OperatingMode::Automatic => None,
+            OperatingMode::T1 => Some(Self::T1),
+        }
+    }
+}
+
+impl From<ModeWire> for OperatingMode {
+    fn from(ModeWire::T1: ModeWire) -> Self {
+        Self::T1
+    }
 }
 
 /// The start pose: `joints_deg`, `joints_rad` or a `frame`.

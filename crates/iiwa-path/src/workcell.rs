@@ -22,7 +22,23 @@ pub struct Workcell {
     pub tool: Option<String>,
     /// The base in use; the robot's foot if absent.
     pub base: Option<String>,
+    /// The controller's operating mode.
+    pub mode: OperatingMode,
 }
+
+/// The operating mode of the robot's controller, as far as it changes motions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum OperatingMode {
+    /// As programmed.
+    #[default]
+    Automatic,
+    /// For tests, with somebody beside the robot: TCP and flange go at [`T1_SPEED_M_S`] at most.
+    T1,
+}
+
+/// The speed of TCP and flange in [`OperatingMode::T1`], in m/s.
+pub const T1_SPEED_M_S: f64 = 0.25;
 
 /// A tool at the flange.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -48,7 +48,11 @@ impl JointPath {
         let mut new = steps(program, &self.robot, options, range)?;
         let motions = path_motions(program)?;
 
-        let limits = MotionLimits::of_motion(&self.robot, &program.motions[motion.index()]);
+        let limits = MotionLimits::of_motion(
+            &self.robot,
+            &program.motions[motion.index()],
+            program.workcell.mode,
+        );
         let changed = limits != self.limits[motion.index()];
         let is_same = |old: &Step, new: &Step| {
             let is_limited = matches!(new, Step::Move { motion: own, .. } if *own == motion);
