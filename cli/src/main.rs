@@ -17,6 +17,7 @@ mod progress;
 mod runner;
 mod start;
 mod twin;
+mod warning;
 
 use std::process::ExitCode;
 

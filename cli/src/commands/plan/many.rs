@@ -8,7 +8,6 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use iiwa_log::PlanFigures;
 use iiwa_scene::Scene;
 use iiwa_view::{PlannedTimes, Summary, SummaryRow, printable};
 use rayon::{
@@ -20,7 +19,7 @@ use serde::Serialize;
 use super::{
     answer::PlanAnswer,
     programs::{self, Job},
-    work::{gates, scene, write},
+    work::{Planned, gates, scene, write},
 };
 use crate::{
     args::Plan,
@@ -102,7 +101,7 @@ fn plan(
     };
     let planned = input::program(&job.program, options.robot.as_deref())
         .and_then(|input| write(options, scene, input, job.target.as_deref(), alive))
-        .and_then(|figures| ProgramOutcome::planned(options, job, &name, &figures));
+        .and_then(|planned| ProgramOutcome::planned(options, job, &name, &planned));
     planned.unwrap_or_else(|failure| ProgramOutcome::failed(options, name, failure))
 }
 
@@ -127,7 +126,7 @@ impl ProgramOutcome {
         options: &Plan,
         job: &Job,
         name: &str,
-        figures: &PlanFigures,
+        Planned { figures, warnings }: &Planned,
     ) -> Result<Self, Failure> {
         let line = || {
             let output = job.target.as_deref().map(|file| file.display().to_string());
@@ -135,9 +134,14 @@ impl ProgramOutcome {
         };
         let gates = gates(options).judge(figures);
         let complain = |how| Failure::Gate(format!("{} {how}", printable(name))).text();
+        let warnings: String = warnings
+            .iter()
+            .map(|warning| format!("Warning: {}: {warning}\n", printable(name)))
+            .collect();
+        let complaint = warnings + &gates.complaint().map(complain).unwrap_or_default();
         Ok(Self {
             line: options.json.then(line).transpose()?,
-            complaint: gates.complaint().map(complain),
+            complaint: Some(complaint).filter(|complaint| !complaint.is_empty()),
             row: SummaryRow {
                 program: name.to_owned(),
                 times: Some(PlannedTimes::from(figures)),

@@ -11,7 +11,7 @@ use iiwa_view::plan_table;
 
 use crate::{
     args::{Plan, Timing},
-    failure::Failure,
+    failure::{Failure, print_note},
     input, log, output,
     progress::Progress,
 };
@@ -19,7 +19,7 @@ use crate::{
 use super::{
     answer::PlanAnswer,
     target::file_name,
-    work::{gates, scene, write},
+    work::{Planned, gates, scene, write},
 };
 
 /// Plans one program.
@@ -39,9 +39,10 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
     output::catch_interrupts();
     let mut progress = Progress::of_program();
     let show = |share| progress.show_share(share);
-    let figures = write(options, scene.as_ref(), input, target.as_deref(), show);
+    let planned = write(options, scene.as_ref(), input, target.as_deref(), show);
     progress.clear();
-    let figures = figures?;
+    let Planned { figures, warnings } = planned?;
+    warnings.iter().for_each(|warning| print_note(&format!("Warning: {warning}\n")));
     report(options, &figures, target.as_deref())?;
     match gates(options).judge(&figures).complaint() {
         Some(how) => Err(Failure::Gate(format!("the program {how}"))),
