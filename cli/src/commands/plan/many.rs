@@ -19,7 +19,7 @@ use serde::Serialize;
 use super::{
     answer::PlanAnswer,
     programs::{self, Job},
-    work::{Planned, gates, scene, write},
+    work::{PlanOutcome, gates, scene, write},
 };
 use crate::{
     args::Plan,
@@ -126,7 +126,7 @@ impl ProgramOutcome {
         options: &Plan,
         job: &Job,
         name: &str,
-        Planned { figures, warnings }: &Planned,
+        PlanOutcome { figures, warnings }: &PlanOutcome,
     ) -> Result<Self, Failure> {
         let line = || {
             let output = job.target.as_deref().map(|file| file.display().to_string());

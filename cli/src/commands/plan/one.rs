@@ -19,7 +19,7 @@ use crate::{
 use super::{
     answer::PlanAnswer,
     target::file_name,
-    work::{Planned, gates, scene, write},
+    work::{PlanOutcome, gates, scene, write},
 };
 
 /// Plans one program.
@@ -41,7 +41,7 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
     let show = |share| progress.show_share(share);
     let planned = write(options, scene.as_ref(), input, target.as_deref(), show);
     progress.clear();
-    let Planned { figures, warnings } = planned?;
+    let PlanOutcome { figures, warnings } = planned?;
     warnings.iter().for_each(|warning| print_note(&format!("Warning: {warning}\n")));
     report(options, &figures, target.as_deref())?;
     match gates(options).judge(&figures).complaint() {

@@ -24,7 +24,7 @@ pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
 }
 
 /// The figures of a plan, and warnings about the program.
-pub(super) struct Planned {
+pub(super) struct PlanOutcome {
     pub(super) figures: PlanFigures,
     pub(super) warnings: Vec<String>,
 }
@@ -37,7 +37,7 @@ pub(super) fn write(
     (text, program, robot): (ProgramText, Program, Robot),
     target: Option<&Path>,
     mut progress: impl FnMut(f64),
-) -> Result<Planned, Failure> {
+) -> Result<PlanOutcome, Failure> {
     let refuse = |error| Failure::plan(error, &text.name, &text.text);
     let mut planning = Planning::new(&program, &robot, &plan_options(options))
         .map_err(|fault| refuse(fault.into()))?
@@ -94,7 +94,7 @@ pub(super) fn write(
     for whole in output.into_iter().chain(drawing) {
         whole.complete()?;
     }
-    Ok(Planned { figures: planning.into_figures(), warnings })
+    Ok(PlanOutcome { figures: planning.into_figures(), warnings })
 }
 
 /// The gates that the options set.

@@ -67,7 +67,7 @@ impl Workcell {
                         motion: None,
                         place,
                     },
-                    other => ProgramError::unread(text, other),
+                    error @ Unread::Json(_) => ProgramError::unread(text, error),
                 }
             })?;
         if wire.include.is_some() {
@@ -102,7 +102,7 @@ impl Workcell {
 }
 
 /// Keys of an object with their values as they are written.
-type Written<'a> = BTreeMap<String, &'a RawValue>;
+type RawKeys<'a> = BTreeMap<String, &'a RawValue>;
 
 impl Program {
     /// The text of a program with what it includes in it, so that it needs no other file: of both, as it is written,
@@ -127,15 +127,15 @@ impl Program {
         fn read<'a, T: Deserialize<'a>>(text: &'a str, part: &'a str) -> Result<T, ProgramError> {
             serde_json::from_str(part).map_err(|error| json_error(text, part, None, &error))
         }
-        let mut program: Written<'_> = read(text, text)?;
-        let file: Written<'_> = read(included, included)?;
+        let mut program: RawKeys<'_> = read(text, text)?;
+        let file: RawKeys<'_> = read(included, included)?;
         program.remove("include");
         let mut lists = Vec::new();
         for list in ["tools", "bases", "frames"] {
             let Some(added) = file.get(list) else { continue };
-            let mut merged: Written<'_> = read(included, added.get())?;
+            let mut merged: RawKeys<'_> = read(included, added.get())?;
             if let Some(own) = program.get(list) {
-                merged.extend(read::<Written<'_>>(text, own.get())?);
+                merged.extend(read::<RawKeys<'_>>(text, own.get())?);
             }
             // Values that were just read can be written.
             lists.push((list, serde_json::value::to_raw_value(&merged).unwrap_or_default()));
