@@ -21,7 +21,11 @@ const JOINTS_DEG: [f64; 7] = [10.0, 40.0, -15.0, -70.0, 20.0, 60.0, -30.0];
 
 /// A project with a bench, a frame on it that was taught on `device`, and a tool.
 fn project(robot: &Robot, device: &str) -> String {
-    let joints = JOINTS_DEG.map(f64::to_radians);
+    taught_at(JOINTS_DEG, robot, device)
+}
+
+fn taught_at(joints_deg: [f64; 7], robot: &Robot, device: &str) -> String {
+    let joints = joints_deg.map(f64::to_radians);
     let flange = robot.flange_pose(&joints);
     let bench = Frame { xyz_mm: [300.0, 0.0, 100.0], abc_rad: [0.5, 0.0, 0.0] };
     let tcp = Frame { xyz_mm: [0.0, 0.0, 150.0], abc_rad: [0.0; 3] };
@@ -86,9 +90,12 @@ fn a_program_uses_what_was_imported() {
     put(&folder, DATA, &own());
     iiwasim(&folder, &["import", DATA, "-o", "cell.json"])
         .success()
-        .stdout(contains("1 tools, 1 bases, 1 frames from RoboticsAPI.data.xml"))
+        .stdout(contains("1 tool, 1 base, 1 frame from RoboticsAPI.data.xml"))
         .stdout(contains("Bench/Pick").and(contains("agrees")).and(contains("workpieceTemplate")))
-        .stdout(contains("1 agree with lbr_iiwa_7_r800").and(contains("Frames in cell.json")))
+        .stdout(
+            contains("1 of 1 taught frames agree with lbr_iiwa_7_r800")
+                .and(contains("Frames in cell.json")),
+        )
         .stderr(is_empty());
     assert_eq!(files(&folder), [DATA, "cell.json"]);
     let cell = fs::read_to_string(folder.path().join("cell.json")).unwrap();
@@ -188,6 +195,23 @@ fn frames_of_another_robot_or_flange_are_noticed() {
         .stderr(contains("--robot lbr_iiwa_14_r820 checks them"));
     iiwasim(&folder, &["import", DATA, "--no-output", "--robot", "lbr_iiwa_14_r820"])
         .success()
-        .stdout(contains("1 agree"))
+        .stdout(contains("1 of 1 taught frames agree"))
         .stderr(is_empty());
+
+    // A1 is so near to zero that the length of the flange decides on its sign.
+    let iiwa = Robot::default();
+    let other_m = if iiwa.lengths().flange_m > 0.14 { 0.126 } else { 0.152 };
+    let taught_on = iiwa.with_flange_m(other_m).unwrap();
+    let noticed = [1.0, -1.0].map(|a1_deg| {
+        let joints_deg = [a1_deg, 40.0, -15.0, -70.0, 70.0, 80.0, -30.0];
+        put(&folder, DATA, &taught_at(joints_deg, &taught_on, "LBR_iiwa_7_R800_1"));
+        let found = iiwasim(&folder, &["import", DATA, "--no-output"]).success();
+        let stdout = String::from_utf8_lossy(&found.get_output().stdout).into_owned();
+        let is_noticed = stdout.contains("0 of 1 taught frames agree");
+        let hint =
+            format!("With a flange of {:.0} mm (wrist to face), 1 would agree", 1e3 * other_m);
+        assert_eq!(stdout.contains(&hint), is_noticed, "{stdout}");
+        is_noticed
+    });
+    assert!(noticed.contains(&true));
 }

@@ -18,7 +18,7 @@ use crate::{
     runner::{
         DriveConnection, Task, execute_with_progress, go_to_start, recording, sampled, since_start,
     },
-    warning::turn_warnings,
+    warning::{turn_warnings, warning_lines},
 };
 
 /// Runs a program on the robot.
@@ -27,9 +27,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let target = target(options);
     output::catch_interrupts();
     let (plan, figures) = plan(&text, &program, &robot)?;
-    for warning in turn_warnings(&program, &robot) {
-        print_note(&format!("Warning: {warning}\n"));
-    }
+    print_note(&warning_lines(&turn_warnings(&program, &robot), None));
 
     let mut line = DriveConnection::new(&options.drive, &options.stream)?;
     if !options.json {

@@ -1,7 +1,5 @@
 //! Programs that include a file of tools, bases and frames.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use iiwa_path::{Program, ProgramError, Workcell};
 use serde_json::{Value, json};
 

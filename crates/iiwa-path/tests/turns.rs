@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::{Robot, Turn};
-use iiwa_path::{Frame, Program, TurnContradiction};
+use iiwa_path::{Frame, MotionIndex, Program, TurnContradiction};
 use serde_json::{Value, json};
 
 const JOINTS_DEG: [f64; 7] = [10.0, 40.0, -15.0, -70.0, 20.0, 60.0, -30.0];
@@ -45,7 +45,7 @@ fn they_are_found_wherever_a_motion_ends() {
     assert_eq!(found(&program(right)), []);
     let contradictions = found(&program(wrong));
     let motions: Vec<_> =
-        contradictions.iter().map(|found| found.motion.map(|motion| motion.index())).collect();
+        contradictions.iter().map(|found| found.motion.map(MotionIndex::index)).collect();
     assert_eq!(motions, [None, Some(1), Some(3)]);
     let [stated, is] = [wrong, right].map(|bits| Turn::new(bits).unwrap());
     assert!(contradictions.iter().all(|found| (found.stated, found.found) == (stated, is)));

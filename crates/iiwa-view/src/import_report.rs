@@ -195,16 +195,17 @@ impl ImportReport {
         let targets = self.frames.iter().filter(|frame| frame.is_target).count();
         let _ = writeln!(
             text,
-            "{} tools, {} bases, {targets} frames from {}",
-            self.tools.len(),
-            self.bases,
+            "{}, {}, {} from {}",
+            counted(self.tools.len(), "tool"),
+            counted(self.bases, "base"),
+            counted(targets, "frame"),
             printable(&self.project)
         );
         let _ = writeln!(
             text,
-            "Of {} frames that were taught, {} agree with {}: within reach and limits, with the status and the \
-             turn that were taught",
-            self.taught, self.agreeing, self.robot
+            "{} of {} taught frames agree with {}: within reach and limits, with the status and the turn that \
+             were taught",
+            self.agreeing, self.taught, self.robot
         );
         if let Some(OtherFlange { flange_mm, agreeing }) = &self.other_flange {
             let _ = writeln!(
@@ -217,6 +218,10 @@ impl ImportReport {
         }
         text
     }
+}
+
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 impl FrameRow {

@@ -26,6 +26,7 @@ use crate::{
     failure::{self, Failure},
     input, output,
     progress::Progress,
+    warning::warning_lines,
 };
 
 /// Plans all programs that are given, and those in the folders that are.
@@ -134,10 +135,7 @@ impl ProgramOutcome {
         };
         let gates = gates(options).judge(figures);
         let complain = |how| Failure::Gate(format!("{} {how}", printable(name))).text();
-        let warnings: String = warnings
-            .iter()
-            .map(|warning| format!("Warning: {}: {warning}\n", printable(name)))
-            .collect();
+        let warnings = warning_lines(warnings, Some(name));
         let complaint = warnings + &gates.complaint().map(complain).unwrap_or_default();
         Ok(Self {
             line: options.json.then(line).transpose()?,

@@ -14,6 +14,7 @@ use crate::{
     failure::{Failure, print_note},
     input, log, output,
     progress::Progress,
+    warning::warning_lines,
 };
 
 use super::{
@@ -42,7 +43,7 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
     let planned = write(options, scene.as_ref(), input, target.as_deref(), show);
     progress.clear();
     let PlanOutcome { figures, warnings } = planned?;
-    warnings.iter().for_each(|warning| print_note(&format!("Warning: {warning}\n")));
+    print_note(&warning_lines(&warnings, None));
     report(options, &figures, target.as_deref())?;
     match gates(options).judge(&figures).complaint() {
         Some(how) => Err(Failure::Gate(format!("the program {how}"))),
