@@ -268,7 +268,7 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
         bool(indices) and indices[0] >= 1 and indices == sorted(indices),
         indices,
     )
-    every("kind", "/motion", lambda m: m.kind in ("line", "lin", "circ", "blend", "settle", "wait"))
+    every("kind", "/motion", lambda m: m.kind in ("line", "lin", "circ", "spline", "blend", "settle", "wait"))
     every(
         "a limiting joint has a kind of limit, and so has the TCP",
         "/motion",

@@ -9,8 +9,8 @@ use std::{collections::BTreeMap, sync::Arc};
 use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_path::{
     AuxOrientation, Base, Blend, ByKind, CartesianFault, CartesianMotion, Circ, Course, Fault,
-    Frame, JointPath, Motion, OrientationType, PathBlend, Program, Ptp, Start, Step, Target,
-    TargetRef, Tool, ToolLimits, Workcell,
+    Frame, JointPath, Motion, OrientationType, PathBlend, Program, Ptp, SegmentCourse,
+    SplineSegment, Start, Step, Target, TargetRef, Tool, ToolLimits, Workcell,
 };
 
 use crate::families::dice::Dice;
@@ -73,7 +73,7 @@ pub fn cause(fault: &Fault) -> &'static str {
     match fault {
         Fault::BlendOutside { .. } => "blend outside",
         Fault::JointOutside { .. } => "target outside",
-        Fault::Cartesian { fault, key, .. } => match (&**fault, *key) {
+        Fault::Cartesian { fault, key, .. } => match (innermost(fault), *key) {
             (_, "blend") => "blend not reached or singular",
             (CartesianFault::Unreachable(_), _) => "target unreachable",
             (CartesianFault::Outside(_), _) => "frame outside",
@@ -84,6 +84,14 @@ pub fn cause(fault: &Fault) -> &'static str {
             _ => "other",
         },
         _ => "other",
+    }
+}
+
+/// What is wrong within a segment of a spline, or else with the motion.
+fn innermost(fault: &CartesianFault) -> &CartesianFault {
+    match fault {
+        CartesianFault::Segment { fault, .. } => innermost(fault),
+        fault => fault,
     }
 }
 
@@ -221,7 +229,8 @@ impl Way<'_> {
             30..55 => self.lin(dice),
             55..70 => self.lin_rel(dice),
             70..78 => self.null_space(dice),
-            _ => self.circ(dice),
+            78..88 => self.circ(dice),
+            _ => self.spline(dice),
         };
         Motion::Cartesian(Box::new(path))
     }
@@ -336,10 +345,15 @@ impl Way<'_> {
 
     fn circ(&self, dice: &mut Dice) -> CartesianMotion {
         let path = Self::path(dice);
+        let circ = self.circle(dice, &path);
+        CartesianMotion { course: Course::Circ(circ), ..path }
+    }
+
+    fn circle(&self, dice: &mut Dice, path: &CartesianMotion) -> Circ {
         let [aux, to] = [0.7, 1.0].map(|share| {
             let way = Way { size: share * self.size, ..*self };
             let joints = way.near(dice, false);
-            way.target(dice, &path, &joints, false)
+            way.target(dice, path, &joints, false)
         });
         let angle_rad = dice.percent(25).then(|| {
             let sign = if dice.percent(50) { 1.0 } else { -1.0 };
@@ -350,15 +364,38 @@ impl Way<'_> {
             1 if angle_rad.is_none() => AuxOrientation::Interpolate,
             _ => AuxOrientation::Ignore,
         };
-        let circ = Circ {
+        Circ {
             aux,
             to,
             angle_rad,
             turns_with_path: dice.percent(30),
             aux_orientation,
             extrapolates: dice.percent(50),
-        };
-        CartesianMotion { course: Course::Circ(circ), ..path }
+        }
+    }
+
+    /// Mostly SPL segments, with lines and circles among them.
+    fn spline(&self, dice: &mut Dice) -> CartesianMotion {
+        let path = Self::path(dice);
+        let mut from_rad = self.from_rad;
+        let segments = (0..dice.count(1, 6)).map(|_| {
+            let way = Way { from_rad, size: 0.5 * self.size, ..*self };
+            let swing = dice.percent(15);
+            from_rad = way.near(dice, swing);
+            let to = way.target(dice, &path, &from_rad, swing);
+            let course = match dice.count(0, 9) {
+                0 => SegmentCourse::Circ(way.circle(dice, &path)),
+                1 | 2 => SegmentCourse::Lin { to },
+                _ => SegmentCourse::Spl { to },
+            };
+            let orientation = match dice.count(0, 9) {
+                0 => Some(OrientationType::Constant),
+                1 => Some(OrientationType::Ignore),
+                _ => None,
+            };
+            SplineSegment { course, orientation }
+        });
+        CartesianMotion { course: Course::Spline(segments.collect()), ..path }
     }
 }
 

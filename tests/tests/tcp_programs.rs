@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use iiwa_kin::{Joints, Pose, Robot, vector};
 use iiwa_path::{
     CartesianMotion, Course, Frame, JointPath, LimitKind, Motion, OrientationType, PathBlend,
-    Program, Segment, Start, Step, TargetRef, Workcell,
+    Program, Segment, SegmentCourse, SplineSegment, Start, Step, TargetRef, Workcell,
 };
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{
@@ -172,6 +172,7 @@ fn a_moved_base_and_frames_moved_back_are_the_same_path() {
                 Course::Ptp { to } | Course::Lin { to } => vec![to],
                 Course::LinRel { within, .. } => within.iter_mut().collect(),
                 Course::Circ(circ) => vec![&mut circ.aux, &mut circ.to],
+                Course::Spline(segments) => segments.iter_mut().flat_map(targets_of).collect(),
                 _ => vec![],
             };
             for target in targets {
@@ -192,6 +193,14 @@ fn a_moved_base_and_frames_moved_back_are_the_same_path() {
                 assert!(off < 1e-8, "program {index}: {off:e} m");
             }
         }
+    }
+}
+
+fn targets_of(segment: &mut SplineSegment) -> Vec<&mut TargetRef> {
+    match &mut segment.course {
+        SegmentCourse::Spl { to } | SegmentCourse::Lin { to } => vec![to],
+        SegmentCourse::Circ(circ) => vec![&mut circ.aux, &mut circ.to],
+        _ => vec![],
     }
 }
 

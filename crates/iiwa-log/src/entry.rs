@@ -72,7 +72,7 @@ pub struct PoseSample {
 pub struct Motion<'a> {
     /// The place in the program, from 1.
     pub index: u32,
-    /// What it is: `line`, `lin`, `circ`, `blend`, `settle` or `wait`.
+    /// What it is: `line`, `lin`, `circ`, `spline`, `blend`, `settle` or `wait`.
     pub kind: Cow<'a, str>,
     /// The joint whose limit bites first, 1 to 7; none if it is one of the TCP.
     pub limiting_joint: Option<u8>,

@@ -60,7 +60,7 @@ pub struct ClearanceRecord {
 pub struct MotionRecord {
     /// The place in the program, from 1.
     pub index: usize,
-    /// `ptp`, `lin`, `lin_rel`, `circ` or `wait`.
+    /// `ptp`, `lin`, `lin_rel`, `circ`, `spline` or `wait`.
     pub r#type: Cow<'static, str>,
     /// When it starts, in s.
     pub start_s: f64,
@@ -142,6 +142,41 @@ pub struct BlendRecord {
     pub end_s: f64,
 }
 
+impl MotionRecord {
+    /// Adds what it does after a stop on its way.
+    fn go_on(&mut self, next: Self) {
+        let times = [self.end_s - self.start_s, next.end_s - next.start_s];
+        let of_all = |share: f64, part: usize| share * times[part] / (times[0] + times[1]);
+        for limit in &mut self.limits {
+            limit.share = of_all(limit.share, 0);
+        }
+        for LimitShareRecord { limit, share } in next.limits {
+            let share = of_all(share, 1);
+            match self.limits.iter_mut().find(|own| own.limit == limit) {
+                Some(own) => own.share += share,
+                None => self.limits.push(LimitShareRecord { limit, share }),
+            }
+        }
+        self.limits.sort_by(|a, b| b.share.total_cmp(&a.share));
+        self.limited_by = self.limits.first().map(|first| first.limit.clone());
+        self.end_s = next.end_s;
+        self.peak_velocity_rel = self.peak_velocity_rel.max(next.peak_velocity_rel);
+        self.cartesian = match (self.cartesian.take(), next.cartesian) {
+            (Some(own), Some(next)) => Some(CartesianRecord {
+                tcp_speed_peak_mm_s: own.tcp_speed_peak_mm_s.max(next.tcp_speed_peak_mm_s),
+                singularity: if next.singularity.least < own.singularity.least {
+                    next.singularity
+                } else {
+                    own.singularity
+                },
+                status: next.status,
+                e1_deg: [own.e1_deg[0], next.e1_deg[1]],
+            }),
+            (own, next) => own.or(next),
+        };
+    }
+}
+
 impl PlanFigures {
     /// The figures of a plan without any section yet. `samples` are those per blend of the sweep, as they
     /// were asked for.
@@ -191,7 +226,13 @@ impl PlanFigures {
         self.motion_time_s = totals.motion_time_s;
         self.settle_time_s = totals.settle_time_s;
         self.wait_time_s = totals.wait_time_s;
-        self.motions.extend(section.motions().iter().map(MotionRecord::from));
+        for motion in section.motions().iter().map(MotionRecord::from) {
+            match self.motions.last_mut().filter(|last| last.index == motion.index) {
+                // It stopped on its way, as a spline does where its segments do not join smoothly.
+                Some(last) => last.go_on(motion),
+                None => self.motions.push(motion),
+            }
+        }
         self.blends.extend(section.blends().iter().map(BlendRecord::from));
     }
 

@@ -46,7 +46,7 @@ pub struct PlanNode {
 pub struct PlanPiece {
     /// The motion of the program, from 1.
     pub motion: u32,
-    /// `line`, `lin`, `circ`, `blend`, `settle` or `wait`.
+    /// `line`, `lin`, `circ`, `spline`, `blend`, `settle` or `wait`.
     pub kind: String,
     /// When it starts, in s.
     pub start_s: f64,

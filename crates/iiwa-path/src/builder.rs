@@ -10,6 +10,7 @@ use crate::{
         corner::CurvedCorner,
         joint_curve::Part,
         leg::{Leg, legs},
+        tcp_path::TcpPath,
     },
     cartesian_motion::PathBlend,
     circle::CircularBlend,
@@ -98,7 +99,7 @@ impl<'a> Legs<'a> {
                 };
                 let to_rad = target(program.motions.get(index)?)?;
                 let from_rad = program.motions[..index].iter().rev().find_map(target);
-                Some(Leg { ends_rad: [from_rad.unwrap_or(*start_rad), to_rad], path: None })
+                Some(Leg { ends_rad: [from_rad.unwrap_or(*start_rad), to_rad], paths: Vec::new() })
             }
         }
     }
@@ -108,7 +109,7 @@ impl<'a> Legs<'a> {
 enum Rest {
     /// A line from here, in rad.
     Line(Joints),
-    /// The path of the TCP from this share on.
+    /// The path of the TCP, from this share of its first segment on.
     Path(f64),
 }
 
@@ -148,16 +149,16 @@ impl Corners<'_> {
             Motion::Wait { .. } => None,
         };
         let (Some(size), Some(next)) = (size, self.legs.get(index + 1)) else { return Ok(None) };
-        if leg.path.is_none() && next.path.is_none() {
+        if leg.paths.is_empty() && next.paths.is_empty() {
             let ends = [leg.ends_rad[0], leg.ends_rad[1], next.ends_rad[1]];
             let corner = size.in_joints().and_then(|blend| {
                 JointCorner::new(self.robot, self.options.blend_search, ends, blend)
             });
             return Ok(corner.map(RoundedCorner::InJoints));
         }
-        let is_still = |leg: &Leg| match &leg.path {
-            Some(path) => path.rate_rad <= NO_MOTION_RAD,
-            None => vector::distance(&leg.ends_rad[0], &leg.ends_rad[1]) <= NO_MOTION_RAD,
+        let is_still = |leg: &Leg| match leg.paths.as_slice() {
+            [] => vector::distance(&leg.ends_rad[0], &leg.ends_rad[1]) <= NO_MOTION_RAD,
+            paths => paths.iter().all(|path| path.rate_rad <= NO_MOTION_RAD),
         };
         if is_still(&leg) || is_still(&next) {
             return Ok(None);
@@ -170,11 +171,11 @@ impl Corners<'_> {
         })?;
         Ok(corner.map(|corner| {
             let share = corner.shares[1];
-            let rest = if next.path.is_some() {
-                Rest::Path(share)
-            } else {
+            let rest = if next.paths.is_empty() {
                 let [from, to] = next.ends_rad;
                 Rest::Line(vector::add_scaled(&from, share, &vector::sub(&to, &from)))
+            } else {
+                Rest::Path(share)
             };
             RoundedCorner::Curved(corner, rest)
         }))
@@ -201,7 +202,7 @@ impl Builder<'_> {
         after: Option<&RoundedCorner>,
     ) -> Result<(), Fault> {
         let [from_rad, to_rad] = leg.ends_rad;
-        let Some(path) = &leg.path else {
+        if leg.paths.is_empty() {
             let from_rad = match before {
                 Some(Rest::Line(from_rad)) => *from_rad,
                 _ => from_rad,
@@ -216,20 +217,41 @@ impl Builder<'_> {
             };
             self.push_line(motion, from_rad, to_rad);
             return Ok(());
-        };
-        let from = if let Some(Rest::Path(share)) = before { *share } else { 0.0 };
-        let to = match after {
-            Some(RoundedCorner::Curved(corner, _)) => 1.0 - corner.shares[0],
-            _ => 1.0,
-        };
+        }
+        let last = leg.paths.len() - 1;
+        for (index, path) in leg.paths.iter().enumerate() {
+            let from = match before {
+                Some(Rest::Path(share)) if index == 0 => *share,
+                _ => 0.0,
+            };
+            let to = match after {
+                Some(RoundedCorner::Curved(corner, _)) if index == last => 1.0 - corner.shares[0],
+                _ => 1.0,
+            };
+            self.push_path(motion, path, [from, to])?;
+            if path.stops {
+                self.push(Step::Corner { motion });
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the path of the TCP between two shares of it.
+    fn push_path(
+        &mut self,
+        motion: MotionIndex,
+        path: &TcpPath,
+        range: [f64; 2],
+    ) -> Result<(), Fault> {
+        let [from, to] = range;
         if (to - from) * path.rate_rad <= NO_MOTION_RAD {
             return Ok(());
         }
         let sigma = Sigma::even(path.rate_rad * (to - from));
-        let image = if [from, to] == [0.0, 1.0] {
+        let image = if range == [0.0, 1.0] {
             JointSpline::clone(&path.image)
         } else {
-            let curve = Part { range: [from, to], curve: Arc::clone(&path.curve) };
+            let curve = Part { range, curve: Arc::clone(&path.curve) };
             JointSpline::of(Arc::new(curve)).map_err(|found| Fault::Cartesian {
                 motion: Some(motion),
                 key: "frame",

@@ -5,7 +5,11 @@ pub(crate) mod fault;
 pub(crate) mod joint_curve;
 pub(crate) mod leg;
 mod rotation;
+mod site;
+mod spline;
+mod spline_leg;
 mod tcp_course;
+pub(crate) mod tcp_path;
 
 pub use fault::CartesianFault;
 pub use tcp_course::CourseFault;

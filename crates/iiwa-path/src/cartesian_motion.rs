@@ -59,6 +59,49 @@ pub enum Course {
     },
     /// The TCP goes on a circle.
     Circ(Circ),
+    /// The TCP goes through the ends of segments without a stop, at most [`MAX_SEGMENTS`].
+    Spline(Vec<SplineSegment>),
+}
+
+/// The most segments of a spline, as on the robot's controller.
+pub const MAX_SEGMENTS: usize = 20;
+
+/// A segment of a spline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SplineSegment {
+    /// On which course it goes where.
+    pub course: SegmentCourse,
+    /// How the orientation goes along; as the spline says if absent.
+    pub orientation: Option<OrientationType>,
+}
+
+/// The course of a segment of a spline.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SegmentCourse {
+    /// A curve that the frames of the spline define.
+    Spl {
+        /// The frame that it goes to.
+        to: TargetRef,
+    },
+    /// A straight line.
+    Lin {
+        /// The frame that it goes to.
+        to: TargetRef,
+    },
+    /// A circle.
+    Circ(Circ),
+}
+
+impl SegmentCourse {
+    /// The frame that it goes to.
+    #[must_use]
+    pub fn target(&self) -> &TargetRef {
+        match self {
+            Self::Spl { to } | Self::Lin { to } => to,
+            Self::Circ(circ) => &circ.to,
+        }
+    }
 }
 
 /// A circle through where the motion starts, an auxiliary frame and another.
@@ -89,6 +132,8 @@ pub enum OrientationType {
     Variable,
     /// As at the start.
     Constant,
+    /// On a segment of a spline: the orientation at its end is that between its neighbours'.
+    Ignore,
 }
 
 /// What the orientation of a circle's auxiliary frame is for.
@@ -146,6 +191,21 @@ impl CartesianMotion {
         ]
     }
 
+    /// Checks that a spline has as many segments as one can have, and that no other motion has an orientation that is for
+    /// them.
+    pub(crate) fn check_segments(&self) -> Result<(), (&'static str, CartesianFault)> {
+        match &self.course {
+            Course::Spline(segments) if !(1..=MAX_SEGMENTS).contains(&segments.len()) => {
+                Err(("segments", CartesianFault::Segments { found: segments.len() }))
+            }
+            Course::Spline(_) => Ok(()),
+            _ if self.orientation == OrientationType::Ignore => {
+                Err(("orientation", CartesianFault::IgnoredOrientation))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Whether it is straight in joint space.
     #[must_use]
     pub fn is_ptp(&self) -> bool {
@@ -158,11 +218,12 @@ impl CartesianMotion {
         match &self.course {
             Course::Ptp { to } | Course::Lin { to } => Some(to),
             Course::Circ(circ) => Some(&circ.to),
+            Course::Spline(segments) => segments.last().map(|segment| segment.course.target()),
             Course::LinRel { .. } => None,
         }
     }
 
-    /// Its name in programs: `ptp`, `lin`, `lin_rel` or `circ`.
+    /// Its name in programs: `ptp`, `lin`, `lin_rel`, `circ` or `spline`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self.course {
@@ -170,6 +231,7 @@ impl CartesianMotion {
             Course::Lin { .. } => "lin",
             Course::LinRel { .. } => "lin_rel",
             Course::Circ(_) => "circ",
+            Course::Spline(_) => "spline",
         }
     }
 }

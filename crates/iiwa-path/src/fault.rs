@@ -101,10 +101,16 @@ impl Fault {
         let motions = Key("motions");
         match self {
             Self::NoMotions => locate(text, &[motions]),
-            Self::Cartesian { motion, key, .. } => match motion {
-                Some(motion) => locate(text, &[motions, Index(motion.index()), Key(key)]),
-                None => locate(text, &[Key("start"), Key(key)]),
-            },
+            Self::Cartesian { motion, key, fault } => {
+                let mut path = match motion {
+                    Some(motion) => vec![motions, Index(motion.index()), Key(key)],
+                    None => vec![Key("start"), Key(key)],
+                };
+                if let CartesianFault::Segment { index, key, .. } = fault.as_ref() {
+                    path.extend([Index(*index), Key(key)]);
+                }
+                locate(text, &path)
+            }
             Self::JointOutside { motion, outside } => {
                 let owner = match motion {
                     None => vec![Key("start")],

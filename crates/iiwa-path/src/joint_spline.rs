@@ -29,8 +29,12 @@ type Piece = [Joints; 8];
 /// How far the polynomials may be off the curve, in rad.
 const TOLERANCE_RAD: f64 = 1e-9;
 
-/// Most halvings of a piece.
-const MOST_HALVINGS: u32 = 12;
+/// Most halvings of a piece. Next to a singular pose joints go with the root of the distance from it: pieces become
+/// shorter and shorter, by as much as the distance does.
+const MOST_HALVINGS: u32 = 32;
+
+/// Most pieces.
+const MOST_PIECES: usize = 1 << 12;
 
 /// How many times the intervals of a blend a curve has: one time for so many pieces, at least and at most so many times.
 const PIECES_A_GRID: usize = 4;
@@ -131,7 +135,7 @@ impl JointSpline {
             return Ok(());
         }
         let half = f64::midpoint(from, to);
-        if halvings == MOST_HALVINGS {
+        if halvings == MOST_HALVINGS || self.pieces.len() == MOST_PIECES {
             return Err(CurveFaultAt { s: half, fault: CurveFault::Abrupt });
         }
         self.halve([from, half], &[ends[0], *middle], &quarter, halvings + 1)?;

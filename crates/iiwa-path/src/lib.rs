@@ -72,7 +72,8 @@ mod workcell;
 pub use blend::Blend;
 pub use cartesian::{CartesianFault, CourseFault};
 pub use cartesian_motion::{
-    AuxOrientation, CartesianMotion, Circ, Course, OrientationType, PathBlend,
+    AuxOrientation, CartesianMotion, Circ, Course, MAX_SEGMENTS, OrientationType, PathBlend,
+    SegmentCourse, SplineSegment,
 };
 pub use circle::CircularBlend;
 pub use continuity::Continuity;

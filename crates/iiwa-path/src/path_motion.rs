@@ -24,12 +24,14 @@ pub enum MotionType {
     LinRel,
     /// The TCP goes on a circle.
     Circ,
+    /// The TCP goes through frames on segments of a spline.
+    Spline,
     /// A wait.
     Wait,
 }
 
 impl MotionType {
-    /// Its name in programs: `ptp`, `lin`, `lin_rel`, `circ` or `wait`.
+    /// Its name in programs: `ptp`, `lin`, `lin_rel`, `circ`, `spline` or `wait`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -37,6 +39,7 @@ impl MotionType {
             Self::Lin => "lin",
             Self::LinRel => "lin_rel",
             Self::Circ => "circ",
+            Self::Spline => "spline",
             Self::Wait => "wait",
         }
     }
@@ -60,6 +63,7 @@ impl Motion {
                 Course::Lin { .. } => MotionType::Lin,
                 Course::LinRel { .. } => MotionType::LinRel,
                 Course::Circ(_) => MotionType::Circ,
+                Course::Spline(_) => MotionType::Spline,
             },
         }
     }

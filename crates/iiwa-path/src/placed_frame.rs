@@ -3,7 +3,7 @@
 use iiwa_kin::Pose;
 
 use crate::{
-    cartesian_motion::Course,
+    cartesian_motion::{Course, SegmentCourse},
     program::{Motion, Program, Start},
     target::TargetRef,
     workcell::NameFault,
@@ -67,6 +67,14 @@ impl Program {
                 Course::Circ(circ) => {
                     add(&circ.aux, base)?;
                     add(&circ.to, base)?;
+                }
+                Course::Spline(segments) => {
+                    for segment in segments {
+                        if let SegmentCourse::Circ(circ) = &segment.course {
+                            add(&circ.aux, base)?;
+                        }
+                        add(segment.course.target(), base)?;
+                    }
                 }
                 Course::LinRel { .. } => {}
             }

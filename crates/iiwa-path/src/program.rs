@@ -211,6 +211,7 @@ impl Program {
                 return Err(fault(key, CartesianFault::Limit { key, found }));
             }
         }
+        own.check_segments().map_err(|(key, problem)| fault(key, problem))?;
         let Some(blend) = own.blend else { return Ok(()) };
         blend.check(own.is_ptp()).map_err(|problem| fault("blend", problem))?;
         match blend.in_joints() {

@@ -110,9 +110,8 @@ impl Motion {
 /// The target at which a motion ends.
 fn destination(motion: &CartesianMotion) -> Option<&TargetRef> {
     match &motion.course {
-        Course::Ptp { to } | Course::Lin { to } => Some(to),
         // With an angle, it ends elsewhere.
-        Course::Circ(circ) => circ.angle_rad.is_none().then_some(&circ.to),
-        Course::LinRel { .. } => None,
+        Course::Circ(circ) if circ.angle_rad.is_some() => None,
+        _ => motion.target(),
     }
 }

@@ -5,32 +5,31 @@ mod cartesian;
 mod error;
 mod frames;
 mod include;
+mod ptp;
 mod share;
+mod spline;
 mod target;
 
 use std::collections::BTreeMap;
 
-use iiwa_json::{
-    Object, Step, excerpt, locate, numbers, object, object_or_null, read_version, tag,
-};
+use iiwa_json::{Object, Step, excerpt, locate, object, read_version, tag};
 use iiwa_kin::Joints;
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
+use serde::{Deserialize, Serialize, Serializer};
 use serde_json::value::RawValue;
 
 use crate::{
-    blend::Blend,
-    cartesian_motion::{CartesianMotion, Course, PathBlend},
-    limit_kind::ByKind,
+    cartesian_motion::{Course, SegmentCourse, SplineSegment},
     motion_index::MotionIndex,
-    program::{Motion, Program, Ptp, Start},
+    program::{Motion, Program, Start},
     workcell::Workcell,
 };
 use cartesian::{CircWire, LinRelWire, LinWire};
 use error::{VERSION, json_error};
 use frames::{BaseWire, TargetRefWire, TargetWire, ToolWire};
 use include::{included, no_files};
-use share::Share;
+use ptp::{PtpWire, joints_of, seven};
+use spline::{SplWire, SplineWire, WrongSegment};
 
 pub use error::ProgramError;
 
@@ -209,6 +208,19 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
             let Object(wire) = serde_json::from_str::<Object<CircWire>>(raw).map_err(fail)?;
             wire.motion().map_err(|(key, what)| wrong(what, Some(key)))
         }
+        Some("spl") => {
+            let Object(wire) = serde_json::from_str::<Object<SplWire>>(raw).map_err(fail)?;
+            wire.motion().map_err(|(key, what)| wrong(what, Some(key)))
+        }
+        Some("spline") => {
+            let Object(wire) = serde_json::from_str::<Object<SplineWire>>(raw).map_err(fail)?;
+            wire.motion().map_err(|WrongSegment { index: segment, key, what }| {
+                let path = [Step::Key("motions"), Step::Index(index), Step::Key("segments")];
+                let path = [&path[..], &[Step::Index(segment), Step::Key(key)]].concat();
+                let what = format!("segment {}: {what}", segment + 1);
+                ProgramError::Json { what, motion, place: locate(text, &path) }
+            })
+        }
         Some("wait") => {
             let Object(wire) = serde_json::from_str::<Object<WaitWire>>(raw).map_err(fail)?;
             Ok(Motion::Wait { seconds: wire.seconds })
@@ -222,7 +234,7 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
 }
 
 /// The types of motions.
-const KNOWN_TYPES: &str = "`ptp`, `lin`, `lin_rel`, `circ` and `wait`";
+const KNOWN_TYPES: &str = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` and `wait`";
 
 #[derive(Deserialize)]
 struct MotionsOnly<'a> {
@@ -335,15 +347,6 @@ impl From<&Start> for StartWire {
     }
 }
 
-fn joints_of(rad: Option<Joints>, deg: Option<Joints>) -> Result<Joints, &'static str> {
-    match (rad, deg) {
-        (Some(rad), None) => Ok(rad),
-        (None, Some(deg)) => Ok(deg.map(f64::to_radians)),
-        (None, None) => Err("the joints are missing: give `joints_deg` or `joints_rad`"),
-        (Some(_), Some(_)) => Err("give either `joints_deg` or `joints_rad`, not both"),
-    }
-}
-
 /// One entry of the list of motions.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
@@ -353,14 +356,9 @@ enum MotionWire {
     Lin(LinWire),
     LinRel(LinRelWire),
     Circ(CircWire),
+    Spline(SplineWire),
+    Spl(SplWire),
     Wait(WaitWire),
-}
-
-#[derive(Deserialize, Serialize, JsonSchema)]
-#[schemars(inline)]
-enum PtpTag {
-    #[serde(rename = "ptp")]
-    Ptp,
 }
 
 #[derive(Deserialize, Serialize, JsonSchema)]
@@ -368,48 +366,6 @@ enum PtpTag {
 enum WaitTag {
     #[serde(rename = "wait")]
     Wait,
-}
-
-/// A point-to-point motion, with its target as `joints_deg`, `joints_rad` or a `frame`.
-#[derive(Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(
-    rename = "Ptp",
-    extend("oneOf" = [
-        {"required": ["joints_deg"]}, {"required": ["joints_rad"]}, {"required": ["frame"]}
-    ])
-)]
-struct PtpWire {
-    r#type: PtpTag,
-    /// Joints A1 to A7, in rad.
-    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "[f64; 7]")]
-    joints_rad: Option<Joints>,
-    /// Joints A1 to A7, in degrees.
-    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "[f64; 7]")]
-    joints_deg: Option<Joints>,
-    /// A frame for the TCP.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    frame: Option<TargetRefWire>,
-    /// The TCP that goes to the frame, `TOOL` or `TOOL/TIP`; the program's if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    tool: Option<String>,
-    /// The base of the frame; the program's if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    base: Option<String>,
-    /// Share of the speed limits, above 0 and at most 1: one for all joints or one a joint.
-    #[serde(default, skip_serializing_if = "Share::is_full")]
-    velocity_rel: Share,
-    /// Share of the acceleration limits, above 0 and at most 1.
-    #[serde(default, skip_serializing_if = "Share::is_full")]
-    acceleration_rel: Share,
-    /// Share of the jerk limits, above 0 and at most 1.
-    #[serde(default, skip_serializing_if = "Share::is_full")]
-    jerk_rel: Share,
-    /// How the target is blended away; without it the arm stops there.
-    #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
-    blend: Option<BlendWire>,
 }
 
 /// The arm stands still.
@@ -423,94 +379,6 @@ struct WaitWire {
     seconds: f64,
 }
 
-/// Where the arm may leave the line to the target and cut the corner.
-#[derive(Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-#[schemars(rename = "Blend")]
-enum BlendWire {
-    /// A share of each neighbouring motion (Larsen 2019, Eq. 36).
-    Fraction(#[schemars(range(min = 0, max = 0.5))] f64),
-    /// Sunrise's `setBlendingRel`: 1 is half of a motion, below 0.05 the arm stops.
-    SunriseRel(#[schemars(range(min = 0, max = 1))] f64),
-    /// A radius about the target in mm; below 4 the arm stops.
-    CartMm(#[schemars(range(min = 0))] f64),
-}
-
-/// What serde says of enumerations would not tell anybody what to write.
-impl<'de> Deserialize<'de> for BlendWire {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct Sizes {
-            #[serde(default, deserialize_with = "given")]
-            fraction: Option<f64>,
-            #[serde(default, deserialize_with = "given")]
-            sunrise_rel: Option<f64>,
-            #[serde(default, deserialize_with = "given")]
-            cart_mm: Option<f64>,
-        }
-        /// A key that is there has a value: null is not one.
-        fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
-            f64::deserialize(deserializer).map(Some)
-        }
-        let sizes = Sizes::deserialize(deserializer)?;
-        match (sizes.fraction, sizes.sunrise_rel, sizes.cart_mm) {
-            (Some(b), None, None) => Ok(Self::Fraction(b)),
-            (None, Some(x), None) => Ok(Self::SunriseRel(x)),
-            (None, None, Some(r)) => Ok(Self::CartMm(r)),
-            _ => Err(D::Error::custom(
-                "a blend has exactly one of `fraction`, `sunrise_rel` and `cart_mm`",
-            )),
-        }
-    }
-}
-
-impl PtpWire {
-    fn motion(self) -> Result<Motion, String> {
-        let shares = [self.velocity_rel, self.acceleration_rel, self.jerk_rel].map(Share::each);
-        let blend = self.blend.map(|blend| match blend {
-            BlendWire::Fraction(b) => Blend::Fraction(b),
-            BlendWire::SunriseRel(x) => Blend::SunriseRel(x),
-            BlendWire::CartMm(r) => Blend::CartMm(r),
-        });
-        if let Some(frame) = self.frame {
-            if self.joints_rad.is_some() || self.joints_deg.is_some() {
-                return Err("give either the joints or a `frame`, not both".to_owned());
-            }
-            return Ok(Motion::Cartesian(Box::new(CartesianMotion {
-                tool: self.tool,
-                base: self.base,
-                shares: ByKind::from_array(shares),
-                blend: blend.map(PathBlend::from),
-                ..CartesianMotion::new(Course::Ptp { to: frame.target()? })
-            })));
-        }
-        let [velocity_rel, acceleration_rel, jerk_rel] = shares;
-        let target_rad = joints_of(self.joints_rad, self.joints_deg)?;
-        Ok(Motion::Ptp(Ptp { target_rad, velocity_rel, acceleration_rel, jerk_rel, blend }))
-    }
-
-    /// A motion without a target yet.
-    fn to_nowhere([velocity, acceleration, jerk]: [Joints; 3], blend: Option<Blend>) -> Self {
-        Self {
-            r#type: PtpTag::Ptp,
-            joints_rad: None,
-            joints_deg: None,
-            frame: None,
-            tool: None,
-            base: None,
-            velocity_rel: Share::from(velocity),
-            acceleration_rel: Share::from(acceleration),
-            jerk_rel: Share::from(jerk),
-            blend: blend.map(|blend| match blend {
-                Blend::Fraction(b) => BlendWire::Fraction(b),
-                Blend::SunriseRel(x) => BlendWire::SunriseRel(x),
-                Blend::CartMm(r) => BlendWire::CartMm(r),
-            }),
-        }
-    }
-}
-
 impl From<&Motion> for MotionWire {
     fn from(motion: &Motion) -> Self {
         match motion {
@@ -519,26 +387,22 @@ impl From<&Motion> for MotionWire {
             }
             Motion::Ptp(ptp) => {
                 let shares = [ptp.velocity_rel, ptp.acceleration_rel, ptp.jerk_rel];
-                let wire = PtpWire::to_nowhere(shares, ptp.blend);
-                Self::Ptp(PtpWire { joints_rad: Some(ptp.target_rad), ..wire })
+                Self::Ptp(PtpWire::to_joints(&ptp.target_rad, shares, ptp.blend))
             }
             Motion::Cartesian(own) => match &own.course {
-                Course::Ptp { to } => {
-                    let blend = own.blend.and_then(|blend| blend.in_joints());
-                    let wire = PtpWire::to_nowhere(own.shares.into_array(), blend);
-                    let (tool, base) = (own.tool.clone(), own.base.clone());
-                    Self::Ptp(PtpWire { frame: Some(to.into()), tool, base, ..wire })
-                }
+                Course::Ptp { to } => Self::Ptp(PtpWire::to_frame(own, to)),
                 Course::Lin { to } => Self::Lin(LinWire::new(own, to)),
                 Course::LinRel { offset, e1_rad, within } => {
                     Self::LinRel(LinRelWire::new(own, offset, *e1_rad, within.as_ref()))
                 }
                 Course::Circ(circ) => Self::Circ(CircWire::new(own, circ)),
+                Course::Spline(segments) => match segments.as_slice() {
+                    [SplineSegment { course: SegmentCourse::Spl { to }, orientation: None }] => {
+                        Self::Spl(SplWire::new(own, to))
+                    }
+                    segments => Self::Spline(SplineWire::new(own, segments)),
+                },
             },
         }
     }
-}
-
-fn seven<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Joints>, D::Error> {
-    numbers(reader, "seven joint angles, A1 to A7").map(Some)
 }

@@ -125,7 +125,7 @@ fn what_cannot_be_is_refused_with_its_place() {
             to(-300.0, 500.0, &json!({ "status": 2 })),
             vec!["motion 1", "joint A"],
         ),
-        ("/motions/0/frame/x_mm", json!("10"), vec!["motion 1"]),
+        ("/frames/pick/x_mm", json!("10"), vec!["a number"]),
         ("/motions/0/frame", json!({ "x_mm": 10 }), vec!["motion 1", "`y_mm` is missing"]),
         ("/motions/0/blend", json!({ "ori_deg": 5 }), vec!["motion 1", "unknown key `ori_deg`"]),
         (

@@ -301,12 +301,16 @@ impl Attempt {
         pulp::Arch::new().dispatch(Check { attempt: self, segments, window })
     }
 
-    /// The same in one cell, stretch by stretch if it is slow.
+    /// The same in one cell, stretch by stretch if it is slow, or if the speed changes much: then most of the time is
+    /// spent next to one end.
     #[inline(always)]
     fn largest_shares_in(&self, k: usize, segments: &[LimitedSegment<'_>]) -> ByKind<f64> {
         let cell = &self.mesh.cells[k];
         let segment = &segments[cell.segment];
-        let stretches = self.slowness(segment, k).ceil().clamp(1.0, REFINEMENT.stretches);
+        let [start, end] = [0.0, 1.0].map(|f| self.solver.at(k, f)[0]);
+        let doublings = if end > start { end / start } else { start / end }.log2();
+        let stretches = larger(self.slowness(segment, k), REFINEMENT.doublings * doublings);
+        let stretches = stretches.ceil().clamp(1.0, REFINEMENT.stretches);
         if stretches == 1.0 {
             return segment
                 .largest_shares(&self.mesh.geometry[k], &self.rates_along(k, [0.0, 1.0]));

@@ -211,11 +211,12 @@ impl<'a> LimitedSegment<'a> {
     /// The way from a rest at `s` on which the curve's bend takes no more than a `share` of a limit of jerk, in rad.
     ///
     /// Where the third derivative of sigma is a constant j, `sigma = j t^3 / 6` and the jerk is
-    /// `j (q' + 9 q'' sigma)`, but for higher powers.
+    /// `j (q' + 9 q'' sigma + 14 q''' sigma^2)` with the derivatives there, but for higher powers.
     pub(crate) fn even_way(&self, s: f64, share: f64) -> f64 {
-        let [_, ddq, _] = self.derivatives(s);
+        let [_, ddq, dddq] = self.derivatives(s);
         let [_, _, jerk] = self.straight(s);
-        share / (9.0 * jerk * largest_share(&ddq, &self.inverse[LimitKind::Jerk]))
+        let of = |row| jerk * largest_share(row, &self.inverse[LimitKind::Jerk]);
+        (share / (9.0 * of(&ddq))).min((share / (14.0 * of(&dddq))).sqrt())
     }
 
     /// Way on which the arm stops, straight on, from its start, in rad; `before` is the segment that ends there.

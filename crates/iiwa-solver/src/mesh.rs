@@ -195,8 +195,14 @@ pub(crate) fn mesh(
         let at_end = end_size(segments.get(index + 1));
         let most = segment.length * if segment.is_line() { sizes.line } else { sizes.blend };
         // Never to be reached; without it, one fault in the stamps would mean cells without end.
-        let least =
-            1e-3 * from_rest.or(to_rest).unwrap_or(most).min(at_start).min(at_end).min(most);
+        let least = 1e-3 * [from_rest, to_rest].iter().flatten().fold(most, |a, b| a.min(*b));
+        let least = least.min(at_start).min(at_end);
+        // From the end, cells come to the one that touches rest at the start: it is as long as that has to be, or a little
+        // longer.
+        let floor = |place: Place| match from_rest {
+            Some(rest) if backwards && place.start < 2.0 * rest => rest,
+            _ => least,
+        };
         let turn = segment.turn_back();
         let swept_at = |place: Place| swept.at(if backwards { place.end } else { place.start });
         let size = |place: Place| {
@@ -213,10 +219,11 @@ pub(crate) fn mesh(
                 .min(grown(to_rest, at_end, place.end))
                 .min(x.sqrt() * duration_s)
                 .min(sizes.turn * turn + sizes.turn_growth * 0.5 * (place.start - place.end).abs())
-                .max(least)
+                .max(floor(place))
         };
         let size = |place: Place| size(if backwards { place.reversed() } else { place });
-        let mut nodes = march(segment.length, from_rest.or(to_rest), size)?;
+        let first = if backwards { to_rest } else { from_rest };
+        let mut nodes = march(segment.length, first, size)?;
         if backwards {
             nodes.reverse();
             for node in &mut nodes {

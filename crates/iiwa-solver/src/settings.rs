@@ -130,6 +130,8 @@ pub(crate) struct RefinementSettings {
     pub(crate) abrupt: f64,
     /// Most stretches of a slow cell that are checked one by one.
     pub(crate) stretches: f64,
+    /// Stretches for each doubling of x in a cell.
+    pub(crate) doublings: f64,
     /// Duration from which on a cell is slow, over that in which jerk builds up acceleration: it is checked more
     /// finely.
     pub(crate) slow: f64,
@@ -212,6 +214,7 @@ pub(crate) const SETTINGS: Settings = Settings {
         far: WarmStart { mu: 1e-2, slack: 1e-2, kept: 1.0 },
         abrupt: 1.3,
         stretches: 4.0,
+        doublings: 0.75,
         slow: 0.9,
         rounds: 8,
         longer: [1.002, 1.25],

@@ -34,9 +34,11 @@ impl Totals {
             let time_s = match piece.kind {
                 PieceKind::Settle => &mut self.settle_time_s,
                 PieceKind::Wait => &mut self.wait_time_s,
-                PieceKind::Line | PieceKind::Lin | PieceKind::Circ | PieceKind::Blend => {
-                    &mut self.motion_time_s
-                }
+                PieceKind::Line
+                | PieceKind::Lin
+                | PieceKind::Circ
+                | PieceKind::Spline
+                | PieceKind::Blend => &mut self.motion_time_s,
             };
             *time_s += piece.duration_s;
         }

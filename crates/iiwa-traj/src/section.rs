@@ -60,6 +60,8 @@ pub enum PieceKind {
     Lin,
     /// A circle of the TCP.
     Circ,
+    /// A segment of a spline of the TCP.
+    Spline,
     /// A blend.
     Blend,
     /// Standing until settled.
@@ -69,13 +71,14 @@ pub enum PieceKind {
 }
 
 impl PieceKind {
-    /// Its name in files: `line`, `lin`, `circ`, `blend`, `settle` or `wait`.
+    /// Its name in files: `line`, `lin`, `circ`, `spline`, `blend`, `settle` or `wait`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Line => "line",
             Self::Lin => "lin",
             Self::Circ => "circ",
+            Self::Spline => "spline",
             Self::Blend => "blend",
             Self::Settle => "settle",
             Self::Wait => "wait",
@@ -111,6 +114,7 @@ impl Piece {
                 _ if blend.is_some() => PieceKind::Blend,
                 Some(MotionType::Lin | MotionType::LinRel) => PieceKind::Lin,
                 Some(MotionType::Circ) => PieceKind::Circ,
+                Some(MotionType::Spline) => PieceKind::Spline,
                 _ => PieceKind::Line,
             },
             motion: *motion,

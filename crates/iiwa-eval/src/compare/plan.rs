@@ -38,7 +38,7 @@ pub(crate) enum PieceKind {
 impl PieceKind {
     fn from_name(name: &str) -> Option<Self> {
         match name {
-            "line" | "lin" | "circ" | "blend" => Some(Self::Moves),
+            "line" | "lin" | "circ" | "spline" | "blend" => Some(Self::Moves),
             "settle" => Some(Self::Settles),
             "wait" => Some(Self::Waits),
             _ => None,

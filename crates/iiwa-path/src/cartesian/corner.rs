@@ -6,8 +6,10 @@ use iiwa_kin::{Joints, Pose, Robot, Taylor, vector};
 
 use super::{
     joint_curve::{JointBlend, JointCurve, Part, TcpBlend},
-    leg::{Leg, TcpPath},
+    leg::Leg,
     rotation::{norm, scaled, sub},
+    tcp_course::Length,
+    tcp_path::TcpPath,
 };
 use crate::{
     blend::{Blend, CART_MM_MIN, SUNRISE_REL_MIN},
@@ -38,7 +40,7 @@ impl CurvedCorner {
     ) -> Result<Option<Self>, CurveFaultAt> {
         let Some(shares) = shares(robot, options, legs, size) else { return Ok(None) };
         let ranges = [[1.0 - shares[0], 1.0], [0.0, shares[1]]];
-        let paths = legs.map(|leg| leg.path.as_ref());
+        let paths = next_to_corner(legs);
         let (gamma_rad, curve): (f64, Arc<dyn JointCurve>) = match paths {
             [Some(a), Some(b)] if a.curve.flange == b.curve.flange => {
                 let rate = |path: &TcpPath, s: f64| {
@@ -90,18 +92,20 @@ impl CurvedCorner {
                 (gamma_rad, Arc::new(blend))
             }
         };
-        let rates = [0, 1].map(|side| shares[side] * rate_rad(legs[side]));
+        let rates = [0, 1].map(|side| {
+            let [from, to] = &legs[side].ends_rad;
+            let rate = paths[side].map(|path| path.rate_rad);
+            shares[side] * rate.unwrap_or_else(|| vector::distance(from, to))
+        });
         let image = JointSpline::of(curve)?.with_sigma(Sigma::of_blend(rates));
         Ok(Some(Self { shares, image, gamma_deg: gamma_rad.to_degrees() }))
     }
 }
 
-/// dsigma/ds of a motion, in rad.
-fn rate_rad(leg: &Leg) -> f64 {
-    match &leg.path {
-        Some(path) => path.rate_rad,
-        None => vector::distance(&leg.ends_rad[0], &leg.ends_rad[1]),
-    }
+/// The last path of the first motion, and the first of the second; of splines those segments, of motions in joint space
+/// none.
+fn next_to_corner(legs: [&Leg; 2]) -> [Option<&TcpPath>; 2] {
+    [legs[0].paths.last(), legs[1].paths.first()]
 }
 
 /// How much of both motions a blend of `size` takes away, as shares in s; none if it is too small to count.
@@ -117,7 +121,8 @@ fn shares(
         return None;
     }
     // On a path of the TCP, `setBlendingRel` counts for the redundancy only, and the blend is the least possible.
-    let least_mm = (legs[0].path.is_some() && size.sunrise_rel.is_some()).then_some(CART_MM_MIN);
+    let paths = next_to_corner(legs);
+    let least_mm = (paths[0].is_some() && size.sunrise_rel.is_some()).then_some(CART_MM_MIN);
     let radius_mm = size.cart_mm.or(least_mm);
     let in_joints = match (radius_mm, size.sunrise_rel, size.fraction) {
         (Some(radius), ..) => Some(Blend::CartMm(radius)),
@@ -126,18 +131,17 @@ fn shares(
         _ => None,
     };
     let share = |side: usize| -> Option<f64> {
-        let leg = legs[side];
-        let Some(path) = &leg.path else {
-            let [from, to] = leg.ends_rad;
+        let Some(path) = paths[side] else {
+            let [from, to] = legs[side].ends_rad;
             let (target, other) = if side == 0 { (to, from) } else { (from, to) };
             return match in_joints {
                 Some(blend) => blend.share(robot, options.blend_search, &target, &other),
                 None => Some(HALF),
             };
         };
-        let (way_mm, turn) = (1e3 * path.curve.course.way_m(), path.curve.course.turn_rad());
-        let by_way = radius_mm.map(|radius| radius / way_mm);
-        let by_turn = size.orientation_rad.map(|angle| angle / turn);
+        let share_of = |length| path.curve.course.share_of(1 - side, length);
+        let by_way = radius_mm.map(|radius| share_of(Length::Way(1e-3 * radius)));
+        let by_turn = size.orientation_rad.map(|angle| share_of(Length::Turn(angle)));
         let by_share = match in_joints {
             Some(Blend::SunriseRel(share)) => Some(0.5 * share),
             Some(Blend::Fraction(share)) => Some(share),
@@ -147,13 +151,14 @@ fn shares(
         Some(all.into_iter().flatten().fold(HALF, f64::min))
     };
     let mut shares = [share(0)?, share(1)?];
-    if let [Some(a), Some(b)] = legs.map(|leg| leg.path.as_ref())
+    if let [Some(a), Some(b)] = paths
         && a.curve.flange == b.curve.flange
     {
-        let ways = [a, b].map(|path| path.curve.course.way_m());
-        let reach = (shares[0] * ways[0]).min(shares[1] * ways[1]);
+        let courses = [&a.curve.course, &b.curve.course];
+        let ways = [0, 1].map(|side| courses[side].way_within(1 - side, shares[side]));
+        let reach = ways[0].min(ways[1]);
         if reach > NO_WAY_M {
-            shares = ways.map(|way| reach / way);
+            shares = [0, 1].map(|side| courses[side].share_of(1 - side, Length::Way(reach)));
         }
     }
     shares.iter().all(|share| *share > NO_SHARE).then_some(shares)

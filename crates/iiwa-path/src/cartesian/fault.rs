@@ -3,7 +3,7 @@
 use iiwa_kin::{OutsideRange, SingularPart, Unreachable};
 
 use super::tcp_course::CourseFault;
-use crate::workcell::NameFault;
+use crate::{cartesian_motion::MAX_SEGMENTS, workcell::NameFault};
 
 /// Something in a motion to a frame that cannot be planned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -68,6 +68,25 @@ pub enum CartesianFault {
     /// The auxiliary orientation is to be reached at the auxiliary frame, on a circle with an angle.
     #[error("aux_orientation cannot be `interpolate` on a circle with circ_angle_deg")]
     AuxWithAngle,
+    /// A spline has no segments, or more than a controller takes.
+    #[error("a spline of {found} segments; it must have from 1 to {MAX_SEGMENTS}")]
+    Segments {
+        /// How many it has.
+        found: usize,
+    },
+    /// The orientation is ignored on a motion that is no segment of a spline.
+    #[error("orientation `ignore` is for the segments of a spline; give `variable` or `constant`")]
+    IgnoredOrientation,
+    /// A segment of a spline cannot be planned.
+    #[error("segment {}: {fault}", .index + 1)]
+    Segment {
+        /// Its place among the segments, from 0.
+        index: usize,
+        /// The key of the segment at which it is.
+        key: &'static str,
+        /// What is wrong.
+        fault: Box<CartesianFault>,
+    },
     /// A blend of a path has a size that is for other motions.
     #[error("{0}")]
     Blend(&'static str),

@@ -48,8 +48,8 @@ pub(crate) struct TcpCurve {
     pub(crate) course: Arc<TcpCourse>,
     /// The flange in the TCP's frame.
     pub(crate) flange: Pose,
-    /// The position of A3 at the start, and by how much it changes; in rad.
-    pub(crate) e1_rad: [f64; 2],
+    /// The position of A3 as a polynomial in s, the lowest power first, in rad.
+    pub(crate) e1_rad: [f64; 6],
     pub(crate) status: Status,
 }
 
@@ -58,7 +58,8 @@ pub(crate) const SINGULAR: f64 = 1e-4;
 
 impl TcpCurve {
     fn e1(&self, s: Taylor) -> Taylor {
-        Taylor::constant(self.e1_rad[0]) + s * self.e1_rad[1]
+        let [rest @ .., last] = &self.e1_rad;
+        rest.iter().rev().fold(Taylor::constant(*last), |sum, c| sum * s + Taylor::constant(*c))
     }
 }
 

@@ -14,12 +14,12 @@ pub(crate) struct TcpCourse {
     orientation: Orientation,
 }
 
-/// Where the TCP is; evenly in s.
+/// Where the TCP is.
 #[derive(Clone, Debug)]
 enum Position {
-    /// `from + s by`, in m.
-    Straight { from: Vec3<f64>, by: Vec3<f64> },
-    /// On a circle: `centre + cos(s angle) u + sin(s angle) v`.
+    /// On a polynomial in s, the lowest power first, in m; on a straight line there are two.
+    Polynomial(Vec<Vec3<f64>>),
+    /// On a circle, evenly in s: `centre + cos(s angle) u + sin(s angle) v`.
     Arc { centre: Vec3<f64>, u: Vec3<f64>, v: Vec3<f64>, angle: f64 },
 }
 
@@ -28,9 +28,9 @@ enum Position {
 struct Orientation {
     /// At the start.
     from: Mat3<f64>,
-    /// The rotation vector in the frame of the start: `s linear + s^2 square`.
-    linear: Vec3<f64>,
-    square: Vec3<f64>,
+    /// The rotation vector in the frame of the start, a polynomial in s: the coefficients from s^1 on; none if it is as
+    /// at the start.
+    turn: Vec<Vec3<f64>>,
     /// A turn of the whole, evenly in s: its rotation vector in the robot's foot.
     carried: Option<Vec3<f64>>,
 }
@@ -76,22 +76,20 @@ pub(crate) enum ByWayOf {
 impl TcpCourse {
     /// A straight line, with one turn about a fixed axis evenly along it; or none, if `is_constant`.
     pub(crate) fn line(from: &Pose, to: &Pose, is_constant: bool) -> Result<Self, CourseFault> {
-        let linear = if is_constant {
-            [0.0; 3]
-        } else {
-            let between = product(&transposed(&from.rotation), &to.rotation);
-            log_or_half_turn(&between).ok_or(CourseFault::HalfTurn)?
-        };
+        let turn = if is_constant { [0.0; 3] } else { turn_between(from, to)? };
         let by = sub(&to.position_m, &from.position_m);
-        Ok(Self {
-            position: Position::Straight { from: from.position_m, by },
-            orientation: Orientation {
-                from: from.rotation,
-                linear,
-                square: [0.0; 3],
-                carried: None,
-            },
-        })
+        Ok(Self::polynomial(from.rotation, vec![from.position_m, by], vec![turn]))
+    }
+
+    /// A polynomial of position, in m, and of the rotation vector from `from`, without its constant.
+    pub(crate) fn polynomial(
+        from: Mat3<f64>,
+        position: Vec<Vec3<f64>>,
+        turn: Vec<Vec3<f64>>,
+    ) -> Self {
+        let turn = without_zeros(turn);
+        let orientation = Orientation { from, turn, carried: None };
+        Self { position: Position::Polynomial(position), orientation }
     }
 
     /// A circle from `from` through the point `aux` to `to`.
@@ -163,36 +161,28 @@ impl TcpCourse {
             }
         }
         let stretch = angle / whole;
-        Ok(Self {
-            position,
-            orientation: Orientation {
-                from: from.rotation,
-                linear: scaled(stretch, &linear),
-                square: scaled(stretch * stretch, &square),
-                carried: carried.filter(|_| !is_constant).map(|r| scaled(stretch, &r)),
-            },
-        })
+        let turn = vec![scaled(stretch, &linear), scaled(stretch * stretch, &square)];
+        let carried = carried.filter(|_| !is_constant).map(|r| scaled(stretch, &r));
+        let turn = without_zeros(turn);
+        let orientation = Orientation { from: from.rotation, turn, carried };
+        Ok(Self { position, orientation })
     }
 
     /// Pose of the TCP at `s`.
     pub(crate) fn at(&self, s: Taylor) -> MovingPose {
         let position_m = match &self.position {
-            Position::Straight { from, by } => {
-                std::array::from_fn(|i| Taylor::constant(from[i]) + s * by[i])
-            }
+            Position::Polynomial(coefficients) => polynomial(coefficients, s),
             Position::Arc { centre, u, v, angle } => {
                 let (sin, cos) = (s * *angle).sin_cos();
                 std::array::from_fn(|i| Taylor::constant(centre[i]) + cos * u[i] + sin * v[i])
             }
         };
-        let Orientation { from, linear, square, carried } = &self.orientation;
-        let from = constant(from);
-        let mut rotation = if *linear == [0.0; 3] && *square == [0.0; 3] {
-            from
-        } else {
-            let vector = std::array::from_fn(|i| s * linear[i] + s * s * square[i]);
-            product(&from, &exp(&vector))
-        };
+        let Orientation { from, turn, carried } = &self.orientation;
+        let mut rotation = constant(from);
+        if !turn.is_empty() {
+            let vector = polynomial(turn, s).map(|x| s * x);
+            rotation = product(&rotation, &exp(&vector));
+        }
         if let Some(vector) = carried {
             rotation = product(&exp(&vector.map(|v| s * v)), &rotation);
         }
@@ -201,27 +191,106 @@ impl TcpCourse {
 
     /// The way of the TCP in m and its turn in rad, by s, if both are the same everywhere.
     pub(crate) fn even_rates(&self) -> Option<[f64; 2]> {
-        let Orientation { linear, square, carried, .. } = &self.orientation;
-        if *square != [0.0; 3] || (carried.is_some() && *linear != [0.0; 3]) {
-            return None;
-        }
-        let turn = carried.as_ref().unwrap_or(linear);
-        Some([self.way_m(), norm(turn)])
-    }
-
-    /// Length of the way of the TCP, in m.
-    pub(crate) fn way_m(&self) -> f64 {
+        let Orientation { turn, carried, .. } = &self.orientation;
+        let turn = match (turn.as_slice(), carried) {
+            ([], None) => 0.0,
+            ([linear], None) => norm(linear),
+            ([], Some(carried)) => norm(carried),
+            _ => return None,
+        };
         match &self.position {
-            Position::Straight { by, .. } => norm(by),
-            Position::Arc { u, angle, .. } => norm(u) * angle.abs(),
+            Position::Polynomial(coefficients) => match coefficients.as_slice() {
+                [_, by] => Some([norm(by), turn]),
+                _ => None,
+            },
+            Position::Arc { u, angle, .. } => Some([norm(u) * angle.abs(), turn]),
         }
     }
 
-    /// By how much the TCP turns, in rad.
-    pub(crate) fn turn_rad(&self) -> f64 {
-        let Orientation { linear, square, carried, .. } = &self.orientation;
-        norm(linear) + norm(square) + carried.as_ref().map_or(0.0, norm)
+    /// Length of the way of the TCP in m, and by how much it turns in rad.
+    pub(crate) fn lengths(&self) -> [f64; 2] {
+        self.lengths_between([0.0, 1.0])
     }
+
+    /// The way of the TCP in a share of s next to an end, 0 or 1, in m.
+    pub(crate) fn way_within(&self, end: usize, share: f64) -> f64 {
+        self.lengths_between(next_to(end, share))[0]
+    }
+
+    fn lengths_between(&self, [from, to]: [f64; 2]) -> [f64; 2] {
+        /// So many intervals of Simpson's rule: along a segment of a spline, the rates change little.
+        const INTERVALS: u32 = 64;
+        if let Some(rates) = self.even_rates() {
+            return rates.map(|rate| rate * (to - from));
+        }
+        let step = (to - from) / f64::from(INTERVALS);
+        (0..=INTERVALS).fold([0.0; 2], |[way, turn], i| {
+            let weight = if i == 0 || i == INTERVALS { 1 } else { 2 + 2 * (i % 2) };
+            let weight = f64::from(weight) * step / 3.0;
+            let s = Taylor::variable(from + step * f64::from(i));
+            let ToolWay { way_m, turn_rad } = tool_way(&self.at(s));
+            [way + weight * way_m[0], turn + weight * turn_rad[0]]
+        })
+    }
+
+    /// The share of s next to an end, 0 or 1, in which the TCP goes as far as `length`, in m, or turns by as much, in
+    /// rad.
+    pub(crate) fn share_of(&self, end: usize, length: Length) -> f64 {
+        /// Halvings of what is left, to within a millionth of a millionth.
+        const HALVINGS: u32 = 40;
+        let (which, length) = match length {
+            Length::Way(way_m) => (0, way_m),
+            Length::Turn(turn_rad) => (1, turn_rad),
+        };
+        let whole = self.lengths()[which];
+        if self.even_rates().is_some() || length >= whole {
+            return length / whole;
+        }
+        let [mut least, mut most] = [0.0, 1.0];
+        for _ in 0..HALVINGS {
+            let share = f64::midpoint(least, most);
+            if self.lengths_between(next_to(end, share))[which] < length {
+                least = share;
+            } else {
+                most = share;
+            }
+        }
+        f64::midpoint(least, most)
+    }
+}
+
+/// A share of s next to an end, 0 or 1.
+fn next_to(end: usize, share: f64) -> [f64; 2] {
+    if end == 0 { [0.0, share] } else { [1.0 - share, 1.0] }
+}
+
+/// How far a TCP goes, in m, or by how much it turns, in rad.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Length {
+    Way(f64),
+    Turn(f64),
+}
+
+/// The rotation vector from one pose to another, in the frame of the first.
+pub(crate) fn turn_between(from: &Pose, to: &Pose) -> Result<Vec3<f64>, CourseFault> {
+    let between = product(&transposed(&from.rotation), &to.rotation);
+    log_or_half_turn(&between).ok_or(CourseFault::HalfTurn)
+}
+
+/// The coefficients up to the last one that is not zero.
+fn without_zeros(mut coefficients: Vec<Vec3<f64>>) -> Vec<Vec3<f64>> {
+    let len = coefficients.iter().rposition(|c| *c != [0.0; 3]).map_or(0, |last| last + 1);
+    coefficients.truncate(len);
+    coefficients
+}
+
+/// A polynomial in s, the lowest power first.
+fn polynomial(coefficients: &[Vec3<f64>], s: Taylor) -> Vec3<Taylor> {
+    std::array::from_fn(|i| {
+        let mut descending = coefficients.iter().rev().map(|c| c[i]);
+        let highest = Taylor::constant(descending.next().unwrap_or(0.0));
+        descending.fold(highest, |sum, c| sum * s + Taylor::constant(c))
+    })
 }
 
 /// The way of a frame and its turn, from how it moves by s.

@@ -144,6 +144,8 @@ macro_rules! path_wire {
     };
 }
 
+pub(super) use path_wire;
+
 path_wire! {
     /// The TCP goes straight to a frame.
     #[schemars(rename = "Lin")]
@@ -239,40 +241,59 @@ impl CircWire {
         let nowhere = || TargetRefWire::Named(String::new());
         let aux = std::mem::replace(&mut self.aux, nowhere()).target();
         let to = std::mem::replace(&mut self.frame, nowhere()).target();
-        let circ = Circ {
-            aux: aux.map_err(|what| ("aux", what))?,
-            to: to.map_err(|what| ("frame", what))?,
-            angle_rad: self.circ_angle_deg.map(f64::to_radians),
-            turns_with_path: !self.orientation_reference.is_base(),
-            aux_orientation: match self.aux_orientation {
+        let options = CircOptions {
+            angle_deg: self.circ_angle_deg,
+            reference: self.orientation_reference,
+            aux: self.aux_orientation,
+            end: self.end_orientation,
+        };
+        let [aux, to] = [aux.map_err(|what| ("aux", what))?, to.map_err(|what| ("frame", what))?];
+        Ok(self.on(Course::Circ(options.circ(aux, to))))
+    }
+
+    pub(super) fn new(motion: &CartesianMotion, circ: &Circ) -> Self {
+        let CircOptions { angle_deg, reference, aux, end } = circ.into();
+        Self::of(motion, (&circ.aux).into(), (&circ.to).into(), angle_deg, reference, aux, end)
+    }
+}
+
+/// What a circle has besides its frames.
+pub(super) struct CircOptions {
+    pub(super) angle_deg: Option<f64>,
+    pub(super) reference: ReferenceWire,
+    pub(super) aux: AuxWire,
+    pub(super) end: EndWire,
+}
+
+impl CircOptions {
+    pub(super) fn circ(self, aux: TargetRef, to: TargetRef) -> Circ {
+        Circ {
+            aux,
+            to,
+            angle_rad: self.angle_deg.map(f64::to_radians),
+            turns_with_path: !self.reference.is_base(),
+            aux_orientation: match self.aux {
                 AuxWire::Consider => AuxOrientation::Consider,
                 AuxWire::Interpolate => AuxOrientation::Interpolate,
                 AuxWire::Ignore => AuxOrientation::Ignore,
             },
-            extrapolates: !self.end_orientation.is_interpolate(),
-        };
-        Ok(self.on(Course::Circ(circ)))
+            extrapolates: !self.end.is_interpolate(),
+        }
     }
+}
 
-    pub(super) fn new(motion: &CartesianMotion, circ: &Circ) -> Self {
-        let reference =
-            if circ.turns_with_path { ReferenceWire::Path } else { ReferenceWire::Base };
-        let aux_orientation = match circ.aux_orientation {
-            AuxOrientation::Consider => AuxWire::Consider,
-            AuxOrientation::Interpolate => AuxWire::Interpolate,
-            AuxOrientation::Ignore => AuxWire::Ignore,
-        };
-        let end = if circ.extrapolates { EndWire::Extrapolate } else { EndWire::Interpolate };
-        let angle_deg = circ.angle_rad.map(f64::to_degrees);
-        Self::of(
-            motion,
-            (&circ.aux).into(),
-            (&circ.to).into(),
-            angle_deg,
-            reference,
-            aux_orientation,
-            end,
-        )
+impl From<&Circ> for CircOptions {
+    fn from(circ: &Circ) -> Self {
+        Self {
+            angle_deg: circ.angle_rad.map(f64::to_degrees),
+            reference: if circ.turns_with_path { ReferenceWire::Path } else { ReferenceWire::Base },
+            aux: match circ.aux_orientation {
+                AuxOrientation::Consider => AuxWire::Consider,
+                AuxOrientation::Interpolate => AuxWire::Interpolate,
+                AuxOrientation::Ignore => AuxWire::Ignore,
+            },
+            end: if circ.extrapolates { EndWire::Extrapolate } else { EndWire::Interpolate },
+        }
     }
 }
 
@@ -286,11 +307,13 @@ pub(super) enum OrientationWire {
     Variable,
     /// As at the start.
     Constant,
+    /// On segments of a spline: the orientation at the end is that between the neighbours'.
+    Ignore,
 }
 
 impl OrientationWire {
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
-    fn is_variable(&self) -> bool {
+    pub(super) fn is_variable(&self) -> bool {
         *self == Self::Variable
     }
 }
@@ -300,6 +323,7 @@ impl From<OrientationWire> for OrientationType {
         match wire {
             OrientationWire::Variable => Self::Variable,
             OrientationWire::Constant => Self::Constant,
+            OrientationWire::Ignore => Self::Ignore,
         }
     }
 }
@@ -309,6 +333,7 @@ impl From<OrientationType> for OrientationWire {
         match orientation {
             OrientationType::Variable => Self::Variable,
             OrientationType::Constant => Self::Constant,
+            OrientationType::Ignore => Self::Ignore,
         }
     }
 }
@@ -327,7 +352,7 @@ pub(super) enum ReferenceWire {
 
 impl ReferenceWire {
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
-    fn is_base(&self) -> bool {
+    pub(super) fn is_base(&self) -> bool {
         *self == Self::Base
     }
 }
@@ -348,7 +373,7 @@ pub(super) enum AuxWire {
 
 impl AuxWire {
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
-    fn is_consider(&self) -> bool {
+    pub(super) fn is_consider(&self) -> bool {
         *self == Self::Consider
     }
 }
@@ -367,7 +392,7 @@ pub(super) enum EndWire {
 
 impl EndWire {
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
-    fn is_interpolate(&self) -> bool {
+    pub(super) fn is_interpolate(&self) -> bool {
         *self == Self::Interpolate
     }
 }
@@ -392,7 +417,7 @@ pub(super) struct PathBlendWire {
 }
 
 impl PathBlendWire {
-    fn blend(self) -> PathBlend {
+    pub(super) fn blend(self) -> PathBlend {
         PathBlend {
             cart_mm: self.cart_mm,
             orientation_rad: self.ori_deg.map(f64::to_radians),

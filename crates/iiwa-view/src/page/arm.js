@@ -150,7 +150,7 @@ function wayOf(arm, pieces, usual, width, toolAt, from, to) {
   const kinds = times.map((t, i) => {
     if (gaps.has(i)) return null;
     const piece = pieces[Math.max(countUpTo(starts, t - 1e-6) - 1, 0)];
-    return piece && ["blend", "lin", "circ"].includes(piece.kind) ? piece.kind : usual;
+    return piece && ["blend", "lin", "circ", "spline"].includes(piece.kind) ? piece.kind : usual;
   });
   return { places, kinds, width };
 }

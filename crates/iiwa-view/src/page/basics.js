@@ -52,6 +52,7 @@ function theme() {
     "line",
     "lin",
     "circ",
+    "spline",
     "blend",
     "settle",
     "wait",

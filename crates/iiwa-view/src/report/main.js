@@ -97,9 +97,10 @@ function writeLegends() {
   const parts = [["line", `way of the ${tcps.length ? "TCP" : "flange"}`]];
   const has = (kind) => report.pieces.some((piece) => piece.kind === kind);
   if (has("line")) parts[0][1] = "lines";
-  else if (has("lin") || has("circ")) parts.pop();
+  else if (has("lin") || has("circ") || has("spline")) parts.pop();
   if (has("lin")) parts.push(["lin", "lines of the TCP"]);
   if (has("circ")) parts.push(["circ", "circles of the TCP"]);
+  if (has("spline")) parts.push(["spline", "splines of the TCP"]);
   if (report.pieces.some((piece) => piece.kind === "blend")) {
     const marks = ["from where they begin to where they end"];
     if (report.corners.length) marks.push("dots: their targets");
@@ -118,6 +119,7 @@ function writeLegends() {
     ["line", "line"],
     ["lin", "line of the TCP"],
     ["circ", "circle of the TCP"],
+    ["spline", "segment of a spline"],
     ["blend", "blend"],
     ["settle", "settling"],
     ["wait", "waiting"],
@@ -239,7 +241,15 @@ function writeNow() {
     });
   });
   const piece = report.pieces.length ? pieceAt(t) : null;
-  const words = { line: "on its line", lin: "on the line of its TCP", circ: "on the circle of its TCP", blend: "blending in", settle: "settling", wait: "waiting" };
+  const words = {
+    line: "on its line",
+    lin: "on the line of its TCP",
+    circ: "on the circle of its TCP",
+    spline: "on a spline of its TCP",
+    blend: "blending in",
+    settle: "settling",
+    wait: "waiting",
+  };
   $("piece").textContent = piece
     ? `Motion ${piece.motion}, ${words[piece.kind] || piece.kind}${piece.limit ? `; limited by the ${piece.limit.replace("_", " ")}${piece.joint ? ` of A${piece.joint}` : ""}` : ""}`
     : "";

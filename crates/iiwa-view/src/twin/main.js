@@ -65,7 +65,9 @@ const obstacles = (setup.scene ? setup.scene.obstacles : []).map((obstacle) => {
 function fillScene() {
   if (!scene) return;
   const { plan } = desk;
-  const { workcell, pieces, corners } = plan ? plan.sketch : { workcell: { tcps: [], frames: [] }, pieces: [], corners: [] };
+  const { workcell, pieces, corners } = plan
+    ? plan.sketch
+    : { workcell: { tcps: [], frames: [] }, pieces: [], corners: [] };
   const toolAt = toolOf(workcell.tcps, pieces);
   const ways = plan ? [wayOf(plan.arms[0], pieces, "line", 3.5, toolAt)] : [];
   if (canReplay()) ways.push(wayOf(desk.run.arms[1], [], "measured", 1.8, toolAt));

@@ -1,0 +1,114 @@
+//! Splines of a program as they are on one robot.
+
+use iiwa_kin::{Joints, MovingPose, Number, Pose, Taylor};
+
+use super::{
+    fault::CartesianFault,
+    rotation::{exp, log, norm, product, scaled, sub, transposed},
+    site::{Found, Site, at_frame},
+    spline::{Between, Knot, pieces},
+    tcp_course::TcpCourse,
+    tcp_path::TcpPath,
+};
+use crate::cartesian_motion::{OrientationType, SegmentCourse, SplineSegment};
+
+/// The paths of the segments of a spline that starts at `from_rad`. One parameter goes on through all of them.
+pub(crate) fn spline<'a>(
+    site: &Site<'a>,
+    from_rad: &Joints,
+    segments: &'a [SplineSegment],
+    orientation: OrientationType,
+) -> Found<Vec<TcpPath>> {
+    let types: Vec<OrientationType> =
+        segments.iter().map(|segment| segment.orientation.unwrap_or(orientation)).collect();
+    let mut knots = vec![Knot { pose: site.pose(from_rad), e1_rad: from_rad[2] }];
+    for (index, segment) in segments.iter().enumerate() {
+        let found = site.frame("frame", segment.course.target());
+        let (target, pose) = found.map_err(|fault| in_segment(index, fault))?;
+        let e1_rad = target.e1_rad.unwrap_or(knots[index].e1_rad);
+        knots.push(Knot { pose, e1_rad });
+    }
+    turn_knots(&mut knots, &types);
+    let mut between = Vec::with_capacity(segments.len());
+    for (index, segment) in segments.iter().enumerate() {
+        let is_constant = types[index] == OrientationType::Constant;
+        let [from, to] = [knots[index].pose, knots[index + 1].pose];
+        between.push(match &segment.course {
+            SegmentCourse::Spl { .. } => Between::Spl { is_constant },
+            SegmentCourse::Lin { .. } => {
+                let course = TcpCourse::line(&from, &to, is_constant);
+                Between::Course(course.map_err(|fault| in_segment(index, at_frame(fault)))?)
+            }
+            SegmentCourse::Circ(circ) => {
+                let course = site.circle(&from, circ, &to, is_constant);
+                let course = course.map_err(|fault| in_segment(index, fault))?;
+                // With an angle, it does not end at its frame.
+                knots[index + 1].pose = end(&course);
+                Between::Course(course)
+            }
+        });
+    }
+    let pieces = pieces(&knots, &between);
+    let pieces = pieces.map_err(|(index, fault)| in_segment(index, at_frame(fault)))?;
+    let mut paths = Vec::with_capacity(pieces.len());
+    let mut lengths_m = Vec::with_capacity(pieces.len());
+    for (index, piece) in pieces {
+        lengths_m.push(piece.length_m);
+        let path = TcpPath::of(site.curve(from_rad, piece.course, piece.e1_rad));
+        let path = path.map_err(|fault| in_segment(index, ("frame", fault)))?;
+        paths.push(TcpPath { stops: piece.stops, ..path });
+    }
+    let whole_rad: f64 = paths.iter().map(|path| path.rate_rad).sum();
+    let rad_a_m = whole_rad / lengths_m.iter().sum::<f64>();
+    for (path, length_m) in paths.iter_mut().zip(lengths_m) {
+        path.rate_rad = rad_a_m * length_m;
+    }
+    Ok(paths)
+}
+
+fn in_segment(
+    index: usize,
+    (key, fault): (&'static str, CartesianFault),
+) -> (&'static str, CartesianFault) {
+    ("segments", CartesianFault::Segment { index, key, fault: Box::new(fault) })
+}
+
+/// Gives knots whose own orientation does not count one: that of the knot before, on a segment with a constant
+/// orientation, or one between the neighbours', by the length of the chords.
+fn turn_knots(knots: &mut [Knot], types: &[OrientationType]) {
+    let is_own = |knot: usize| knot == 0 || types[knot - 1] == OrientationType::Variable;
+    let mut before = 0;
+    for next in (1..knots.len()).filter(|knot| is_own(*knot)).chain([knots.len()]) {
+        let from = knots[before].pose.rotation;
+        let turn = knots
+            .get(next)
+            .map(|knot| log(&product(&transposed(&from), &knot.pose.rotation)))
+            .filter(|turn| turn.iter().all(|x| x.is_finite()))
+            .unwrap_or_default();
+        // The way to each knot on which the TCP may turn.
+        let mut way = 0.0;
+        let ways: Vec<f64> = (before + 1..knots.len().min(next + 1))
+            .map(|knot| {
+                let [a, b] = [&knots[knot - 1].pose, &knots[knot].pose];
+                if types[knot - 1] != OrientationType::Constant {
+                    way += norm(&sub(&b.position_m, &a.position_m));
+                }
+                way
+            })
+            .collect();
+        for (knot, at) in (before + 1..next).zip(ways) {
+            let share = if at > 0.0 { at / way } else { 0.0 };
+            knots[knot].pose.rotation = product(&from, &exp(&scaled(share, &turn)));
+        }
+        before = next;
+    }
+}
+
+/// The pose where a course ends.
+fn end(course: &TcpCourse) -> Pose {
+    let MovingPose { position_m, rotation } = course.at(Taylor::constant(1.0));
+    Pose {
+        position_m: position_m.map(Number::value),
+        rotation: rotation.map(|row| row.map(Number::value)),
+    }
+}

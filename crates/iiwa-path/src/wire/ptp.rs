@@ -1,0 +1,184 @@
+//! Point-to-point motions in programs.
+
+use iiwa_json::{numbers, object_or_null};
+use iiwa_kin::Joints;
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
+
+use super::{frames::TargetRefWire, share::Share};
+use crate::{
+    blend::Blend,
+    cartesian_motion::{CartesianMotion, Course, PathBlend},
+    limit_kind::ByKind,
+    program::{Motion, Ptp},
+    target::TargetRef,
+};
+
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[schemars(inline)]
+enum PtpTag {
+    #[serde(rename = "ptp")]
+    Ptp,
+}
+
+/// A point-to-point motion, with its target as `joints_deg`, `joints_rad` or a `frame`.
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(
+    rename = "Ptp",
+    extend("oneOf" = [
+        {"required": ["joints_deg"]}, {"required": ["joints_rad"]}, {"required": ["frame"]}
+    ])
+)]
+pub(super) struct PtpWire {
+    r#type: PtpTag,
+    /// Joints A1 to A7, in rad.
+    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[f64; 7]")]
+    joints_rad: Option<Joints>,
+    /// Joints A1 to A7, in degrees.
+    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[f64; 7]")]
+    joints_deg: Option<Joints>,
+    /// A frame for the TCP.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    frame: Option<TargetRefWire>,
+    /// The TCP that goes to the frame, `TOOL` or `TOOL/TIP`; the program's if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tool: Option<String>,
+    /// The base of the frame; the program's if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    base: Option<String>,
+    /// Share of the speed limits, above 0 and at most 1: one for all joints or one a joint.
+    #[serde(default, skip_serializing_if = "Share::is_full")]
+    velocity_rel: Share,
+    /// Share of the acceleration limits, above 0 and at most 1.
+    #[serde(default, skip_serializing_if = "Share::is_full")]
+    acceleration_rel: Share,
+    /// Share of the jerk limits, above 0 and at most 1.
+    #[serde(default, skip_serializing_if = "Share::is_full")]
+    jerk_rel: Share,
+    /// How the target is blended away; without it the arm stops there.
+    #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
+    blend: Option<BlendWire>,
+}
+
+/// Where the arm may leave the line to the target and cut the corner.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "Blend")]
+enum BlendWire {
+    /// A share of each neighbouring motion (Larsen 2019, Eq. 36).
+    Fraction(#[schemars(range(min = 0, max = 0.5))] f64),
+    /// Sunrise's `setBlendingRel`: 1 is half of a motion, below 0.05 the arm stops.
+    SunriseRel(#[schemars(range(min = 0, max = 1))] f64),
+    /// A radius about the target in mm; below 4 the arm stops.
+    CartMm(#[schemars(range(min = 0))] f64),
+}
+
+/// What serde says of enumerations would not tell anybody what to write.
+impl<'de> Deserialize<'de> for BlendWire {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Sizes {
+            #[serde(default, deserialize_with = "given")]
+            fraction: Option<f64>,
+            #[serde(default, deserialize_with = "given")]
+            sunrise_rel: Option<f64>,
+            #[serde(default, deserialize_with = "given")]
+            cart_mm: Option<f64>,
+        }
+        /// A key that is there has a value: null is not one.
+        fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+            f64::deserialize(deserializer).map(Some)
+        }
+        let sizes = Sizes::deserialize(deserializer)?;
+        match (sizes.fraction, sizes.sunrise_rel, sizes.cart_mm) {
+            (Some(b), None, None) => Ok(Self::Fraction(b)),
+            (None, Some(x), None) => Ok(Self::SunriseRel(x)),
+            (None, None, Some(r)) => Ok(Self::CartMm(r)),
+            _ => Err(D::Error::custom(
+                "a blend has exactly one of `fraction`, `sunrise_rel` and `cart_mm`",
+            )),
+        }
+    }
+}
+
+impl PtpWire {
+    pub(super) fn motion(self) -> Result<Motion, String> {
+        let shares = [self.velocity_rel, self.acceleration_rel, self.jerk_rel].map(Share::each);
+        let blend = self.blend.map(|blend| match blend {
+            BlendWire::Fraction(b) => Blend::Fraction(b),
+            BlendWire::SunriseRel(x) => Blend::SunriseRel(x),
+            BlendWire::CartMm(r) => Blend::CartMm(r),
+        });
+        if let Some(frame) = self.frame {
+            if self.joints_rad.is_some() || self.joints_deg.is_some() {
+                return Err("give either the joints or a `frame`, not both".to_owned());
+            }
+            return Ok(Motion::Cartesian(Box::new(CartesianMotion {
+                tool: self.tool,
+                base: self.base,
+                shares: ByKind::from_array(shares),
+                blend: blend.map(PathBlend::from),
+                ..CartesianMotion::new(Course::Ptp { to: frame.target()? })
+            })));
+        }
+        let [velocity_rel, acceleration_rel, jerk_rel] = shares;
+        let target_rad = joints_of(self.joints_rad, self.joints_deg)?;
+        Ok(Motion::Ptp(Ptp { target_rad, velocity_rel, acceleration_rel, jerk_rel, blend }))
+    }
+
+    pub(super) fn to_joints(
+        target_rad: &Joints,
+        shares: [Joints; 3],
+        blend: Option<Blend>,
+    ) -> Self {
+        Self { joints_rad: Some(*target_rad), ..Self::to_nowhere(shares, blend) }
+    }
+
+    pub(super) fn to_frame(motion: &CartesianMotion, to: &TargetRef) -> Self {
+        let blend = motion.blend.and_then(|blend| blend.in_joints());
+        Self {
+            frame: Some(to.into()),
+            tool: motion.tool.clone(),
+            base: motion.base.clone(),
+            ..Self::to_nowhere(motion.shares.into_array(), blend)
+        }
+    }
+
+    /// A motion without a target yet.
+    fn to_nowhere([velocity, acceleration, jerk]: [Joints; 3], blend: Option<Blend>) -> Self {
+        Self {
+            r#type: PtpTag::Ptp,
+            joints_rad: None,
+            joints_deg: None,
+            frame: None,
+            tool: None,
+            base: None,
+            velocity_rel: Share::from(velocity),
+            acceleration_rel: Share::from(acceleration),
+            jerk_rel: Share::from(jerk),
+            blend: blend.map(|blend| match blend {
+                Blend::Fraction(b) => BlendWire::Fraction(b),
+                Blend::SunriseRel(x) => BlendWire::SunriseRel(x),
+                Blend::CartMm(r) => BlendWire::CartMm(r),
+            }),
+        }
+    }
+}
+
+/// Joints in rad, that are given in rad or in degrees.
+pub(super) fn joints_of(rad: Option<Joints>, deg: Option<Joints>) -> Result<Joints, &'static str> {
+    match (rad, deg) {
+        (Some(rad), None) => Ok(rad),
+        (None, Some(deg)) => Ok(deg.map(f64::to_radians)),
+        (None, None) => Err("the joints are missing: give `joints_deg` or `joints_rad`"),
+        (Some(_), Some(_)) => Err("give either `joints_deg` or `joints_rad`, not both"),
+    }
+}
+
+pub(super) fn seven<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Joints>, D::Error> {
+    numbers(reader, "seven joint angles, A1 to A7").map(Some)
+}

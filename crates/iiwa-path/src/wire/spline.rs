@@ -1,0 +1,195 @@
+//! Splines in programs.
+
+use iiwa_json::{Object, object_or_null};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize, de::IgnoredAny};
+
+use super::{
+    cartesian::{
+        AuxWire, CircOptions, EndWire, OrientationWire, PathBlendWire, ReferenceWire, path_wire,
+    },
+    frames::TargetRefWire,
+    share::Share,
+};
+use crate::{
+    cartesian_motion::{CartesianMotion, Course, SegmentCourse, SplineSegment},
+    limit_kind::ByKind,
+    program::Motion,
+    target::TargetRef,
+    tool_limits::ToolLimits,
+};
+
+path_wire! {
+    /// The TCP goes through the ends of segments without a stop.
+    #[schemars(rename = "Spline")]
+    SplineWire, SplineTag = "spline" {
+        /// From frame to frame.
+        #[schemars(with = "Vec<SegmentWire>", length(min = 1, max = 20))]
+        segments: Vec<Object<SegmentWire>>,
+    }
+}
+
+path_wire! {
+    /// A spline of one segment: the TCP goes straight to a frame.
+    #[schemars(rename = "Spl")]
+    SplWire, SplTag = "spl" {
+        /// Where it goes.
+        frame: TargetRefWire,
+    }
+}
+
+/// The types of segments.
+#[derive(Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "SegmentType")]
+enum SegmentType {
+    /// A curve that the frames of the spline define.
+    Spl,
+    /// A straight line.
+    Lin,
+    /// A circle.
+    Circ,
+}
+
+/// A segment of a spline. What is said of circles is for them only.
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(
+    rename = "Segment",
+    extend("oneOf" = [
+        { "properties": { "type": { "const": "circ" } }, "required": ["aux"] },
+        { "properties": { "type": { "enum": ["spl", "lin"] }, "aux": false, "circ_angle_deg": false,
+          "orientation_reference": false, "aux_orientation": false, "end_orientation": false } }
+    ])
+)]
+pub(super) struct SegmentWire {
+    r#type: SegmentType,
+    /// Where it goes.
+    frame: TargetRefWire,
+    /// How the orientation goes along; as the spline says if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    orientation: Option<OrientationWire>,
+    /// A frame on the way of a circle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    aux: Option<TargetRefWire>,
+    /// The angle by which a circle goes on, in degrees; to the frame if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -360, max = 360))]
+    circ_angle_deg: Option<f64>,
+    /// Whether the orientation on a circle is given in the base or turns with the path.
+    #[serde(default, skip_serializing_if = "ReferenceWire::is_base")]
+    orientation_reference: ReferenceWire,
+    /// What the orientation of a circle's auxiliary frame is for.
+    #[serde(default, skip_serializing_if = "AuxWire::is_consider")]
+    aux_orientation: AuxWire,
+    /// Where the orientation of a circle's frame is reached, with an angle.
+    #[serde(default, skip_serializing_if = "EndWire::is_interpolate")]
+    end_orientation: EndWire,
+    /// What only the whole spline can have: read to say so.
+    #[serde(default, skip_serializing)]
+    #[schemars(skip)]
+    blend: Option<IgnoredAny>,
+}
+
+/// What is wrong with a segment: its place, the key and what.
+pub(super) struct WrongSegment {
+    pub(super) index: usize,
+    pub(super) key: &'static str,
+    pub(super) what: String,
+}
+
+impl SplineWire {
+    pub(super) fn motion(mut self) -> Result<Motion, WrongSegment> {
+        let segments = std::mem::take(&mut self.segments).into_iter().enumerate();
+        let segments = segments.map(|(index, Object(segment))| {
+            segment.segment().map_err(|(key, what)| WrongSegment { index, key, what })
+        });
+        let segments = segments.collect::<Result<_, _>>()?;
+        Ok(self.on(Course::Spline(segments)))
+    }
+
+    pub(super) fn new(motion: &CartesianMotion, segments: &[SplineSegment]) -> Self {
+        let segments = segments.iter().map(|segment| Object(segment.into()));
+        Self::of(motion, segments.collect())
+    }
+}
+
+impl SplWire {
+    pub(super) fn motion(mut self) -> Result<Motion, (&'static str, String)> {
+        let frame = std::mem::replace(&mut self.frame, TargetRefWire::Named(String::new()));
+        let to = frame.target().map_err(|what| ("frame", what))?;
+        let course = SegmentCourse::Spl { to };
+        Ok(self.on(Course::Spline(vec![SplineSegment { course, orientation: None }])))
+    }
+
+    pub(super) fn new(motion: &CartesianMotion, to: &TargetRef) -> Self {
+        Self::of(motion, to.into())
+    }
+}
+
+impl SegmentWire {
+    fn segment(self) -> Result<SplineSegment, (&'static str, String)> {
+        if self.blend.is_some() {
+            let what = "a segment of a spline cannot be blended: blend the whole spline";
+            return Err(("blend", what.to_owned()));
+        }
+        let for_circles = [
+            ("aux", self.aux.is_some()),
+            ("circ_angle_deg", self.circ_angle_deg.is_some()),
+            ("orientation_reference", !self.orientation_reference.is_base()),
+            ("aux_orientation", !self.aux_orientation.is_consider()),
+            ("end_orientation", !self.end_orientation.is_interpolate()),
+        ];
+        let to = self.frame.target().map_err(|what| ("frame", what))?;
+        let course = if self.r#type == SegmentType::Circ {
+            let aux =
+                self.aux.ok_or(("type", "a circle needs `aux`, a frame on its way".to_owned()))?;
+            let aux = aux.target().map_err(|what| ("aux", what))?;
+            let options = CircOptions {
+                angle_deg: self.circ_angle_deg,
+                reference: self.orientation_reference,
+                aux: self.aux_orientation,
+                end: self.end_orientation,
+            };
+            SegmentCourse::Circ(options.circ(aux, to))
+        } else if let Some((key, _)) = for_circles.into_iter().find(|(_, is_given)| *is_given) {
+            return Err((key, format!("`{key}` is for segments of type `circ`")));
+        } else if self.r#type == SegmentType::Lin {
+            SegmentCourse::Lin { to }
+        } else {
+            SegmentCourse::Spl { to }
+        };
+        Ok(SplineSegment { course, orientation: self.orientation.map(Into::into) })
+    }
+}
+
+impl From<&SplineSegment> for SegmentWire {
+    fn from(segment: &SplineSegment) -> Self {
+        let plain = |r#type| Self {
+            r#type,
+            frame: segment.course.target().into(),
+            orientation: segment.orientation.map(Into::into),
+            aux: None,
+            circ_angle_deg: None,
+            orientation_reference: ReferenceWire::default(),
+            aux_orientation: AuxWire::default(),
+            end_orientation: EndWire::default(),
+            blend: None,
+        };
+        match &segment.course {
+            SegmentCourse::Spl { .. } => plain(SegmentType::Spl),
+            SegmentCourse::Lin { .. } => plain(SegmentType::Lin),
+            SegmentCourse::Circ(circ) => {
+                let CircOptions { angle_deg, reference, aux, end } = circ.into();
+                Self {
+                    aux: Some((&circ.aux).into()),
+                    circ_angle_deg: angle_deg,
+                    orientation_reference: reference,
+                    aux_orientation: aux,
+                    end_orientation: end,
+                    ..plain(SegmentType::Circ)
+                }
+            }
+        }
+    }
+}
