@@ -4,6 +4,7 @@ mod addresses;
 mod compare;
 mod experiment;
 mod identify;
+mod import;
 mod link;
 mod model;
 mod plan;
@@ -17,6 +18,7 @@ pub(crate) use addresses::{ClientKeys, DriveAddress, ServerKeys};
 pub(crate) use compare::Compare;
 pub(crate) use experiment::{Experiment, ExperimentName};
 pub(crate) use identify::Identify;
+pub(crate) use import::Import;
 pub(crate) use link::{Cabinet, Drive, Io, IoAction, Keygen, Record, Run, Sensors, Status, Stop};
 pub(crate) use model::{Fk, Format, Ik, Place, Robot, Schema};
 pub(crate) use plan::{Plan, Timing};
@@ -67,6 +69,7 @@ pub(crate) enum Command {
     Keygen(Keygen),
     Fk(Fk),
     Ik(Ik),
+    Import(Import),
     Robot(Robot),
     Schema(Schema),
 }

@@ -7,6 +7,7 @@ pub(crate) mod experiment;
 pub(crate) mod fk;
 pub(crate) mod identify;
 pub(crate) mod ik;
+pub(crate) mod import;
 pub(crate) mod io;
 pub(crate) mod keygen;
 pub(crate) mod plan;

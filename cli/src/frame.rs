@@ -1,7 +1,7 @@
 //! Where the TCP is, and where frames are, in the workcell of a program.
 
 use iiwa_kin::{Joints, Pose, Redundancy, Robot};
-use iiwa_path::{Program, Target, TargetRef};
+use iiwa_path::{Target, TargetRef, Workcell};
 use serde::Serialize;
 
 use crate::{
@@ -13,7 +13,7 @@ use crate::{
 /// A robot and what a program says of its tool and base; without a program the bare flange and the foot.
 pub(crate) struct Workplace {
     pub(crate) robot: Robot,
-    program: Program,
+    workcell: Workcell,
     place: Place,
     tcp: Pose,
     base: Pose,
@@ -22,17 +22,17 @@ pub(crate) struct Workplace {
 impl Workplace {
     /// The robot, and the tool and the base that are chosen, or are the program's.
     pub(crate) fn new(robot: Option<&str>, place: &Place) -> Result<Self, Failure> {
-        let (program, robot) = if let Some(path) = &place.program {
-            input::program(path, robot).map(|(_, program, robot)| (program, robot))?
+        let (workcell, robot) = if let Some(path) = &place.program {
+            input::workcell(path, robot)?
         } else {
             let robot = robot.map_or_else(|| Ok(Robot::default()), find_robot)?;
-            (Program::from_deg([0.0; 7]).build(), robot)
+            (Workcell::default(), robot)
         };
         let [tool, base] = [&place.tool, &place.base].map(|name| name.as_deref());
         let unknown = |fault: iiwa_path::NameFault| Failure::input(fault.to_string());
-        let tcp = program.workcell.tcp(tool).map_err(unknown)?;
-        let base = program.workcell.base(base).map_err(unknown)?;
-        Ok(Self { robot, program, place: place.clone(), tcp, base })
+        let tcp = workcell.tcp(tool).map_err(unknown)?;
+        let base = workcell.base(base).map_err(unknown)?;
+        Ok(Self { robot, workcell, place: place.clone(), tcp, base })
     }
 
     /// The pose of the TCP in the base, at `joints_rad`.
@@ -57,7 +57,7 @@ impl Workplace {
         } else {
             TargetRef::Named(text.to_owned())
         };
-        let found = self.program.workcell.target(&target, self.place.base.as_deref());
+        let found = self.workcell.target(&target, self.place.base.as_deref());
         let (target, pose) = found.map_err(|fault| Failure::input(fault.to_string()))?;
         let flange = match self.tcp {
             Pose::IDENTITY => pose,

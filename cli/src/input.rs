@@ -10,7 +10,7 @@ use std::{
 use iiwa_json::{Step, locate};
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
-use iiwa_path::Program;
+use iiwa_path::{Program, ProgramError, Workcell};
 use iiwa_scene::Scene;
 use iiwa_view::with_causes;
 
@@ -41,63 +41,145 @@ impl Text {
     }
 }
 
-/// Reads a program, and its robot unless `robot` names another one.
-pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<(Text, Program, Robot), Failure> {
+/// A program's name and text.
+pub(crate) struct ProgramText {
+    pub(crate) name: String,
+    /// As it was read.
+    pub(crate) text: String,
+    /// With what it includes, if it includes anything.
+    merged: Option<String>,
+}
+
+impl ProgramText {
+    /// The program as it is stored and sent: it needs no other file.
+    pub(crate) fn complete(&self) -> &str {
+        self.merged.as_deref().unwrap_or(&self.text)
+    }
+}
+
+/// Reads a program with what it includes, and its robot unless `robot` names another one.
+pub(crate) fn program(
+    path: &Path,
+    robot: Option<&str>,
+) -> Result<(ProgramText, Program, Robot), Failure> {
+    program_of(path, Text::read(path)?, robot)
+}
+
+/// Reads the tools, bases and frames of a program, or of a file that programs include; and the robot.
+pub(crate) fn workcell(path: &Path, robot: Option<&str>) -> Result<(Workcell, Robot), Failure> {
     let text = Text::read(path)?;
-    let program = Program::from_json(&text.text)
-        .map_err(|error| Failure::in_text(&error.what(), error.place(), &text.name, &text.text))?;
+    if let Ok(workcell) = Workcell::from_json(&text.text) {
+        return Ok((workcell, robot.map_or_else(|| Ok(Robot::default()), find_robot)?));
+    }
+    program_of(path, text, robot).map(|(_, program, robot)| (program.workcell, robot))
+}
+
+/// The program that was read from `path`.
+fn program_of(
+    path: &Path,
+    Text { name, text }: Text,
+    robot: Option<&str>,
+) -> Result<(ProgramText, Program, Robot), Failure> {
+    let mut file = None;
+    let program = Program::from_json_with(&text, |name| {
+        included(path, name).inspect(|text| file = Some(text.clone()))
+    });
+    let refuse = |error| match error {
+        ProgramError::Included { name, text, error, .. } => {
+            let file = folder(path).join(name).display().to_string();
+            Failure::in_text(&error.what(), error.place(), &file, &text)
+        }
+        error => Failure::in_text(&error.what(), error.place(), &name, &text),
+    };
+    let program = program.map_err(refuse)?;
+    let merged = file.map(|file| Program::merged_json(&text, &file)).transpose().map_err(refuse)?;
     let robot = match (robot, &program.robot) {
         (Some(name), _) => find_robot(name)?,
         (None, None) => Robot::default(),
-        (None, Some(name)) => Robot::built_in(name).map_or_else(|| named(path, &text, name), Ok)?,
+        (None, Some(robot)) => {
+            Robot::built_in(robot).map_or_else(|| named(path, [&name, &text], robot), Ok)?
+        }
     };
-    Ok((text, program, robot))
+    Ok((ProgramText { name, text, merged }, program, robot))
 }
 
-/// The robot of the profile that a program, read from `path`, names.
-fn named(path: &Path, program: &Text, name: &str) -> Result<Robot, Failure> {
-    let profile = beside(path, name).map_err(|what| {
-        let place = locate(&program.text, &[Step::Key("robot")]);
-        Failure::in_text(&what, &place, &program.name, &program.text)
+/// The robot of the profile that a program, read from `path` with this name and text, names.
+fn named(path: &Path, [program, text]: [&str; 2], name: &str) -> Result<Robot, Failure> {
+    let profile = beside(path, name).map_err(|reason| {
+        let what = match reason {
+            NotBeside::Elsewhere => format!(
+                "no robot is called `{name}`: {} are built in, and a profile is a file *.json beside the \
+                 program or in a folder below it; --robot takes any other",
+                Robot::BUILT_IN.join(" and ")
+            ),
+            NotBeside::Missing(path) => unknown_robot(name, &path),
+            NotBeside::LeadsOut(path) => {
+                format!("{} leads out of the program's folder; --robot takes it", path.display())
+            }
+        };
+        Failure::in_text(&what, &locate(text, &[Step::Key("robot")]), program, text)
     })?;
     let profile = Text::read(&profile)?;
-    // Errors show lines of the file, which must not be those of any other kind of file.
-    if profile.text.trim_start().starts_with('{') {
+    if is_object(&profile) {
         robot_of(&profile)
     } else {
         Err(Failure::input(format!("{} is no robot profile: no JSON object", profile.name)))
     }
 }
 
-/// The path of the profile that a program names, in the program's folder or below. A program from elsewhere must
-/// not make this process read, and show in errors, any other file.
-fn beside(program: &Path, name: &str) -> Result<PathBuf, String> {
+/// The text of the file that a program, read from `path`, includes; or why there is none.
+fn included(path: &Path, name: &str) -> Result<String, String> {
+    let file = beside(path, name).map_err(|reason| match reason {
+        NotBeside::Elsewhere => {
+            "it has to be a file *.json beside the program or in a folder below it".to_owned()
+        }
+        NotBeside::Missing(path) => format!("there is no file {}", path.display()),
+        NotBeside::LeadsOut(path) => {
+            format!("{} leads out of the program's folder", path.display())
+        }
+    })?;
+    let file = Text::read(&file).map_err(|failure| failure.what())?;
+    if is_object(&file) { Ok(file.text) } else { Err("it holds no JSON object".to_owned()) }
+}
+
+/// Errors show lines of a file that a program names, which must not be those of any other kind of file.
+fn is_object(file: &Text) -> bool {
+    file.text.trim_start().starts_with('{')
+}
+
+/// The folder of a program.
+fn folder(program: &Path) -> &Path {
     let folder = program.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
+    folder.unwrap_or(Path::new("."))
+}
+
+/// Why a file that a program names is not read.
+enum NotBeside {
+    /// It is elsewhere, or of another kind.
+    Elsewhere,
+    /// There is none.
+    Missing(PathBuf),
+    /// A link leads elsewhere.
+    LeadsOut(PathBuf),
+}
+
+/// The path of a file that a program names, in the program's folder or below. A program from elsewhere must
+/// not make this process read, and show in errors, any other file.
+fn beside(program: &Path, name: &str) -> Result<PathBuf, NotBeside> {
+    let folder = folder(program);
     let path = folder.join(name);
     let below = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
-    let name_path = Path::new(name);
-    if !name_path.components().all(below) || name_path.extension() != Some(OsStr::new("json")) {
-        return Err(format!(
-            "no robot is called `{name}`: {} are built in, and a profile is a file *.json beside the program \
-             or in a folder below it; --robot takes any other",
-            Robot::BUILT_IN.join(" and ")
-        ));
+    let name = Path::new(name);
+    if !name.components().all(below) || name.extension() != Some(OsStr::new("json")) {
+        return Err(NotBeside::Elsewhere);
     }
     if !path.is_file() {
-        return Err(unknown_robot(name, &path));
+        return Err(NotBeside::Missing(path));
     }
-    let leads_out = match (path.canonicalize(), folder.canonicalize()) {
-        (Ok(file), Ok(folder)) => !file.starts_with(folder),
-        _ => true,
-    };
-    if leads_out {
-        return Err(format!(
-            "{} leads out of the program's folder; --robot takes it",
-            path.display()
-        ));
+    match (path.canonicalize(), folder.canonicalize()) {
+        (Ok(file), Ok(folder)) if file.starts_with(&folder) => Ok(path),
+        _ => Err(NotBeside::LeadsOut(path)),
     }
-    Ok(path)
 }
 
 /// Reads a scene.

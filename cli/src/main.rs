@@ -17,6 +17,7 @@ mod progress;
 mod runner;
 mod start;
 mod twin;
+mod warning;
 
 use std::process::ExitCode;
 
@@ -33,6 +34,7 @@ fn main() -> ExitCode {
         Command::Identify(options) => commands::identify::run(&options),
         Command::Fk(options) => commands::fk::run(&options),
         Command::Ik(options) => commands::ik::run(&options),
+        Command::Import(options) => commands::import::run(&options),
         Command::Robot(options) => commands::robot::run(&options),
         Command::Schema(options) => commands::schema::run(&options),
         Command::Keygen(options) => commands::keygen::run(&options),

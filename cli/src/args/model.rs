@@ -27,7 +27,7 @@ pub(crate) struct Fk {
 /// Which tool is at the flange, and where frames are given.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Place {
-    /// Motion program with the tools, bases and frames
+    /// Motion program with the tools, bases and frames, or a file of them that programs include
     #[arg(long, value_name = "FILE.json")]
     pub(crate) program: Option<PathBuf>,
 
@@ -120,7 +120,8 @@ pub(crate) struct Robot {
     pub(crate) tip: Option<String>,
 }
 
-/// Print the JSON Schema of motion programs, robot profiles or scenes, for editors and validators.
+/// Print the JSON Schema of motion programs, of the files that they include, of robot profiles or scenes, for editors
+/// and validators.
 #[derive(Args, Debug)]
 pub(crate) struct Schema {
     /// The format
@@ -132,6 +133,8 @@ pub(crate) struct Schema {
 pub(crate) enum Format {
     /// Motion program
     Program,
+    /// Tools, bases and frames, which programs include
+    Frames,
     /// Robot profile
     Profile,
     /// Scene: the obstacles around the arm

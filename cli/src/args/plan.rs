@@ -19,8 +19,8 @@ use super::values::{at_least_0, epoch, rate};
 /// the flange's pose, the whole trajectory, the robot's URDF and the program.
 ///
 /// Many programs are planned on all cores: `iiwasim plan A.json B.json`, or `iiwasim plan FOLDER`
-/// for all files *.json in it, sorted by name, except hidden files, robot profiles and scenes. The table
-/// then has a row for each program: its cycle time, in motion and at rest (settling and waiting), and
+/// for all files *.json in it, sorted by name, except hidden files, robot profiles, scenes and files of frames
+/// that programs include. The table then has a row for each program: its cycle time, in motion and at rest (settling and waiting), and
 /// the limit that is reached for most of its time in motion. A program that fails is reported on
 /// standard error and does not stop the others; the exit code is then 3.
 #[derive(Args, Debug)]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use iiwa_kin::{Singularity, Status, Turn};
+use iiwa_kin::{Joints, Singularity, Status, Turn};
 use serde::Serialize;
 
 use crate::{
@@ -54,7 +54,7 @@ pub(crate) fn run(options: &Ik) -> Result<(), Failure> {
     };
     let joints_rad = robot.inverse(&flange, e1_rad, status).map_err(|error| unless(&error))?;
     robot.limits().check(&joints_rad).map_err(|error| unless(&error))?;
-    check_turn(target.turn.and_then(Turn::new), Turn::of(&joints_rad));
+    check_turn(target.turn.and_then(Turn::new), &joints_rad);
     print(&place, &joints_rad, &allowed, options.json)
 }
 
@@ -86,8 +86,9 @@ fn ranges(of_rad: &[[f64; 2]]) -> String {
 }
 
 /// The turn cannot choose between joints, but it may show that the frame was not meant for this arm.
-fn check_turn(stated: Option<Turn>, found: Turn) {
-    if let Some(stated) = stated.filter(|stated| *stated != found) {
+fn check_turn(stated: Option<Turn>, joints_rad: &Joints) {
+    let found = Turn::of(joints_rad);
+    if let Some(stated) = stated.filter(|stated| !stated.agrees_with(joints_rad)) {
         print_note(&format!(
             "Warning: the frame states turn {stated}, and these joints have turn {found}\n"
         ));

@@ -12,12 +12,13 @@ use iiwa_view::{RunReport, plan_table};
 use crate::{
     args::Run,
     connection,
-    failure::Failure,
-    input::{self, Text},
+    failure::{Failure, print_note},
+    input::{self, ProgramText},
     output::{self, Output},
     runner::{
         DriveConnection, Task, execute_with_progress, go_to_start, recording, sampled, since_start,
     },
+    warning::{turn_warnings, warning_lines},
 };
 
 /// Runs a program on the robot.
@@ -26,6 +27,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let target = target(options);
     output::catch_interrupts();
     let (plan, figures) = plan(&text, &program, &robot)?;
+    print_note(&warning_lines(&turn_warnings(&program, &robot), None));
 
     let mut line = DriveConnection::new(&options.drive, &options.stream)?;
     if !options.json {
@@ -65,7 +67,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let written = output.filter(|_| !samples.is_empty());
     let file = match written {
         Some(output) => {
-            let recording = recording(&samples, measured.cycle_time_s, &robot, &text.text)?;
+            let recording = recording(&samples, measured.cycle_time_s, &robot, text.complete())?;
             output.write(&recording)?;
             output.complete_always()?;
             target.as_deref()
@@ -99,7 +101,7 @@ fn target(options: &Run) -> Option<PathBuf> {
 }
 
 fn plan(
-    text: &Text,
+    text: &ProgramText,
     program: &Program,
     robot: &Robot,
 ) -> Result<(Trajectory, PlanFigures), Failure> {

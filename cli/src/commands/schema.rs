@@ -1,7 +1,7 @@
 //! `iiwasim schema`.
 
 use iiwa_kin::Robot;
-use iiwa_path::Program;
+use iiwa_path::{Program, Workcell};
 use iiwa_scene::Scene;
 
 use crate::{
@@ -14,6 +14,7 @@ use crate::{
 pub(crate) fn run(options: &Schema) -> Result<(), Failure> {
     let schema = match options.format {
         Format::Program => Program::schema(),
+        Format::Frames => Workcell::schema(),
         Format::Profile => Robot::profile_schema(),
         Format::Scene => Scene::schema(),
     };

@@ -35,6 +35,25 @@ impl Turn {
     pub fn of(joints_rad: &Joints) -> Self {
         Self(joints_rad.iter().rev().fold(0, |bits, q| bits << 1 | u8::from(*q < 0.0)))
     }
+
+    /// Whether it is the turn of the arm at `joints_rad`, but for joints within 0.0001 rad of zero: their signs
+    /// are those of rounding, and of how a frame was taught.
+    ///
+    /// ```
+    /// use iiwa_kin::Turn;
+    ///
+    /// let turn = Turn::of(&[0.0, 0.5, -1e-7, -1.0, 0.0, 1.5, 0.0]);
+    /// assert!(turn.agrees_with(&[0.0, 0.5, 1e-7, -1.0, 0.0, 1.5, 0.0]));
+    /// assert!(!turn.agrees_with(&[0.0, 0.5, 1e-7, 1.0, 0.0, 1.5, 0.0]));
+    /// ```
+    #[must_use]
+    pub fn agrees_with(self, joints_rad: &Joints) -> bool {
+        const NEAR_ZERO_RAD: f64 = 1e-4;
+        joints_rad
+            .iter()
+            .enumerate()
+            .all(|(joint, q)| q.abs() <= NEAR_ZERO_RAD || (*q < 0.0) == (self.0 >> joint & 1 == 1))
+    }
 }
 
 impl fmt::Display for Turn {

@@ -66,6 +66,7 @@ mod target;
 mod tool_coordinate;
 mod tool_limits;
 mod tool_way;
+mod turn_contradiction;
 mod wire;
 mod workcell;
 
@@ -101,5 +102,6 @@ pub use target::{Target, TargetRef};
 pub use tool_coordinate::ToolCoordinate;
 pub use tool_limits::ToolLimits;
 pub use tool_way::ToolWay;
+pub use turn_contradiction::TurnContradiction;
 pub use wire::ProgramError;
 pub use workcell::{Base, Load, NameFault, OperatingMode, T1_SPEED_M_S, Tool, Workcell};

@@ -2,7 +2,9 @@
 //! the JSON Schema.
 
 mod cartesian;
+mod error;
 mod frames;
+mod include;
 mod ptp;
 mod share;
 mod spline;
@@ -10,9 +12,7 @@ mod target;
 
 use std::collections::BTreeMap;
 
-use iiwa_json::{
-    Object, Place, Step, Unread, element_at, excerpt, locate, object, problem, read_version, tag,
-};
+use iiwa_json::{Object, Step, excerpt, locate, object, read_version, tag};
 use iiwa_kin::Joints;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
@@ -20,78 +20,18 @@ use serde_json::value::RawValue;
 
 use crate::{
     cartesian_motion::{Course, SegmentCourse, SplineSegment},
-    fault::Fault,
     motion_index::MotionIndex,
     program::{Motion, Program, Start},
     workcell::{OperatingMode, Workcell},
 };
 use cartesian::{CircWire, LinRelWire, LinWire};
+use error::{VERSION, json_error};
 use frames::{BaseWire, TargetRefWire, TargetWire, ToolWire};
+use include::{included, no_files};
 use ptp::{PtpWire, joints_of, seven};
 use spline::{SplWire, SplineWire, WrongSegment};
 
-/// The version of the program format that this library reads.
-const VERSION: u64 = 1;
-
-/// Why a text is no motion program.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ProgramError {
-    /// The text is not JSON, or not the JSON that is asked for.
-    #[error("{}{what}, at {place}", motion_prefix(*.motion))]
-    Json {
-        /// What was found, and what was expected.
-        what: String,
-        /// The motion, if it is in one.
-        motion: Option<MotionIndex>,
-        /// Where.
-        place: Place,
-    },
-    /// The program is of another version.
-    #[error("this is a program of version {found}; version {VERSION} is understood, at {place}")]
-    Version {
-        /// The version found.
-        found: u64,
-        /// Where.
-        place: Place,
-    },
-    /// The program is well-formed and asks for something impossible.
-    #[error("{fault}, at {place}")]
-    Fault {
-        /// What is wrong.
-        fault: Fault,
-        /// Where.
-        place: Place,
-    },
-}
-
-impl ProgramError {
-    /// Where in the text.
-    #[must_use]
-    pub fn place(&self) -> &Place {
-        match self {
-            Self::Json { place, .. } | Self::Version { place, .. } | Self::Fault { place, .. } => {
-                place
-            }
-        }
-    }
-
-    /// What is wrong, without the place.
-    #[must_use]
-    pub fn what(&self) -> String {
-        match self {
-            Self::Json { what, motion, .. } => format!("{}{what}", motion_prefix(*motion)),
-            Self::Version { found, .. } => {
-                format!("this is a program of version {found}; version {VERSION} is understood")
-            }
-            Self::Fault { fault, .. } => fault.to_string(),
-        }
-    }
-}
-
-fn motion_prefix(motion: Option<MotionIndex>) -> String {
-    motion.map_or_else(String::new, |motion| format!("motion {motion}: "))
-}
+pub use error::ProgramError;
 
 impl Program {
     /// Reads a motion program (version 1) and checks all that can be checked without a robot.
@@ -109,12 +49,37 @@ impl Program {
     /// If the text is not a program, or asks for something that no robot can do; the error says
     /// where in the text.
     pub fn from_json(text: &str) -> Result<Self, ProgramError> {
-        let wire = read_version(text, VERSION, |wire: &ProgramWire<'_>| wire.version).map_err(
-            |error| match error {
-                Unread::Version { found, place } => ProgramError::Version { found, place },
-                Unread::Json(error) => json_error(text, text, None, &error),
-            },
-        )?;
+        Self::from_json_with(text, no_files)
+    }
+
+    /// Reads a motion program that may include a file of tools, bases and frames: `read` gives the text of the
+    /// file that its key `include` names, or says why there is none. The program's own names win over those of
+    /// the file.
+    ///
+    /// ```
+    /// use iiwa_path::Program;
+    ///
+    /// let text = r#"{ "version": 1, "include": "cell.json", "tool": "gripper",
+    ///                 "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+    ///                 "motions": [{ "type": "lin_rel", "offset": { "z_mm": -50 } }] }"#;
+    /// let cell = r#"{ "version": 1, "tools": { "gripper": { "tcp": { "z_mm": 120 } } } }"#;
+    /// let program = Program::from_json_with(text, |name| match name {
+    ///     "cell.json" => Ok(cell.to_owned()),
+    ///     _ => Err("there is no such file".to_owned()),
+    /// })?;
+    /// assert_eq!(program.workcell.tools["gripper"].tcp.xyz_mm[2], 120.0);
+    /// # Ok::<(), iiwa_path::ProgramError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`from_json`](Self::from_json); [`ProgramError::Included`] if something is wrong within the file.
+    pub fn from_json_with(
+        text: &str,
+        read: impl FnOnce(&str) -> Result<String, String>,
+    ) -> Result<Self, ProgramError> {
+        let wire = read_version(text, VERSION, |wire: &ProgramWire<'_>| wire.version)
+            .map_err(|error| ProgramError::unread(text, error))?;
         let at = |what: String, path: &[Step<'_>]| ProgramError::Json {
             what,
             motion: None,
@@ -129,6 +94,10 @@ impl Program {
                 at(format!("`{name}`: {what}"), &[Step::Key(list), Step::Key(&name)])
             },
         )?;
+        let workcell = match wire.include {
+            Some(name) => included(text, &name, read)?.updated_with(workcell),
+            None => workcell,
+        };
         let mode = wire.mode.map_or_else(OperatingMode::default, OperatingMode::from);
         let workcell = Workcell { tool: wire.tool, base: wire.base, mode, ..workcell };
         let program = Program { robot: wire.robot, start, motions: Vec::new(), workcell };
@@ -269,19 +238,6 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
 /// The types of motions.
 const KNOWN_TYPES: &str = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` and `wait`";
 
-fn json_error(
-    text: &str,
-    part: &str,
-    motion: Option<MotionIndex>,
-    error: &serde_json::Error,
-) -> ProgramError {
-    let place = Place::of_error(text, part, error);
-    // What is no JSON at all is found before the text is taken apart.
-    let motion =
-        motion.or_else(|| element_at(text, "motions", place.span.start).map(MotionIndex::new));
-    ProgramError::Json { what: problem(error), motion, place }
-}
-
 #[derive(Deserialize)]
 struct MotionsOnly<'a> {
     #[serde(borrow)]
@@ -299,6 +255,9 @@ struct ProgramWire<'a> {
     /// A built-in model (`lbr_iiwa_7_r800`, `lbr_iiwa_14_r820`) or a robot profile file.
     #[serde(default)]
     robot: Option<String>,
+    /// A file with more `tools`, `bases` and `frames`, `*.json` beside the program or in a folder below it.
+    #[serde(default)]
+    include: Option<String>,
     /// Where the arm stands before the first motion.
     #[serde(deserialize_with = "object")]
     start: StartWire,

@@ -185,6 +185,15 @@ impl Workcell {
         Ok((target, base.then(&target.frame.pose())))
     }
 
+    /// All of this, and of `own`, which wins where both have a name; which tool and base are in use, `own` says.
+    #[must_use]
+    pub fn updated_with(mut self, own: Self) -> Self {
+        self.tools.extend(own.tools);
+        self.bases.extend(own.bases);
+        self.frames.extend(own.frames);
+        Self { tool: own.tool, base: own.base, ..self }
+    }
+
     /// Whether nothing is named.
     #[must_use]
     pub fn is_empty(&self) -> bool {

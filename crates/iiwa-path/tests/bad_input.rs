@@ -127,7 +127,7 @@ fn unknown_names() {
                `acceleration_rel`, `jerk_rel`, `blend`";
     let what = format!("motion 2: unknown key `velocity`, expected {ptp}");
     check("\"velocity_rel\"", "\"velocity\"", (6, 64), "\"velocity\"", &what);
-    let what = "unknown key `robots`, expected one of `version`, `robot`, `start`, `tools`, \
+    let what = "unknown key `robots`, expected one of `version`, `robot`, `include`, `start`, `tools`, \
                 `bases`, `frames`, `tool`, `base`, `motions`";
     check("\"start\"", "\"robots\": [], \"start\"", (3, 3), "\"robots\"", what);
     let what = "unknown key `joints`, expected one of `joints_rad`, `joints_deg`, `frame`";

@@ -9,8 +9,8 @@
 //! - [`PlanPicture`] draws a plan while it is made, [`draw_comparison`] a recording beside its plan.
 //! - [`ExperimentKind`] lists the experiments of the thesis (Larsen 2019) and writes each one's
 //!   [`Chapter`].
-//! - [`ComparisonReport`], [`IdentificationReport`], [`plan_table`] and [`Summary`] put results into words
-//!   and tables.
+//! - [`ComparisonReport`], [`IdentificationReport`], [`ImportReport`], [`plan_table`] and [`Summary`] put results
+//!   into words and tables.
 
 mod comparison_report;
 mod duration;
@@ -18,6 +18,7 @@ mod error;
 mod experiment;
 mod gates;
 mod identification_report;
+mod import_report;
 mod nearest;
 mod page;
 mod picture;
@@ -38,6 +39,7 @@ pub use experiment::{
 };
 pub use gates::{PlanGates, UnmetGates};
 pub use identification_report::IdentificationReport;
+pub use import_report::ImportReport;
 pub use nearest::Nearest;
 pub use picture::{PlanPicture, draw_comparison};
 pub use printable::printable;

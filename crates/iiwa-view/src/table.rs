@@ -17,7 +17,27 @@ pub fn table(head: &[&str]) -> Table {
     table.load_style(presets::NOTHING.header_separator(LineStyle::none().fill('─').junction('─')));
     table.set_header(head.iter().copied());
     for (index, title) in head.iter().enumerate() {
-        let words = ["", "type", "limited by", "robot", "quantity", "unit", "program", "result"];
+        let words = [
+            "",
+            "type",
+            "limited by",
+            "robot",
+            "quantity",
+            "unit",
+            "program",
+            "result",
+            "tool",
+            "TCP",
+            "tips",
+            "frame",
+            "used as",
+            "taught with",
+            "check",
+            "not taken",
+            "renamed",
+            "to",
+            "why",
+        ];
         if !words.contains(title)
             && let Some(column) = table.column_mut(index)
         {

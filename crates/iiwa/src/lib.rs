@@ -24,6 +24,7 @@
 //! | `profile`, `urdf` (default) | in [`kin`] | robot profiles in JSON; robots as URDF |
 //! | `plan` (default) | `json`, `path`, `solver`, `traj` | motion programs, paths, time-optimal trajectories |
 //! | `scene` | `scene` | obstacles and clearances |
+//! | `sunrise` | `sunrise` | frames and tools of Sunrise projects |
 //! | `log` | `log` | trajectories and recordings as MCAP files |
 //! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
 //! | `fri` | `fri` | KUKA's Fast Robot Interface |
@@ -56,6 +57,8 @@ pub use iiwa_path as path;
 pub use iiwa_scene as scene;
 #[cfg(feature = "plan")]
 pub use iiwa_solver as solver;
+#[cfg(feature = "sunrise")]
+pub use iiwa_sunrise as sunrise;
 #[cfg(feature = "plan")]
 pub use iiwa_traj as traj;
 

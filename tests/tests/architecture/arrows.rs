@@ -7,18 +7,28 @@ use crate::sources::members;
 
 /// Each library and what it may depend on. Data flows one way; whoever draws an arrow here draws it in the
 /// README, too.
-const ALLOWED: [(&str, &[&str]); 14] = [
+const ALLOWED: [(&str, &[&str]); 15] = [
     ("iiwa-json", &[]),
     ("iiwa-kin", &["iiwa-json"]),
     ("iiwa-path", &["iiwa-json", "iiwa-kin"]),
     ("iiwa-solver", &["iiwa-json", "iiwa-kin", "iiwa-path"]),
     ("iiwa-traj", &["iiwa-json", "iiwa-kin", "iiwa-path", "iiwa-solver"]),
     ("iiwa-scene", &["iiwa-json", "iiwa-kin", "iiwa-path", "iiwa-traj"]),
+    ("iiwa-sunrise", &["iiwa-json", "iiwa-kin", "iiwa-path"]),
     ("iiwa-log", &["iiwa-json", "iiwa-kin", "iiwa-path", "iiwa-traj"]),
     ("iiwa-eval", &["iiwa-json", "iiwa-kin", "iiwa-path", "iiwa-traj", "iiwa-scene", "iiwa-log"]),
     (
         "iiwa-view",
-        &["iiwa-json", "iiwa-kin", "iiwa-path", "iiwa-traj", "iiwa-scene", "iiwa-log", "iiwa-eval"],
+        &[
+            "iiwa-json",
+            "iiwa-kin",
+            "iiwa-path",
+            "iiwa-traj",
+            "iiwa-scene",
+            "iiwa-sunrise",
+            "iiwa-log",
+            "iiwa-eval",
+        ],
     ),
     ("iiwa-fri", &["iiwa-kin"]),
     ("iiwa-link", &["iiwa-json", "iiwa-kin", "iiwa-path"]),
@@ -33,6 +43,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "iiwa-solver",
             "iiwa-traj",
             "iiwa-scene",
+            "iiwa-sunrise",
             "iiwa-log",
             "iiwa-eval",
             "iiwa-view",

@@ -8,7 +8,6 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use iiwa_log::PlanFigures;
 use iiwa_scene::Scene;
 use iiwa_view::{PlannedTimes, Summary, SummaryRow, printable};
 use rayon::{
@@ -20,13 +19,14 @@ use serde::Serialize;
 use super::{
     answer::PlanAnswer,
     programs::{self, Job},
-    work::{gates, scene, write},
+    work::{PlanOutcome, gates, scene, write},
 };
 use crate::{
     args::Plan,
     failure::{self, Failure},
     input, output,
     progress::Progress,
+    warning::warning_lines,
 };
 
 /// Plans all programs that are given, and those in the folders that are.
@@ -102,7 +102,7 @@ fn plan(
     };
     let planned = input::program(&job.program, options.robot.as_deref())
         .and_then(|input| write(options, scene, input, job.target.as_deref(), alive))
-        .and_then(|figures| ProgramOutcome::planned(options, job, &name, &figures));
+        .and_then(|planned| ProgramOutcome::planned(options, job, &name, &planned));
     planned.unwrap_or_else(|failure| ProgramOutcome::failed(options, name, failure))
 }
 
@@ -127,7 +127,7 @@ impl ProgramOutcome {
         options: &Plan,
         job: &Job,
         name: &str,
-        figures: &PlanFigures,
+        PlanOutcome { figures, warnings }: &PlanOutcome,
     ) -> Result<Self, Failure> {
         let line = || {
             let output = job.target.as_deref().map(|file| file.display().to_string());
@@ -135,9 +135,11 @@ impl ProgramOutcome {
         };
         let gates = gates(options).judge(figures);
         let complain = |how| Failure::Gate(format!("{} {how}", printable(name))).text();
+        let warnings = warning_lines(warnings, Some(name));
+        let complaint = warnings + &gates.complaint().map(complain).unwrap_or_default();
         Ok(Self {
             line: options.json.then(line).transpose()?,
-            complaint: gates.complaint().map(complain),
+            complaint: Some(complaint).filter(|complaint| !complaint.is_empty()),
             row: SummaryRow {
                 program: name.to_owned(),
                 times: Some(PlannedTimes::from(figures)),

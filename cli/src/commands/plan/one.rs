@@ -11,15 +11,16 @@ use iiwa_view::plan_table;
 
 use crate::{
     args::{Plan, Timing},
-    failure::Failure,
+    failure::{Failure, print_note},
     input, log, output,
     progress::Progress,
+    warning::warning_lines,
 };
 
 use super::{
     answer::PlanAnswer,
     target::file_name,
-    work::{gates, scene, write},
+    work::{PlanOutcome, gates, scene, write},
 };
 
 /// Plans one program.
@@ -39,9 +40,10 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
     output::catch_interrupts();
     let mut progress = Progress::of_program();
     let show = |share| progress.show_share(share);
-    let figures = write(options, scene.as_ref(), input, target.as_deref(), show);
+    let planned = write(options, scene.as_ref(), input, target.as_deref(), show);
     progress.clear();
-    let figures = figures?;
+    let PlanOutcome { figures, warnings } = planned?;
+    print_note(&warning_lines(&warnings, None));
     report(options, &figures, target.as_deref())?;
     match gates(options).judge(&figures).complaint() {
         Some(how) => Err(Failure::Gate(format!("the program {how}"))),

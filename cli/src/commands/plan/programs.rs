@@ -8,6 +8,7 @@ use std::{
 };
 
 use iiwa_kin::Robot;
+use iiwa_path::Workcell;
 use iiwa_scene::Scene;
 
 use crate::{args::Plan, failure::Failure};
@@ -47,7 +48,8 @@ pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<Job>, Failur
 }
 
 /// The programs directly in a folder, sorted by name: its files `*.json`, as a shell lists them, but
-/// for robot profiles, which belong beside the programs that name them, and for scenes.
+/// for robot profiles and files that are included, which belong beside the programs that name them, and for
+/// scenes.
 fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let refuse = |error: io::Error| {
         Failure::input(format!("cannot read the folder {}: {error}", folder.display()))
@@ -65,7 +67,7 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     }
     if names.is_empty() {
         return Err(Failure::input(format!(
-            "the folder {} has no programs: files *.json that are no robot profiles and no scenes",
+            "the folder {} has no programs: files *.json that are no robot profiles, no scenes and not to be included",
             folder.display()
         )));
     }
@@ -73,10 +75,13 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(names.into_iter().map(|name| folder.join(name)).collect())
 }
 
-/// Whether it is a robot profile or a scene.
+/// Whether it is a robot profile, a scene or a file to include.
 fn is_other(path: &Path) -> bool {
-    fs::read_to_string(path)
-        .is_ok_and(|text| Robot::from_profile(&text).is_ok() || Scene::from_json(&text).is_ok())
+    fs::read_to_string(path).is_ok_and(|text| {
+        Robot::from_profile(&text).is_ok()
+            || Scene::from_json(&text).is_ok()
+            || Workcell::from_json(&text).is_ok()
+    })
 }
 
 /// Refuses a program that is given twice.

@@ -13,8 +13,9 @@ use iiwa_view::{PlanGates, PlanPicture, long_duration};
 use crate::{
     args::{self, Plan},
     failure::Failure,
-    input::{self, Text},
+    input::{self, ProgramText},
     output::{self, Output},
+    warning::turn_warnings,
 };
 
 /// The scene of the options, if any.
@@ -22,15 +23,21 @@ pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
     options.scene.as_deref().map(input::scene).transpose()
 }
 
+/// The figures of a plan, and warnings about the program.
+pub(super) struct PlanOutcome {
+    pub(super) figures: PlanFigures,
+    pub(super) warnings: Vec<String>,
+}
+
 /// Plans a program and writes its trajectory to `target`, which appears when it is complete. `progress` is called
 /// with the share that is done.
 pub(super) fn write(
     options: &Plan,
     scene: Option<&Scene>,
-    (text, program, robot): (Text, Program, Robot),
+    (text, program, robot): (ProgramText, Program, Robot),
     target: Option<&Path>,
     mut progress: impl FnMut(f64),
-) -> Result<PlanFigures, Failure> {
+) -> Result<PlanOutcome, Failure> {
     let refuse = |error| Failure::plan(error, &text.name, &text.text);
     let mut planning = Planning::new(&program, &robot, &plan_options(options))
         .map_err(|fault| refuse(fault.into()))?
@@ -38,6 +45,7 @@ pub(super) fn write(
         .interrupted_by(output::interrupt_flag());
     let picture = options.picture.as_ref();
     let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&program));
+    let warnings = turn_warnings(&program, &robot);
     drop(program);
     let arm = scene.map(|scene| ArmInScene::new(&robot, scene));
 
@@ -75,7 +83,7 @@ pub(super) fn write(
 
     if let (Some(writer), Some(output)) = (writer, &output) {
         writer
-            .finish(planning.figures(), Some(&text.text))
+            .finish(planning.figures(), Some(text.complete()))
             .map_err(|error| output.failure(&error))?
             .into_inner()
             .map_err(|error| output.failure(error.error()))?;
@@ -86,7 +94,7 @@ pub(super) fn write(
     for whole in output.into_iter().chain(drawing) {
         whole.complete()?;
     }
-    Ok(planning.into_figures())
+    Ok(PlanOutcome { figures: planning.into_figures(), warnings })
 }
 
 /// The gates that the options set.

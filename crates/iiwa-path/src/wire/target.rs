@@ -2,7 +2,10 @@
 
 use iiwa_json::{Object, locate};
 
-use super::{ProgramError, frames::TargetWire, json_error};
+use super::{
+    error::{ProgramError, json_error},
+    frames::TargetWire,
+};
 use crate::target::Target;
 
 impl Target {

@@ -1,0 +1,152 @@
+//! Programs that include a file, and targets whose turn is odd, from outside.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+#[path = "common/run.rs"]
+mod run;
+
+use std::{fs, fs::File};
+
+use iiwa_log::JointLog;
+use iiwa_path::Program;
+use predicates::{
+    prelude::PredicateBooleanExt,
+    str::{contains, is_empty},
+};
+use run::{files, iiwasim};
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+
+const CELL: &str = r#"{
+  "version": 1,
+  "tools": { "gripper": { "tcp": { "z_mm": 120 } } },
+  "bases": { "table": { "x_mm": 500, "y_mm": -150, "z_mm": 100 } },
+  "frames": {
+    "pick": { "base": "table", "x_mm": 0, "y_mm": 0, "z_mm": 150, "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0, "status": 2 }
+  }
+}
+"#;
+
+const PROGRAM: &str = r#"{
+  "version": 1,
+  "include": "cells/cell.json",
+  "tool": "gripper",
+  "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+  "motions": [{ "type": "ptp", "frame": "pick" }]
+}
+"#;
+
+/// A folder with a program and its cell.
+fn folder(program: &str, cell: &str) -> TempDir {
+    let folder = tempdir().unwrap();
+    fs::create_dir(folder.path().join("cells")).unwrap();
+    fs::write(folder.path().join("cells/cell.json"), cell).unwrap();
+    fs::write(folder.path().join("program.json"), program).unwrap();
+    folder
+}
+
+#[test]
+fn a_plan_holds_all_of_its_program() {
+    let folder = folder(PROGRAM, CELL);
+    iiwasim(&folder, &["plan", "program.json"]).success().stderr(is_empty());
+    let log = JointLog::read(File::open(folder.path().join("program.mcap")).unwrap()).unwrap();
+    let program = Program::from_json(&log.program.unwrap()).unwrap();
+    assert!(program.workcell.frames.contains_key("pick"));
+    assert!(program.workcell.tools.contains_key("gripper"));
+    // Pages are made of the file alone.
+    iiwasim(&folder, &["report", "program.mcap"]).success().stderr(is_empty());
+}
+
+#[test]
+fn a_program_without_is_stored_as_it_is() {
+    let text = PROGRAM
+        .replace("\"include\": \"cells/cell.json\",", "")
+        .replace("\"tool\": \"gripper\",", "")
+        .replace("\"frame\": \"pick\"", "\"joints_deg\": [0, 20, 0, -60, 0, 90, 0]");
+    let folder = folder(&text, CELL);
+    iiwasim(&folder, &["plan", "program.json"]).success();
+    let log = JointLog::read(File::open(folder.path().join("program.mcap")).unwrap()).unwrap();
+    assert_eq!(log.program.unwrap(), text);
+}
+
+#[test]
+fn a_frame_of_the_cell_is_reached() {
+    let folder = folder(PROGRAM, CELL);
+    let ik = |cell: &str, more: &[&str]| -> Value {
+        let arguments = [&["ik", "--json", "--frame", "pick", "--program", cell], more].concat();
+        let found = iiwasim(&folder, &arguments).success();
+        serde_json::from_slice(&found.get_output().stdout).unwrap()
+    };
+    // By way of a program that includes it, or by itself.
+    let of_program = ik("program.json", &[]);
+    assert_eq!(of_program, ik("cells/cell.json", &["--tool", "gripper"]));
+    assert!((of_program["frame"]["x_mm"].as_f64().unwrap() - 500.0).abs() < 1e-6);
+}
+
+#[test]
+fn errors_name_the_file_that_they_are_in() {
+    let refuses = |program: &str, cell: &str, reasons: &[&str]| {
+        let folder = folder(program, cell);
+        let refused = iiwasim(&folder, &["plan", "program.json"]).code(2);
+        let stderr = String::from_utf8_lossy(&refused.get_output().stderr).replace("\n  │ ", " ");
+        for reason in reasons {
+            assert!(stderr.contains(reason), "no {reason:?} in {stderr}");
+        }
+        assert_eq!(files(&folder), ["cells", "program.json"]);
+    };
+    let other = |name: &str| PROGRAM.replace("cells/cell.json", name);
+    refuses(
+        PROGRAM,
+        &CELL.replace("500", "\"5\""),
+        &["cells/cell.json, line 4, column 33: expected"],
+    );
+    refuses(PROGRAM, "{", &["cells/cell.json, line 1"]);
+    refuses(PROGRAM, "root:x:0", &["program.json, line 3, column 14", "no JSON object"]);
+    refuses(&other("none.json"), CELL, &["program.json, line 3, column 14", "no file ./none.json"]);
+    refuses(&other("../cell.json"), CELL, &["program.json, line 3", "in a folder below it"]);
+    refuses(&other("/etc/passwd"), CELL, &["program.json, line 3", "in a folder below it"]);
+    refuses(
+        PROGRAM,
+        &CELL.replace("\"bases\"", "\"include\": \"b.json\", \"bases\""),
+        &["cells/cell.json, line 4, column 14", "includes no other"],
+    );
+    // What is wrong with a motion is wrong with the program.
+    refuses(&PROGRAM.replace("pick", "pack"), CELL, &["program.json, line 6", "no frame `pack`"]);
+}
+
+#[test]
+fn a_cell_in_a_folder_of_programs_is_no_program() {
+    let folder = tempdir().unwrap();
+    fs::write(folder.path().join("program.json"), PROGRAM.replace("cells/", "")).unwrap();
+    fs::write(folder.path().join("cell.json"), CELL).unwrap();
+    iiwasim(&folder, &["plan", ".", "--no-output"])
+        .success()
+        .stdout(contains("1 planned, 0 failed"));
+}
+
+#[test]
+fn an_odd_turn_is_worth_a_warning() {
+    let program =
+        PROGRAM.replace("\"frame\": \"pick\"", "\"frame\": \"pick\", \"velocity_rel\": 0.5");
+    let cell = CELL.replace("\"status\": 2", "\"status\": 2, \"turn\": 127");
+    let folder = folder(&program, &cell);
+    let warning = "motion 1: the frame states turn 127, and the joints there have turn";
+    iiwasim(&folder, &["plan", "program.json"])
+        .success()
+        .stderr(contains(format!("Warning: {warning}")));
+    fs::copy(folder.path().join("program.json"), folder.path().join("same.json")).unwrap();
+    iiwasim(&folder, &["plan", "program.json", "same.json", "--no-output", "--json"])
+        .success()
+        .stderr(contains(format!("Warning: program.json: {warning}")))
+        .stderr(contains(format!("Warning: same.json: {warning}")))
+        .stdout(contains("cycle_time_s").and(contains("Warning").not()));
+    iiwasim(&folder, &["ik", "--program", "program.json", "--frame", "pick"])
+        .success()
+        .stderr(contains("Warning: the frame states turn 127"));
+}
+
+#[test]
+fn prints_the_schema() {
+    let folder = tempdir().unwrap();
+    iiwasim(&folder, &["schema", "frames"]).success().stdout(contains("iiwasim frames"));
+}

@@ -1,0 +1,117 @@
+//! Targets that were not meant for this arm, or not in this place.
+
+use std::{fmt, sync::Arc};
+
+use iiwa_kin::{Joints, Robot, Turn};
+
+use crate::{
+    cartesian::leg::legs,
+    cartesian_motion::{CartesianMotion, Course},
+    fault::Fault,
+    motion_index::MotionIndex,
+    program::{Motion, Program, Start},
+    target::TargetRef,
+};
+
+/// A target whose turn is not that of the joints with which the arm arrives there: the frame has been moved since it was
+/// taught, or it was taught with another robot, another tool or another status.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TurnContradiction {
+    /// The motion, or none for the start pose.
+    pub motion: Option<MotionIndex>,
+    /// The turn that the target states.
+    pub stated: Turn,
+    /// That of the joints.
+    pub found: Turn,
+}
+
+impl fmt::Display for TurnContradiction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.motion {
+            Some(motion) => write!(f, "motion {motion}: ")?,
+            None => f.write_str("the start pose: ")?,
+        }
+        let Self { stated, found, .. } = self;
+        write!(f, "the frame states turn {stated}, and the joints there have turn {found}")
+    }
+}
+
+impl Program {
+    /// The targets whose turn is not that of the joints with which the arm arrives, in order. Nothing depends on the turn:
+    /// the other numbers settle the joints.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::Program;
+    ///
+    /// let program = Program::from_json(r#"{
+    ///     "version": 1,
+    ///     "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+    ///     "motions": [{ "type": "ptp", "frame": { "x_mm": 600, "y_mm": 0, "z_mm": 300,
+    ///         "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0, "status": 2, "turn": 0 } }]
+    /// }"#)?;
+    /// let found = program.turn_contradictions(&Robot::default())?;
+    /// assert_eq!(found[0].to_string(), "motion 1: the frame states turn 0, and the joints there have turn 8");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If the program asks for something that this robot cannot do.
+    pub fn turn_contradictions(&self, robot: &Robot) -> Result<Vec<TurnContradiction>, Fault> {
+        let at_start = match &self.start {
+            Start::Frame(target) => self.stated_turn(target),
+            Start::Joints(_) => None,
+        };
+        let at_ends: Vec<_> = self
+            .motions
+            .iter()
+            .map(|motion| self.stated_turn(motion.as_cartesian().and_then(destination)?))
+            .collect();
+        if at_start.is_none() && at_ends.iter().all(Option::is_none) {
+            return Ok(Vec::new());
+        }
+        let robot = Arc::new(robot.clone());
+        let contradiction = |motion, stated: Turn, joints_rad: &Joints| {
+            let found = Turn::of(joints_rad);
+            let contradicts = !stated.agrees_with(joints_rad);
+            contradicts.then_some(TurnContradiction { motion, stated, found })
+        };
+        let mut contradictions = Vec::new();
+        if let Some(stated) = at_start {
+            contradictions.extend(contradiction(None, stated, &self.start_rad(&robot)?));
+        }
+        for (index, (stated, leg)) in at_ends.into_iter().zip(legs(self, &robot)?).enumerate() {
+            let (Some(stated), Some(leg)) = (stated, leg) else { continue };
+            let motion = Some(MotionIndex::new(index));
+            contradictions.extend(contradiction(motion, stated, &leg.ends_rad[1]));
+        }
+        Ok(contradictions)
+    }
+
+    fn stated_turn(&self, target: &TargetRef) -> Option<Turn> {
+        let target = match target {
+            TargetRef::Given(target) => target,
+            TargetRef::Named(name) => self.workcell.frames.get(name)?,
+        };
+        target.turn.and_then(Turn::new)
+    }
+}
+
+impl Motion {
+    fn as_cartesian(&self) -> Option<&CartesianMotion> {
+        match self {
+            Self::Cartesian(motion) => Some(motion),
+            _ => None,
+        }
+    }
+}
+
+/// The target at which a motion ends.
+fn destination(motion: &CartesianMotion) -> Option<&TargetRef> {
+    match &motion.course {
+        // With an angle, it ends elsewhere.
+        Course::Circ(circ) if circ.angle_rad.is_some() => None,
+        _ => motion.target(),
+    }
+}

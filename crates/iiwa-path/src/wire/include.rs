@@ -1,0 +1,171 @@
+//! Files of tools, bases and frames, which programs include.
+
+use std::collections::BTreeMap;
+
+use iiwa_json::{Step, Unread, locate, read_version};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize, de::IgnoredAny};
+use serde_json::value::RawValue;
+
+use super::{
+    error::{ProgramError, VERSION, json_error},
+    frames::{BaseWire, TargetWire, ToolWire, workcell},
+};
+use crate::{program::Program, workcell::Workcell};
+
+/// Tools, bases and frames of a cell, for the programs that include them.
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "iiwasim frames", rename = "Frames")]
+struct FramesWire {
+    /// Version of this format.
+    #[schemars(extend("const" = 1))]
+    version: u64,
+    /// Tools by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    tools: BTreeMap<String, ToolWire>,
+    /// Frames that others are given in, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    bases: BTreeMap<String, BaseWire>,
+    /// Frames to go to, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    frames: BTreeMap<String, TargetWire>,
+    /// A key of programs: told apart from those that nobody knows.
+    #[serde(default, skip_serializing)]
+    #[schemars(skip)]
+    include: Option<IgnoredAny>,
+}
+
+impl Workcell {
+    /// Reads the tools, bases and frames that programs include, as [`to_json`](Self::to_json) writes them.
+    ///
+    /// ```
+    /// use iiwa_path::Workcell;
+    ///
+    /// let cell = Workcell::from_json(r#"{ "version": 1, "bases": { "table": { "x_mm": 500 } } }"#)?;
+    /// assert_eq!(cell.bases["table"].frame.xyz_mm, [500.0, 0.0, 0.0]);
+    /// assert_eq!(Workcell::from_json(&cell.to_json())?, cell);
+    /// # Ok::<(), iiwa_path::ProgramError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If the text is something else; the error says where in the text.
+    pub fn from_json(text: &str) -> Result<Self, ProgramError> {
+        let at = |what: String, path: &[Step<'_>]| ProgramError::Json {
+            what,
+            motion: None,
+            place: locate(text, path),
+        };
+        let wire =
+            read_version(text, VERSION, |wire: &FramesWire| wire.version).map_err(|error| {
+                match error {
+                    Unread::Version { found, place } => ProgramError::Json {
+                        what: format!(
+                            "these are frames of version {found}; version {VERSION} is understood"
+                        ),
+                        motion: None,
+                        place,
+                    },
+                    error @ Unread::Json(_) => ProgramError::unread(text, error),
+                }
+            })?;
+        if wire.include.is_some() {
+            let what = "a file that is included includes no other".to_owned();
+            return Err(at(what, &[Step::Key("include")]));
+        }
+        workcell(wire.tools, wire.bases, wire.frames).map_err(|(list, name, what)| {
+            at(format!("`{name}`: {what}"), &[Step::Key(list), Step::Key(&name)])
+        })
+    }
+
+    /// The tools, bases and frames as JSON (version 1), for programs to include. It does not say which of them are in
+    /// use: that is up to the programs.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let wire = FramesWire {
+            version: VERSION,
+            tools: self.tools.iter().map(|(name, tool)| (name.clone(), tool.into())).collect(),
+            bases: self.bases.iter().map(|(name, base)| (name.clone(), base.into())).collect(),
+            frames: self.frames.iter().map(|(name, to)| (name.clone(), to.into())).collect(),
+            include: None,
+        };
+        // Only a map with keys that are no strings could fail.
+        serde_json::to_string_pretty(&wire).unwrap_or_default()
+    }
+
+    /// The JSON Schema of such a file (draft 2020-12).
+    #[must_use]
+    pub fn schema() -> serde_json::Value {
+        schemars::schema_for!(FramesWire).to_value()
+    }
+}
+
+/// Keys of an object with their values as they are written.
+type RawKeys<'a> = BTreeMap<String, &'a RawValue>;
+
+impl Program {
+    /// The text of a program with what it includes in it, so that it needs no other file: of both, as it is written,
+    /// what [`from_json_with`](Self::from_json_with) reads.
+    ///
+    /// ```
+    /// use iiwa_path::Program;
+    ///
+    /// let text = r#"{ "version": 1, "include": "cell.json", "frames": {},
+    ///                 "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+    ///                 "motions": [{ "type": "wait", "seconds": 1 }] }"#;
+    /// let cell = r#"{ "version": 1, "bases": { "table": { "x_mm": 500 } } }"#;
+    /// let program = Program::from_json(&Program::merged_json(text, cell)?)?;
+    /// assert_eq!(program.workcell.bases["table"].frame.xyz_mm, [500.0, 0.0, 0.0]);
+    /// # Ok::<(), iiwa_path::ProgramError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If one of the two is no JSON object; neither is checked further.
+    pub fn merged_json(text: &str, included: &str) -> Result<String, ProgramError> {
+        fn read<'a, T: Deserialize<'a>>(text: &'a str, part: &'a str) -> Result<T, ProgramError> {
+            serde_json::from_str(part).map_err(|error| json_error(text, part, None, &error))
+        }
+        let mut program: RawKeys<'_> = read(text, text)?;
+        let file: RawKeys<'_> = read(included, included)?;
+        program.remove("include");
+        let mut lists = Vec::new();
+        for list in ["tools", "bases", "frames"] {
+            let Some(added) = file.get(list) else { continue };
+            let mut merged: RawKeys<'_> = read(included, added.get())?;
+            if let Some(own) = program.get(list) {
+                merged.extend(read::<RawKeys<'_>>(text, own.get())?);
+            }
+            // Values that were just read can be written.
+            lists.push((list, serde_json::value::to_raw_value(&merged).unwrap_or_default()));
+        }
+        program.extend(lists.iter().map(|(list, merged)| ((*list).to_owned(), merged.as_ref())));
+        Ok(serde_json::to_string_pretty(&program).unwrap_or_default())
+    }
+}
+
+/// What the program `text` includes under the name `name`.
+pub(super) fn included(
+    text: &str,
+    name: &str,
+    read: impl FnOnce(&str) -> Result<String, String>,
+) -> Result<Workcell, ProgramError> {
+    let place = || locate(text, &[Step::Key("include")]);
+    let file = read(name).map_err(|what| ProgramError::Include {
+        name: name.to_owned(),
+        what,
+        place: place(),
+    })?;
+    Workcell::from_json(&file).map_err(|error| ProgramError::Included {
+        name: name.to_owned(),
+        text: file,
+        error: Box::new(error),
+        place: place(),
+    })
+}
+
+/// For texts that come without files.
+pub(super) fn no_files(_: &str) -> Result<String, String> {
+    Err("only the text of the program is at hand, and no other file".to_owned())
+}

@@ -1,0 +1,147 @@
+//! Programs that include a file of tools, bases and frames.
+
+use iiwa_path::{Program, ProgramError, Workcell};
+use serde_json::{Value, json};
+
+const CELL: &str = r#"{
+  "version": 1,
+  "tools": { "gripper": { "tcp": { "z_mm": 120 }, "load": { "mass_kg": 1.5 } }, "probe": { "tcp": { "z_mm": 300 } } },
+  "bases": { "table": { "x_mm": 500, "a_deg": 30 }, "tray": { "base": "table", "y_mm": 40 } },
+  "frames": {
+    "pick": { "base": "tray", "x_mm": 0, "y_mm": 0, "z_mm": 200, "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 5, "status": 2 },
+    "place": { "base": "tray", "x_mm": 50, "y_mm": 0, "z_mm": 200, "a_deg": 0, "b_deg": 180, "c_deg": 0 }
+  }
+}"#;
+
+const PROGRAM: &str = r#"{
+  "version": 1,
+  "include": "cell.json",
+  "tools": { "gripper": { "tcp": { "z_mm": 130 } } },
+  "bases": { "table": { "x_mm": 480 } },
+  "tool": "gripper",
+  "base": "tray",
+  "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+  "motions": [
+    { "type": "ptp", "frame": "pick", "velocity_rel": 0.30 },
+    { "type": "lin", "frame": "place", "cart_velocity_mm_s": 250.0 }
+  ]
+}"#;
+
+fn read(text: &str, file: &str) -> Result<Program, ProgramError> {
+    Program::from_json_with(text, |name| {
+        assert_eq!(name, "cell.json");
+        Ok(file.to_owned())
+    })
+}
+
+#[test]
+fn the_names_of_the_file_are_the_programs_and_its_own_win() {
+    let program = read(PROGRAM, CELL).unwrap();
+    let cell = Workcell::from_json(CELL).unwrap();
+    let own = &program.workcell;
+    assert_eq!(own.tools["gripper"].tcp.xyz_mm[2], 130.0);
+    // All of a tool, its load too.
+    assert_eq!(own.tools["gripper"].load, None);
+    assert_eq!(own.tools["probe"], cell.tools["probe"]);
+    assert_eq!((own.tool.as_deref(), own.base.as_deref()), (Some("gripper"), Some("tray")));
+    assert_eq!(own.frames, cell.frames);
+    // What is given in a base goes along with the program's own.
+    let table = own.base(Some("table")).unwrap();
+    let tray = own.base(None).unwrap();
+    assert_eq!(table.position_m, [0.48, 0.0, 0.0]);
+    assert_eq!(tray.position_m, [0.48, 0.04, 0.0]);
+}
+
+#[test]
+fn a_text_alone_has_nothing_to_include() {
+    let error = Program::from_json(PROGRAM).unwrap_err();
+    assert!(matches!(&error, ProgramError::Include { name, .. } if name == "cell.json"));
+    assert_eq!((error.place().line, error.place().column), (3, 14));
+    assert!(error.to_string().contains("`cell.json`"), "{error}");
+    let none = PROGRAM.replace("\"cell.json\"", "null");
+    assert!(Program::from_json(&none).is_ok());
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_refused_where_it_is_named() {
+    let error = Program::from_json_with(PROGRAM, |_| Err("there is none".to_owned())).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "cannot include `cell.json`: there is none, at line 3, column 14"
+    );
+    assert_eq!(error.what(), "cannot include `cell.json`: there is none");
+}
+
+#[test]
+fn errors_within_the_file_have_their_places_there() {
+    for (from, to, place, what) in [
+        ("\"z_mm\": 300", "\"z_mm\": \"300\"", (3, 109), "expected a number"),
+        ("\"version\": 1", "\"version\": 2", (2, 14), "these are frames of version 2; version 1"),
+        ("\"e1_deg\": 5", "\"e1_rad\": 5, \"e1_deg\": 5", (6, 13), "`pick`: give either `e1_deg`"),
+        ("\"status\": 2", "\"status\": 8", (6, 13), "status is 8"),
+        ("\"frames\"", "\"include\": \"other.json\", \"frames\"", (5, 14), "includes no other"),
+        ("\"frames\"", "\"tool\": \"gripper\", \"frames\"", (5, 3), "unknown key `tool`"),
+        ("\"place\": {", "\"place\": { \"speed\": 1,", (7, 16), "unknown key `speed`"),
+        ("\n  }\n}", "\n  }\n", (9, 1), "the text ends too early"),
+    ] {
+        let file = CELL.replacen(from, to, 1);
+        assert_ne!(file, CELL);
+        match read(PROGRAM, &file) {
+            Err(ProgramError::Included { name, text, error, place: at }) => {
+                let found = (error.place().line, error.place().column);
+                assert_eq!((name.as_str(), &text), ("cell.json", &file));
+                assert_eq!((at.line, at.column), (3, 14));
+                assert!(error.what().contains(what), "{what}: {error}");
+                if what != "the text ends too early" {
+                    assert_eq!(found, place, "{what}: {error}");
+                }
+            }
+            other => unreachable!("{what}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn one_text_of_both_needs_no_file() {
+    let merged = Program::merged_json(PROGRAM, CELL).unwrap();
+    assert_eq!(Program::from_json(&merged).unwrap(), read(PROGRAM, CELL).unwrap());
+    // What the program says of its motions stays as it is written.
+    for written in ["0.30", "250.0", "\"e1_deg\": 5"] {
+        assert!(merged.contains(written), "{merged}");
+    }
+    assert!(!merged.contains("include"), "{merged}");
+    let bare = r#"{ "version": 1 }"#;
+    let alone = Program::merged_json(PROGRAM, bare).unwrap();
+    assert!(Program::from_json(&alone).unwrap().workcell.frames.is_empty());
+    assert!(Program::merged_json(PROGRAM, "[]").is_err());
+}
+
+#[test]
+fn what_is_written_is_read() {
+    let cell = Workcell::from_json(CELL).unwrap();
+    let text = cell.to_json();
+    assert_eq!(Workcell::from_json(&text).unwrap(), cell);
+    assert_eq!(Workcell::from_json(&Workcell::default().to_json()).unwrap(), Workcell::default());
+}
+
+#[test]
+fn the_schemas_say_the_same() {
+    let program = jsonschema::validator_for(&Program::schema()).unwrap();
+    let frames = jsonschema::validator_for(&Workcell::schema()).unwrap();
+    let value = |text: &str| serde_json::from_str::<Value>(text).unwrap();
+    assert!(program.is_valid(&value(PROGRAM)));
+    assert!(!program.is_valid(&value(&PROGRAM.replace("\"cell.json\"", "7"))));
+    assert!(frames.is_valid(&value(CELL)));
+    let written = value(&Workcell::from_json(CELL).unwrap().to_json());
+    assert!(frames.is_valid(&written), "{written}");
+    for bad in [
+        json!({}),
+        json!({ "version": 2 }),
+        json!({ "version": 1, "include": "other.json" }),
+        json!({ "version": 1, "motions": [] }),
+        json!({ "version": 1, "frames": { "a": { "x_mm": "1" } } }),
+    ] {
+        assert!(!frames.is_valid(&bad), "the schema takes {bad}");
+        assert!(Workcell::from_json(&bad.to_string()).is_err(), "the reader takes {bad}");
+    }
+}

@@ -1,0 +1,234 @@
+//! From a data file to the tools, bases and frames of programs.
+
+use std::collections::BTreeMap;
+
+use iiwa_kin::{Pose, Status, Turn};
+use iiwa_path::{Base, Frame, Target, Tool, Workcell};
+
+use crate::{
+    data_file::{DataFile, Teaching, ToolTemplate, WorldFrame},
+    names::{Names, Renamed},
+};
+
+/// Names that mean something in programs: no tool, and the robot's foot.
+const FLANGE: &str = "flange";
+const FOOT: &str = "robot";
+
+/// What programs can use of a data file, and under which names.
+#[derive(Clone, Debug, Default)]
+pub struct ImportedCell {
+    /// The tools, bases and frames.
+    pub workcell: Workcell,
+    /// The tools in order.
+    pub tools: Vec<ImportedTool>,
+    /// The frames in order, each before those that are given in it.
+    pub frames: Vec<ImportedFrame>,
+    /// What has another name than in the project.
+    pub renamed: Vec<Renamed>,
+}
+
+/// A tool of a data file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ImportedTool {
+    /// Its name in programs.
+    pub name: String,
+    /// Which of its frames is the TCP, as `/FRAME`; none if it has no frames: then it is the flange.
+    pub tcp: Option<String>,
+    /// Its other frames, by their names in programs.
+    pub tips: Vec<String>,
+}
+
+/// A frame of a data file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImportedFrame {
+    /// Its path in the project, as `/FRAME/FRAME`.
+    pub path: String,
+    /// Its name in programs.
+    pub name: String,
+    /// Whether it is a base: others are given in it.
+    pub is_base: bool,
+    /// Whether it is a frame to go to.
+    pub is_target: bool,
+    /// Where it is in the robot's foot.
+    pub pose: Pose,
+    /// The position of A3 with which it was taught, in rad.
+    pub e1_rad: Option<f64>,
+    /// The status with which it was taught.
+    pub status: Option<Status>,
+    /// The turn with which it was taught.
+    pub turn: Option<Turn>,
+    /// What it was taught with.
+    pub teaching: Option<Teaching>,
+    /// The tool that it was taught with, by its name in programs; none if the project has it no longer.
+    pub tool: Option<String>,
+    /// How far that tool's TCP is from where it was then, if it has been changed.
+    pub tcp_change: Option<TcpChange>,
+}
+
+/// How far a TCP is from where it was when a frame was taught.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TcpChange {
+    /// The distance, in mm.
+    pub distance_mm: f64,
+    /// The turn, in rad.
+    pub turn_rad: f64,
+}
+
+/// The TCPs by their names when frames are taught: their names in programs, and where they are in the flange's frame.
+type Tcps = BTreeMap<String, (String, Pose)>;
+
+impl TcpChange {
+    /// From one pose to another; none if they are the same but for rounding.
+    fn between(then: &Pose, now: &Pose) -> Option<Self> {
+        let by = then.inverse().then(now);
+        let distance_mm = 1e3 * by.position_m.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let [r, s, t] = [0, 1, 2].map(|i| by.rotation[i][i]);
+        let turn_rad = ((r + s + t - 1.0) / 2.0).clamp(-1.0, 1.0).acos();
+        // Angles near 0 are uncertain by the square root of rounding.
+        (distance_mm > 1e-3 || turn_rad > 1e-5).then_some(Self { distance_mm, turn_rad })
+    }
+}
+
+impl ImportedCell {
+    /// What programs can use of `file`. A frame that others are given in is a base; it is a frame to go to as well if it
+    /// was taught, as are all those that no others are given in. Names are paths, `Table/P1`.
+    #[must_use]
+    pub fn new(file: &DataFile) -> Self {
+        let mut cell = Self::default();
+        let mut tcps = Tcps::new();
+        let mut names = Names::without(&[FLANGE]);
+        for template in &file.tools {
+            let name = names.give(None, &template.name, &template.name);
+            // Its root is at the flange.
+            tcps.insert(template.name.clone(), (FLANGE.to_owned(), Pose::IDENTITY));
+            tcps.extend(cell.add_tool(template, &name));
+        }
+        cell.renamed.append(&mut names.renamed);
+        let mut names = Names::without(&[FOOT]);
+        let mut open: Vec<_> = file.frames.iter().rev().map(|frame| (frame, None)).collect();
+        while let Some((frame, parent)) = open.pop() {
+            let parent: Option<usize> = parent;
+            let index = cell.add_frame(frame, parent, &mut names, &tcps);
+            open.extend(frame.children.iter().rev().map(|child| (child, Some(index))));
+        }
+        cell.renamed.append(&mut names.renamed);
+        cell
+    }
+
+    /// Adds a tool. Gives its TCPs: where each is in the flange's frame, and its name in programs, by its name when frames
+    /// are taught.
+    fn add_tool(&mut self, template: &ToolTemplate, name: &str) -> Tcps {
+        let mut names = Names::default();
+        let mut found = Vec::new();
+        let mut open: Vec<_> = template
+            .frames
+            .iter()
+            .rev()
+            .map(|frame| (frame, String::new(), None, Pose::IDENTITY))
+            .collect();
+        while let Some((frame, above, parent, pose)) = open.pop() {
+            let path = format!("{above}/{}", frame.name);
+            let parent: Option<String> = parent;
+            let from = format!("{}{path}", template.name);
+            let tip = names.give(parent.as_deref(), &frame.name, &from);
+            // What is given in the flange stays as it is written.
+            let (pose, written) = if parent.is_none() {
+                (frame.frame.pose(), frame.frame)
+            } else {
+                let pose = pose.then(&frame.frame.pose());
+                (pose, Frame::from(&pose))
+            };
+            for child in frame.children.iter().rev() {
+                open.push((child, path.clone(), Some(tip.clone()), pose));
+            }
+            found.push((path, from, tip, written));
+        }
+        let is_default = |path: &String| Some(path) == template.default_frame.as_ref();
+        let default = found.iter().position(|(path, ..)| is_default(path)).unwrap_or(0);
+        let mut tool = Tool { load: template.load, ..Tool::default() };
+        let mut imported = ImportedTool { name: name.to_owned(), tcp: None, tips: Vec::new() };
+        let mut tcps = Tcps::new();
+        for (index, (path, from, tip, frame)) in found.into_iter().enumerate() {
+            let is_tcp = index == default;
+            let called = if is_tcp { name.to_owned() } else { format!("{name}/{tip}") };
+            tcps.insert(from, (called, frame.pose()));
+            if is_tcp {
+                tool.tcp = frame;
+                imported.tcp = Some(path);
+            } else {
+                tool.tips.insert(tip.clone(), frame);
+                imported.tips.push(tip);
+            }
+        }
+        self.renamed.append(&mut names.renamed);
+        self.workcell.tools.insert(name.to_owned(), tool);
+        self.tools.push(imported);
+        tcps
+    }
+
+    /// Adds a frame, and gives its index.
+    fn add_frame(
+        &mut self,
+        frame: &WorldFrame,
+        parent: Option<usize>,
+        names: &mut Names,
+        tcps: &Tcps,
+    ) -> usize {
+        let above = parent.map(|index| &self.frames[index]);
+        let path = format!("{}/{}", above.map_or("", |above| &above.path), frame.name);
+        let name = names.give(above.map(|above| above.name.as_str()), &frame.name, &path);
+        let own = frame.frame.pose();
+        let pose = above.map_or(own, |above| above.pose.then(&own));
+        let base = above.map(|above| above.name.clone());
+        let redundancy = frame.redundancy.as_ref();
+        let is_base = !frame.children.is_empty();
+        let is_target = !is_base || redundancy.is_some() || frame.teaching.is_some();
+        let imported = ImportedFrame {
+            is_base,
+            is_target,
+            pose,
+            e1_rad: redundancy.and_then(|own| own.e1_rad),
+            status: redundancy.and_then(|own| own.status),
+            turn: redundancy.and_then(|own| own.turn),
+            tool: None,
+            tcp_change: None,
+            teaching: frame.teaching.clone(),
+            path,
+            name: name.clone(),
+        };
+        let imported = imported.with_tool(tcps);
+        if is_base {
+            self.workcell
+                .bases
+                .insert(name.clone(), Base { frame: frame.frame, base: base.clone() });
+        }
+        if is_target {
+            let target = Target {
+                frame: frame.frame,
+                base: Some(base.unwrap_or_else(|| FOOT.to_owned())),
+                e1_rad: imported.e1_rad,
+                status: imported.status,
+                turn: imported.turn.map(Turn::bits),
+            };
+            self.workcell.frames.insert(name, target);
+        }
+        self.frames.push(imported);
+        self.frames.len() - 1
+    }
+}
+
+impl ImportedFrame {
+    /// With the tool that it was taught with, as it is now.
+    fn with_tool(self, tcps: &Tcps) -> Self {
+        let Some(teaching) = &self.teaching else { return self };
+        let flange = || {
+            let is_flange = teaching.tcp_name.eq_ignore_ascii_case(FLANGE);
+            is_flange.then(|| (FLANGE.to_owned(), Pose::IDENTITY))
+        };
+        let Some((tool, now)) = tcps.get(&teaching.tcp_name).cloned().or_else(flange) else {
+            return self;
+        };
+        let tcp_change = TcpChange::between(&teaching.tcp.pose(), &now);
+        Self { tool: Some(tool), tcp_change, ..self }
+    }
+}

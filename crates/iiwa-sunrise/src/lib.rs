@@ -1,0 +1,41 @@
+//! KUKA Sunrise projects: the frames and tool templates of a `RoboticsAPI.data.xml`, as the tools, bases and frames that
+//! motion programs include.
+//!
+//! ```
+//! use iiwa_kin::Robot;
+//! use iiwa_sunrise::{DataFile, ImportedCell};
+//!
+//! let file = DataFile::from_xml(r#"<RoboticsAPIData version="3"><world>
+//!     <frame name="Bench">
+//!         <transformation x="400" y="-200" z="50" a="0" b="0" c="0"/>
+//!         <frame name="Pick">
+//!             <transformation x="100" y="150" z="250" a="0" b="3.141592653589793" c="0"/>
+//!         </frame>
+//!     </frame>
+//! </world></RoboticsAPIData>"#)?;
+//! let cell = ImportedCell::new(&file);
+//! assert_eq!(cell.workcell.frames["Bench/Pick"].base.as_deref(), Some("Bench"));
+//! println!("{}", cell.workcell.to_json());
+//! for frame in &cell.frames {
+//!     println!("{}: {}", frame.name, frame.check(&Robot::default()).verdict);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`DataFile`] holds what the file says, [`ImportedCell`] what programs can use of it, and under which names.
+
+mod cell;
+mod check;
+mod data_file;
+mod element;
+mod error;
+mod names;
+mod read;
+
+pub use cell::{ImportedCell, ImportedFrame, ImportedTool, TcpChange};
+pub use check::{FrameCheck, Verdict};
+pub use data_file::{
+    DataFile, NotTaken, TaughtRedundancy, Teaching, ToolFrame, ToolTemplate, WorldFrame,
+};
+pub use error::DataFileError;
+pub use names::Renamed;

@@ -1,0 +1,302 @@
+//! From XML to what a data file says.
+
+use std::collections::BTreeMap;
+
+use iiwa_kin::{Status, Turn};
+use iiwa_path::{Frame, Load};
+
+use crate::{
+    data_file::{
+        DataFile, NotTaken, TaughtRedundancy, Teaching, ToolFrame, ToolTemplate, WorldFrame,
+    },
+    element::Element,
+    error::DataFileError,
+};
+
+/// The version of data files whose meaning is known.
+const VERSION: &str = "3";
+
+impl DataFile {
+    /// Reads a data file. What it has beside frames and tools is counted in [`not_taken`](Self::not_taken).
+    ///
+    /// # Errors
+    ///
+    /// If the text is no data file, or if a frame or a tool lacks a number; the error says where in the text.
+    pub fn from_xml(text: &str) -> Result<Self, DataFileError> {
+        let root = Element::read(text)?;
+        if root.name != "RoboticsAPIData" {
+            return Err(DataFileError::NotDataFile { at: root.place(), found: root.name });
+        }
+        let mut file = Self::default();
+        let mut rest = Rest::default();
+        if let Some(version) = root.attribute("version").filter(|version| *version != VERSION) {
+            let why = format!("the file may mean something else than those of version {VERSION}");
+            rest.add(&format!("version {version}"), &why);
+        }
+        for part in &root.children {
+            match part.name.as_str() {
+                "world" => {
+                    for element in &part.children {
+                        match element.name.as_str() {
+                            "frame" => file.frames.push(world_frame(element, &mut rest)?),
+                            "gravitation" => gravitation(element, &mut rest)?,
+                            other => rest.unknown(other),
+                        }
+                    }
+                }
+                "objectTemplates" => {
+                    for element in &part.children {
+                        match element.name.as_str() {
+                            "toolTemplate" => file.tools.push(tool(element, &mut rest)?),
+                            "workpieceTemplate" => rest.add(
+                                "workpieceTemplate",
+                                "where a workpiece is attached, and when, is up to the program",
+                            ),
+                            other => rest.unknown(other),
+                        }
+                    }
+                }
+                "processDataContainer" => {
+                    for element in &part.children {
+                        match element.name.as_str() {
+                            "processData" => {
+                                rest.add("processData", "a value that the application asks for");
+                            }
+                            other => rest.unknown(other),
+                        }
+                    }
+                }
+                other => rest.unknown(other),
+            }
+        }
+        file.not_taken = rest.kinds();
+        Ok(file)
+    }
+}
+
+/// What is passed over, with the reasons.
+#[derive(Default)]
+struct Rest(BTreeMap<(String, String), usize>);
+
+impl Rest {
+    fn add(&mut self, what: &str, why: &str) {
+        *self.0.entry((what.to_owned(), why.to_owned())).or_default() += 1;
+    }
+
+    fn unknown(&mut self, element: &str) {
+        self.add(&format!("<{element}>"), "an unknown element");
+    }
+
+    fn kinds(self) -> Vec<NotTaken> {
+        self.0.into_iter().map(|((what, why), count)| NotTaken { what, count, why }).collect()
+    }
+}
+
+fn gravitation(element: &Element<'_>, rest: &mut Rest) -> Result<(), DataFileError> {
+    let [x, y, z] = ["x", "y", "z"].map(|key| element.number(key));
+    let why = match [x?, y?, z?] {
+        [0.0, 0.0, z] if z > 0.0 => "the robot stands upright, as programs take it to".to_owned(),
+        [x, y, z] => format!("the robot does not stand upright: gravity is {x} {y} {z}"),
+    };
+    rest.add("gravitation", &why);
+    Ok(())
+}
+
+fn world_frame(element: &Element<'_>, rest: &mut Rest) -> Result<WorldFrame, DataFileError> {
+    let mut frame = WorldFrame {
+        name: element.required("name")?.to_owned(),
+        frame: placed(element, "transformation")?,
+        redundancy: None,
+        teaching: None,
+        children: Vec::new(),
+    };
+    let mut redundancies = Vec::new();
+    for part in &element.children {
+        match part.name.as_str() {
+            "transformation" => {}
+            "frame" => frame.children.push(world_frame(part, rest)?),
+            "additionalInformation" => {
+                for info in &part.children {
+                    if info.attribute("type").is_some_and(|kind| names(kind, "TeachInformation")) {
+                        frame.teaching = Some(teaching(info)?);
+                    } else {
+                        additional(info, rest);
+                    }
+                }
+            }
+            "redundancyData" => {
+                for entry in &part.children {
+                    let kind = entry.attribute("type").unwrap_or_default();
+                    if entry.name == "redundancy" && names(kind, "LBRE1Redundancy") {
+                        redundancies.push(redundancy(entry, rest)?);
+                    } else if entry.name == "redundancy" {
+                        let what = format!("redundancy {}", last_part(kind));
+                        rest.add(&what, "another rule than that of E1, status and turn");
+                    } else {
+                        rest.unknown(&entry.name);
+                    }
+                }
+            }
+            "measurementTranslation" | "measurementRotation" => measurement(rest),
+            other => rest.unknown(other),
+        }
+    }
+    // Several robots may have been at one frame.
+    let taught = |entry: &TaughtRedundancy| {
+        frame.teaching.as_ref().is_some_and(|teaching| teaching.device == entry.device)
+    };
+    if !redundancies.is_empty() {
+        let chosen = redundancies.iter().position(taught).unwrap_or(0);
+        frame.redundancy = Some(redundancies.swap_remove(chosen));
+    }
+    for _ in redundancies {
+        rest.add("redundancy of another robot", "a frame has one");
+    }
+    Ok(frame)
+}
+
+/// Whether a class is called `name`, whatever its package.
+fn names(class: &str, name: &str) -> bool {
+    last_part(class) == name
+}
+
+fn last_part(class: &str) -> &str {
+    class.rsplit(['.', '$']).next().unwrap_or(class)
+}
+
+fn measurement(rest: &mut Rest) {
+    rest.add("measurement", "how a frame was measured");
+}
+
+/// What else there is about a frame or a tool.
+fn additional(info: &Element<'_>, rest: &mut Rest) {
+    let kind = info.attribute("key").or_else(|| info.attribute("type").map(last_part));
+    match kind {
+        Some("MeasurementInformation") => measurement(rest),
+        Some(kind) if info.name == "info" => {
+            rest.add(&format!("info {kind}"), "nothing that moves the arm");
+        }
+        _ => rest.unknown(&info.name),
+    }
+}
+
+/// The pose in a child element, in mm and rad.
+fn placed(owner: &Element<'_>, child: &'static str) -> Result<Frame, DataFileError> {
+    let element = owner.child(child).ok_or_else(|| owner.missing(child))?;
+    let [x, y, z] = ["x", "y", "z"].map(|key| element.number(key));
+    let [a, b, c] = ["a", "b", "c"].map(|key| element.number(key));
+    Ok(Frame { xyz_mm: [x?, y?, z?], abc_rad: [a?, b?, c?] })
+}
+
+fn teaching(info: &Element<'_>) -> Result<Teaching, DataFileError> {
+    let text = |key| info.attribute(key).unwrap_or_default().to_owned();
+    Ok(Teaching {
+        device: text("device"),
+        tcp_name: text("tcpName"),
+        tcp: placed(info, "tcpTransformation")?,
+    })
+}
+
+fn redundancy(entry: &Element<'_>, rest: &mut Rest) -> Result<TaughtRedundancy, DataFileError> {
+    let provider = entry.attribute("transformationProviderName").unwrap_or_default();
+    let device = provider.rsplit('/').next().unwrap_or_default().to_owned();
+    let mut found = TaughtRedundancy { device, e1_rad: None, status: None, turn: None };
+    for info in &entry.children {
+        let bits = || info.attribute("value").and_then(|value| value.trim().parse().ok());
+        let kind = last_part(info.attribute("type").unwrap_or_default());
+        let is_read = match kind {
+            "E1Parameter" => {
+                found.e1_rad = Some(info.number("value")?);
+                true
+            }
+            "StatusParameter" => {
+                found.status = bits().and_then(Status::new);
+                found.status.is_some()
+            }
+            "TurnParameter" => {
+                found.turn = bits().and_then(Turn::new);
+                found.turn.is_some()
+            }
+            _ => {
+                rest.unknown(&info.name);
+                true
+            }
+        };
+        if !is_read {
+            let value = info.attribute("value").unwrap_or_default();
+            rest.add(&format!("{kind} {value}"), "status is from 0 to 7, turn from 0 to 127");
+        }
+    }
+    Ok(found)
+}
+
+fn tool(element: &Element<'_>, rest: &mut Rest) -> Result<ToolTemplate, DataFileError> {
+    let mut tool = ToolTemplate {
+        name: element.required("name")?.to_owned(),
+        default_frame: element.attribute("defaultMotionFrameRef").map(str::to_owned),
+        frames: Vec::new(),
+        load: None,
+    };
+    for part in &element.children {
+        match part.name.as_str() {
+            "frames" => tool.frames.append(&mut tool_frames(part, rest)?),
+            "loadData" => tool.load = load(part, &tool.name, rest)?,
+            "additionalInformation" => part.children.iter().for_each(|info| additional(info, rest)),
+            other => rest.unknown(other),
+        }
+    }
+    Ok(tool)
+}
+
+/// The frames in an element `frames`.
+fn tool_frames(list: &Element<'_>, rest: &mut Rest) -> Result<Vec<ToolFrame>, DataFileError> {
+    let mut frames = Vec::new();
+    for element in &list.children {
+        if element.name != "frame" {
+            rest.unknown(&element.name);
+            continue;
+        }
+        let mut frame = ToolFrame {
+            name: element.required("name")?.to_owned(),
+            frame: placed(element, "transformation")?,
+            children: Vec::new(),
+        };
+        for part in &element.children {
+            match part.name.as_str() {
+                "transformation" => {}
+                "frames" => frame.children.append(&mut tool_frames(part, rest)?),
+                "additionalInformation" => {
+                    part.children.iter().for_each(|info| additional(info, rest));
+                }
+                "measurementTranslation" | "measurementRotation" => measurement(rest),
+                other => rest.unknown(other),
+            }
+        }
+        frames.push(frame);
+    }
+    Ok(frames)
+}
+
+/// What a tool weighs; none if that was never determined.
+fn load(element: &Element<'_>, tool: &str, rest: &mut Rest) -> Result<Option<Load>, DataFileError> {
+    let mass_kg = element.number("mass")?;
+    if mass_kg <= 0.0 {
+        let what = format!("loadData of {tool}");
+        rest.add(&what, &format!("its mass is {mass_kg} kg: it was not determined"));
+        return Ok(None);
+    }
+    let or_zero = |key| match element.attribute(key) {
+        Some(_) => element.number(key),
+        None => Ok(0.0),
+    };
+    let three = |keys: [&'static str; 3]| {
+        let [x, y, z] = keys.map(or_zero);
+        Ok::<_, DataFileError>([x?, y?, z?])
+    };
+    Ok(Some(Load {
+        mass_kg,
+        center_mm: three(["cogX", "cogY", "cogZ"])?,
+        inertia_kg_m2: three(["inertiaX", "inertiaY", "inertiaZ"])?,
+        abc_rad: three(["cogA", "cogB", "cogC"])?,
+    }))
+}
