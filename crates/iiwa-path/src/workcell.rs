@@ -191,7 +191,7 @@ impl Workcell {
         self.tools.extend(own.tools);
         self.bases.extend(own.bases);
         self.frames.extend(own.frames);
-        Self { tool: own.tool, base: own.base, ..self }
+        Self { tool: own.tool, base: own.base, mode: own.mode, ..self }
     }
 
     /// Whether nothing is named.

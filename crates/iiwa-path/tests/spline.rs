@@ -28,6 +28,7 @@ fn frame(y: f64, z: f64, turn_deg: f64) -> Value {
     json!({ "x_mm": x_mm, "y_mm": y_mm + y, "z_mm": z_mm + z, "a_deg": a + turn_deg, "b_deg": b, "c_deg": c })
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "frames are made where they are used")]
 fn segment(kind: &str, frame: Value) -> Value {
     json!({ "type": kind, "frame": frame })
 }

@@ -23,7 +23,7 @@ pub(crate) enum Between {
     /// A curve that the knots and their neighbours define; with the orientation of its start, if `is_constant`.
     Spl { is_constant: bool },
     /// A line or a circle, with E1 evenly along it.
-    Course(TcpCourse),
+    Course(Box<TcpCourse>),
 }
 
 /// A segment between two knots.
@@ -122,7 +122,7 @@ impl Course<'_> {
     fn rates(&self, knot: usize) -> ([Rates; 2], bool) {
         let before = if knot > 0 { self.says(knot - 1, 1) } else { Says::default() };
         let after = if knot < self.between.len() { self.says(knot, 0) } else { Says::default() };
-        let own = self.from_neighbours(knot);
+        let own = self.rates_by_neighbours(knot);
         let (mut rates, mut is_smooth) = ([own; 2], true);
         for (channel, range) in CHANNELS.into_iter().enumerate() {
             let of = |says: &Says| says.of[channel].then_some(says.rates);
@@ -170,7 +170,7 @@ impl Course<'_> {
     }
 
     /// The rates at a knot of the polynomial through it and two neighbours on either side, as far as there are.
-    fn from_neighbours(&self, knot: usize) -> Rates {
+    fn rates_by_neighbours(&self, knot: usize) -> Rates {
         let range = knot.saturating_sub(2)..=(knot + 2).min(self.between.len());
         // u of the neighbours, from this knot on.
         let u: Vec<f64> = range.clone().map(|other| self.distance(knot, other)).collect();
@@ -237,7 +237,7 @@ impl Course<'_> {
 
     fn course(&self, segment: usize, [start, end]: [&Rates; 2]) -> TcpCourse {
         let is_constant = match self.between[segment] {
-            Between::Course(course) => return course.clone(),
+            Between::Course(course) => return TcpCourse::clone(course),
             Between::Spl { is_constant } => *is_constant,
         };
         let [from, to] = [&self.knots[segment].pose, &self.knots[segment + 1].pose];

@@ -41,14 +41,16 @@ pub(crate) fn spline<'a>(
             SegmentCourse::Spl { .. } => Between::Spl { is_constant },
             SegmentCourse::Lin { .. } => {
                 let course = TcpCourse::line(&from, &to, is_constant);
-                Between::Course(course.map_err(|fault| in_segment(index, at_frame(fault)))?)
+                Between::Course(Box::new(
+                    course.map_err(|fault| in_segment(index, at_frame(fault)))?,
+                ))
             }
             SegmentCourse::Circ(circ) => {
                 let course = site.circle(&from, circ, &to, is_constant);
                 let course = course.map_err(|fault| in_segment(index, fault))?;
                 // With an angle, it does not end at its frame.
                 knots[index + 1].pose = end(&course);
-                Between::Course(course)
+                Between::Course(Box::new(course))
             }
         });
     }
