@@ -23,6 +23,7 @@ mod dh;
 mod forward;
 mod forward_moving;
 mod inverse;
+mod inverse_point;
 mod joint;
 mod limits;
 mod moving_pose;
@@ -45,6 +46,7 @@ mod urdf;
 pub mod vector;
 
 pub use dh::DhRow;
+pub use inverse_point::FlangePoint;
 pub use joint::Joint;
 pub use limits::{Limits, OutsideRange};
 pub use moving_pose::MovingPose;

@@ -5,8 +5,8 @@
 use std::f64::consts::PI;
 
 use iiwa_kin::{
-    Joints, MovingPose, Number, Pose, Redundancy, Robot, SingularPart, Status, Taylor, Turn,
-    Unreachable,
+    FlangePoint, Joints, MovingPose, Number, Pose, Redundancy, Robot, SingularPart, Status, Taylor,
+    Turn, Unreachable,
 };
 use nalgebra::{SVector, Vector3};
 use proptest::prelude::*;
@@ -311,4 +311,29 @@ fn singularity_is_the_determinant() {
     }
     let stretched = Robot::default().singularity(&[0.0, 0.5, 0.0, 0.01, 0.0, 0.5, 0.0]);
     assert_eq!(stretched.least().1, SingularPart::Elbow);
+}
+
+proptest! {
+    #![proptest_config(Config::with_cases(20_000))]
+
+    /// A point of the flange comes back to where it was, with the wrist's joints as they were.
+    #[test]
+    fn joints_of_a_point_come_back(
+        robot in any_robot(), joints in any_joints(), point in prop::array::uniform3(-0.3..0.3_f64)
+    ) {
+        let flange = robot.flange_pose(&joints);
+        let place: [f64; 3] = std::array::from_fn(|i| {
+            flange.position_m[i] + (0..3).map(|k| flange.rotation[i][k] * point[k]).sum::<f64>()
+        });
+        let wrist = [joints[4], joints[5], joints[6]];
+        let found = FlangePoint::new(&robot, point, &joints).joints_at(&robot, &place, joints[2], wrist)?;
+        let again = robot.flange_pose(&found);
+        for i in 0..3 {
+            let turned = (0..3).map(|k| again.rotation[i][k] * point[k]).sum::<f64>();
+            let off = again.position_m[i] + turned - place[i];
+            prop_assert!(off.abs() < 1e-7, "{off:e}: {found:?} for {joints:?}");
+        }
+        let [a4, others] = [found[3] - joints[3], found[0] - joints[0]].map(|off| off.abs());
+        prop_assert!(a4 < 1e-3 && others < 1e-3, "{found:?} for {joints:?}");
+    }
 }

@@ -132,6 +132,9 @@ pub enum OrientationType {
     Variable,
     /// As at the start.
     Constant,
+    /// Joints A5 to A7 go evenly from their positions at the start to those at the target. It passes where A6 is 0; not for
+    /// splines.
+    Joints,
     /// On a segment of a spline: the orientation at its end is that between its neighbours'.
     Ignore,
 }
@@ -198,7 +201,13 @@ impl CartesianMotion {
             Course::Spline(segments) if !(1..=MAX_SEGMENTS).contains(&segments.len()) => {
                 Err(("segments", CartesianFault::Segments { found: segments.len() }))
             }
-            Course::Spline(_) => Ok(()),
+            Course::Spline(segments) => {
+                let own = segments.iter().filter_map(|segment| segment.orientation);
+                if own.chain([self.orientation]).any(|law| law == OrientationType::Joints) {
+                    return Err(("orientation", CartesianFault::WristInSpline));
+                }
+                Ok(())
+            }
             _ if self.orientation == OrientationType::Ignore => {
                 Err(("orientation", CartesianFault::IgnoredOrientation))
             }

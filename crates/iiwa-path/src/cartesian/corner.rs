@@ -42,7 +42,7 @@ impl CurvedCorner {
         let ranges = [[1.0 - shares[0], 1.0], [0.0, shares[1]]];
         let paths = next_to_corner(legs);
         let (gamma_rad, curve): (f64, Arc<dyn JointCurve>) = match paths {
-            [Some(a), Some(b)] if a.curve.flange == b.curve.flange => {
+            [Some(a), Some(b)] if a.curve.joins_in_space(&b.curve) => {
                 let rate = |path: &TcpPath, s: f64| {
                     let pose = path.curve.course.at(Taylor::variable(s));
                     pose.position_m.map(|x| x.derivatives()[1])
@@ -152,7 +152,7 @@ fn shares(
     };
     let mut shares = [share(0)?, share(1)?];
     if let [Some(a), Some(b)] = paths
-        && a.curve.flange == b.curve.flange
+        && a.curve.joins_in_space(&b.curve)
     {
         let courses = [&a.curve.course, &b.curve.course];
         let ways = [0, 1].map(|side| courses[side].way_within(1 - side, shares[side]));

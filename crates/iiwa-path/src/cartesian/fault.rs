@@ -77,6 +77,15 @@ pub enum CartesianFault {
     /// The orientation is ignored on a motion that is no segment of a spline.
     #[error("orientation `ignore` is for the segments of a spline; give `variable` or `constant`")]
     IgnoredOrientation,
+    /// The wrist is to turn by itself on a spline.
+    #[error("orientation `ori_joint` is for lin, lin_rel and circ, not for splines")]
+    WristInSpline,
+    /// The wrist turns by itself, and shoulder or elbow would have to change sides on the way.
+    #[error(
+        "with orientation `ori_joint` the arm stays on its side of shoulder and elbow, and the target's status asks for \
+         another; only bit 4 may change"
+    )]
+    OtherSide,
     /// A segment of a spline cannot be planned.
     #[error("segment {}: {fault}", .index + 1)]
     Segment {

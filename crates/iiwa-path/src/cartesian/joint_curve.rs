@@ -2,7 +2,9 @@
 
 use std::{fmt, sync::Arc};
 
-use iiwa_kin::{MovingPose, Number, Pose, Robot, SingularPart, Status, Taylor, Unreachable};
+use iiwa_kin::{
+    FlangePoint, MovingPose, Number, Pose, Robot, SingularPart, Status, Taylor, Unreachable,
+};
 
 use super::{
     rotation::{Vec3, exp, log, product, transposed},
@@ -51,6 +53,18 @@ pub(crate) struct TcpCurve {
     /// The position of A3 as a polynomial in s, the lowest power first, in rad.
     pub(crate) e1_rad: [f64; 6],
     pub(crate) status: Status,
+    /// How the wrist turns, if it does so by itself: then the orientation of the course does not count.
+    pub(crate) wrist: Option<WristTurn>,
+}
+
+/// Joints A5 to A7 go evenly in s, and the others bring the TCP to its place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WristTurn {
+    /// The TCP at the flange.
+    pub(crate) point: FlangePoint,
+    /// A5 to A7 at the start, and by how much they change; in rad.
+    pub(crate) from_rad: [f64; 3],
+    pub(crate) by_rad: [f64; 3],
 }
 
 /// Nearer than this to a singular pose, the joints are no function of the TCP: 0.006 deg.
@@ -83,10 +97,29 @@ fn joints_of(
 
 impl JointCurve for TcpCurve {
     fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
-        joints_of(&self.robot, &self.course.at(s), &self.flange, self.e1(s), self.status)
+        let tcp = self.course.at(s);
+        let Some(WristTurn { point, from_rad, by_rad }) = &self.wrist else {
+            return joints_of(&self.robot, &tcp, &self.flange, self.e1(s), self.status);
+        };
+        let wrist = std::array::from_fn(|k| s * by_rad[k] + Taylor::constant(from_rad[k]));
+        let joints = point
+            .joints_at(&self.robot, &tcp.position_m, self.e1(s), wrist)
+            .map_err(CurveFault::Unreachable)?;
+        if !joints.iter().flat_map(|joint| joint.0).all(f64::is_finite) {
+            return Err(CurveFault::Abrupt);
+        }
+        Ok(joints)
     }
 
     fn tool_way(&self, s: f64) -> ToolWay {
+        if self.wrist.is_some() {
+            return self.at(Taylor::variable(s)).map_or_else(
+                |_| ToolWay::default(),
+                |joints| {
+                    tool_way(&self.robot.flange_moving(&joints).then_fixed(&self.flange.inverse()))
+                },
+            );
+        }
         match self.course.even_rates() {
             Some([way, turn]) => ToolWay { way_m: [way, 0.0, 0.0], turn_rad: [turn, 0.0, 0.0] },
             None => tool_way(&self.course.at(Taylor::variable(s))),
@@ -94,7 +127,7 @@ impl JointCurve for TcpCurve {
     }
 
     fn is_even(&self) -> bool {
-        self.course.even_rates().is_some()
+        self.wrist.is_none() && self.course.even_rates().is_some()
     }
 }
 

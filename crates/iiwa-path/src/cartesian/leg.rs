@@ -106,11 +106,14 @@ fn leg(
     }
     let site = Site::new(program, robot, motion)?;
     let from = site.pose(from_rad);
-    let is_constant = motion.orientation == OrientationType::Constant;
-    let (course, e1_rad) = match &motion.course {
+    // With joints of its own to go by, the wrist does not ask how the TCP is turned.
+    let by_joints = motion.orientation == OrientationType::Joints;
+    let is_constant = by_joints || motion.orientation == OrientationType::Constant;
+    let (course, to, e1_rad, status) = match &motion.course {
         Course::Ptp { to } | Course::Lin { to } => {
             let (target, pose) = site.frame("frame", to)?;
-            (TcpCourse::line(&from, &pose, is_constant).map_err(at_frame)?, target.e1_rad)
+            let course = TcpCourse::line(&from, &pose, is_constant).map_err(at_frame)?;
+            (course, pose, target.e1_rad, target.status)
         }
         Course::LinRel { offset, e1_rad, within } => {
             let axes = match within {
@@ -120,11 +123,12 @@ fn leg(
             let to = moved_by(&from, &offset.pose(), &axes);
             let course = TcpCourse::line(&from, &to, is_constant);
             let course = course.map_err(|fault| ("offset", CartesianFault::Course(fault)))?;
-            (course, *e1_rad)
+            (course, to, *e1_rad, None)
         }
         Course::Circ(circ) => {
             let (target, pose) = site.frame("frame", &circ.to)?;
-            (site.circle(&from, circ, &pose, is_constant)?, target.e1_rad)
+            let course = site.circle(&from, circ, &pose, is_constant)?;
+            (course, pose, target.e1_rad, target.status)
         }
         Course::Spline(segments) => {
             let paths = spline(&site, from_rad, segments, motion.orientation)?;
@@ -137,7 +141,15 @@ fn leg(
     };
     let e1 = even_e1(from_rad[2], e1_rad.unwrap_or(from_rad[2]));
     let key = motion.end_key();
-    let path = TcpPath::of(site.curve(from_rad, course, e1)).map_err(|fault| (key, fault))?;
+    let mut curve = site.curve(from_rad, course, e1);
+    if by_joints {
+        // A circle with an angle does not end at its frame.
+        let to = Pose { position_m: curve.course.end().position_m, ..to };
+        let status = status.unwrap_or(curve.status);
+        let turn = site.wrist_turn(from_rad, &to, e1[0] + e1[1], status);
+        curve.wrist = Some(turn.map_err(|fault| (key, fault))?);
+    }
+    let path = TcpPath::of(curve).map_err(|fault| (key, fault))?;
     let to_rad = path.end_rad().map_err(|fault| (key, fault))?;
     Ok(Leg { ends_rad: [*from_rad, to_rad], paths: vec![path] })
 }

@@ -2,11 +2,11 @@
 
 use std::{f64::consts::TAU, sync::Arc};
 
-use iiwa_kin::{Joints, Pose, Robot, Status};
+use iiwa_kin::{FlangePoint, Joints, Pose, Robot, Status};
 
 use super::{
     fault::CartesianFault,
-    joint_curve::TcpCurve,
+    joint_curve::{TcpCurve, WristTurn},
     tcp_course::{ArcTurn, ByWayOf, CourseFault, TcpCourse},
 };
 use crate::{
@@ -98,7 +98,30 @@ impl<'a> Site<'a> {
             flange: self.tcp.inverse(),
             e1_rad,
             status: Status::of(self.robot, start_rad),
+            wrist: None,
         }
+    }
+}
+
+impl Site<'_> {
+    /// How the wrist turns by itself, so that the TCP ends at the pose `to`.
+    pub(crate) fn wrist_turn(
+        &self,
+        from_rad: &Joints,
+        to: &Pose,
+        e1_rad: f64,
+        status: Status,
+    ) -> Result<WristTurn, CartesianFault> {
+        let to_rad = self.robot.inverse(&to.then(&self.tcp.inverse()), e1_rad, status)?;
+        self.robot.limits().check(&to_rad).map_err(CartesianFault::Outside)?;
+        let [point, at_end] = [from_rad, &to_rad]
+            .map(|joints| FlangePoint::new(self.robot, self.tcp.position_m, joints));
+        if point != at_end {
+            return Err(CartesianFault::OtherSide);
+        }
+        let from_rad: [f64; 3] = std::array::from_fn(|k| from_rad[4 + k]);
+        let by_rad = std::array::from_fn(|k| to_rad[4 + k] - from_rad[k]);
+        Ok(WristTurn { point, from_rad, by_rad })
     }
 }
 

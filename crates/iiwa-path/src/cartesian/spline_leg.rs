@@ -1,6 +1,6 @@
 //! Splines of a program as they are on one robot.
 
-use iiwa_kin::{Joints, MovingPose, Number, Pose, Taylor};
+use iiwa_kin::Joints;
 
 use super::{
     fault::CartesianFault,
@@ -49,7 +49,7 @@ pub(crate) fn spline<'a>(
                 let course = site.circle(&from, circ, &to, is_constant);
                 let course = course.map_err(|fault| in_segment(index, fault))?;
                 // With an angle, it does not end at its frame.
-                knots[index + 1].pose = end(&course);
+                knots[index + 1].pose = course.end();
                 Between::Course(Box::new(course))
             }
         });
@@ -107,14 +107,5 @@ fn turn_knots(knots: &mut [Knot], types: &[OrientationType]) {
             knots[knot].pose.rotation = product(&from, &exp(&scaled(share, &turn)));
         }
         before = next;
-    }
-}
-
-/// The pose where a course ends.
-fn end(course: &TcpCourse) -> Pose {
-    let MovingPose { position_m, rotation } = course.at(Taylor::constant(1.0));
-    Pose {
-        position_m: position_m.map(Number::value),
-        rotation: rotation.map(|row| row.map(Number::value)),
     }
 }

@@ -189,6 +189,15 @@ impl TcpCourse {
         MovingPose { position_m, rotation }
     }
 
+    /// Pose of the TCP where it ends.
+    pub(crate) fn end(&self) -> Pose {
+        let MovingPose { position_m, rotation } = self.at(Taylor::constant(1.0));
+        Pose {
+            position_m: position_m.map(Number::value),
+            rotation: rotation.map(|row| row.map(Number::value)),
+        }
+    }
+
     /// The way of the TCP in m and its turn in rad, by s, if both are the same everywhere.
     pub(crate) fn even_rates(&self) -> Option<[f64; 2]> {
         let Orientation { turn, carried, .. } = &self.orientation;

@@ -49,6 +49,11 @@ impl TcpPath {
 const CLEAR: f64 = 0.1;
 
 impl TcpCurve {
+    /// Whether a blend into `next` can go by the poses of one TCP.
+    pub(crate) fn joins_in_space(&self, next: &Self) -> bool {
+        self.flange == next.flange && self.wrist.is_none() && next.wrist.is_none()
+    }
+
     /// What is wrong where the curve cannot be followed.
     pub(crate) fn fault(&self, CurveFaultAt { s, fault }: CurveFaultAt) -> CartesianFault {
         match fault {
@@ -77,8 +82,8 @@ impl TcpCurve {
         const STEP_DEG: f64 = 5.0;
         const SAMPLES: u32 = 32;
         let [from, by, curved @ ..] = self.e1_rad;
-        if curved != [0.0; 4] {
-            // On a segment of a spline, it would change the others, too.
+        if curved != [0.0; 4] || self.wrist.is_some() {
+            // On a segment of a spline, it would change the others, too; and with it the wrist's joints at the end.
             return None;
         }
         let nearest = ((from + by).to_degrees() / STEP_DEG).round();

@@ -307,6 +307,8 @@ pub(super) enum OrientationWire {
     Variable,
     /// As at the start.
     Constant,
+    /// Joints A5 to A7 go evenly to those at the target; not for splines.
+    OriJoint,
     /// On segments of a spline: the orientation at the end is that between the neighbours'.
     Ignore,
 }
@@ -323,6 +325,7 @@ impl From<OrientationWire> for OrientationType {
         match wire {
             OrientationWire::Variable => Self::Variable,
             OrientationWire::Constant => Self::Constant,
+            OrientationWire::OriJoint => Self::Joints,
             OrientationWire::Ignore => Self::Ignore,
         }
     }
@@ -333,6 +336,7 @@ impl From<OrientationType> for OrientationWire {
         match orientation {
             OrientationType::Variable => Self::Variable,
             OrientationType::Constant => Self::Constant,
+            OrientationType::Joints => Self::OriJoint,
             OrientationType::Ignore => Self::Ignore,
         }
     }
