@@ -89,7 +89,7 @@ impl FlangePoint {
         let along = (distance - lever - y * y + -(d3 * d3)) * (0.5 / d3);
         let across_square = lever - along * along;
         if across_square.value() < 0.0 {
-            return Err(self.out_of_reach(d3, [distance, lever, y].map(T::value)));
+            return Err(out_of_reach(d3, [distance, lever, y].map(T::value)));
         }
         let across = across_square.sqrt() * self.elbow;
         let (sin3, cos3) = e1.sin_cos();
@@ -105,18 +105,18 @@ impl FlangePoint {
         let [a5, a6, a7] = wrist;
         Ok([a1, a2, e1, a4, a5, a6, a7])
     }
+}
 
-    #[cold]
-    fn out_of_reach(&self, d3: f64, [distance, lever, y]: [f64; 3]) -> Unreachable {
-        let reach = |sign: f64| {
-            let along = sign.mul_add(lever.sqrt(), d3);
-            along.hypot(y)
-        };
-        let distance = distance.sqrt();
-        if distance > reach(1.0) - ROUNDING_M {
-            Unreachable::TooFar { by_mm: 1e3 * (distance - reach(1.0)).max(0.0) }
-        } else {
-            Unreachable::TooNear { by_mm: 1e3 * (reach(-1.0) - distance).max(0.0) }
-        }
+#[cold]
+fn out_of_reach(d3: f64, [distance, lever, y]: [f64; 3]) -> Unreachable {
+    let reach = |sign: f64| {
+        let along = sign.mul_add(lever.sqrt(), d3);
+        along.hypot(y)
+    };
+    let distance = distance.sqrt();
+    if distance > reach(1.0) - ROUNDING_M {
+        Unreachable::TooFar { by_mm: 1e3 * (distance - reach(1.0)).max(0.0) }
+    } else {
+        Unreachable::TooNear { by_mm: 1e3 * (reach(-1.0) - distance).max(0.0) }
     }
 }

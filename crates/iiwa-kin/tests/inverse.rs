@@ -328,12 +328,12 @@ proptest! {
         let wrist = [joints[4], joints[5], joints[6]];
         let found = FlangePoint::new(&robot, point, &joints).joints_at(&robot, &place, joints[2], wrist)?;
         let again = robot.flange_pose(&found);
-        for i in 0..3 {
+        for (i, place) in place.iter().enumerate() {
             let turned = (0..3).map(|k| again.rotation[i][k] * point[k]).sum::<f64>();
-            let off = again.position_m[i] + turned - place[i];
+            let off = again.position_m[i] + turned - place;
             prop_assert!(off.abs() < 1e-7, "{off:e}: {found:?} for {joints:?}");
         }
-        let [a4, others] = [found[3] - joints[3], found[0] - joints[0]].map(|off| off.abs());
+        let [a4, others] = [found[3] - joints[3], found[0] - joints[0]].map(f64::abs);
         prop_assert!(a4 < 1e-3 && others < 1e-3, "{found:?} for {joints:?}");
     }
 }

@@ -47,7 +47,7 @@ pub struct PlanFigures {
 pub struct ClearanceRecord {
     /// Distance in mm; 0 if the arm touches the obstacle.
     pub distance_mm: f64,
-    /// The arm's link, 0 (base) to 7.
+    /// The arm's link, 2 to 7, or 8 for the tool.
     pub link: usize,
     /// The obstacle's name.
     pub obstacle: String,

@@ -128,7 +128,7 @@ fn unknown_names() {
     let what = format!("motion 2: unknown key `velocity`, expected {ptp}");
     check("\"velocity_rel\"", "\"velocity\"", (6, 64), "\"velocity\"", &what);
     let what = "unknown key `robots`, expected one of `version`, `robot`, `include`, `start`, `tools`, \
-                `bases`, `frames`, `tool`, `base`, `motions`";
+                `bases`, `frames`, `tool`, `base`, `mode`, `motions`";
     check("\"start\"", "\"robots\": [], \"start\"", (3, 3), "\"robots\"", what);
     let what = "unknown key `joints`, expected one of `joints_rad`, `joints_deg`, `frame`";
     check("\"joints_deg\"", "\"joints\"", (3, 14), "\"joints\"", what);
@@ -138,7 +138,7 @@ fn unknown_names() {
                 `cart_mm`";
     check("\"cart_mm\"", "\"radius\"", (5, 74), "\"radius\"", what);
 
-    let known = "`ptp`, `lin`, `lin_rel`, `circ` and `wait` are known";
+    let known = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` and `wait` are known";
     let what = format!("motion 3: unknown type `fly`; {known}");
     check("\"wait\"", "\"fly\"", (7, 15), "\"fly\"", &what);
     let what = format!("motion 3: it has no `type`; {known}");

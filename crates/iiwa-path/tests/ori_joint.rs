@@ -42,10 +42,11 @@ fn target(joints_deg: [f64; 7]) -> Value {
 }
 
 fn only_move(path: &JointPath) -> &dyn Segment {
-    match &path.steps()[0] {
-        Step::Move { segment, .. } => segment.as_ref(),
-        step => panic!("{step:?}"),
-    }
+    let moves = path.steps().iter().find_map(|step| match step {
+        Step::Move { segment, .. } => Some(segment.as_ref()),
+        _ => None,
+    });
+    moves.unwrap()
 }
 
 /// A6 goes from 30 to -25 degrees: with the orientation along a turn of the TCP the arm would be singular.

@@ -3,18 +3,32 @@
 use iiwa_kin::{Along, Joints, Pose, Robot, Solid};
 use parry3d_f64::{math::Vector, shape::SupportMap};
 
+use crate::{
+    placed::rotation,
+    tool::{ToolForm, ToolShape},
+};
+
 /// The first link that counts. Links 0 and 1 stand on the table and turn about their own axis only: how
 /// far they are from anything is the same at all poses.
 pub(crate) const FIRST_LINK: usize = 2;
+
+/// The last link, which carries the tool.
+const LAST_LINK: usize = 7;
+
+/// What a tool is called among links.
+pub(crate) const TOOL: usize = 8;
 
 /// A primitive shape of the arm.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
     pub(crate) link: usize,
+    /// What it is called: its link, or [`TOOL`].
+    pub(crate) shown: usize,
     /// Its centre, in its link's frame.
     center: Vector,
-    along: Along,
-    form: Round,
+    /// Its axis, in its link's frame.
+    axis: Vector,
+    form: Volume,
     /// How far any of its points is from its centre, at most.
     pub(crate) bound: f64,
     /// How far any of its points can be from the axis of each joint, at most, in m; zero for joints
@@ -22,11 +36,40 @@ pub(crate) struct Part {
     pub(crate) reach: Joints,
 }
 
-/// A ball, or a cylinder with flat ends.
+/// A ball, a cylinder with flat ends, or a box.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Round {
-    Cylinder { radius: f64, half: f64 },
-    Ball { radius: f64 },
+pub(crate) enum Volume {
+    Cylinder {
+        radius: f64,
+        half: f64,
+    },
+    Ball {
+        radius: f64,
+    },
+    /// Beside its axis, the two others; and half of its lengths along all three.
+    Box {
+        sides: [Vector; 2],
+        half: Vector,
+    },
+}
+
+impl Volume {
+    /// How far any point is from the centre, at most.
+    fn bound(&self) -> f64 {
+        match self {
+            Self::Cylinder { radius, half } => radius.hypot(*half),
+            Self::Ball { radius } => *radius,
+            Self::Box { half, .. } => half.length(),
+        }
+    }
+
+    /// The same with its directions turned.
+    fn turned(&self, turn: impl Fn(Vector) -> Vector) -> Self {
+        match *self {
+            Self::Box { sides, half } => Self::Box { sides: sides.map(turn), half },
+            round => round,
+        }
+    }
 }
 
 /// A part of the arm where it is.
@@ -35,7 +78,7 @@ pub(crate) struct Body {
     pub(crate) center: Vector,
     /// Of length 1; it means nothing for a ball.
     pub(crate) axis: Vector,
-    pub(crate) form: Round,
+    pub(crate) form: Volume,
 }
 
 /// All parts of `robot` that count.
@@ -48,63 +91,95 @@ pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
             let center = Vector::from(shape.center_m);
             let (form, along) = match shape.solid {
                 Solid::Cylinder { along, radius_m, length_m } => {
-                    (Round::Cylinder { radius: radius_m, half: 0.5 * length_m }, along)
+                    (Volume::Cylinder { radius: radius_m, half: 0.5 * length_m }, along)
                 }
-                Solid::Sphere { radius_m } => (Round::Ball { radius: radius_m }, Along::Z),
+                Solid::Sphere { radius_m } => (Volume::Ball { radius: radius_m }, Along::Z),
             };
-            let bound = match form {
-                Round::Cylinder { radius, half } => radius.hypot(half),
-                Round::Ball { radius } => radius,
+            let own = from_own_axis(center, along, form);
+            let reach = reaches(&d, link, from_origin(center, form), own);
+            let axis = match along {
+                Along::Y => Vector::Y,
+                Along::Z => Vector::Z,
             };
-            let mut reach = [0.0; 7];
-            // The shift d_j runs along the axis of joint j, so that the axis goes through the origin of
-            // the next link's frame. From there on it is no farther than along the shifts between.
-            let mut way = from_origin(center, form);
-            for joint in (0..link - 1).rev() {
-                reach[joint] = way;
-                way += d[joint];
-            }
-            reach[link - 1] = from_own_axis(center, along, form);
-            parts.push(Part { link, center, along, form, bound, reach });
+            let bound = form.bound();
+            parts.push(Part { link, shown: link, center, axis, form, bound, reach });
         }
     }
     parts
 }
 
+/// The parts of a tool, which is given in the flange's frame.
+pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
+    let d = robot.dh().map(|row| row.d_m);
+    let part = |shape: &ToolShape| {
+        let (center_m, rpy_rad, form) = match shape.form {
+            ToolForm::Box { center_m, size_m, rpy_rad } => {
+                let half = 0.5 * Vector::from(size_m);
+                (center_m, rpy_rad, Volume::Box { sides: [Vector::X, Vector::Y], half })
+            }
+            ToolForm::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
+                (center_m, rpy_rad, Volume::Cylinder { radius: radius_m, half: 0.5 * length_m })
+            }
+            ToolForm::Sphere { center_m, radius_m } => {
+                (center_m, [0.0; 3], Volume::Ball { radius: radius_m })
+            }
+        };
+        let rows = rotation(rpy_rad).map(Vector::from);
+        let turn = |v: Vector| Vector::from(rows.map(|row| row.dot(v)));
+        // The last link's frame lies at the wrist, and is turned as the flange.
+        let center = Vector::from(center_m) + d[LAST_LINK - 1] * Vector::Z;
+        let form = form.turned(turn);
+        let bound = form.bound();
+        let own = center.truncate().length() + bound;
+        let reach = reaches(&d, LAST_LINK, center.length() + bound, own);
+        Part { link: LAST_LINK, shown: TOOL, center, axis: turn(Vector::Z), form, bound, reach }
+    };
+    tool.iter().map(part).collect()
+}
+
+/// How far the points of a part can be from the axis of each joint, at most: `way` from the origin of its link's frame,
+/// and `own` from the axis that this link turns about.
+fn reaches(d: &Joints, link: usize, mut way: f64, own: f64) -> Joints {
+    let mut reach = [0.0; 7];
+    // The shift d_j runs along the axis of joint j, so that the axis goes through the origin of the next link's frame. From
+    // there on it is no farther than along the shifts between.
+    for joint in (0..link - 1).rev() {
+        reach[joint] = way;
+        way += d[joint];
+    }
+    reach[link - 1] = own;
+    reach
+}
+
 /// How far the points of a part are from its link's origin, at most. Centres lie on the axis.
-fn from_origin(center: Vector, form: Round) -> f64 {
+fn from_origin(center: Vector, form: Volume) -> f64 {
     match form {
-        Round::Cylinder { radius, half } => radius.hypot(center.length() + half),
-        Round::Ball { radius } => center.length() + radius,
+        Volume::Cylinder { radius, half } => radius.hypot(center.length() + half),
+        Volume::Ball { .. } | Volume::Box { .. } => center.length() + form.bound(),
     }
 }
 
 /// How far the points of a part are from the axis that its own link turns about, at most: the link's z
 /// axis, which all centres lie on or right across of.
-fn from_own_axis(center: Vector, along: Along, form: Round) -> f64 {
+fn from_own_axis(center: Vector, along: Along, form: Volume) -> f64 {
     match (form, along) {
-        (Round::Cylinder { radius, .. }, Along::Z) | (Round::Ball { radius }, _) => {
-            center.truncate().length() + radius
-        }
-        (Round::Cylinder { radius, half }, Along::Y) => {
+        (Volume::Cylinder { radius, .. }, Along::Z) => center.truncate().length() + radius,
+        (Volume::Cylinder { radius, half }, Along::Y) => {
             (center.y.abs() + half).hypot(center.x.abs() + radius)
         }
+        (Volume::Ball { .. } | Volume::Box { .. }, _) => center.truncate().length() + form.bound(),
     }
 }
 
 impl Part {
     /// The part where its link's frame is at `pose`.
     pub(crate) fn at(&self, pose: &Pose) -> Body {
-        let column = match self.along {
-            Along::Y => 1,
-            Along::Z => 2,
-        };
         let rows = pose.rotation.map(Vector::from);
-        let turned = Vector::from(rows.map(|row| row.dot(self.center)));
+        let turn = |v: Vector| Vector::from(rows.map(|row| row.dot(v)));
         Body {
-            center: Vector::from(pose.position_m) + turned,
-            axis: pose.rotation.map(|row| row[column]).into(),
-            form: self.form,
+            center: Vector::from(pose.position_m) + turn(self.center),
+            axis: turn(self.axis),
+            form: self.form.turned(turn),
         }
     }
 }
@@ -113,12 +188,13 @@ impl Body {
     /// The smallest `direction . x` of its points. `direction` may be of any length.
     pub(crate) fn nearest_along(&self, direction: Vector) -> f64 {
         let reach = match self.form {
-            Round::Ball { radius } => radius * direction.length(),
-            Round::Cylinder { radius, half } => {
+            Volume::Ball { radius } => radius * direction.length(),
+            Volume::Cylinder { radius, half } => {
                 let along = self.axis.dot(direction);
                 let across = (direction - along * self.axis).length();
                 half * along.abs() + radius * across
             }
+            Volume::Box { half, .. } => half.dot(self.in_own_axes(direction).abs()),
         };
         self.center.dot(direction) - reach
     }
@@ -129,15 +205,36 @@ impl Body {
         point: impl Fn(Vector) -> Vector,
         turn: impl Fn(Vector) -> Vector,
     ) -> Self {
-        Self { center: point(self.center), axis: turn(self.axis), form: self.form }
+        let form = self.form.turned(&turn);
+        Self { center: point(self.center), axis: turn(self.axis), form }
+    }
+
+    /// The three axes of a box; of other forms their own is the last.
+    fn axes(&self) -> [Vector; 3] {
+        match self.form {
+            Volume::Box { sides: [x, y], .. } => [x, y, self.axis],
+            _ => [Vector::ZERO, Vector::ZERO, self.axis],
+        }
+    }
+
+    fn in_own_axes(&self, direction: Vector) -> Vector {
+        Vector::from(self.axes().map(|axis| axis.dot(direction)))
+    }
+
+    fn along_own_axes(&self, local: Vector) -> Vector {
+        let [x, y, z] = self.axes();
+        local.x * x + local.y * y + local.z * z
     }
 
     /// The point of the part that is nearest to `point`.
     pub(crate) fn nearest(&self, point: Vector) -> Vector {
         let away = point - self.center;
         match self.form {
-            Round::Ball { radius } => self.center + away.clamp_length_max(radius),
-            Round::Cylinder { radius, half } => {
+            Volume::Ball { radius } => self.center + away.clamp_length_max(radius),
+            Volume::Box { half, .. } => {
+                self.center + self.along_own_axes(self.in_own_axes(away).clamp(-half, half))
+            }
+            Volume::Cylinder { radius, half } => {
                 let along = self.axis.dot(away);
                 let across = away - along * self.axis;
                 self.center + along.clamp(-half, half) * self.axis + across.clamp_length_max(radius)
@@ -150,8 +247,12 @@ impl Body {
 impl SupportMap for Body {
     fn local_support_point(&self, direction: Vector) -> Vector {
         match self.form {
-            Round::Ball { radius } => self.center + radius * direction.normalize_or_zero(),
-            Round::Cylinder { radius, half } => {
+            Volume::Ball { radius } => self.center + radius * direction.normalize_or_zero(),
+            Volume::Box { half, .. } => {
+                let local = self.in_own_axes(direction);
+                self.center + self.along_own_axes(half.copysign(local))
+            }
+            Volume::Cylinder { radius, half } => {
                 let along = self.axis.dot(direction);
                 let across = direction - along * self.axis;
                 self.center + half.copysign(along) * self.axis + radius * across.normalize_or_zero()

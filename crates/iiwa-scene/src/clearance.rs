@@ -17,7 +17,7 @@ use crate::{
 pub struct Clearance {
     /// In m; 0 if they touch or overlap.
     pub distance_m: f64,
-    /// The link that is nearest to an obstacle, 2 to 7.
+    /// The link that is nearest to an obstacle, 2 to 7, or 8 for the tool.
     pub link: usize,
     /// The obstacle that it is nearest to: its place in [`Scene::obstacles`].
     pub obstacle: usize,
@@ -28,9 +28,19 @@ pub struct Clearance {
     pub on_obstacle_m: [f64; 3],
 }
 
+/// What a [`Clearance`]'s link is called: `link 5`, or `the tool`.
+///
+/// ```
+/// assert_eq!(iiwa_scene::part_name(8), "the tool");
+/// ```
+#[must_use]
+pub fn part_name(link: usize) -> String {
+    if link == arm::TOOL { "the tool".to_owned() } else { format!("link {link}") }
+}
+
 /// An arm in a scene, prepared for clearances.
 ///
-/// The arm is made of the cylinders and spheres of [`Robot::link_shapes`]. Links 0 and 1 do not count: they
+/// The arm is made of the cylinders and spheres of [`Robot::link_shapes`], and of the scene's tool. Links 0 and 1 do not count: they
 /// turn about their own axis only, so that their distances never change, and the foot may stand on an
 /// obstacle. The arm's distances from itself do not count either.
 ///
@@ -53,7 +63,7 @@ impl ArmInScene {
         Self {
             robot: robot.clone(),
             scene: Arc::new(scene.clone()),
-            parts: arm::parts(robot).into(),
+            parts: [arm::parts(robot), arm::tool_parts(robot, scene.tool())].concat().into(),
             obstacles: scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect(),
         }
     }
@@ -109,7 +119,7 @@ impl ArmInScene {
     pub(crate) fn told(&self, (part, obstacle): Pair, near: &Near) -> Clearance {
         Clearance {
             distance_m: near.distance,
-            link: self.parts[part].link,
+            link: self.parts[part].shown,
             obstacle,
             on_arm_m: near.on_arm.into(),
             on_obstacle_m: near.on_obstacle.into(),

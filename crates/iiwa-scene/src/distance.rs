@@ -7,7 +7,7 @@ use parry3d_f64::{
 };
 
 use crate::{
-    arm::{Body, Round},
+    arm::{Body, Volume},
     placed::{Placed, PlacedBox, PlacedPlane},
 };
 
@@ -43,8 +43,8 @@ pub(crate) fn near(body: &Body, obstacle: &Placed, most: f64) -> Option<Near> {
     match obstacle {
         Placed::Plane(plane) => Some(to_plane(body, plane)),
         Placed::Box(cuboid) => match body.form {
-            Round::Ball { radius } => Some(ball_to_box(body.center, radius, cuboid)),
-            Round::Cylinder { .. } => cylinder_to_box(body, cuboid, most),
+            Volume::Ball { radius } => Some(ball_to_box(body.center, radius, cuboid)),
+            Volume::Cylinder { .. } | Volume::Box { .. } => solid_to_box(body, cuboid, most),
         },
     }
 }
@@ -74,7 +74,7 @@ fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
 ///
 /// Where its simplex degenerates, as between parallel faces and axes, parry 0.31 finds overlaps of shapes
 /// that are centimetres apart, and points that are not on them: one of some 500 random pairs.
-fn cylinder_to_box(body: &Body, cuboid: &PlacedBox, most: f64) -> Option<Near> {
+fn solid_to_box(body: &Body, cuboid: &PlacedBox, most: f64) -> Option<Near> {
     let local = body.map(|point| cuboid.in_own_frame(point), |axis| cuboid.turn_back(axis));
     let nearest = cuboid.nearest(local.center);
     let shape = Cuboid::new(cuboid.half);
@@ -163,7 +163,13 @@ mod tests {
             let turns = [(); 2].map(|()| turn(&mut random, i % 3 == 0));
             let mut between = |from: f64, to: f64| from + (to - from) * random.f64();
             let axis = crate::placed::rotation(turns[0]).map(|row| row[2]).into();
-            let form = Round::Cylinder { radius: between(0.04, 0.12), half: between(0.005, 0.2) };
+            let form = if i % 2 == 0 {
+                Volume::Cylinder { radius: between(0.04, 0.12), half: between(0.005, 0.2) }
+            } else {
+                let rows = crate::placed::rotation(turns[0]);
+                let sides = [0, 1].map(|k| rows.map(|row| row[k]).into());
+                Volume::Box { sides, half: [(); 3].map(|()| between(0.005, 0.2)).into() }
+            };
             let center = [(); 3].map(|()| between(-1.0, 1.0)).into();
             let body = Body { center, axis, form };
             let size_m = [1.0, 1.5, 2.0].map(|most| between(0.005, most));

@@ -56,6 +56,30 @@ pub enum Fault {
         /// What it may be at most.
         max: f64,
     },
+    /// The tool has too many shapes.
+    #[error("the tool has {found} shapes; it may have {max}")]
+    LargeTool {
+        /// How many there are.
+        found: usize,
+        /// How many there may be.
+        max: usize,
+    },
+    /// A number of the tool is out of range, or is none.
+    #[error("tool, shape {}: {}", .shape + 1, tool_range(.key, *.axis, [*.found, *.min, *.max]))]
+    Tool {
+        /// The shape.
+        shape: usize,
+        /// What: `center`, `size`, `rpy`, `radius` or `length`.
+        key: &'static str,
+        /// Which number of it, 0 to 2; none if there is only one.
+        axis: Option<usize>,
+        /// What it is, in m or rad.
+        found: f64,
+        /// What it has to be at least.
+        min: f64,
+        /// What it may be at most.
+        max: f64,
+    },
     /// The normal of a plane is zero.
     #[error("obstacle {}: a normal of length zero points nowhere", .obstacle + 1)]
     NoDirection {
@@ -78,6 +102,12 @@ impl Fault {
             Self::Range { obstacle, key, axis, .. } => {
                 locate(text, &[obstacles, Index(obstacle), Key(in_file(key).0), Index(axis)])
             }
+            Self::LargeTool { .. } => locate(text, &[Key("tool")]),
+            Self::Tool { shape, key, axis, .. } => {
+                let mut path = vec![Key("tool"), Index(shape), Key(in_file(key).0)];
+                path.extend(axis.map(Index));
+                locate(text, &path)
+            }
             Self::NoDirection { obstacle } => {
                 locate(text, &[obstacles, Index(obstacle), Key("normal")])
             }
@@ -90,10 +120,22 @@ fn in_file(key: &'static str) -> (&'static str, f64) {
     match key {
         "center" => ("center_mm", 1e3),
         "size" => ("size_mm", 1e3),
+        "radius" => ("radius_mm", 1e3),
+        "length" => ("length_mm", 1e3),
         "point" => ("point_mm", 1e3),
         "rpy" => ("rpy_deg", 1_f64.to_degrees()),
         other => (other, 1.0),
     }
+}
+
+/// The same of a tool's shape, which has single numbers, too.
+fn tool_range(key: &'static str, axis: Option<usize>, numbers: [f64; 3]) -> String {
+    if let Some(axis) = axis {
+        return range(key, axis, numbers);
+    }
+    let (name, factor) = in_file(key);
+    let [found, min, max] = numbers.map(|value| value * factor);
+    format!("{name} is {found}; it must be from {min} to {max}")
 }
 
 /// What is wrong with a number, as it stands in a file.

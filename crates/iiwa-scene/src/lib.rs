@@ -46,10 +46,12 @@ mod placed;
 mod planned;
 mod scene;
 mod span;
+mod tool;
 mod wire;
 
-pub use clearance::{ArmInScene, Clearance};
+pub use clearance::{ArmInScene, Clearance, part_name};
 pub use fault::Fault;
 pub use planned::PlannedClearance;
 pub use scene::{Form, Obstacle, Scene};
+pub use tool::{ToolForm, ToolShape};
 pub use wire::SceneError;

@@ -2,15 +2,17 @@
 
 use std::collections::HashMap;
 
-use crate::fault::Fault;
+use crate::{fault::Fault, tool::ToolShape};
 
-/// The obstacles around an arm, in the frame of its base: z up, origin in the middle of its foot.
+/// The obstacles around an arm, in the frame of its base: z up, origin in the middle of its foot; and the tool that it
+/// carries.
 ///
 /// [`Scene::from_json`] reads one. It serializes as a drawing needs it: in m, with directions as unit
 /// vectors and turns as matrices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     obstacles: Vec<Obstacle>,
+    tool: Vec<ToolShape>,
 }
 
 /// Something that the arm must not touch.
@@ -47,6 +49,9 @@ pub enum Form {
 /// Most obstacles of a scene.
 const MAX_OBSTACLES: usize = 10_000;
 
+/// Most shapes of a tool: each of them costs as much as a link.
+pub(crate) const MAX_TOOL_SHAPES: usize = 100;
+
 /// Longest name of an obstacle, in characters.
 const MAX_NAME: usize = 100;
 
@@ -57,7 +62,7 @@ pub(crate) const MAX_M: f64 = 1000.0;
 pub(crate) const MIN_SIZE_M: f64 = 1e-6;
 
 /// Most that an angle may be, in rad: a whole turn, and what rounding adds to it.
-const MAX_ANGLE_RAD: f64 = std::f64::consts::TAU + 1e-12;
+pub(crate) const MAX_ANGLE_RAD: f64 = std::f64::consts::TAU + 1e-12;
 
 impl Scene {
     /// The scene with these obstacles.
@@ -77,7 +82,26 @@ impl Scene {
                 return Err(Fault::SameName { obstacle: index, other, name });
             }
         }
-        Ok(Self { obstacles })
+        Ok(Self { obstacles, tool: Vec::new() })
+    }
+
+    /// The same, with an arm that carries a tool of these shapes.
+    ///
+    /// # Errors
+    ///
+    /// A [`Fault`] that says which of them cannot be, and why.
+    pub fn with_tool(self, tool: Vec<ToolShape>) -> Result<Self, Fault> {
+        if tool.len() > MAX_TOOL_SHAPES {
+            return Err(Fault::LargeTool { found: tool.len(), max: MAX_TOOL_SHAPES });
+        }
+        tool.iter().enumerate().try_for_each(|(index, shape)| shape.check(index))?;
+        Ok(Self { tool, ..self })
+    }
+
+    /// The shapes of the tool; none if the flange is bare.
+    #[must_use]
+    pub fn tool(&self) -> &[ToolShape] {
+        &self.tool
     }
 
     /// The obstacles, in the order in which they were given.

@@ -1,6 +1,8 @@
 //! The scene's JSON forms: the one that is read, which the JSON Schema describes, and the one that is
 //! drawn.
 
+mod tool;
+
 use iiwa_json::{
     Object, Place, Step, Unread, element_at, excerpt, locate, numbers, problem, read_version, tag,
 };
@@ -13,6 +15,8 @@ use crate::{
     placed::{rotation, unit},
     scene::{Form, MAX_M, Obstacle, Scene},
 };
+
+use tool::{ToolShapeWire, tool_shape};
 
 /// The version of the scene format that this library reads.
 const VERSION: u64 = 1;
@@ -94,7 +98,11 @@ impl Scene {
         let obstacles = wire.obstacles.iter().enumerate();
         let obstacles = obstacles.map(|(index, raw)| obstacle(text, index, raw.get()));
         let obstacles = obstacles.collect::<Result<_, _>>()?;
+        let tool = wire.tool.iter().enumerate();
+        let tool = tool.map(|(index, raw)| tool_shape(text, index, raw.get()));
+        let tool = tool.collect::<Result<Vec<_>, _>>()?;
         Self::new(obstacles)
+            .and_then(|scene| scene.with_tool(tool))
             .map_err(|fault| SceneError::Fault { place: fault.place_in(text), fault })
     }
 
@@ -151,6 +159,10 @@ struct SceneWire<'a> {
     #[serde(borrow)]
     #[schemars(with = "Vec<ObstacleWire>", length(max = 10_000))]
     obstacles: Vec<&'a RawValue>,
+    /// What the arm carries: shapes in the flange's frame, z out of the flange.
+    #[serde(default, borrow)]
+    #[schemars(with = "Vec<ToolShapeWire>", length(max = 100))]
+    tool: Vec<&'a RawValue>,
 }
 
 /// An obstacle.

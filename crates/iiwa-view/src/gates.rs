@@ -1,6 +1,7 @@
 //! Gates of a plan: how long it may take, how near the arm may come to obstacles.
 
 use iiwa_log::{ClearanceRecord, PlanFigures};
+use iiwa_scene::part_name;
 
 use crate::printable;
 
@@ -54,7 +55,7 @@ impl UnmetGates {
 fn too_near(limit_mm: f64, nearest: &ClearanceRecord) -> Option<String> {
     let ClearanceRecord { distance_mm, link, obstacle, at_s } = nearest;
     let obstacle = printable(obstacle);
-    let place = format!("link {link} at {at_s:.3} s");
+    let place = format!("{} at {at_s:.3} s", part_name(*link));
     if *distance_mm == 0.0 {
         Some(format!("touches {obstacle}: {place}"))
     } else if *distance_mm < limit_mm {

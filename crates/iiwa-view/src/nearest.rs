@@ -1,6 +1,6 @@
 //! How near the arm is to an obstacle, for the page of a twin.
 
-use iiwa_scene::{ArmInScene, Clearance};
+use iiwa_scene::{ArmInScene, Clearance, part_name};
 use serde::Serialize;
 
 /// Where the arm is nearest to an obstacle.
@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct Nearest {
     /// Distance in mm; 0 if the arm touches the obstacle.
     pub distance_mm: f64,
-    /// The arm's link, 0 (base) to 7.
+    /// The arm's link, 2 to 7, or 8 for the tool.
     pub link: usize,
     /// The obstacle's name.
     pub obstacle: String,
@@ -41,12 +41,13 @@ impl Nearest {
     #[must_use]
     pub fn too_near(&self, min_mm: f64) -> Option<String> {
         let Self { distance_mm, link, obstacle, at_s, .. } = self;
+        let part = part_name(*link);
         let when = at_s.map(|at_s| format!(" at {at_s:.2} s")).unwrap_or_default();
         if *distance_mm == 0.0 {
-            Some(format!("link {link} touches {obstacle}{when}"))
+            Some(format!("{part} touches {obstacle}{when}"))
         } else if *distance_mm < min_mm {
             Some(format!(
-                "link {link} comes within {distance_mm:.1} mm of {obstacle}{when}; the minimum is {min_mm} mm"
+                "{part} comes within {distance_mm:.1} mm of {obstacle}{when}; the minimum is {min_mm} mm"
             ))
         } else {
             None

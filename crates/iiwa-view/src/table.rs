@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use comfy_table::{Cell, CellAlignment, LineStyle, Table, presets};
 use iiwa_log::{ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord, PlanFigures};
+use iiwa_scene::part_name;
 
 use crate::printable;
 
@@ -99,11 +100,12 @@ pub fn plan_table(figures: &PlanFigures) -> String {
 /// How near the arm comes to what.
 fn clearance(nearest: &ClearanceRecord) -> String {
     let ClearanceRecord { distance_mm, link, obstacle, at_s } = nearest;
+    let part = part_name(*link);
     let obstacle = printable(obstacle);
     if *distance_mm == 0.0 {
-        format!("Clearance none: link {link} touches {obstacle} at {at_s:.3} s")
+        format!("Clearance none: {part} touches {obstacle} at {at_s:.3} s")
     } else {
-        format!("Clearance {distance_mm:.1} mm: link {link} to {obstacle} at {at_s:.3} s")
+        format!("Clearance {distance_mm:.1} mm: {part} to {obstacle} at {at_s:.3} s")
     }
 }
 

@@ -1,0 +1,99 @@
+//! What the arm carries.
+
+use crate::{
+    fault::Fault,
+    scene::{MAX_ANGLE_RAD, MAX_M, MIN_SIZE_M},
+};
+
+/// A shape of the tool, in the flange's frame: z out of the flange.
+///
+/// ```
+/// use iiwa_kin::Robot;
+/// use iiwa_scene::{ArmInScene, Form, Obstacle, Scene, ToolForm, ToolShape};
+///
+/// let floor = Form::Plane { point_m: [0.0; 3], normal: [0.0, 0.0, 1.0] };
+/// let floor = Obstacle { name: "floor".to_owned(), form: floor };
+/// let rod = ToolForm::Cylinder {
+///     center_m: [0.0, 0.0, 0.1], radius_m: 0.01, length_m: 0.2, rpy_rad: [0.0; 3],
+/// };
+/// let scene = Scene::new(vec![floor])?.with_tool(vec![ToolShape { form: rod }])?;
+/// let robot = Robot::lbr_iiwa_7_r800();
+/// let down = [0.0, 0.5, 0.0, -1.5, 0.0, 1.141592653589793, 0.0];
+/// let clearance = ArmInScene::new(&robot, &scene).clearance(&down).expect("there is a floor");
+/// // The rod is 0.2 m long and points down.
+/// let height_m = robot.flange_position(&down)[2];
+/// assert!((clearance.distance_m - (height_m - 0.2)).abs() < 1e-9);
+/// assert_eq!(clearance.link, 8);
+/// # Ok::<(), iiwa_scene::Fault>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolShape {
+    /// What it looks like, and where it is.
+    pub form: ToolForm,
+}
+
+/// What a shape of the tool looks like, and where it is in the flange's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ToolForm {
+    /// A solid box.
+    Box {
+        /// Its centre, in m.
+        center_m: [f64; 3],
+        /// Its whole lengths along its own axes, in m.
+        size_m: [f64; 3],
+        /// How it is turned: about x, then y, then z, the axes of the flange, in rad.
+        rpy_rad: [f64; 3],
+    },
+    /// A cylinder with flat ends, along its own z axis.
+    Cylinder {
+        /// Its centre, in m.
+        center_m: [f64; 3],
+        /// Its radius, in m.
+        radius_m: f64,
+        /// Its whole length, in m.
+        length_m: f64,
+        /// How it is turned: about x, then y, then z, the axes of the flange, in rad.
+        rpy_rad: [f64; 3],
+    },
+    /// A ball.
+    Sphere {
+        /// Its centre, in m.
+        center_m: [f64; 3],
+        /// Its radius, in m.
+        radius_m: f64,
+    },
+}
+
+impl ToolShape {
+    /// Finds the first thing about the shape at `shape` that cannot be.
+    pub(crate) fn check(&self, shape: usize) -> Result<(), Fault> {
+        let within = |key, values: &[f64], [min, max]: [f64; 2]| {
+            let wrong = values.iter().position(|value| !(min..=max).contains(value));
+            wrong.map_or(Ok(()), |axis| {
+                let axis_of = (values.len() > 1).then_some(axis);
+                Err(Fault::Tool { shape, key, axis: axis_of, found: values[axis], min, max })
+            })
+        };
+        let place = |center: &[f64; 3], turn: &[f64; 3]| {
+            within("center", center, [-MAX_M, MAX_M])?;
+            within("rpy", turn, [-MAX_ANGLE_RAD, MAX_ANGLE_RAD])
+        };
+        let size = [MIN_SIZE_M, MAX_M];
+        match &self.form {
+            ToolForm::Box { center_m, size_m, rpy_rad } => {
+                place(center_m, rpy_rad)?;
+                within("size", size_m, size)
+            }
+            ToolForm::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
+                place(center_m, rpy_rad)?;
+                within("radius", &[*radius_m], size)?;
+                within("length", &[*length_m], size)
+            }
+            ToolForm::Sphere { center_m, radius_m } => {
+                place(center_m, &[0.0; 3])?;
+                within("radius", &[*radius_m], size)
+            }
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The tool in a scene's JSON form.
+
+use iiwa_json::{Object, Step, excerpt, locate, tag};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::{SceneError, angle, from_mm, json_error, position, size, three};
+use crate::tool::{ToolForm, ToolShape};
+
+/// A shape of the tool, in the flange's frame: z out of the flange.
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[schemars(rename = "ToolShape")]
+#[expect(dead_code, reason = "the schema is made of it; each kind is read by itself")]
+pub(super) enum ToolShapeWire {
+    Box(ToolBoxWire),
+    Cylinder(ToolCylinderWire),
+    Sphere(ToolSphereWire),
+}
+
+/// Declares a type of shapes.
+macro_rules! shape_wire {
+    (
+        $(#[$meta:meta])* $name:ident, $tag:ident = $type:literal
+        { $($(#[$field_meta:meta])* $field:ident: $field_type:ty,)* }
+    ) => {
+        #[derive(Deserialize, JsonSchema)]
+        #[schemars(inline)]
+        pub(super) enum $tag {
+            #[serde(rename = $type)]
+            Type,
+        }
+
+        #[derive(Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        $(#[$meta])*
+        pub(super) struct $name {
+            #[expect(dead_code, reason = "it has been looked at")]
+            r#type: $tag,
+            /// The centre: x, y and z in mm.
+            #[serde(deserialize_with = "three")]
+            #[schemars(extend("items" = position()))]
+            center_mm: [f64; 3],
+            $($(#[$field_meta])* $field: $field_type,)*
+        }
+    };
+}
+
+shape_wire! {
+    /// A solid box.
+    #[schemars(rename = "ToolBox")]
+    ToolBoxWire, ToolBoxTag = "box" {
+        /// The whole lengths along the box's own axes, in mm.
+        #[serde(deserialize_with = "three")]
+        #[schemars(extend("items" = size()))]
+        size_mm: [f64; 3],
+        /// How it is turned: about x, then y, then z, the axes of the flange, in degrees.
+        #[serde(default, deserialize_with = "three")]
+        #[schemars(extend("items" = angle()))]
+        rpy_deg: [f64; 3],
+    }
+}
+
+shape_wire! {
+    /// A cylinder along its own z axis.
+    #[schemars(rename = "ToolCylinder")]
+    ToolCylinderWire, ToolCylinderTag = "cylinder" {
+        /// The radius, in mm.
+        #[schemars(with = "serde_json::Value", extend("type" = "number", "minimum" = 1e-3))]
+        radius_mm: f64,
+        /// The whole length, in mm.
+        #[schemars(with = "serde_json::Value", extend("type" = "number", "minimum" = 1e-3))]
+        length_mm: f64,
+        /// How it is turned: about x, then y, then z, the axes of the flange, in degrees.
+        #[serde(default, deserialize_with = "three")]
+        #[schemars(extend("items" = angle()))]
+        rpy_deg: [f64; 3],
+    }
+}
+
+shape_wire! {
+    /// A ball.
+    #[schemars(rename = "ToolSphere")]
+    ToolSphereWire, ToolSphereTag = "sphere" {
+        /// The radius, in mm.
+        #[schemars(with = "serde_json::Value", extend("type" = "number", "minimum" = 1e-3))]
+        radius_mm: f64,
+    }
+}
+
+impl From<ToolBoxWire> for ToolForm {
+    fn from(wire: ToolBoxWire) -> Self {
+        Self::Box {
+            center_m: wire.center_mm.map(from_mm),
+            size_m: wire.size_mm.map(from_mm),
+            rpy_rad: wire.rpy_deg.map(f64::to_radians),
+        }
+    }
+}
+
+impl From<ToolCylinderWire> for ToolForm {
+    fn from(wire: ToolCylinderWire) -> Self {
+        Self::Cylinder {
+            center_m: wire.center_mm.map(from_mm),
+            radius_m: from_mm(wire.radius_mm),
+            length_m: from_mm(wire.length_mm),
+            rpy_rad: wire.rpy_deg.map(f64::to_radians),
+        }
+    }
+}
+
+impl From<ToolSphereWire> for ToolForm {
+    fn from(wire: ToolSphereWire) -> Self {
+        Self::Sphere { center_m: wire.center_mm.map(from_mm), radius_m: from_mm(wire.radius_mm) }
+    }
+}
+
+/// The shape at `index`, whose text is `raw`.
+pub(super) fn tool_shape(text: &str, index: usize, raw: &str) -> Result<ToolShape, SceneError> {
+    const KNOWN: &str = "`box`, `cylinder` and `sphere` are known";
+    let prefixed = |error| match error {
+        SceneError::Json { what, place, .. } => {
+            let what = format!("tool, shape {}: {what}", index + 1);
+            SceneError::Json { what, obstacle: None, place }
+        }
+        other => other,
+    };
+    let fail = |error: serde_json::Error| prefixed(json_error(text, raw, None, &error));
+    let wrong = |what: String, key: Option<&str>| {
+        let path = [Step::Key("tool"), Step::Index(index)];
+        let path = path.into_iter().chain(key.map(Step::Key)).collect::<Vec<_>>();
+        prefixed(SceneError::Json { what, obstacle: None, place: locate(text, &path) })
+    };
+    let form = match tag(raw).map_err(fail)?.as_deref() {
+        Some("box") => serde_json::from_str::<Object<ToolBoxWire>>(raw).map_err(fail)?.0.into(),
+        Some("cylinder") => {
+            serde_json::from_str::<Object<ToolCylinderWire>>(raw).map_err(fail)?.0.into()
+        }
+        Some("sphere") => {
+            serde_json::from_str::<Object<ToolSphereWire>>(raw).map_err(fail)?.0.into()
+        }
+        Some(other) => {
+            return Err(wrong(format!("unknown type `{}`; {KNOWN}", excerpt(other)), Some("type")));
+        }
+        None => return Err(wrong(format!("it has no `type`; {KNOWN}"), None)),
+    };
+    Ok(ToolShape { form })
+}
