@@ -8,7 +8,7 @@ use std::{
 use iiwasim_benches::Result;
 
 /// It is done so many times at least.
-const LEAST_RUNS: u32 = 3;
+const LEAST_RUNS: u32 = 20;
 /// And no more often once it took this long in all.
 const LONG: Duration = Duration::from_millis(60);
 
@@ -26,8 +26,7 @@ pub(crate) fn fastest_s<T>(work: impl Fn() -> Result<T>) -> Result<f64> {
     Ok(fastest.as_secs_f64())
 }
 
-/// The value that a share of all are below or equal to; `sorted` rises and is not empty.
-pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let last = sorted.len() - 1;
-    sorted[(share * last as f64).round() as usize]
+/// The value that so many percent of all are below or equal to; `sorted` rises and is not empty.
+pub(crate) fn quantile(sorted: &[f64], percent: usize) -> f64 {
+    sorted[((sorted.len() - 1) * percent + 50) / 100]
 }

@@ -23,31 +23,30 @@ pub(crate) const PILZ_SPEED_M_S: f64 = 1.0;
 pub(crate) const PILZ_ACCELERATION_M_S2: f64 = 2.25;
 pub(crate) const PILZ_TURN_RAD_S: f64 = 1.57;
 
-/// Durations of one LIN, in s.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Durations {
-    /// By the fastest of all trapezoids.
-    pub(crate) best_s: f64,
-    /// By Pilz' limits times one factor, the largest.
-    pub(crate) factor_s: f64,
-    /// By Pilz' limits times one factor up to 1.
-    pub(crate) pilz_s: f64,
+/// By the fastest of all trapezoids; by Pilz' limits times one factor, the largest; and by the largest up to 1.
+pub(crate) const RIVALS: [&str; 3] =
+    ["best trapezoid", "one factor, the largest", "one factor up to 1"];
+
+/// How long each of [`RIVALS`] takes, in s.
+pub(crate) fn durations_s(line: &Straight<'_>, robot: &Robot) -> Result<[f64; 3]> {
+    let factor = largest_factor(line, robot)?;
+    let motions = [best(line, robot)?, pilz(line, factor), pilz(line, factor.min(1.0))];
+    Ok(motions.map(|motion| motion.duration_s()))
 }
 
-impl Durations {
-    pub(crate) fn of(line: &Straight<'_>, robot: &Robot) -> Result<Self> {
-        let factor = largest_factor(line, robot)?;
-        Ok(Self {
-            best_s: best(line, robot)?.duration_s(),
-            factor_s: pilz(line, factor).duration_s(),
-            pilz_s: pilz(line, factor.min(1.0)).duration_s(),
-        })
-    }
+/// Samples in a duration, at 1 kHz.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "durations are seconds, above zero"
+)]
+fn samples_in(duration_s: f64) -> usize {
+    (duration_s * RATE_HZ).ceil() as usize
 }
 
 /// The largest velocity and the largest acceleration of a joint over their limits, by differences of samples at 1 kHz.
 fn worst(line: &Straight<'_>, robot: &Robot, motion: &Trapezoid) -> Result<[f64; 2]> {
-    let samples = (motion.duration_s() * RATE_HZ).ceil() as usize;
+    let samples = samples_in(motion.duration_s());
     differences(line, robot, |k| motion.s(k as f64 / RATE_HZ), samples, RATE_HZ)
 }
 
@@ -88,7 +87,7 @@ fn best(line: &Straight<'_>, robot: &Robot) -> Result<Trapezoid> {
         let mut duration_s = 1.0;
         // Twice, so that samples are a millisecond apart.
         for _ in 0..2 {
-            let samples = ((duration_s * RATE_HZ).ceil() as usize).max(20);
+            let samples = samples_in(duration_s).max(20);
             let unit = Trapezoid::with_ramp(share, 1.0);
             let rate = samples as f64;
             let [velocity, acceleration] =

@@ -17,7 +17,7 @@ pub(crate) fn print() -> Result<()> {
     );
     println!("| | median | worst | which | target |");
     println!("|---|---:|---:|---|---:|");
-    row("path to 1e-9 rad", &cases, "100 us", 1e6, "us", |path| Ok(path))?;
+    row("path to 1e-9 rad", &cases, "100 us", 1e6, "us", Ok)?;
     let sweep = Timing::Acceleration(SweepOptions::default());
     row("path and plan, acceleration", &cases, "1 ms", 1e3, "ms", |path| plan(&path, sweep))?;
     let jerk = Timing::Jerk(JerkOptions::default());
@@ -44,7 +44,7 @@ fn row<T>(
     }
     times.sort_by(|a, b| a.0.total_cmp(&b.0));
     let sorted: Vec<f64> = times.iter().map(|(time_s, _)| *time_s).collect();
-    let median = per_s * quantile(&sorted, 0.5);
+    let median = per_s * quantile(&sorted, 50);
     if let Some((worst_s, id)) = times.last() {
         let worst = per_s * worst_s;
         println!("| {what} | {median:.3} {unit} | {worst:.3} {unit} | {id} | {target} |");

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::{
     clock::quantile,
-    rival::{Durations, PILZ_ACCELERATION_M_S2, PILZ_SPEED_M_S, PILZ_TURN_RAD_S},
+    rival::{PILZ_ACCELERATION_M_S2, PILZ_SPEED_M_S, PILZ_TURN_RAD_S, RIVALS, durations_s},
     straight::Straight,
 };
 
@@ -19,17 +19,16 @@ const LEAST_ADVANTAGE: f64 = 1.25;
 const SAME_PATH_RAD: f64 = 1e-6;
 /// The best trapezoid keeps the same limits on the same path: nothing that does so is faster than the fastest, but for what
 /// samples miss.
-const LEAST_RATIO: f64 = 0.99;
+const LEAST_RATIO: f64 = 0.995;
 
 /// LINs of this way or more also have rows of their own, in m: short ones are nearly even in joint space, where a trapezoid is
 /// the fastest there is.
 const LONG_M: f64 = 0.3;
 
-/// A LIN, by the planner and by its peers.
+/// A LIN: the durations of its rivals over that of the planner.
 struct Compared {
     way_m: f64,
-    ours_s: f64,
-    peer: Durations,
+    ratios: [f64; 3],
 }
 
 /// Prints ratios for the first LINs of a seed that can be done; whether the planner is as far ahead as it should be.
@@ -57,20 +56,14 @@ pub(crate) fn print(lines: u64) -> Result<bool> {
     println!("|---|---:|---:|---:|---:|---:|");
     let mut rows = Vec::new();
     for (from, least_m) in [("", 0.0), (", 300 mm and more", LONG_M)] {
-        let peers: [(&str, fn(&Durations) -> f64); 3] = [
-            ("best trapezoid", |peer| peer.best_s),
-            ("one factor, the largest", |peer| peer.factor_s),
-            ("one factor up to 1", |peer| peer.pilz_s),
-        ];
-        for (what, duration_s) in peers {
+        for (i, what) in RIVALS.iter().enumerate() {
             let lines = compared.iter().filter(|line| line.way_m >= least_m);
-            let mut ratios: Vec<f64> =
-                lines.map(|line| duration_s(&line.peer) / line.ours_s).collect();
+            let mut ratios: Vec<f64> = lines.map(|line| line.ratios[i]).collect();
             if ratios.is_empty() {
                 return Err("none of the LINs can be done".into());
             }
             ratios.sort_by(f64::total_cmp);
-            let of = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| quantile(&ratios, share));
+            let of = [0, 25, 50, 75, 100].map(|percent| quantile(&ratios, percent));
             let cells = of.map(|ratio| format!("{ratio:.3}")).join(" | ");
             println!("| {what}{from} ({}) | {cells} |", ratios.len());
             rows.push(of);
@@ -84,7 +77,7 @@ pub(crate) fn print(lines: u64) -> Result<bool> {
     Ok(median >= LEAST_ADVANTAGE && least >= LEAST_RATIO)
 }
 
-/// Durations of a LIN; none if the robot cannot do it.
+/// A LIN of the seed; none if the robot cannot do it.
 fn compare(index: u64) -> Result<Option<Compared>> {
     let (robot, mut program) = single_path(SEED, index, false);
     let Some(Motion::Cartesian(motion)) = program.motions.first_mut() else {
@@ -111,7 +104,8 @@ fn compare(index: u64) -> Result<Option<Compared>> {
     let timing = Timing::Acceleration(SweepOptions::default());
     let ours_s = Trajectory::plan(&path, timing)?.motion_time_s();
     let [way_m, _] = line.way();
-    Ok(Some(Compared { way_m, ours_s, peer: Durations::of(&line, &robot)? }))
+    let ratios = durations_s(&line, &robot)?.map(|rival_s| rival_s / ours_s);
+    Ok(Some(Compared { way_m, ratios }))
 }
 
 /// The tool of a program's only motion.
