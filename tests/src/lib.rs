@@ -6,6 +6,7 @@ pub mod attack;
 pub mod bars;
 mod bernstein;
 pub mod calm;
+pub mod cartesian_cases;
 pub mod differences;
 pub mod extremes;
 pub mod families;

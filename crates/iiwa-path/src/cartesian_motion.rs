@@ -198,9 +198,10 @@ impl CartesianMotion {
     /// them.
     pub(crate) fn check_segments(&self) -> Result<(), (&'static str, CartesianFault)> {
         match &self.course {
-            Course::Spline(segments) if !(1..=MAX_SEGMENTS).contains(&segments.len()) => {
-                Err(("segments", CartesianFault::Segments { found: segments.len() }))
-            }
+            Course::Spline(segments) if !(1..=MAX_SEGMENTS).contains(&segments.len()) => Err((
+                "segments",
+                CartesianFault::Segments { found: segments.len(), max: MAX_SEGMENTS },
+            )),
             Course::Spline(segments) => {
                 let own = segments.iter().filter_map(|segment| segment.orientation);
                 if own.chain([self.orientation]).any(|law| law == OrientationType::Joints) {

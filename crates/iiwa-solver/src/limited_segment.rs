@@ -116,6 +116,13 @@ impl<'a> LimitedSegment<'a> {
         self.direction.is_some()
     }
 
+    /// Whether the arm may as well stop where it ends: on lines, and on lines and circles of the TCP, whose limits hardly
+    /// change.
+    #[must_use]
+    pub fn is_stop(&self) -> bool {
+        self.is_line() || self.shape.has_even_tool_way()
+    }
+
     /// Whether the tool is limited.
     pub(crate) fn has_tool(&self) -> bool {
         self.tool.is_some()

@@ -3,7 +3,7 @@
 use iiwa_kin::{OutsideRange, SingularPart, Unreachable};
 
 use super::tcp_course::CourseFault;
-use crate::{cartesian_motion::MAX_SEGMENTS, workcell::NameFault};
+use crate::workcell::NameFault;
 
 /// Something in a motion to a frame that cannot be planned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -69,10 +69,12 @@ pub enum CartesianFault {
     #[error("aux_orientation cannot be `interpolate` on a circle with circ_angle_deg")]
     AuxWithAngle,
     /// A spline has no segments, or more than a controller takes.
-    #[error("a spline of {found} segments; it must have from 1 to {MAX_SEGMENTS}")]
+    #[error("a spline of {found} segments; it must have from 1 to {max}")]
     Segments {
         /// How many it has.
         found: usize,
+        /// How many it may have.
+        max: usize,
     },
     /// The orientation is ignored on a motion that is no segment of a spline.
     #[error("orientation `ignore` is for the segments of a spline; give `variable` or `constant`")]

@@ -86,17 +86,17 @@ pub(crate) fn pieces(
     // Segments that go nowhere would be knots of no distance.
     let kept: Vec<usize> = (0..between.len()).filter(|i| lengths[*i] > NOWHERE_M).collect();
     let Some(last) = kept.last() else { return Ok(Vec::new()) };
-    let course = Course {
+    let sequence = KnotSequence {
         knots: kept.iter().map(|i| knots[*i]).chain([knots[last + 1]]).collect(),
         between: kept.iter().map(|i| &between[*i]).collect(),
         turns: kept.iter().map(|i| turns[*i]).collect(),
         lengths: kept.iter().map(|i| lengths[*i]).collect(),
     };
-    Ok(kept.iter().copied().zip(course.pieces()).collect())
+    Ok(kept.iter().copied().zip(sequence.pieces()).collect())
 }
 
 /// A spline without segments that go nowhere.
-struct Course<'a> {
+struct KnotSequence<'a> {
     knots: Vec<Knot>,
     between: Vec<&'a Between>,
     /// Rotation vectors from knot to knot.
@@ -104,7 +104,7 @@ struct Course<'a> {
     lengths: Vec<f64>,
 }
 
-impl Course<'_> {
+impl KnotSequence<'_> {
     fn pieces(&self) -> Vec<SplinePiece> {
         let count = self.between.len();
         // Before and after each knot, and whether they agree.

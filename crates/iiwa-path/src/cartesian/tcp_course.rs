@@ -218,59 +218,92 @@ impl TcpCourse {
 
     /// Length of the way of the TCP in m, and by how much it turns in rad.
     pub(crate) fn lengths(&self) -> [f64; 2] {
-        self.lengths_between([0.0, 1.0])
+        self.even_rates().unwrap_or_else(|| self.rising_lengths()[INTERVALS].1)
     }
 
     /// The way of the TCP in a share of s next to an end, 0 or 1, in m.
     pub(crate) fn way_within(&self, end: usize, share: f64) -> f64 {
-        self.lengths_between(next_to(end, share))[0]
+        if let Some([way, _]) = self.even_rates() {
+            return way * share;
+        }
+        let nodes = self.rising_lengths();
+        let at = |s: f64| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "it is from 0 to the number of intervals"
+            )]
+            let index = ((s * INTERVALS as f64) as usize).min(INTERVALS - 1);
+            rising(&nodes[index..], 0, s * INTERVALS as f64 - index as f64)
+        };
+        if end == 0 { at(share) } else { nodes[INTERVALS].1[0] - at(1.0 - share) }
     }
 
-    fn lengths_between(&self, [from, to]: [f64; 2]) -> [f64; 2] {
-        /// So many intervals of Simpson's rule: along a segment of a spline, the rates change little.
-        const INTERVALS: u32 = 64;
-        if let Some(rates) = self.even_rates() {
-            return rates.map(|rate| rate * (to - from));
+    /// Rates and lengths so far of way and turn, at even s: by Simpson's rule.
+    fn rising_lengths(&self) -> Vec<([f64; 2], [f64; 2])> {
+        let step = 1.0 / INTERVALS as f64;
+        let rates = |s: f64| {
+            let ToolWay { way_m, turn_rad } = tool_way(&self.at(Taylor::variable(s)));
+            [way_m[0], turn_rad[0]]
+        };
+        let mut nodes = Vec::with_capacity(INTERVALS + 1);
+        let (mut from, mut length) = (rates(0.0), [0.0; 2]);
+        nodes.push((from, length));
+        for i in 0..INTERVALS {
+            let s = i as f64 * step;
+            let [middle, to] = [rates(s + 0.5 * step), rates(s + step)];
+            for k in 0..2 {
+                length[k] += step / 6.0 * (from[k] + 4.0 * middle[k] + to[k]);
+            }
+            nodes.push((to, length));
+            from = to;
         }
-        let step = (to - from) / f64::from(INTERVALS);
-        (0..=INTERVALS).fold([0.0; 2], |[way, turn], i| {
-            let weight = if i == 0 || i == INTERVALS { 1 } else { 2 + 2 * (i % 2) };
-            let weight = f64::from(weight) * step / 3.0;
-            let s = Taylor::variable(from + step * f64::from(i));
-            let ToolWay { way_m, turn_rad } = tool_way(&self.at(s));
-            [way + weight * way_m[0], turn + weight * turn_rad[0]]
-        })
+        nodes
     }
 
     /// The share of s next to an end, 0 or 1, in which the TCP goes as far as `length`, in m, or turns by as much, in
     /// rad.
     pub(crate) fn share_of(&self, end: usize, length: Length) -> f64 {
-        /// Halvings of what is left, to within a millionth of a millionth.
+        /// Halvings within an interval, to within a millionth of a millionth.
         const HALVINGS: u32 = 40;
         let (which, length) = match length {
             Length::Way(way_m) => (0, way_m),
             Length::Turn(turn_rad) => (1, turn_rad),
         };
-        let whole = self.lengths()[which];
-        if self.even_rates().is_some() || length >= whole {
+        if let Some(rates) = self.even_rates() {
+            return length / rates[which];
+        }
+        let nodes = self.rising_lengths();
+        let whole = nodes[INTERVALS].1[which];
+        if length >= whole {
             return length / whole;
         }
+        let target = if end == 0 { length } else { whole - length };
+        let index = nodes.partition_point(|node| node.1[which] <= target).clamp(1, INTERVALS) - 1;
         let [mut least, mut most] = [0.0, 1.0];
         for _ in 0..HALVINGS {
             let share = f64::midpoint(least, most);
-            if self.lengths_between(next_to(end, share))[which] < length {
+            if rising(&nodes[index..], which, share) < target {
                 least = share;
             } else {
                 most = share;
             }
         }
-        f64::midpoint(least, most)
+        let s = (index as f64 + f64::midpoint(least, most)) / INTERVALS as f64;
+        if end == 0 { s } else { 1.0 - s }
     }
 }
 
-/// A share of s next to an end, 0 or 1.
-fn next_to(end: usize, share: f64) -> [f64; 2] {
-    if end == 0 { [0.0, share] } else { [1.0 - share, 1.0] }
+/// So many intervals are enough for lengths: along a segment of a spline, the rates change little.
+const INTERVALS: usize = 64;
+
+/// The length at a share of the interval between the first two nodes: by the cubic that meets lengths and rates.
+fn rising(nodes: &[([f64; 2], [f64; 2])], which: usize, share: f64) -> f64 {
+    let [(rate, from), (next_rate, to)] = [&nodes[0], &nodes[1]]
+        .map(|(rates, lengths)| (rates[which] / INTERVALS as f64, lengths[which]));
+    let by = to - from;
+    let rest = rate + next_rate - 2.0 * by;
+    from + share * (rate + share * (by - rate - rest + share * rest))
 }
 
 /// How far a TCP goes, in m, or by how much it turns, in rad.

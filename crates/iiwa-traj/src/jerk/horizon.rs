@@ -39,7 +39,7 @@ pub(crate) fn stamps(
     Ok(stamper.finish())
 }
 
-/// Part by part, each with some segments beyond it on whose last line the arm could stop. So there is a way on from
+/// Part by part, each with some segments beyond it, on whose last one the arm could stop. So there is a way on from
 /// the end of every part, and far enough from that stop it makes no difference. None if the section cannot be
 /// divided like this, or no solution is found for a part.
 fn receding(
@@ -104,9 +104,9 @@ fn part<'a, 'b>(
     let settled = beyond(start, SETTLED);
     let end = settled.and_then(|settled| {
         let end = beyond(settled, AHEAD)?;
-        let lines = segments[end - 1..].iter().position(LimitedSegment::is_line)?;
+        let stop = segments[end - 1..].iter().position(LimitedSegment::is_stop)?;
         // What is left after the stop should be worth a part of its own.
-        Some(end + lines).filter(|end| end + (settled - start) / 2 < segments.len())
+        Some(end + stop).filter(|end| end + (settled - start) / 2 < segments.len())
     });
     let (settled, end) = settled.zip(end).unwrap_or((segments.len(), segments.len()));
     Some(Part { window: Window { segments, range: start..end, entry, exit: None }, settled })

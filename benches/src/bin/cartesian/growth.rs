@@ -1,0 +1,90 @@
+//! How time grows with the number of lines.
+
+use std::time::Instant;
+
+use iiwa_kin::Robot;
+use iiwa_path::{
+    CartesianMotion, Course, Frame, JointPath, Motion, PathBlend, Program, ProgramBuilder,
+};
+use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing};
+use iiwasim_benches::Result;
+
+/// The wrist is away from all singular poses, with room for the star around it.
+const START_DEG: [f64; 7] = [0.0, 20.0, 0.0, -110.0, 0.0, -40.0, 90.0];
+/// The tips of the star on one round, in and out in turn.
+const TIPS: usize = 40;
+/// How far from its centre they are, in mm.
+const RADII_MM: [f64; 2] = [80.0, 100.0];
+/// At least so many programs of each length are planned, and more while few motions were.
+const LEAST_RUNS: usize = 3;
+const MOTIONS: usize = 300;
+
+/// Prints a table for programs of these numbers of motions.
+pub(crate) fn print(lengths: &[usize]) -> Result<()> {
+    println!("### growth\n");
+    println!(
+        "LINs around a star in a vertical plane, {TIPS} tips, each line some 24 mm: with blends of `cart_mm` 5, and with \
+         stops. Time a motion, the fastest of at least {LEAST_RUNS} runs, section by section.\n"
+    );
+    println!("| motions | | path | acceleration | jerk | jerk, over that of the first row |");
+    println!("|---:|---|---:|---:|---:|---:|");
+    for blend in [Some(PathBlend::cart_mm(5.0)), None] {
+        let mut first_us = None;
+        for &motions in lengths {
+            let us = measure(&star(motions, blend), motions)?;
+            let [path_us, acceleration_us, jerk_us] = us;
+            let first_us = *first_us.get_or_insert(jerk_us);
+            println!(
+                "| {motions} | {} | {path_us:.1} us | {acceleration_us:.1} us | {jerk_us:.1} us | {:.2} |",
+                if blend.is_some() { "blended" } else { "stops" },
+                jerk_us / first_us,
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Lines from tip to tip.
+fn star(motions: usize, blend: Option<PathBlend>) -> Program {
+    let start_rad = START_DEG.map(f64::to_radians);
+    let pose = Robot::lbr_iiwa_7_r800().flange_pose(&start_rad);
+    let start = Frame::from(&pose);
+    let lines = (1..=motions).map(|i| {
+        let turned = (i % TIPS) as f64 / TIPS as f64 * std::f64::consts::TAU;
+        let radius_mm = RADII_MM[i % 2];
+        let [x, y, z] = start.xyz_mm;
+        let (sin, cos) = turned.sin_cos();
+        // The first tip is next to where the arm starts.
+        let place = [x, y + radius_mm * sin, z + radius_mm * cos - RADII_MM[0]];
+        let to = Frame { xyz_mm: place, ..start };
+        let blend = blend.filter(|_| i < motions);
+        CartesianMotion { blend, ..CartesianMotion::new(Course::Lin { to: to.into() }) }
+    });
+    let program = Program::from_rad(start_rad);
+    let add = |program: ProgramBuilder, line| program.motion(Motion::Cartesian(Box::new(line)));
+    lines.fold(program, add).build()
+}
+
+/// Times a motion of the path and of both plans, in us.
+fn measure(program: &Program, motions: usize) -> Result<[f64; 3]> {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let mut fastest_s = [f64::INFINITY; 3];
+    let timings =
+        [Timing::Acceleration(SweepOptions::default()), Timing::Jerk(JerkOptions::default())];
+    for _ in 0..LEAST_RUNS.max(MOTIONS / motions) {
+        let mut start = Instant::now();
+        let path = JointPath::new(program, &robot)?;
+        let mut times_s = [start.elapsed().as_secs_f64(), 0.0, 0.0];
+        for (time_s, timing) in times_s[1..].iter_mut().zip(timings) {
+            start = Instant::now();
+            for section in Planner::new(&path, timing) {
+                section?;
+            }
+            *time_s = start.elapsed().as_secs_f64();
+        }
+        for (fastest_s, time_s) in fastest_s.iter_mut().zip(times_s) {
+            *fastest_s = fastest_s.min(time_s);
+        }
+    }
+    Ok(fastest_s.map(|time_s| 1e6 * time_s / motions as f64))
+}

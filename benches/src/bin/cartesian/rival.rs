@@ -1,0 +1,172 @@
+//! A LIN timed by one trapezoid of its path parameter, as KDL's and Pilz' planners do.
+//!
+//! The trapezoid is one of the TCP: joints are found by inverse kinematics at samples, and their limits are only checked
+//! there, by differences. Who asks for such a motion lowers its factor until it passes.
+
+use iiwa_kin::{Joints, Robot};
+use iiwasim_benches::Result;
+
+use crate::{straight::Straight, trapezoid::Trapezoid};
+
+/// Samples a second.
+const RATE_HZ: f64 = 1000.0;
+/// Shares of the duration for which the speed rises: so many are tried first, from the least to a half.
+const SHARES: u32 = 32;
+const LEAST_SHARE: f64 = 0.005;
+/// Then the best and its neighbours are searched so many times by the golden section.
+const GOLDEN: usize = 16;
+/// Durations and factors are good to this share.
+const PRECISION: f64 = 1e-4;
+
+/// Pilz' default limits of the TCP: m/s, m/s^2 and rad/s.
+pub(crate) const PILZ_SPEED_M_S: f64 = 1.0;
+pub(crate) const PILZ_ACCELERATION_M_S2: f64 = 2.25;
+pub(crate) const PILZ_TURN_RAD_S: f64 = 1.57;
+
+/// By the fastest of all trapezoids; by Pilz' limits times one factor, the largest; and by the largest up to 1.
+pub(crate) const RIVALS: [&str; 3] =
+    ["best trapezoid", "one factor, the largest", "one factor up to 1"];
+
+/// How long each of [`RIVALS`] takes, in s.
+pub(crate) fn durations_s(line: &Straight<'_>, robot: &Robot) -> Result<[f64; 3]> {
+    let factor = largest_factor(line, robot)?;
+    let motions = [best(line, robot)?, pilz(line, factor), pilz(line, factor.min(1.0))];
+    Ok(motions.map(|motion| motion.duration_s()))
+}
+
+/// Samples in a duration, at 1 kHz.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "durations are seconds, above zero"
+)]
+fn samples_in(duration_s: f64) -> usize {
+    (duration_s * RATE_HZ).ceil() as usize
+}
+
+/// The largest velocity and the largest acceleration of a joint over their limits, by differences of samples at 1 kHz.
+fn worst(line: &Straight<'_>, robot: &Robot, motion: &Trapezoid) -> Result<[f64; 2]> {
+    let samples = samples_in(motion.duration_s());
+    differences(line, robot, |k| motion.s(k as f64 / RATE_HZ), samples, RATE_HZ)
+}
+
+/// The same of s at so many samples after the first. The arm stands before and after.
+fn differences(
+    line: &Straight<'_>,
+    robot: &Robot,
+    s: impl Fn(usize) -> f64,
+    samples: usize,
+    rate_hz: f64,
+) -> Result<[f64; 2]> {
+    let limits = robot.limits();
+    let mut worst = [0.0_f64; 2];
+    let mut before = line.joints(s(0))?;
+    let mut velocity: Joints = [0.0; 7];
+    for k in 1..=samples + 1 {
+        let q = line.joints(s(k.min(samples)))?;
+        for j in 0..7 {
+            let now = (q[j] - before[j]) * rate_hz;
+            let acceleration = (now - velocity[j]) * rate_hz;
+            worst[0] = worst[0].max(now.abs() / limits.velocity_rad_s[j]);
+            worst[1] = worst[1].max(acceleration.abs() / limits.acceleration_rad_s2[j]);
+            velocity[j] = now;
+        }
+        before = q;
+    }
+    Ok(worst)
+}
+
+fn passes(line: &Straight<'_>, robot: &Robot, motion: &Trapezoid) -> Result<bool> {
+    Ok(worst(line, robot, motion)?.iter().all(|&share| share <= 1.0))
+}
+
+/// The fastest trapezoid that passes. All trapezoids are shares of rising and durations; for a share, velocity falls with
+/// the duration and acceleration with its square, so that the least duration follows from one of them.
+fn best(line: &Straight<'_>, robot: &Robot) -> Result<Trapezoid> {
+    let least_s = |share: f64| -> Result<f64> {
+        let mut duration_s = 1.0;
+        // Twice, so that samples are a millisecond apart.
+        for _ in 0..2 {
+            let samples = samples_in(duration_s).max(20);
+            let unit = Trapezoid::with_ramp(share, 1.0);
+            let rate = samples as f64;
+            let [velocity, acceleration] =
+                differences(line, robot, |k| unit.s(k as f64 / rate), samples, rate)?;
+            duration_s = velocity.max(acceleration.sqrt());
+        }
+        Ok(duration_s)
+    };
+    let share = |x: f64| LEAST_SHARE * (0.5 / LEAST_SHARE).powf(x.clamp(0.0, 1.0));
+    let mut tried = Vec::new();
+    for i in 0..SHARES {
+        let x = f64::from(i) / f64::from(SHARES - 1);
+        tried.push((least_s(share(x))?, x));
+    }
+    let (mut fastest_s, mut at) =
+        tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).ok_or("nothing was tried")?;
+    let step = f64::from(SHARES - 1).recip();
+    let (mut low, mut high) = (at - step, at + step);
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    for _ in 0..GOLDEN {
+        let [a, b] = [high - golden * (high - low), low + golden * (high - low)];
+        let [a_s, b_s] = [least_s(share(a))?, least_s(share(b))?];
+        for (found_s, x) in [(a_s, a), (b_s, b)] {
+            if found_s < fastest_s {
+                (fastest_s, at) = (found_s, x);
+            }
+        }
+        if a_s < b_s {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    let of = |duration_s: f64| Trapezoid::with_ramp(share(at), duration_s);
+    // From here on with samples of exactly 1 kHz.
+    let (mut slow_s, mut fast_s) = (fastest_s, 0.98 * fastest_s);
+    while !passes(line, robot, &of(slow_s))? {
+        slow_s *= 1.01;
+    }
+    while slow_s - fast_s > PRECISION * slow_s {
+        let middle_s = 0.5 * (slow_s + fast_s);
+        if passes(line, robot, &of(middle_s))? {
+            slow_s = middle_s;
+        } else {
+            fast_s = middle_s;
+        }
+    }
+    Ok(of(slow_s))
+}
+
+/// Pilz' trapezoid, its limits times a factor. The path's length is the way, or the turn at the radius at which both of
+/// Pilz' speeds are one.
+fn pilz(line: &Straight<'_>, factor: f64) -> Trapezoid {
+    let [way_m, turn_rad] = line.way();
+    let length_m = way_m.max(turn_rad * PILZ_SPEED_M_S / PILZ_TURN_RAD_S);
+    Trapezoid::within(
+        factor * PILZ_SPEED_M_S / length_m,
+        factor * PILZ_ACCELERATION_M_S2 / length_m,
+    )
+}
+
+fn largest_factor(line: &Straight<'_>, robot: &Robot) -> Result<f64> {
+    let passes = |factor: f64| passes(line, robot, &pilz(line, factor));
+    let (mut low, mut high) = (1.0, 1.0);
+    while passes(high)? {
+        low = high;
+        high *= 2.0;
+    }
+    while !passes(low)? {
+        high = low;
+        low *= 0.5;
+    }
+    while high - low > PRECISION * low {
+        let middle = 0.5 * (low + high);
+        if passes(middle)? {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(low)
+}
