@@ -68,10 +68,22 @@ pub(crate) fn program(
 /// Reads the tools, bases and frames of a program, or of a file that programs include; and the robot.
 pub(crate) fn workcell(path: &Path, robot: Option<&str>) -> Result<(Workcell, Robot), Failure> {
     let text = Text::read(path)?;
-    if let Ok(workcell) = Workcell::from_json(&text.text) {
-        return Ok((workcell, robot.map_or_else(|| Ok(Robot::default()), find_robot)?));
+    match Workcell::from_json(&text.text) {
+        Ok(workcell) => {
+            return Ok((workcell, robot.map_or_else(|| Ok(Robot::default()), find_robot)?));
+        }
+        Err(error) if !is_program(&text.text) => {
+            return Err(Failure::in_text(&error.what(), error.place(), &text.name, &text.text));
+        }
+        Err(_) => {}
     }
     program_of(path, text, robot).map(|(_, program, robot)| (program.workcell, robot))
+}
+
+/// Whether a text that cannot be read was meant for a program, and not for frames.
+fn is_program(text: &str) -> bool {
+    let object = serde_json::from_str::<serde_json::Map<String, serde_json::Value>>(text);
+    object.is_ok_and(|object| ["start", "motions"].iter().any(|key| object.contains_key(*key)))
 }
 
 /// The program that was read from `path`.

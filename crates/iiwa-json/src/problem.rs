@@ -26,7 +26,7 @@ pub fn problem(error: &serde_json::Error) -> String {
         if said.is_empty() {
             let expected = match expected {
                 "f64" => "a number",
-                "u64" => "a whole number, 0 or more",
+                "u64" | "u8" => "a whole number, 0 or more",
                 "a sequence" => "a list",
                 other => other,
             };

@@ -96,7 +96,8 @@ impl FlangePoint {
         let v = [across * cos3 - y * sin3, across * sin3 + y * cos3, along + d3];
         let ahead_square = aside - v[1] * v[1];
         if ahead_square.value() < 0.0 {
-            return Err(Unreachable::E1 { e1_rad: e1.value(), within_rad: 0.0 });
+            let by_mm = 1e3 * (v[1].value().abs() - aside.value().sqrt());
+            return Err(Unreachable::NearAxis { e1_rad: e1.value(), by_mm });
         }
         let ahead = ahead_square.sqrt() * self.ahead;
         let a1 = T::atan2(place[1] * ahead - place[0] * v[1], place[0] * ahead + place[1] * v[1]);

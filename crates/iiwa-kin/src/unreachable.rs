@@ -18,6 +18,16 @@ pub enum Unreachable {
         /// How much nearer to the shoulder the wrist is than the folded arm, in mm.
         by_mm: f64,
     },
+    /// A point can be reached, but not with this position of joint A3.
+    #[error(
+        "out of reach with E1 at {:.3} deg: it is {by_mm:.3} mm too near to the axis of A1", .e1_rad.to_degrees()
+    )]
+    NearAxis {
+        /// E1 as asked for, in rad.
+        e1_rad: f64,
+        /// How much nearer to the axis of A1 the point is than the arm can bring it, in mm.
+        by_mm: f64,
+    },
     /// The pose can be reached, but not with this position of joint A3.
     #[error(
         "out of reach with E1 at {:.3} deg; within reach is E1 from {}",

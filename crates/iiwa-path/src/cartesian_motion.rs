@@ -180,10 +180,11 @@ impl CartesianMotion {
         }
     }
 
-    /// The limits of the TCP by their keys in programs, in SI units.
+    /// The limits of the TCP by their keys in programs, in the keys' units.
     pub(crate) fn limits_by_key(&self) -> [(&'static str, f64); 6] {
         let ToolLimits { way, turn } = &self.tool_limits;
-        let [way, turn] = [way, turn].map(|limits| limits.into_array());
+        let way = way.into_array().map(|limit| 1e3 * limit);
+        let turn = turn.into_array().map(f64::to_degrees);
         [
             ("cart_velocity_mm_s", way[0]),
             ("cart_acceleration_mm_s2", way[1]),
@@ -214,6 +215,15 @@ impl CartesianMotion {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Whether it is written as a motion of its own, `spl`, and not as a spline of one segment.
+    pub(crate) fn is_single_spl(&self) -> bool {
+        let Course::Spline(segments) = &self.course else { return false };
+        let single = |segment: &SplineSegment| {
+            matches!(segment.course, SegmentCourse::Spl { .. }) && segment.orientation.is_none()
+        };
+        segments.len() == 1 && segments.iter().all(single)
     }
 
     /// Whether it is straight in joint space.

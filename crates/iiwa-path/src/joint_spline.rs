@@ -135,7 +135,7 @@ impl JointSpline {
             return Ok(());
         }
         let half = f64::midpoint(from, to);
-        if halvings == MOST_HALVINGS || self.pieces.len() == MOST_PIECES {
+        if halvings == MOST_HALVINGS || self.pieces.len() >= MOST_PIECES {
             return Err(CurveFaultAt { s: half, fault: CurveFault::Abrupt });
         }
         self.halve([from, half], &[ends[0], *middle], &quarter, halvings + 1)?;

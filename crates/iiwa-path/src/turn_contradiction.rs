@@ -6,7 +6,7 @@ use iiwa_kin::{Joints, Robot, Turn};
 
 use crate::{
     cartesian::leg::legs,
-    cartesian_motion::{CartesianMotion, Course},
+    cartesian_motion::{CartesianMotion, Course, OrientationType, SegmentCourse},
     fault::Fault,
     motion_index::MotionIndex,
     program::{Motion, Program, Start},
@@ -112,6 +112,16 @@ fn destination(motion: &CartesianMotion) -> Option<&TargetRef> {
     match &motion.course {
         // With an angle, it ends elsewhere.
         Course::Circ(circ) if circ.angle_rad.is_some() => None,
+        Course::Spline(segments) => {
+            let last = segments.last()?;
+            let law = last.orientation.unwrap_or(motion.orientation);
+            let (SegmentCourse::Spl { to } | SegmentCourse::Lin { to }) = &last.course else {
+                return None;
+            };
+            (law == OrientationType::Variable).then_some(to)
+        }
+        // It arrives turned otherwise.
+        _ if motion.orientation == OrientationType::Constant => None,
         _ => motion.target(),
     }
 }

@@ -1,6 +1,7 @@
 //! The program's JSON form. The types here are the ones that are read, written and described by
 //! the JSON Schema.
 
+mod by_name;
 mod cartesian;
 mod error;
 mod frames;
@@ -24,6 +25,7 @@ use crate::{
     program::{Motion, Program, Start},
     workcell::{OperatingMode, Workcell},
 };
+use by_name::{by_name, word_or_null};
 use cartesian::{CircWire, LinRelWire, LinWire};
 use error::{VERSION, json_error};
 use frames::{BaseWire, TargetRefWire, TargetWire, ToolWire};
@@ -262,13 +264,13 @@ struct ProgramWire<'a> {
     #[serde(deserialize_with = "object")]
     start: StartWire,
     /// Tools by name.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "by_name")]
     tools: BTreeMap<String, ToolWire>,
     /// Frames that others are given in, by name.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "by_name")]
     bases: BTreeMap<String, BaseWire>,
     /// Frames to go to, by name.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "by_name")]
     frames: BTreeMap<String, TargetWire>,
     /// The tool in use, `TOOL` or `TOOL/TIP`; `flange` is none.
     #[serde(default)]
@@ -277,7 +279,7 @@ struct ProgramWire<'a> {
     #[serde(default)]
     base: Option<String>,
     /// The operating mode of the controller.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "word_or_null")]
     mode: Option<ModeWire>,
     /// What it does, in order.
     #[serde(borrow)]

@@ -145,16 +145,33 @@ fn what_cannot_be_is_refused_with_its_place() {
         ("/motions/3/aux", good()["motions"][3]["frame"].clone(), vec!["motion 4", "no circle"]),
         ("/motions/1", lin(to(2000.0, 300.0, &json!({}))), vec!["motion 2", "too short"]),
         ("/frames/pick/status", json!(9), vec!["`pick`", "status is 9"]),
+        ("/frames/pick/status", json!(300), vec!["a whole number"]),
+        ("/frames/pick", json!([10, 0, 50, 0, 0, 180]), vec!["an object"]),
+        ("/tools/flange", json!({ "tcp": {} }), vec!["`flange`", "the bare flange"]),
+        ("/tools/a~1b", json!({ "tcp": {} }), vec!["`a/b`", "has no `/`"]),
+        ("/bases/robot", json!({}), vec!["`robot`", "the robot's foot"]),
+        ("/frames/tcp", good()["frames"]["pick"].clone(), vec!["`tcp`", "the TCP itself"]),
+        ("/bases/", json!({}), vec!["at least one character"]),
+        ("/motions/1/orientation", json!(5), vec!["motion 2", "a string"]),
+        ("/mode", json!({ "t1": null }), vec!["a string"]),
+        ("/mode", json!("t2"), vec!["t2"]),
+        (
+            "/motions/1/cart_velocity_mm_s",
+            json!(-250),
+            vec!["motion 2", "cart_velocity_mm_s is -250"],
+        ),
+        ("/motions/1/orientation_velocity_deg_s", json!(-90), vec!["is -90"]),
         ("/frames/pick/a_rad", json!(1), vec!["`pick`", "either `a_deg` or `a_rad`"]),
         ("/tools/gripper/load/mass_kg", json!(-1), vec!["`gripper`", "mass_kg"]),
     ];
     for (pointer, value, words) in cases {
         let mut program = good();
         let (parent, key) = pointer.rsplit_once('/').unwrap();
+        let key = &key.replace("~1", "/");
         let parent = program.pointer_mut(parent).unwrap();
         match parent {
             Value::Array(list) => list[key.parse::<usize>().unwrap()] = value.clone(),
-            parent => parent[key] = value.clone(),
+            parent => parent[key.as_str()] = value.clone(),
         }
         let refused = plan(&program).expect_err(&format!("{pointer} = {value} is taken"));
         for word in words {
@@ -176,4 +193,42 @@ fn singular_poses_are_refused_with_a_way_out() {
     let refused = plan(&program).unwrap_err();
     assert!(refused.contains("at 0.0 % of the way, the arm is singular"), "{refused}");
     assert!(refused.contains("go there by ptp"), "{refused}");
+}
+
+#[test]
+fn names_are_there_once() {
+    let text = good().to_string().replace("\"tray\":", "\"table\": {}, \"tray\":");
+    let refused = Program::from_json(&text).unwrap_err().to_string();
+    assert!(refused.contains("the name `table` is there twice"), "{refused}");
+}
+
+/// The orientation of an auxiliary frame that is that of the start, or of the end, changes next to nothing; rounding in it
+/// even less.
+#[test]
+fn auxiliary_orientations_at_an_end_do_not_turn_the_path() {
+    let frame = |y: f64, x: f64, a: f64| json!({ "x_mm": x, "y_mm": y, "z_mm": 400, "a_deg": a, "b_deg": 180, "c_deg": 0 });
+    let turns = |aux_deg: f64| {
+        let program = json!({
+            "version": 1,
+            "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+            "motions": [
+                { "type": "ptp", "frame": frame(-50.0, 550.0, 13.0) },
+                { "type": "circ", "aux": frame(0.0, 600.0, aux_deg), "frame": frame(50.0, 550.0, 53.0) }
+            ]
+        });
+        let path = plan(&program).unwrap();
+        let iiwa_path::Step::Move { segment, .. } = &path.steps()[2] else { unreachable!() };
+        (0..=20).map(|i| segment.at(f64::from(i) / 20.0).q).collect::<Vec<_>>()
+    };
+    let off = |a: &[[f64; 7]], b: &[[f64; 7]]| {
+        let all = a.as_flattened().iter().zip(b.as_flattened());
+        all.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    for at_deg in [13.0, 53.0] {
+        let there = turns(at_deg);
+        for beside in [1e-12, -1e-9, 1e-6] {
+            assert!(off(&there, &turns(at_deg + beside)) < 1e-6, "{at_deg} {beside}");
+        }
+        assert!(off(&there, &turns(33.0)) < 0.3, "{}", off(&there, &turns(33.0)));
+    }
 }

@@ -319,8 +319,8 @@ fn what_cannot_be_is_refused_with_its_place() {
     };
     let spl = || segment("spl", to());
     let cases = [
-        (spline(&[]), vec!["motion 1", "a spline of 0 segments"]),
-        (spline(&vec![spl(); 21]), vec!["motion 1", "a spline of 21 segments", "from 1 to 20"]),
+        (spline(&[]), vec!["motion 1", "the spline has 0 segments"]),
+        (spline(&vec![spl(); 21]), vec!["motion 1", "the spline has 21 segments", "from 1 to 20"]),
         (
             spline(&[spl(), with(spl(), "blend", json!({ "cart_mm": 5 }))]),
             vec!["motion 1", "segment 2", "blend the whole spline"],
@@ -351,4 +351,33 @@ fn what_cannot_be_is_refused_with_its_place() {
         assert!(refused.contains("at line"), "{refused}");
         assert!(!refused.contains("at line 1, column 1"), "{refused}");
     }
+}
+
+/// A turn in place, and one by a frame that was taught a little beside: next to the same.
+#[test]
+fn turns_in_place_may_be_a_little_off() {
+    let way = |off_mm: f64| {
+        let segments = [
+            segment("spl", frame(60.0, 0.0, 0.0)),
+            segment("spl", frame(60.0 + off_mm, 0.0, 35.0)),
+            segment("spl", frame(100.0, 20.0, 35.0)),
+        ];
+        let path = plan(&program(&json!([spline(&segments)]))).unwrap();
+        let all = moves(&path);
+        assert_eq!(all.len(), 3);
+        (0..=30).map(|i| all[i / 11].at((i % 11) as f64 / 10.0).q).collect::<Vec<_>>()
+    };
+    let in_place = way(0.0);
+    for off_mm in [1e-6, 1e-3, 0.05] {
+        let there = way(off_mm);
+        let most = in_place.iter().zip(&there).map(|(a, b)| off(a, b)).fold(0.0, f64::max);
+        assert!(most < 1e-3 + 0.01 * off_mm, "{off_mm} mm: {most}");
+    }
+}
+
+/// A single SPL has no list of segments.
+#[test]
+fn a_single_spl_is_refused_at_its_frame() {
+    let refused = plan(&program(&json!([{ "type": "spl", "frame": "home" }]))).unwrap_err();
+    assert!(refused.starts_with("motion 1: there is no frame `home`"), "{refused}");
 }

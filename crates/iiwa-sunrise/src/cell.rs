@@ -13,6 +13,8 @@ use crate::{
 /// Names that mean something in programs: no tool, and the robot's foot.
 const FLANGE: &str = "flange";
 const FOOT: &str = "robot";
+/// The TCP itself, in which offsets are given.
+const TCP: &str = "tcp";
 
 /// What programs can use of a data file, and under which names.
 #[derive(Clone, Debug, Default)]
@@ -104,7 +106,7 @@ impl ImportedCell {
             tcps.extend(cell.add_tool(template, &name));
         }
         cell.renamed.append(&mut names.renamed);
-        let mut names = Names::without(&[FOOT]);
+        let mut names = Names::without(&[FOOT, TCP]);
         let mut open: Vec<_> = file.frames.iter().rev().map(|frame| (frame, None)).collect();
         while let Some((frame, parent)) = open.pop() {
             let parent: Option<usize> = parent;

@@ -139,7 +139,11 @@ fn shares(
                 None => Some(HALF),
             };
         };
-        let share_of = |length| path.curve.course.share_of(1 - side, length);
+        let share_of = |length| match (&path.curve.wrist, length) {
+            // The wrist turns by its joints.
+            (Some(wrist), Length::Turn(angle)) => angle / norm(&wrist.by_rad),
+            _ => path.curve.course.share_of(1 - side, length),
+        };
         let by_way = radius_mm.map(|radius| share_of(Length::Way(1e-3 * radius)));
         let by_turn = size.orientation_rad.map(|angle| share_of(Length::Turn(angle)));
         let by_share = match in_joints {

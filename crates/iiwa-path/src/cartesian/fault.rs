@@ -69,7 +69,7 @@ pub enum CartesianFault {
     #[error("aux_orientation cannot be `interpolate` on a circle with circ_angle_deg")]
     AuxWithAngle,
     /// A spline has no segments, or more than a controller takes.
-    #[error("a spline of {found} segments; it must have from 1 to {max}")]
+    #[error("the spline has {found} segments; it must have from 1 to {max}")]
     Segments {
         /// How many it has.
         found: usize,
@@ -84,8 +84,8 @@ pub enum CartesianFault {
     WristInSpline,
     /// The wrist turns by itself, and shoulder or elbow would have to change sides on the way.
     #[error(
-        "with orientation `ori_joint` the arm stays on its side of shoulder and elbow, and the target's status asks for \
-         another; only bit 4 may change"
+        "with orientation `ori_joint` the arm stays on its side of shoulder and elbow, and at the target it would be on \
+         another; of the status, only bit 4 may change"
     )]
     OtherSide,
     /// A segment of a spline cannot be planned.
@@ -101,6 +101,19 @@ pub enum CartesianFault {
     /// A blend of a path has a size that is for other motions.
     #[error("{0}")]
     Blend(&'static str),
+}
+
+impl CartesianFault {
+    /// The same without another E1: on a spline that would change the segments around, too.
+    pub(crate) fn without_hint(self) -> Self {
+        match self {
+            Self::OutsideOnTheWay { s, outside, .. } => {
+                Self::OutsideOnTheWay { s, outside, other_e1_deg: None }
+            }
+            Self::Singular { s, part, .. } => Self::Singular { s, part, other_e1_deg: None },
+            other => other,
+        }
+    }
 }
 
 fn what(part: Option<SingularPart>) -> &'static str {

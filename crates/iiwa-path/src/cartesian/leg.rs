@@ -131,7 +131,14 @@ fn leg(
             (course, pose, target.e1_rad, target.status)
         }
         Course::Spline(segments) => {
-            let paths = spline(&site, from_rad, segments, motion.orientation)?;
+            let paths = spline(&site, from_rad, segments, motion.orientation);
+            let paths = paths.map_err(|found| match found {
+                // A single SPL, which has no list of segments.
+                (_, CartesianFault::Segment { key, fault, .. }) if motion.is_single_spl() => {
+                    (key, *fault)
+                }
+                found => found,
+            })?;
             let to_rad = match paths.last() {
                 Some(last) => last.end_rad().map_err(|fault| ("segments", fault))?,
                 None => *from_rad,

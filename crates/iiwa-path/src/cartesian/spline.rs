@@ -38,7 +38,8 @@ pub(crate) struct SplinePiece {
     pub(crate) stops: bool,
 }
 
-/// One rad counts as so much of u, in m, where the TCP only turns: a matter of choice.
+/// One rad counts as so much of u, in m, at least: a matter of choice. Without it, a frame that was taught for a turn in place
+/// would be at next to no distance, and the curve would have to turn as fast before and after.
 const M_A_RAD: f64 = 0.1;
 
 /// Shorter than this in u, in m, a segment goes nowhere.
@@ -80,7 +81,7 @@ pub(crate) fn pieces(
             Between::Spl { .. } => norm(&sub(&b.pose.position_m, &a.pose.position_m)),
         };
         let other = norm(&turn).max((b.e1_rad - a.e1_rad).abs());
-        lengths.push(if way > NOWHERE_M { way } else { M_A_RAD * other });
+        lengths.push(way.max(M_A_RAD * other));
         turns.push(turn);
     }
     // Segments that go nowhere would be knots of no distance.

@@ -61,7 +61,7 @@ pub(crate) fn spline<'a>(
     for (index, piece) in pieces {
         lengths_m.push(piece.length_m);
         let path = TcpPath::of(site.curve(from_rad, piece.course, piece.e1_rad));
-        let path = path.map_err(|fault| in_segment(index, ("frame", fault)))?;
+        let path = path.map_err(|fault| in_segment(index, ("frame", fault.without_hint())))?;
         paths.push(TcpPath { stops: piece.stops, ..path });
     }
     let whole_rad: f64 = paths.iter().map(|path| path.rate_rad).sum();

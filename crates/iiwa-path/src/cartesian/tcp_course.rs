@@ -64,6 +64,10 @@ pub(crate) struct ArcTurn {
     pub(crate) angle_rad: Option<f64>,
 }
 
+/// The orientation of an auxiliary frame that may be reached anywhere is not reached nearer to an end than this share of the
+/// way.
+const ASIDE: f64 = 0.1;
+
 /// Where the orientation of the auxiliary frame is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ByWayOf {
@@ -148,7 +152,10 @@ impl TcpCourse {
                     ByWayOf::Somewhere => {
                         let before = norm(&by_way);
                         let after = norm(&sub(&linear, &by_way));
-                        if before + after > 0.0 { before / (before + after) } else { 0.5 }
+                        let share =
+                            if before + after > 0.0 { before / (before + after) } else { 0.5 };
+                        // Next to an end, the direction of what is little of the turn would be that of all of it.
+                        share.clamp(ASIDE, 1.0 - ASIDE)
                     }
                 };
                 // Through 0 at 0, `by_way` at `share` and `linear` at 1.
@@ -271,10 +278,13 @@ impl TcpCourse {
             Length::Turn(turn_rad) => (1, turn_rad),
         };
         if let Some(rates) = self.even_rates() {
-            return length / rates[which];
+            return if rates[which] > NOTHING { length / rates[which] } else { f64::INFINITY };
         }
         let nodes = self.rising_lengths();
         let whole = nodes[INTERVALS].1[which];
+        if whole <= NOTHING {
+            return f64::INFINITY;
+        }
         if length >= whole {
             return length / whole;
         }
@@ -293,6 +303,9 @@ impl TcpCourse {
         if end == 0 { s } else { 1.0 - s }
     }
 }
+
+/// Shorter than this, in m or rad, it is rounding.
+const NOTHING: f64 = 1e-12;
 
 /// So many intervals are enough for lengths: along a segment of a spline, the rates change little.
 const INTERVALS: usize = 64;
@@ -352,8 +365,6 @@ fn derivative(Taylor([_, one, two, three]): Taylor) -> Taylor {
 
 /// The length of a vector and its first two derivatives; zeros where it stands still.
 fn length(v: &Vec3<Taylor>) -> [f64; 3] {
-    /// Shorter than this, in m or rad, it is rounding.
-    const NOTHING: f64 = 1e-12;
     let square = dot(v, v);
     if square.value() <= NOTHING * NOTHING {
         return [0.0; 3];

@@ -5,7 +5,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    frames::{PoseWire, TargetRefWire},
+    by_name::word,
+    frames::{PoseWire, TCP, TargetRefWire},
     share::Share,
 };
 use crate::{
@@ -44,7 +45,9 @@ macro_rules! path_wire {
             #[serde(default, skip_serializing_if = "Option::is_none")]
             base: Option<String>,
             /// How the orientation goes along.
-            #[serde(default, skip_serializing_if = "OrientationWire::is_variable")]
+            #[serde(
+                default, deserialize_with = "word", skip_serializing_if = "OrientationWire::is_variable"
+            )]
             orientation: OrientationWire,
             /// Share of the joints' speed limits, above 0 and at most 1.
             #[serde(default, skip_serializing_if = "Share::is_full")]
@@ -184,13 +187,13 @@ path_wire! {
         #[schemars(range(min = -360, max = 360))]
         circ_angle_deg: Option<f64>,
         /// Whether the orientation is given in the base or turns with the path.
-        #[serde(default, skip_serializing_if = "ReferenceWire::is_base")]
+        #[serde(default, deserialize_with = "word", skip_serializing_if = "ReferenceWire::is_base")]
         orientation_reference: ReferenceWire,
         /// What the orientation of the auxiliary frame is for.
-        #[serde(default, skip_serializing_if = "AuxWire::is_consider")]
+        #[serde(default, deserialize_with = "word", skip_serializing_if = "AuxWire::is_consider")]
         aux_orientation: AuxWire,
         /// Where the orientation of the frame is reached, with an angle.
-        #[serde(default, skip_serializing_if = "EndWire::is_interpolate")]
+        #[serde(default, deserialize_with = "word", skip_serializing_if = "EndWire::is_interpolate")]
         end_orientation: EndWire,
     }
 }
@@ -209,9 +212,6 @@ impl LinWire {
         Self::of(motion, to.into())
     }
 }
-
-/// The TCP itself, as what an offset is given in.
-const TCP: &str = "tcp";
 
 impl LinRelWire {
     pub(super) fn motion(mut self) -> Result<Motion, Wrong> {

@@ -10,11 +10,15 @@ use serde::{
     de::{MapAccess, Visitor, value::MapAccessDeserializer},
 };
 
+use super::by_name::by_name;
 use crate::{
     frame::Frame,
     target::{Target, TargetRef},
-    workcell::{Base, Load, Tool, Workcell},
+    workcell::{Base, FLANGE, Load, ROBOT, Tool, Workcell},
 };
+
+/// The TCP itself, as what an offset is given in.
+pub(super) const TCP: &str = "tcp";
 
 /// Declares what is written as a pose with more keys.
 macro_rules! pose_wire {
@@ -244,7 +248,7 @@ pub(super) struct ToolWire {
     #[serde(deserialize_with = "object")]
     tcp: PoseWire,
     /// Further TCPs by name, in the flange's frame.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     tips: BTreeMap<String, PoseWire>,
     /// What it weighs.
     #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
@@ -326,6 +330,25 @@ impl From<&Base> for BaseWire {
     }
 }
 
+/// That a name can be used, and is not the one that means something else.
+fn check_name(
+    list: &'static str,
+    name: &str,
+    taken: &str,
+    meaning: &str,
+) -> Result<(), (&'static str, String, String)> {
+    let wrong = |what: String| Err((list, name.to_owned(), what));
+    if name.is_empty() {
+        wrong("a name has at least one character".to_owned())
+    } else if name == taken {
+        wrong(format!("this name is that of {meaning}; choose another"))
+    } else if list == "tools" && name.contains('/') {
+        wrong("a tool's name has no `/`: it divides tool and tip".to_owned())
+    } else {
+        Ok(())
+    }
+}
+
 /// What a program knows by name; or the list, the name and what is wrong with it.
 pub(super) fn workcell(
     tools: BTreeMap<String, ToolWire>,
@@ -334,14 +357,20 @@ pub(super) fn workcell(
 ) -> Result<Workcell, (&'static str, String, String)> {
     let mut workcell = Workcell::default();
     for (name, wire) in tools {
+        check_name("tools", &name, FLANGE, "the bare flange")?;
+        for tip in wire.tips.keys() {
+            check_name("tools", tip, "", "")?;
+        }
         let tool = wire.tool().map_err(|what| ("tools", name.clone(), what))?;
         workcell.tools.insert(name, tool);
     }
     for (name, wire) in bases {
+        check_name("bases", &name, ROBOT, "the robot's foot")?;
         let frame = wire.written().frame(false).map_err(|what| ("bases", name.clone(), what))?;
         workcell.bases.insert(name, Base { frame, base: wire.base });
     }
     for (name, wire) in frames {
+        check_name("frames", &name, TCP, "the TCP itself")?;
         let target = wire.target().map_err(|what| ("frames", name.clone(), what))?;
         workcell.frames.insert(name, target);
     }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize, de::IgnoredAny};
 use serde_json::value::RawValue;
 
 use super::{
+    by_name::by_name,
     error::{ProgramError, VERSION, json_error},
     frames::{BaseWire, TargetWire, ToolWire, workcell},
 };
@@ -22,13 +23,13 @@ struct FramesWire {
     #[schemars(extend("const" = 1))]
     version: u64,
     /// Tools by name.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     tools: BTreeMap<String, ToolWire>,
     /// Frames that others are given in, by name.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     bases: BTreeMap<String, BaseWire>,
     /// Frames to go to, by name.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     frames: BTreeMap<String, TargetWire>,
     /// A key of programs: told apart from those that nobody knows.
     #[serde(default, skip_serializing)]

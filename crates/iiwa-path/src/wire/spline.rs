@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::IgnoredAny};
 
 use super::{
+    by_name::{word, word_or_null},
     cartesian::{
         AuxWire, CircOptions, EndWire, OrientationWire, PathBlendWire, ReferenceWire, path_wire,
     },
@@ -63,11 +64,12 @@ enum SegmentType {
     ])
 )]
 pub(super) struct SegmentWire {
+    #[serde(deserialize_with = "word")]
     r#type: SegmentType,
     /// Where it goes.
     frame: TargetRefWire,
     /// How the orientation goes along; as the spline says if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "word_or_null", skip_serializing_if = "Option::is_none")]
     orientation: Option<OrientationWire>,
     /// A frame on the way of a circle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -77,13 +79,13 @@ pub(super) struct SegmentWire {
     #[schemars(range(min = -360, max = 360))]
     circ_angle_deg: Option<f64>,
     /// Whether the orientation on a circle is given in the base or turns with the path.
-    #[serde(default, skip_serializing_if = "ReferenceWire::is_base")]
+    #[serde(default, deserialize_with = "word", skip_serializing_if = "ReferenceWire::is_base")]
     orientation_reference: ReferenceWire,
     /// What the orientation of a circle's auxiliary frame is for.
-    #[serde(default, skip_serializing_if = "AuxWire::is_consider")]
+    #[serde(default, deserialize_with = "word", skip_serializing_if = "AuxWire::is_consider")]
     aux_orientation: AuxWire,
     /// Where the orientation of a circle's frame is reached, with an angle.
-    #[serde(default, skip_serializing_if = "EndWire::is_interpolate")]
+    #[serde(default, deserialize_with = "word", skip_serializing_if = "EndWire::is_interpolate")]
     end_orientation: EndWire,
     /// What only the whole spline can have: read to say so.
     #[serde(default, skip_serializing)]

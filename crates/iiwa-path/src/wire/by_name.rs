@@ -1,0 +1,52 @@
+//! Objects whose keys are names, and words among a few.
+
+use std::{collections::BTreeMap, fmt, marker::PhantomData};
+
+use iiwa_json::Object;
+use serde::{
+    Deserialize, Deserializer,
+    de::{Error, IntoDeserializer, MapAccess, Visitor, value::StringDeserializer},
+};
+
+/// Reads an object of objects by their names. Left to itself, serde would keep the last of two with the same name, and
+/// take lists for objects.
+pub(super) fn by_name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    reader: D,
+) -> Result<BTreeMap<String, T>, D::Error> {
+    struct Names<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for Names<T> {
+        type Value = BTreeMap<String, T>;
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("an object, by names")
+        }
+        fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+            let mut all = BTreeMap::new();
+            while let Some(name) = map.next_key::<String>()? {
+                let Object(value) = map.next_value()?;
+                if all.contains_key(&name) {
+                    return Err(A::Error::custom(format!("the name `{name}` is there twice")));
+                }
+                all.insert(name, value);
+            }
+            Ok(all)
+        }
+    }
+    reader.deserialize_map(Names(PhantomData))
+}
+
+/// Reads one of a few words. Of anything but a text, serde's JSON reader would say that it is no JSON.
+pub(super) fn word<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    reader: D,
+) -> Result<T, D::Error> {
+    let text: StringDeserializer<D::Error> = String::deserialize(reader)?.into_deserializer();
+    T::deserialize(text)
+}
+
+/// The same of a key that may be null.
+pub(super) fn word_or_null<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    reader: D,
+) -> Result<Option<T>, D::Error> {
+    let Some(text) = Option::<String>::deserialize(reader)? else { return Ok(None) };
+    let text: StringDeserializer<D::Error> = text.into_deserializer();
+    T::deserialize(text).map(Some)
+}
