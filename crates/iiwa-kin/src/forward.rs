@@ -10,17 +10,16 @@
 
 use nalgebra::SMatrix;
 
+use crate::rotation::Vec3;
 use crate::{Joints, Pose, Robot, robot::TWIST_QUARTERS, trig::sin_cos};
-
-type Vec3 = [f64; 3];
 
 /// The axes of a frame and where it is: columns of a homogeneous transform.
 #[derive(Clone, Copy)]
 pub(crate) struct Frame {
-    pub(crate) x: Vec3,
-    pub(crate) y: Vec3,
-    pub(crate) z: Vec3,
-    pub(crate) p: Vec3,
+    pub(crate) x: Vec3<f64>,
+    pub(crate) y: Vec3<f64>,
+    pub(crate) z: Vec3<f64>,
+    pub(crate) p: Vec3<f64>,
 }
 
 impl Frame {
@@ -94,7 +93,7 @@ pub(crate) fn tcp(d: &[f64; 4], joints_rad: &Joints) -> Pose {
 
 /// One link backwards: a vector in the frame after joint `j`, given in the frame before it.
 #[inline(always)]
-fn rotate_back(j: usize, v: Vec3, s: f64, c: f64) -> Vec3 {
+fn rotate_back(j: usize, v: Vec3<f64>, s: f64, c: f64) -> Vec3<f64> {
     let [x, y, z] = v;
     let (y, z) = match TWIST_QUARTERS[j] {
         1 => (-z, y),
@@ -220,7 +219,7 @@ impl Robot {
         let mut jacobian = SMatrix::<f64, 6, 7>::zeros();
         for j in 0..7 {
             let axis = poses[j + 1].rotation.map(|row| row[2]);
-            let arm: Vec3 = std::array::from_fn(|i| tcp[i] - poses[j + 1].position_m[i]);
+            let arm: Vec3<f64> = std::array::from_fn(|i| tcp[i] - poses[j + 1].position_m[i]);
             let linear = [
                 axis[1] * arm[2] - axis[2] * arm[1],
                 axis[2] * arm[0] - axis[0] * arm[2],
@@ -250,10 +249,10 @@ impl Robot {
     pub fn tcp_speed_m_s(&self, tcp: &Pose, joints_rad: &Joints, velocity_rad_s: &Joints) -> f64 {
         let poses = self.link_poses(joints_rad);
         let place = poses[8].then(tcp).position_m;
-        let mut velocity: Vec3 = [0.0; 3];
+        let mut velocity: Vec3<f64> = [0.0; 3];
         for (pose, rate) in std::iter::zip(&poses[1..8], velocity_rad_s) {
             let axis = pose.rotation.map(|row| row[2]);
-            let arm: Vec3 = std::array::from_fn(|i| place[i] - pose.position_m[i]);
+            let arm: Vec3<f64> = std::array::from_fn(|i| place[i] - pose.position_m[i]);
             velocity[0] += rate * (axis[1] * arm[2] - axis[2] * arm[1]);
             velocity[1] += rate * (axis[2] * arm[0] - axis[0] * arm[2]);
             velocity[2] += rate * (axis[0] * arm[1] - axis[1] * arm[0]);

@@ -34,6 +34,7 @@ mod profile;
 mod reachable;
 mod redundancy;
 mod robot;
+pub mod rotation;
 mod shapes;
 mod singularity;
 mod status;

@@ -4,7 +4,6 @@ pub(crate) mod corner;
 pub(crate) mod fault;
 pub(crate) mod joint_curve;
 pub(crate) mod leg;
-mod rotation;
 mod site;
 mod spline;
 mod spline_leg;

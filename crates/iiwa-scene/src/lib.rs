@@ -41,6 +41,7 @@
 mod arm;
 mod clearance;
 mod distance;
+mod extent;
 mod fault;
 mod placed;
 mod planned;

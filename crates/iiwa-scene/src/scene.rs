@@ -2,7 +2,11 @@
 
 use std::collections::HashMap;
 
-use crate::{fault::Fault, tool::ToolShape};
+use crate::{
+    extent::{MAX_ANGLE_RAD, MAX_M, MIN_SIZE_M},
+    fault::Fault,
+    tool::ToolShape,
+};
 
 /// The obstacles around an arm, in the frame of its base: z up, origin in the middle of its foot; and the tool that it
 /// carries.
@@ -54,15 +58,6 @@ pub(crate) const MAX_TOOL_SHAPES: usize = 100;
 
 /// Longest name of an obstacle, in characters.
 const MAX_NAME: usize = 100;
-
-/// Farthest that anything may be, in m: a cell has no length of a kilometre.
-pub(crate) const MAX_M: f64 = 1000.0;
-
-/// Shortest edge of a box, in m. What is shorter is a slip of the pen.
-pub(crate) const MIN_SIZE_M: f64 = 1e-6;
-
-/// Most that an angle may be, in rad: a whole turn, and what rounding adds to it.
-pub(crate) const MAX_ANGLE_RAD: f64 = std::f64::consts::TAU + 1e-12;
 
 impl Scene {
     /// The scene with these obstacles.

@@ -1,8 +1,8 @@
 //! What the arm carries.
 
 use crate::{
+    extent::{MAX_ANGLE_RAD, MAX_M, MIN_SIZE_M},
     fault::Fault,
-    scene::{MAX_ANGLE_RAD, MAX_M, MIN_SIZE_M},
 };
 
 /// A shape of the tool, in the flange's frame: z out of the flange.

@@ -1,85 +1,24 @@
 //! The scene's JSON forms: the one that is read, which the JSON Schema describes, and the one that is
 //! drawn.
 
+mod error;
+mod numbers;
 mod tool;
 
-use iiwa_json::{
-    Object, Place, Step, Unread, element_at, excerpt, locate, numbers, problem, read_version, tag,
-};
+use iiwa_json::{Object, Step, Unread, excerpt, locate, read_version, tag};
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 use serde_json::value::RawValue;
 
 use crate::{
-    fault::Fault,
     placed::{rotation, unit},
-    scene::{Form, MAX_M, Obstacle, Scene},
+    scene::{Form, Obstacle, Scene},
 };
 
+pub use error::SceneError;
+use error::{VERSION, json_error};
+use numbers::{angle, from_mm, position, size, three};
 use tool::{ToolShapeWire, tool_shape};
-
-/// The version of the scene format that this library reads.
-const VERSION: u64 = 1;
-
-/// Why a text is no scene.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SceneError {
-    /// The text is not JSON, or not the JSON that is asked for.
-    #[error("{}{what}, at {place}", prefix(*.obstacle))]
-    Json {
-        /// What was found, and what was expected.
-        what: String,
-        /// The obstacle, from 0, if it is in one.
-        obstacle: Option<usize>,
-        /// Where.
-        place: Place,
-    },
-    /// The scene is of another version.
-    #[error("this is a scene of version {found}; version {VERSION} is understood, at {place}")]
-    Version {
-        /// The version found.
-        found: u64,
-        /// Where.
-        place: Place,
-    },
-    /// The scene is well-formed and cannot be.
-    #[error("{fault}, at {place}")]
-    Fault {
-        /// What is wrong.
-        fault: Fault,
-        /// Where.
-        place: Place,
-    },
-}
-
-impl SceneError {
-    /// Where in the text.
-    #[must_use]
-    pub fn place(&self) -> &Place {
-        match self {
-            Self::Json { place, .. } | Self::Version { place, .. } | Self::Fault { place, .. } => {
-                place
-            }
-        }
-    }
-
-    /// What is wrong, without the place.
-    #[must_use]
-    pub fn what(&self) -> String {
-        match self {
-            Self::Json { what, obstacle, .. } => format!("{}{what}", prefix(*obstacle)),
-            Self::Version { found, .. } => {
-                format!("this is a scene of version {found}; version {VERSION} is understood")
-            }
-            Self::Fault { fault, .. } => fault.to_string(),
-        }
-    }
-}
-
-fn prefix(obstacle: Option<usize>) -> String {
-    obstacle.map_or_else(String::new, |index| format!("obstacle {}: ", index + 1))
-}
 
 impl Scene {
     /// Reads a scene (version 1).
@@ -133,18 +72,6 @@ fn obstacle(text: &str, index: usize, raw: &str) -> Result<Obstacle, SceneError>
         }
         None => Err(wrong("it has no `type`; `box` and `plane` are known".to_owned(), None)),
     }
-}
-
-fn json_error(
-    text: &str,
-    part: &str,
-    obstacle: Option<usize>,
-    error: &serde_json::Error,
-) -> SceneError {
-    let place = Place::of_error(text, part, error);
-    // What is no JSON at all is found before the text is taken apart.
-    let obstacle = obstacle.or_else(|| element_at(text, "obstacles", place.span.start));
-    SceneError::Json { what: problem(error), obstacle, place }
 }
 
 /// What stands around a KUKA LBR iiwa, in the frame of its base: z up, origin in the middle of its foot.
@@ -233,19 +160,6 @@ struct PlaneWire {
     normal: [f64; 3],
 }
 
-fn position() -> serde_json::Value {
-    let max_mm = 1e3 * MAX_M;
-    serde_json::json!({ "type": "number", "minimum": -max_mm, "maximum": max_mm })
-}
-
-fn size() -> serde_json::Value {
-    serde_json::json!({ "type": "number", "minimum": 1e-3, "maximum": 1e3 * MAX_M })
-}
-
-fn angle() -> serde_json::Value {
-    serde_json::json!({ "type": "number", "minimum": -360, "maximum": 360 })
-}
-
 impl From<BoxWire> for Obstacle {
     fn from(wire: BoxWire) -> Self {
         let form = Form::Box {
@@ -262,15 +176,6 @@ impl From<PlaneWire> for Obstacle {
         let form = Form::Plane { point_m: wire.point_mm.map(from_mm), normal: wire.normal };
         Self { name: wire.name, form }
     }
-}
-
-/// Divided rather than multiplied: 100 mm are 0.1 m and not 0.1 and a bit.
-fn from_mm(mm: f64) -> f64 {
-    mm / 1e3
-}
-
-fn three<'de, D: Deserializer<'de>>(reader: D) -> Result<[f64; 3], D::Error> {
-    numbers(reader, "three numbers, for x, y and z")
 }
 
 /// As a drawing needs it: m, unit vectors, matrices.

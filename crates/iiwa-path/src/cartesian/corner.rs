@@ -2,12 +2,15 @@
 
 use std::sync::Arc;
 
-use iiwa_kin::{Joints, Pose, Robot, Taylor, vector};
+use iiwa_kin::{
+    Joints, Pose, Robot, Taylor,
+    rotation::{norm, scaled, sub},
+    vector,
+};
 
 use super::{
     joint_curve::{JointBlend, JointCurve, Part, TcpBlend},
     leg::Leg,
-    rotation::{norm, scaled, sub},
     tcp_course::Length,
     tcp_path::TcpPath,
 };

@@ -4,12 +4,10 @@ use std::{fmt, sync::Arc};
 
 use iiwa_kin::{
     FlangePoint, MovingPose, Number, Pose, Robot, SingularPart, Status, Taylor, Unreachable,
+    rotation::{Vec3, exp, log, product, transposed},
 };
 
-use super::{
-    rotation::{Vec3, exp, log, product, transposed},
-    tcp_course::{TcpCourse, tool_way},
-};
+use super::tcp_course::{TcpCourse, tool_way};
 use crate::{
     continuity::{Continuity, Polynomial},
     line::Line,

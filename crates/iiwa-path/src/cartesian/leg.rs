@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use iiwa_kin::{Joints, Pose, Robot, Status};
+use iiwa_kin::{
+    Joints, Pose, Robot, Status,
+    rotation::{apply, product, transposed},
+};
 
 use super::{
     fault::CartesianFault,
-    rotation::{apply, product, transposed},
     site::{Found, Site, at_frame},
     spline_leg::spline,
     tcp_course::TcpCourse,

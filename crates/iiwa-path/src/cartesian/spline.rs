@@ -3,12 +3,12 @@
 //! All is by one parameter u, in m: the length of the chords and arcs between the frames. Position, orientation and E1
 //! are quintic polynomials on SPL segments, which meet their neighbours with two derivatives.
 
-use iiwa_kin::{MovingPose, Pose, Taylor};
-
-use super::{
+use iiwa_kin::{
+    MovingPose, Pose, Taylor,
     rotation::{Mat3, Vec3, constant, exp, log, norm, product, scaled, sub, transposed},
-    tcp_course::{CourseFault, TcpCourse, turn_between},
 };
+
+use super::tcp_course::{CourseFault, TcpCourse, turn_between};
 
 /// Where the TCP is at the end of a segment.
 #[derive(Clone, Copy, Debug)]

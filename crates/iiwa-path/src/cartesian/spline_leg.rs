@@ -1,10 +1,12 @@
 //! Splines of a program as they are on one robot.
 
-use iiwa_kin::Joints;
+use iiwa_kin::{
+    Joints,
+    rotation::{exp, log, norm, product, scaled, sub, transposed},
+};
 
 use super::{
     fault::CartesianFault,
-    rotation::{exp, log, norm, product, scaled, sub, transposed},
     site::{Found, Site, at_frame},
     spline::{Between, Knot, pieces},
     tcp_course::TcpCourse,

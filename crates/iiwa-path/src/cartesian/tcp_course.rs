@@ -1,10 +1,13 @@
 //! How the TCP goes from one frame to another: position and orientation as functions of s.
 
-use iiwa_kin::{MovingPose, Number, Pose, Taylor};
-
-use super::rotation::{
-    Mat3, Vec3, constant, cross, dot, exp, log_or_half_turn, norm, product, scaled, sub, transposed,
+use iiwa_kin::{
+    MovingPose, Number, Pose, Taylor,
+    rotation::{
+        Mat3, Vec3, constant, cross, dot, exp, log_or_half_turn, norm, product, scaled, sub,
+        transposed,
+    },
 };
+
 use crate::tool_way::ToolWay;
 
 /// The course of the TCP in the robot's foot, for s from 0 to 1.

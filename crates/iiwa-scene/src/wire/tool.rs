@@ -4,7 +4,10 @@ use iiwa_json::{Object, Step, excerpt, locate, tag};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{SceneError, angle, from_mm, json_error, position, size, three};
+use super::{
+    error::{SceneError, json_error},
+    numbers::{angle, from_mm, position, size, three},
+};
 use crate::tool::{ToolForm, ToolShape};
 
 /// A shape of the tool, in the flange's frame: z out of the flange.

@@ -1,46 +1,77 @@
-//! Rotations by rotation vectors: their exponential and its inverse, on Taylor series too.
+//! Rotations in space by rotation vectors: their exponential and its inverse, on Taylor series too.
+//!
+//! ```
+//! use iiwa_kin::rotation::{apply, exp, log};
+//!
+//! // A quarter turn about z.
+//! let turn = exp(&[0.0, 0.0, std::f64::consts::FRAC_PI_2]);
+//! assert!((apply(&turn, &[1.0, 0.0, 0.0])[1] - 1.0).abs() < 1e-15);
+//! assert!((log(&turn)[2] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+//! ```
 
-use iiwa_kin::{Number, Taylor};
+use crate::{Number, Taylor};
 
-pub(crate) type Vec3<T> = [T; 3];
-pub(crate) type Mat3<T> = [[T; 3]; 3];
+/// A vector in space.
+pub type Vec3<T> = [T; 3];
+/// A matrix, row by row.
+pub type Mat3<T> = [[T; 3]; 3];
 
 /// `a b`.
-pub(crate) fn product<T: Number>(a: &Mat3<T>, b: &Mat3<T>) -> Mat3<T> {
+#[must_use]
+pub fn product<T: Number>(a: &Mat3<T>, b: &Mat3<T>) -> Mat3<T> {
     a.map(|row| std::array::from_fn(|j| row[0] * b[0][j] + row[1] * b[1][j] + row[2] * b[2][j]))
 }
 
 /// The transpose: of a rotation, its inverse.
-pub(crate) fn transposed<T: Copy>(a: &Mat3<T>) -> Mat3<T> {
+#[must_use]
+pub fn transposed<T: Copy>(a: &Mat3<T>) -> Mat3<T> {
     std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
 }
 
-pub(crate) fn apply<T: Number>(a: &Mat3<T>, v: &Vec3<T>) -> Vec3<T> {
+/// `a v`.
+#[must_use]
+pub fn apply<T: Number>(a: &Mat3<T>, v: &Vec3<T>) -> Vec3<T> {
     a.map(|row| dot(&row, v))
 }
 
-pub(crate) fn dot<T: Number>(a: &Vec3<T>, b: &Vec3<T>) -> T {
+/// `a . b`.
+#[must_use]
+pub fn dot<T: Number>(a: &Vec3<T>, b: &Vec3<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(crate) fn cross(a: &Vec3<f64>, b: &Vec3<f64>) -> Vec3<f64> {
+/// `a x b`.
+#[must_use]
+#[inline]
+pub fn cross(a: &Vec3<f64>, b: &Vec3<f64>) -> Vec3<f64> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(crate) fn norm(a: &Vec3<f64>) -> f64 {
+/// The length of a vector.
+#[must_use]
+#[inline]
+pub fn norm(a: &Vec3<f64>) -> f64 {
     dot(a, a).sqrt()
 }
 
-pub(crate) fn sub(a: &Vec3<f64>, b: &Vec3<f64>) -> Vec3<f64> {
+/// `a - b`.
+#[must_use]
+#[inline]
+pub fn sub(a: &Vec3<f64>, b: &Vec3<f64>) -> Vec3<f64> {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-pub(crate) fn scaled(k: f64, a: &Vec3<f64>) -> Vec3<f64> {
+/// `k a`.
+#[must_use]
+#[inline]
+pub fn scaled(k: f64, a: &Vec3<f64>) -> Vec3<f64> {
     a.map(|v| k * v)
 }
 
 /// A constant matrix among Taylor series.
-pub(crate) fn constant(a: &Mat3<f64>) -> Mat3<Taylor> {
+#[must_use]
+#[inline]
+pub fn constant(a: &Mat3<f64>) -> Mat3<Taylor> {
     a.map(|row| row.map(Taylor::constant))
 }
 
@@ -48,7 +79,8 @@ pub(crate) fn constant(a: &Mat3<f64>) -> Mat3<Taylor> {
 ///
 /// By Rodrigues' formula, `1 + sin(t)/t [r] + (1 - cos t)/t^2 [r]^2` with t = |r|. Both factors are smooth functions of
 /// t^2; t itself is not, at 0.
-pub(crate) fn exp<T: Number>(r: &Vec3<T>) -> Mat3<T> {
+#[must_use]
+pub fn exp<T: Number>(r: &Vec3<T>) -> Mat3<T> {
     let square = dot(r, r);
     let (sinc, versine) = if square.value() < SERIES {
         (series(square, &SINC), series(square, &VERSINE))
@@ -70,7 +102,8 @@ pub(crate) fn exp<T: Number>(r: &Vec3<T>) -> Mat3<T> {
 }
 
 /// The rotation vector of a turn by less than half a turn: the inverse of [`exp`].
-pub(crate) fn log<T: Number>(a: &Mat3<T>) -> Vec3<T> {
+#[must_use]
+pub fn log<T: Number>(a: &Mat3<T>) -> Vec3<T> {
     let half = T::constant(0.5);
     // sin(t) times the axis.
     let v = [half * (a[2][1] - a[1][2]), half * (a[0][2] - a[2][0]), half * (a[1][0] - a[0][1])];
@@ -86,7 +119,8 @@ pub(crate) fn log<T: Number>(a: &Mat3<T>) -> Vec3<T> {
 }
 
 /// The rotation vector of a turn; none where the way round is not defined, because it is half a turn.
-pub(crate) fn log_or_half_turn(a: &Mat3<f64>) -> Option<Vec3<f64>> {
+#[must_use]
+pub fn log_or_half_turn(a: &Mat3<f64>) -> Option<Vec3<f64>> {
     /// How near to half a turn counts as one, in rad: 0.0001 deg.
     const MARGIN_RAD: f64 = 1.8e-6;
     let r = log(a);
