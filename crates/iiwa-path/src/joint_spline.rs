@@ -45,6 +45,9 @@ const MOST_GRIDS: usize = 8;
 /// ones: from coarser ones, they are not always found.
 const LEAST_INTERVALS: usize = 200;
 
+/// The same where the TCP goes or turns unevenly: between nodes, its acceleration is less than a cubic's.
+const LEAST_INTERVALS_UNEVEN: usize = 300;
+
 /// Where the curve cannot be followed, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CurveFaultAt {
@@ -258,7 +261,8 @@ impl Segment for JointSpline {
     /// As many as its pieces ask for.
     fn grid_intervals(&self, grid: &Grid) -> usize {
         let factor = self.pieces.len().div_ceil(PIECES_A_GRID);
-        (grid.intervals() * factor.clamp(LEAST_GRIDS, MOST_GRIDS)).max(LEAST_INTERVALS)
+        let least = if self.curve.is_even() { LEAST_INTERVALS } else { LEAST_INTERVALS_UNEVEN };
+        (grid.intervals() * factor.clamp(LEAST_GRIDS, MOST_GRIDS)).max(least)
     }
 
     /// Half of the nodes lie evenly, the other half where the pieces do: where joints turn fast, pieces are short.

@@ -197,10 +197,9 @@ pub(crate) fn mesh(
         // Never to be reached; without it, one fault in the stamps would mean cells without end.
         let least = 1e-3 * [from_rest, to_rest].iter().flatten().fold(most, |a, b| a.min(*b));
         let least = least.min(at_start).min(at_end);
-        // From the end, cells come to the one that touches rest at the start: it is as long as that has to be, or a little
-        // longer.
+        // From the end, cells come to the one that touches rest at the start, which is as long as that may be at most.
         let floor = |place: Place| match from_rest {
-            Some(rest) if backwards && place.start < 2.0 * rest => rest,
+            Some(rest) if backwards && place.start <= rest => rest,
             _ => least,
         };
         let turn = segment.turn_back();

@@ -358,8 +358,8 @@ pub(super) fn workcell(
     let mut workcell = Workcell::default();
     for (name, wire) in tools {
         check_name("tools", &name, FLANGE, "the bare flange")?;
-        for tip in wire.tips.keys() {
-            check_name("tools", tip, "", "")?;
+        if wire.tips.contains_key("") {
+            return Err(("tools", name, "the name of a tip has at least one character".to_owned()));
         }
         let tool = wire.tool().map_err(|what| ("tools", name.clone(), what))?;
         workcell.tools.insert(name, tool);
