@@ -139,7 +139,7 @@ fn named(path: &Path, [program, text]: [&str; 2], name: &str) -> Result<Robot, F
     }
 }
 
-/// The text of the file that a program, read from `path`, includes; or why there is none.
+/// Reads the file that the program at `path` includes; the error says why it cannot be read.
 fn included(path: &Path, name: &str) -> Result<String, String> {
     let file = beside(path, name).map_err(|reason| match reason {
         NotBeside::Elsewhere => {

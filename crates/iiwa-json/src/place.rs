@@ -24,6 +24,12 @@ impl fmt::Display for Place {
 }
 
 impl Place {
+    /// A message that ends with `, at` and this place, without both.
+    #[must_use]
+    pub fn cut_from(&self, message: &str) -> String {
+        message.strip_suffix(&format!(", at {self}")).unwrap_or(message).to_owned()
+    }
+
     /// The place of the bytes `span` of `text`; a span past the end is moved to the end.
     #[must_use]
     pub fn of_span(text: &str, span: Range<usize>) -> Self {

@@ -13,7 +13,10 @@
 )]
 
 use crate::{
-    Joints, MovingPose, Pose, Robot, Taylor, number::Number, status::Status,
+    Joints, MovingPose, Pose, Robot, Taylor,
+    number::Number,
+    rotation::{cross, dot},
+    status::Status,
     unreachable::Unreachable,
 };
 
@@ -140,16 +143,6 @@ pub(crate) fn arm_at(d: &[f64; 4], flange: &Pose) -> Result<Arm, Unreachable> {
     let (wrist_m, _, distance) = wrist(d, &flange.position_m, &flange.rotation);
     let (sin_a4, cos_a4) = elbow(d, distance)?;
     Ok(Arm { wrist_m, sin_a4, cos_a4, lever_m: d[2] * sin_a4 })
-}
-
-#[inline(always)]
-fn dot<T: Number>(a: &[T; 3], b: &[T; 3]) -> T {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn cross<T: Number>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline(always)]

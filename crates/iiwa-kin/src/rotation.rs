@@ -36,6 +36,7 @@ pub fn apply<T: Number>(a: &Mat3<T>, v: &Vec3<T>) -> Vec3<T> {
 
 /// `a . b`.
 #[must_use]
+#[inline]
 pub fn dot<T: Number>(a: &Vec3<T>, b: &Vec3<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
@@ -43,7 +44,7 @@ pub fn dot<T: Number>(a: &Vec3<T>, b: &Vec3<T>) -> T {
 /// `a x b`.
 #[must_use]
 #[inline]
-pub fn cross(a: &Vec3<f64>, b: &Vec3<f64>) -> Vec3<f64> {
+pub fn cross<T: Number>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 

@@ -36,8 +36,8 @@ impl Turn {
         Self(joints_rad.iter().rev().fold(0, |bits, q| bits << 1 | u8::from(*q < 0.0)))
     }
 
-    /// Whether it is the turn of the arm at `joints_rad`, but for joints within 0.0001 rad of zero: their signs
-    /// are those of rounding, and of how a frame was taught.
+    /// Whether it matches the signs of `joints_rad`. Joints within 0.0001 rad of zero match either sign: theirs depends on
+    /// rounding and on how the frame was taught.
     ///
     /// ```
     /// use iiwa_kin::Turn;

@@ -43,7 +43,7 @@ const MOST_GRIDS: usize = 8;
 
 /// The least intervals of a curve, however few those of a blend are. Jerk-limited stamps start from acceleration-limited
 /// ones: from coarser ones, they are not always found.
-const LEAST_INTERVALS: usize = 200;
+pub(crate) const LEAST_INTERVALS: usize = 200;
 
 /// The same where the TCP goes or turns unevenly: between nodes, its acceleration is less than a cubic's.
 const LEAST_INTERVALS_UNEVEN: usize = 300;

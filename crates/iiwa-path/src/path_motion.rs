@@ -44,7 +44,7 @@ impl MotionType {
         }
     }
 
-    /// Whether it is told where to go as a frame of the TCP.
+    /// Whether its target is a frame of the TCP.
     #[must_use]
     pub fn is_cartesian(self) -> bool {
         !matches!(self, Self::Ptp | Self::Wait)

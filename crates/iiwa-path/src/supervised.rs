@@ -7,12 +7,10 @@ use iiwa_kin::{Joints, Pose, Robot, Taylor};
 use crate::{
     cartesian::tcp_course::tool_way,
     grid::{Grid, GridNode},
+    joint_spline::LEAST_INTERVALS,
     segment::{Derivatives, Segment},
     tool_way::ToolWay,
 };
-
-/// The least intervals: a joint's line is none of the TCP.
-const LEAST_INTERVALS: usize = 200;
 
 /// A segment whose way, where limits of the TCP hold, is that of the TCP or that of the flange, whichever goes faster: so
 /// the controller supervises speed in the operating mode T1.

@@ -55,7 +55,7 @@ impl Program {
     }
 
     /// Reads a motion program that may include a file of tools, bases and frames: `read` gives the text of the
-    /// file that its key `include` names, or says why there is none. The program's own names win over those of
+    /// file that its key `include` names, or returns why it cannot. The program's own names win over those of
     /// the file.
     ///
     /// ```

@@ -33,7 +33,7 @@ pub enum OperatingMode {
     /// As programmed.
     #[default]
     Automatic,
-    /// For tests, with somebody beside the robot: TCP and flange go at [`T1_SPEED_M_S`] at most.
+    /// Manual reduced speed: TCP and flange move at [`T1_SPEED_M_S`] at most.
     T1,
 }
 

@@ -59,8 +59,6 @@ impl DataFileError {
     /// What is wrong, without the place.
     #[must_use]
     pub fn what(&self) -> String {
-        let message = self.to_string();
-        let place = format!(", at {}", self.place());
-        message.strip_suffix(&place).unwrap_or(&message).to_owned()
+        self.place().cut_from(&self.to_string())
     }
 }

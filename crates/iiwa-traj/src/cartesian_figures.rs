@@ -8,7 +8,7 @@ use crate::section::{Piece, Section};
 /// for a peak of its own.
 const SAMPLES: u32 = 4;
 
-/// The figures of a motion that is told where to go as a frame.
+/// The figures of a motion whose target is a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CartesianFigures {
     /// Top speed of its TCP, in m/s.

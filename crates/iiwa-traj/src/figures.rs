@@ -66,7 +66,7 @@ pub struct MotionFigures {
     pub limited_by: Option<Limit>,
     /// All limits that it is at, the one for the longest time first.
     pub limits: Vec<LimitShare>,
-    /// What there is to say of the TCP, if the motion is told where to go as a frame.
+    /// The figures of the TCP, if the motion's target is a frame.
     pub cartesian: Option<CartesianFigures>,
 }
 

@@ -17,8 +17,8 @@ const SEED: u64 = 1;
 const LEAST_ADVANTAGE: f64 = 1.25;
 /// By how much a path of joints may be off the rival's, in rad.
 const SAME_PATH_RAD: f64 = 1e-6;
-/// The best trapezoid keeps the same limits on the same path: nothing that does so is faster than the fastest, but for what
-/// samples miss.
+/// The best trapezoid keeps the same limits on the same path, so that it cannot be faster than the time-optimal motion,
+/// except for violations between its samples.
 const LEAST_RATIO: f64 = 0.995;
 
 /// LINs of this way or more also have rows of their own, in m: short ones are nearly even in joint space, where a trapezoid is

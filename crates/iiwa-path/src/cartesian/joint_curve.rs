@@ -7,13 +7,8 @@ use iiwa_kin::{
     rotation::{Vec3, exp, log, product, transposed},
 };
 
-use super::tcp_course::{TcpCourse, tool_way};
-use crate::{
-    continuity::{Continuity, Polynomial},
-    line::Line,
-    segment::Segment,
-    tool_way::ToolWay,
-};
+use super::tcp_course::{TcpCourse, polynomial, tool_way};
+use crate::{continuity::Continuity, line::Line, segment::Segment, tool_way::ToolWay};
 
 /// All joints at once, as series in the curve's parameter.
 pub(crate) type MovingJoints = [Taylor; 7];
@@ -70,8 +65,7 @@ pub(crate) const SINGULAR: f64 = 1e-4;
 
 impl TcpCurve {
     fn e1(&self, s: Taylor) -> Taylor {
-        let [rest @ .., last] = &self.e1_rad;
-        rest.iter().rev().fold(Taylor::constant(*last), |sum, c| sum * s + Taylor::constant(*c))
+        polynomial(self.e1_rad, s)
     }
 }
 
@@ -111,11 +105,10 @@ impl JointCurve for TcpCurve {
 
     fn tool_way(&self, s: f64) -> ToolWay {
         if self.wrist.is_some() {
-            return self.at(Taylor::variable(s)).map_or_else(
+            let joints = self.at(Taylor::variable(s));
+            return joints.map_or_else(
                 |_| ToolWay::default(),
-                |joints| {
-                    tool_way(&self.robot.flange_moving(&joints).then_fixed(&self.flange.inverse()))
-                },
+                |joints| tool_way_of(&self.robot, &self.flange.inverse(), &joints),
             );
         }
         match self.course.even_rates() {
@@ -127,6 +120,11 @@ impl JointCurve for TcpCurve {
     fn is_even(&self) -> bool {
         self.wrist.is_none() && self.course.even_rates().is_some()
     }
+}
+
+/// The way of a TCP, which is given in the flange's frame, with the joints.
+pub(crate) fn tool_way_of(robot: &Robot, tcp: &Pose, joints: &MovingJoints) -> ToolWay {
+    tool_way(&robot.flange_moving(joints).then_fixed(tcp))
 }
 
 /// A straight line in joint space.
@@ -179,16 +177,10 @@ impl<C: JointCurve + ?Sized> JointCurve for Part<C> {
     }
 }
 
-/// A polynomial of a series.
-fn along(polynomial: &Polynomial, s: Taylor) -> Taylor {
-    let [rest @ .., last] = polynomial;
-    rest.iter().rev().fold(Taylor::constant(*last), |sum, c| sum * s + Taylor::constant(*c))
-}
-
 /// alpha and `kappa beta` of a blend at `s` (Larsen 2019, Eq. 18 and 21).
 fn mixing(kappa: f64, s: Taylor) -> [Taylor; 2] {
     let continuity = Continuity::Second;
-    [along(&continuity.alpha(), s), along(&continuity.beta(), s) * kappa]
+    [polynomial(continuity.alpha(), s), polynomial(continuity.beta(), s) * kappa]
 }
 
 /// A blend in joint space of two curves that meet: `(1 - alpha) A + alpha B - kappa beta (B'(0) - A'(1))`, which is
@@ -215,7 +207,7 @@ impl JointCurve for JointBlend {
     fn tool_way(&self, s: f64) -> ToolWay {
         self.at(Taylor::variable(s)).map_or_else(
             |_| ToolWay::default(),
-            |joints| tool_way(&self.robot.flange_moving(&joints).then_fixed(&self.tcp)),
+            |joints| tool_way_of(&self.robot, &self.tcp, &joints),
         )
     }
 

@@ -61,8 +61,8 @@ struct Says {
     of: [bool; 3],
 }
 
-/// The segments between `knots`, of which there is one more. The segments that go nowhere are left out; each is told
-/// with its index.
+/// The curves of the segments between `knots`, each with the index of its segment. There is one more knot than segments;
+/// segments that go nowhere are left out.
 ///
 /// # Errors
 ///

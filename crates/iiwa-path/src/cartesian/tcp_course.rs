@@ -181,7 +181,7 @@ impl TcpCourse {
     /// Pose of the TCP at `s`.
     pub(crate) fn at(&self, s: Taylor) -> MovingPose {
         let position_m = match &self.position {
-            Position::Polynomial(coefficients) => polynomial(coefficients, s),
+            Position::Polynomial(coefficients) => vector_polynomial(coefficients, s),
             Position::Arc { centre, u, v, angle } => {
                 let (sin, cos) = (s * *angle).sin_cos();
                 std::array::from_fn(|i| Taylor::constant(centre[i]) + cos * u[i] + sin * v[i])
@@ -190,7 +190,7 @@ impl TcpCourse {
         let Orientation { from, turn, carried } = &self.orientation;
         let mut rotation = constant(from);
         if !turn.is_empty() {
-            let vector = polynomial(turn, s).map(|x| s * x);
+            let vector = vector_polynomial(turn, s).map(|x| s * x);
             rotation = product(&rotation, &exp(&vector));
         }
         if let Some(vector) = carried {
@@ -342,13 +342,19 @@ fn without_zeros(mut coefficients: Vec<Vec3<f64>>) -> Vec<Vec3<f64>> {
     coefficients
 }
 
-/// A polynomial in s, the lowest power first.
-fn polynomial(coefficients: &[Vec3<f64>], s: Taylor) -> Vec3<Taylor> {
-    std::array::from_fn(|i| {
-        let mut descending = coefficients.iter().rev().map(|c| c[i]);
-        let highest = Taylor::constant(descending.next().unwrap_or(0.0));
-        descending.fold(highest, |sum, c| sum * s + Taylor::constant(c))
-    })
+/// A polynomial in s with vectors as coefficients, the lowest power first.
+fn vector_polynomial(coefficients: &[Vec3<f64>], s: Taylor) -> Vec3<Taylor> {
+    std::array::from_fn(|i| polynomial(coefficients.iter().map(|c| c[i]), s))
+}
+
+/// A polynomial in s, the lowest power first, by Horner's scheme.
+pub(crate) fn polynomial(
+    coefficients: impl IntoIterator<Item = f64, IntoIter: DoubleEndedIterator>,
+    s: Taylor,
+) -> Taylor {
+    let mut descending = coefficients.into_iter().rev();
+    let highest = Taylor::constant(descending.next().unwrap_or(0.0));
+    descending.fold(highest, |sum, c| sum * s + Taylor::constant(c))
 }
 
 /// The way of a frame and its turn, from how it moves by s.

@@ -7,7 +7,7 @@ use crate::{fault::Fault, motion_index::MotionIndex};
 /// The version of the program format that this library reads.
 pub(super) const VERSION: u64 = 1;
 
-/// Why a text is no motion program.
+/// Why a text cannot be read as a motion program.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProgramError {

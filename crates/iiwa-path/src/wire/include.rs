@@ -31,7 +31,7 @@ struct FramesWire {
     /// Frames to go to, by name.
     #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     frames: BTreeMap<String, TargetWire>,
-    /// A key of programs: told apart from those that nobody knows.
+    /// Only programs have this key: reading it allows an error of its own.
     #[serde(default, skip_serializing)]
     #[schemars(skip)]
     include: Option<IgnoredAny>,
