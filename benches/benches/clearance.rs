@@ -5,7 +5,8 @@ use std::{fs, hint::black_box};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
 use iiwa_scene::{ArmInScene, Scene};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::{Result, joints::poses, reference};

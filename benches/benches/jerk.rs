@@ -9,7 +9,8 @@ use std::{
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
 use iiwasim_benches::{
     Result,

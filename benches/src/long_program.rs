@@ -67,7 +67,8 @@ pub fn seeded(kind: Kind, motions: usize, seed: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use iiwa_path::{JointPath, Program};
+    use iiwa_path::JointPath;
+    use iiwa_program::Program;
 
     #[test]
     fn can_be_planned() {

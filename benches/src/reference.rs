@@ -1,7 +1,8 @@
 //! The reference programs, in `fixtures/reference/programs.json`.
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, BlendSearch, Motion, Program};
+use iiwa_path::BlendSearch;
+use iiwa_program::{Blend, Motion, Program};
 use serde_json::Value;
 
 use crate::Result;

@@ -8,7 +8,8 @@ use copp::{
     solver::{topp2_ra as ra, topp3_lp as lp, topp3_socp as socp},
 };
 use iiwa_kin::Joints;
-use iiwa_path::{JointPath, MotionLimits, Segment, Step};
+use iiwa_path::{JointPath, Segment, Step};
+use iiwa_program::MotionLimits;
 use nalgebra::DMatrix;
 
 use crate::Result;
@@ -303,7 +304,7 @@ impl Piece<'_> {
 #[cfg(test)]
 mod tests {
     use iiwa_kin::Robot;
-    use iiwa_path::Program;
+    use iiwa_program::Program;
 
     use super::*;
     use crate::reference;

@@ -1,7 +1,7 @@
 //! Where the TCP is, and where frames are, in the workcell of a program.
 
 use iiwa_kin::{Joints, Pose, Redundancy, Robot};
-use iiwa_path::{Target, TargetRef, Workcell};
+use iiwa_program::{Target, TargetRef, Workcell};
 use serde::Serialize;
 
 use crate::{
@@ -29,7 +29,7 @@ impl Workplace {
             (Workcell::default(), robot)
         };
         let [tool, base] = [&place.tool, &place.base].map(|name| name.as_deref());
-        let unknown = |fault: iiwa_path::NameFault| Failure::input(fault.to_string());
+        let unknown = |fault: iiwa_program::NameFault| Failure::input(fault.to_string());
         let tcp = workcell.tcp(tool).map_err(unknown)?;
         let base = workcell.base(base).map_err(unknown)?;
         Ok(Self { robot, workcell, place: place.clone(), tcp, base })

@@ -10,7 +10,7 @@ use std::{
 use iiwa_json::{Step, locate};
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
-use iiwa_path::{Program, ProgramError, Workcell};
+use iiwa_program::{Program, ProgramError, Workcell};
 use iiwa_scene::Scene;
 use iiwa_view::with_causes;
 

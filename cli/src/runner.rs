@@ -9,7 +9,7 @@ use iiwa_link::{
     security::Endpoint,
 };
 use iiwa_log::{Recorder, RecorderConfig};
-use iiwa_path::{Motion, Ptp};
+use iiwa_program::{Motion, Ptp};
 use iiwa_traj::Trajectory;
 use iiwa_view::printable;
 

@@ -3,12 +3,13 @@
 use std::fmt::Write as _;
 
 use iiwa_kin::Robot;
-use iiwa_path::Program;
+use iiwa_path::TurnContradiction;
+use iiwa_program::Program;
 use iiwa_view::printable;
 
 /// Targets whose turn is not that of the joints there. What cannot be planned is reported by planning.
 pub(crate) fn turn_warnings(program: &Program, robot: &Robot) -> Vec<String> {
-    let found = program.turn_contradictions(robot).unwrap_or_default();
+    let found = TurnContradiction::all(program, robot).unwrap_or_default();
     found.iter().map(ToString::to_string).collect()
 }
 

@@ -8,7 +8,7 @@ mod run;
 use std::{fs, path::Path};
 
 use iiwa_log::JointLog;
-use iiwa_path::Program;
+use iiwa_program::Program;
 use predicates::{
     prelude::PredicateBooleanExt,
     str::{contains, is_empty},

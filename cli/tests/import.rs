@@ -8,7 +8,7 @@ mod run;
 use std::{fs, path::Path};
 
 use iiwa_kin::Robot;
-use iiwa_path::{Frame, Workcell};
+use iiwa_program::{Frame, Workcell};
 use predicates::{
     prelude::PredicateBooleanExt,
     str::{contains, is_empty},

@@ -4,7 +4,7 @@
 #![expect(clippy::panic, reason = "a test fails by it")]
 
 use iiwa_kin::Robot;
-use iiwa_path::Program;
+use iiwa_program::Program;
 use serde_json::{Value, json};
 
 /// One motion from rest to rest, and its answers.
@@ -49,7 +49,7 @@ fn robot(entry: &Value) -> Option<Robot> {
     Robot::built_in(entry["robot"].as_str()?)?.with_flange_m(flange_m).ok()
 }
 
-fn program(entry: &Value) -> Result<Program, iiwa_path::ProgramError> {
+fn program(entry: &Value) -> Result<Program, iiwa_program::ProgramError> {
     let mut text = json!({
         "version": 1,
         "start": { "joints_deg": entry["start_joints_deg"] },

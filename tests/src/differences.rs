@@ -1,7 +1,7 @@
 //! Limits as an observer sees them: by differences of sampled joint positions.
 
 use iiwa_kin::Joints;
-use iiwa_path::{LimitKind, MotionLimits};
+use iiwa_program::{LimitKind, MotionLimits};
 use iiwa_traj::{State, Trajectory};
 
 /// The largest of `values` over their limits.

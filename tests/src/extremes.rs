@@ -5,7 +5,8 @@
 //! for, and each part's largest value is found exactly.
 
 use iiwa_kin::{Joint, Joints};
-use iiwa_path::{LimitKind, Segment};
+use iiwa_path::Segment;
+use iiwa_program::LimitKind;
 use iiwa_traj::{Piece, Section, Timing, Trajectory};
 
 use crate::{

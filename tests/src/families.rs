@@ -10,7 +10,8 @@ mod plain;
 mod sliver;
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
 
 use dice::Dice;
 
@@ -96,7 +97,7 @@ fn valid(programs: impl Iterator<Item = Program>) -> Drawn {
 
 #[cfg(test)]
 mod tests {
-    use iiwa_path::Motion;
+    use iiwa_program::Motion;
 
     use super::*;
 

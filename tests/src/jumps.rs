@@ -1,7 +1,8 @@
 //! Whether velocity and acceleration go on where pieces and intervals meet.
 
 use iiwa_kin::Joints;
-use iiwa_path::{Derivatives, LimitKind, MotionLimits};
+use iiwa_path::Derivatives;
+use iiwa_program::{LimitKind, MotionLimits};
 use iiwa_traj::{Section, Timing, Trajectory};
 
 use crate::differences::largest;

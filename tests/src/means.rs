@@ -1,7 +1,7 @@
 //! Limits as a drive sees them: means of velocity, acceleration and jerk over a short time.
 
 use iiwa_kin::Joints;
-use iiwa_path::LimitKind;
+use iiwa_program::LimitKind;
 use iiwa_traj::{State, Trajectory};
 
 use crate::differences::{largest, ratio};

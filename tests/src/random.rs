@@ -1,7 +1,8 @@
 //! Random programs: everything that a program may hold, the odd things more often than in life.
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use proptest::prelude::*;
 
 /// How far a motion goes: whole sweeps of the arm, short moves, tiny ones, and none.

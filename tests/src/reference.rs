@@ -2,7 +2,7 @@
 
 #![expect(clippy::panic, reason = "a test fails by it")]
 
-use iiwa_path::Program;
+use iiwa_program::Program;
 use serde::Deserialize;
 
 /// One program and its answers.

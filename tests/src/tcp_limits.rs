@@ -1,7 +1,7 @@
 //! Limits of the TCP as an observer sees them: from how its flange moves.
 
 use iiwa_kin::{Pose, Robot, Taylor};
-use iiwa_path::{LimitKind, Motion, MotionLimits, Program, ToolLimits};
+use iiwa_program::{LimitKind, Motion, MotionLimits, Program, ToolLimits};
 use iiwa_traj::{State, Trajectory};
 use nalgebra::{Isometry3, Vector3};
 

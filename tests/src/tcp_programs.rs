@@ -7,10 +7,11 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use iiwa_kin::{Joints, Pose, Robot};
-use iiwa_path::{
+use iiwa_path::{JointPath, Step};
+use iiwa_program::{
     AuxOrientation, Base, Blend, ByKind, CartesianFault, CartesianMotion, Circ, Course, Fault,
-    Frame, JointPath, Motion, OrientationType, PathBlend, Program, Ptp, SegmentCourse,
-    SplineSegment, Start, Step, Target, TargetRef, Tool, ToolLimits, Workcell,
+    Frame, Motion, OrientationType, PathBlend, Program, Ptp, SegmentCourse, SplineSegment, Start,
+    Target, TargetRef, Tool, ToolLimits, Workcell,
 };
 
 use crate::families::dice::Dice;
@@ -170,7 +171,7 @@ fn draw(dice: &mut Dice, robot: &Robot, refused: &mut BTreeMap<&'static str, usi
                     own.blend = Some(joint_blend(dice).into());
                 }
                 Motion::Cartesian(own) => own.blend = Some(path_blend(dice)),
-                _ => {}
+                Motion::Wait { .. } => {}
             }
         }
     }

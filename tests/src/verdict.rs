@@ -11,7 +11,8 @@ use crate::{
     means::mean_ratios,
 };
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, LimitKind, Program};
+use iiwa_path::JointPath;
+use iiwa_program::{LimitKind, Program};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 /// A millisecond: the drive's shortest cycle.

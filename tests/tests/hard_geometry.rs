@@ -5,10 +5,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{
-    Blend, BlendShape, Continuity, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp,
-    Segment, Start, Step, Workcell,
-};
+use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions, Segment, Step};
+use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Start, Workcell};
 use iiwa_traj::{State, SweepOptions, Timing, TimingError, Trajectory};
 use iiwasim_tests::differences::ratios;
 

@@ -7,7 +7,7 @@
 
 use std::{collections::BTreeSet, fs};
 
-use iiwa_path::Program;
+use iiwa_program::Program;
 use iiwasim_tests::{fixture, verdict::Verdict};
 
 /// What is wrong with each program, as far as it is known.

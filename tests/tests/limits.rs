@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, LimitKind, Motion, Program, Step};
+use iiwa_path::{JointPath, Step};
+use iiwa_program::{LimitKind, Motion, Program};
 use iiwa_traj::{State, SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{
     differences::{largest, ratio, ratios},

@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::Robot;
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{JerkOptions, State, Timing, Trajectory};
 use iiwasim_tests::differences::ratios;
 use proptest::{

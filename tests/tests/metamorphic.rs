@@ -5,7 +5,8 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::families::Family;
 

@@ -5,9 +5,8 @@
 
 use fastrand::Rng;
 use iiwa_kin::Robot;
-use iiwa_path::{
-    Blend, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp, Start, Workcell,
-};
+use iiwa_path::{JointPath, PathOptions};
+use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Start, Workcell};
 use iiwa_traj::{JerkOptions, PlanError, Replanner, Timing, Trajectory};
 use iiwasim_tests::{bars::RATIOS, extremes::extremes, families::Family};
 

@@ -5,10 +5,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{
-    Blend, BlendShape, Continuity, JointPath, LimitKind, Motion, MotionLimits, PathOptions,
-    Program, Ptp, Start, Workcell,
-};
+use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions};
+use iiwa_program::{Blend, LimitKind, Motion, MotionLimits, Program, Ptp, Start, Workcell};
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
 use proptest::{
     prelude::*,

@@ -3,9 +3,10 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use iiwa_kin::{Joints, Pose, Robot, vector};
-use iiwa_path::{
-    CartesianMotion, Course, Frame, JointPath, LimitKind, Motion, OrientationType, PathBlend,
-    Program, Segment, SegmentCourse, SplineSegment, Start, Step, TargetRef, Workcell,
+use iiwa_path::{JointPath, Segment, Step};
+use iiwa_program::{
+    CartesianMotion, Course, Frame, LimitKind, Motion, OrientationType, PathBlend, Program,
+    SegmentCourse, SplineSegment, Start, TargetRef, Workcell,
 };
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{
@@ -175,7 +176,6 @@ fn a_moved_base_and_frames_moved_back_are_the_same_path() {
                 Course::LinRel { within, .. } => within.iter_mut().collect(),
                 Course::Circ(circ) => vec![&mut circ.aux, &mut circ.to],
                 Course::Spline(segments) => segments.iter_mut().flat_map(targets_of).collect(),
-                _ => vec![],
             };
             for target in targets {
                 if let TargetRef::Given(target) = target {
@@ -202,7 +202,6 @@ fn targets_of(segment: &mut SplineSegment) -> Vec<&mut TargetRef> {
     match &mut segment.course {
         SegmentCourse::Spl { to } | SegmentCourse::Lin { to } => vec![to],
         SegmentCourse::Circ(circ) => vec![&mut circ.aux, &mut circ.to],
-        _ => vec![],
     }
 }
 
@@ -223,7 +222,7 @@ fn scaled_limits_scale_time() {
                         own.tool_limits.way[kind] *= by;
                         own.tool_limits.turn[kind] *= by;
                     }
-                    _ => {}
+                    Motion::Wait { .. } => {}
                 }
             }
         }

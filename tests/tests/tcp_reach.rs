@@ -6,9 +6,10 @@
 use std::collections::BTreeMap;
 
 use iiwa_kin::{Joints, Pose, Robot, Status, vector};
-use iiwa_path::{
-    AuxOrientation, CartesianFault, CartesianMotion, Course, Fault, JointPath, Motion,
-    OrientationType, Program, Step, TargetRef,
+use iiwa_path::{JointPath, Step};
+use iiwa_program::{
+    AuxOrientation, CartesianFault, CartesianMotion, Course, Fault, Motion, OrientationType,
+    Program, TargetRef,
 };
 use iiwasim_tests::tcp_programs::{cause, single_path};
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};

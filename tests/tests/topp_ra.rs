@@ -9,7 +9,8 @@
 
 use copp::{robot::Robot as CoppRobot, solver::topp2_ra as ra};
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{JointPath, MotionLimits, Segment, Step};
+use iiwa_path::{JointPath, Segment, Step};
+use iiwa_program::MotionLimits;
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::reference::cases;
 use nalgebra::DMatrix;

@@ -8,7 +8,8 @@
 use std::{thread, time::Instant};
 
 use iiwa_kin::Robot;
-use iiwa_path::{PathOptions, Program};
+use iiwa_path::PathOptions;
+use iiwa_program::Program;
 use iiwa_traj::{JerkOptions, PlanError, SweepOptions, Timing, Trajectory, plan_all};
 use iiwasim_benches::{
     Result,

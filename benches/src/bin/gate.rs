@@ -15,7 +15,8 @@ use std::{
 };
 
 use iiwa_kin::{Pose, Robot};
-use iiwa_path::{BlendSearch, JointPath, Motion, MotionIndex, PathOptions, Program};
+use iiwa_path::{BlendSearch, JointPath, PathOptions};
+use iiwa_program::{Motion, MotionIndex, Program};
 use iiwa_traj::{JerkOptions, Replanner, SweepOptions, Timing, Trajectory};
 use iiwasim_benches::{
     Result,

@@ -23,7 +23,7 @@ use iiwa_eval::{
 };
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, PlanOptions, Recorder, RecorderConfig, write_plan};
-use iiwa_path::Program;
+use iiwa_program::Program;
 use iiwasim_benches::{
     Result,
     long_program::{self, Kind},

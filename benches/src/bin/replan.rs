@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use fastrand::Rng;
 use iiwa_kin::Robot;
-use iiwa_path::{Blend, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp};
+use iiwa_path::{JointPath, PathOptions};
+use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp};
 use iiwa_traj::{JerkOptions, Replanner, Timing, Trajectory};
 use iiwasim_benches::{
     Result,

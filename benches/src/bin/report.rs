@@ -11,7 +11,8 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_path::{BlendSearch, JointPath, Program};
+use iiwa_path::{BlendSearch, JointPath};
+use iiwa_program::Program;
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 use iiwasim_benches::{
     Result, machine, reference,

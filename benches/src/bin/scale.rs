@@ -13,7 +13,8 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
 use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing};
 use iiwasim_benches::{
     Result,

@@ -5,7 +5,7 @@ use std::path::Path;
 use iiwa_eval::identify::{Recording, identify};
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, Loss};
-use iiwa_path::Program;
+use iiwa_program::Program;
 use iiwa_view::{IdentificationReport, with_causes};
 
 use crate::{args::Identify, failure::Failure, input, output};

@@ -5,7 +5,7 @@ use std::path::{Path as FilePath, PathBuf};
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, message::Run as Measured};
 use iiwa_log::{PlanFigures, PlanOptions};
-use iiwa_path::Program;
+use iiwa_program::Program;
 use iiwa_traj::Trajectory;
 use iiwa_view::{RunReport, plan_table};
 

@@ -1,7 +1,7 @@
 //! `iiwasim schema`.
 
 use iiwa_kin::Robot;
-use iiwa_path::{Program, Workcell};
+use iiwa_program::{Program, Workcell};
 use iiwa_scene::Scene;
 
 use crate::{

@@ -10,7 +10,7 @@ use std::{
 };
 
 use iiwa_kin::Joints;
-use iiwa_path::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use iiwa_view::Extent;
 use serde::Serialize;
 use tokio::runtime::Handle;

@@ -5,7 +5,7 @@ use std::{fs, path::PathBuf};
 use iiwa_kin::Joints;
 use iiwa_link::TimedJoints;
 use iiwa_log::{PlanConfig, PlanOptions, PlanSize, write_plan};
-use iiwa_path::Program;
+use iiwa_program::Program;
 use iiwa_traj::Trajectory;
 use iiwa_view::{Extent, Nearest, long_duration};
 use serde::Serialize;

@@ -15,7 +15,7 @@ use iiwa_link::{
     ClientError,
     message::{DriveState, Run as Measured, Status},
 };
-use iiwa_path::{Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
 use iiwa_view::{Extent, Page};
 use serde::Serialize;
 

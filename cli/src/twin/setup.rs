@@ -10,7 +10,7 @@ use std::{
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{Client, Remote, Stream};
 use iiwa_log::PlanOptions;
-use iiwa_path::Program;
+use iiwa_program::Program;
 use iiwa_scene::ArmInScene;
 use iiwa_traj::Trajectory;
 use iiwa_view::{Extent, Nearest, Page, PageOptions, TwinRobot, TwinSetup};

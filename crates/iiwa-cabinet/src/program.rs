@@ -18,7 +18,7 @@ use iiwa_link::{
     },
     transport::{Event, Frames, Listener, PeerId},
 };
-use iiwa_path::Motion;
+use iiwa_program::Motion;
 use iiwa_traj::Trajectory;
 
 use crate::{

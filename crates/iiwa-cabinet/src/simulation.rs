@@ -11,7 +11,8 @@ use iiwa_link::{
     message::{Code, DriveState, Refusal, Sensors},
     robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
 };
-use iiwa_path::{JointPath, Motion, Program, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Motion, Program, Start, Workcell};
 use iiwa_traj::{
     Timing, Trajectory,
     playback::{EMERGENCY_STOP_S, Playback, STOP_S},

@@ -19,7 +19,7 @@ mod noise;
 mod plan;
 
 use iiwa_log::JointLog;
-use iiwa_path::MotionIndex;
+use iiwa_program::MotionIndex;
 
 use iiwa_kin::vector::{self, add_scaled, norm, sub};
 

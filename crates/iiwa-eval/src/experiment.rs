@@ -8,7 +8,7 @@ use iiwa_kin::{
     Joints, Robot,
     vector::{norm, sub},
 };
-use iiwa_path::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 
 /// A program of an experiment.
 #[derive(Clone, Debug, PartialEq)]

@@ -24,7 +24,8 @@ use iiwa_kin::{
     vector::{distance, dot, norm, sub, unit},
 };
 use iiwa_log::JointLog;
-use iiwa_path::{BlendSearch, Fault, JointPath, LimitKind, Motion, MotionIndex, Program, Step};
+use iiwa_path::{BlendSearch, JointPath, Step};
+use iiwa_program::{Fault, LimitKind, Motion, MotionIndex, Program};
 
 use crate::{
     estimate::{Estimate, Linear, Row},
@@ -525,7 +526,7 @@ impl Observer<'_> {
         };
         let own_reach = |end: &Joints| {
             let (robot, search) = (self.path.robot(), BlendSearch::FirstCrossing);
-            Some(ptp.blend?.share(robot, search, target, end)? * distance(target, end))
+            Some(search.share(ptp.blend?, robot, target, end)? * distance(target, end))
         };
         if let (Some(own_before), Some(own_after)) = (own_reach(before), own_reach(after)) {
             let by = own_after - own_before;

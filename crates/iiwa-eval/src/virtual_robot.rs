@@ -3,7 +3,7 @@
 use fastrand_contrib::RngExt;
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, PlanOptions};
-use iiwa_path::Program;
+use iiwa_program::Program;
 use iiwa_traj::PlanError;
 
 /// A robot whose limits, kappa and time to settle may differ from the model's.

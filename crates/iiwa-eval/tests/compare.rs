@@ -6,7 +6,8 @@ use fastrand::Rng;
 use iiwa_eval::{CompareError, Comparison, Plan, compare};
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
-use iiwa_path::{JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 
 const FIXTURES: [&str; 3] = [

@@ -10,9 +10,8 @@ use iiwa_eval::{
 };
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
-use iiwa_path::{
-    Continuity, JointPath, Motion, PolynomialBlend, Program, Ptp, Segment, Start, Step, Workcell,
-};
+use iiwa_path::{Continuity, JointPath, PolynomialBlend, Segment, Step};
+use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 /// A robot whose limits are up to 25 % below and 30 % above the model's, and whose kappa is up to 1.5 away
@@ -291,7 +290,7 @@ fn nothing_is_identified_that_is_not_shown() {
 
     // One corner has one angle: no polynomial.
     let mut corner = ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    corner.blend = Some(iiwa_path::Blend::Fraction(0.25));
+    corner.blend = Some(iiwa_program::Blend::Fraction(0.25));
     let found = what_one_shows(&program([corner, ptp([60.0, 40.0, 0.0, 0.0, 0.0, 0.0, 0.0])]));
     assert_eq!(found.blends.len(), 1);
     assert!((found.blends[0].kappa.0 - model.kappa(90.0)).abs() < 1e-3);
@@ -420,7 +419,7 @@ fn other_motions_are_left_out() {
 fn blends_that_begin_and_end_at_other_distances() {
     let corner = [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     let end = [0.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
-    let to_corner = Ptp::to(corner).blend(iiwa_path::Blend::Fraction(0.25));
+    let to_corner = Ptp::to(corner).blend(iiwa_program::Blend::Fraction(0.25));
     let turn = program([to_corner, Ptp::to(end)]);
     let kappa = Robot::default().kappa(90.0);
     let scaled = |v: &Joints, k: f64| v.map(|v| k * v);

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use bytes::Bytes;
-use iiwa_path::Motion;
+use iiwa_program::Motion;
 use omq_proto::SocketType;
 use serde::{Deserialize, de::DeserializeOwned};
 use tokio::{
@@ -27,7 +27,7 @@ use crate::{
 ///
 /// ```no_run
 /// use iiwa_link::{Client, Remote};
-/// use iiwa_path::{Motion, Ptp};
+/// use iiwa_program::{Motion, Ptp};
 ///
 /// let mut client = Client::new(&Remote::open(), "tcp://127.0.0.1:5560")?;
 /// let run = client.run_motions(vec![Motion::Ptp(Ptp::to([0.1; 7]))], None)?;

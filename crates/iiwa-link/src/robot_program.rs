@@ -8,7 +8,7 @@
 use std::time::Duration;
 
 use iiwa_json::Object;
-use iiwa_path::Motion;
+use iiwa_program::Motion;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::message::{DriveState, IoValue, Refusal, Sensors, bad_json, shortened, to_json};

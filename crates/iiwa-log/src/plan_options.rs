@@ -1,7 +1,8 @@
 //! How a program is planned.
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, PathOptions, Program};
+use iiwa_path::{JointPath, PathOptions};
+use iiwa_program::Program;
 use iiwa_traj::{PlanError, Timing, Trajectory};
 
 /// How a program is planned.

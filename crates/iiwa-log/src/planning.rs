@@ -6,7 +6,8 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_path::{Fault, JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::{Fault, Program};
 use iiwa_traj::{Planner, Section, TimingError, Trajectory};
 
 use crate::{PlanConfig, PlanFigures, PlanOptions, PlanSize, PlanWriter, WriteError};
@@ -19,7 +20,7 @@ use crate::{PlanConfig, PlanFigures, PlanOptions, PlanSize, PlanWriter, WriteErr
 ///
 /// use iiwa_kin::Robot;
 /// use iiwa_log::{PlanConfig, PlanOptions, PlanRecord, PlanWriter, Planning};
-/// use iiwa_path::Program;
+/// use iiwa_program::Program;
 ///
 /// # let text = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
 /// #     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;

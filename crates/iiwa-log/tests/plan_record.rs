@@ -9,7 +9,7 @@ use iiwa_log::{
     ClearanceRecord, PlanConfig, PlanOptions, PlanRecord, PlanRecordError, PlanWriter, Planning,
     RecordedRobotError, Recorder, RecorderConfig, write_plan,
 };
-use iiwa_path::Program;
+use iiwa_program::Program;
 use iiwa_traj::{SweepOptions, Timing};
 
 const TEXT: &str = include_str!("../../../fixtures/waits-and-stops.json");

@@ -6,7 +6,8 @@ use std::{fs, io::Cursor, path::Path as FilePath};
 
 use iiwa_kin::Robot;
 use iiwa_log::{Compression, PlanConfig, PlanFigures, PlanSize, PlanWriter};
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 fn planned(program: &Program) -> Trajectory {

@@ -6,7 +6,7 @@ use std::io::Cursor;
 
 use iiwa_kin::Robot;
 use iiwa_log::{PlanFigures, PlanOptions, PlanRecord, PlanSize, PlanWriter, Recording, write_plan};
-use iiwa_path::Program;
+use iiwa_program::Program;
 use iiwa_traj::Trajectory;
 
 const TEXT: &str = include_str!("../../../fixtures/pick-and-place.json");

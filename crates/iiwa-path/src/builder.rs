@@ -5,29 +5,24 @@ use std::{ops::Range, sync::Arc};
 use iiwa_kin::{Joint, Joints, Pose, Robot, vector};
 
 use crate::{
-    blend::Blend,
     cartesian::{
         corner::CurvedCorner,
         joint_curve::Part,
         leg::{Leg, legs},
         tcp_path::TcpPath,
     },
-    cartesian_motion::PathBlend,
     circle::CircularBlend,
     continuity::Continuity,
     crossing::BlendSearch,
-    fault::Fault,
     joint_spline::{JointSpline, Sigma},
     line::Line,
-    motion_index::MotionIndex,
     options::{BlendShape, PathOptions},
     polynomial::PolynomialBlend,
-    program::{Motion, Program},
     segment::Segment,
     step::{Corner, Step},
     supervised::Supervised,
-    workcell::OperatingMode,
 };
+use iiwa_program::{Blend, Fault, Motion, MotionIndex, OperatingMode, PathBlend, Program};
 
 /// Shorter than this, in rad, is rounding and not motion: a tenth of a micrometre at the flange
 /// is about a hundred times as much.
@@ -397,7 +392,7 @@ impl JointCorner {
         if l0 <= NO_MOTION_RAD || l1 <= NO_MOTION_RAD {
             return None;
         }
-        let share = |other_end: &Joints| blend.share(robot, search, &target, other_end);
+        let share = |other_end: &Joints| search.share(blend, robot, &target, other_end);
         // Both sides reach as far as the shorter one does (Larsen 2019, Algorithm 3).
         let reach = (share(&before)? * l0).min(share(&after)? * l1);
         (reach > NO_MOTION_RAD).then(|| Self {

@@ -1,7 +1,6 @@
 //! Paths of the TCP, and the curves that they are in joint space.
 
 pub(crate) mod corner;
-pub(crate) mod fault;
 pub(crate) mod joint_curve;
 pub(crate) mod leg;
 mod site;
@@ -9,6 +8,3 @@ mod spline;
 mod spline_leg;
 pub(crate) mod tcp_course;
 pub(crate) mod tcp_path;
-
-pub use fault::CartesianFault;
-pub use tcp_course::CourseFault;

@@ -5,6 +5,7 @@
 //! u = 1/2, so that the blends at the two ends of a segment never overlap.
 
 use iiwa_kin::{Joints, Robot, vector};
+use iiwa_program::Blend;
 
 /// How the crossing is searched for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,6 +59,27 @@ impl BlendSearch {
             Self::Algorithm1 => walk.algorithm_1(radius_m),
             Self::Algorithm2 => walk.algorithm_2(radius_m),
         }
+    }
+
+    /// The share of the segment from `target_rad` to `other_end_rad` that `blend` cuts off (Larsen 2019,
+    /// section 4.1), before Algorithm 3 makes both sides of the target reach equally far; none if the blend
+    /// is too small to have an effect.
+    #[must_use]
+    pub fn share(
+        self,
+        blend: Blend,
+        robot: &Robot,
+        target_rad: &Joints,
+        other_end_rad: &Joints,
+    ) -> Option<f64> {
+        blend.has_effect().then(|| match blend {
+            Blend::Fraction(b) => b,
+            Blend::SunriseRel(x) => x / 2.0,
+            Blend::CartMm(r) => {
+                let crossing = self.crossing(robot, target_rad, other_end_rad, r * 1e-3);
+                crossing.unwrap_or(HALF)
+            }
+        })
     }
 }
 

@@ -2,7 +2,8 @@
 
 use iiwa_kin::{Joints, vector};
 
-use crate::{motion_index::MotionIndex, step::Step};
+use crate::step::Step;
+use iiwa_program::MotionIndex;
 
 /// How far the end of a segment may be from the start of the next, in rad.
 const GAP_RAD: f64 = 1e-9;

@@ -34,7 +34,8 @@ impl BlendShape {
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_path::{Blend, BlendShape, Continuity, JointPath, PathOptions, Program};
+/// use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions};
+/// use iiwa_program::{Blend, Program};
 ///
 /// let program = Program::from_deg([0.0; 7])
 ///     .ptp_deg([40.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -45,7 +46,7 @@ impl BlendShape {
 /// let options = PathOptions { blend_shape, ..PathOptions::default() };
 /// let path = JointPath::with_options(&program, &Robot::default(), options)?;
 /// assert_eq!(path.blends().count(), 1);
-/// # Ok::<(), iiwa_path::Fault>(())
+/// # Ok::<(), iiwa_program::Fault>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathOptions {

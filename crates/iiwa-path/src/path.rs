@@ -8,16 +8,13 @@ use iiwa_kin::{Joints, Pose, Robot};
 
 use crate::{
     builder::steps,
-    fault::Fault,
     join::{JoinError, check_joins},
-    motion_index::MotionIndex,
-    motion_limits::MotionLimits,
     options::PathOptions,
-    path_motion::{MotionType, PathMotion, has_tools, path_motions},
-    program::Program,
+    path_motion::{PathMotion, has_tools, path_motions},
     segment::Segment,
     step::{Corner, Step},
 };
+use iiwa_program::{Fault, MotionIndex, MotionLimits, MotionType, Program};
 
 pub use update::ReplacedSteps;
 
@@ -25,7 +22,8 @@ pub use update::ReplacedSteps;
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
+/// use iiwa_path::JointPath;
+/// use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 ///
 /// let corner = Ptp::to([0.5, 0.3, 0.0, -1.0, 0.0, 0.7, 0.0]).blend(Blend::Fraction(0.25));
 /// let end = Ptp::to([0.0, 0.6, 0.0, -1.2, 0.0, 0.4, 0.0]);
@@ -36,7 +34,7 @@ pub use update::ReplacedSteps;
 /// };
 /// let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
 /// assert_eq!(path.blends().count(), 1);
-/// # Ok::<(), iiwa_path::Fault>(())
+/// # Ok::<(), iiwa_program::Fault>(())
 /// ```
 ///
 /// A clone shares the steps: it costs next to nothing.
@@ -102,7 +100,8 @@ impl JointPath {
     /// use std::sync::Arc;
     ///
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::{JointPath, Line, MotionIndex, MotionLimits, Step};
+    /// use iiwa_path::{JointPath, Line, Step};
+    /// use iiwa_program::{MotionIndex, MotionLimits};
     ///
     /// let robot = Robot::default();
     /// let line = Line::new([0.0; 7], [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -149,7 +148,8 @@ impl JointPath {
     ///
     /// ```
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::{JointPath, Program, Step};
+    /// use iiwa_path::{JointPath, Step};
+    /// use iiwa_program::Program;
     ///
     /// let program = Program::from_deg([0.0; 7]).ptp_deg([30.0; 7]).wait_s(1.0).build();
     /// let path = JointPath::new(&program, &Robot::default())?;
@@ -157,7 +157,7 @@ impl JointPath {
     ///     panic!("a motion, its settling and a wait")
     /// };
     /// assert!(segment.is_straight());
-    /// # Ok::<(), iiwa_path::Fault>(())
+    /// # Ok::<(), iiwa_program::Fault>(())
     /// ```
     #[must_use]
     pub fn steps(&self) -> &[Step] {
@@ -176,7 +176,8 @@ impl JointPath {
     ///
     /// ```
     /// use iiwa_kin::{Pose, Robot};
-    /// use iiwa_path::{JointPath, MotionIndex, Program};
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::{MotionIndex, Program};
     ///
     /// let program = Program::from_json(r#"{
     ///     "version": 1,

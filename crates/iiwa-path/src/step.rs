@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::{motion_index::MotionIndex, segment::Segment};
+use crate::segment::Segment;
+use iiwa_program::MotionIndex;
 
 /// One thing that the arm does.
 #[derive(Clone, Debug)]

@@ -1,13 +1,7 @@
 //! One coordinate for how the TCP goes and turns.
 
-use crate::{
-    grid::GridNode,
-    limit_kind::{ByKind, LimitKind},
-    segment::Segment,
-    sigma::by_sigma,
-    tool_limits::ToolLimits,
-    tool_way::ToolWay,
-};
+use crate::{grid::GridNode, segment::Segment, sigma::by_sigma, tool_way::ToolWay};
+use iiwa_program::{ByKind, LimitKind, ToolLimits};
 
 /// The coordinate of the tool along one segment, w: planners limit it as they limit the joints.
 ///
@@ -22,7 +16,8 @@ use crate::{
 ///
 /// ```
 /// use iiwa_kin::Joints;
-/// use iiwa_path::{Derivatives, LimitKind, Line, Segment, ToolCoordinate, ToolLimits, ToolWay};
+/// use iiwa_path::{Derivatives, Line, Segment, ToolCoordinate, ToolWay};
+/// use iiwa_program::{LimitKind, ToolLimits};
 ///
 /// /// A line on which the TCP goes 0.5 m.
 /// #[derive(Debug)]

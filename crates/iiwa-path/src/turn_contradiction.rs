@@ -4,13 +4,10 @@ use std::{fmt, sync::Arc};
 
 use iiwa_kin::{Joints, Robot, Turn};
 
-use crate::{
-    cartesian::leg::legs,
-    cartesian_motion::{CartesianMotion, Course, OrientationType, SegmentCourse},
-    fault::Fault,
-    motion_index::MotionIndex,
-    program::{Motion, Program, Start},
-    target::TargetRef,
+use crate::cartesian::leg::legs;
+use iiwa_program::{
+    CartesianMotion, Course, Fault, Motion, MotionIndex, OrientationType, Program, SegmentCourse,
+    Start, TargetRef,
 };
 
 /// A target whose turn is not that of the joints with which the arm arrives there: the frame has been moved since it was
@@ -36,13 +33,13 @@ impl fmt::Display for TurnContradiction {
     }
 }
 
-impl Program {
-    /// The targets whose turn is not that of the joints with which the arm arrives, in order. Nothing depends on the turn:
+impl TurnContradiction {
+    /// The targets of a program whose turn is not that of the joints with which the arm arrives, in order. Nothing depends on the turn:
     /// the other numbers settle the joints.
     ///
     /// ```
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::Program;
+    /// use iiwa_program::Program;
     ///
     /// let program = Program::from_json(r#"{
     ///     "version": 1,
@@ -50,7 +47,7 @@ impl Program {
     ///     "motions": [{ "type": "ptp", "frame": { "x_mm": 600, "y_mm": 0, "z_mm": 300,
     ///         "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0, "status": 2, "turn": 0 } }]
     /// }"#)?;
-    /// let found = program.turn_contradictions(&Robot::default())?;
+    /// let found = TurnContradiction::all(&program, &Robot::default())?;
     /// assert_eq!(found[0].to_string(), "motion 1: the frame states turn 0, and the joints there have turn 8");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -58,15 +55,15 @@ impl Program {
     /// # Errors
     ///
     /// If the program asks for something that this robot cannot do.
-    pub fn turn_contradictions(&self, robot: &Robot) -> Result<Vec<TurnContradiction>, Fault> {
-        let at_start = match &self.start {
-            Start::Frame(target) => self.stated_turn(target),
+    pub fn all(program: &Program, robot: &Robot) -> Result<Vec<Self>, Fault> {
+        let at_start = match &program.start {
+            Start::Frame(target) => stated_turn(program, target),
             Start::Joints(_) => None,
         };
-        let at_ends: Vec<_> = self
+        let at_ends: Vec<_> = program
             .motions
             .iter()
-            .map(|motion| self.stated_turn(motion.as_cartesian().and_then(destination)?))
+            .map(|motion| stated_turn(program, cartesian(motion).and_then(destination)?))
             .collect();
         if at_start.is_none() && at_ends.iter().all(Option::is_none) {
             return Ok(Vec::new());
@@ -79,31 +76,29 @@ impl Program {
         };
         let mut contradictions = Vec::new();
         if let Some(stated) = at_start {
-            contradictions.extend(contradiction(None, stated, &self.start_rad(&robot)?));
+            contradictions.extend(contradiction(None, stated, &program.start_rad(&robot)?));
         }
-        for (index, (stated, leg)) in at_ends.into_iter().zip(legs(self, &robot)?).enumerate() {
+        for (index, (stated, leg)) in at_ends.into_iter().zip(legs(program, &robot)?).enumerate() {
             let (Some(stated), Some(leg)) = (stated, leg) else { continue };
             let motion = Some(MotionIndex::new(index));
             contradictions.extend(contradiction(motion, stated, &leg.ends_rad[1]));
         }
         Ok(contradictions)
     }
-
-    fn stated_turn(&self, target: &TargetRef) -> Option<Turn> {
-        let target = match target {
-            TargetRef::Given(target) => target,
-            TargetRef::Named(name) => self.workcell.frames.get(name)?,
-        };
-        target.turn.and_then(Turn::new)
-    }
 }
 
-impl Motion {
-    fn as_cartesian(&self) -> Option<&CartesianMotion> {
-        match self {
-            Self::Cartesian(motion) => Some(motion),
-            _ => None,
-        }
+fn stated_turn(program: &Program, target: &TargetRef) -> Option<Turn> {
+    let target = match target {
+        TargetRef::Given(target) => target,
+        TargetRef::Named(name) => program.workcell.frames.get(name)?,
+    };
+    target.turn.and_then(Turn::new)
+}
+
+fn cartesian(motion: &Motion) -> Option<&CartesianMotion> {
+    match motion {
+        Motion::Cartesian(own) => Some(own),
+        _ => None,
     }
 }
 

@@ -4,10 +4,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{
-    Blend, BlendSearch, BlendShape, Continuity, JointPath, Motion, PathOptions, Program, Ptp,
-    Segment, Start, Step, Workcell,
-};
+use iiwa_path::{BlendSearch, BlendShape, Continuity, JointPath, PathOptions, Segment, Step};
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use proptest::prelude::*;
 
 const SHAPES: [BlendShape; 6] = [

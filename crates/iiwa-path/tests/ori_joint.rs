@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::{Pose, Robot};
-use iiwa_path::{JointPath, Program, Segment, Step};
+use iiwa_path::{JointPath, Segment, Step};
+use iiwa_program::Program;
 use serde_json::{Value, json};
 
 fn program(motions: &Value) -> Value {

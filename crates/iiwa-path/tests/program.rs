@@ -6,7 +6,8 @@
 use std::f64::consts::PI;
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, JointPath, Motion, MotionIndex, Program, Ptp, Start, Step, Workcell};
+use iiwa_path::{JointPath, Step};
+use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Start, Workcell};
 use proptest::prelude::*;
 
 fn read(motions: &str) -> Program {

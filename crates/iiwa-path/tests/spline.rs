@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::{Joints, Pose, Robot};
-use iiwa_path::{JointPath, Program, Segment, Step};
+use iiwa_path::{JointPath, Segment, Step};
+use iiwa_program::Program;
 use serde_json::{Value, json};
 
 /// Where the programs start: the wrist is away from all singular poses.

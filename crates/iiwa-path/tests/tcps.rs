@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::{Pose, Robot};
-use iiwa_path::{JointPath, Motion, MotionIndex, MotionType, PathOptions, Program};
+use iiwa_path::{JointPath, PathOptions};
+use iiwa_program::{Motion, MotionIndex, MotionType, Program};
 
 const TEXT: &str = include_str!("../../../fixtures/pick-and-place.json");
 

@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::{Robot, Turn};
-use iiwa_path::{Frame, MotionIndex, Program, TurnContradiction};
+use iiwa_path::TurnContradiction;
+use iiwa_program::{Frame, MotionIndex, Program};
 use serde_json::{Value, json};
 
 const JOINTS_DEG: [f64; 7] = [10.0, 40.0, -15.0, -70.0, 20.0, 60.0, -30.0];
@@ -22,7 +23,7 @@ fn taught(joints_deg: [f64; 7], turn: u8) -> Value {
 
 fn found(program: &Value) -> Vec<TurnContradiction> {
     let program = Program::from_json(&program.to_string()).unwrap();
-    program.turn_contradictions(&Robot::default()).unwrap()
+    TurnContradiction::all(&program, &Robot::default()).unwrap()
 }
 
 #[test]
@@ -79,5 +80,5 @@ fn what_cannot_be_done_is_a_fault() {
                       "b_deg": 0, "c_deg": 0, "turn": 3 } }]
     });
     let program = Program::from_json(&far.to_string()).unwrap();
-    assert!(program.turn_contradictions(&Robot::default()).is_err());
+    assert!(TurnContradiction::all(&program, &Robot::default()).is_err());
 }

@@ -4,9 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::Robot;
-use iiwa_path::{
-    Blend, JointPath, Motion, MotionIndex, PathOptions, Program, Ptp, Start, Workcell,
-};
+use iiwa_path::{JointPath, PathOptions};
+use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Start, Workcell};
 use proptest::prelude::*;
 
 fn motion() -> impl Strategy<Value = Motion> {

@@ -3,7 +3,8 @@
 //!
 //! ```
 //! use iiwa_kin::Robot;
-//! use iiwa_path::{JointPath, Program};
+//! use iiwa_path::JointPath;
+//! use iiwa_program::Program;
 //! use iiwa_scene::{ArmInScene, Scene};
 //! use iiwa_traj::{Timing, Trajectory};
 //!

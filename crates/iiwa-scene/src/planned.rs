@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use iiwa_path::{MotionIndex, Segment};
+use iiwa_path::Segment;
+use iiwa_program::MotionIndex;
 use iiwa_traj::{Piece, Section, Trajectory};
 
 use crate::{

@@ -6,9 +6,8 @@
 mod common;
 
 use iiwa_kin::Robot;
-use iiwa_path::{
-    BlendShape, Continuity, JointPath, Motion, PathOptions, Program, Ptp, Start, Workcell,
-};
+use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions};
+use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
 use iiwa_scene::{ArmInScene, Form, Obstacle, Scene};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{fixture, random::programs};

@@ -4,7 +4,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
 use iiwa_scene::{ArmInScene, Form, Obstacle, Scene, ToolForm, ToolShape};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_tests::fixture;

@@ -5,7 +5,7 @@
 
 use std::{ops::Range, sync::atomic::AtomicBool};
 
-use iiwa_path::{ByKind, LimitKind};
+use iiwa_program::{ByKind, LimitKind};
 
 use crate::{
     cells::has_row_at_end,

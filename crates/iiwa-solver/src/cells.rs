@@ -13,7 +13,8 @@
 
 use std::ops::Range;
 
-use iiwa_path::{ByKind, Coordinates, LimitKind};
+use iiwa_path::Coordinates;
+use iiwa_program::{ByKind, LimitKind};
 use pulp::Simd;
 
 use crate::{

@@ -11,7 +11,8 @@
 //! use std::sync::atomic::AtomicBool;
 //!
 //! use iiwa_kin::Robot;
-//! use iiwa_path::{Blend, JointPath, Program, Step};
+//! use iiwa_path::{JointPath, Step};
+//! use iiwa_program::{Blend, Program};
 //! use iiwa_solver::{LimitedSegment, Solution, SweptNode, Window};
 //!
 //! let program = Program::from_deg([0.0; 7])

@@ -6,9 +6,8 @@
 //! well: the solver would have to make the speed's own second derivative jump against it.
 
 use iiwa_kin::{Joints, vector};
-use iiwa_path::{
-    ByKind, Coordinates, LimitKind, MotionLimits, PlanarGraph, Segment, ToolCoordinate,
-};
+use iiwa_path::{Coordinates, PlanarGraph, Segment, ToolCoordinate};
+use iiwa_program::{ByKind, LimitKind, MotionLimits};
 
 use crate::{
     geometry::{Geometry, Places, SigmaDerivatives, in_plane},

@@ -6,7 +6,7 @@
 //! (to within 1e-4) while the number of steps or cells had not yet begun to rise. None is a property of the
 //! robot: lengths are relative to segments, times relative to how long jerk takes to build up acceleration.
 
-use iiwa_path::ByKind;
+use iiwa_program::ByKind;
 
 /// The settings of the solver, with a value each in [`SETTINGS`].
 #[derive(Clone, Copy, Debug)]

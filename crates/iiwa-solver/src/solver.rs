@@ -20,7 +20,7 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use iiwa_path::ByKind;
+use iiwa_program::ByKind;
 use pulp::Simd;
 
 use crate::{

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use iiwa_kin::{Pose, Status, Turn};
-use iiwa_path::{Base, Frame, Target, Tool, Workcell};
+use iiwa_program::{Base, Frame, Target, Tool, Workcell};
 
 use crate::{
     data_file::{DataFile, Teaching, ToolTemplate, WorldFrame},

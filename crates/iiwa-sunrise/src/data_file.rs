@@ -1,7 +1,7 @@
 //! What a data file says.
 
 use iiwa_kin::{Status, Turn};
-use iiwa_path::{Frame, Load};
+use iiwa_program::{Frame, Load};
 
 /// The file `RoboticsAPI.data.xml` of a Sunrise project: the frames of its world, and the templates of its tools.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use iiwa_kin::{Status, Turn};
-use iiwa_path::{Frame, Load};
+use iiwa_program::{Frame, Load};
 
 use crate::{
     data_file::{

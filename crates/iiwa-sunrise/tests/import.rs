@@ -5,7 +5,8 @@
 use std::fmt::Write as _;
 
 use iiwa_kin::{Joints, Pose, Robot, Status, Turn};
-use iiwa_path::{Frame, Load, Program, Workcell};
+use iiwa_path::TurnContradiction;
+use iiwa_program::{Frame, Load, Program, Workcell};
 use iiwa_sunrise::{DataFile, ImportedCell, ImportedFrame, Verdict};
 use proptest::prelude::*;
 
@@ -215,7 +216,7 @@ fn what_was_taught_is_reached_with_the_joints_of_then() {
         |_| Ok(cell.workcell.to_json()),
     );
     let program = program.unwrap();
-    assert_eq!(program.turn_contradictions(&Robot::default()), Ok(vec![]));
+    assert_eq!(TurnContradiction::all(&program, &Robot::default()), Ok(vec![]));
     let start = program.start_rad(&Robot::default()).unwrap();
     assert!((start[6].to_degrees() + 30.0).abs() < 1e-9);
 }

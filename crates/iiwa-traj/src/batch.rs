@@ -1,7 +1,8 @@
 //! Many programs at once.
 
 use iiwa_kin::Robot;
-use iiwa_path::{Fault, JointPath, PathOptions, Program};
+use iiwa_path::{JointPath, PathOptions};
+use iiwa_program::{Fault, Program};
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::{
@@ -32,7 +33,8 @@ pub enum PlanError {
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_path::{Start, Workcell, Motion, PathOptions, Program, Ptp};
+/// use iiwa_path::PathOptions;
+/// use iiwa_program::{Start, Workcell, Motion, Program, Ptp};
 /// use iiwa_traj::{Timing, plan_all};
 ///
 /// // By which elbow does the arm come to the other side soonest?

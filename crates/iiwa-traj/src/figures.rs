@@ -1,7 +1,8 @@
 //! The figures of a trajectory: how long each motion takes and what limits it.
 
 use iiwa_kin::Joints;
-use iiwa_path::{MotionIndex, MotionType, Step};
+use iiwa_path::Step;
+use iiwa_program::{MotionIndex, MotionType};
 
 use crate::{
     cartesian_figures::CartesianFigures,

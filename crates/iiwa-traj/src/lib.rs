@@ -3,7 +3,8 @@
 //!
 //! ```
 //! use iiwa_kin::Robot;
-//! use iiwa_path::{JointPath, Program};
+//! use iiwa_path::JointPath;
+//! use iiwa_program::Program;
 //! use iiwa_traj::{Timing, Trajectory};
 //!
 //! # let text = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
@@ -47,7 +48,8 @@ mod sweep;
 mod timing;
 mod trajectory;
 
-pub use iiwa_path::{LimitKind, MotionType, playback};
+pub use iiwa_path::playback;
+pub use iiwa_program::{LimitKind, MotionType};
 
 pub use batch::{PlanError, plan_all};
 pub use cartesian_figures::{CartesianFigures, NearestSingularity};

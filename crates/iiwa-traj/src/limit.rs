@@ -3,7 +3,7 @@
 use std::fmt;
 
 use iiwa_kin::Joint;
-use iiwa_path::LimitKind;
+use iiwa_program::LimitKind;
 
 /// A limit of a joint or of the TCP.
 ///

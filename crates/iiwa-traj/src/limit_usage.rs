@@ -1,7 +1,8 @@
 //! How close a piece comes to its limits, and for how long it is at each.
 
 use iiwa_kin::Joint;
-use iiwa_path::{ByKind, LimitKind, ToolCoordinate};
+use iiwa_path::ToolCoordinate;
+use iiwa_program::{ByKind, LimitKind};
 
 use crate::{
     limit::{Limit, LimitShare, Limited},

@@ -16,7 +16,8 @@ use crate::{
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_path::{Blend, JointPath, Program};
+/// use iiwa_path::JointPath;
+/// use iiwa_program::{Blend, Program};
 /// use iiwa_traj::{Planner, Timing};
 ///
 /// let program = Program::from_deg([0.0; 7])

@@ -3,7 +3,8 @@
 use std::{ops::Range, sync::atomic::AtomicBool};
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Motion, MotionIndex, PathOptions, Program, Step};
+use iiwa_path::{JointPath, PathOptions, Step};
+use iiwa_program::{Motion, MotionIndex, Program};
 
 use crate::{
     batch::PlanError,
@@ -25,7 +26,8 @@ use crate::{
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_path::{Blend, Motion, MotionIndex, PathOptions, Program, Ptp};
+/// use iiwa_path::PathOptions;
+/// use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp};
 /// use iiwa_traj::{JerkOptions, Replanner};
 ///
 /// let program = Program::from_deg([0.0; 7])

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use iiwa_kin::Joints;
-use iiwa_path::{JointPath, MotionIndex, MotionType, Segment, Step, ToolCoordinate};
+use iiwa_path::{JointPath, Segment, Step, ToolCoordinate};
+use iiwa_program::{MotionIndex, MotionType};
 
 use crate::{
     interval::{self, Progress},
@@ -168,7 +169,8 @@ impl Section {
     ///
     /// ```
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::{Blend, Program};
     /// use iiwa_traj::{Timing, Trajectory};
     ///
     /// let program = Program::from_deg([0.0; 7])
@@ -208,7 +210,8 @@ impl Section {
     ///
     /// ```
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::{Blend, Program};
     /// use iiwa_traj::{Timing, Trajectory};
     ///
     /// let program = Program::from_deg([0.0; 7])

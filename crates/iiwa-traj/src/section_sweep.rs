@@ -6,7 +6,8 @@ use std::{
 };
 
 use iiwa_kin::Joints;
-use iiwa_path::{Grid, GridNode, JointPath, LimitKind, MotionIndex, Segment, Step, ToolCoordinate};
+use iiwa_path::{Grid, GridNode, JointPath, Segment, Step, ToolCoordinate};
+use iiwa_program::{LimitKind, MotionIndex};
 use pulp::Simd;
 
 use crate::{
@@ -412,7 +413,7 @@ fn stamp<S: Simd>(
 mod tests {
     use super::*;
     use iiwa_kin::Robot;
-    use iiwa_path::Program;
+    use iiwa_program::Program;
 
     #[test]
     fn the_same_without_vector_instructions() {

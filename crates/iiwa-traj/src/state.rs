@@ -1,13 +1,14 @@
 //! What the arm does at one instant.
 
 use iiwa_kin::Joints;
-use iiwa_path::MotionIndex;
+use iiwa_program::MotionIndex;
 
 /// What the arm does at one instant.
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_path::{Start, Workcell, JointPath, Motion, Program, Ptp};
+/// use iiwa_path::JointPath;
+/// use iiwa_program::{Start, Workcell, Motion, Program, Ptp};
 /// use iiwa_traj::{Timing, Trajectory};
 ///
 /// let target = [0.5, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0];

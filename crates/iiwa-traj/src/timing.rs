@@ -1,6 +1,6 @@
 //! What limits the stamps.
 
-use iiwa_path::{LimitKind, MotionIndex};
+use iiwa_program::{LimitKind, MotionIndex};
 
 use crate::limit::Limited;
 
@@ -8,7 +8,8 @@ use crate::limit::Limited;
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_path::{Blend, JointPath, Program};
+/// use iiwa_path::JointPath;
+/// use iiwa_program::{Blend, Program};
 /// use iiwa_traj::{SweepOptions, Timing, Trajectory};
 ///
 /// let program = Program::from_deg([0.0; 7])

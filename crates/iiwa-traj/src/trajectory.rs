@@ -1,7 +1,8 @@
 //! A whole trajectory.
 
 use iiwa_kin::Joints;
-use iiwa_path::{JointPath, MotionIndex, playback::TimedMotion};
+use iiwa_path::{JointPath, playback::TimedMotion};
+use iiwa_program::MotionIndex;
 
 use crate::{
     figures::{BlendFigures, MotionFigures, Totals},
@@ -76,7 +77,8 @@ impl Trajectory {
     ///
     /// ```
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::{Blend, Program};
     /// use iiwa_traj::{Timing, Trajectory};
     ///
     /// let program = Program::from_deg([0.0; 7])
@@ -117,7 +119,8 @@ impl Trajectory {
     ///
     /// ```
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::{Blend, Program};
     /// use iiwa_traj::{Timing, Trajectory};
     ///
     /// let program = Program::from_deg([0.0; 7])
@@ -141,7 +144,8 @@ impl Trajectory {
     ///
     /// ```
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::{JointPath, Program};
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::Program;
     /// use iiwa_traj::{Timing, Trajectory};
     ///
     /// let program = Program::from_deg([0.0; 7]).ptp_deg([30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).build();
@@ -162,7 +166,8 @@ impl Trajectory {
     ///
     /// ```
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::{Blend, Program};
     /// use iiwa_traj::{Timing, Trajectory};
     ///
     /// let program = Program::from_deg([0.0; 7])
@@ -187,7 +192,8 @@ impl Trajectory {
     ///
     /// ```
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::{Blend, JointPath, Program};
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::{Blend, Program};
     /// use iiwa_traj::{Timing, Trajectory};
     ///
     /// let program = Program::from_deg([0.0; 7])

@@ -1,9 +1,8 @@
 //! Many programs at once come out as they do one by one.
 
 use iiwa_kin::{Joint, Robot};
-use iiwa_path::{
-    Blend, BlendShape, Fault, JointPath, Motion, PathOptions, Program, Ptp, Start, Workcell,
-};
+use iiwa_path::{BlendShape, JointPath, PathOptions};
+use iiwa_program::{Blend, Fault, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{PlanError, State, SweepOptions, Timing, Trajectory, plan_all};
 use rayon::ThreadPoolBuilder;
 

@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::{Robot, Status};
-use iiwa_path::{JointPath, MotionType, Program};
+use iiwa_path::JointPath;
+use iiwa_program::{MotionType, Program};
 use iiwa_traj::{PieceKind, Timing, Trajectory};
 
 const TEXT: &str = include_str!("../../../fixtures/pick-and-place.json");

@@ -10,7 +10,8 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_path::{Blend, Fault, JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::{Blend, Fault, Program};
 use iiwa_traj::{Planner, SweepOptions, Timing, TimingError};
 
 /// Motions to and fro, all blended: one section.

@@ -4,7 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Blend, JointPath, LimitKind, Motion, Program, Ptp, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Blend, LimitKind, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{State, SweepOptions, Timing, TimingError, Trajectory};
 use proptest::{
     prelude::*,

@@ -4,7 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::Robot;
-use iiwa_path::{Blend, JointPath, Motion as Entry, Program, Ptp, Start, Workcell, playback::*};
+use iiwa_path::{JointPath, playback::*};
+use iiwa_program::{Blend, Motion as Entry, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 fn planned() -> Trajectory {

@@ -6,9 +6,8 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{
-    Derivatives, JoinError, JointPath, Line, MotionIndex, MotionLimits, Segment, Step,
-};
+use iiwa_path::{Derivatives, JoinError, JointPath, Line, Segment, Step};
+use iiwa_program::{MotionIndex, MotionLimits};
 use iiwa_traj::{PieceKind, Section, SweepOptions, Timing, Trajectory};
 
 /// Joint 1 moves evenly while joint 4 swings out and back as `a sin(pi s)^4`: three derivatives of it vanish

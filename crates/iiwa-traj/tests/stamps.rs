@@ -1,7 +1,8 @@
 //! Stamps increase, whatever takes no time.
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Motion, Program, Ptp, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 fn wait(seconds: f64) -> Motion {

@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::{Pose, Robot};
-use iiwa_path::{JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 /// Motions of all kinds; with a tool so long that either may be the faster one.

@@ -6,10 +6,8 @@
 use std::sync::Arc;
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{
-    ByKind, Derivatives, JointPath, Line, MotionIndex, MotionLimits, Segment, Step, ToolLimits,
-    ToolWay,
-};
+use iiwa_path::{Derivatives, JointPath, Line, Segment, Step, ToolWay};
+use iiwa_program::{ByKind, MotionIndex, MotionLimits, ToolLimits};
 use iiwa_traj::{
     JerkOptions, Limit, LimitKind, Limited, Section, SweepOptions, Timing, Trajectory,
 };

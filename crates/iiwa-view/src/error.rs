@@ -4,7 +4,7 @@ use std::{error::Error, fmt::Write as _, io};
 
 use iiwa_eval::{CompareError, VirtualRobotError, identify::IdentifyError};
 use iiwa_log::{JointLogError, ReadError, RecordedRobotError, WriteError};
-use iiwa_path::Fault;
+use iiwa_program::Fault;
 use iiwa_traj::PlanError;
 
 /// Why a page, a picture or a report cannot be made.

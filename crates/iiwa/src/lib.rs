@@ -22,7 +22,7 @@
 //! |---|---|---|
 //! | none | [`kin`] | robot models, forward kinematics, Jacobian |
 //! | `profile`, `urdf` (default) | in [`kin`] | robot profiles in JSON; robots as URDF |
-//! | `plan` (default) | `json`, `path`, `solver`, `traj` | motion programs, paths, time-optimal trajectories |
+//! | `plan` (default) | `json`, `program`, `path`, `solver`, `traj` | motion programs, paths, time-optimal trajectories |
 //! | `scene` | `scene` | obstacles and clearances |
 //! | `sunrise` | `sunrise` | frames and tools of Sunrise projects |
 //! | `log` | `log` | trajectories and recordings as MCAP files |
@@ -53,6 +53,8 @@ pub use iiwa_link as link;
 pub use iiwa_log as log;
 #[cfg(feature = "plan")]
 pub use iiwa_path as path;
+#[cfg(feature = "plan")]
+pub use iiwa_program as program;
 #[cfg(feature = "scene")]
 pub use iiwa_scene as scene;
 #[cfg(feature = "plan")]

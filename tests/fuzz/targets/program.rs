@@ -3,7 +3,8 @@
 #![no_main]
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use libfuzzer_sys::fuzz_target;
 

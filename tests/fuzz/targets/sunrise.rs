@@ -3,7 +3,7 @@
 #![no_main]
 
 use iiwa_kin::Robot;
-use iiwa_path::Workcell;
+use iiwa_program::Workcell;
 use iiwa_sunrise::{DataFile, ImportedCell};
 use libfuzzer_sys::fuzz_target;
 

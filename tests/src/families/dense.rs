@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use iiwa_path::{Blend, Program};
+use iiwa_program::{Blend, Program};
 
 use super::dice::{Dice, program as of, ptp};
 

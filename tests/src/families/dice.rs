@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use fastrand::Rng;
 use iiwa_kin::{Joints, Robot, vector};
-use iiwa_path::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 
 /// A source of random numbers.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! As slow, as short and as long as programs may be.
 
-use iiwa_path::Program;
+use iiwa_program::Program;
 
 use super::dice::{Dice, program as of, ptp};
 

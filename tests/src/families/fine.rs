@@ -1,6 +1,6 @@
 //! Motions so short that the arm never gets going.
 
-use iiwa_path::Program;
+use iiwa_program::Program;
 
 use super::dice::{Dice, program as of, ptp};
 

@@ -1,6 +1,6 @@
 //! Shares of the limits that have nothing to do with each other.
 
-use iiwa_path::{Program, Ptp};
+use iiwa_program::{Program, Ptp};
 
 use super::dice::{Dice, program as of};
 

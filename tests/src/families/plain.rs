@@ -1,6 +1,6 @@
 //! All that a program may hold.
 
-use iiwa_path::Program;
+use iiwa_program::Program;
 use proptest::{
     strategy::{Strategy, ValueTree},
     test_runner::{Config, RngAlgorithm, TestRng, TestRunner},

@@ -1,6 +1,6 @@
 //! Turn-backs, and lines of which next to nothing remains.
 
-use iiwa_path::{Blend, Program};
+use iiwa_program::{Blend, Program};
 
 use super::dice::{Dice, program as of, ptp};
 

@@ -7,21 +7,34 @@ use crate::sources::members;
 
 /// Each library and what it may depend on. Data flows one way; whoever draws an arrow here draws it in the
 /// README, too.
-const ALLOWED: [(&str, &[&str]); 15] = [
+const ALLOWED: [(&str, &[&str]); 16] = [
     ("iiwa-json", &[]),
     ("iiwa-kin", &["iiwa-json"]),
-    ("iiwa-path", &["iiwa-json", "iiwa-kin"]),
-    ("iiwa-solver", &["iiwa-json", "iiwa-kin", "iiwa-path"]),
-    ("iiwa-traj", &["iiwa-json", "iiwa-kin", "iiwa-path", "iiwa-solver"]),
-    ("iiwa-scene", &["iiwa-json", "iiwa-kin", "iiwa-path", "iiwa-traj"]),
-    ("iiwa-sunrise", &["iiwa-json", "iiwa-kin", "iiwa-path"]),
-    ("iiwa-log", &["iiwa-json", "iiwa-kin", "iiwa-path", "iiwa-traj"]),
-    ("iiwa-eval", &["iiwa-json", "iiwa-kin", "iiwa-path", "iiwa-traj", "iiwa-scene", "iiwa-log"]),
+    ("iiwa-program", &["iiwa-json", "iiwa-kin"]),
+    ("iiwa-path", &["iiwa-json", "iiwa-kin", "iiwa-program"]),
+    ("iiwa-solver", &["iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-path"]),
+    ("iiwa-traj", &["iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-path", "iiwa-solver"]),
+    ("iiwa-scene", &["iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-path", "iiwa-traj"]),
+    ("iiwa-sunrise", &["iiwa-json", "iiwa-kin", "iiwa-program"]),
+    ("iiwa-log", &["iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-path", "iiwa-traj"]),
+    (
+        "iiwa-eval",
+        &[
+            "iiwa-json",
+            "iiwa-kin",
+            "iiwa-program",
+            "iiwa-path",
+            "iiwa-traj",
+            "iiwa-scene",
+            "iiwa-log",
+        ],
+    ),
     (
         "iiwa-view",
         &[
             "iiwa-json",
             "iiwa-kin",
+            "iiwa-program",
             "iiwa-path",
             "iiwa-traj",
             "iiwa-scene",
@@ -31,14 +44,29 @@ const ALLOWED: [(&str, &[&str]); 15] = [
         ],
     ),
     ("iiwa-fri", &["iiwa-kin"]),
-    ("iiwa-link", &["iiwa-json", "iiwa-kin", "iiwa-path"]),
-    ("iiwa-drive", &["iiwa-json", "iiwa-kin", "iiwa-path", "iiwa-traj", "iiwa-fri", "iiwa-link"]),
-    ("iiwa-cabinet", &["iiwa-kin", "iiwa-path", "iiwa-traj", "iiwa-fri", "iiwa-link"]),
+    ("iiwa-link", &["iiwa-json", "iiwa-kin", "iiwa-program"]),
+    (
+        "iiwa-drive",
+        &[
+            "iiwa-json",
+            "iiwa-kin",
+            "iiwa-program",
+            "iiwa-path",
+            "iiwa-traj",
+            "iiwa-fri",
+            "iiwa-link",
+        ],
+    ),
+    (
+        "iiwa-cabinet",
+        &["iiwa-kin", "iiwa-program", "iiwa-path", "iiwa-traj", "iiwa-fri", "iiwa-link"],
+    ),
     (
         "iiwa",
         &[
             "iiwa-json",
             "iiwa-kin",
+            "iiwa-program",
             "iiwa-path",
             "iiwa-solver",
             "iiwa-traj",

@@ -3,9 +3,8 @@
 use std::time::Instant;
 
 use iiwa_kin::Robot;
-use iiwa_path::{
-    CartesianMotion, Course, Frame, JointPath, Motion, PathBlend, Program, ProgramBuilder,
-};
+use iiwa_path::JointPath;
+use iiwa_program::{CartesianMotion, Course, Frame, Motion, PathBlend, Program, ProgramBuilder};
 use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing};
 use iiwasim_benches::Result;
 

@@ -1,7 +1,8 @@
 //! Ten motions of all kinds, blended.
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 use iiwasim_benches::Result;
 

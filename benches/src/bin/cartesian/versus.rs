@@ -1,6 +1,7 @@
 //! Durations of random LINs beside those by one trapezoid.
 
-use iiwa_path::{ByKind, JointPath, Motion, Step, ToolLimits};
+use iiwa_path::{JointPath, Step};
+use iiwa_program::{ByKind, Motion, ToolLimits};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_benches::Result;
 use iiwasim_tests::tcp_programs::single_path;

@@ -7,7 +7,8 @@ use std::{
 
 use iiwa_kin::Robot;
 use iiwa_link::{Client, Remote, TimedJoints};
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::Result;
 

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use iiwa_path::Program;
+use iiwa_program::Program;
 use iiwasim_benches::Result;
 use iiwasim_tests::families::Family;
 

@@ -1,7 +1,8 @@
 //! The pieces of one program, and how they keep their limits.
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, Program};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_benches::Result;
 use iiwasim_tests::extremes::{Extremes, Peak, extremes, piece_extremes};

@@ -3,7 +3,7 @@
 use iiwa_eval::experiment::Trial;
 use iiwa_link::{ClientError, message::Samples};
 use iiwa_log::JointLog;
-use iiwa_path::Motion;
+use iiwa_program::Motion;
 use iiwa_view::VirtualArm;
 
 use crate::{

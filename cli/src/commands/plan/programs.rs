@@ -8,7 +8,7 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_path::Workcell;
+use iiwa_program::Workcell;
 use iiwa_scene::Scene;
 
 use crate::{args::Plan, failure::Failure};

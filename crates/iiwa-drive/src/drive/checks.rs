@@ -13,7 +13,8 @@ use iiwa_link::{
     robot_program::RunId,
     transport::Permit,
 };
-use iiwa_path::{JointPath, Motion, MotionIndex, Program, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Motion, MotionIndex, Program, Start, Workcell};
 
 /// A job of the thread. `C` identifies clients.
 pub(super) enum CheckJob<C> {

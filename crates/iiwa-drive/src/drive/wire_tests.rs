@@ -40,7 +40,7 @@ use fastrand::Rng;
 use iiwa_fri::{Controller, Format, SessionState};
 use iiwa_kin::Robot;
 use iiwa_link::TimedJoints;
-use iiwa_path::{Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
 
 use self::{
     cell::{CABINET, Cell, Missing},

@@ -64,7 +64,7 @@ pub(crate) fn corrupted(good: &Value, fields: &[Field]) -> Vec<(String, String)>
 pub(crate) fn trajectory_to(deg: f64) -> TimedJoints {
     let mut target = [0.0; 7];
     target[0] = deg.to_radians();
-    let motion = iiwa_path::Motion::Ptp(iiwa_path::Ptp::to(target));
+    let motion = iiwa_program::Motion::Ptp(iiwa_program::Ptp::to(target));
     sampled(&planned(vec![motion]), 0.004)
 }
 

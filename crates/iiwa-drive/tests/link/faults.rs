@@ -13,7 +13,7 @@ use iiwa_link::{
     ClientError, Remote, Server, TimedJoints,
     message::{Code, DriveState, MAX_SHORT_REQUEST_BYTES, Presence, Refusal, Run},
 };
-use iiwa_path::{Motion, Ptp};
+use iiwa_program::{Motion, Ptp};
 use iiwasim_tests::calm::in_real_time;
 
 use crate::{

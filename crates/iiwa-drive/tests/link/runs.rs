@@ -5,7 +5,8 @@ use iiwa_link::{
     ClientError, TimedJoints,
     message::{Code, DriveState, Run},
 };
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_tests::calm::in_real_time;
 

@@ -14,7 +14,7 @@ use std::{
 use iiwa_fri::{Format, SessionState};
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{ClientError, TimedJoints};
-use iiwa_path::{Blend, Motion, Ptp};
+use iiwa_program::{Blend, Motion, Ptp};
 use iiwasim_tests::{calm::in_real_time, ports::free_address};
 
 use crate::{

@@ -2,7 +2,7 @@
 
 use iiwa_kin::{Joints, Robot, vector::distance};
 use iiwa_log::JointLog;
-use iiwa_path::MotionIndex;
+use iiwa_program::MotionIndex;
 
 use super::plan::Plan;
 

@@ -1,6 +1,6 @@
 //! Why a recording cannot be held against a plan.
 
-use iiwa_path::MotionIndex;
+use iiwa_program::MotionIndex;
 
 /// Why there are no figures. A figure that would be wrong is not given.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

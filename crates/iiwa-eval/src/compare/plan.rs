@@ -4,7 +4,7 @@ use std::io::Read;
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};
-use iiwa_path::MotionIndex;
+use iiwa_program::MotionIndex;
 use iiwa_traj::Trajectory;
 
 use super::curve::Curve;

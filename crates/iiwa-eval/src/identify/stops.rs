@@ -7,7 +7,8 @@ use iiwa_kin::{
     vector::{add_scaled, distance, dot, norm, sub},
 };
 use iiwa_log::JointLog;
-use iiwa_path::{JointPath, MotionIndex, Step};
+use iiwa_path::{JointPath, Step};
+use iiwa_program::MotionIndex;
 
 /// Nearer than this, in rad, the arm is taken to be about to leave a stop, or to arrive: more than robots
 /// lag behind or measure wrong, and little of a motion.

@@ -3,7 +3,7 @@
 use std::str;
 
 use iiwa_json::Object;
-use iiwa_path::Motion;
+use iiwa_program::Motion;
 use serde::{Deserialize, Deserializer, Serialize, de::DeserializeOwned};
 use serde_json::value::RawValue;
 

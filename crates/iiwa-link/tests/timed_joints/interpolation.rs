@@ -2,7 +2,7 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::TimedJoints;
-use iiwa_path::{Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
 use proptest::prelude::*;
 
 use crate::{

@@ -5,7 +5,8 @@ use iiwa_link::{
     TimedJoints,
     message::{Code, Refusal},
 };
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 use proptest::prelude::*;
 

@@ -15,13 +15,12 @@ use super::{
     tcp_path::TcpPath,
 };
 use crate::{
-    blend::{Blend, CART_MM_MIN, SUNRISE_REL_MIN},
-    cartesian_motion::PathBlend,
     crossing::HALF,
     joint_spline::{CurveFaultAt, JointSpline, Sigma},
     line::Line,
     options::PathOptions,
 };
+use iiwa_program::{Blend, CART_MM_MIN, PathBlend, SUNRISE_REL_MIN};
 
 /// A blend between two motions, and how much of both it takes away.
 #[derive(Debug)]
@@ -138,7 +137,7 @@ fn shares(
             let [from, to] = legs[side].ends_rad;
             let (target, other) = if side == 0 { (to, from) } else { (from, to) };
             return match in_joints {
-                Some(blend) => blend.share(robot, options.blend_search, &target, &other),
+                Some(blend) => options.blend_search.share(blend, robot, &target, &other),
                 None => Some(HALF),
             };
         };

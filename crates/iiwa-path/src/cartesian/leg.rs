@@ -3,22 +3,18 @@
 use std::sync::Arc;
 
 use iiwa_kin::{
-    Joints, Pose, Robot, Status,
+    Joints, Pose, Robot,
     rotation::{apply, product, transposed},
 };
 
 use super::{
-    fault::CartesianFault,
     site::{Found, Site, at_frame},
     spline_leg::spline,
     tcp_course::TcpCourse,
     tcp_path::{TcpPath, even_e1},
 };
-use crate::{
-    cartesian_motion::{CartesianMotion, Course, OrientationType},
-    fault::Fault,
-    program::{Motion, Program, Start},
-    target::TargetRef,
+use iiwa_program::{
+    CartesianFault, CartesianMotion, Course, Fault, Motion, OrientationType, Program,
 };
 
 /// A motion on one robot.
@@ -52,48 +48,6 @@ pub(crate) fn legs(program: &Program, robot: &Arc<Robot>) -> Result<Vec<Option<L
     Ok(legs)
 }
 
-impl Program {
-    /// Where the arm stands before the first motion, in rad.
-    ///
-    /// # Errors
-    ///
-    /// If the start is given as a frame that the robot cannot reach.
-    pub fn start_rad(&self, robot: &Robot) -> Result<Joints, Fault> {
-        match &self.start {
-            Start::Joints(joints_rad) => Ok(*joints_rad),
-            Start::Frame(target) => {
-                joints_at(self, robot, None, target, [None, None]).map_err(|(key, fault)| {
-                    Fault::Cartesian { motion: None, key, fault: Box::new(fault) }
-                })
-            }
-        }
-    }
-}
-
-/// The joints at a target, with E1 and status of `before` where it has none of its own.
-fn joints_at(
-    program: &Program,
-    robot: &Robot,
-    before: Option<&Joints>,
-    target: &TargetRef,
-    [tool, base]: [Option<&str>; 2],
-) -> Found<Joints> {
-    let named = |key| move |fault| (key, CartesianFault::Name(fault));
-    let tcp = program.workcell.tcp(tool).map_err(named("tool"))?;
-    let (target, pose) = program.workcell.target(target, base).map_err(named("frame"))?;
-    let e1_rad = target.e1_rad.or(before.map(|q| q[2])).unwrap_or(0.0);
-    let status = target
-        .status
-        .or(before.map(|q| Status::of(robot, q)))
-        .unwrap_or_else(|| Status::of(robot, &[0.0, 1.0, 0.0, -1.0, 0.0, 1.0, 0.0]));
-    let at_frame = |fault| ("frame", fault);
-    let joints = robot
-        .inverse(&pose.then(&tcp.inverse()), e1_rad, status)
-        .map_err(|fault| at_frame(CartesianFault::Unreachable(fault)))?;
-    robot.limits().check(&joints).map_err(|fault| at_frame(CartesianFault::Outside(fault)))?;
-    Ok(joints)
-}
-
 /// A motion to a frame that starts at `from_rad`.
 fn leg(
     program: &Program,
@@ -103,7 +57,7 @@ fn leg(
 ) -> Found<Leg> {
     if let Course::Ptp { to } = &motion.course {
         let names = [motion.tool.as_deref(), motion.base.as_deref()];
-        let to_rad = joints_at(program, robot, Some(from_rad), to, names)?;
+        let to_rad = program.joints_at(robot, Some(from_rad), to, names)?;
         return Ok(Leg { ends_rad: [*from_rad, to_rad], paths: Vec::new() });
     }
     let site = Site::new(program, robot, motion)?;
@@ -170,12 +124,5 @@ fn moved_by(from: &Pose, offset: &Pose, axes: &[[f64; 3]; 3]) -> Pose {
     Pose {
         position_m: std::array::from_fn(|i| from.position_m[i] + by[i]),
         rotation: product(&turn, &from.rotation),
-    }
-}
-
-impl CartesianMotion {
-    /// The key of a program that says where it ends.
-    fn end_key(&self) -> &'static str {
-        if matches!(self.course, Course::LinRel { .. }) { "offset" } else { "frame" }
     }
 }

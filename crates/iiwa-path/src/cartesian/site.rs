@@ -5,14 +5,11 @@ use std::{f64::consts::TAU, sync::Arc};
 use iiwa_kin::{FlangePoint, Joints, Pose, Robot, Status};
 
 use super::{
-    fault::CartesianFault,
     joint_curve::{TcpCurve, WristTurn},
-    tcp_course::{ArcTurn, ByWayOf, CourseFault, TcpCourse},
+    tcp_course::{ArcTurn, ByWayOf, TcpCourse},
 };
-use crate::{
-    cartesian_motion::{AuxOrientation, CartesianMotion, Circ},
-    program::Program,
-    target::{Target, TargetRef},
+use iiwa_program::{
+    AuxOrientation, CartesianFault, CartesianMotion, Circ, CourseFault, Program, Target, TargetRef,
 };
 
 /// What is wrong, and the key of the motion at which it is.

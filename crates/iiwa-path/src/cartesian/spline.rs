@@ -8,7 +8,9 @@ use iiwa_kin::{
     rotation::{Mat3, Vec3, constant, exp, log, norm, product, scaled, sub, transposed},
 };
 
-use super::tcp_course::{CourseFault, TcpCourse, turn_between};
+use iiwa_program::CourseFault;
+
+use super::tcp_course::{TcpCourse, turn_between};
 
 /// Where the TCP is at the end of a segment.
 #[derive(Clone, Copy, Debug)]

@@ -6,13 +6,12 @@ use iiwa_kin::{
 };
 
 use super::{
-    fault::CartesianFault,
     site::{Found, Site, at_frame},
     spline::{Between, Knot, pieces},
     tcp_course::TcpCourse,
     tcp_path::TcpPath,
 };
-use crate::cartesian_motion::{OrientationType, SegmentCourse, SplineSegment};
+use iiwa_program::{CartesianFault, OrientationType, SegmentCourse, SplineSegment};
 
 /// The paths of the segments of a spline that starts at `from_rad`. One parameter goes on through all of them.
 pub(crate) fn spline<'a>(

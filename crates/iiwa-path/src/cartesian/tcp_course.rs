@@ -8,6 +8,8 @@ use iiwa_kin::{
     },
 };
 
+use iiwa_program::CourseFault;
+
 use crate::tool_way::ToolWay;
 
 /// The course of the TCP in the robot's foot, for s from 0 to 1.
@@ -36,21 +38,6 @@ struct Orientation {
     turn: Vec<Vec3<f64>>,
     /// A turn of the whole, evenly in s: its rotation vector in the robot's foot.
     carried: Option<Vec3<f64>>,
-}
-
-/// What a circle and the frames on it cannot be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CourseFault {
-    /// The orientations differ by half a turn.
-    #[error(
-        "the orientation would turn by half a turn: the way round is not defined; add a frame in between, or turn a \
-         little less"
-    )]
-    HalfTurn,
-    /// Start, auxiliary frame and end are on a line, or two of them are the same.
-    #[error("start, auxiliary frame and end are on one line: no circle goes through them")]
-    NoCircle,
 }
 
 /// How the orientation goes along a circle.

@@ -4,11 +4,9 @@ use std::sync::Arc;
 
 use iiwa_kin::{Joints, Number, Taylor};
 
-use super::{
-    fault::CartesianFault,
-    joint_curve::{CurveFault, JointCurve, TcpCurve},
-};
+use super::joint_curve::{CurveFault, JointCurve, TcpCurve};
 use crate::joint_spline::{CurveFaultAt, JointSpline};
+use iiwa_program::CartesianFault;
 
 /// A path of the TCP, and its image.
 #[derive(Clone, Debug)]

@@ -5,15 +5,12 @@ use std::{ops::Range, sync::Arc};
 use super::JointPath;
 use crate::{
     builder::steps,
-    fault::Fault,
-    motion_index::MotionIndex,
-    motion_limits::MotionLimits,
     options::PathOptions,
     path_motion::{has_tools, path_motions},
-    program::{Motion, Program},
     segment::Segment,
     step::Step,
 };
+use iiwa_program::{Fault, Motion, MotionIndex, MotionLimits, Program};
 
 /// Which steps of a path an [update](JointPath::update) replaced. All others are what they were.
 #[derive(Clone, Debug, PartialEq, Eq)]

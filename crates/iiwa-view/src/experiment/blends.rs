@@ -199,7 +199,7 @@ fn corners(
         from_s = next_s;
         let before_rad = *path.start_rad();
         let target = |motion: usize| match run.trial.program.motions.get(motion) {
-            Some(iiwa_path::Motion::Ptp(ptp)) => Some(ptp.target_rad),
+            Some(iiwa_program::Motion::Ptp(ptp)) => Some(ptp.target_rad),
             _ => None,
         };
         let (Some(target_rad), Some(after_rad)) = (target(back - 2), target(back - 1)) else {

@@ -7,7 +7,7 @@ use iiwa_eval::{
     local_cubic,
 };
 use iiwa_kin::Joint;
-use iiwa_path::{Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 use crate::{

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use iiwa_eval::experiment::Trial;
-use iiwa_path::Motion;
+use iiwa_program::Motion;
 
 use super::{bench::Bench, chapter::wrapped, virtual_arm::VirtualArm};
 

@@ -5,7 +5,8 @@ use std::ops::Range;
 use iiwa_eval::local_cubic;
 use iiwa_kin::Joints;
 use iiwa_log::JointLog;
-use iiwa_path::{Motion, PathOptions, Program};
+use iiwa_path::PathOptions;
+use iiwa_program::{Motion, Program};
 use plotters::prelude::SeriesLabelPosition;
 
 use crate::{

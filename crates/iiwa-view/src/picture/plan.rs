@@ -1,7 +1,7 @@
 //! A picture of a plan: the path of the TCP, and the joints' speeds over time.
 
 use iiwa_kin::{Joints, Pose, Robot};
-use iiwa_path::{PlacedFrame, Program};
+use iiwa_program::{PlacedFrame, Program};
 use iiwa_traj::{PieceKind, Section};
 use plotters::prelude::{
     ChartBuilder, Circle, Color, IntoFont, LineSeries, PathElement, Rectangle, SeriesLabelPosition,

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use iiwa_kin::Robot;
 use iiwa_log::{PlanConfig, PlanOptions, PlanWriter, Planning};
-use iiwa_path::Program;
+use iiwa_program::Program;
 use iiwa_traj::PlanError;
 
 use crate::{ViewError, long_duration};

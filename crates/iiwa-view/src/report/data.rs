@@ -8,7 +8,7 @@ use std::{
 use iiwa_eval::{Comparison, Plan};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{Loss, PlanPiece};
-use iiwa_path::{Blend, LimitKind, Motion, Program};
+use iiwa_program::{Blend, LimitKind, Motion, Program};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -361,7 +361,7 @@ fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
         let share = |kind| match motion {
             Motion::Ptp(ptp) => Some(*ptp.share(kind)),
             Motion::Cartesian(own) => Some(own.shares[kind]),
-            _ => None,
+            Motion::Wait { .. } => None,
         };
         let [velocity, acceleration, jerk] = LimitKind::ALL.map(share);
         let [velocity, acceleration, jerk] = [velocity?, acceleration?, jerk?];
@@ -396,7 +396,7 @@ fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Ve
                 let (_, pose) = program.workcell.target(target, own.base.as_deref()).ok()?;
                 (pose.position_m, own.blend?.cart_mm)
             }
-            _ => return None,
+            Motion::Wait { .. } => return None,
         };
         // A blend belongs to the motion that it leads into.
         blended.contains(&(index + 2)).then(|| Corner {

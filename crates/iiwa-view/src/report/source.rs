@@ -8,7 +8,7 @@ use std::{
 
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, Loss, PlanRecord, Source as Format};
-use iiwa_path::Program;
+use iiwa_program::Program;
 use serde::Serialize;
 
 use crate::ViewError;

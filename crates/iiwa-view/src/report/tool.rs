@@ -2,7 +2,7 @@
 
 use iiwa_kin::{Pose, Robot};
 use iiwa_log::PlanPiece;
-use iiwa_path::Program;
+use iiwa_program::Program;
 use serde::Serialize;
 
 use super::{

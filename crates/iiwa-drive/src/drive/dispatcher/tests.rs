@@ -9,7 +9,7 @@ use iiwa_link::{
     message::{Code, DriveState, Refusal, Request},
     robot_program::{Acknowledgement, Outcome, RunId, StateChange},
 };
-use iiwa_path::{Motion, Ptp};
+use iiwa_program::{Motion, Ptp};
 use serde_json::{Value, json};
 
 use super::{Dispatcher, IncomingRequest, Output};

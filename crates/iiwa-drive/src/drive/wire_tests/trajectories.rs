@@ -3,7 +3,8 @@
 use fastrand::Rng;
 use iiwa_kin::Robot;
 use iiwa_link::TimedJoints;
-use iiwa_path::{Blend, JointPath, Motion, Program, Ptp, Start, Workcell};
+use iiwa_path::JointPath;
+use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 /// Motions at full speed between positions anywhere in the range, including its ends.

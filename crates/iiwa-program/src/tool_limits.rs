@@ -5,7 +5,7 @@ use crate::limit_kind::ByKind;
 /// A motion's limits of the TCP, of each kind: of its way along the path, and of its turn.
 ///
 /// ```
-/// use iiwa_path::{LimitKind, ToolLimits};
+/// use iiwa_program::{LimitKind, ToolLimits};
 ///
 /// let mut limits = ToolLimits::NONE;
 /// limits.way[LimitKind::Velocity] = 0.25;

@@ -15,7 +15,7 @@ use crate::{
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_path::{LimitKind, MotionLimits};
+/// use iiwa_program::{LimitKind, MotionLimits};
 ///
 /// let limits = MotionLimits::full(&Robot::default());
 /// assert_eq!(limits.of(LimitKind::Jerk), limits.jerk_rad_s3());
@@ -40,7 +40,8 @@ impl MotionLimits {
     }
 
     /// Those of `motion` on `robot`.
-    pub(crate) fn of_motion(robot: &Robot, motion: &Motion, mode: OperatingMode) -> Self {
+    #[must_use]
+    pub fn of_motion(robot: &Robot, motion: &Motion, mode: OperatingMode) -> Self {
         let mut limits = Self::full(robot);
         for (kind, limits) in &mut limits.joints {
             let shares = match motion {

@@ -28,7 +28,6 @@ pub struct Workcell {
 
 /// The operating mode of the robot's controller, as far as it changes motions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum OperatingMode {
     /// As programmed.
     #[default]

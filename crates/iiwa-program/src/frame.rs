@@ -7,7 +7,7 @@ use iiwa_kin::Pose;
 /// Lengths stay in mm and angles in rad, as they were written, so that a program reads back as it is.
 ///
 /// ```
-/// use iiwa_path::Frame;
+/// use iiwa_program::Frame;
 ///
 /// let frame = Frame { xyz_mm: [100.0, 0.0, 50.0], abc_rad: [0.0, 0.0, std::f64::consts::PI] };
 /// let pose = frame.pose();

@@ -3,14 +3,14 @@
 use iiwa_kin::Joints;
 
 use crate::{
-    blend::Blend, cartesian::CartesianFault, frame::Frame, limit_kind::ByKind, target::TargetRef,
-    tool_limits::ToolLimits,
+    blend::Blend, cartesian_fault::CartesianFault, frame::Frame, limit_kind::ByKind,
+    target::TargetRef, tool_limits::ToolLimits,
 };
 
 /// A motion whose end is given as a frame of the TCP.
 ///
 /// ```
-/// use iiwa_path::{CartesianMotion, Course, Frame};
+/// use iiwa_program::{CartesianMotion, Course, Frame};
 ///
 /// let frame = Frame { xyz_mm: [500.0, 100.0, 400.0], abc_rad: [0.0, 0.0, 3.1] };
 /// let lin = CartesianMotion::new(Course::Lin { to: frame.into() });
@@ -36,7 +36,6 @@ pub struct CartesianMotion {
 
 /// The course of a motion to a frame.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum Course {
     /// Point to point: straight in joint space.
     Ptp {
@@ -77,7 +76,6 @@ pub struct SplineSegment {
 
 /// The course of a segment of a spline.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum SegmentCourse {
     /// A curve that the frames of the spline define.
     Spl {
@@ -218,12 +216,19 @@ impl CartesianMotion {
     }
 
     /// Whether it is written as a motion of its own, `spl`, and not as a spline of one segment.
-    pub(crate) fn is_single_spl(&self) -> bool {
+    #[must_use]
+    pub fn is_single_spl(&self) -> bool {
         let Course::Spline(segments) = &self.course else { return false };
         let single = |segment: &SplineSegment| {
             matches!(segment.course, SegmentCourse::Spl { .. }) && segment.orientation.is_none()
         };
         segments.len() == 1 && segments.iter().all(single)
+    }
+
+    /// The key of a program that says where it ends.
+    #[must_use]
+    pub fn end_key(&self) -> &'static str {
+        if matches!(self.course, Course::LinRel { .. }) { "offset" } else { "frame" }
     }
 
     /// Whether it is straight in joint space.
@@ -295,7 +300,8 @@ impl PathBlend {
     }
 
     /// As a blend of a point-to-point motion.
-    pub(crate) fn in_joints(&self) -> Option<Blend> {
+    #[must_use]
+    pub fn in_joints(&self) -> Option<Blend> {
         self.sizes().next()
     }
 }

@@ -39,7 +39,7 @@ impl Program {
     /// Reads a motion program (version 1) and checks all that can be checked without a robot.
     ///
     /// ```
-    /// use iiwa_path::Program;
+    /// use iiwa_program::Program;
     ///
     /// let text = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0] }, "motions": [] }"#;
     /// let error = Program::from_json(text).unwrap_err();
@@ -59,7 +59,7 @@ impl Program {
     /// the file.
     ///
     /// ```
-    /// use iiwa_path::Program;
+    /// use iiwa_program::Program;
     ///
     /// let text = r#"{ "version": 1, "include": "cell.json", "tool": "gripper",
     ///                 "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
@@ -70,7 +70,7 @@ impl Program {
     ///     _ => Err("there is no such file".to_owned()),
     /// })?;
     /// assert_eq!(program.workcell.tools["gripper"].tcp.xyz_mm[2], 120.0);
-    /// # Ok::<(), iiwa_path::ProgramError>(())
+    /// # Ok::<(), iiwa_program::ProgramError>(())
     /// ```
     ///
     /// # Errors
@@ -109,11 +109,11 @@ impl Program {
     /// The program as JSON (version 1), joints in rad, so that it reads back as it is.
     ///
     /// ```
-    /// use iiwa_path::Program;
+    /// use iiwa_program::Program;
     ///
     /// let program = Program::from_deg([0.0; 7]).ptp_deg([30.0; 7]).build();
     /// assert_eq!(Program::from_json(&program.to_json())?, program);
-    /// # Ok::<(), iiwa_path::ProgramError>(())
+    /// # Ok::<(), iiwa_program::ProgramError>(())
     /// ```
     #[must_use]
     pub fn to_json(&self) -> String {

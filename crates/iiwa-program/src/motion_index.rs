@@ -7,7 +7,7 @@ use std::fmt;
 /// Lists count from 0 and people count from 1; this type keeps the two apart. It is displayed as people count.
 ///
 /// ```
-/// use iiwa_path::MotionIndex;
+/// use iiwa_program::MotionIndex;
 ///
 /// let first = MotionIndex::new(0);
 /// assert_eq!(format!("motion {first}"), "motion 1");

@@ -4,7 +4,7 @@ use iiwa_json::{Place, Step, locate};
 use iiwa_kin::{Joint, OutsideRange};
 
 use crate::{
-    blend::Blend, cartesian::CartesianFault, limit_kind::LimitKind, motion_index::MotionIndex,
+    blend::Blend, cartesian_fault::CartesianFault, limit_kind::LimitKind, motion_index::MotionIndex,
 };
 
 /// Something in a motion program that cannot be planned.

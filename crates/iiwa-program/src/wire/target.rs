@@ -12,12 +12,12 @@ impl Target {
     /// Reads a target as programs have it: an object with `x_mm` to `c_deg`, and `base`, `e1_deg`, `status` and `turn`.
     ///
     /// ```
-    /// use iiwa_path::Target;
+    /// use iiwa_program::Target;
     ///
     /// let text = r#"{ "x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 10 }"#;
     /// let target = Target::from_json(text)?;
     /// assert_eq!(target.frame.xyz_mm, [600.0, 0.0, 400.0]);
-    /// # Ok::<(), iiwa_path::ProgramError>(())
+    /// # Ok::<(), iiwa_program::ProgramError>(())
     /// ```
     ///
     /// # Errors

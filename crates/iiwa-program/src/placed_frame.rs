@@ -22,7 +22,7 @@ impl Program {
     /// The frames of the program: those with a name, then those that the start and the motions give, in order.
     ///
     /// ```
-    /// use iiwa_path::Program;
+    /// use iiwa_program::Program;
     ///
     /// let program = Program::from_json(r#"{
     ///     "version": 1,

@@ -7,7 +7,7 @@ use enum_map::{Enum, EnumMap};
 /// A kind of limit of a joint, or of the TCP.
 ///
 /// ```
-/// use iiwa_path::LimitKind;
+/// use iiwa_program::LimitKind;
 ///
 /// let jerk = LimitKind::ALL[2];
 /// assert_eq!((jerk.name(), jerk.order()), ("jerk", 3));

@@ -1,6 +1,6 @@
 //! Programs that include a file of tools, bases and frames.
 
-use iiwa_path::{Program, ProgramError, Workcell};
+use iiwa_program::{Program, ProgramError, Workcell};
 use serde_json::{Value, json};
 
 const CELL: &str = r#"{

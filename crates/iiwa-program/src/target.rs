@@ -7,7 +7,7 @@ use crate::frame::Frame;
 /// A frame to which the TCP goes, with what settles the arm's redundancy there.
 ///
 /// ```
-/// use iiwa_path::{Frame, Target};
+/// use iiwa_program::{Frame, Target};
 ///
 /// let frame = Frame { xyz_mm: [500.0, 0.0, 300.0], abc_rad: [0.0, 0.0, 3.1] };
 /// let target = Target { e1_rad: Some(0.2), ..Target::at(frame) };

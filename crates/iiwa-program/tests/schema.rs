@@ -5,7 +5,7 @@
 
 use std::{fs, path::Path};
 
-use iiwa_path::Program;
+use iiwa_program::Program;
 use jsonschema::Validator;
 use serde_json::{Value, json};
 

@@ -1,19 +1,14 @@
 //! How large a blend is.
 
-use iiwa_kin::{Joints, Robot};
-
-use crate::crossing::{BlendSearch, HALF};
-
 /// Where the arm may leave the straight line to the target and cut the corner.
 ///
 /// ```
-/// use iiwa_path::{Blend, Ptp};
+/// use iiwa_program::{Blend, Ptp};
 ///
 /// let ptp = Ptp::to([0.3; 7]).velocity(0.5).blend(Blend::Fraction(0.25));
 /// assert_eq!(ptp.blend, Some(Blend::Fraction(0.25)));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum Blend {
     /// b_% of Larsen 2019, Eq. 36: a share of each neighbouring segment, 0 to 0.5.
     Fraction(f64),
@@ -24,38 +19,18 @@ pub enum Blend {
 }
 
 /// Sunrise takes a relative blend below this as an exact stop.
-pub(crate) const SUNRISE_REL_MIN: f64 = 0.05;
+pub const SUNRISE_REL_MIN: f64 = 0.05;
 /// Sunrise takes a Cartesian blend below this as an exact stop, in mm.
-pub(crate) const CART_MM_MIN: f64 = 4.0;
+pub const CART_MM_MIN: f64 = 4.0;
 
 impl Blend {
     /// Whether it is large enough not to be a stop.
-    pub(crate) fn has_effect(self) -> bool {
+    #[must_use]
+    pub fn has_effect(self) -> bool {
         match self {
             Self::Fraction(b) => b > 0.0,
             Self::SunriseRel(x) => x >= SUNRISE_REL_MIN,
             Self::CartMm(r) => r >= CART_MM_MIN,
         }
-    }
-
-    /// The share of the segment from `target_rad` to `other_end_rad` that is blended away (Larsen 2019,
-    /// section 4.1), before Algorithm 3 makes both sides of the target reach equally far; none if the blend
-    /// is too small to have an effect.
-    #[must_use]
-    pub fn share(
-        self,
-        robot: &Robot,
-        search: BlendSearch,
-        target_rad: &Joints,
-        other_end_rad: &Joints,
-    ) -> Option<f64> {
-        self.has_effect().then(|| match self {
-            Self::Fraction(b) => b,
-            Self::SunriseRel(x) => x / 2.0,
-            Self::CartMm(r) => {
-                let crossing = search.crossing(robot, target_rad, other_end_rad, r * 1e-3);
-                crossing.unwrap_or(HALF)
-            }
-        })
     }
 }

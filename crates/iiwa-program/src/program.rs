@@ -6,7 +6,7 @@ use iiwa_kin::{Joint, Joints, Limits};
 
 use crate::{
     blend::Blend,
-    cartesian::CartesianFault,
+    cartesian_fault::CartesianFault,
     cartesian_motion::CartesianMotion,
     fault::Fault,
     limit_kind::LimitKind,
@@ -58,7 +58,6 @@ impl Start {
 
 /// One entry of a program's list of motions.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 #[expect(clippy::large_enum_variant, reason = "nearly all motions are of the large kind")]
 pub enum Motion {
     /// A point-to-point motion: a straight line in joint space.
@@ -137,7 +136,7 @@ impl Program {
     ///
     /// ```
     /// use iiwa_kin::Robot;
-    /// use iiwa_path::{Fault, Program};
+    /// use iiwa_program::{Fault, Program};
     ///
     /// let program = Program::from_deg([0.0; 7]).ptp_deg([0.0, 0.0, 0.0, -130.0, 0.0, 0.0, 0.0]).build();
     /// let fault = program.check(Robot::default().limits()).unwrap_err();
@@ -162,7 +161,11 @@ impl Program {
     }
 
     /// Checks all that can be checked without a robot.
-    pub(crate) fn check_numbers(&self) -> Result<(), Fault> {
+    ///
+    /// # Errors
+    ///
+    /// A [`Fault`] that says what is wrong in which motion.
+    pub fn check_numbers(&self) -> Result<(), Fault> {
         if self.motions.is_empty() {
             return Err(Fault::NoMotions);
         }
@@ -181,7 +184,11 @@ impl Program {
     }
 
     /// What [`check`](Self::check) says of the motions in `range`.
-    pub(crate) fn check_motions(&self, range: Range<usize>, limits: &Limits) -> Result<(), Fault> {
+    ///
+    /// # Errors
+    ///
+    /// A [`Fault`] that says what is wrong in which motion.
+    pub fn check_motions(&self, range: Range<usize>, limits: &Limits) -> Result<(), Fault> {
         for (motion, entry) in self.entries().take(range.end).skip(range.start) {
             self.check_entry(motion, entry)?;
             if let Motion::Ptp(ptp) = entry {
@@ -206,7 +213,7 @@ impl Program {
     }
 
     /// The motions with their places.
-    pub(crate) fn entries(&self) -> impl Iterator<Item = (MotionIndex, &Motion)> {
+    pub fn entries(&self) -> impl Iterator<Item = (MotionIndex, &Motion)> {
         (0..).map(MotionIndex::new).zip(&self.motions)
     }
 

@@ -41,12 +41,12 @@ impl Workcell {
     /// Reads the tools, bases and frames that programs include, as [`to_json`](Self::to_json) writes them.
     ///
     /// ```
-    /// use iiwa_path::Workcell;
+    /// use iiwa_program::Workcell;
     ///
     /// let cell = Workcell::from_json(r#"{ "version": 1, "bases": { "table": { "x_mm": 500 } } }"#)?;
     /// assert_eq!(cell.bases["table"].frame.xyz_mm, [500.0, 0.0, 0.0]);
     /// assert_eq!(Workcell::from_json(&cell.to_json())?, cell);
-    /// # Ok::<(), iiwa_path::ProgramError>(())
+    /// # Ok::<(), iiwa_program::ProgramError>(())
     /// ```
     ///
     /// # Errors
@@ -110,7 +110,7 @@ impl Program {
     /// what [`from_json_with`](Self::from_json_with) reads.
     ///
     /// ```
-    /// use iiwa_path::Program;
+    /// use iiwa_program::Program;
     ///
     /// let text = r#"{ "version": 1, "include": "cell.json", "frames": {},
     ///                 "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
@@ -118,7 +118,7 @@ impl Program {
     /// let cell = r#"{ "version": 1, "bases": { "table": { "x_mm": 500 } } }"#;
     /// let program = Program::from_json(&Program::merged_json(text, cell)?)?;
     /// assert_eq!(program.workcell.bases["table"].frame.xyz_mm, [500.0, 0.0, 0.0]);
-    /// # Ok::<(), iiwa_path::ProgramError>(())
+    /// # Ok::<(), iiwa_program::ProgramError>(())
     /// ```
     ///
     /// # Errors

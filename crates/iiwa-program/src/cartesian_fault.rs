@@ -2,7 +2,6 @@
 
 use iiwa_kin::{OutsideRange, SingularPart, Unreachable};
 
-use super::tcp_course::CourseFault;
 use crate::workcell::NameFault;
 
 /// Something in a motion to a frame that cannot be planned.
@@ -103,9 +102,25 @@ pub enum CartesianFault {
     Blend(&'static str),
 }
 
+/// What a circle and the frames on it cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CourseFault {
+    /// The orientations differ by half a turn.
+    #[error(
+        "the orientation would turn by half a turn: the way round is not defined; add a frame in between, or turn a \
+         little less"
+    )]
+    HalfTurn,
+    /// Start, auxiliary frame and end are on a line, or two of them are the same.
+    #[error("start, auxiliary frame and end are on one line: no circle goes through them")]
+    NoCircle,
+}
+
 impl CartesianFault {
     /// The same without another E1: on a spline that would change the segments around, too.
-    pub(crate) fn without_hint(self) -> Self {
+    #[must_use]
+    pub fn without_hint(self) -> Self {
         match self {
             Self::OutsideOnTheWay { s, outside, .. } => {
                 Self::OutsideOnTheWay { s, outside, other_e1_deg: None }

@@ -1,0 +1,62 @@
+//! Motion programs of the KUKA LBR iiwa: what the arm is told to do, with which tools, in which frames, and the JSON
+//! that says so. It plans nothing.
+//!
+//! ```
+//! use iiwa_program::{Motion, Program};
+//!
+//! let program = Program::from_json(r#"{
+//!     "version": 1,
+//!     "tools": { "gripper": { "tcp": { "z_mm": 120 } } },
+//!     "tool": "gripper",
+//!     "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+//!     "motions": [
+//!         { "type": "ptp", "joints_deg": [0, 30, 0, -80, 0, 70, 0], "velocity_rel": 0.5 },
+//!         { "type": "lin_rel", "offset": { "z_mm": 50 }, "cart_velocity_mm_s": 100 }
+//!     ]
+//! }"#)?;
+//! assert!(matches!(program.motions[1], Motion::Cartesian(_)));
+//! assert_eq!(program.tcps()?[1].position_m, [0.0, 0.0, 0.12]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A [`Program`] has a start, [`Motion`]s and a [`Workcell`] of tools, bases and frames. It is read by
+//! [`Program::from_json`], which says where in the text a [`Fault`] is, or made in code with [`Program::from_deg`].
+
+mod blend;
+mod cartesian_fault;
+mod cartesian_motion;
+mod fault;
+mod frame;
+mod joints_at;
+mod limit_kind;
+mod motion_index;
+mod motion_limits;
+mod motion_type;
+mod placed_frame;
+mod program;
+mod program_builder;
+mod target;
+mod tcps;
+mod tool_limits;
+mod wire;
+mod workcell;
+
+pub use blend::{Blend, CART_MM_MIN, SUNRISE_REL_MIN};
+pub use cartesian_fault::{CartesianFault, CourseFault};
+pub use cartesian_motion::{
+    AuxOrientation, CartesianMotion, Circ, Course, MAX_SEGMENTS, OrientationType, PathBlend,
+    SegmentCourse, SplineSegment,
+};
+pub use fault::Fault;
+pub use frame::Frame;
+pub use limit_kind::{ByKind, LimitKind};
+pub use motion_index::MotionIndex;
+pub use motion_limits::MotionLimits;
+pub use motion_type::MotionType;
+pub use placed_frame::PlacedFrame;
+pub use program::{Motion, Program, Ptp, Start};
+pub use program_builder::ProgramBuilder;
+pub use target::{Target, TargetRef};
+pub use tool_limits::ToolLimits;
+pub use wire::ProgramError;
+pub use workcell::{Base, Load, NameFault, OperatingMode, T1_SPEED_M_S, Tool, Workcell};

@@ -1,0 +1,38 @@
+//! The TCPs of the motions.
+
+use iiwa_kin::Pose;
+
+use crate::{
+    cartesian_fault::CartesianFault,
+    fault::Fault,
+    program::{Motion, Program},
+};
+
+impl Program {
+    /// The TCP that each motion moves, in the flange's frame: that of its tool, and the program's where it has none of
+    /// its own; of a wait that of the motion before.
+    ///
+    /// # Errors
+    ///
+    /// [`Fault::Cartesian`] if there is no such tool.
+    pub fn tcps(&self) -> Result<Vec<Pose>, Fault> {
+        let mut before = None;
+        let tcps = self.entries().map(|(motion, entry)| {
+            let tool = match entry {
+                Motion::Cartesian(own) => own.tool.as_deref(),
+                Motion::Ptp(_) | Motion::Wait { .. } => None,
+            };
+            let tcp = match (entry, before) {
+                (Motion::Wait { .. }, Some(tcp)) => tcp,
+                _ => self.workcell.tcp(tool).map_err(|fault| Fault::Cartesian {
+                    motion: Some(motion),
+                    key: "tool",
+                    fault: Box::new(CartesianFault::Name(fault)),
+                })?,
+            };
+            before = Some(tcp);
+            Ok(tcp)
+        });
+        tcps.collect()
+    }
+}
