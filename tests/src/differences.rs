@@ -10,10 +10,12 @@ pub fn ratio(values: &Joints, limits: &Joints) -> f64 {
     values.iter().zip(limits).map(|(v, l)| v.abs() / l).fold(0.0, f64::max)
 }
 
-/// The largest limits of `motions`.
+/// The largest of some limits.
 #[must_use]
-pub fn largest(motions: &[MotionLimits], kind: LimitKind) -> Joints {
-    std::array::from_fn(|j| motions.iter().map(|limits| limits.of(kind)[j]).fold(0.0, f64::max))
+pub fn largest<'a>(all: impl Iterator<Item = &'a MotionLimits>, kind: LimitKind) -> Joints {
+    all.fold([0.0; 7], |largest, limits| {
+        std::array::from_fn(|j| limits.of(kind)[j].max(largest[j]))
+    })
 }
 
 /// Factors of the samples in the first to third difference.
@@ -24,7 +26,7 @@ const BINOMIAL: [&[f64]; 3] = [&[-1.0, 1.0], &[1.0, -2.0, 1.0], &[-1.0, 3.0, -3.
 /// Where motions meet within a difference, the larger limit counts.
 #[must_use]
 pub fn ratios(trajectory: &Trajectory, rate_hz: f64) -> [f64; 3] {
-    let limits = trajectory.path().limits();
+    let path = trajectory.path();
     let all: Vec<State> = (0..u32::MAX)
         .map(|i| f64::from(i) / rate_hz)
         .take_while(|t_s| *t_s <= trajectory.cycle_time_s())
@@ -38,8 +40,8 @@ pub fn ratios(trajectory: &Trajectory, rate_hz: f64) -> [f64; 3] {
                 let difference: Joints = std::array::from_fn(|j| {
                     unit * states.iter().zip(factors).map(|(state, f)| f * state.q[j]).sum::<f64>()
                 });
-                let [first, last] = [0, states.len() - 1].map(|i| states[i].motion.index());
-                ratio(&difference, &largest(&limits[first..=last], kind))
+                let steps = states[0].step..=states[states.len() - 1].step;
+                ratio(&difference, &largest(steps.map(|step| path.limits_of(step)), kind))
             })
             .fold(0.0, f64::max)
     })

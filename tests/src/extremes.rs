@@ -106,7 +106,7 @@ pub fn piece_extremes(
     floor: &Extremes,
 ) -> Extremes {
     let Some(segment) = section.segment(piece) else { return Extremes::default() };
-    let limits = &trajectory.path().limits()[piece.motion.index()];
+    let limits = trajectory.path().limits_of(piece.step);
     let mut over = LimitKind::ALL.map(|kind| limits.of(kind).map(|limit| 1.0 / limit));
     if !matches!(timing, Timing::Jerk(_)) {
         over[2] = [0.0; 7];
@@ -333,7 +333,7 @@ mod tests {
                 let mut sampled = [0.0_f64; 3];
                 for section in trajectory.sections() {
                     for piece in section.pieces() {
-                        let limits = &path.limits()[piece.motion.index()];
+                        let limits = path.limits_of(piece.step);
                         for pair in section.nodes(piece).windows(2) {
                             let dt = pair[0].dt_s;
                             // The ends are left out: rounding may put them into the next interval.
@@ -378,7 +378,7 @@ mod tests {
             let trajectory = Trajectory::plan(&path, timing).unwrap();
             for section in trajectory.sections() {
                 for piece in section.pieces().iter().filter(|piece| piece.kind.moves()) {
-                    let limits = &path.limits()[piece.motion.index()];
+                    let limits = path.limits_of(piece.step);
                     let found =
                         piece_extremes(&trajectory, section, piece, timing, &Extremes::default());
                     let [velocity, acceleration, _] = found.peaks();

@@ -20,9 +20,9 @@ pub(crate) fn jumps(trajectory: &Trajectory, section: &Section, timing: Timing) 
     let mut worst = [0.0_f64; 2];
     let is_jerk_limited = matches!(timing, Timing::Jerk(_));
     let mut jump = |a: &Side<'_>, b: &Side<'_>| {
-        let limits = [*a.limits, *b.limits];
-        let [velocity, acceleration] =
-            [LimitKind::Velocity, LimitKind::Acceleration].map(|kind| largest(&limits, kind));
+        let limits = [a.limits, b.limits];
+        let [velocity, acceleration] = [LimitKind::Velocity, LimitKind::Acceleration]
+            .map(|kind| largest(limits.into_iter(), kind));
         for j in 0..7 {
             let by = [(a.dq[j] - b.dq[j]) / velocity[j], (a.ddq[j] - b.ddq[j]) / acceleration[j]];
             for (worst, by) in worst.iter_mut().zip(by).take(1 + usize::from(is_jerk_limited)) {
@@ -33,7 +33,7 @@ pub(crate) fn jumps(trajectory: &Trajectory, section: &Section, timing: Timing) 
     };
     let mut before: Option<Side<'_>> = None;
     for piece in section.pieces() {
-        let limits = &trajectory.path().limits()[piece.motion.index()];
+        let limits = trajectory.path().limits_of(piece.step);
         let rest = Side { dq: [0.0; 7], ddq: [0.0; 7], limits };
         let Some(segment) = section.segment(piece) else {
             jump(&before.unwrap_or(rest), &rest);

@@ -13,10 +13,9 @@ use crate::differences::{largest, ratio};
 /// a window, the larger limit counts.
 #[must_use]
 pub fn mean_ratios(trajectory: &Trajectory, window_s: f64) -> [f64; 3] {
-    let limits = trajectory.path().limits();
+    let path = trajectory.path();
     let mut worst = [0.0_f64; 3];
     let mut window = |start: &State, end: &State| {
-        let motions = &limits[start.motion.index()..=end.motion.index()];
         // Late in a long program, times are rounded. Windows that are cut short at its start or its end
         // show rounding, not means.
         let seconds = end.t_s - start.t_s;
@@ -27,7 +26,10 @@ pub fn mean_ratios(trajectory: &Trajectory, window_s: f64) -> [f64; 3] {
             |from: &Joints, to: &Joints| std::array::from_fn(|j| (to[j] - from[j]) / seconds);
         let means = [mean(&start.q, &end.q), mean(&start.dq, &end.dq), mean(&start.ddq, &end.ddq)];
         for ((worst, mean), kind) in worst.iter_mut().zip(&means).zip(LimitKind::ALL) {
-            *worst = worst.max(ratio(mean, &largest(motions, kind)));
+            *worst = worst.max(ratio(
+                mean,
+                &largest((start.step..=end.step).map(|step| path.limits_of(step)), kind),
+            ));
         }
     };
     let end_s = trajectory.cycle_time_s();

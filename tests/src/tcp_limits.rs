@@ -59,7 +59,7 @@ pub fn ratios_at(
     trajectory: &Trajectory,
     state: &State,
 ) -> [[f64; 3]; 2] {
-    let limits = trajectory.path().limits()[state.motion.index()].tool();
+    let limits = trajectory.path().limits_of(state.step).tool();
     let joints = std::array::from_fn(|j| {
         Taylor([state.q[j], state.dq[j], state.ddq[j] / 2.0, state.dddq[j] / 6.0])
     });
@@ -105,9 +105,9 @@ pub fn tcp_difference_ratios(
         robot.flange_pose(&state.q).then(tcp).to_isometry()
     };
     let limits = |states: &[State], which: fn(&MotionLimits, LimitKind) -> f64, kind| {
-        let [first, last] = [0, states.len() - 1].map(|i| states[i].motion.index());
-        let motions = &trajectory.path().limits()[first..=last];
-        motions.iter().map(|limits| which(limits, kind)).fold(0.0, f64::max)
+        let steps = states[0].step..=states[states.len() - 1].step;
+        let path = trajectory.path();
+        steps.map(|step| which(path.limits_of(step), kind)).fold(0.0, f64::max)
     };
     let mut worst = [[0.0_f64; 2]; 2];
     for states in all.windows(3) {
@@ -132,7 +132,7 @@ pub fn tcp_difference_ratios(
             worst[k][0] = worst[k][0].max(velocity);
             let limits_both = states
                 .iter()
-                .any(|state| limits_both(trajectory.path().limits()[state.motion.index()].tool()));
+                .any(|state| limits_both(trajectory.path().limits_of(state.step).tool()));
             if steps[0][k].min(steps[1][k]) > SLOW && !limits_both {
                 let change = (steps[1][k] - steps[0][k]).abs() * rate_hz;
                 let ratio = change / limits(states, which, LimitKind::Acceleration);

@@ -10,8 +10,8 @@ use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_path::{JointPath, Step};
 use iiwa_program::{
     AuxOrientation, Base, Blend, ByKind, CartesianFault, CartesianMotion, Circ, Course, Fault,
-    Frame, Motion, OrientationType, PathBlend, Program, Ptp, SegmentCourse, SplineSegment, Start,
-    Target, TargetRef, Tool, ToolLimits, Workcell,
+    Frame, Motion, OrientationType, PathBlend, Program, Ptp, SegmentCourse, SegmentLimits,
+    SplineSegment, Start, Target, TargetRef, Tool, ToolLimits, Workcell,
 };
 
 use crate::families::dice::Dice;
@@ -203,6 +203,30 @@ fn path_blend(dice: &mut Dice) -> PathBlend {
     PathBlend { cart_mm, orientation_rad, sunrise_rel, fraction: None }
 }
 
+/// Some limits of the TCP.
+fn tool_limits(dice: &mut Dice) -> ToolLimits {
+    let mut any =
+        |percent: u8, ranges: [[f64; 2]; 3]| {
+            let limits = ranges.map(|[least, most]| {
+                if dice.percent(percent) { dice.log(least, most) } else { f64::INFINITY }
+            });
+            ByKind::from_array(limits)
+        };
+    ToolLimits {
+        way: any(35, [[0.02, 2.0], [0.1, 20.0], [1.0, 500.0]]),
+        turn: any(20, [[0.1, 5.0], [0.5, 50.0], [5.0, 1000.0]]),
+    }
+}
+
+/// Limits of a segment of its own, on every fourth.
+fn segment_limits(dice: &mut Dice) -> SegmentLimits {
+    if !dice.percent(25) {
+        return SegmentLimits::default();
+    }
+    let shares = ByKind::from_fn(|_| dice.percent(30).then(|| [dice.between(0.1, 1.0); 7]));
+    SegmentLimits { shares, tool: tool_limits(dice) }
+}
+
 /// A motion to be drawn, from where the arm is.
 struct Way<'a> {
     robot: &'a Robot,
@@ -261,16 +285,7 @@ impl Way<'_> {
 
     /// The same with limits of the TCP and a law of orientation.
     fn path(dice: &mut Dice) -> CartesianMotion {
-        let mut any = |percent: u8, ranges: [[f64; 2]; 3]| {
-            let limits = ranges.map(|[least, most]| {
-                if dice.percent(percent) { dice.log(least, most) } else { f64::INFINITY }
-            });
-            ByKind::from_array(limits)
-        };
-        let tool_limits = ToolLimits {
-            way: any(35, [[0.02, 2.0], [0.1, 20.0], [1.0, 500.0]]),
-            turn: any(20, [[0.1, 5.0], [0.5, 50.0], [5.0, 1000.0]]),
-        };
+        let tool_limits = tool_limits(dice);
         let orientation =
             if dice.percent(20) { OrientationType::Constant } else { OrientationType::Variable };
         CartesianMotion { tool_limits, orientation, ..Self::unlimited(dice) }
@@ -394,7 +409,7 @@ impl Way<'_> {
                 1 => Some(OrientationType::Ignore),
                 _ => None,
             };
-            SplineSegment { course, orientation }
+            SplineSegment { course, orientation, limits: segment_limits(dice) }
         });
         CartesianMotion { course: Course::Spline(segments.collect()), ..path }
     }

@@ -92,7 +92,7 @@ fn check(trajectory: &Trajectory) {
     let path = trajectory.path();
     let mut last: Option<State> = None;
     for state in trajectory.states() {
-        let limits = &path.limits()[state.motion.index()];
+        let limits = path.limits_of(state.step);
         for j in 0..7 {
             let v = state.dq[j].abs() / limits.velocity_rad_s()[j];
             let a = state.ddq[j].abs() / limits.acceleration_rad_s2()[j];

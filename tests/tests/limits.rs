@@ -62,7 +62,7 @@ fn keeps(trajectory: &Trajectory, rate_hz: f64, allowed: &[f64]) -> Result<(), T
 fn check_acceleration(program: &Program) -> Result<(), TestCaseError> {
     let trajectory = plan(program, Timing::Acceleration(SweepOptions::default()))?;
     for state in trajectory.states() {
-        let limits = &trajectory.path().limits()[state.motion.index()];
+        let limits = trajectory.path().limits_of(state.step);
         let v = ratio(&state.dq, limits.velocity_rad_s());
         let a = ratio(&state.ddq, limits.acceleration_rad_s2());
         prop_assert!(v <= 1.0 + 1e-6, "velocity ratio {v} at {} s", state.t_s);
@@ -88,12 +88,12 @@ fn check_jerk(program: &Program) -> Result<(), TestCaseError> {
 const JUST: f64 = 1e-10;
 
 fn acceleration_continues(trajectory: &Trajectory) -> Result<(), TestCaseError> {
-    let all = trajectory.path().limits();
+    let path = trajectory.path();
     for node in trajectory.states() {
         let [before, after] = [-JUST, JUST].map(|just| trajectory.at(node.t_s + just));
-        let motions = &all[before.motion.index()..=after.motion.index()];
-        let acceleration = largest(motions, LimitKind::Acceleration);
-        let jerk = largest(motions, LimitKind::Jerk);
+        let limits = || (before.step..=after.step).map(|step| path.limits_of(step));
+        let acceleration = largest(limits(), LimitKind::Acceleration);
+        let jerk = largest(limits(), LimitKind::Jerk);
         for j in 0..7 {
             let jump = (after.ddq[j] - before.ddq[j]).abs();
             // Jerk is held against its limit over a millisecond: for an instant it may be above.

@@ -6,7 +6,7 @@ use iiwa_kin::{Joints, Pose, Robot, vector};
 use iiwa_path::{JointPath, Segment, Step};
 use iiwa_program::{
     CartesianMotion, Course, Frame, LimitKind, Motion, OrientationType, PathBlend, Program,
-    SegmentCourse, SplineSegment, Start, TargetRef, Workcell,
+    SegmentCourse, SplineSegment, Start, TargetRef, ToolLimits, Workcell,
 };
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{
@@ -52,7 +52,7 @@ fn faults(TcpProgram { robot, program, .. }: &TcpProgram) -> Vec<String> {
             faults.extend(found("joints by differences", &ratios(&trajectory, rate_hz)));
             let mut joints = [0.0_f64; 3];
             for state in trajectory.samples(rate_hz) {
-                let limits = &path.limits()[state.motion.index()];
+                let limits = path.limits_of(state.step);
                 let all = [
                     (&state.dq, limits.velocity_rad_s()),
                     (&state.ddq, limits.acceleration_rad_s2()),
@@ -219,8 +219,12 @@ fn scaled_limits_scale_time() {
                     Motion::Ptp(ptp) => ptp.share_mut(kind).iter_mut().for_each(|s| *s *= by),
                     Motion::Cartesian(own) => {
                         own.shares[kind].iter_mut().for_each(|share| *share *= by);
-                        own.tool_limits.way[kind] *= by;
-                        own.tool_limits.turn[kind] *= by;
+                        scale(&mut own.tool_limits, kind, by);
+                        let Course::Spline(segments) = &mut own.course else { continue };
+                        for limits in segments.iter_mut().map(|segment| &mut segment.limits) {
+                            limits.shares[kind].iter_mut().flatten().for_each(|share| *share *= by);
+                            scale(&mut limits.tool, kind, by);
+                        }
                     }
                     Motion::Wait { .. } => {}
                 }
@@ -233,6 +237,11 @@ fn scaled_limits_scale_time() {
             assert!(off.abs() < 1e-3, "program {index} by {}: {off:e}", timing.name());
         }
     }
+}
+
+fn scale(limits: &mut ToolLimits, kind: LimitKind, by: f64) {
+    limits.way[kind] *= by;
+    limits.turn[kind] *= by;
 }
 
 /// The segments between stops.

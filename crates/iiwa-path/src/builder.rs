@@ -64,7 +64,12 @@ pub(crate) fn steps(
                 steps.check_image(motion, image)?;
                 let blend = Some(Corner { motion, gamma_deg: *gamma_deg });
                 let segment = Arc::new(image.clone());
-                steps.push(Step::Move { motion: motion.next(), segment, blend });
+                steps.push(Step::Move {
+                    motion: motion.next(),
+                    segment,
+                    blend,
+                    limits: corner.limits.clone(),
+                });
             }
             None => steps.push(Step::Settle { motion }),
         }
@@ -194,11 +199,11 @@ struct Builder<'a> {
 impl Builder<'_> {
     fn push(&mut self, step: Step) {
         self.steps.push(match (step, &self.supervised) {
-            (Step::Move { motion, segment, blend }, Some(tcps)) => {
+            (Step::Move { motion, segment, blend, limits }, Some(tcps)) => {
                 let robot = Arc::clone(self.robot);
                 let tcp = tcps[motion.index()];
                 let segment = Arc::new(Supervised { inner: segment, robot, tcp });
-                Step::Move { motion, segment, blend }
+                Step::Move { motion, segment, blend, limits }
             }
             (step, _) => step,
         });
@@ -270,7 +275,7 @@ impl Builder<'_> {
             })?
         };
         let segment = Arc::new(image.with_sigma(sigma));
-        self.push(Step::Move { motion, segment, blend: None });
+        self.push(Step::Move { motion, segment, blend: None, limits: path.limits.clone() });
         Ok(())
     }
 
@@ -288,7 +293,7 @@ impl Builder<'_> {
     fn push_line(&mut self, motion: MotionIndex, from: Joints, to: Joints) {
         let line = Line::new(from, to);
         if line.length_rad() > NO_MOTION_RAD {
-            self.push(Step::Move { motion, segment: Arc::new(line), blend: None });
+            self.push(Step::Move { motion, segment: Arc::new(line), blend: None, limits: None });
         }
     }
 
@@ -321,7 +326,7 @@ impl Builder<'_> {
             return Ok(());
         }
         let blend = Some(Corner { motion, gamma_deg });
-        self.push(Step::Move { motion: motion.next(), segment, blend });
+        self.push(Step::Move { motion: motion.next(), segment, blend, limits: None });
         Ok(())
     }
 

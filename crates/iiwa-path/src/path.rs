@@ -105,7 +105,7 @@ impl JointPath {
     ///
     /// let robot = Robot::default();
     /// let line = Line::new([0.0; 7], [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    /// let steps = vec![Step::Move { motion: MotionIndex::new(0), segment: Arc::new(line), blend: None }];
+    /// let steps = vec![Step::Move { motion: MotionIndex::new(0), segment: Arc::new(line), blend: None, limits: None }];
     /// let limits = vec![MotionLimits::full(&robot)];
     /// let path = JointPath::from_steps(&robot, [0.0; 7], steps, limits)?;
     /// assert_eq!(path.steps().len(), 1);
@@ -168,6 +168,22 @@ impl JointPath {
     #[must_use]
     pub fn limits(&self) -> &[MotionLimits] {
         &self.limits
+    }
+
+    /// The limits that hold on a step: those of its motion, but for segments of splines with limits of their own.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such step.
+    #[must_use]
+    pub fn limits_of(&self, step: usize) -> &MotionLimits {
+        match &self.steps[step] {
+            Step::Move { limits: Some(own), .. } => own,
+            Step::Move { motion, .. }
+            | Step::Corner { motion }
+            | Step::Settle { motion }
+            | Step::Wait { motion, .. } => &self.limits[motion.index()],
+        }
     }
 
     /// The TCP that a motion moves, in the flange's frame: that of its tool, and of the program's where it has none of

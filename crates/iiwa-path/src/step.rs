@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::segment::Segment;
-use iiwa_program::MotionIndex;
+use iiwa_program::{MotionIndex, MotionLimits};
 
 /// One thing that the arm does.
 #[derive(Clone, Debug)]
@@ -11,13 +11,15 @@ use iiwa_program::MotionIndex;
 pub enum Step {
     /// It moves, within the limits of `motion`.
     Move {
-        /// The motion whose limits hold. In a blend it is the following one: measured for speed
+        /// The motion whose limits hold, if there are no others. In a blend it is the following one: measured for speed
         /// (Larsen 2019, Appendix B), assumed for acceleration and jerk.
         motion: MotionIndex,
         /// Where it moves.
         segment: Arc<dyn Segment>,
         /// The corner, if this is a blend.
         blend: Option<Corner>,
+        /// Other limits than the motion's: those of a spline's segment that has its own.
+        limits: Option<Arc<MotionLimits>>,
     },
     /// It stops and goes on at once: a corner that no blend rounds.
     Corner {

@@ -34,11 +34,12 @@ impl fmt::Display for TurnContradiction {
 }
 
 impl TurnContradiction {
-    /// The targets of a program whose turn is not that of the joints with which the arm arrives, in order. Nothing depends on the turn:
-    /// the other numbers settle the joints.
+    /// The targets of a program whose turn is not that of the joints with which the arm arrives, in order. Nothing depends on
+    /// the turn: the other numbers settle the joints.
     ///
     /// ```
     /// use iiwa_kin::Robot;
+    /// use iiwa_path::TurnContradiction;
     /// use iiwa_program::Program;
     ///
     /// let program = Program::from_json(r#"{

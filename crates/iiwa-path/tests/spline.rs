@@ -4,7 +4,7 @@
 
 use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_path::{JointPath, Segment, Step};
-use iiwa_program::Program;
+use iiwa_program::{LimitKind, Program};
 use serde_json::{Value, json};
 
 /// Where the programs start: the wrist is away from all singular poses.
@@ -381,4 +381,42 @@ fn turns_in_place_may_be_a_little_off() {
 fn a_single_spl_is_refused_at_its_frame() {
     let refused = plan(&program(&json!([{ "type": "spl", "frame": "home" }]))).unwrap_err();
     assert!(refused.starts_with("motion 1: there is no frame `home`"), "{refused}");
+}
+
+/// A segment has its own limits where it says so, and else those of the spline.
+#[test]
+fn segments_have_limits_of_their_own() {
+    let with = |mut segment: Value, limits: &Value| {
+        segment.as_object_mut().unwrap().extend(limits.as_object().unwrap().clone());
+        segment
+    };
+    let slow = json!({ "cart_velocity_mm_s": 20, "velocity_rel": 0.5 });
+    let segments = [
+        segment("spl", frame(50.0, 30.0, 0.0)),
+        with(segment("spl", frame(100.0, 0.0, 0.0)), &slow),
+        segment("lin", frame(150.0, -30.0, 0.0)),
+    ];
+    let whole = json!({ "cart_velocity_mm_s": 250, "acceleration_rel": 0.4 });
+    let path = plan(&program(&json!([with(spline(&segments), &whole)]))).unwrap();
+    let full = path.robot().limits();
+    let limits = [0, 1, 2].map(|step| path.limits_of(step));
+    for (limits, [speed, share]) in limits.into_iter().zip([[0.25, 1.0], [0.02, 0.5], [0.25, 1.0]])
+    {
+        assert!((limits.tool().way[LimitKind::Velocity] - speed).abs() < 1e-15);
+        assert!((limits.velocity_rad_s()[0] - share * full.velocity_rad_s[0]).abs() < 1e-15);
+        assert!(
+            (limits.acceleration_rad_s2()[0] - 0.4 * full.acceleration_rad_s2[0]).abs() < 1e-15
+        );
+    }
+    // Written and read, it is the same.
+    let text = serde_json::to_string(&program(&json!([spline(&segments)]))).unwrap();
+    let read = Program::from_json(&text).unwrap();
+    assert_eq!(Program::from_json(&read.to_json()).unwrap(), read);
+    for (key, value) in
+        [("cart_jerk_mm_s3", json!(0)), ("jerk_rel", json!(1.5)), ("jerk_rel", json!([1, 1]))]
+    {
+        let segments = [with(segments[0].clone(), &json!({ key: value })), segments[1].clone()];
+        let refused = plan(&program(&json!([spline(&segments)]))).unwrap_err();
+        assert!(refused.contains("motion 1") && refused.contains("at line"), "{refused}");
+    }
 }

@@ -58,6 +58,16 @@ pub enum CartesianFault {
         /// What it is.
         found: f64,
     },
+    /// A share of the joints' limits is not in (0, 1], or next to nothing.
+    #[error("{key} is {found}; it must be at least {min} and at most 1")]
+    Share {
+        /// The share's key in programs.
+        key: &'static str,
+        /// What it is.
+        found: f64,
+        /// What it has to be at least.
+        min: f64,
+    },
     /// A circle's angle is zero or beyond a full turn.
     #[error("circ_angle_deg is {found_deg}; it must be from -360 to 360, and not 0")]
     CircAngle {

@@ -4,7 +4,7 @@ use iiwa_kin::Joints;
 
 use crate::{
     blend::Blend, cartesian_fault::CartesianFault, frame::Frame, limit_kind::ByKind,
-    target::TargetRef, tool_limits::ToolLimits,
+    segment_limits::SegmentLimits, target::TargetRef, tool_limits::ToolLimits,
 };
 
 /// A motion whose end is given as a frame of the TCP.
@@ -72,6 +72,8 @@ pub struct SplineSegment {
     pub course: SegmentCourse,
     /// How the orientation goes along; as the spline says if absent.
     pub orientation: Option<OrientationType>,
+    /// Limits of its own.
+    pub limits: SegmentLimits,
 }
 
 /// The course of a segment of a spline.
@@ -178,23 +180,8 @@ impl CartesianMotion {
         }
     }
 
-    /// The limits of the TCP by their keys in programs, in the keys' units.
-    pub(crate) fn limits_by_key(&self) -> [(&'static str, f64); 6] {
-        let ToolLimits { way, turn } = &self.tool_limits;
-        let way = way.into_array().map(|limit| 1e3 * limit);
-        let turn = turn.into_array().map(f64::to_degrees);
-        [
-            ("cart_velocity_mm_s", way[0]),
-            ("cart_acceleration_mm_s2", way[1]),
-            ("cart_jerk_mm_s3", way[2]),
-            ("orientation_velocity_deg_s", turn[0]),
-            ("orientation_acceleration_deg_s2", turn[1]),
-            ("orientation_jerk_deg_s3", turn[2]),
-        ]
-    }
-
-    /// Checks that a spline has as many segments as one can have, and that no other motion has an orientation that is for
-    /// them.
+    /// Checks that a spline has as many segments as one can have, with limits that can be kept, and that no other motion has
+    /// an orientation that is for them.
     pub(crate) fn check_segments(&self) -> Result<(), (&'static str, CartesianFault)> {
         match &self.course {
             Course::Spline(segments) if !(1..=MAX_SEGMENTS).contains(&segments.len()) => Err((
@@ -206,7 +193,12 @@ impl CartesianMotion {
                 if own.chain([self.orientation]).any(|law| law == OrientationType::Joints) {
                     return Err(("orientation", CartesianFault::WristInSpline));
                 }
-                Ok(())
+                segments.iter().enumerate().try_for_each(|(index, segment)| {
+                    segment.limits.check().map_err(|(key, fault)| {
+                        let fault = Box::new(fault);
+                        ("segments", CartesianFault::Segment { index, key, fault })
+                    })
+                })
             }
             _ if self.orientation == OrientationType::Ignore => {
                 Err(("orientation", CartesianFault::IgnoredOrientation))
@@ -220,7 +212,9 @@ impl CartesianMotion {
     pub fn is_single_spl(&self) -> bool {
         let Course::Spline(segments) = &self.course else { return false };
         let single = |segment: &SplineSegment| {
-            matches!(segment.course, SegmentCourse::Spl { .. }) && segment.orientation.is_none()
+            matches!(segment.course, SegmentCourse::Spl { .. })
+                && segment.orientation.is_none()
+                && segment.limits == SegmentLimits::default()
         };
         segments.len() == 1 && segments.iter().all(single)
     }

@@ -4,6 +4,9 @@ use std::fmt;
 
 use enum_map::{Enum, EnumMap};
 
+/// The least share of a limit: at a millionth of its speed the arm takes weeks for half a turn.
+pub(crate) const MIN_SHARE: f64 = 1e-6;
+
 /// A kind of limit of a joint, or of the TCP.
 ///
 /// ```

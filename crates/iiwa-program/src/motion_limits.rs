@@ -4,8 +4,10 @@ use enum_map::enum_map;
 use iiwa_kin::{Joints, Robot};
 
 use crate::{
+    cartesian_motion::CartesianMotion,
     limit_kind::{ByKind, LimitKind},
     program::Motion,
+    segment_limits::SegmentLimits,
     tool_limits::ToolLimits,
     workcell::{OperatingMode, T1_SPEED_M_S},
 };
@@ -42,19 +44,40 @@ impl MotionLimits {
     /// Those of `motion` on `robot`.
     #[must_use]
     pub fn of_motion(robot: &Robot, motion: &Motion, mode: OperatingMode) -> Self {
-        let mut limits = Self::full(robot);
+        match motion {
+            Motion::Ptp(ptp) => {
+                Self::of_shares(robot, |kind| ptp.share(kind), ToolLimits::NONE, mode)
+            }
+            Motion::Cartesian(own) => {
+                Self::of_shares(robot, |kind| &own.shares[kind], own.tool_limits, mode)
+            }
+            Motion::Wait { .. } => Self::of_shares(robot, |_| &[1.0; 7], ToolLimits::NONE, mode),
+        }
+    }
+
+    /// Those of a segment of `spline` on `robot`: its own, and the spline's where it has none.
+    #[must_use]
+    pub fn of_segment(
+        robot: &Robot,
+        spline: &CartesianMotion,
+        own: &SegmentLimits,
+        mode: OperatingMode,
+    ) -> Self {
+        let shares = |kind| own.shares[kind].as_ref().unwrap_or(&spline.shares[kind]);
+        Self::of_shares(robot, shares, own.tool.or(&spline.tool_limits), mode)
+    }
+
+    fn of_shares<'a>(
+        robot: &Robot,
+        shares: impl Fn(LimitKind) -> &'a Joints,
+        tool: ToolLimits,
+        mode: OperatingMode,
+    ) -> Self {
+        let mut limits = Self { tool, ..Self::full(robot) };
         for (kind, limits) in &mut limits.joints {
-            let shares = match motion {
-                Motion::Ptp(ptp) => ptp.share(kind),
-                Motion::Cartesian(own) => &own.shares[kind],
-                Motion::Wait { .. } => continue,
-            };
-            for (limit, share) in limits.iter_mut().zip(shares) {
+            for (limit, share) in limits.iter_mut().zip(shares(kind)) {
                 *limit *= share;
             }
-        }
-        if let Motion::Cartesian(own) = motion {
-            limits.tool = own.tool_limits;
         }
         if mode == OperatingMode::T1 {
             let speed = &mut limits.tool.way[LimitKind::Velocity];

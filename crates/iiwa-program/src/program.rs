@@ -6,10 +6,9 @@ use iiwa_kin::{Joint, Joints, Limits};
 
 use crate::{
     blend::Blend,
-    cartesian_fault::CartesianFault,
     cartesian_motion::CartesianMotion,
     fault::Fault,
-    limit_kind::LimitKind,
+    limit_kind::{LimitKind, MIN_SHARE},
     motion_index::MotionIndex,
     target::TargetRef,
     workcell::{OperatingMode, Workcell},
@@ -226,11 +225,7 @@ impl Program {
         check_shares(motion, |kind| &own.shares[kind])?;
         let fault =
             |key, fault| Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) };
-        for (key, found) in own.limits_by_key() {
-            if found.is_nan() || found <= 0.0 {
-                return Err(fault(key, CartesianFault::Limit { key, found }));
-            }
-        }
+        own.tool_limits.check().map_err(|(key, problem)| fault(key, problem))?;
         own.check_segments().map_err(|(key, problem)| fault(key, problem))?;
         let Some(blend) = own.blend else { return Ok(()) };
         blend.check(own.is_ptp()).map_err(|problem| fault("blend", problem))?;
@@ -278,9 +273,6 @@ fn check_shares<'a>(
     }
     Ok(())
 }
-
-/// The least share of a limit: at a millionth of its speed the arm takes weeks for half a turn.
-const MIN_SHARE: f64 = 1e-6;
 
 /// A wait above a day is a slip of the pen, and would fill a disk with samples.
 const MAX_WAIT_S: f64 = 24.0 * 3600.0;

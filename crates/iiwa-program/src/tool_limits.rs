@@ -1,6 +1,6 @@
 //! The limits of the TCP.
 
-use crate::limit_kind::ByKind;
+use crate::{cartesian_fault::CartesianFault, limit_kind::ByKind};
 
 /// A motion's limits of the TCP, of each kind: of its way along the path, and of its turn.
 ///
@@ -26,6 +26,35 @@ impl ToolLimits {
         way: ByKind::from_array([f64::INFINITY; 3]),
         turn: ByKind::from_array([f64::INFINITY; 3]),
     };
+
+    /// The limits by their keys in programs, in the keys' units.
+    pub(crate) fn by_key(&self) -> [(&'static str, f64); 6] {
+        let way = self.way.into_array().map(|limit| 1e3 * limit);
+        let turn = self.turn.into_array().map(f64::to_degrees);
+        [
+            ("cart_velocity_mm_s", way[0]),
+            ("cart_acceleration_mm_s2", way[1]),
+            ("cart_jerk_mm_s3", way[2]),
+            ("orientation_velocity_deg_s", turn[0]),
+            ("orientation_acceleration_deg_s2", turn[1]),
+            ("orientation_jerk_deg_s3", turn[2]),
+        ]
+    }
+
+    /// Finds the first limit that is not above zero.
+    pub(crate) fn check(&self) -> Result<(), (&'static str, CartesianFault)> {
+        let wrong = |(_, limit): &(&str, f64)| limit.is_nan() || *limit <= 0.0;
+        let found = self.by_key().into_iter().find(wrong);
+        found.map_or(Ok(()), |(key, found)| Err((key, CartesianFault::Limit { key, found })))
+    }
+
+    /// These, and those of `other` where there are none.
+    pub(crate) fn or(&self, other: &Self) -> Self {
+        let or = |own: &ByKind<f64>, other: &ByKind<f64>| {
+            ByKind::from_fn(|kind| if own[kind].is_finite() { own[kind] } else { other[kind] })
+        };
+        Self { way: or(&self.way, &other.way), turn: or(&self.turn, &other.turn) }
+    }
 }
 
 impl Default for ToolLimits {

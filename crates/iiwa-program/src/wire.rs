@@ -6,6 +6,7 @@ mod cartesian;
 mod error;
 mod frames;
 mod include;
+mod limits;
 mod ptp;
 mod share;
 mod spline;
@@ -430,7 +431,9 @@ impl From<&Motion> for MotionWire {
                 }
                 Course::Circ(circ) => Self::Circ(CircWire::new(own, circ)),
                 Course::Spline(segments) => match segments.as_slice() {
-                    [SplineSegment { course: SegmentCourse::Spl { to }, orientation: None }] => {
+                    [SplineSegment { course: SegmentCourse::Spl { to }, .. }]
+                        if own.is_single_spl() =>
+                    {
                         Self::Spl(SplWire::new(own, to))
                     }
                     segments => Self::Spline(SplineWire::new(own, segments)),

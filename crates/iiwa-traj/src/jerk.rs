@@ -59,7 +59,7 @@ pub(crate) fn stamps(
     let mut segments = Vec::with_capacity(section.pieces.len());
     for piece in &section.pieces {
         let Step::Move { segment, blend, .. } = &path.steps()[piece.step] else { continue };
-        let limits = &path.limits()[piece.motion.index()];
+        let limits = path.limits_of(piece.step);
         let swept = &swept[piece.nodes.clone()];
         let Some(segment) = LimitedSegment::new(segment.as_ref(), limits, swept) else {
             let motion = blend.map_or(piece.motion, |corner| corner.motion);

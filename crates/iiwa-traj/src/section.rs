@@ -47,7 +47,7 @@ pub struct Piece {
     pub limited_by: Option<Limit>,
     pub(crate) usage: LimitUsage,
     /// Place of the segment among the path's steps.
-    pub(crate) step: usize,
+    pub step: usize,
     pub(crate) nodes: Range<usize>,
 }
 
@@ -102,10 +102,10 @@ impl Piece {
         usage: &LimitUsage,
         nodes: Range<usize>,
     ) -> Option<Self> {
-        let Step::Move { motion, segment, blend } = &section.path.steps()[step] else {
+        let Step::Move { motion, segment, blend, .. } = &section.path.steps()[step] else {
             return None;
         };
-        let limits = &section.path.limits()[motion.index()];
+        let limits = section.path.limits_of(step);
         let usage = usage.told_apart(ToolCoordinate::new(segment.as_ref(), limits.tool()).as_ref());
         // Shares of the motion's limits become shares of the robot's.
         let own = limits.velocity_rad_s();
@@ -196,9 +196,11 @@ impl Section {
         let t_s = t_s.clamp(self.start_s, self.end_s());
         let next = self.pieces.partition_point(|piece| piece.end_s <= t_s);
         let Some(piece) = self.pieces.get(next).or(self.pieces.last()) else {
-            return self.resting(t_s, MotionIndex::default());
+            return self.resting(t_s, MotionIndex::default(), 0);
         };
-        let Some(segment) = self.segment(piece) else { return self.resting(t_s, piece.motion) };
+        let Some(segment) = self.segment(piece) else {
+            return self.resting(t_s, piece.motion, piece.step);
+        };
         let nodes = self.nodes(piece);
         let t = t_s - self.start_s;
         let node = nodes.partition_point(|node| node.t_s <= t).clamp(1, nodes.len() - 1) - 1;
@@ -261,7 +263,8 @@ impl Section {
                     self.state(self.start_s + pair[0].t_s, piece, segment, &pair[0], &pair[1])
                 })
             });
-            let resting = (!piece.kind.moves()).then(|| self.resting(piece.start_s, piece.motion));
+            let resting = (!piece.kind.moves())
+                .then(|| self.resting(piece.start_s, piece.motion, piece.step));
             moving.chain(resting)
         })
     }
@@ -313,8 +316,8 @@ impl Section {
         }
     }
 
-    fn resting(&self, t_s: f64, motion: MotionIndex) -> State {
-        State { t_s, q: self.rest_rad, dq: [0.0; 7], ddq: [0.0; 7], dddq: [0.0; 7], motion }
+    fn resting(&self, t_s: f64, motion: MotionIndex, step: usize) -> State {
+        State { t_s, q: self.rest_rad, dq: [0.0; 7], ddq: [0.0; 7], dddq: [0.0; 7], motion, step }
     }
 
     fn state(
@@ -337,6 +340,7 @@ impl Section {
                 d.dq[j] * du + rate * (3.0 * d.ddq[j] * u + d.dddq[j] * rate * rate)
             }),
             motion: piece.motion,
+            step: piece.step,
         }
     }
 }

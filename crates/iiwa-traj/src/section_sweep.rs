@@ -142,7 +142,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
     fn segment(&self, step: usize) -> Option<SweepSegment<'a>> {
         let path: &'a JointPath = self.path;
         let Step::Move { motion, segment, .. } = &path.steps()[step] else { return None };
-        let limits = &path.limits()[motion.index()];
+        let limits = path.limits_of(step);
         let [speed, acceleration] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
         let mut velocity = [0.0; 8];
         for j in 0..7 {

@@ -36,4 +36,6 @@ pub struct State {
     pub dddq: Joints,
     /// The motion.
     pub motion: MotionIndex,
+    /// The place of what it does among the path's [steps](iiwa_path::JointPath::steps).
+    pub step: usize,
 }

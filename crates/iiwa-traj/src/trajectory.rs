@@ -110,6 +110,7 @@ impl Trajectory {
                 ddq: [0.0; 7],
                 dddq: [0.0; 7],
                 motion: MotionIndex::default(),
+                step: 0,
             },
         }
     }

@@ -57,6 +57,7 @@ fn path() -> JointPath {
         motion: MotionIndex::default(),
         segment,
         blend: None,
+        limits: None,
     });
     let limits = MotionLimits::full(&robot);
     JointPath::from_steps(&robot, joint_1(-1.0), steps.collect(), vec![limits]).unwrap()
@@ -100,6 +101,7 @@ fn steps_have_to_join() {
         motion: MotionIndex::default(),
         segment: Arc::new(Line::new(from, to)),
         blend: None,
+        limits: None,
     };
     let along = |a: f64, b: f64| [a, b, 0.0, 0.0, 0.0, 0.0, 0.0];
     let made = |steps: Vec<Step>| {

@@ -69,6 +69,7 @@ fn path(segments: Vec<(Arc<dyn Segment>, ToolLimits)>) -> JointPath {
         motion: MotionIndex::new(motion),
         segment,
         blend: None,
+        limits: None,
     });
     JointPath::from_steps(&robot, start, steps.collect(), limits).unwrap()
 }

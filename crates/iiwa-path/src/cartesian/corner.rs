@@ -20,7 +20,7 @@ use crate::{
     line::Line,
     options::PathOptions,
 };
-use iiwa_program::{Blend, CART_MM_MIN, PathBlend, SUNRISE_REL_MIN};
+use iiwa_program::{Blend, CART_MM_MIN, MotionLimits, PathBlend, SUNRISE_REL_MIN};
 
 /// A blend between two motions, and how much of both it takes away.
 #[derive(Debug)]
@@ -30,6 +30,8 @@ pub(crate) struct CurvedCorner {
     pub(crate) image: JointSpline,
     /// Angle between both directions: of the TCP between two paths of it, else in joint space.
     pub(crate) gamma_deg: f64,
+    /// Limits of the segment that it leads into, if that has its own.
+    pub(crate) limits: Option<Arc<MotionLimits>>,
 }
 
 impl CurvedCorner {
@@ -100,7 +102,8 @@ impl CurvedCorner {
             shares[side] * rate.unwrap_or_else(|| vector::distance(from, to))
         });
         let image = JointSpline::of(curve)?.with_sigma(Sigma::of_blend(rates));
-        Ok(Some(Self { shares, image, gamma_deg: gamma_rad.to_degrees() }))
+        let limits = paths[1].and_then(|path| path.limits.clone());
+        Ok(Some(Self { shares, image, gamma_deg: gamma_rad.to_degrees(), limits }))
     }
 }
 

@@ -87,7 +87,7 @@ fn leg(
             (course, pose, target.e1_rad, target.status)
         }
         Course::Spline(segments) => {
-            let paths = spline(&site, from_rad, segments, motion.orientation);
+            let paths = spline(&site, from_rad, motion, segments);
             let paths = paths.map_err(|found| match found {
                 // A single SPL, which has no list of segments.
                 (_, CartesianFault::Segment { key, fault, .. }) if motion.is_single_spl() => {

@@ -9,7 +9,8 @@ use super::{
     tcp_course::{ArcTurn, ByWayOf, TcpCourse},
 };
 use iiwa_program::{
-    AuxOrientation, CartesianFault, CartesianMotion, Circ, CourseFault, Program, Target, TargetRef,
+    AuxOrientation, CartesianFault, CartesianMotion, Circ, CourseFault, MotionLimits, Program,
+    SegmentLimits, SplineSegment, Target, TargetRef,
 };
 
 /// What is wrong, and the key of the motion at which it is.
@@ -80,6 +81,18 @@ impl<'a> Site<'a> {
             angle_rad: circ.angle_rad,
         };
         TcpCourse::arc(from, &aux.position_m, to, is_constant, &turn).map_err(at_frame)
+    }
+
+    /// The limits of a segment of `spline`; none if it has none of its own.
+    pub(crate) fn own_limits(
+        &self,
+        spline: &CartesianMotion,
+        segment: &SplineSegment,
+    ) -> Option<MotionLimits> {
+        let own = &segment.limits;
+        let mode = self.program.workcell.mode;
+        (*own != SegmentLimits::default())
+            .then(|| MotionLimits::of_segment(self.robot, spline, own, mode))
     }
 
     /// The curve of the TCP on a course, with the status of where the motion starts.

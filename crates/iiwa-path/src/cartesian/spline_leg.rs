@@ -1,5 +1,7 @@
 //! Splines of a program as they are on one robot.
 
+use std::sync::Arc;
+
 use iiwa_kin::{
     Joints,
     rotation::{exp, log, norm, product, scaled, sub, transposed},
@@ -11,17 +13,19 @@ use super::{
     tcp_course::TcpCourse,
     tcp_path::TcpPath,
 };
-use iiwa_program::{CartesianFault, OrientationType, SegmentCourse, SplineSegment};
+use iiwa_program::{
+    CartesianFault, CartesianMotion, OrientationType, SegmentCourse, SplineSegment,
+};
 
 /// The paths of the segments of a spline that starts at `from_rad`. One parameter goes on through all of them.
 pub(crate) fn spline<'a>(
     site: &Site<'a>,
     from_rad: &Joints,
+    motion: &CartesianMotion,
     segments: &'a [SplineSegment],
-    orientation: OrientationType,
 ) -> Found<Vec<TcpPath>> {
     let types: Vec<OrientationType> =
-        segments.iter().map(|segment| segment.orientation.unwrap_or(orientation)).collect();
+        segments.iter().map(|segment| segment.orientation.unwrap_or(motion.orientation)).collect();
     let mut knots = vec![Knot { pose: site.pose(from_rad), e1_rad: from_rad[2] }];
     for (index, segment) in segments.iter().enumerate() {
         let found = site.frame("frame", segment.course.target());
@@ -63,7 +67,8 @@ pub(crate) fn spline<'a>(
         lengths_m.push(piece.length_m);
         let path = TcpPath::of(site.curve(from_rad, piece.course, piece.e1_rad));
         let path = path.map_err(|fault| in_segment(index, ("frame", fault.without_hint())))?;
-        paths.push(TcpPath { stops: piece.stops, ..path });
+        let limits = site.own_limits(motion, &segments[index]).map(Arc::new);
+        paths.push(TcpPath { stops: piece.stops, limits, ..path });
     }
     let whole_rad: f64 = paths.iter().map(|path| path.rate_rad).sum();
     let rad_a_m = whole_rad / lengths_m.iter().sum::<f64>();

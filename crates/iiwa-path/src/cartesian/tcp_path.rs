@@ -6,7 +6,7 @@ use iiwa_kin::{Joints, Number, Taylor};
 
 use super::joint_curve::{CurveFault, JointCurve, TcpCurve};
 use crate::joint_spline::{CurveFaultAt, JointSpline};
-use iiwa_program::CartesianFault;
+use iiwa_program::{CartesianFault, MotionLimits};
 
 /// A path of the TCP, and its image.
 #[derive(Clone, Debug)]
@@ -17,6 +17,8 @@ pub(crate) struct TcpPath {
     pub(crate) rate_rad: f64,
     /// Whether the TCP stops at its end, though the motion goes on.
     pub(crate) stops: bool,
+    /// Limits of its own.
+    pub(crate) limits: Option<Arc<MotionLimits>>,
 }
 
 impl TcpPath {
@@ -33,7 +35,7 @@ impl TcpPath {
             });
         }
         let rate_rad = image.mean_rate_rad();
-        Ok(Self { curve, image: Arc::new(image), rate_rad, stops: false })
+        Ok(Self { curve, image: Arc::new(image), rate_rad, stops: false, limits: None })
     }
 
     /// The joints where it ends, in rad.

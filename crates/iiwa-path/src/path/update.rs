@@ -101,11 +101,17 @@ impl Step {
     fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
             (
-                Self::Move { motion, segment, blend },
-                Self::Move { motion: other_motion, segment: other_segment, blend: other_blend },
+                Self::Move { motion, segment, blend, limits },
+                Self::Move {
+                    motion: other_motion,
+                    segment: other_segment,
+                    blend: other_blend,
+                    limits: other_limits,
+                },
             ) => {
                 motion == other_motion
                     && blend == other_blend
+                    && limits == other_limits
                     && is_same_curve(segment.as_ref(), other_segment.as_ref())
             }
             (Self::Corner { motion }, Self::Corner { motion: other })

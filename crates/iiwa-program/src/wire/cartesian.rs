@@ -7,15 +7,14 @@ use serde::{Deserialize, Serialize};
 use super::{
     by_name::word,
     frames::{PoseWire, TCP, TargetRefWire},
-    share::Share,
+    limits::limited_wire,
 };
 use crate::{
     cartesian_motion::{AuxOrientation, CartesianMotion, Circ, Course, OrientationType, PathBlend},
     frame::Frame,
-    limit_kind::ByKind,
     program::Motion,
+    segment_limits::SegmentLimits,
     target::TargetRef,
-    tool_limits::ToolLimits,
 };
 
 /// Declares a path of the TCP with the keys that all have.
@@ -32,86 +31,41 @@ macro_rules! path_wire {
             Type,
         }
 
-        #[derive(Deserialize, Serialize, JsonSchema)]
-        $(#[$meta])*
-        #[serde(deny_unknown_fields)]
-        pub(super) struct $name {
-            r#type: $tag,
-            $($(#[$field_meta])* $field: $field_type,)*
-            /// The TCP that moves, `TOOL` or `TOOL/TIP`, or `flange`; the program's if absent.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            tool: Option<String>,
-            /// The base of frames that name no other; the program's if absent.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            base: Option<String>,
-            /// How the orientation goes along.
-            #[serde(
-                default, deserialize_with = "word", skip_serializing_if = "OrientationWire::is_variable"
-            )]
-            orientation: OrientationWire,
-            /// Share of the joints' speed limits, above 0 and at most 1.
-            #[serde(default, skip_serializing_if = "Share::is_full")]
-            velocity_rel: Share,
-            /// Share of the joints' acceleration limits, above 0 and at most 1.
-            #[serde(default, skip_serializing_if = "Share::is_full")]
-            acceleration_rel: Share,
-            /// Share of the joints' jerk limits, above 0 and at most 1.
-            #[serde(default, skip_serializing_if = "Share::is_full")]
-            jerk_rel: Share,
-            /// Limit of the TCP's speed, in mm/s.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
-            cart_velocity_mm_s: Option<f64>,
-            /// Limit of the TCP's acceleration along the path, in mm/s^2.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
-            cart_acceleration_mm_s2: Option<f64>,
-            /// Limit of the TCP's jerk along the path, in mm/s^3.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
-            cart_jerk_mm_s3: Option<f64>,
-            /// Limit of the speed at which the TCP turns, in deg/s.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
-            orientation_velocity_deg_s: Option<f64>,
-            /// Limit of the acceleration with which the TCP turns, in deg/s^2.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
-            orientation_acceleration_deg_s2: Option<f64>,
-            /// Limit of the jerk with which the TCP turns, in deg/s^3.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
-            orientation_jerk_deg_s3: Option<f64>,
-            /// How the target is blended away; without it the arm stops there.
-            #[serde(
-                default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none"
-            )]
-            blend: Option<PathBlendWire>,
+        limited_wire! {
+            $(#[$meta])*
+            $name {
+                r#type: $tag,
+                $($(#[$field_meta])* $field: $field_type,)*
+                /// The TCP that moves, `TOOL` or `TOOL/TIP`, or `flange`; the program's if absent.
+                #[serde(default, skip_serializing_if = "Option::is_none")]
+                tool: Option<String>,
+                /// The base of frames that name no other; the program's if absent.
+                #[serde(default, skip_serializing_if = "Option::is_none")]
+                base: Option<String>,
+                /// How the orientation goes along.
+                #[serde(
+                    default, deserialize_with = "word", skip_serializing_if = "OrientationWire::is_variable"
+                )]
+                orientation: OrientationWire,
+            } {
+                /// How the target is blended away; without it the arm stops there.
+                #[serde(
+                    default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none"
+                )]
+                blend: Option<PathBlendWire>,
+            }
         }
 
         impl $name {
             /// The motion on a `course`.
             fn on(self, course: Course) -> Motion {
-                let mm = |limit: Option<f64>| limit.map_or(f64::INFINITY, |limit| 1e-3 * limit);
-                let deg = |limit: Option<f64>| limit.map_or(f64::INFINITY, f64::to_radians);
-                let shares = [self.velocity_rel, self.acceleration_rel, self.jerk_rel];
+                let limits = self.limits();
                 Motion::Cartesian(Box::new(CartesianMotion {
                     course,
                     tool: self.tool,
                     base: self.base,
-                    shares: ByKind::from_array(shares.map(Share::each)),
-                    tool_limits: ToolLimits {
-                        way: ByKind::from_array([
-                            mm(self.cart_velocity_mm_s),
-                            mm(self.cart_acceleration_mm_s2),
-                            mm(self.cart_jerk_mm_s3),
-                        ]),
-                        turn: ByKind::from_array([
-                            deg(self.orientation_velocity_deg_s),
-                            deg(self.orientation_acceleration_deg_s2),
-                            deg(self.orientation_jerk_deg_s3),
-                        ]),
-                    },
+                    shares: limits.shares.map(|_, share| share.unwrap_or([1.0; 7])),
+                    tool_limits: limits.tool,
                     orientation: self.orientation.into(),
                     blend: self.blend.map(PathBlendWire::blend),
                 }))
@@ -119,29 +73,19 @@ macro_rules! path_wire {
 
             /// As `motion`, whose course is written by these fields.
             fn of(motion: &CartesianMotion, $($field: $field_type),*) -> Self {
-                let given = |limit: f64| Some(limit).filter(|limit| limit.is_finite());
-                let mm = |limit: f64| given(limit).map(|limit| 1e3 * limit);
-                let deg = |limit: f64| given(limit).map(f64::to_degrees);
-                let ToolLimits { way, turn } = motion.tool_limits;
-                let ([v, a, j], [turn_v, turn_a, turn_j]) = (way.into_array(), turn.into_array());
-                let [velocity, acceleration, jerk] = motion.shares.into_array().map(Share::from);
+                let full = [1.0; 7];
+                let shares = motion.shares.map(|_, share| Some(share).filter(|share| *share != full));
+                let limits = SegmentLimits { shares, tool: motion.tool_limits };
                 Self {
                     r#type: $tag::Type,
                     $($field,)*
                     tool: motion.tool.clone(),
                     base: motion.base.clone(),
                     orientation: motion.orientation.into(),
-                    velocity_rel: velocity,
-                    acceleration_rel: acceleration,
-                    jerk_rel: jerk,
-                    cart_velocity_mm_s: mm(v),
-                    cart_acceleration_mm_s2: mm(a),
-                    cart_jerk_mm_s3: mm(j),
-                    orientation_velocity_deg_s: deg(turn_v),
-                    orientation_acceleration_deg_s2: deg(turn_a),
-                    orientation_jerk_deg_s3: deg(turn_j),
                     blend: motion.blend.map(PathBlendWire::from),
+                    ..Self::default()
                 }
+                .with_limits(&limits)
             }
         }
     };
@@ -203,8 +147,7 @@ type Wrong = (&'static str, String);
 
 impl LinWire {
     pub(super) fn motion(mut self) -> Result<Motion, Wrong> {
-        let frame = std::mem::replace(&mut self.frame, TargetRefWire::Named(String::new()));
-        let to = frame.target().map_err(|what| ("frame", what))?;
+        let to = std::mem::take(&mut self.frame).target().map_err(|what| ("frame", what))?;
         Ok(self.on(Course::Lin { to }))
     }
 
@@ -238,9 +181,8 @@ impl LinRelWire {
 
 impl CircWire {
     pub(super) fn motion(mut self) -> Result<Motion, Wrong> {
-        let nowhere = || TargetRefWire::Named(String::new());
-        let aux = std::mem::replace(&mut self.aux, nowhere()).target();
-        let to = std::mem::replace(&mut self.frame, nowhere()).target();
+        let aux = std::mem::take(&mut self.aux).target();
+        let to = std::mem::take(&mut self.frame).target();
         let options = CircOptions {
             angle_deg: self.circ_angle_deg,
             reference: self.orientation_reference,

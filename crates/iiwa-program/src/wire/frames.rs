@@ -202,6 +202,12 @@ pub(super) enum TargetRefWire {
     Given(TargetWire),
 }
 
+impl Default for TargetRefWire {
+    fn default() -> Self {
+        Self::Named(String::new())
+    }
+}
+
 impl<'de> Deserialize<'de> for TargetRefWire {
     fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
         struct NameOrObject;

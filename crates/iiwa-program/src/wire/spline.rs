@@ -10,14 +10,13 @@ use super::{
         AuxWire, CircOptions, EndWire, OrientationWire, PathBlendWire, ReferenceWire, path_wire,
     },
     frames::TargetRefWire,
-    share::Share,
+    limits::limited_wire,
 };
 use crate::{
     cartesian_motion::{CartesianMotion, Course, SegmentCourse, SplineSegment},
-    limit_kind::ByKind,
     program::Motion,
+    segment_limits::SegmentLimits,
     target::TargetRef,
-    tool_limits::ToolLimits,
 };
 
 path_wire! {
@@ -40,11 +39,12 @@ path_wire! {
 }
 
 /// The types of segments.
-#[derive(Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "SegmentType")]
-enum SegmentType {
+pub(super) enum SegmentType {
     /// A curve that the frames of the spline define.
+    #[default]
     Spl,
     /// A straight line.
     Lin,
@@ -52,45 +52,46 @@ enum SegmentType {
     Circ,
 }
 
-/// A segment of a spline. What is said of circles is for them only.
-#[derive(Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(
-    rename = "Segment",
-    extend("oneOf" = [
-        { "properties": { "type": { "const": "circ" } }, "required": ["aux"] },
-        { "properties": { "type": { "enum": ["spl", "lin"] }, "aux": false, "circ_angle_deg": false,
-          "orientation_reference": false, "aux_orientation": false, "end_orientation": false } }
-    ])
-)]
-pub(super) struct SegmentWire {
-    #[serde(deserialize_with = "word")]
-    r#type: SegmentType,
-    /// Where it goes.
-    frame: TargetRefWire,
-    /// How the orientation goes along; as the spline says if absent.
-    #[serde(default, deserialize_with = "word_or_null", skip_serializing_if = "Option::is_none")]
-    orientation: Option<OrientationWire>,
-    /// A frame on the way of a circle.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    aux: Option<TargetRefWire>,
-    /// The angle by which a circle goes on, in degrees; to the frame if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = -360, max = 360))]
-    circ_angle_deg: Option<f64>,
-    /// Whether the orientation on a circle is given in the base or turns with the path.
-    #[serde(default, deserialize_with = "word", skip_serializing_if = "ReferenceWire::is_base")]
-    orientation_reference: ReferenceWire,
-    /// What the orientation of a circle's auxiliary frame is for.
-    #[serde(default, deserialize_with = "word", skip_serializing_if = "AuxWire::is_consider")]
-    aux_orientation: AuxWire,
-    /// Where the orientation of a circle's frame is reached, with an angle.
-    #[serde(default, deserialize_with = "word", skip_serializing_if = "EndWire::is_interpolate")]
-    end_orientation: EndWire,
-    /// What only the whole spline can have: read to say so.
-    #[serde(default, skip_serializing)]
-    #[schemars(skip)]
-    blend: Option<IgnoredAny>,
+limited_wire! {
+    /// A segment of a spline. What is said of circles is for them only.
+    #[schemars(
+        rename = "Segment",
+        extend("oneOf" = [
+            { "properties": { "type": { "const": "circ" } }, "required": ["aux"] },
+            { "properties": { "type": { "enum": ["spl", "lin"] }, "aux": false, "circ_angle_deg": false,
+              "orientation_reference": false, "aux_orientation": false, "end_orientation": false } }
+        ])
+    )]
+    SegmentWire {
+        #[serde(deserialize_with = "word")]
+        r#type: SegmentType,
+        /// Where it goes.
+        frame: TargetRefWire,
+        /// How the orientation goes along; as the spline says if absent.
+        #[serde(default, deserialize_with = "word_or_null", skip_serializing_if = "Option::is_none")]
+        orientation: Option<OrientationWire>,
+        /// A frame on the way of a circle.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        aux: Option<TargetRefWire>,
+        /// The angle by which a circle goes on, in degrees; to the frame if absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(range(min = -360, max = 360))]
+        circ_angle_deg: Option<f64>,
+        /// Whether the orientation on a circle is given in the base or turns with the path.
+        #[serde(default, deserialize_with = "word", skip_serializing_if = "ReferenceWire::is_base")]
+        orientation_reference: ReferenceWire,
+        /// What the orientation of a circle's auxiliary frame is for.
+        #[serde(default, deserialize_with = "word", skip_serializing_if = "AuxWire::is_consider")]
+        aux_orientation: AuxWire,
+        /// Where the orientation of a circle's frame is reached, with an angle.
+        #[serde(default, deserialize_with = "word", skip_serializing_if = "EndWire::is_interpolate")]
+        end_orientation: EndWire,
+    } {
+        /// What only the whole spline can have: read to say so.
+        #[serde(default, skip_serializing)]
+        #[schemars(skip)]
+        blend: Option<IgnoredAny>,
+    }
 }
 
 /// What is wrong with a segment: its place, the key and what.
@@ -118,10 +119,13 @@ impl SplineWire {
 
 impl SplWire {
     pub(super) fn motion(mut self) -> Result<Motion, (&'static str, String)> {
-        let frame = std::mem::replace(&mut self.frame, TargetRefWire::Named(String::new()));
-        let to = frame.target().map_err(|what| ("frame", what))?;
+        let to = std::mem::take(&mut self.frame).target().map_err(|what| ("frame", what))?;
         let course = SegmentCourse::Spl { to };
-        Ok(self.on(Course::Spline(vec![SplineSegment { course, orientation: None }])))
+        Ok(self.on(Course::Spline(vec![SplineSegment {
+            course,
+            orientation: None,
+            limits: SegmentLimits::default(),
+        }])))
     }
 
     pub(super) fn new(motion: &CartesianMotion, to: &TargetRef) -> Self {
@@ -142,6 +146,7 @@ impl SegmentWire {
             ("aux_orientation", !self.aux_orientation.is_consider()),
             ("end_orientation", !self.end_orientation.is_interpolate()),
         ];
+        let limits = self.limits();
         let to = self.frame.target().map_err(|what| ("frame", what))?;
         let course = if self.r#type == SegmentType::Circ {
             let aux =
@@ -161,22 +166,20 @@ impl SegmentWire {
         } else {
             SegmentCourse::Spl { to }
         };
-        Ok(SplineSegment { course, orientation: self.orientation.map(Into::into) })
+        Ok(SplineSegment { course, orientation: self.orientation.map(Into::into), limits })
     }
 }
 
 impl From<&SplineSegment> for SegmentWire {
     fn from(segment: &SplineSegment) -> Self {
-        let plain = |r#type| Self {
-            r#type,
-            frame: segment.course.target().into(),
-            orientation: segment.orientation.map(Into::into),
-            aux: None,
-            circ_angle_deg: None,
-            orientation_reference: ReferenceWire::default(),
-            aux_orientation: AuxWire::default(),
-            end_orientation: EndWire::default(),
-            blend: None,
+        let plain = |r#type| {
+            let plain = Self {
+                r#type,
+                frame: segment.course.target().into(),
+                orientation: segment.orientation.map(Into::into),
+                ..Self::default()
+            };
+            plain.with_limits(&segment.limits)
         };
         match &segment.course {
             SegmentCourse::Spl { .. } => plain(SegmentType::Spl),
