@@ -64,7 +64,7 @@ impl Search {
     /// The crossing that `search` finds, as a share of the segment; none if it finds none.
     #[must_use]
     pub fn run(&self, search: BlendSearch, robot: &Robot) -> Option<f64> {
-        search.crossing(robot, &self.point_rad, &self.other_end_rad, self.radius_m)
+        search.crossing(robot, &[0.0; 3], &self.point_rad, &self.other_end_rad, self.radius_m)
     }
 }
 

@@ -526,7 +526,8 @@ impl Observer<'_> {
         };
         let own_reach = |end: &Joints| {
             let (robot, search) = (self.path.robot(), BlendSearch::FirstCrossing);
-            Some(search.share(ptp.blend?, robot, target, end)? * distance(target, end))
+            let tcp_m = &self.path.tcp(motion).position_m;
+            Some(search.share(ptp.blend?, robot, tcp_m, target, end)? * distance(target, end))
         };
         if let (Some(own_before), Some(own_after)) = (own_reach(before), own_reach(after)) {
             let by = own_after - own_before;

@@ -174,6 +174,39 @@ impl Robot {
         (p, v)
     }
 
+    /// The same of a TCP, whose position is given in the flange's frame, in m.
+    ///
+    /// ```
+    /// // A TCP 0.1 m beside the flange, which turns about its own axis.
+    /// let turns = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0];
+    /// let robot = iiwa_kin::Robot::default();
+    /// let (_, velocity_m_s) = robot.tcp_motion(&[0.1, 0.0, 0.0], &[0.0; 7], &turns);
+    /// assert!((velocity_m_s[1] - 0.2).abs() < 1e-12);
+    /// ```
+    #[must_use]
+    pub fn tcp_motion(
+        &self,
+        tcp_m: &[f64; 3],
+        joints_rad: &Joints,
+        rate: &Joints,
+    ) -> ([f64; 3], [f64; 3]) {
+        let (s, c) = sin_cos_of_joints(joints_rad);
+        let d = self.offsets();
+        let [x, y, z] = *tcp_m;
+        let mut p = [c[6] * x - s[6] * y, s[6] * x + c[6] * y, d[3] + z];
+        let mut v = [-rate[6] * p[1], rate[6] * p[0], 0.0];
+        for j in (0..6).rev() {
+            p = rotate_back(j, p, s[j], c[j]);
+            v = rotate_back(j, v, s[j], c[j]);
+            v[0] -= rate[j] * p[1];
+            v[1] += rate[j] * p[0];
+            if j % 2 == 0 {
+                p[2] += d[j / 2];
+            }
+        }
+        (p, v)
+    }
+
     /// Poses of all links in the base frame: `iiwa_link_0` to `iiwa_link_7`, then the flange
     /// `iiwa_link_ee`.
     ///
@@ -247,16 +280,7 @@ impl Robot {
     /// ```
     #[must_use]
     pub fn tcp_speed_m_s(&self, tcp: &Pose, joints_rad: &Joints, velocity_rad_s: &Joints) -> f64 {
-        let poses = self.link_poses(joints_rad);
-        let place = poses[8].then(tcp).position_m;
-        let mut velocity: Vec3<f64> = [0.0; 3];
-        for (pose, rate) in std::iter::zip(&poses[1..8], velocity_rad_s) {
-            let axis = pose.rotation.map(|row| row[2]);
-            let arm: Vec3<f64> = std::array::from_fn(|i| place[i] - pose.position_m[i]);
-            velocity[0] += rate * (axis[1] * arm[2] - axis[2] * arm[1]);
-            velocity[1] += rate * (axis[2] * arm[0] - axis[0] * arm[2]);
-            velocity[2] += rate * (axis[0] * arm[1] - axis[1] * arm[0]);
-        }
+        let (_, velocity) = self.tcp_motion(&tcp.position_m, joints_rad, velocity_rad_s);
         velocity.iter().map(|v| v * v).sum::<f64>().sqrt()
     }
 }

@@ -36,11 +36,11 @@ pub(crate) fn steps(
     range: Range<usize>,
 ) -> Result<Vec<Step>, Fault> {
     let legs = Legs::new(program, robot)?;
-    let corners = Corners { program, robot, options, legs: &legs };
-    let supervised = match program.workcell.mode {
-        OperatingMode::T1 => Some(program.tcps()?),
-        OperatingMode::Automatic => None,
-    };
+    let is_t1 = program.workcell.mode == OperatingMode::T1;
+    let has_tcps = is_t1 || program.has_frames() || program.workcell.tool.is_some();
+    let tcps = has_tcps.then(|| program.tcps()).transpose()?;
+    let supervised = tcps.clone().filter(|_| is_t1);
+    let corners = Corners { program, robot, options, legs: &legs, tcps };
     let mut steps = Builder { robot, supervised, steps: Vec::with_capacity(2 * range.len()) };
     // What the blend before has left of the motion.
     let mut rest = match range.start.checked_sub(1) {
@@ -125,6 +125,8 @@ struct Corners<'a> {
     robot: &'a Arc<Robot>,
     options: PathOptions,
     legs: &'a Legs<'a>,
+    /// The TCPs of the motions; none if all move the flange.
+    tcps: Option<Vec<Pose>>,
 }
 
 /// A corner that is rounded off.
@@ -155,10 +157,12 @@ impl Corners<'_> {
             Motion::Wait { .. } => None,
         };
         let (Some(size), Some(next)) = (size, self.legs.get(index + 1)) else { return Ok(None) };
+        // The TCP that is blended away is that which the first of both moves.
+        let tcp_m = self.tcps.as_ref().map_or([0.0; 3], |tcps| tcps[index].position_m);
         if leg.paths.is_empty() && next.paths.is_empty() {
             let ends = [leg.ends_rad[0], leg.ends_rad[1], next.ends_rad[1]];
             let corner = size.in_joints().and_then(|blend| {
-                JointCorner::new(self.robot, self.options.blend_search, ends, blend)
+                JointCorner::new(self.robot, self.options.blend_search, &tcp_m, ends, blend)
             });
             return Ok(corner.map(RoundedCorner::InJoints));
         }
@@ -169,7 +173,7 @@ impl Corners<'_> {
         if is_still(&leg) || is_still(&next) {
             return Ok(None);
         }
-        let corner = CurvedCorner::new(self.robot, self.options, [&leg, &next], &size);
+        let corner = CurvedCorner::new(self.robot, self.options, &tcp_m, [&leg, &next], &size);
         let corner = corner.map_err(|found| Fault::Cartesian {
             motion: Some(motion),
             key: "blend",
@@ -389,6 +393,7 @@ impl JointCorner {
     fn new(
         robot: &Robot,
         search: BlendSearch,
+        tcp_m: &[f64; 3],
         [before, target, after]: [Joints; 3],
         blend: Blend,
     ) -> Option<Self> {
@@ -397,7 +402,7 @@ impl JointCorner {
         if l0 <= NO_MOTION_RAD || l1 <= NO_MOTION_RAD {
             return None;
         }
-        let share = |other_end: &Joints| search.share(blend, robot, &target, other_end);
+        let share = |other_end: &Joints| search.share(blend, robot, tcp_m, &target, other_end);
         // Both sides reach as far as the shorter one does (Larsen 2019, Algorithm 3).
         let reach = (share(&before)? * l0).min(share(&after)? * l1);
         (reach > NO_MOTION_RAD).then(|| Self {

@@ -4,7 +4,7 @@
 //! segment's other end (Larsen 2019 counts s = 1 - u), and look no further than the half,
 //! u = 1/2, so that the blends at the two ends of a segment never overlap.
 
-use iiwa_kin::{Joints, Robot, vector};
+use iiwa_kin::{Joints, Robot, rotation, vector};
 use iiwa_program::Blend;
 
 /// How the crossing is searched for.
@@ -26,7 +26,8 @@ pub(crate) const HALF: f64 = 0.5;
 
 impl BlendSearch {
     /// Where the segment from `point_rad` to `other_end_rad` first leaves the sphere of `radius_m`
-    /// about the TCP at `point_rad`, in u; none if it does not within the first half.
+    /// about the TCP at `point_rad`, in u; none if it does not within the first half. `tcp_m` is the TCP's position in
+    /// the flange's frame, in m.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -34,7 +35,7 @@ impl BlendSearch {
     ///
     /// let robot = Robot::default();
     /// let (corner, other) = ([0.5, 0.3, 0.0, -1.0, 0.0, 0.7, 0.0], [0.0; 7]);
-    /// let u = BlendSearch::FirstCrossing.crossing(&robot, &corner, &other, 0.05);
+    /// let u = BlendSearch::FirstCrossing.crossing(&robot, &[0.0; 3], &corner, &other, 0.05);
     /// // A blend of 50 mm begins on the last tenth of the motion.
     /// assert!(u.is_some_and(|u| u < 0.1));
     /// ```
@@ -42,18 +43,23 @@ impl BlendSearch {
     pub fn crossing(
         self,
         robot: &Robot,
+        tcp_m: &[f64; 3],
         point_rad: &Joints,
         other_end_rad: &Joints,
         radius_m: f64,
     ) -> Option<f64> {
+        let tcp = (*tcp_m != [0.0; 3]).then_some(tcp_m);
+        let length_m = tcp.map_or(0.0, rotation::norm);
         // Nothing is out of reach of a sphere twice as large as the arm; its square must be finite.
-        let radius_m = radius_m.min(4.0 * robot.axis_reach_m()[0]);
-        let walk = Walk {
+        let radius_m = radius_m.min(4.0 * (robot.axis_reach_m()[0] + length_m));
+        let mut walk = Walk {
             robot,
+            tcp,
             point: point_rad,
             way: vector::sub(other_end_rad, point_rad),
-            centre: robot.flange_position(point_rad),
+            centre: [0.0; 3],
         };
+        walk.centre = walk.position(point_rad);
         match self {
             Self::FirstCrossing => walk.first_crossing(radius_m),
             Self::Algorithm1 => walk.algorithm_1(radius_m),
@@ -62,13 +68,14 @@ impl BlendSearch {
     }
 
     /// The share of the segment from `target_rad` to `other_end_rad` that `blend` cuts off (Larsen 2019,
-    /// section 4.1), before Algorithm 3 makes both sides of the target reach equally far; none if the blend
+    /// section 4.1), by the TCP at `tcp_m` in the flange's frame, before Algorithm 3 makes both sides of the target reach equally far; none if the blend
     /// is too small to have an effect.
     #[must_use]
     pub fn share(
         self,
         blend: Blend,
         robot: &Robot,
+        tcp_m: &[f64; 3],
         target_rad: &Joints,
         other_end_rad: &Joints,
     ) -> Option<f64> {
@@ -76,7 +83,7 @@ impl BlendSearch {
             Blend::Fraction(b) => b,
             Blend::SunriseRel(x) => x / 2.0,
             Blend::CartMm(r) => {
-                let crossing = self.crossing(robot, target_rad, other_end_rad, r * 1e-3);
+                let crossing = self.crossing(robot, tcp_m, target_rad, other_end_rad, r * 1e-3);
                 crossing.unwrap_or(HALF)
             }
         })
@@ -85,21 +92,33 @@ impl BlendSearch {
 
 struct Walk<'a> {
     robot: &'a Robot,
+    /// In the flange's frame; none if it is the flange itself.
+    tcp: Option<&'a [f64; 3]>,
     point: &'a Joints,
     way: Joints,
     centre: [f64; 3],
 }
 
 impl Walk<'_> {
+    fn position(&self, q: &Joints) -> [f64; 3] {
+        match self.tcp {
+            None => self.robot.flange_position(q),
+            Some(tcp) => self.robot.tcp_motion(tcp, q, &[0.0; 7]).0,
+        }
+    }
+
     fn distance(&self, u: f64) -> f64 {
-        let p = self.robot.flange_position(&vector::add_scaled(self.point, u, &self.way));
+        let p = self.position(&vector::add_scaled(self.point, u, &self.way));
         (0..3).map(|i| (p[i] - self.centre[i]).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Squared distance from the sphere's centre, and half its derivative by u.
     fn squared_distance(&self, u: f64) -> (f64, f64) {
         let q = vector::add_scaled(self.point, u, &self.way);
-        let (p, v) = self.robot.flange_motion(&q, &self.way);
+        let (p, v) = match self.tcp {
+            None => self.robot.flange_motion(&q, &self.way),
+            Some(tcp) => self.robot.tcp_motion(tcp, &q, &self.way),
+        };
         (0..3).fold((0.0, 0.0), |(square, rate), i| {
             let d = p[i] - self.centre[i];
             (square + d * d, rate + d * v[i])
@@ -113,7 +132,7 @@ impl Walk<'_> {
     /// The second derivative by joints i <= j is the axis of i across that motion, so it is no
     /// longer than `r_j` either.
     fn bounds(&self) -> (f64, f64) {
-        let reach = self.robot.axis_reach_m();
+        let reach = self.reach_m();
         let mut before = 0.0;
         let (mut speed, mut acceleration) = (0.0, 0.0);
         for (way, reach) in self.way.iter().zip(reach) {
@@ -123,6 +142,19 @@ impl Walk<'_> {
             before += way;
         }
         (speed, acceleration)
+    }
+
+    /// For each joint, how far the TCP can be from its axis at most, in m.
+    fn reach_m(&self) -> Joints {
+        let mut reach = self.robot.axis_reach_m();
+        if let Some(tcp) = self.tcp {
+            let beside = tcp[0].hypot(tcp[1]);
+            for reach in &mut reach {
+                *reach += rotation::norm(tcp);
+            }
+            reach[6] = beside;
+        }
+        reach
     }
 
     /// Walks by steps that cannot reach the sphere, and ends on it.

@@ -3,7 +3,7 @@
 // Helpers of tests may fail.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_path::{BlendSearch, BlendShape, Continuity, JointPath, PathOptions, Segment, Step};
 use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use proptest::prelude::*;
@@ -159,7 +159,7 @@ proptest! {
         // One of the two ends is on the sphere, unless the half of a segment comes first.
         let robot = path.robot();
         let crossing = |other: &Joints, length: f64| {
-            BlendSearch::FirstCrossing.crossing(robot, &b, other, size * 1e-3).unwrap_or(0.5) * length
+            BlendSearch::FirstCrossing.crossing(robot, &[0.0; 3], &b, other, size * 1e-3).unwrap_or(0.5) * length
         };
         let expected = crossing(&a, lengths[0]).min(crossing(&c, lengths[1]));
         prop_assert!((reach[0] - expected).abs() < 1e-12);
@@ -167,9 +167,16 @@ proptest! {
 }
 
 /// Distance of the TCP from where it is at `point`, in m.
-fn distance(robot: &Robot, point: &Joints, other: &Joints, u: f64) -> f64 {
-    let (a, b) = (robot.flange_position(point), robot.flange_position(&between(point, other, u)));
+fn distance(robot: &Robot, tcp: &[f64; 3], point: &Joints, other: &Joints, u: f64) -> f64 {
+    let tcp = Pose { position_m: *tcp, ..Pose::IDENTITY };
+    let at = |q: &Joints| robot.flange_pose(q).then(&tcp).position_m;
+    let (a, b) = (at(point), at(&between(point, other, u)));
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The flange, or a TCP beside it and before it.
+fn any_tcp() -> impl Strategy<Value = [f64; 3]> {
+    prop_oneof![Just([0.0; 3]), prop::array::uniform3(-0.3..=0.3_f64)]
 }
 
 fn anywhere() -> impl Strategy<Value = Joints> {
@@ -185,37 +192,38 @@ proptest! {
     #[test]
     fn the_first_crossing_is_the_first(
         point in anywhere(), other in anywhere(), radius in prop_oneof![1e-3..0.1_f64, 0.1..1.5_f64],
+        tcp in any_tcp(),
     ) {
         const SAMPLES: u32 = 1000;
         let robot = Robot::lbr_iiwa_7_r800();
-        let found = BlendSearch::FirstCrossing.crossing(&robot, &point, &other, radius);
+        let found = BlendSearch::FirstCrossing.crossing(&robot, &tcp, &point, &other, radius);
         if let Some(u) = found {
             prop_assert!((0.0..=0.5).contains(&u));
-            prop_assert!((distance(&robot, &point, &other, u) - radius).abs() < 1e-9);
+            prop_assert!((distance(&robot, &tcp, &point, &other, u) - radius).abs() < 1e-9);
         }
         let end = found.unwrap_or(0.5);
         for i in 0..SAMPLES {
             let u = end * f64::from(i) / f64::from(SAMPLES);
-            prop_assert!(distance(&robot, &point, &other, u) < radius + 1e-12, "already at {u}");
+            prop_assert!(distance(&robot, &tcp, &point, &other, u) < radius + 1e-12, "already at {u}");
         }
 
         // Algorithm 2 is never earlier, and late by a step at most unless the arm comes back.
-        let late = BlendSearch::Algorithm2.crossing(&robot, &point, &other, radius);
+        let late = BlendSearch::Algorithm2.crossing(&robot, &tcp, &point, &other, radius);
         let Some(u) = found else {
             prop_assert!(late.is_none_or(|late| late == 0.5));
             return Ok(());
         };
         prop_assert!(late.is_none_or(|late| late >= u - 1e-9));
         let stays = (0..=100).all(|i| {
-            distance(&robot, &point, &other, u + 1e-5 * f64::from(i)) >= radius - 1e-12
+            distance(&robot, &tcp, &point, &other, u + 1e-5 * f64::from(i)) >= radius - 1e-12
         });
         if stays && u <= 0.499 {
             prop_assert!(late.unwrap() <= u + 0.001 + 1e-9);
         }
 
         // Algorithm 1 finds some crossing or none.
-        if let Some(u) = BlendSearch::Algorithm1.crossing(&robot, &point, &other, radius) {
-            prop_assert!((distance(&robot, &point, &other, u) - radius).abs() <= 1e-9);
+        if let Some(u) = BlendSearch::Algorithm1.crossing(&robot, &tcp, &point, &other, radius) {
+            prop_assert!((distance(&robot, &tcp, &point, &other, u) - radius).abs() <= 1e-9);
         }
     }
 
@@ -227,7 +235,7 @@ proptest! {
         let robot = Robot::lbr_iiwa_7_r800();
         let other = if still { point } else { other };
         for search in [BlendSearch::FirstCrossing, BlendSearch::Algorithm1, BlendSearch::Algorithm2] {
-            prop_assert_eq!(search.crossing(&robot, &point, &other, radius), None);
+            prop_assert_eq!(search.crossing(&robot, &[0.0; 3], &point, &other, radius), None);
         }
     }
 }
@@ -281,7 +289,7 @@ fn a_tcp_that_does_not_move_crosses_no_sphere() {
     let point = [0.3, 0.4, 0.5, -0.6, 0.7, 0.8, -2.0];
     let other = [0.3, 0.4, 0.5, -0.6, 0.7, 0.8, 2.0];
     for search in [BlendSearch::FirstCrossing, BlendSearch::Algorithm1, BlendSearch::Algorithm2] {
-        assert_eq!(search.crossing(&robot, &point, &other, 0.004), None, "{search:?}");
+        assert_eq!(search.crossing(&robot, &[0.0; 3], &point, &other, 0.004), None, "{search:?}");
     }
 }
 
@@ -293,17 +301,18 @@ fn a_sphere_that_is_crossed_twice_within_one_step() {
     let point = [160.0, 15.0, 145.0, -60.0, -50.0, -40.0, 0.0].map(f64::to_radians);
     let other = [-160.0, -15.0, 0.0, 115.0, -45.0, -60.0, 0.0].map(f64::to_radians);
     let radius = 0.332_563_5;
-    let distance = |u: f64| distance(&robot, &point, &other, u);
+    let distance = |u: f64| distance(&robot, &[0.0; 3], &point, &other, u);
 
     // Outside between two multiples of 0.001, inside at both.
     assert!(distance(0.217) < radius && distance(0.2175) > radius && distance(0.218) < radius);
 
-    let first = BlendSearch::FirstCrossing.crossing(&robot, &point, &other, radius).unwrap();
+    let first =
+        BlendSearch::FirstCrossing.crossing(&robot, &[0.0; 3], &point, &other, radius).unwrap();
     assert!(first > 0.217 && first < 0.2175, "{first}");
     assert!((distance(first) - radius).abs() < 1e-9);
 
     // Algorithm 2 sees neither, and the sphere is not reached again before the half.
-    assert_eq!(BlendSearch::Algorithm2.crossing(&robot, &point, &other, radius), None);
+    assert_eq!(BlendSearch::Algorithm2.crossing(&robot, &[0.0; 3], &point, &other, radius), None);
 
     // To the point and back: the arm leaves its line where it should, or more than twice too early.
     let reach = |blend_search| {
@@ -331,7 +340,8 @@ fn algorithm_1_may_find_another_crossing() {
     let point = [160.0, 15.0, 145.0, -60.0, -50.0, -40.0, 0.0].map(f64::to_radians);
     let other = [-160.0, -15.0, 0.0, 115.0, -45.0, -60.0, 0.0].map(f64::to_radians);
     let radius = 0.332_563_5;
-    let first = BlendSearch::FirstCrossing.crossing(&robot, &point, &other, radius).unwrap();
-    let found = BlendSearch::Algorithm1.crossing(&robot, &point, &other, radius);
+    let first =
+        BlendSearch::FirstCrossing.crossing(&robot, &[0.0; 3], &point, &other, radius).unwrap();
+    let found = BlendSearch::Algorithm1.crossing(&robot, &[0.0; 3], &point, &other, radius);
     assert!(found.is_none_or(|found| found > first + 1e-4), "{found:?}");
 }

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-use iiwa_kin::{Pose, Robot};
+use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_path::{JointPath, PathOptions};
 use iiwa_program::{Motion, MotionIndex, MotionType, Program};
 
@@ -83,4 +83,29 @@ fn a_tool_that_is_not_there_is_a_fault() {
     program.workcell.tool = Some("gripper".to_owned());
     let fault = JointPath::new(&program, &Robot::default()).unwrap_err();
     assert!(fault.to_string().contains("no tool `gripper`"), "{fault}");
+}
+
+/// A distance from the target is that of the TCP, between point-to-point motions, too.
+#[test]
+fn blends_are_as_large_as_the_tcp_says() {
+    const RADIUS_MM: f64 = 60.0;
+    let program = Program::from_json(
+        r#"{ "version": 1, "tools": { "long": { "tcp": { "x_mm": 80, "z_mm": 250 } } }, "tool": "long",
+             "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+             "motions": [{ "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 30, 60], "blend": { "cart_mm": 60 } },
+                         { "type": "ptp", "joints_deg": [60, 50, 0, -60, 20, 30, 0] }] }"#,
+    )
+    .unwrap();
+    let path = path(&program);
+    let (_, blend) = path.blends().next().unwrap();
+    let tcp = path.tcp(MotionIndex::new(0));
+    let at = |q: &Joints| path.robot().flange_pose(q).then(tcp).position_m.map(|v| 1e3 * v);
+    let Motion::Ptp(ptp) = &program.motions[0] else { unreachable!() };
+    let target = at(&ptp.target_rad);
+    let off = [0.0, 1.0].map(|s| {
+        let end = at(&blend.at(s).q);
+        std::iter::zip(end, target).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    });
+    // Both sides are as long as the shorter one in joint space; that one ends on the sphere.
+    assert!(off.iter().any(|mm| (mm - RADIUS_MM).abs() < 1e-6), "{off:?}");
 }

@@ -39,10 +39,11 @@ impl CurvedCorner {
     pub(crate) fn new(
         robot: &Robot,
         options: PathOptions,
+        tcp_m: &[f64; 3],
         legs: [&Leg; 2],
         size: &PathBlend,
     ) -> Result<Option<Self>, CurveFaultAt> {
-        let Some(shares) = shares(robot, options, legs, size) else { return Ok(None) };
+        let Some(shares) = shares(robot, options, tcp_m, legs, size) else { return Ok(None) };
         let ranges = [[1.0 - shares[0], 1.0], [0.0, shares[1]]];
         let paths = next_to_corner(legs);
         let (gamma_rad, curve): (f64, Arc<dyn JointCurve>) = match paths {
@@ -117,6 +118,7 @@ fn next_to_corner(legs: [&Leg; 2]) -> [Option<&TcpPath>; 2] {
 fn shares(
     robot: &Robot,
     options: PathOptions,
+    tcp_m: &[f64; 3],
     legs: [&Leg; 2],
     size: &PathBlend,
 ) -> Option<[f64; 2]> {
@@ -140,7 +142,7 @@ fn shares(
             let [from, to] = legs[side].ends_rad;
             let (target, other) = if side == 0 { (to, from) } else { (from, to) };
             return match in_joints {
-                Some(blend) => options.blend_search.share(blend, robot, &target, &other),
+                Some(blend) => options.blend_search.share(blend, robot, tcp_m, &target, &other),
                 None => Some(HALF),
             };
         };
