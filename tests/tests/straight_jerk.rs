@@ -263,3 +263,40 @@ fn as_ruckig_does_where_it_stays_on_the_line() {
     println!("on the line: {stays} of {}, largest error {largest:e}", moves.len());
     assert!(10 * stays >= 8 * moves.len());
 }
+
+/// A LIN that the limits of the TCP alone hold back takes the time of its seven phases, to the last digits; the solver, which
+/// knows nothing of them, takes hardly more.
+#[test]
+fn slow_lines_of_the_tcp() {
+    let robot = Robot::lbr_iiwa_7_r800();
+    for [speed, acceleration, jerk] in [
+        [50.0, 200.0, 2000.0],
+        [100.0, 1500.0, 3000.0],
+        [20.0, 40.0, 1e4],
+        [250.0, 150.0, 500.0],
+        // The jerk of joints holds it back.
+        [100.0, 2000.0, 1e6],
+    ] {
+        let text = format!(
+            r#"{{ "version": 1, "start": {{ "joints_deg": [0, 30, 0, -60, 0, 70, 0] }},
+                 "motions": [{{ "type": "lin_rel", "offset": {{ "x_mm": 40, "y_mm": -120, "z_mm": 30 }},
+                    "cart_velocity_mm_s": {speed}, "cart_acceleration_mm_s2": {acceleration},
+                    "cart_jerk_mm_s3": {jerk} }}] }}"#
+        );
+        let path = JointPath::new(&Program::from_json(&text).unwrap(), &robot).unwrap();
+        let [own, solved] = [Timing::default(), general(1.0)]
+            .map(|timing| Trajectory::plan(&path, timing).unwrap());
+        let expected_s = duration_s(130.0, [speed, acceleration, jerk]);
+        let [own_s, solved_s] = [&own, &solved].map(Trajectory::motion_time_s);
+        if jerk < 1e5 {
+            assert!((own_s / expected_s - 1.0).abs() < 1e-12, "{text}: {own_s} {expected_s}");
+        } else {
+            assert!(own_s > 1.001 * expected_s, "{text}: {own_s} {expected_s}");
+        }
+        assert!((solved_s / own_s - 1.0).abs() < 1e-3, "{text}: {own_s} {solved_s}");
+        // Enough nodes to show the joints' curves.
+        let nodes =
+            own.sections()[0].pieces().iter().map(|piece| own.sections()[0].nodes(piece).len());
+        assert!(nodes.sum::<usize>() > 50);
+    }
+}

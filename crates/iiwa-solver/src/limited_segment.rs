@@ -122,6 +122,26 @@ impl<'a> LimitedSegment<'a> {
         self.is_line() || self.shape.has_even_tool_way()
     }
 
+    /// Largest speed, acceleration and jerk of sigma by the limits of the tool, in rad/s, rad/s^2 and rad/s^3, where it goes
+    /// evenly and all of these are limited.
+    #[must_use]
+    pub fn even_tool_limits(&self) -> Option<[f64; 3]> {
+        if self.tool.is_none() || !self.shape.has_even_tool_way() {
+            return None;
+        }
+        let is_even = |s| {
+            let [_, second, third] = self.derivatives(s);
+            second[7] == 0.0 && third[7] == 0.0
+        };
+        if ![0.0, 0.5, 1.0].into_iter().all(is_even) {
+            // Its parameter is not the way.
+            return None;
+        }
+        let [direction, ..] = self.derivatives(0.0);
+        let limits = LimitKind::ALL.map(|kind| self.limits[kind][7] / direction[7]);
+        limits.iter().all(|limit| limit.is_finite()).then_some(limits)
+    }
+
     /// Whether the tool is limited.
     pub(crate) fn has_tool(&self) -> bool {
         self.tool.is_some()

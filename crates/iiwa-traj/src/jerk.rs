@@ -1,8 +1,9 @@
 //! Jerk-limited stamps of one section.
 //!
-//! A section that is one straight line has a closed form. Any other is solved for by [`iiwa_solver`], starting from
+//! A section that is one straight line has a closed form, and so has a path of the TCP that its limits alone hold back. Any other is solved for by [`iiwa_solver`], starting from
 //! its acceleration-limited stamps.
 
+mod even;
 mod horizon;
 mod stamps;
 
@@ -14,7 +15,7 @@ use iiwa_solver::{LimitedSegment, SolveError, SweptNode, Window};
 use crate::{
     limit_usage::LimitUsage,
     node::Node,
-    phases::{ProfilePoint, phases},
+    phases::phases,
     section::{Piece, Section},
     timing::{JerkOptions, TimingError},
 };
@@ -67,8 +68,15 @@ pub(crate) fn stamps(
         };
         segments.push(segment);
     }
+    let closed_form = match (segments.as_slice(), pieces.ends) {
+        ([line], [None, None]) if line.is_line() && !options.general => Some(straight(line)),
+        ([path], [None, None]) if !options.general => even::even(path),
+        _ => None,
+    };
+    if let Some(found) = closed_form {
+        return Ok(found.joined());
+    }
     let found = match (segments.as_slice(), pieces.ends) {
-        ([line], [None, None]) if line.is_line() && !options.general => Ok(straight(line)),
         (all, [None, None]) => horizon::stamps(all, section.start_s, options, stop),
         (segments, [entry, exit]) => {
             let window = Window { segments, range: pieces.range.clone(), entry, exit };
@@ -98,17 +106,7 @@ fn window_stamps(
 fn straight(segment: &LimitedSegment<'_>) -> Stamps {
     let length = segment.length_rad();
     let instants = phases(length, segment.straight(0.0));
-    let nodes: Vec<_> = instants
-        .iter()
-        .map(|at| Node {
-            t_s: at.t_s,
-            dt_s: at.phase_s,
-            p: at.way / length,
-            dp: at.phase_way / length,
-            rate: at.speed / length,
-            u: [at.acceleration / length; 2],
-        })
-        .collect();
+    let nodes: Vec<_> = instants.iter().map(|at| at.node(length)).collect();
     let mut usage = LimitUsage::default();
     let geometry = segment.geometry(&[0.0; PLACES]);
     for pair in instants.windows(2) {
@@ -116,12 +114,7 @@ fn straight(segment: &LimitedSegment<'_>) -> Stamps {
         let dt = from.phase_s;
         let jerk = (to.acceleration - from.acceleration) / dt;
         // Where the phase is half over, and for the peaks also at its end.
-        let half = ProfilePoint {
-            speed: from.speed + 0.5 * dt * (from.acceleration + 0.25 * dt * jerk),
-            acceleration: 0.5 * (from.acceleration + to.acceleration),
-            ..from
-        };
-        for (at, dt) in [(half, dt), (to, 0.0)] {
+        for (at, dt) in [(from.after(0.5 * dt, jerk), dt), (to, 0.0)] {
             let rates = [at.speed, at.acceleration, jerk];
             usage.sample(&segment.shares(&geometry, 0, rates), dt);
         }

@@ -1,6 +1,8 @@
 //! From rest to rest along a straight line under limits of speed, acceleration and jerk: the profile
 //! of at most seven phases, in closed form.
 
+use crate::node::Node;
+
 /// The state between two phases of the profile. Lengths are in the unit of the line's parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ProfilePoint {
@@ -11,6 +13,36 @@ pub(crate) struct ProfilePoint {
     /// Duration and way of the phase that begins here; not rounded by what came before.
     pub(crate) phase_s: f64,
     pub(crate) phase_way: f64,
+}
+
+impl ProfilePoint {
+    /// The way within a time `dt` of constant jerk.
+    pub(crate) fn way_in(&self, dt: f64, jerk: f64) -> f64 {
+        dt * (self.speed + dt * (self.acceleration / 2.0 + dt * jerk / 6.0))
+    }
+
+    /// The state after a time `dt` of constant jerk.
+    pub(crate) fn after(&self, dt: f64, jerk: f64) -> Self {
+        Self {
+            t_s: self.t_s + dt,
+            way: self.way + self.way_in(dt, jerk),
+            speed: self.speed + dt * (self.acceleration + dt * jerk / 2.0),
+            acceleration: self.acceleration + dt * jerk,
+            ..Self::default()
+        }
+    }
+
+    /// As the node of a segment whose sigma has this `length`.
+    pub(crate) fn node(&self, length: f64) -> Node {
+        Node {
+            t_s: self.t_s,
+            dt_s: self.phase_s,
+            p: self.way / length,
+            dp: self.phase_way / length,
+            rate: self.speed / length,
+            u: [self.acceleration / length; 2],
+        }
+    }
 }
 
 /// The instants between the phases of constant jerk, the start and the end among them; phases that
@@ -51,17 +83,11 @@ pub(crate) fn phases(way: f64, [speed, acceleration, jerk]: [f64; 3]) -> Vec<Pro
     let jerks = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0].map(|sign| sign * jerk);
     for (t, jerk) in std::iter::zip(durations, jerks) {
         if t > 0.0 {
-            let phase_way = t * (at.speed + t * (at.acceleration / 2.0 + t * jerk / 6.0));
+            let phase_way = at.way_in(t, jerk);
             if let Some(last) = instants.last_mut() {
                 (last.phase_s, last.phase_way) = (t, phase_way);
             }
-            at = ProfilePoint {
-                t_s: at.t_s + t,
-                way: at.way + phase_way,
-                speed: at.speed + t * (at.acceleration + t * jerk / 2.0),
-                acceleration: at.acceleration + t * jerk,
-                ..ProfilePoint::default()
-            };
+            at = at.after(t, jerk);
             instants.push(at);
         }
     }
