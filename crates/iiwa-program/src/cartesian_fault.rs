@@ -50,13 +50,15 @@ pub enum CartesianFault {
         /// E1 at the target, in degrees, with which the motion stays away from it; if one was found.
         other_e1_deg: Option<f64>,
     },
-    /// A limit of the TCP is not above zero.
-    #[error("{key} is {found}; it must be above 0")]
+    /// A limit of the TCP is next to nothing, or less.
+    #[error("{key} is {found}; it must be at least {min}")]
     Limit {
         /// The limit's key in programs.
         key: &'static str,
         /// What it is.
         found: f64,
+        /// What it has to be at least.
+        min: f64,
     },
     /// A share of the joints' limits is not in (0, 1], or next to nothing.
     #[error("{key} is {found}; it must be at least {min} and at most 1")]

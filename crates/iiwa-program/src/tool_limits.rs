@@ -41,11 +41,15 @@ impl ToolLimits {
         ]
     }
 
-    /// Finds the first limit that is not above zero.
+    /// Finds the first limit that is next to nothing, or less.
     pub(crate) fn check(&self) -> Result<(), (&'static str, CartesianFault)> {
-        let wrong = |(_, limit): &(&str, f64)| limit.is_nan() || *limit <= 0.0;
-        let found = self.by_key().into_iter().find(wrong);
-        found.map_or(Ok(()), |(key, found)| Err((key, CartesianFault::Limit { key, found })))
+        for ((key, found), min) in self.by_key().into_iter().zip(LEAST) {
+            // Units are converted to and fro.
+            if found.is_nan() || found < min * (1.0 - 1e-9) {
+                return Err((key, CartesianFault::Limit { key, found, min }));
+            }
+        }
+        Ok(())
     }
 
     /// These, and those of `other` where there are none.
@@ -56,6 +60,10 @@ impl ToolLimits {
         Self { way: or(&self.way, &other.way), turn: or(&self.turn, &other.turn) }
     }
 }
+
+/// The least limits, in the order and the units of the keys. Below them a motion takes hours; and where acceleration is so low
+/// and jerk is not, a millionth of the motion is spent on building it up, which no solver tells from none.
+const LEAST: [f64; 6] = [1e-3, 1.0, 1e-3, 1e-3, 0.1, 1e-3];
 
 impl Default for ToolLimits {
     fn default() -> Self {

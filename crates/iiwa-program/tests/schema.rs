@@ -44,6 +44,28 @@ fn takes_all_fixtures() {
     }
 }
 
+/// A program with another value at a pointer.
+fn with(program: &Value, pointer: &str, value: Value) -> Value {
+    let mut program = program.clone();
+    let (owner, key) = pointer.rsplit_once('/').unwrap();
+    match program.pointer_mut(owner).unwrap() {
+        Value::Object(object) => object.insert(key.to_owned(), value),
+        Value::Array(array) => {
+            array.get_mut(key.parse::<usize>().unwrap()).map(|v| std::mem::replace(v, value))
+        }
+        _ => panic!("{pointer}"),
+    };
+    program
+}
+
+/// A program without what is at a pointer.
+fn without(program: &Value, pointer: &str) -> Value {
+    let mut program = program.clone();
+    let (owner, key) = pointer.rsplit_once('/').unwrap();
+    program.pointer_mut(owner).unwrap().as_object_mut().unwrap().remove(key).unwrap();
+    program
+}
+
 #[test]
 fn refuses_what_the_reader_refuses() {
     let schema = schema();
@@ -61,24 +83,8 @@ fn refuses_what_the_reader_refuses() {
     assert!(schema.is_valid(&good));
     Program::from_json(&good.to_string()).unwrap();
 
-    let at = |pointer: &str, value: Value| {
-        let mut program = good.clone();
-        let (owner, key) = pointer.rsplit_once('/').unwrap();
-        match program.pointer_mut(owner).unwrap() {
-            Value::Object(object) => object.insert(key.to_owned(), value),
-            Value::Array(array) => {
-                array.get_mut(key.parse::<usize>().unwrap()).map(|v| std::mem::replace(v, value))
-            }
-            _ => panic!("{pointer}"),
-        };
-        program
-    };
-    let without = |pointer: &str| {
-        let mut program = good.clone();
-        let (owner, key) = pointer.rsplit_once('/').unwrap();
-        program.pointer_mut(owner).unwrap().as_object_mut().unwrap().remove(key).unwrap();
-        program
-    };
+    let at = |pointer: &str, value: Value| with(&good, pointer, value);
+    let without = |pointer: &str| without(&good, pointer);
     for bad in [
         json!([1]),
         without("/version"),
@@ -133,5 +139,54 @@ fn refuses_what_the_reader_refuses() {
     ] {
         Program::from_json(&odd.to_string()).unwrap();
         assert!(schema.is_valid(&odd), "{odd}");
+    }
+}
+
+#[test]
+fn refuses_what_the_reader_refuses_of_frames() {
+    let schema = schema();
+    let frame =
+        json!({ "x_mm": 600, "y_mm": 0, "z_mm": 300, "a_deg": 0, "b_deg": 180, "c_deg": 0 });
+    let good = json!({
+        "version": 1,
+        "tools": { "gripper": { "tcp": { "z_mm": 120 } } },
+        "bases": { "table": { "x_mm": 500 } },
+        "frames": { "pick": frame },
+        "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+        "motions": [
+            { "type": "ptp", "frame": "pick" },
+            { "type": "lin", "frame": frame, "cart_velocity_mm_s": 100, "blend": { "cart_mm": 20 } },
+            { "type": "spline", "segments": [
+                { "type": "spl", "frame": frame, "velocity_rel": 0.5 },
+                { "type": "lin", "frame": "pick", "cart_jerk_mm_s3": 1000 } ] }
+        ]
+    });
+    assert!(schema.is_valid(&good));
+    Program::from_json(&good.to_string()).unwrap();
+    let at = |pointer: &str, value: Value| with(&good, pointer, value);
+    for bad in [
+        without(&good, "/frames/pick/x_mm"),
+        without(&good, "/frames/pick/c_deg"),
+        without(&good, "/motions/1/frame"),
+        without(&good, "/motions/2/segments/0/frame"),
+        at("/frames/pick/c_rad", json!(0)),
+        at("/motions/1/frame/a_rad", json!(0)),
+        at("/frames/pick/status", json!(8)),
+        at("/frames/pick/e1", json!(0)),
+        at("/bases/table", json!({ "a_deg": 0, "a_rad": 0 })),
+        at("/tools/gripper/tcp", json!({ "b_deg": 0, "b_rad": 0 })),
+        at("/motions/1/blend", json!({})),
+        at("/motions/1/blend", json!({ "fraction": 0.2 })),
+        at("/motions/1/cart_velocity_mm_s", json!(0)),
+        at("/motions/1/cart_acceleration_mm_s2", json!(0.5)),
+        at("/motions/1/segments", json!([])),
+        at("/motions/2/segments", json!([])),
+        at("/motions/2/segments/0/velocity_rel", json!(2)),
+        at("/motions/2/segments/0/blend", json!({ "cart_mm": 5 })),
+        at("/motions/2/segments/1/cart_jerk_mm_s3", json!(0)),
+        at("/motions/2/segments/1/aux", json!("pick")),
+    ] {
+        assert!(Program::from_json(&bad.to_string()).is_err(), "the reader takes {bad}");
+        assert!(!schema.is_valid(&bad), "the schema takes {bad}");
     }
 }

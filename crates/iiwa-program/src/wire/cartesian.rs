@@ -346,7 +346,7 @@ impl EndWire {
 /// Where the arm may leave the path to the target and cut the corner; of several sizes the smallest counts.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(rename = "PathBlend")]
+#[schemars(rename = "PathBlend", extend("minProperties" = 1))]
 pub(super) struct PathBlendWire {
     /// The distance from the target, in mm; below 4 the arm stops.
     #[serde(default, skip_serializing_if = "Option::is_none")]

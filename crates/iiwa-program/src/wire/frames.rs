@@ -9,6 +9,7 @@ use serde::{
     Deserialize, Deserializer, Serialize,
     de::{MapAccess, Visitor, value::MapAccessDeserializer},
 };
+use serde_json::{Value, json};
 
 use super::by_name::by_name;
 use crate::{
@@ -114,13 +115,13 @@ impl Written {
 
 pose_wire! {
     /// A pose; what is missing is 0.
-    #[schemars(rename = "Pose")]
+    #[schemars(rename = "Pose", extend("not" = twice(&["a", "b", "c"])))]
     PoseWire {}
 }
 
 pose_wire! {
     /// A frame that others are given in; what is missing is 0.
-    #[schemars(rename = "Base")]
+    #[schemars(rename = "Base", extend("not" = twice(&["a", "b", "c"])))]
     BaseWire {
         /// The base that it is given in; `robot`, the robot's foot, if absent.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -130,7 +131,10 @@ pose_wire! {
 
 pose_wire! {
     /// A frame to go to: all of x, y, z, a, b and c.
-    #[schemars(rename = "Target")]
+    #[schemars(
+        rename = "Target",
+        extend("required" = ["x_mm", "y_mm", "z_mm"], "allOf" = once(&["a", "b", "c"]), "not" = twice(&["e1"]))
+    )]
     TargetWire {
         /// The base that it is given in.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -150,6 +154,22 @@ pose_wire! {
         #[schemars(range(min = 0, max = 127))]
         turn: Option<u8>,
     }
+}
+
+/// The schema of what gives one of some angles in degrees and in rad.
+fn twice(angles: &[&str]) -> Value {
+    let both =
+        |angle: &&str| json!({ "required": [format!("{angle}_deg"), format!("{angle}_rad")] });
+    json!({ "anyOf": angles.iter().map(both).collect::<Vec<_>>() })
+}
+
+/// The schemas of what gives each of some angles, in degrees or in rad.
+fn once(angles: &[&str]) -> Value {
+    let of = |angle: &&str| {
+        let given = ["deg", "rad"].map(|unit| json!({ "required": [format!("{angle}_{unit}")] }));
+        json!({ "oneOf": given })
+    };
+    angles.iter().map(of).collect()
 }
 
 impl PoseWire {

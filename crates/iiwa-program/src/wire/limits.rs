@@ -26,27 +26,27 @@ macro_rules! limited_wire {
             jerk_rel: Option<$crate::wire::share::Share>,
             /// Limit of the TCP's speed, in mm/s.
             #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
+            #[schemars(extend("minimum" = 0.001))]
             cart_velocity_mm_s: Option<f64>,
             /// Limit of the TCP's acceleration along the path, in mm/s^2.
             #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
+            #[schemars(extend("minimum" = 1))]
             cart_acceleration_mm_s2: Option<f64>,
             /// Limit of the TCP's jerk along the path, in mm/s^3.
             #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
+            #[schemars(extend("minimum" = 0.001))]
             cart_jerk_mm_s3: Option<f64>,
             /// Limit of the speed at which the TCP turns, in deg/s.
             #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
+            #[schemars(extend("minimum" = 0.001))]
             orientation_velocity_deg_s: Option<f64>,
             /// Limit of the acceleration with which the TCP turns, in deg/s^2.
             #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
+            #[schemars(extend("minimum" = 0.1))]
             orientation_acceleration_deg_s2: Option<f64>,
             /// Limit of the jerk with which the TCP turns, in deg/s^3.
             #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("exclusiveMinimum" = 0))]
+            #[schemars(extend("minimum" = 0.001))]
             orientation_jerk_deg_s3: Option<f64>,
             $($(#[$after_meta])* $after: $after_type,)*
         }
@@ -120,11 +120,39 @@ impl From<LimitValues> for SegmentLimits {
 
 impl From<&SegmentLimits> for LimitValues {
     fn from(SegmentLimits { shares, tool }: &SegmentLimits) -> Self {
-        let given = |limit: f64, unit: fn(f64) -> f64| limit.is_finite().then(|| unit(limit));
+        let given = |limit: f64, read: fn(f64) -> f64, unit| {
+            limit.is_finite().then(|| written(limit, read, unit))
+        };
         Self {
             shares: shares.into_array().map(|share| share.map(Share::from)),
-            way_mm: tool.way.into_array().map(|limit| given(limit, |limit| 1e3 * limit)),
-            turn_deg: tool.turn.into_array().map(|limit| given(limit, f64::to_degrees)),
+            way_mm: tool.way.into_array().map(|limit| given(limit, |mm| 1e-3 * mm, 1e3)),
+            turn_deg: tool
+                .turn
+                .into_array()
+                .map(|limit| given(limit, f64::to_radians, 1f64.to_degrees())),
+        }
+    }
+}
+
+/// The number that is read as `limit`, or next to it if none is; `limit` times `unit`, but for rounding.
+fn written(limit: f64, read: fn(f64) -> f64, unit: f64) -> f64 {
+    let near = unit * limit;
+    let all = [near, near.next_up(), near.next_down()];
+    all.into_iter().find(|number| read(*number) == limit).unwrap_or(near)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_written_as_they_are_read() {
+        for number in (1..20_000).map(|tenths| 0.1 * f64::from(tenths)) {
+            let values = |limits: &SegmentLimits| LimitValues::from(limits);
+            let all = [Some(number); 3];
+            let read =
+                SegmentLimits::from(LimitValues { shares: [None; 3], way_mm: all, turn_deg: all });
+            assert_eq!(SegmentLimits::from(values(&read)), read, "{number}");
         }
     }
 }
