@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     by_name::word,
+    exact::{exact_deg, exact_mm},
     frames::{PoseWire, TCP, TargetRefWire},
     share::Share,
 };
@@ -120,8 +121,8 @@ macro_rules! path_wire {
             /// As `motion`, whose course is written by these fields.
             fn of(motion: &CartesianMotion, $($field: $field_type),*) -> Self {
                 let given = |limit: f64| Some(limit).filter(|limit| limit.is_finite());
-                let mm = |limit: f64| given(limit).map(|limit| 1e3 * limit);
-                let deg = |limit: f64| given(limit).map(f64::to_degrees);
+                let mm = |limit: f64| given(limit).map(exact_mm);
+                let deg = |limit: f64| given(limit).map(exact_deg);
                 let ToolLimits { way, turn } = motion.tool_limits;
                 let ([v, a, j], [turn_v, turn_a, turn_j]) = (way.into_array(), turn.into_array());
                 let [velocity, acceleration, jerk] = motion.shares.into_array().map(Share::from);
@@ -231,7 +232,7 @@ impl LinRelWire {
         e1_rad: Option<f64>,
         within: Option<&TargetRef>,
     ) -> Self {
-        let e1_deg = e1_rad.map(f64::to_degrees);
+        let e1_deg = e1_rad.map(exact_deg);
         Self::of(motion, offset.into(), within.map(TargetRefWire::from), e1_deg)
     }
 }
@@ -285,7 +286,7 @@ impl CircOptions {
 impl From<&Circ> for CircOptions {
     fn from(circ: &Circ) -> Self {
         Self {
-            angle_deg: circ.angle_rad.map(f64::to_degrees),
+            angle_deg: circ.angle_rad.map(exact_deg),
             reference: if circ.turns_with_path { ReferenceWire::Path } else { ReferenceWire::Base },
             aux: match circ.aux_orientation {
                 AuxOrientation::Consider => AuxWire::Consider,
@@ -435,7 +436,7 @@ impl From<PathBlend> for PathBlendWire {
     fn from(blend: PathBlend) -> Self {
         Self {
             cart_mm: blend.cart_mm,
-            ori_deg: blend.orientation_rad.map(f64::to_degrees),
+            ori_deg: blend.orientation_rad.map(exact_deg),
             sunrise_rel: blend.sunrise_rel,
         }
     }

@@ -9,6 +9,7 @@ use super::{
     cartesian::{
         AuxWire, CircOptions, EndWire, OrientationWire, PathBlendWire, ReferenceWire, path_wire,
     },
+    exact::{exact_deg, exact_mm},
     frames::TargetRefWire,
     share::Share,
 };
