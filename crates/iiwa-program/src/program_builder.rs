@@ -12,7 +12,7 @@ use crate::{
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_program::{Blend, JointPath, Program};
+/// use iiwa_program::{Blend, Program};
 ///
 /// let program = Program::from_deg([0.0; 7])
 ///     .ptp_deg([0.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0])
@@ -22,8 +22,7 @@ use crate::{
 ///     .wait_s(0.5)
 ///     .build();
 /// assert_eq!(program.motions.len(), 3);
-/// assert_eq!(JointPath::new(&program, &Robot::default())?.blends().count(), 1);
-/// # Ok::<(), iiwa_program::Fault>(())
+/// assert!(program.check(Robot::default().limits()).is_ok());
 /// ```
 #[derive(Clone, Debug)]
 #[must_use]
