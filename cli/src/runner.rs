@@ -5,11 +5,11 @@ use std::{collections::BTreeMap, io::Cursor, thread, time::Duration};
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     Client, ClientError, LinkError, MAX_POINTS, Published, Stream, TimedJoints,
-    message::{DriveState, FriStatus, Run as Measured, Samples, Status},
+    message::{Code, DriveState, FriStatus, Refusal, Run as Measured, Samples, Status},
     security::Endpoint,
 };
 use iiwa_log::{Recorder, RecorderConfig};
-use iiwa_program::{Motion, Ptp};
+use iiwa_program::{Motion, MotionList, Ptp};
 use iiwa_traj::Trajectory;
 use iiwa_view::printable;
 
@@ -58,8 +58,19 @@ impl DriveConnection {
 
 /// What the drive is asked to run.
 pub(crate) enum Task {
-    Motions(Vec<Motion>),
+    Motions(MotionList),
     Trajectory(TimedJoints),
+}
+
+/// What to do about a run of motions that was refused, to be appended to the refusal. The motions have been planned before:
+/// what is wrong with them is that the drive, or the robot's program, does not know some of them.
+pub(crate) fn hint(refusal: &Refusal) -> &'static str {
+    match refusal.code {
+        Code::BadRequest => {
+            "; `iiwasim run --as-trajectory` sends the planned trajectory, which needs no planning by the controller"
+        }
+        _ => "",
+    }
 }
 
 /// Result of a run.
@@ -201,7 +212,7 @@ pub(crate) fn go_to_start(
     };
     print_note("Moving to the start\n");
     let there = vec![Motion::Ptp(Ptp::to(*start_rad).velocity(percent / 100.0))];
-    execute_with_progress(drive, Task::Motions(there), None)
+    execute_with_progress(drive, Task::Motions(there.into()), None)
         .result
         .map(drop)
         .map_err(|error| connection::failed("the robot did not move to the start", &error))

@@ -165,7 +165,7 @@ pub(crate) struct Run {
     pub(crate) no_output: bool,
 
     /// Send the planned trajectory, which is then commanded over FRI, instead of the motions, which the
-    /// controller plans itself
+    /// controller plans itself: for controllers that do not know all motions
     #[arg(long)]
     pub(crate) as_trajectory: bool,
 

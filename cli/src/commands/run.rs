@@ -16,7 +16,8 @@ use crate::{
     input::{self, ProgramText},
     output::{self, Output},
     runner::{
-        DriveConnection, Task, execute_with_progress, go_to_start, recording, sampled, since_start,
+        DriveConnection, Task, execute_with_progress, go_to_start, hint, recording, sampled,
+        since_start,
     },
     warning::{turn_warnings, warning_lines},
 };
@@ -34,11 +35,10 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
         output::print(&plan_table(&figures))?;
     }
     let output = target.as_deref().map(Output::new).transpose()?;
-    // The robot's program knows no tools and no bases.
-    let task = if options.as_trajectory || !program.is_plain() {
+    let task = if options.as_trajectory {
         Task::Trajectory(sampled(&plan)?)
     } else {
-        Task::Motions(program.motions)
+        Task::Motions(program.into())
     };
     go_to_start(&mut line, options.move_to_start, plan.path().start_rad())?;
     output::check_interrupt()?;
@@ -46,12 +46,15 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let watched = execute_with_progress(&mut line, task, Some(plan.cycle_time_s()));
     let (measured, failure) = match watched.result {
         Ok(measured) => (measured, None),
-        Err(ClientError::Refused { refusal, run }) => {
+        Err(ClientError::Refused { mut refusal, run }) => {
             let run = run.map(|run| *run).unwrap_or_default();
             let what = match run.samples.t_s.as_slice() {
                 [] => "the robot did not run the program",
                 _ => "the robot did not finish the program",
             };
+            if !options.as_trajectory {
+                refusal.message.push_str(hint(&refusal));
+            }
             let failed = ClientError::Refused { refusal, run: None };
             (run, Some(connection::failed(what, &failed)))
         }

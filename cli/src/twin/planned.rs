@@ -3,14 +3,13 @@
 use std::{fs, path::PathBuf};
 
 use iiwa_kin::Joints;
-use iiwa_link::TimedJoints;
 use iiwa_log::{PlanConfig, PlanOptions, PlanSize, write_plan};
-use iiwa_program::Program;
+use iiwa_program::{MotionList, Program};
 use iiwa_traj::Trajectory;
 use iiwa_view::{Extent, Nearest, long_duration};
 use serde::Serialize;
 
-use crate::{failure::Failure, output::Output, runner};
+use crate::{failure::Failure, output::Output};
 
 use super::{
     Setup,
@@ -23,9 +22,8 @@ use super::{
 pub(super) struct Planned {
     /// Unique, so that a page can only run the plan that it shows.
     pub(super) id: u64,
-    pub(super) program: Program,
-    /// What the robot is sent of a program with frames, which its own program does not know.
-    pub(super) trajectory: Option<TimedJoints>,
+    /// What the robot is sent.
+    pub(super) motions: MotionList,
     pub(super) start_rad: Joints,
     pub(super) text: String,
     /// Name of its files, without an extension.
@@ -87,8 +85,6 @@ impl Planned {
         let cycle_time_s = plan.cycle_time_s();
         // The page is made from the file.
         let start_rad = *plan.path().start_rad();
-        let trajectory =
-            (!program.is_plain()).then(|| runner::sampled(&plan)).transpose().map_err(what)?;
         drop(plan);
         let page = setup.page(&mcap, None, Extent::Sketch).map_err(what)?;
         let message = page_message(
@@ -104,7 +100,7 @@ impl Planned {
                 sketch: page.sketch(),
             },
         );
-        Ok(Self { id, program, trajectory, start_rad, text, stem, mcap, refused, message })
+        Ok(Self { id, motions: program.into(), start_rad, text, stem, mcap, refused, message })
     }
 }
 

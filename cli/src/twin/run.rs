@@ -110,7 +110,7 @@ impl ProgramRun {
         };
         if let Some(motion) = self.to_start.take() {
             publish(begun(Phase::ToStart));
-            let Some(run) = self.execute(Task::Motions(vec![motion])) else {
+            let Some(run) = self.execute(Task::Motions(vec![motion].into())) else {
                 return failed("stopped");
             };
             if let Err(error) = run.result {
@@ -118,16 +118,14 @@ impl ProgramRun {
             }
         }
         publish(begun(Phase::Running));
-        let task = match &plan.trajectory {
-            Some(trajectory) => Task::Trajectory(trajectory.clone()),
-            None => Task::Motions(plan.program.motions.clone()),
-        };
+        let task = Task::Motions(plan.motions.clone());
         let Some(run) = self.execute(task) else { return failed("stopped") };
         let ExecutedRun { result, streamed } = run;
         let (measured, error) = match result {
             Ok(measured) => (measured, None),
             Err(ClientError::Refused { refusal, run }) => {
-                (run.map(|run| *run).unwrap_or_default(), Some(refusal.to_string()))
+                let why = format!("{refusal}{}", runner::hint(&refusal));
+                (run.map(|run| *run).unwrap_or_default(), Some(why))
             }
             // The samples of the stream are all there is.
             Err(error) => {

@@ -109,7 +109,7 @@ fn a_program_runs() {
     });
 }
 
-/// The controller's program knows no frames: a motion to one goes as a trajectory.
+/// The controller plans motions to frames, too; as a trajectory the path is the same.
 #[test]
 fn a_program_with_frames_runs() {
     in_real_time(|| {
@@ -128,28 +128,57 @@ fn a_program_with_frames_runs() {
         rig.iiwasim("run", &["lin.json"])
             .code(1)
             .stderr(contains("the program starts at").and(contains("--move-to-start")));
-        rig.iiwasim("run", &["lin.json", "--move-to-start=50"])
-            .success()
-            .stdout(contains("lin_rel").and(contains("cart velocity")))
-            .stderr(contains("Moving to the start"));
+        let mut first_cycle_time_s = None;
+        // The second run starts where the first one has ended.
+        for (state, options) in [
+            ("running_trajectory", &["--as-trajectory", "--move-to-start=50"][..]),
+            ("running_motion", &[]),
+        ] {
+            let running = rig.begin("run", &[&["lin.json"], options].concat());
+            wait_for(state, || rig.json("status", &[])["state"] == state);
+            let ended = running.end().code(0);
+            for printed in ["lin_rel", "cart velocity"] {
+                assert!(ended.stdout.contains(printed), "{}", ended.stdout);
+            }
 
-        let robot = iiwa_kin::Robot::default();
-        let states = rig.recording("lin.measured.mcap").joint_states;
-        let tcp = iiwa_kin::Pose { position_m: [0.0, 0.0, 0.12], ..iiwa_kin::Pose::IDENTITY };
-        let places: Vec<_> =
-            states.iter().map(|state| robot.flange_pose(&state.q).then(&tcp).position_m).collect();
-        let first = places[0];
-        let off = |axis: usize| {
-            places.iter().map(|place| (place[axis] - first[axis]).abs()).fold(0.0, f64::max)
-        };
-        // The tool's y axis is the foot's here, up to its sign: there and back on a straight line.
-        assert!(off(0) < 1e-3 && off(2) < 1e-3, "{} {}", off(0), off(2));
-        assert!((off(1) - 0.15).abs() < 1e-3, "{}", off(1));
+            let recording = rig.recording("lin.measured.mcap");
+            let robot = iiwa_kin::Robot::default();
+            let tcp = iiwa_kin::Pose { position_m: [0.0, 0.0, 0.12], ..iiwa_kin::Pose::IDENTITY };
+            let place = |q: &iiwa_kin::Joints| robot.flange_pose(q).then(&tcp).position_m;
+            let places: Vec<_> = recording.joint_states.iter().map(|it| place(&it.q)).collect();
+            let first = places[0];
+            let off = |axis: usize| {
+                places.iter().map(|place| (place[axis] - first[axis]).abs()).fold(0.0, f64::max)
+            };
+            // The tool's y axis is the foot's here, up to its sign: there and back on a straight line.
+            assert!(off(0) < 1e-3 && off(2) < 1e-3, "{} {}", off(0), off(2));
+            assert!((off(1) - 0.15).abs() < 1e-3, "{}", off(1));
+            let cycle_time_s: f64 = recording.metadata["iiwasim"]["cycle_time_s"].parse().unwrap();
+            let first = *first_cycle_time_s.get_or_insert(cycle_time_s);
+            assert!((cycle_time_s - first).abs() < 0.02, "{cycle_time_s} s, {first} s");
+        }
 
         // What cannot be planned is refused before the robot hears of it.
         let far = text.replace("\"y_mm\": 150", "\"y_mm\": 1500");
         std::fs::write(rig.path("far.json"), far).unwrap();
         rig.iiwasim("run", &["far.json"]).code(2).stderr(contains("motion 1"));
+    });
+}
+
+/// What the drive does not take as motions may still go as a trajectory.
+#[test]
+fn motions_that_are_not_understood_come_with_advice() {
+    in_real_time(|| {
+        let rig = Rig::new();
+        let wait = r#"{"type": "wait", "seconds": 0}"#;
+        let text = format!(
+            r#"{{"version": 1, "start": {{"joints_deg": [0, 0, 0, 0, 0, 0, 0]}}, "motions": [{}]}}"#,
+            vec![wait; 5001].join(",")
+        );
+        std::fs::write(rig.path("many.json"), text).unwrap();
+        rig.iiwasim("run", &["many.json", "--no-output"])
+            .code(2)
+            .stderr(contains("5001 motions").and(contains("--as-")));
     });
 }
 

@@ -18,7 +18,7 @@ use iiwa_link::{
     },
     transport::{Event, Frames, Listener, PeerId},
 };
-use iiwa_program::Motion;
+use iiwa_program::MotionList;
 use iiwa_traj::Trajectory;
 
 use crate::{
@@ -36,7 +36,7 @@ pub(crate) enum ProgramInput {
 pub(crate) struct PlanningJob {
     run: RunId,
     start_rad: Joints,
-    motions: Vec<Motion>,
+    motions: MotionList,
 }
 
 /// The result of planning.

@@ -12,7 +12,7 @@ use iiwa_link::{
     robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
 };
 use iiwa_path::JointPath;
-use iiwa_program::{Motion, Program, Start, Workcell};
+use iiwa_program::MotionList;
 use iiwa_traj::{
     Timing, Trajectory,
     playback::{EMERGENCY_STOP_S, Playback, STOP_S},
@@ -493,15 +493,9 @@ const REST_RAD_S: f64 = 1e-3;
 pub(crate) fn plan(
     robot: &Robot,
     start_rad: Joints,
-    motions: Vec<Motion>,
+    motions: MotionList,
 ) -> Result<Trajectory, Refusal> {
-    let program = Program {
-        robot: None,
-        start: Start::Joints(start_rad),
-        motions,
-        workcell: Workcell::default(),
-    };
-    let path = JointPath::new(&program, robot)
-        .map_err(|fault| Refusal::new(Code::Limit, fault.to_string()))?;
+    let path = JointPath::new(&motions.starting_at(start_rad), robot)
+        .map_err(|fault| Refusal::of_fault(&fault))?;
     Trajectory::plan(&path, Timing::default()).map_err(|error| Refusal::robot(error.to_string()))
 }

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use bytes::Bytes;
-use iiwa_program::Motion;
+use iiwa_program::MotionList;
 use omq_proto::SocketType;
 use serde::{Deserialize, de::DeserializeOwned};
 use tokio::{
@@ -159,17 +159,18 @@ impl Client {
         self.request(&Request::State, Some(REPLY_TIMEOUT))
     }
 
-    /// Runs motions and returns when they have ended; without `limit`, there is no time-out.
+    /// Runs motions and returns when they have ended; without `limit`, there is no time-out. A `Vec<Motion>` is a list of
+    /// motions that name no tool, base or frame.
     ///
     /// # Errors
     ///
     /// Any [`ClientError`]; that of an aborted run contains the measurements so far.
     pub fn run_motions(
         &mut self,
-        motions: Vec<Motion>,
+        motions: impl Into<MotionList>,
         limit: Option<Duration>,
     ) -> Result<Run, ClientError> {
-        self.request(&Request::RunMotions { motions }, limit)
+        self.request(&Request::RunMotions { motions: motions.into() }, limit)
     }
 
     /// Runs a trajectory and returns when it has ended; without `limit`, there is no time-out.

@@ -8,8 +8,11 @@
 use std::time::Duration;
 
 use iiwa_json::Object;
-use iiwa_program::Motion;
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use iiwa_program::MotionList;
+use serde::{
+    Deserialize, Serialize,
+    de::{DeserializeOwned, IgnoredAny},
+};
 
 use crate::message::{DriveState, IoValue, Refusal, Sensors, bad_json, shortened, to_json};
 
@@ -24,8 +27,9 @@ pub enum Instruction {
     RunMotions {
         /// Their run.
         run: RunId,
-        /// The motions.
-        motions: Vec<Motion>,
+        /// The motions, and the tools, bases and frames that they use.
+        #[serde(flatten)]
+        motions: MotionList,
     },
     /// Begin the planned motions.
     Begin {
@@ -98,6 +102,30 @@ impl Instruction {
         struct RunKey {
             run: RunId,
         }
+        /// Of motions, a key that is passed over may be a limit that they would not keep.
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct MotionsKeys {
+            run: RunId,
+            #[serde(rename = "seq")]
+            _seq: IgnoredAny,
+            #[serde(rename = "type")]
+            _type: IgnoredAny,
+            #[serde(rename = "motions")]
+            _motions: IgnoredAny,
+            #[serde(default, rename = "tools")]
+            _tools: IgnoredAny,
+            #[serde(default, rename = "bases")]
+            _bases: IgnoredAny,
+            #[serde(default, rename = "frames")]
+            _frames: IgnoredAny,
+            #[serde(default, rename = "tool")]
+            _tool: IgnoredAny,
+            #[serde(default, rename = "base")]
+            _base: IgnoredAny,
+            #[serde(default, rename = "mode")]
+            _mode: IgnoredAny,
+        }
         #[derive(Deserialize)]
         struct NameKey {
             name: String,
@@ -112,9 +140,9 @@ impl Instruction {
         }
         Ok(match name {
             "run_motions" => {
-                let RunKey { run } = read(text)?;
-                let motions = Motion::list_from_json(text)
-                    .map_err(|error| Refusal::bad(error.to_string()))?;
+                let motions =
+                    MotionList::from_json(text).map_err(|error| Refusal::bad(error.to_string()))?;
+                let MotionsKeys { run, .. } = read(text)?;
                 Self::RunMotions { run, motions }
             }
             "begin" => Self::Begin { run: read::<RunKey>(text)?.run },

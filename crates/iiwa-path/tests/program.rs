@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{JointPath, Step};
-use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, MotionIndex, MotionList, Program, Ptp, Start, Workcell};
 use proptest::prelude::*;
 
 fn read(motions: &str) -> Program {
@@ -260,18 +260,18 @@ fn a_list_of_motions_stands_alone_and_reads_back() {
         { "type": "ptp", "joints_rad": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], "velocity_rel": 0.5 },
         { "type": "wait", "seconds": 0.5 }
     ] }"#;
-    let motions = Motion::list_from_json(text).unwrap();
-    assert_eq!(motions.len(), 3);
-    let again = serde_json::json!({ "motions": motions }).to_string();
-    assert_eq!(Motion::list_from_json(&again).unwrap(), motions);
+    let list = MotionList::from_json(text).unwrap();
+    assert_eq!(list.motions.len(), 3);
+    let again = serde_json::json!({ "motions": list.motions }).to_string();
+    assert_eq!(MotionList::from_json(&again).unwrap(), list);
 
     let wrong =
         r#"{ "motions": [{ "type": "wait", "seconds": 1 }, { "type": "wait", "seconds": -1 }] }"#;
-    let error = Motion::list_from_json(wrong).unwrap_err();
+    let error = MotionList::from_json(wrong).unwrap_err();
     assert_eq!(
         error.to_string(),
         "motion 2: a wait of -1 s; it must be from 0 to 86400 s, at line 1, column 78"
     );
-    let error = Motion::list_from_json("{}").unwrap_err();
+    let error = MotionList::from_json("{}").unwrap_err();
     assert!(error.to_string().contains("`motions`"), "{error}");
 }

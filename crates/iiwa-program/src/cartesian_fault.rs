@@ -130,6 +130,29 @@ pub enum CourseFault {
 }
 
 impl CartesianFault {
+    /// Whether the motion is well formed and the arm cannot do it.
+    pub(crate) fn is_of_the_arm(&self) -> bool {
+        match self {
+            Self::Unreachable(_)
+            | Self::Outside(_)
+            | Self::UnreachableOnTheWay { .. }
+            | Self::OutsideOnTheWay { .. }
+            | Self::Singular { .. }
+            | Self::OtherSide => true,
+            Self::Segment { fault, .. } => fault.is_of_the_arm(),
+            Self::Name(_)
+            | Self::Course(_)
+            | Self::Limit { .. }
+            | Self::Share { .. }
+            | Self::CircAngle { .. }
+            | Self::AuxWithAngle
+            | Self::Segments { .. }
+            | Self::IgnoredOrientation
+            | Self::WristInSpline
+            | Self::Blend(_) => false,
+        }
+    }
+
     /// The same without another E1: on a spline that would change the segments around, too.
     #[must_use]
     pub fn without_hint(self) -> Self {

@@ -94,6 +94,22 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// Whether the motions are well formed and the arm cannot do them: joints out of range, frames out of reach, singular
+    /// poses. All other faults are in what is written.
+    #[must_use]
+    pub fn is_of_the_arm(&self) -> bool {
+        match self {
+            Self::JointOutside { .. } | Self::BlendOutside { .. } => true,
+            Self::Cartesian { fault, .. } => fault.is_of_the_arm(),
+            Self::NoMotions
+            | Self::Share { .. }
+            | Self::Wait { .. }
+            | Self::Blend { .. }
+            | Self::BlendAtTheEnd { .. }
+            | Self::BlendBeforeWait { .. } => false,
+        }
+    }
+
     /// The place of the fault in the program's JSON text.
     #[must_use]
     pub fn place_in(&self, text: &str) -> Place {

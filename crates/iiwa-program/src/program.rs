@@ -11,7 +11,7 @@ use crate::{
     limit_kind::{LimitKind, MIN_SHARE},
     motion_index::MotionIndex,
     target::TargetRef,
-    workcell::{OperatingMode, Workcell},
+    workcell::Workcell,
 };
 
 /// A motion program (version 1).
@@ -202,13 +202,6 @@ impl Program {
     pub fn has_frames(&self) -> bool {
         self.start.joints_rad().is_none()
             || self.motions.iter().any(|motion| matches!(motion, Motion::Cartesian(_)))
-    }
-
-    /// Whether it is all joint motions, timed by the joints' limits alone: then a drive that knows neither tools nor
-    /// operating modes plans it alike.
-    #[must_use]
-    pub fn is_plain(&self) -> bool {
-        !self.has_frames() && self.workcell.mode == OperatingMode::Automatic
     }
 
     /// The motions with their places.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use iiwa_json::excerpt;
 use iiwa_kin::Pose;
 
 use crate::{
@@ -77,7 +78,7 @@ pub struct Base {
 #[non_exhaustive]
 pub enum NameFault {
     /// There is no such tool, TCP, base or frame.
-    #[error("there is no {kind} `{name}`{}", listed(.known))]
+    #[error("there is no {kind} `{}`{}", excerpt(.name), listed(.known))]
     Unknown {
         /// What it should have been: `tool`, `base` or `frame`.
         kind: &'static str,
@@ -87,7 +88,7 @@ pub enum NameFault {
         known: Vec<String>,
     },
     /// A base is given in itself, by way of others or not.
-    #[error("the base `{name}` is given in itself, by way of its own base")]
+    #[error("the base `{}` is given in itself, by way of its own base", excerpt(.name))]
     Cycle {
         /// The base.
         name: String,
@@ -95,13 +96,24 @@ pub enum NameFault {
 }
 
 fn listed(names: &[String]) -> String {
-    /// More would hide the message.
+    /// More, or longer ones, would hide the message.
     const MOST: usize = 8;
+    const MOST_BYTES: usize = 200;
     if names.is_empty() {
         return "; the program names none".to_owned();
     }
-    let shown = names.iter().take(MOST).map(|name| format!("`{name}`")).collect::<Vec<_>>();
-    let more = if names.len() > MOST { ", ..." } else { "" };
+    let mut bytes = 0;
+    let quoted = names.iter().take(MOST).map(|name| format!("`{}`", excerpt(name)));
+    let shown = quoted.take_while(|name| {
+        bytes += name.len();
+        bytes <= MOST_BYTES
+    });
+    let shown = shown.collect::<Vec<_>>();
+    let more = match shown.len() {
+        0 => return String::new(),
+        count if count < names.len() => ", ...",
+        _ => "",
+    };
     format!("; there are {}{more}", shown.join(", "))
 }
 

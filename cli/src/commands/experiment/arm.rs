@@ -3,7 +3,6 @@
 use iiwa_eval::experiment::Trial;
 use iiwa_link::{ClientError, message::Samples};
 use iiwa_log::JointLog;
-use iiwa_program::Motion;
 use iiwa_view::VirtualArm;
 
 use crate::{
@@ -40,16 +39,15 @@ fn run_real(line: &mut DriveConnection, to_start: f64, trial: &Trial) -> Result<
         go_to_start(line, Some(to_start), start_rad)?;
     }
     output::check_interrupt()?;
-    let motions: Vec<Motion> = trial.program.motions.clone();
-    let measured =
-        execute_with_progress(line, Task::Motions(motions), None).result.map_err(|error| {
-            let what = match error {
-                ClientError::Refused { .. } => "was not run to its end",
-                // A motion continues without the drive.
-                _ => "broke off, the robot may still be moving",
-            };
-            connection::failed(&format!("{} {what}", trial.name), &error)
-        })?;
+    let task = Task::Motions(trial.program.clone().into());
+    let measured = execute_with_progress(line, task, None).result.map_err(|error| {
+        let what = match error {
+            ClientError::Refused { .. } => "was not run to its end",
+            // A motion continues without the drive.
+            _ => "broke off, the robot may still be moving",
+        };
+        connection::failed(&format!("{} {what}", trial.name), &error)
+    })?;
     if measured.samples_left_out > 0 {
         print_note(&format!(
             "{} samples were left out: the run was too long for the drive\n",

@@ -8,13 +8,13 @@ use iiwa_link::{
     TimedJoints,
     message::{
         Code, Id, MAX_MOTIONS, MAX_MOTIONS_BYTES, MAX_SHORT_REQUEST_BYTES, Refusal, Reply, Request,
-        RequestHead,
+        RequestHead, to_json,
     },
     robot_program::RunId,
     transport::Permit,
 };
 use iiwa_path::JointPath;
-use iiwa_program::{Motion, MotionIndex, Program, Start, Workcell};
+use iiwa_program::{Course, Motion, MotionList};
 
 /// A job of the thread. `C` identifies clients.
 pub(super) enum CheckJob<C> {
@@ -51,7 +51,7 @@ pub(super) struct CheckedRun {
 
 /// The motions or trajectory of a run.
 pub(super) enum RunTask {
-    Motions(Vec<Motion>),
+    Motions(MotionList),
     Trajectory(Box<TimedJoints>),
 }
 
@@ -90,7 +90,7 @@ fn read(body: &[u8], robot: &Robot, at_rad: &Joints) -> (Option<Id>, Result<RunT
     }
     let task = head.and_then(RequestHead::parse).and_then(|request| match request {
         Request::RunMotions { motions } => {
-            check_motions(&motions, robot, at_rad).map(|()| RunTask::Motions(motions))
+            check_motions(&motions, body, robot, at_rad).map(|()| RunTask::Motions(motions))
         }
         Request::RunTrajectory { trajectory } => {
             trajectory.check(robot.limits(), at_rad)?;
@@ -104,29 +104,44 @@ fn read(body: &[u8], robot: &Robot, at_rad: &Joints) -> (Option<Id>, Result<RunT
     (id, task)
 }
 
-fn check_motions(motions: &[Motion], robot: &Robot, at_rad: &Joints) -> Result<(), Refusal> {
-    if motions.len() > MAX_MOTIONS {
+/// Checks motions that a request, `body`, asks for.
+fn check_motions(
+    list: &MotionList,
+    body: &[u8],
+    robot: &Robot,
+    at_rad: &Joints,
+) -> Result<(), Refusal> {
+    let count: usize = list.motions.iter().map(segments).sum();
+    if count > MAX_MOTIONS {
         return Err(Refusal::bad(format!(
-            "the request has {} motions, at most {MAX_MOTIONS} are allowed; split it where the arm stops",
-            motions.len()
+            "the request has {count} motions, at most {MAX_MOTIONS} are allowed; split it where the arm stops"
         )));
     }
-    // Tools and bases are the program's, which a request does not have: the flange would go where a TCP is meant to.
-    let to_frame = |motion: &Motion| matches!(motion, Motion::Cartesian(_));
-    if let Some(index) = motions.iter().position(to_frame) {
+    // As the robot program receives it: with more digits, and with the keys that a client may leave out.
+    let bytes = to_json(list).len();
+    if bytes > MAX_MOTIONS_BYTES {
         return Err(Refusal::bad(format!(
-            "motion {} goes to a frame, which the robot program does not know; send a trajectory",
-            MotionIndex::new(index)
+            "written out in full, the request has {bytes} bytes; at most {MAX_MOTIONS_BYTES} are allowed"
         )));
     }
-    let start_rad = robot.limits().clamp(at_rad);
-    let program = Program {
-        robot: None,
-        start: Start::Joints(start_rad),
-        motions: motions.to_vec(),
-        workcell: Workcell::default(),
-    };
-    JointPath::new(&program, robot)
-        .map(drop)
-        .map_err(|fault| Refusal::new(Code::Limit, fault.to_string()))
+    let program = list.clone().starting_at(robot.limits().clamp(at_rad));
+    JointPath::new(&program, robot).map(drop).map_err(|fault| {
+        let mut refusal = Refusal::of_fault(&fault);
+        if refusal.code == Code::BadRequest {
+            let text = std::str::from_utf8(body).unwrap_or_default();
+            refusal.message = format!("{fault}, at {}", fault.place_in(text));
+        }
+        refusal
+    })
+}
+
+/// How many motions a motion counts for: a spline for as many as it has segments.
+fn segments(motion: &Motion) -> usize {
+    match motion {
+        Motion::Cartesian(own) => match &own.course {
+            Course::Spline(segments) => segments.len(),
+            _ => 1,
+        },
+        Motion::Ptp(_) | Motion::Wait { .. } => 1,
+    }
 }

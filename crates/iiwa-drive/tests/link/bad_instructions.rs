@@ -17,9 +17,20 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
     let seq = Field("/seq", Requirement::Required, &["3"]);
     let kind = Field("/type", Requirement::Required, &[]);
     let run = || Field("/run", Requirement::Required, &["3"]);
-    let motions = good_requests()[0]["motions"].clone();
+    let mut motions = good_requests().swap_remove(0);
+    motions["run"] = json!(1);
+    let mut with_more = motions.clone();
+    with_more["seq"] = json!(7);
+    with_more["speed"] = json!(1);
+    let answer = socket.ask(&with_more.to_string());
+    assert_error(
+        &answer["error"],
+        "bad_request",
+        &["unknown key `speed`"],
+        "a key that is not known",
+    );
     let instructions = [
-        (json!({"type": "run_motions", "run": 1, "motions": motions}), {
+        (motions, {
             let mut fields = fields_of("run_motions");
             fields.push(run());
             fields
@@ -38,8 +49,15 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
         good["seq"] = json!(7);
         for (instruction, field) in corrupted(&good, &fields) {
             let answer = socket.ask(&instruction);
-            let names =
-                [&field, "column", "motion 1", "no input or output", "true or false", "`x`"];
+            let names = [
+                &field,
+                "column",
+                "motion 1",
+                "no input or output",
+                "true or false",
+                "`x`",
+                "there is no",
+            ];
             assert_error(&answer["error"], "bad_request", &names, &instruction);
             let head: Value = serde_json::from_str(&instruction).unwrap();
             if head["seq"].is_u64() && head["type"].is_string() {

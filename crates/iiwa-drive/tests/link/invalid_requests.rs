@@ -103,8 +103,13 @@ pub(crate) fn invalid_requests() -> Vec<(String, &'static str, &'static str)> {
         value(motion(json!({"type": "wait", "seconds": 1e300})), "bad_request", "wait"),
         value(
             motion(json!({"type": "lin_rel", "offset": {"x_mm": 1}})),
+            "limit",
+            "motion 1: at 0.0 % of the way, the arm is singular",
+        ),
+        value(
+            motion(json!({"type": "ptp", "frame": "nowhere"})),
             "bad_request",
-            "send a trajectory",
+            "motion 1: there is no frame `nowhere`; the program names none, at line 1, column",
         ),
         value(json!({"type": long}), "bad_request", "xxx..."),
         value(json!({"type": "state", long.as_str(): 1}), "bad_request", "xxx..."),

@@ -13,6 +13,7 @@
 mod bad_instructions;
 mod bad_requests;
 mod bounds;
+mod cell_runs;
 mod corrupted;
 mod faults;
 mod invalid_requests;

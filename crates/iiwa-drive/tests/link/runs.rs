@@ -6,7 +6,7 @@ use iiwa_link::{
     message::{Code, DriveState, Run},
 };
 use iiwa_path::JointPath;
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, MotionList, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_tests::calm::in_real_time;
 
@@ -25,18 +25,16 @@ fn motions() -> Vec<Motion> {
 }
 
 pub(crate) fn planned(motions: Vec<Motion>) -> Trajectory {
-    let program = Program {
-        robot: None,
-        start: Start::Joints([0.0; 7]),
-        motions,
-        workcell: Workcell::default(),
-    };
-    let path = JointPath::new(&program, &Robot::default()).unwrap();
+    planned_from([0.0; 7], motions.into())
+}
+
+pub(crate) fn planned_from(start_rad: Joints, motions: MotionList) -> Trajectory {
+    let path = JointPath::new(&motions.starting_at(start_rad), &Robot::default()).unwrap();
     Trajectory::plan(&path, Timing::default()).unwrap()
 }
 
 /// The run took the planned time, within a cycle, on the planned path.
-fn assert_as_planned(run: &Run, plan: &Trajectory, period_s: f64) {
+pub(crate) fn assert_as_planned(run: &Run, plan: &Trajectory, period_s: f64) {
     let cycle_time_s = run.cycle_time_s.unwrap();
     let late_s = cycle_time_s - plan.cycle_time_s();
     assert!((-1e-6..period_s + 1e-6).contains(&late_s), "late by {late_s} s");

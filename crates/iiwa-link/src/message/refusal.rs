@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use iiwa_program::Fault;
 use serde::{Deserialize, Serialize};
 
 /// Error codes of the protocol.
@@ -75,6 +76,14 @@ impl Refusal {
     #[must_use]
     pub fn bad(message: impl Into<String>) -> Self {
         Self::new(Code::BadRequest, message)
+    }
+
+    /// A refusal of motions: with [`Code::Limit`] if the arm cannot do them, and with [`Code::BadRequest`] if something in
+    /// them is wrong, as a name that leads nowhere.
+    #[must_use]
+    pub fn of_fault(fault: &Fault) -> Self {
+        let code = if fault.is_of_the_arm() { Code::Limit } else { Code::BadRequest };
+        Self::new(code, fault.to_string())
     }
 
     /// A refusal with [`Code::Robot`].

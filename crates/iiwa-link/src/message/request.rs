@@ -3,8 +3,11 @@
 use std::str;
 
 use iiwa_json::Object;
-use iiwa_program::Motion;
-use serde::{Deserialize, Deserializer, Serialize, de::DeserializeOwned};
+use iiwa_program::MotionList;
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{DeserializeOwned, IgnoredAny},
+};
 use serde_json::value::RawValue;
 
 use crate::{
@@ -34,8 +37,8 @@ use crate::{
 pub enum Request {
     /// Run motions from the current position; replied to when they have ended.
     RunMotions {
-        /// The motions, as in a program.
-        motions: Vec<Motion>,
+        /// The motions, and the tools, bases and frames that they use, as in a program.
+        motions: MotionList,
     },
     /// Run a trajectory over FRI; replied to when it has ended.
     RunTrajectory {
@@ -110,8 +113,8 @@ impl Request {
         match name {
             Some("run_motions") => {
                 // The motions first: their errors contain the index of the motion.
-                let motions = Motion::list_from_json(text)
-                    .map_err(|error| Refusal::bad(error.to_string()))?;
+                let motions =
+                    MotionList::from_json(text).map_err(|error| Refusal::bad(error.to_string()))?;
                 parse::<MotionsRequest>(text)?;
                 Ok(Self::RunMotions { motions })
             }
@@ -146,7 +149,7 @@ impl Request {
         #[derive(Serialize)]
         #[serde(tag = "type", rename_all = "snake_case")]
         enum RequestJson<'a> {
-            RunMotions { motions: &'a [Motion] },
+            RunMotions(&'a MotionList),
             RunTrajectory { trajectory: &'a TimedJoints },
             ReadSensors,
             GetIo { name: &'a str },
@@ -156,7 +159,7 @@ impl Request {
             Stop,
         }
         let out = match self {
-            Self::RunMotions { motions } => RequestJson::RunMotions { motions },
+            Self::RunMotions { motions } => RequestJson::RunMotions(motions),
             Self::RunTrajectory { trajectory } => RequestJson::RunTrajectory { trajectory },
             Self::ReadSensors => RequestJson::ReadSensors,
             Self::GetIo { name } => RequestJson::GetIo { name },
@@ -252,6 +255,7 @@ request!(NameRequest { name: String });
 request!(ValueRequest { name: String, value: IoValue });
 request!(TrajectoryRequest { trajectory: Object<TimedJoints> });
 
+/// The keys that there may be; their values are read by [`MotionList`].
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MotionsRequest {
@@ -260,5 +264,17 @@ struct MotionsRequest {
     #[serde(default, rename = "id")]
     _id: Option<Id>,
     #[serde(rename = "motions")]
-    _motions: Box<RawValue>,
+    _motions: IgnoredAny,
+    #[serde(default, rename = "tools")]
+    _tools: IgnoredAny,
+    #[serde(default, rename = "bases")]
+    _bases: IgnoredAny,
+    #[serde(default, rename = "frames")]
+    _frames: IgnoredAny,
+    #[serde(default, rename = "tool")]
+    _tool: IgnoredAny,
+    #[serde(default, rename = "base")]
+    _base: IgnoredAny,
+    #[serde(default, rename = "mode")]
+    _mode: IgnoredAny,
 }

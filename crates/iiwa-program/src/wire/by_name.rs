@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt, marker::PhantomData};
 
-use iiwa_json::Object;
+use iiwa_json::{Object, excerpt};
 use serde::{
     Deserialize, Deserializer,
     de::{Error, IntoDeserializer, MapAccess, Visitor, value::StringDeserializer},
@@ -24,7 +24,8 @@ pub(super) fn by_name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
             while let Some(name) = map.next_key::<String>()? {
                 let Object(value) = map.next_value()?;
                 if all.contains_key(&name) {
-                    return Err(A::Error::custom(format!("the name `{name}` is there twice")));
+                    let what = format!("the name `{}` is there twice", excerpt(&name));
+                    return Err(A::Error::custom(what));
                 }
                 all.insert(name, value);
             }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     by_name::word,
+    exact::exact_deg,
     frames::{PoseWire, TCP, TargetRefWire},
     limits::limited_wire,
 };
@@ -174,7 +175,7 @@ impl LinRelWire {
         e1_rad: Option<f64>,
         within: Option<&TargetRef>,
     ) -> Self {
-        let e1_deg = e1_rad.map(f64::to_degrees);
+        let e1_deg = e1_rad.map(exact_deg);
         Self::of(motion, offset.into(), within.map(TargetRefWire::from), e1_deg)
     }
 }
@@ -227,7 +228,7 @@ impl CircOptions {
 impl From<&Circ> for CircOptions {
     fn from(circ: &Circ) -> Self {
         Self {
-            angle_deg: circ.angle_rad.map(f64::to_degrees),
+            angle_deg: circ.angle_rad.map(exact_deg),
             reference: if circ.turns_with_path { ReferenceWire::Path } else { ReferenceWire::Base },
             aux: match circ.aux_orientation {
                 AuxOrientation::Consider => AuxWire::Consider,
@@ -377,7 +378,7 @@ impl From<PathBlend> for PathBlendWire {
     fn from(blend: PathBlend) -> Self {
         Self {
             cart_mm: blend.cart_mm,
-            ori_deg: blend.orientation_rad.map(f64::to_degrees),
+            ori_deg: blend.orientation_rad.map(exact_deg),
             sunrise_rel: blend.sunrise_rel,
         }
     }

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt};
 
-use iiwa_json::{numbers, object, object_or_null};
+use iiwa_json::{excerpt, numbers, object, object_or_null};
 use iiwa_kin::Status;
 use schemars::JsonSchema;
 use serde::{
@@ -11,7 +11,7 @@ use serde::{
 };
 use serde_json::{Value, json};
 
-use super::by_name::by_name;
+use super::{by_name::by_name, exact::exact_deg};
 use crate::{
     frame::Frame,
     target::{Target, TargetRef},
@@ -312,7 +312,7 @@ impl ToolWire {
     fn tool(self) -> Result<Tool, String> {
         let tip = |(name, pose): (String, PoseWire)| match pose.frame() {
             Ok(frame) => Ok((name, frame)),
-            Err(what) => Err(format!("`{name}`: {what}")),
+            Err(what) => Err(format!("`{}`: {what}", excerpt(&name))),
         };
         let load = self.load.map(|load| {
             if load.mass_kg >= 0.0 {
@@ -344,7 +344,7 @@ impl From<&Tool> for ToolWire {
                 mass_kg: load.mass_kg,
                 center_mm: load.center_mm,
                 inertia_kg_m2: load.inertia_kg_m2,
-                abc_deg: load.abc_rad.map(f64::to_degrees),
+                abc_deg: load.abc_rad.map(exact_deg),
             }),
         }
     }

@@ -10,7 +10,8 @@ use serde_json::value::RawValue;
 use super::{
     by_name::by_name,
     error::{ProgramError, VERSION, json_error},
-    frames::{BaseWire, TargetWire, ToolWire, workcell},
+    frames::{BaseWire, TargetWire, ToolWire},
+    workcell::named,
 };
 use crate::{program::Program, workcell::Workcell};
 
@@ -53,11 +54,6 @@ impl Workcell {
     ///
     /// If the text is something else; the error says where in the text.
     pub fn from_json(text: &str) -> Result<Self, ProgramError> {
-        let at = |what: String, path: &[Step<'_>]| ProgramError::Json {
-            what,
-            motion: None,
-            place: locate(text, path),
-        };
         let wire =
             read_version(text, VERSION, |wire: &FramesWire| wire.version).map_err(|error| {
                 match error {
@@ -73,11 +69,10 @@ impl Workcell {
             })?;
         if wire.include.is_some() {
             let what = "a file that is included includes no other".to_owned();
-            return Err(at(what, &[Step::Key("include")]));
+            let place = locate(text, &[Step::Key("include")]);
+            return Err(ProgramError::Json { what, motion: None, place });
         }
-        workcell(wire.tools, wire.bases, wire.frames).map_err(|(list, name, what)| {
-            at(format!("`{name}`: {what}"), &[Step::Key(list), Step::Key(&name)])
-        })
+        named(text, wire.tools, wire.bases, wire.frames)
     }
 
     /// The tools, bases and frames as JSON (version 1), for programs to include. It does not say which of them are in

@@ -1,6 +1,9 @@
 //! The keys of limits on paths of the TCP and on their segments.
 
-use super::share::Share;
+use super::{
+    exact::{exact_deg, exact_mm},
+    share::Share,
+};
 use crate::{limit_kind::ByKind, segment_limits::SegmentLimits, tool_limits::ToolLimits};
 
 /// Declares a type with the keys of limits between its own.
@@ -120,25 +123,13 @@ impl From<LimitValues> for SegmentLimits {
 
 impl From<&SegmentLimits> for LimitValues {
     fn from(SegmentLimits { shares, tool }: &SegmentLimits) -> Self {
-        let given = |limit: f64, read: fn(f64) -> f64, unit| {
-            limit.is_finite().then(|| written(limit, read, unit))
-        };
+        let given = |limit: f64, unit: fn(f64) -> f64| limit.is_finite().then(|| unit(limit));
         Self {
             shares: shares.into_array().map(|share| share.map(Share::from)),
-            way_mm: tool.way.into_array().map(|limit| given(limit, |mm| 1e-3 * mm, 1e3)),
-            turn_deg: tool
-                .turn
-                .into_array()
-                .map(|limit| given(limit, f64::to_radians, 1f64.to_degrees())),
+            way_mm: tool.way.into_array().map(|limit| given(limit, exact_mm)),
+            turn_deg: tool.turn.into_array().map(|limit| given(limit, exact_deg)),
         }
     }
-}
-
-/// The number that is read as `limit`, or next to it if none is; `limit` times `unit`, but for rounding.
-fn written(limit: f64, read: fn(f64) -> f64, unit: f64) -> f64 {
-    let near = unit * limit;
-    let all = [near, near.next_up(), near.next_down()];
-    all.into_iter().find(|number| read(*number) == limit).unwrap_or(near)
 }
 
 #[cfg(test)]

@@ -1,0 +1,70 @@
+//! Lists of motions in JSON.
+
+use iiwa_json::{Object, Step, locate};
+use serde::{Deserialize, Serialize, Serializer};
+use serde_json::value::RawValue;
+
+use super::{
+    error::{ProgramError, json_error},
+    motions::checked,
+    workcell::{WorkcellOut, WorkcellWire},
+};
+use crate::{motion_list::MotionList, program::Motion};
+
+impl MotionList {
+    /// Reads `motions` of a JSON object, and `tools`, `bases`, `frames`, `tool`, `base` and `mode` if they are there, all
+    /// written as in a program, and checks all that can be checked without a robot. Other keys of the object are passed
+    /// over.
+    ///
+    /// ```
+    /// use iiwa_program::MotionList;
+    ///
+    /// let text = r#"{ "tools": { "gripper": { "tcp": { "z_mm": 120 } } }, "tool": "griper",
+    ///                 "motions": [{ "type": "lin_rel", "offset": { "z_mm": -50 } }] }"#;
+    /// let error = MotionList::from_json(text).unwrap_err();
+    /// assert_eq!(error.what(), "there is no tool `griper`; there are `gripper`");
+    /// assert_eq!((error.place().line, error.place().column), (1, 63));
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Program::from_json`](crate::Program::from_json), and if the tool or the base in use is not there.
+    pub fn from_json(text: &str) -> Result<Self, ProgramError> {
+        let fail = |error: serde_json::Error| json_error(text, text, None, &error);
+        let Object(MotionsWire { motions }) = serde_json::from_str(text).map_err(fail)?;
+        let Object(wire) = serde_json::from_str::<Object<WorkcellWire>>(text).map_err(fail)?;
+        let workcell = wire.workcell(text)?;
+        let in_use =
+            [("tool", workcell.tcp(None).map(drop)), ("base", workcell.base(None).map(drop))];
+        let list = Self { motions: Vec::new(), workcell };
+        let list = checked(text, list.starting_at([0.0; 7]), &motions).map(Self::from)?;
+        for (key, found) in in_use {
+            found.map_err(|fault| ProgramError::Json {
+                what: fault.to_string(),
+                motion: None,
+                place: locate(text, &[Step::Key(key)]),
+            })?;
+        }
+        Ok(list)
+    }
+}
+
+/// As in a program, joints in rad; what is empty is left out.
+impl Serialize for MotionList {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct MotionListOut<'a> {
+            motions: &'a [Motion],
+            #[serde(flatten)]
+            workcell: WorkcellOut<'a>,
+        }
+        let Self { motions, workcell } = self;
+        MotionListOut { motions, workcell: workcell.into() }.serialize(serializer)
+    }
+}
+
+#[derive(Deserialize)]
+struct MotionsWire<'a> {
+    #[serde(borrow)]
+    motions: Vec<&'a RawValue>,
+}
