@@ -2,15 +2,22 @@
 
 use std::fmt::Write as _;
 
-use iiwa_kin::Robot;
-use iiwa_path::TurnContradiction;
+use iiwa_path::{JointPath, TurnContradiction};
 use iiwa_program::Program;
 use iiwa_view::printable;
 
-/// Targets whose turn is not that of the joints there. What cannot be planned is reported by planning.
-pub(crate) fn turn_warnings(program: &Program, robot: &Robot) -> Vec<String> {
-    let found = TurnContradiction::all(program, robot).unwrap_or_default();
-    found.iter().map(ToString::to_string).collect()
+/// What is odd about a program with this path: targets whose turn is not that of the joints there, and splines in which the
+/// TCP stops.
+pub(crate) fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
+    let turns = TurnContradiction::all(program, path.robot()).unwrap_or_default();
+    let stops = path.stops_in_splines().into_iter().map(|(motion, count)| {
+        let often = if count == 1 { "once".to_owned() } else { format!("{count} times") };
+        format!(
+            "motion {motion}: the TCP stops {often} within the spline, where lines or circles meet at a corner; a segment \
+             `spl` between them rounds it"
+        )
+    });
+    turns.iter().map(ToString::to_string).chain(stops).collect()
 }
 
 /// Warnings as they are reported on standard error; of one of many programs, with its name.

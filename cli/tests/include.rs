@@ -146,6 +146,19 @@ fn an_odd_turn_is_worth_a_warning() {
 }
 
 #[test]
+fn a_stop_within_a_spline_is_worth_a_warning() {
+    let spline = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] }, "motions": [
+        { "type": "spline", "segments": [
+            { "type": "lin", "frame": { "x_mm": 600, "y_mm": 100, "z_mm": 400, "a_deg": 180, "b_deg": 0, "c_deg": 180 } },
+            { "type": "lin", "frame": { "x_mm": 600, "y_mm": 100, "z_mm": 300, "a_deg": 180, "b_deg": 0, "c_deg": 180 } }
+        ] }] }"#;
+    let folder = folder(spline, CELL);
+    iiwasim(&folder, &["plan", "program.json", "--no-output"])
+        .success()
+        .stderr(contains("Warning: motion 1: the TCP stops once within the spline"));
+}
+
+#[test]
 fn prints_the_schema() {
     let folder = tempdir().unwrap();
     iiwasim(&folder, &["schema", "frames"]).success().stdout(contains("iiwasim frames"));

@@ -19,7 +19,7 @@ use crate::{
         DriveConnection, Task, execute_with_progress, go_to_start, hint, recording, sampled,
         since_start,
     },
-    warning::{turn_warnings, warning_lines},
+    warning::{warning_lines, warnings},
 };
 
 /// Runs a program on the robot.
@@ -28,7 +28,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let target = target(options);
     output::catch_interrupts();
     let (plan, figures) = plan(&text, &program, &robot)?;
-    print_note(&warning_lines(&turn_warnings(&program, &robot), None));
+    print_note(&warning_lines(&warnings(&program, plan.path()), None));
 
     let mut line = DriveConnection::new(&options.drive, &options.stream)?;
     if !options.json {

@@ -73,6 +73,12 @@ impl Planning {
         Self { planner: self.planner.interrupted_by(stop), ..self }
     }
 
+    /// The path of the program.
+    #[must_use]
+    pub fn path(&self) -> &JointPath {
+        self.planner.path()
+    }
+
     /// The figures so far.
     #[must_use]
     pub fn figures(&self) -> &PlanFigures {

@@ -223,6 +223,23 @@ impl JointPath {
         self.motions.get(motion.index()).map(|motion| motion.motion_type)
     }
 
+    /// The splines within which the TCP stops, since two lines or circles of them do not go on smoothly, and how often.
+    #[must_use]
+    pub fn stops_in_splines(&self) -> Vec<(MotionIndex, usize)> {
+        let mut stops: Vec<(MotionIndex, usize)> = Vec::new();
+        for step in self.steps.iter() {
+            let Step::Corner { motion } = step else { continue };
+            match stops.last_mut() {
+                Some((last, count)) if last == motion => *count += 1,
+                _ if self.motion_type(*motion) == Some(MotionType::Spline) => {
+                    stops.push((*motion, 1));
+                }
+                _ => {}
+            }
+        }
+        stops
+    }
+
     /// All blends, in order: the corner, and the curve that rounds it off.
     pub fn blends(&self) -> impl Iterator<Item = (&Corner, &dyn Segment)> {
         self.steps.iter().filter_map(|step| match step {

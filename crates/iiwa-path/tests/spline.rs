@@ -4,7 +4,7 @@
 
 use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_path::{JointPath, Segment, Step};
-use iiwa_program::{LimitKind, Program};
+use iiwa_program::{LimitKind, MotionIndex, Program};
 use serde_json::{Value, json};
 
 /// Where the programs start: the wrist is away from all singular poses.
@@ -208,9 +208,10 @@ fn it_stops_where_two_lines_meet_at_an_angle() {
     else {
         panic!("{:?}", path.steps())
     };
+    assert_eq!(path.stops_in_splines(), [(MotionIndex::new(0), 1)]);
     let straight = [segment("lin", frame(30.0, 0.0, 3.0)), segment("lin", frame(80.0, 0.0, 8.0))];
     let path = plan(&program(&json!([spline(&straight)]))).unwrap();
-    assert_eq!(moves(&path).len(), 2);
+    assert_eq!((moves(&path).len(), path.stops_in_splines()), (2, vec![]));
     let [q, dq, ddq] = jumps(&moves(&path));
     assert!(q < 2e-9 && dq < 1e-6 && ddq < 1e-5, "{q} {dq} {ddq}");
 }

@@ -67,7 +67,8 @@ impl Planner {
     }
 
     /// The path.
-    pub(crate) fn path(&self) -> &JointPath {
+    #[must_use]
+    pub fn path(&self) -> &JointPath {
         &self.path
     }
 

@@ -16,7 +16,7 @@ use crate::{
     failure::Failure,
     input::{self, ProgramText},
     output::{self, Output},
-    warning::turn_warnings,
+    warning::warnings,
 };
 
 /// The scene of the options, if any.
@@ -46,7 +46,7 @@ pub(super) fn write(
         .interrupted_by(output::interrupt_flag());
     let picture = options.picture.as_ref();
     let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&program));
-    let warnings = turn_warnings(&program, &robot);
+    let warnings = warnings(&program, planning.path());
     drop(program);
     let arm = scene.map(|scene| ArmInScene::new(&robot, scene));
 
