@@ -84,13 +84,13 @@ impl ArmInScene {
         self.nearest(&bodies, f64::MAX).map(|(pair, near)| self.told(pair, &near))
     }
 
-    pub(crate) fn bodies(&self, joints_rad: &Joints) -> Vec<Body> {
+    pub(crate) fn bodies(&self, joints_rad: &Joints) -> Vec<Body<'_>> {
         let poses = self.robot.link_poses(joints_rad);
         self.parts.iter().map(|part| part.at(&poses[part.link])).collect()
     }
 
     /// The nearest pair of all, if it is nearer than `most`.
-    pub(crate) fn nearest(&self, bodies: &[Body], most: f64) -> Option<(Pair, Near)> {
+    pub(crate) fn nearest(&self, bodies: &[Body<'_>], most: f64) -> Option<(Pair, Near)> {
         let mut pairs = Vec::with_capacity(bodies.len() * self.obstacles.len());
         for (part, body) in bodies.iter().enumerate() {
             let bound = self.parts[part].bound;

@@ -21,12 +21,40 @@ use numbers::{angle, from_mm, position, size, three};
 use tool::{ToolShapeWire, tool_shape};
 
 impl Scene {
-    /// Reads a scene (version 1).
+    /// Reads a scene (version 1) whose tool has no mesh: [`from_json_with`](Self::from_json_with) reads others.
     ///
     /// # Errors
     ///
-    /// If the text is not a scene, or has obstacles that cannot be; the error says where in the text.
+    /// If the text is not a scene, has obstacles that cannot be, or names a mesh; the error says where in the text.
     pub fn from_json(text: &str) -> Result<Self, SceneError> {
+        Self::from_json_with(text, |_| {
+            Err("only the text of the scene is at hand, and no other file".to_owned())
+        })
+    }
+
+    /// Reads a scene (version 1). What `read` gives for the name of a mesh's file are its bytes, or why it cannot be read;
+    /// which files a scene may name is up to it.
+    ///
+    /// ```
+    /// use iiwa_scene::Scene;
+    ///
+    /// let text = r#"{ "version": 1, "obstacles": [], "tool": [{ "type": "mesh", "file": "wedge.obj" }] }"#;
+    /// let wedge = "v 0 0 0\nv 60 0 0\nv 0 40 0\nv 0 0 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    /// let scene = Scene::from_json_with(text, |name| {
+    ///     assert_eq!(name, "wedge.obj");
+    ///     Ok(wedge.into())
+    /// })?;
+    /// assert_eq!(scene.tool().len(), 1);
+    /// # Ok::<(), iiwa_scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If the text is not a scene, or has obstacles or a tool that cannot be; the error says where in the text.
+    pub fn from_json_with(
+        text: &str,
+        mut read: impl FnMut(&str) -> Result<Vec<u8>, String>,
+    ) -> Result<Self, SceneError> {
         let wire =
             read_version(text, VERSION, |wire: &SceneWire<'_>| wire.version).map_err(|error| {
                 match error {
@@ -38,7 +66,7 @@ impl Scene {
         let obstacles = obstacles.map(|(index, raw)| obstacle(text, index, raw.get()));
         let obstacles = obstacles.collect::<Result<_, _>>()?;
         let tool = wire.tool.iter().enumerate();
-        let tool = tool.map(|(index, raw)| tool_shape(text, index, raw.get()));
+        let tool = tool.map(|(index, raw)| tool_shape(text, index, raw.get(), &mut read));
         let tool = tool.collect::<Result<Vec<_>, _>>()?;
         Self::new(obstacles)
             .and_then(|scene| scene.with_tool(tool))
