@@ -84,6 +84,17 @@ impl ArmInScene {
         self.nearest(&bodies, f64::MAX).map(|(pair, near)| self.told(pair, &near))
     }
 
+    /// The farthest that any point of what counts of the arm moves, at most, in m, while the joints go evenly from one pose to
+    /// another: no clearance on the way differs more from that at either end.
+    #[must_use]
+    pub fn travel_bound_m(&self, from_rad: &Joints, to_rad: &Joints) -> f64 {
+        let way = |part: &Part| {
+            let ways = std::iter::zip(from_rad, to_rad).map(|(from, to)| (to - from).abs());
+            std::iter::zip(ways, &part.reach).map(|(way, reach)| way * reach).sum()
+        };
+        self.parts.iter().map(way).fold(0.0, f64::max)
+    }
+
     pub(crate) fn bodies(&self, joints_rad: &Joints) -> Vec<Body<'_>> {
         let poses = self.robot.link_poses(joints_rad);
         self.parts.iter().map(|part| part.at(&poses[part.link])).collect()

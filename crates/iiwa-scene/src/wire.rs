@@ -1,19 +1,17 @@
 //! The scene's JSON forms: the one that is read, which the JSON Schema describes, and the one that is
-//! drawn.
+//! drawn ([`drawn`]).
 
+mod drawn;
 mod error;
 mod numbers;
 mod tool;
 
 use iiwa_json::{Object, Step, Unread, excerpt, locate, read_version, tag};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize, Serializer};
+use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use crate::{
-    placed::{rotation, unit},
-    scene::{Form, Obstacle, Scene},
-};
+use crate::scene::{Form, Obstacle, Scene};
 
 pub use error::SceneError;
 use error::{VERSION, json_error};
@@ -203,46 +201,5 @@ impl From<PlaneWire> for Obstacle {
     fn from(wire: PlaneWire) -> Self {
         let form = Form::Plane { point_m: wire.point_mm.map(from_mm), normal: wire.normal };
         Self { name: wire.name, form }
-    }
-}
-
-/// As a drawing needs it: m, unit vectors, matrices.
-#[derive(Serialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-enum Drawn<'a> {
-    Box {
-        name: &'a str,
-        center_m: [f64; 3],
-        size_m: [f64; 3],
-        /// Three rows; the columns are the box's axes.
-        rotation: [[f64; 3]; 3],
-    },
-    Plane {
-        name: &'a str,
-        point_m: [f64; 3],
-        /// Of length 1.
-        normal: [f64; 3],
-    },
-}
-
-/// The obstacles with positions in m: a box as `center_m`, `size_m` and `rotation` (three rows; the columns
-/// are its axes), a plane as `point_m` and `normal` (of length 1).
-impl Serialize for Scene {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct View<'a> {
-            obstacles: Vec<Drawn<'a>>,
-        }
-        let obstacles = self.obstacles().iter().map(|Obstacle { name, form }| match *form {
-            Form::Box { center_m, size_m, rpy_rad } => {
-                // Without a minus in front of a zero.
-                let rotation = rotation(rpy_rad).map(|row| row.map(|v| v + 0.0));
-                Drawn::Box { name, center_m, size_m, rotation }
-            }
-            Form::Plane { point_m, normal } => {
-                Drawn::Plane { name, point_m, normal: unit(normal).into() }
-            }
-        });
-        View { obstacles: obstacles.collect() }.serialize(serializer)
     }
 }
