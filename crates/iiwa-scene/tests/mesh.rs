@@ -150,6 +150,28 @@ fn a_box_is_as_near_as_its_mesh() {
     }
 }
 
+/// On the way from one pose to another, no clearance differs more from that at an end than the arm travels.
+#[test]
+fn travel_bounds_clearances() {
+    let tool = r#"{ "type": "mesh", "file": "a.stl", "origin_mm": [0, 40, 90], "scale": 3 }"#;
+    let scene = scene(tool, |_| Ok(binary_stl()));
+    let robot = Robot::default();
+    let arm = ArmInScene::new(&robot, &scene);
+    let mut random = fastrand::Rng::with_seed(9);
+    let mut tightest = f64::MAX;
+    for _ in 0..2000 {
+        let from = robot.limits().at_shares(&[(); 7].map(|()| 1.6 * random.f64() - 0.8));
+        let to = from.map(|q| q + 0.05 * (random.f64() - 0.5));
+        let bound_m = arm.travel_bound_m(&from, &to);
+        let middle = std::array::from_fn(|j| from[j] + 0.3 * (to[j] - from[j]));
+        let [a, b] = [from, middle].map(|q| arm.clearance(&q).unwrap().distance_m);
+        assert!((a - b).abs() <= 0.3 * bound_m + 1e-7, "{a} {b} {bound_m}");
+        tightest = tightest.min(bound_m - (a - b).abs() / 0.3);
+    }
+    // It is of use: some poses come close to it.
+    assert!(tightest < 0.02, "{tightest}");
+}
+
 #[test]
 fn what_is_no_mesh_is_refused_at_its_key() {
     let refused = |shape: &str, bytes: Result<Vec<u8>, &str>| {
