@@ -117,7 +117,7 @@ fn program_of(
 
 /// The robot of the profile that a program, read from `path` with this name and text, names.
 fn named(path: &Path, [program, text]: [&str; 2], name: &str) -> Result<Robot, Failure> {
-    let profile = beside(path, name).map_err(|reason| {
+    let profile = beside(path, name, &["json"]).map_err(|reason| {
         let what = match reason {
             NotBeside::Elsewhere => format!(
                 "no robot is called `{name}`: {} are built in, and a profile is a file *.json beside the \
@@ -141,14 +141,9 @@ fn named(path: &Path, [program, text]: [&str; 2], name: &str) -> Result<Robot, F
 
 /// Reads the file that the program at `path` includes; the error says why it cannot be read.
 fn included(path: &Path, name: &str) -> Result<String, String> {
-    let file = beside(path, name).map_err(|reason| match reason {
-        NotBeside::Elsewhere => {
-            "it has to be a file *.json beside the program or in a folder below it".to_owned()
-        }
-        NotBeside::Missing(path) => format!("there is no file {}", path.display()),
-        NotBeside::LeadsOut(path) => {
-            format!("{} leads out of the program's folder", path.display())
-        }
+    let file = beside(path, name, &["json"]).map_err(|reason| {
+        reason
+            .of("it has to be a file *.json beside the program or in a folder below it", "program")
     })?;
     let file = Text::read(&file).map_err(|failure| failure.what())?;
     if is_object(&file) { Ok(file.text) } else { Err("it holds no JSON object".to_owned()) }
@@ -159,9 +154,9 @@ fn is_object(file: &Text) -> bool {
     file.text.trim_start().starts_with('{')
 }
 
-/// The folder of a program.
-fn folder(program: &Path) -> &Path {
-    let folder = program.parent().filter(|folder| !folder.as_os_str().is_empty());
+/// The folder of a file.
+fn folder(file: &Path) -> &Path {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
     folder.unwrap_or(Path::new("."))
 }
 
@@ -175,14 +170,26 @@ enum NotBeside {
     LeadsOut(PathBuf),
 }
 
-/// The path of a file that a program names, in the program's folder or below. A program from elsewhere must
-/// not make this process read, and show in errors, any other file.
-fn beside(program: &Path, name: &str) -> Result<PathBuf, NotBeside> {
-    let folder = folder(program);
+impl NotBeside {
+    /// What is told: `elsewhere` of a file that may not be named, in a `kind` of file.
+    fn of(self, elsewhere: &str, kind: &str) -> String {
+        match self {
+            Self::Elsewhere => elsewhere.to_owned(),
+            Self::Missing(path) => format!("there is no file {}", path.display()),
+            Self::LeadsOut(path) => format!("{} leads out of the {kind}'s folder", path.display()),
+        }
+    }
+}
+
+/// The path of a file that a program or a scene names, in its folder or below, with one of these endings. What comes from
+/// elsewhere must not make this process read, and show in errors, any other file.
+fn beside(from: &Path, name: &str, endings: &[&str]) -> Result<PathBuf, NotBeside> {
+    let folder = folder(from);
     let path = folder.join(name);
     let below = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
     let name = Path::new(name);
-    if !name.components().all(below) || name.extension() != Some(OsStr::new("json")) {
+    let ending = |ending: &OsStr| endings.iter().any(|known| ending.eq_ignore_ascii_case(known));
+    if !name.components().all(below) || !name.extension().is_some_and(ending) {
         return Err(NotBeside::Elsewhere);
     }
     if !path.is_file() {
@@ -194,11 +201,21 @@ fn beside(program: &Path, name: &str) -> Result<PathBuf, NotBeside> {
     }
 }
 
-/// Reads a scene.
+/// Reads a scene with the meshes that it names.
 pub(crate) fn scene(path: &Path) -> Result<Scene, Failure> {
     let Text { name, text } = Text::read(path)?;
-    Scene::from_json(&text)
+    Scene::from_json_with(&text, |name| mesh(path, name))
         .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))
+}
+
+/// Reads the file of a mesh that the scene at `path` names; the error says why it cannot be read.
+fn mesh(path: &Path, name: &str) -> Result<Vec<u8>, String> {
+    let file = beside(path, name, &["stl", "obj"]).map_err(|reason| {
+        let elsewhere =
+            "it has to be a file *.stl or *.obj beside the scene or in a folder below it";
+        reason.of(elsewhere, "scene")
+    })?;
+    fs::read(&file).map_err(|error| format!("cannot read {}: {error}", file.display()))
 }
 
 /// Opens a file.

@@ -89,6 +89,55 @@ fn a_page_needs_nothing_but_itself() {
     assert_eq!(files(&folder), ["page.html", "plan.html", "plan.mcap"]);
 }
 
+/// With a scene, the page has it, and the clearance that planning finds; without one, neither.
+#[test]
+fn a_scene_is_around_the_arm() {
+    let folder = plan("ten-motions.json");
+    let without = data(&page(&folder, &["plan.mcap"]));
+    assert!(without.get("scene").is_none() && without["arms"][0].get("clearance").is_none());
+    let mut scene: Value =
+        serde_json::from_str(&fs::read_to_string(fixture("cage.json")).unwrap()).unwrap();
+    for tool in [
+        serde_json::json!([]),
+        serde_json::json!([{ "type": "sphere", "center_mm": [0, 20, 60], "radius_mm": 45 }]),
+        // It touches the table, and later the brace: the first time counts.
+        serde_json::json!([{ "type": "cylinder", "center_mm": [0, 0, 100], "radius_mm": 40, "length_mm": 200 }]),
+    ] {
+        scene["tool"] = tool;
+        fs::write(folder.path().join("scene.json"), scene.to_string()).unwrap();
+        let mut with = data(&page(&folder, &["plan.mcap", "--scene", "scene.json"]));
+        let program = fixture("ten-motions.json");
+        let planned = ["plan", program.to_str().unwrap(), "--json", "--no-output"];
+        let planned = iiwasim(&folder, &[&planned[..], &["--scene", "scene.json"]].concat());
+        let figures: Value = serde_json::from_slice(&planned.get_output().stdout).unwrap();
+        let (expected, found) = (&figures["clearance"], &with["arms"][0]["clearance"]["nearest"]);
+        for (key, most) in [("distance_mm", 0.1), ("at_s", 0.01)] {
+            let off = expected[key].as_f64().unwrap() - found[key].as_f64().unwrap();
+            assert!(off.abs() < most, "{expected} {found}");
+        }
+        assert_eq!(
+            (&expected["link"], &expected["obstacle"]),
+            (&found["link"], &found["obstacle"])
+        );
+        // The curve comes as near, but for what is between its samples.
+        let curve = singles(&with["arms"][0]["clearance"]["distance"]["low"]);
+        let least = 1e3 * curve.into_iter().fold(f64::MAX, f64::min);
+        let off = least - found["distance_mm"].as_f64().unwrap();
+        assert!((-1e-4..2.0).contains(&off), "{off}");
+        assert_eq!(
+            with["scene"]["tool"].as_array().unwrap().len(),
+            scene["tool"].as_array().unwrap().len()
+        );
+        // All else is as without it.
+        with.as_object_mut().unwrap().remove("scene");
+        with["arms"][0].as_object_mut().unwrap().remove("clearance");
+        assert_eq!(with, without);
+    }
+    let over = ["report", "plan.mcap", "--scene", "scene.json", "-o", "scene.json"];
+    iiwasim(&folder, &over).code(2).stderr(contains("over the scene"));
+    iiwasim(&folder, &["report", "plan.mcap", "--scene", "plan.mcap"]).code(2);
+}
+
 #[test]
 fn a_plan_is_in_its_page() {
     let folder = plan("ten-motions.json");

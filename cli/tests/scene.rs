@@ -148,6 +148,61 @@ fn refuses_what_is_no_scene() {
     assert_eq!(files(&cell), before);
 }
 
+const WEDGE: &str = "v 0 0 0\nv 60 0 0\nv 0 40 0\nv 0 0 90\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+/// The cage, with a tool that is a mesh.
+fn cage_with(folder: &TempDir, file: &str) {
+    let mut scene: Value =
+        serde_json::from_str(&fs::read_to_string(fixture("cage.json")).unwrap()).unwrap();
+    scene["tool"] = serde_json::json!([{ "type": "mesh", "file": file }]);
+    fs::write(folder.path().join("cage.json"), scene.to_string()).unwrap();
+}
+
+#[test]
+fn a_mesh_is_read_from_beside_the_scene() {
+    let cell = cell();
+    fs::create_dir(cell.path().join("cad")).unwrap();
+    fs::write(cell.path().join("cad/wedge.obj"), WEDGE).unwrap();
+    cage_with(&cell, "cad/wedge.obj");
+    let arguments = ["ten-motions.json", "--scene", "cage.json"];
+    let figures = json(plan(&cell, &[&arguments[..], &["--json"]].concat()));
+    // It reaches farther than the wrist, which is nearest without it.
+    let clearance = &figures["clearance"];
+    assert!(clearance["distance_mm"].as_f64().unwrap() < 79.0, "{clearance}");
+    assert_eq!(clearance["link"], 8, "{clearance}");
+    // A folder's scene is no program, with a mesh, too.
+    let all = plan(&cell, &[".", "--scene", "cage.json"]).success();
+    assert!(!stderr(&all).contains("cage.json"), "{}", stderr(&all));
+}
+
+#[test]
+fn no_mesh_is_read_from_elsewhere() {
+    let cell = cell();
+    let outside = tempdir().unwrap();
+    fs::write(outside.path().join("wedge.obj"), WEDGE).unwrap();
+    let refused = |file: &str, words: &[&str]| {
+        cage_with(&cell, file);
+        let message = stderr(&plan(&cell, &["ten-motions.json", "--scene", "cage.json"]).code(2));
+        for word in words.iter().chain(&["cage.json, line 1", "tool, shape 1"]) {
+            assert!(message.contains(word), "`{word}` is missing in:\n{message}");
+        }
+    };
+    let path = outside.path().join("wedge.obj");
+    refused(path.to_str().unwrap(), &["beside the scene or in a folder below it"]);
+    refused("../wedge.obj", &["beside the scene or in a folder below it"]);
+    refused("ten-motions.json", &["*.stl or *.obj"]);
+    refused("none.stl", &["there is no file", "none.stl"]);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&path, cell.path().join("link.obj")).unwrap();
+        refused("link.obj", &["leads out of the scene's folder"]);
+    }
+    fs::write(cell.path().join("secret.obj"), "v hunter2\n").unwrap();
+    refused("secret.obj", &["it is no OBJ file"]);
+    let message = stderr(&plan(&cell, &["ten-motions.json", "--scene", "cage.json"]));
+    assert!(!message.contains("hunter2"), "{message}");
+}
+
 #[test]
 fn prints_the_schema() {
     let schema = json(iiwasim(&tempdir().unwrap(), &["schema", "scene"]));

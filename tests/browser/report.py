@@ -24,6 +24,7 @@ import pypdf
 from checks import run_checks
 from chromium import Browser
 from rig import Rig
+from scene import TOOL, write_scene
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 # What was drawn is gone once it is on the screen.
@@ -84,6 +85,10 @@ class Pages:
         for name in ("many", "one"):
             self.iiwasim("plan", f"{name}.json")
             self.iiwasim("report", f"{name}.mcap")
+        # What stands around, and a tool of all kinds of shapes.
+        scene = write_scene(self.folder)
+        self.iiwasim("report", "ten-motions.mcap", "--scene", scene, "-o", "scene.html")
+        self.iiwasim("report", "ten-motions.mcap", "real.mcap", "--scene", scene, "-o", "scene-run.html")
         # A long file, so that there are several chunks, cut off.
         self.iiwasim("plan", program, "-o", "cut.mcap", "--rate", "4000")
         cut = self.folder / "cut.mcap"
@@ -429,6 +434,63 @@ def a_run_is_beside_its_plan(browser: Browser, pages: Pages) -> None:
     assert "made for this page" in notes, notes
 
 
+def a_scene_is_shown(browser: Browser, pages: Pages) -> None:
+    desk(browser)
+    browser.open(pages.page("scene"), "#t=0.5")
+    told = json.loads(
+        pages.iiwasim("plan", str(FIXTURES / "ten-motions.json"), "--scene", "cage.json", "--no-output", "--json")
+    )["clearance"]
+    figures = browser.run("document.getElementById('figures').textContent")
+    assert f"{told['distance_mm']:.1f} mm" in figures and f"and {told['obstacle']}" in figures, figures
+    # What is written is the clearance where the arm is.
+    for t in (0.0, 0.96, 3.3, 6.0):
+        seek(browser, t)
+        pair = browser.run("document.getElementById('pair').textContent")
+        assert re.fullmatch(rf"At {t:.3f} s: [0-9.]+ mm, (the tool|link [2-7]) and .+", pair), pair
+    # All shapes are drawn, each of them: without it, the view looks otherwise.
+    looks = [browser.run(SCENE)]
+    count = browser.run("around.tool.length")
+    assert count == len(TOOL)
+    for i in range(count):
+        looks.append(browser.run(f"(scene.fill({{ tool: around.tool.filter((_, k) => k !== {i}) }}), {SCENE})"))
+    looks.append(browser.run(f"(scene.fill({{ tool: [] }}), {SCENE})"))
+    looks.append(browser.run(f"(scene.fill({{ ...around, obstacles: [] }}), {SCENE})"))
+    assert len(set(looks)) == count + 3, "a shape is not drawn"
+    browser.run("scene.fill(around)")
+    assert browser.run(SCENE) == looks[0]
+    # The chart takes the time along, as all do, and shows another window.
+    canvas = "document.querySelector('#clearances canvas')"
+    before = browser.run(f"{canvas}.toDataURL()")
+    box = browser.box("#clearances canvas")
+    browser.press(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    assert 0.4 < browser.run("state.time / report.arms[0].end_s") < 0.6
+    browser.click("#in")
+    assert browser.run(f"{canvas}.toDataURL()") != before
+    for name in ("scene", "scene-run"):
+        for scheme in ("light", "dark"):
+            desk(browser)
+            browser.scheme(scheme)
+            browser.open(pages.page(name), "#t=0.9")
+            pages.keep(browser, f"{name}-{scheme}")
+            browser.size(390, 844, phone=True)
+            browser.frames()
+            assert browser.run("document.documentElement.scrollWidth") <= 390, name
+            pages.keep(browser, f"{name}-{scheme}-phone")
+    assert browser.run("near.length") == 2
+    assert "clearance, measured" in browser.run("document.getElementById('figures').textContent")
+    browser.scheme("light")
+    browser.open(pages.page("scene"))
+    pdf = browser.pdf()
+    (pages.folder / "scene.pdf").write_bytes(pdf)
+    reader = pypdf.PdfReader(io.BytesIO(pdf))
+    printed = " ".join(page.extract_text() for page in reader.pages)
+    assert "Clearance" in printed and len(reader.pages) <= 4, len(reader.pages)
+    # Without one, there is nothing of it.
+    browser.open(pages.page("ten-motions"))
+    assert browser.run("document.getElementById('clearance').hidden")
+    assert not browser.run("around.obstacles.length + around.tool.length")
+
+
 def many_motions_and_one(browser: Browser, pages: Pages) -> None:
     for name, motions in (("many", 300), ("one", 1)):
         desk(browser)
@@ -504,6 +566,7 @@ CHECKS = [
     paper_has_the_tables,
     own_limits_are_bands,
     a_run_is_beside_its_plan,
+    a_scene_is_shown,
     many_motions_and_one,
     two_files_and_damaged_ones,
 ]

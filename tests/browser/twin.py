@@ -24,6 +24,7 @@ from pathlib import Path
 from checks import run_checks
 from chromium import Browser
 from rig import Rig
+from scene import TOOL, write_scene
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 SCENE = "(drawArms(), document.getElementById('scene').toDataURL())"
@@ -57,7 +58,7 @@ class Twin:
     def start(self) -> None:
         """The same port each time, so that an open page finds it again."""
         rig = self.rig
-        options = ["--port", "0", "--scene", str(FIXTURES / "cage.json")]
+        options = ["--port", "0", "--scene", write_scene(rig.folder)]
         printed = rig.folder / "address"
         with printed.open("w") as out:
             self.process = rig.start("twin", *options, *rig.drive_at, *rig.stream_at, stdout=out)
@@ -172,6 +173,28 @@ def page_follows_the_robot(browser: Browser, twin: Twin) -> None:
     where = json.loads(subprocess.run(status, check=True, capture_output=True).stdout)["joints_rad"]
     shown = browser.run("live.newest.joints_rad")
     assert max(abs(a - b) for a, b in zip(where, shown)) < 1e-6, (where, shown)
+
+
+def tool_is_drawn(browser: Browser, twin: Twin) -> None:
+    twin.open(browser)
+    # The live arm may tremble: the same poses for all, so that each shape is in front of the others in one of them.
+    poses = [[0, 0.5, 0, -1.2, 0, 1, turn] for turn in (0, 1.5, 3, -1.5)]
+    look = (
+        f"{json.dumps(poses)}.map(q => (scene.show([{{ q, ghost: null }}]),"
+        " document.getElementById('scene').toDataURL())).join()"
+    )
+    looks = [browser.run(look)]
+    for i in range(len(TOOL)):
+        looks.append(browser.run(f"(scene.fill({{ tool: around.tool.filter((_, k) => k !== {i}) }}), {look})"))
+    looks.append(browser.run(f"(scene.fill({{ tool: [] }}), {look})"))
+    assert len(set(looks)) == len(TOOL) + 2, "a shape is not drawn"
+    browser.run("scene.fill(around)")
+    assert "tool" in text(browser, "legend"), text(browser, "legend")
+    for _ in range(4):
+        browser.run("scene.turn(0, 0, 1.4)")
+    browser.frames()
+    twin.keep(browser, "twin-tool")
+    browser.click("#look")
 
 
 def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None:
@@ -418,6 +441,7 @@ def frames_latency_and_memory(browser: Browser, twin: Twin) -> str:
 
 CHECKS = [
     page_follows_the_robot,
+    tool_is_drawn,
     program_is_simulated_sent_and_replayed,
     stop_stops,
     positions_are_kept,

@@ -7,7 +7,7 @@ use iiwa_view::{Extent, Page, PageOptions, printable};
 use crate::{
     args::Report,
     failure::{Failure, print_note},
-    input::find_robot,
+    input::{find_robot, scene},
     output,
 };
 
@@ -15,11 +15,13 @@ use crate::{
 pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let target = options.output.clone().unwrap_or_else(|| file_name(&options.file));
     let measured = options.measured.as_deref().map(|path| ("recording", path));
-    let read = [("file", options.file.as_path())].into_iter().chain(measured);
+    let around = options.scene.as_deref().map(|path| ("scene", path));
+    let read = [("file", options.file.as_path())].into_iter().chain(measured).chain(around);
     output::keep_inputs("page", &target, read, "--output")?;
     output::catch_interrupts();
     let robot = options.robot.as_deref().map(find_robot).transpose()?;
-    let how = PageOptions { robot, extent: Extent::Whole, interrupted: output::interrupted };
+    let scene = options.scene.as_deref().map(scene).transpose()?;
+    let how = PageOptions { robot, scene, extent: Extent::Whole, interrupted: output::interrupted };
     let page = Page::read(&options.file, options.measured.as_deref(), &how)?;
     for note in page.notes() {
         print_note(&format!("Note: {}\n", printable(note)));

@@ -138,7 +138,8 @@ impl Setup {
         extent: Extent,
     ) -> Result<Page, Failure> {
         let robot = Some(self.robot.clone());
-        let how = PageOptions { robot, extent, interrupted: output::interrupted };
+        let scene = self.arm.as_ref().map(|arm| arm.scene().clone());
+        let how = PageOptions { robot, scene, extent, interrupted: output::interrupted };
         Ok(Page::read(plan, measured, &how)?)
     }
 

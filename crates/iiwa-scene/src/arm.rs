@@ -1,10 +1,13 @@
 //! The arm's parts: what they are, where they are, how far each joint can move them.
 
+use std::{borrow::Borrow, sync::Arc};
+
 use iiwa_kin::{Along, Joints, Pose, Robot, Solid};
 use parry3d_f64::{math::Vector, shape::SupportMap};
 
 use crate::{
     placed::rotation,
+    polyhedron::Polyhedron,
     tool::{ToolForm, ToolShape},
 };
 
@@ -18,8 +21,8 @@ const LAST_LINK: usize = 7;
 /// What a tool is called among links.
 pub(crate) const TOOL: usize = 8;
 
-/// A primitive shape of the arm.
-#[derive(Clone, Copy, Debug)]
+/// A convex shape of the arm.
+#[derive(Clone, Debug)]
 pub(crate) struct Part {
     pub(crate) link: usize,
     /// What it is called: its link, or [`TOOL`].
@@ -28,7 +31,7 @@ pub(crate) struct Part {
     center: Vector,
     /// Its axis, in its link's frame.
     axis: Vector,
-    form: Volume,
+    form: Volume<Arc<Polyhedron>>,
     /// How far any of its points is from its centre, at most.
     pub(crate) bound: f64,
     /// How far any of its points can be from the axis of each joint, at most, in m; zero for joints
@@ -36,9 +39,9 @@ pub(crate) struct Part {
     pub(crate) reach: Joints,
 }
 
-/// A ball, a cylinder with flat ends, or a box.
+/// A ball, a cylinder with flat ends, a box, or a convex polyhedron, which it holds as an `H`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Volume {
+pub(crate) enum Volume<H> {
     Cylinder {
         radius: f64,
         half: f64,
@@ -51,34 +54,44 @@ pub(crate) enum Volume {
         sides: [Vector; 2],
         half: Vector,
     },
+    /// Beside its axis, the two others.
+    Hull {
+        sides: [Vector; 2],
+        hull: H,
+    },
 }
 
-impl Volume {
+impl<H: Borrow<Polyhedron>> Volume<H> {
     /// How far any point is from the centre, at most.
     fn bound(&self) -> f64 {
         match self {
             Self::Cylinder { radius, half } => radius.hypot(*half),
             Self::Ball { radius } => *radius,
             Self::Box { half, .. } => half.length(),
+            Self::Hull { hull, .. } => hull.borrow().bound(Vector::length),
         }
     }
 
     /// The same with its directions turned.
-    fn turned(&self, turn: impl Fn(Vector) -> Vector) -> Self {
+    fn turned(&self, turn: impl Fn(Vector) -> Vector) -> Volume<&Polyhedron> {
         match *self {
-            Self::Box { sides, half } => Self::Box { sides: sides.map(turn), half },
-            round => round,
+            Self::Cylinder { radius, half } => Volume::Cylinder { radius, half },
+            Self::Ball { radius } => Volume::Ball { radius },
+            Self::Box { sides, half } => Volume::Box { sides: sides.map(turn), half },
+            Self::Hull { sides, ref hull } => {
+                Volume::Hull { sides: sides.map(turn), hull: hull.borrow() }
+            }
         }
     }
 }
 
 /// A part of the arm where it is.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Body {
+pub(crate) struct Body<'a> {
     pub(crate) center: Vector,
     /// Of length 1; it means nothing for a ball.
     pub(crate) axis: Vector,
-    pub(crate) form: Volume,
+    pub(crate) form: Volume<&'a Polyhedron>,
 }
 
 /// All parts of `robot` that count.
@@ -95,8 +108,8 @@ pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
                 }
                 Solid::Sphere { radius_m } => (Volume::Ball { radius: radius_m }, Along::Z),
             };
-            let own = from_own_axis(center, along, form);
-            let reach = reaches(&d, link, from_origin(center, form), own);
+            let own = from_own_axis(center, along, &form);
+            let reach = reaches(&d, link, from_origin(center, &form), own);
             let axis = match along {
                 Along::Y => Vector::Y,
                 Along::Z => Vector::Z,
@@ -123,15 +136,33 @@ pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
             ToolForm::Sphere { center_m, radius_m } => {
                 (center_m, [0.0; 3], Volume::Ball { radius: radius_m })
             }
+            ToolForm::Mesh { ref hull, origin_m, rpy_rad } => {
+                let (hull, center) = Polyhedron::new(hull);
+                let rows = rotation(rpy_rad).map(Vector::from);
+                let center = Vector::from(origin_m) + Vector::from(rows.map(|row| row.dot(center)));
+                let sides = [Vector::X, Vector::Y];
+                (center.into(), rpy_rad, Volume::Hull { sides, hull: Arc::new(hull) })
+            }
         };
         let rows = rotation(rpy_rad).map(Vector::from);
         let turn = |v: Vector| Vector::from(rows.map(|row| row.dot(v)));
         // The last link's frame lies at the wrist, and is turned as the flange.
         let center = Vector::from(center_m) + d[LAST_LINK - 1] * Vector::Z;
-        let form = form.turned(turn);
         let bound = form.bound();
-        let own = center.truncate().length() + bound;
-        let reach = reaches(&d, LAST_LINK, center.length() + bound, own);
+        let (way, own) = match &form {
+            // No point of a hull is farther from a point or an axis than one of its corners.
+            Volume::Hull { hull, .. } => (
+                hull.bound(|corner| (center + turn(corner)).length()),
+                hull.bound(|corner| (center + turn(corner)).truncate().length()),
+            ),
+            _ => (center.length() + bound, center.truncate().length() + bound),
+        };
+        let form = match form {
+            Volume::Box { sides, half } => Volume::Box { sides: sides.map(turn), half },
+            Volume::Hull { sides, hull } => Volume::Hull { sides: sides.map(turn), hull },
+            round => round,
+        };
+        let reach = reaches(&d, LAST_LINK, way, own);
         Part { link: LAST_LINK, shown: TOOL, center, axis: turn(Vector::Z), form, bound, reach }
     };
     tool.iter().map(part).collect()
@@ -152,28 +183,28 @@ fn reaches(d: &Joints, link: usize, mut way: f64, own: f64) -> Joints {
 }
 
 /// How far the points of a part are from its link's origin, at most. Centres lie on the axis.
-fn from_origin(center: Vector, form: Volume) -> f64 {
+fn from_origin(center: Vector, form: &Volume<Arc<Polyhedron>>) -> f64 {
     match form {
         Volume::Cylinder { radius, half } => radius.hypot(center.length() + half),
-        Volume::Ball { .. } | Volume::Box { .. } => center.length() + form.bound(),
+        _ => center.length() + form.bound(),
     }
 }
 
 /// How far the points of a part are from the axis that its own link turns about, at most: the link's z
 /// axis, which all centres lie on or right across of.
-fn from_own_axis(center: Vector, along: Along, form: Volume) -> f64 {
+fn from_own_axis(center: Vector, along: Along, form: &Volume<Arc<Polyhedron>>) -> f64 {
     match (form, along) {
         (Volume::Cylinder { radius, .. }, Along::Z) => center.truncate().length() + radius,
         (Volume::Cylinder { radius, half }, Along::Y) => {
             (center.y.abs() + half).hypot(center.x.abs() + radius)
         }
-        (Volume::Ball { .. } | Volume::Box { .. }, _) => center.truncate().length() + form.bound(),
+        _ => center.truncate().length() + form.bound(),
     }
 }
 
 impl Part {
     /// The part where its link's frame is at `pose`.
-    pub(crate) fn at(&self, pose: &Pose) -> Body {
+    pub(crate) fn at(&self, pose: &Pose) -> Body<'_> {
         let rows = pose.rotation.map(Vector::from);
         let turn = |v: Vector| Vector::from(rows.map(|row| row.dot(v)));
         Body {
@@ -184,7 +215,7 @@ impl Part {
     }
 }
 
-impl Body {
+impl Body<'_> {
     /// The smallest `direction . x` of its points. `direction` may be of any length.
     pub(crate) fn nearest_along(&self, direction: Vector) -> f64 {
         let reach = match self.form {
@@ -195,6 +226,10 @@ impl Body {
                 half * along.abs() + radius * across
             }
             Volume::Box { half, .. } => half.dot(self.in_own_axes(direction).abs()),
+            Volume::Hull { hull, .. } => {
+                let local = self.in_own_axes(-direction);
+                hull.support(local).dot(local)
+            }
         };
         self.center.dot(direction) - reach
     }
@@ -204,15 +239,17 @@ impl Body {
         &self,
         point: impl Fn(Vector) -> Vector,
         turn: impl Fn(Vector) -> Vector,
-    ) -> Self {
+    ) -> Body<'_> {
         let form = self.form.turned(&turn);
-        Self { center: point(self.center), axis: turn(self.axis), form }
+        Body { center: point(self.center), axis: turn(self.axis), form }
     }
 
-    /// The three axes of a box; of other forms their own is the last.
+    /// The three axes of a box or a hull; of other forms their own is the last.
     fn axes(&self) -> [Vector; 3] {
         match self.form {
-            Volume::Box { sides: [x, y], .. } => [x, y, self.axis],
+            Volume::Box { sides: [x, y], .. } | Volume::Hull { sides: [x, y], .. } => {
+                [x, y, self.axis]
+            }
             _ => [Vector::ZERO, Vector::ZERO, self.axis],
         }
     }
@@ -234,6 +271,9 @@ impl Body {
             Volume::Box { half, .. } => {
                 self.center + self.along_own_axes(self.in_own_axes(away).clamp(-half, half))
             }
+            Volume::Hull { hull, .. } => {
+                self.center + self.along_own_axes(hull.nearest(self.in_own_axes(away)))
+            }
             Volume::Cylinder { radius, half } => {
                 let along = self.axis.dot(away);
                 let across = away - along * self.axis;
@@ -244,13 +284,17 @@ impl Body {
 }
 
 /// The farthest point along a direction, in the frame that the part is in.
-impl SupportMap for Body {
+impl SupportMap for Body<'_> {
     fn local_support_point(&self, direction: Vector) -> Vector {
         match self.form {
             Volume::Ball { radius } => self.center + radius * direction.normalize_or_zero(),
             Volume::Box { half, .. } => {
                 let local = self.in_own_axes(direction);
                 self.center + self.along_own_axes(half.copysign(local))
+            }
+            Volume::Hull { hull, .. } => {
+                let local = self.in_own_axes(direction);
+                self.center + self.along_own_axes(hull.support(local))
             }
             Volume::Cylinder { radius, half } => {
                 let along = self.axis.dot(direction);

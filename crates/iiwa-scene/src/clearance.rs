@@ -84,13 +84,24 @@ impl ArmInScene {
         self.nearest(&bodies, f64::MAX).map(|(pair, near)| self.told(pair, &near))
     }
 
-    pub(crate) fn bodies(&self, joints_rad: &Joints) -> Vec<Body> {
+    /// The farthest that any point of what counts of the arm moves, at most, in m, while the joints go evenly from one pose to
+    /// another: no clearance on the way differs more from that at either end.
+    #[must_use]
+    pub fn travel_bound_m(&self, from_rad: &Joints, to_rad: &Joints) -> f64 {
+        let way = |part: &Part| {
+            let ways = std::iter::zip(from_rad, to_rad).map(|(from, to)| (to - from).abs());
+            std::iter::zip(ways, &part.reach).map(|(way, reach)| way * reach).sum()
+        };
+        self.parts.iter().map(way).fold(0.0, f64::max)
+    }
+
+    pub(crate) fn bodies(&self, joints_rad: &Joints) -> Vec<Body<'_>> {
         let poses = self.robot.link_poses(joints_rad);
         self.parts.iter().map(|part| part.at(&poses[part.link])).collect()
     }
 
     /// The nearest pair of all, if it is nearer than `most`.
-    pub(crate) fn nearest(&self, bodies: &[Body], most: f64) -> Option<(Pair, Near)> {
+    pub(crate) fn nearest(&self, bodies: &[Body<'_>], most: f64) -> Option<(Pair, Near)> {
         let mut pairs = Vec::with_capacity(bodies.len() * self.obstacles.len());
         for (part, body) in bodies.iter().enumerate() {
             let bound = self.parts[part].bound;

@@ -39,17 +39,17 @@ impl Near {
 }
 
 /// The nearest points of `body` and `obstacle`, unless they are certainly farther apart than `most`.
-pub(crate) fn near(body: &Body, obstacle: &Placed, most: f64) -> Option<Near> {
+pub(crate) fn near(body: &Body<'_>, obstacle: &Placed, most: f64) -> Option<Near> {
     match obstacle {
         Placed::Plane(plane) => Some(to_plane(body, plane)),
         Placed::Box(cuboid) => match body.form {
             Volume::Ball { radius } => Some(ball_to_box(body.center, radius, cuboid)),
-            Volume::Cylinder { .. } | Volume::Box { .. } => solid_to_box(body, cuboid, most),
+            _ => solid_to_box(body, cuboid, most),
         },
     }
 }
 
-fn to_plane(body: &Body, plane: &PlacedPlane) -> Near {
+fn to_plane(body: &Body<'_>, plane: &PlacedPlane) -> Near {
     use parry3d_f64::shape::SupportMap;
 
     let on_arm = body.local_support_point(-plane.normal);
@@ -74,7 +74,7 @@ fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
 ///
 /// Where its simplex degenerates, as between parallel faces and axes, parry 0.31 finds overlaps of shapes
 /// that are centimetres apart, and points that are not on them: one of some 500 random pairs.
-fn solid_to_box(body: &Body, cuboid: &PlacedBox, most: f64) -> Option<Near> {
+fn solid_to_box(body: &Body<'_>, cuboid: &PlacedBox, most: f64) -> Option<Near> {
     let local = body.map(|point| cuboid.in_own_frame(point), |axis| cuboid.turn_back(axis));
     let nearest = cuboid.nearest(local.center);
     let shape = Cuboid::new(cuboid.half);
@@ -93,7 +93,7 @@ fn solid_to_box(body: &Body, cuboid: &PlacedBox, most: f64) -> Option<Near> {
 
 /// How far the two are apart along `way`, of length 1, from the box to the arm: a plane across it is between
 /// them if this is above 0. They are never nearer.
-fn apart(local: &Body, cuboid: &PlacedBox, way: Vector) -> f64 {
+fn apart(local: &Body<'_>, cuboid: &PlacedBox, way: Vector) -> f64 {
     local.nearest_along(way) - cuboid.half.dot(way.abs())
 }
 
@@ -102,7 +102,7 @@ fn apart(local: &Body, cuboid: &PlacedBox, way: Vector) -> f64 {
 ///
 /// A point that is projected to one and the other in turn gets there. This is a descent by gradients, which
 /// Nesterov's momentum speeds up. It ends when the points are proven to be the nearest.
-fn refined(local: &Body, cuboid: &PlacedBox, start: Vector) -> (Vector, Vector) {
+fn refined(local: &Body<'_>, cuboid: &PlacedBox, start: Vector) -> (Vector, Vector) {
     let (mut on_box, mut ahead) = (start, start);
     let mut momentum = 1.0_f64;
     let mut last = f64::MAX;
@@ -141,10 +141,10 @@ const EXACT_M: f64 = 1e-7;
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::FRAC_PI_4;
+    use std::f64::consts::{FRAC_PI_4, TAU};
 
     use super::*;
-    use crate::scene::Form;
+    use crate::{hull::ConvexHull, polyhedron::Polyhedron, scene::Form};
 
     /// Random turns, every third one by eighths: where faces and axes are parallel, simplices degenerate.
     fn turn(random: &mut fastrand::Rng, aligned: bool) -> [f64; 3] {
@@ -154,21 +154,47 @@ mod tests {
         })
     }
 
+    /// Bodies of a few and of many corners: of random points, blocks, and prisms of many sides, whose caps are fans.
+    fn hulls(random: &mut fastrand::Rng) -> Vec<Polyhedron> {
+        let hull = |i: u32| {
+            let mut between = |from: f64, to: f64| from + (to - from) * random.f64();
+            let half = [(); 3].map(|()| between(0.005, 0.2));
+            let prism = |i: u32| {
+                let (sin, cos) = (f64::from(i / 2) * TAU / 60.0).sin_cos();
+                [cos * half[0], sin * half[1], if i.is_multiple_of(2) { half[2] } else { -half[2] }]
+            };
+            let points = match i % 3 {
+                0 => (0..4 + 4 * i)
+                    .map(|_| half.map(|half| between(-half, half)))
+                    .collect::<Vec<_>>(),
+                1 => (0..8)
+                    .map(|i| [0, 1, 2].map(|k| if i >> k & 1 == 0 { half[k] } else { -half[k] }))
+                    .collect(),
+                _ => (0..120).map(prism).collect(),
+            };
+            Polyhedron::new(&ConvexHull::new(points).unwrap()).0
+        };
+        (0..61).map(hull).collect()
+    }
+
     /// The points are on both, and a plane between them proves that none are nearer.
     #[test]
     fn nearest_points_are_the_nearest() {
         let mut random = fastrand::Rng::with_seed(1);
         let (mut apart, mut touching) = (0, 0);
+        let hulls = hulls(&mut random);
         for i in 0..300_000 {
             let turns = [(); 2].map(|()| turn(&mut random, i % 3 == 0));
             let mut between = |from: f64, to: f64| from + (to - from) * random.f64();
             let axis = crate::placed::rotation(turns[0]).map(|row| row[2]).into();
-            let form = if i % 2 == 0 {
-                Volume::Cylinder { radius: between(0.04, 0.12), half: between(0.005, 0.2) }
-            } else {
-                let rows = crate::placed::rotation(turns[0]);
-                let sides = [0, 1].map(|k| rows.map(|row| row[k]).into());
-                Volume::Box { sides, half: [(); 3].map(|()| between(0.005, 0.2)).into() }
+            let rows = crate::placed::rotation(turns[0]);
+            let sides = [0, 1].map(|k| rows.map(|row| row[k]).into());
+            let form = match i % 4 {
+                0 | 2 => {
+                    Volume::Cylinder { radius: between(0.04, 0.12), half: between(0.005, 0.2) }
+                }
+                1 => Volume::Box { sides, half: [(); 3].map(|()| between(0.005, 0.2)).into() },
+                _ => Volume::Hull { sides, hull: &hulls[i % hulls.len()] },
             };
             let center = [(); 3].map(|()| between(-1.0, 1.0)).into();
             let body = Body { center, axis, form };

@@ -69,7 +69,7 @@ pub enum Fault {
     Tool {
         /// The shape.
         shape: usize,
-        /// What: `center`, `size`, `rpy`, `radius` or `length`.
+        /// What: `center`, `origin`, `size`, `rpy`, `radius` or `length`.
         key: &'static str,
         /// Which number of it, 0 to 2; none if there is only one.
         axis: Option<usize>,
@@ -119,6 +119,7 @@ impl Fault {
 fn in_file(key: &'static str) -> (&'static str, f64) {
     match key {
         "center" => ("center_mm", 1e3),
+        "origin" => ("origin_mm", 1e3),
         "size" => ("size_mm", 1e3),
         "radius" => ("radius_mm", 1e3),
         "length" => ("length_mm", 1e3),

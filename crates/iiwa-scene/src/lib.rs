@@ -34,7 +34,8 @@
 //! ```
 //!
 //! The arm is made of the cylinders and spheres of its URDF, [`iiwa_kin::Robot::link_shapes`], and
-//! obstacles are boxes and half-spaces. What touches or overlaps has a distance of 0. Distances of poses are
+//! obstacles are boxes and half-spaces. A tool is made of boxes, cylinders, balls, and [convex hulls](ConvexHull) of meshes. What
+//! touches or overlaps has a distance of 0. Distances of poses are
 //! exact to 0.1 um; of motions, no pose is left out, and the smallest one is found to 0.1 mm.
 //!
 //! Units are SI and radians; positions are in the base frame, `iiwa_link_0`.
@@ -44,8 +45,12 @@ mod clearance;
 mod distance;
 mod extent;
 mod fault;
+mod hull;
+mod mesh_file;
 mod placed;
 mod planned;
+mod polyhedron;
+mod quickhull;
 mod scene;
 mod span;
 mod tool;
@@ -53,6 +58,8 @@ mod wire;
 
 pub use clearance::{ArmInScene, Clearance, part_name};
 pub use fault::Fault;
+pub use hull::{ConvexHull, NotSolid};
+pub use mesh_file::MeshError;
 pub use planned::PlannedClearance;
 pub use scene::{Form, Obstacle, Scene};
 pub use tool::{ToolForm, ToolShape};

@@ -89,7 +89,7 @@ impl Span {
     /// the middle.
     pub(crate) fn least(
         &self,
-        (part, body): (&Part, &Body),
+        (part, body): (&Part, &Body<'_>),
         obstacle: &Placed,
         moves: Moves,
         near: &Near,

@@ -3,6 +3,7 @@
 use crate::{
     extent::{MAX_ANGLE_RAD, MAX_M, MIN_SIZE_M},
     fault::Fault,
+    hull::ConvexHull,
 };
 
 /// A shape of the tool, in the flange's frame: z out of the flange.
@@ -26,14 +27,14 @@ use crate::{
 /// assert_eq!(clearance.link, 8);
 /// # Ok::<(), iiwa_scene::Fault>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ToolShape {
     /// What it looks like, and where it is.
     pub form: ToolForm,
 }
 
 /// What a shape of the tool looks like, and where it is in the flange's frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ToolForm {
     /// A solid box.
@@ -63,6 +64,15 @@ pub enum ToolForm {
         /// Its radius, in m.
         radius_m: f64,
     },
+    /// The convex hull of a mesh.
+    Mesh {
+        /// The hull, in the mesh's own frame.
+        hull: ConvexHull,
+        /// Where the origin of the mesh is, in m.
+        origin_m: [f64; 3],
+        /// How it is turned: about x, then y, then z, the axes of the flange, in rad.
+        rpy_rad: [f64; 3],
+    },
 }
 
 impl ToolShape {
@@ -75,9 +85,10 @@ impl ToolShape {
                 Err(Fault::Tool { shape, key, axis: axis_of, found: values[axis], min, max })
             })
         };
+        let turns = [-MAX_ANGLE_RAD, MAX_ANGLE_RAD];
         let place = |center: &[f64; 3], turn: &[f64; 3]| {
             within("center", center, [-MAX_M, MAX_M])?;
-            within("rpy", turn, [-MAX_ANGLE_RAD, MAX_ANGLE_RAD])
+            within("rpy", turn, turns)
         };
         let size = [MIN_SIZE_M, MAX_M];
         match &self.form {
@@ -93,6 +104,10 @@ impl ToolShape {
             ToolForm::Sphere { center_m, radius_m } => {
                 place(center_m, &[0.0; 3])?;
                 within("radius", &[*radius_m], size)
+            }
+            ToolForm::Mesh { origin_m, rpy_rad, .. } => {
+                within("origin", origin_m, [-MAX_M, MAX_M])?;
+                within("rpy", rpy_rad, turns)
             }
         }
     }

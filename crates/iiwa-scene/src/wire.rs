@@ -1,19 +1,17 @@
 //! The scene's JSON forms: the one that is read, which the JSON Schema describes, and the one that is
-//! drawn.
+//! drawn ([`drawn`]).
 
+mod drawn;
 mod error;
 mod numbers;
 mod tool;
 
 use iiwa_json::{Object, Step, Unread, excerpt, locate, read_version, tag};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize, Serializer};
+use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use crate::{
-    placed::{rotation, unit},
-    scene::{Form, Obstacle, Scene},
-};
+use crate::scene::{Form, Obstacle, Scene};
 
 pub use error::SceneError;
 use error::{VERSION, json_error};
@@ -21,12 +19,40 @@ use numbers::{angle, from_mm, position, size, three};
 use tool::{ToolShapeWire, tool_shape};
 
 impl Scene {
-    /// Reads a scene (version 1).
+    /// Reads a scene (version 1) whose tool has no mesh: [`from_json_with`](Self::from_json_with) reads others.
     ///
     /// # Errors
     ///
-    /// If the text is not a scene, or has obstacles that cannot be; the error says where in the text.
+    /// If the text is not a scene, has obstacles that cannot be, or names a mesh; the error says where in the text.
     pub fn from_json(text: &str) -> Result<Self, SceneError> {
+        Self::from_json_with(text, |_| {
+            Err("only the text of the scene is at hand, and no other file".to_owned())
+        })
+    }
+
+    /// Reads a scene (version 1). What `read` gives for the name of a mesh's file are its bytes, or why it cannot be read;
+    /// which files a scene may name is up to it.
+    ///
+    /// ```
+    /// use iiwa_scene::Scene;
+    ///
+    /// let text = r#"{ "version": 1, "obstacles": [], "tool": [{ "type": "mesh", "file": "wedge.obj" }] }"#;
+    /// let wedge = "v 0 0 0\nv 60 0 0\nv 0 40 0\nv 0 0 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    /// let scene = Scene::from_json_with(text, |name| {
+    ///     assert_eq!(name, "wedge.obj");
+    ///     Ok(wedge.into())
+    /// })?;
+    /// assert_eq!(scene.tool().len(), 1);
+    /// # Ok::<(), iiwa_scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If the text is not a scene, or has obstacles or a tool that cannot be; the error says where in the text.
+    pub fn from_json_with(
+        text: &str,
+        mut read: impl FnMut(&str) -> Result<Vec<u8>, String>,
+    ) -> Result<Self, SceneError> {
         let wire =
             read_version(text, VERSION, |wire: &SceneWire<'_>| wire.version).map_err(|error| {
                 match error {
@@ -38,7 +64,7 @@ impl Scene {
         let obstacles = obstacles.map(|(index, raw)| obstacle(text, index, raw.get()));
         let obstacles = obstacles.collect::<Result<_, _>>()?;
         let tool = wire.tool.iter().enumerate();
-        let tool = tool.map(|(index, raw)| tool_shape(text, index, raw.get()));
+        let tool = tool.map(|(index, raw)| tool_shape(text, index, raw.get(), &mut read));
         let tool = tool.collect::<Result<Vec<_>, _>>()?;
         Self::new(obstacles)
             .and_then(|scene| scene.with_tool(tool))
@@ -175,46 +201,5 @@ impl From<PlaneWire> for Obstacle {
     fn from(wire: PlaneWire) -> Self {
         let form = Form::Plane { point_m: wire.point_mm.map(from_mm), normal: wire.normal };
         Self { name: wire.name, form }
-    }
-}
-
-/// As a drawing needs it: m, unit vectors, matrices.
-#[derive(Serialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-enum Drawn<'a> {
-    Box {
-        name: &'a str,
-        center_m: [f64; 3],
-        size_m: [f64; 3],
-        /// Three rows; the columns are the box's axes.
-        rotation: [[f64; 3]; 3],
-    },
-    Plane {
-        name: &'a str,
-        point_m: [f64; 3],
-        /// Of length 1.
-        normal: [f64; 3],
-    },
-}
-
-/// The obstacles with positions in m: a box as `center_m`, `size_m` and `rotation` (three rows; the columns
-/// are its axes), a plane as `point_m` and `normal` (of length 1).
-impl Serialize for Scene {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct View<'a> {
-            obstacles: Vec<Drawn<'a>>,
-        }
-        let obstacles = self.obstacles().iter().map(|Obstacle { name, form }| match *form {
-            Form::Box { center_m, size_m, rpy_rad } => {
-                // Without a minus in front of a zero.
-                let rotation = rotation(rpy_rad).map(|row| row.map(|v| v + 0.0));
-                Drawn::Box { name, center_m, size_m, rotation }
-            }
-            Form::Plane { point_m, normal } => {
-                Drawn::Plane { name, point_m, normal: unit(normal).into() }
-            }
-        });
-        View { obstacles: obstacles.collect() }.serialize(serializer)
     }
 }

@@ -6,7 +6,7 @@
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
 use iiwa_program::Program;
-use iiwa_scene::{ArmInScene, Form, Obstacle, Scene, ToolForm, ToolShape};
+use iiwa_scene::{ArmInScene, ConvexHull, Form, Obstacle, Scene, ToolForm, ToolShape};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_tests::fixture;
 use nalgebra::{Rotation3, Vector3};
@@ -22,7 +22,7 @@ fn named(forms: &[Form]) -> Vec<Obstacle> {
 fn points(form: &ToolForm) -> Vec<Vector3<f64>> {
     let turned = |[roll, pitch, yaw]: [f64; 3]| Rotation3::from_euler_angles(roll, pitch, yaw);
     let steps = |n: u32| (0..=n).map(move |i| 2.0 * f64::from(i) / f64::from(n) - 1.0);
-    match *form {
+    match form.clone() {
         ToolForm::Box { center_m, size_m, rpy_rad } => {
             let mut points = Vec::new();
             for x in steps(8) {
@@ -43,6 +43,21 @@ fn points(form: &ToolForm) -> Vec<Vector3<f64>> {
                 for z in steps(20) {
                     let local = Vector3::new(radius_m * cos, radius_m * sin, 0.5 * length_m * z);
                     points.push(Vector3::from(center_m) + turned(rpy_rad) * local);
+                }
+            }
+            points
+        }
+        ToolForm::Mesh { hull, origin_m, rpy_rad } => {
+            let at = |corner: u32| Vector3::from(hull.corners_m()[corner as usize]);
+            let mut points = Vec::new();
+            for triangle in hull.triangles() {
+                let [a, b, c] = triangle.map(at);
+                for i in 0..=10 {
+                    for j in 0..=10 - i {
+                        let (u, v) = (f64::from(i) / 10.0, f64::from(j) / 10.0);
+                        let local = a + (b - a) * u + (c - a) * v;
+                        points.push(Vector3::from(origin_m) + turned(rpy_rad) * local);
+                    }
                 }
             }
             points
@@ -74,17 +89,25 @@ fn it_is_as_near_as_its_points() {
     let robot = Robot::lbr_iiwa_14_r820();
     let mut random = fastrand::Rng::with_seed(4);
     let mut tool_counts = 0;
-    for round in 0..200 {
+    for round in 0..300 {
         let mut between = |from: f64, to: f64| from + (to - from) * random.f64();
         let mut turn = || [(); 3].map(|()| between(-3.0, 3.0));
         let (rpy_rad, other_rad) = (turn(), turn());
         let center_m = [between(-0.1, 0.1), between(-0.1, 0.1), between(0.1, 0.4)];
-        let form = if round % 2 == 0 {
-            let size_m = [(); 3].map(|()| between(0.02, 0.2));
-            ToolForm::Box { center_m, size_m, rpy_rad }
-        } else {
-            let [radius_m, length_m] = [between(0.01, 0.05), between(0.05, 0.3)];
-            ToolForm::Cylinder { center_m, radius_m, length_m, rpy_rad }
+        let form = match round % 3 {
+            0 => {
+                let size_m = [(); 3].map(|()| between(0.02, 0.2));
+                ToolForm::Box { center_m, size_m, rpy_rad }
+            }
+            1 => {
+                let [radius_m, length_m] = [between(0.01, 0.05), between(0.05, 0.3)];
+                ToolForm::Cylinder { center_m, radius_m, length_m, rpy_rad }
+            }
+            _ => {
+                let point = |_| [(); 3].map(|()| between(-0.1, 0.1));
+                let hull = ConvexHull::new((0..5 + round).map(point)).unwrap();
+                ToolForm::Mesh { hull, origin_m: center_m, rpy_rad }
+            }
         };
         let obstacles = [
             Form::Plane { point_m: [0.0, 0.0, -0.5], normal: [0.1, 0.0, 1.0] },
@@ -97,7 +120,7 @@ fn it_is_as_near_as_its_points() {
         let q: Joints = robot.limits().at_shares(&[(); 7].map(|()| between(-0.9, 0.9)));
         let scene = Scene::new(named(&obstacles)).unwrap();
         let bare = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
-        let scene = scene.with_tool(vec![ToolShape { form }]).unwrap();
+        let scene = scene.with_tool(vec![ToolShape { form: form.clone() }]).unwrap();
         let found = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
         assert!(found.distance_m <= bare.distance_m + 1e-9);
         let flange = robot.flange_pose(&q).to_isometry();
@@ -161,7 +184,10 @@ fn what_cannot_be_is_refused_with_its_place() {
         Scene::from_json(&text).unwrap_err().to_string()
     };
     let cases = [
-        (r#"{ "type": "cone" }"#, "unknown type `cone`; `box`, `cylinder` and `sphere` are known"),
+        (
+            r#"{ "type": "cone" }"#,
+            "unknown type `cone`; `box`, `cylinder`, `sphere` and `mesh` are known",
+        ),
         (r#"{ "center_mm": [0, 0, 0] }"#, "it has no `type`"),
         (r#"{ "type": "sphere", "center_mm": [0, 0, 0] }"#, "radius_mm"),
         (

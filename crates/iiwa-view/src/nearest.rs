@@ -1,4 +1,4 @@
-//! How near the arm is to an obstacle, for the page of a twin.
+//! How near the arm is to an obstacle, for pages.
 
 use iiwa_scene::{ArmInScene, Clearance, part_name};
 use serde::Serialize;

@@ -17,11 +17,12 @@ use crate::ViewError;
 pub(crate) type Part = (&'static str, &'static str);
 
 /// Parts of all pages.
-const PARTS: [Part; 6] = [
+const PARTS: [Part; 7] = [
     ("/*style.css*/", include_str!("page/style.css")),
     ("/*basics.js*/", include_str!("page/basics.js")),
     ("/*poses.js*/", include_str!("page/poses.js")),
     ("/*arm.js*/", include_str!("page/arm.js")),
+    ("/*surroundings.js*/", include_str!("page/surroundings.js")),
     ("/*scene.js*/", include_str!("page/scene.js")),
     ("/*view.js*/", include_str!("page/view.js")),
 ];

@@ -9,9 +9,8 @@ use std::{
 
 use iiwa_kin::Robot;
 use iiwa_program::Workcell;
-use iiwa_scene::Scene;
 
-use crate::{args::Plan, failure::Failure};
+use crate::{args::Plan, failure::Failure, input};
 
 use super::target::{file_name, is_stdin};
 
@@ -79,7 +78,7 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
 fn is_other(path: &Path) -> bool {
     fs::read_to_string(path).is_ok_and(|text| {
         Robot::from_profile(&text).is_ok()
-            || Scene::from_json(&text).is_ok()
+            || input::scene(path).is_ok()
             || Workcell::from_json(&text).is_ok()
     })
 }

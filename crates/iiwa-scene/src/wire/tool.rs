@@ -8,7 +8,10 @@ use super::{
     error::{SceneError, json_error},
     numbers::{angle, from_mm, position, size, three},
 };
-use crate::tool::{ToolForm, ToolShape};
+use crate::{
+    hull::ConvexHull,
+    tool::{ToolForm, ToolShape},
+};
 
 /// A shape of the tool, in the flange's frame: z out of the flange.
 #[derive(JsonSchema)]
@@ -19,6 +22,7 @@ pub(super) enum ToolShapeWire {
     Box(ToolBoxWire),
     Cylinder(ToolCylinderWire),
     Sphere(ToolSphereWire),
+    Mesh(ToolMeshWire),
 }
 
 /// Declares a type of shapes.
@@ -91,6 +95,45 @@ shape_wire! {
     }
 }
 
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+pub(super) enum ToolMeshTag {
+    #[serde(rename = "mesh")]
+    Type,
+}
+
+/// The convex hull of a mesh.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "ToolMesh")]
+pub(super) struct ToolMeshWire {
+    #[expect(dead_code, reason = "it has been looked at")]
+    r#type: ToolMeshTag,
+    /// A file *.stl (binary or ASCII) or *.obj, beside the scene or in a folder below it.
+    #[schemars(regex(pattern = r"\.([sS][tT][lL]|[oO][bB][jJ])$"))]
+    file: String,
+    /// Where the mesh's origin is: x, y and z in mm.
+    #[serde(default, deserialize_with = "three")]
+    #[schemars(extend("items" = position()))]
+    origin_mm: [f64; 3],
+    /// How it is turned: about x, then y, then z, the axes of the flange, in degrees.
+    #[serde(default, deserialize_with = "three")]
+    #[schemars(extend("items" = angle()))]
+    rpy_deg: [f64; 3],
+    /// How many mm a number of the file is: 1 as most CAD writes it, 1000 if the file is in m.
+    #[serde(default = "one")]
+    #[schemars(extend("minimum" = MIN_SCALE, "maximum" = MAX_SCALE))]
+    scale: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// From nm to km.
+const MIN_SCALE: f64 = 1e-6;
+const MAX_SCALE: f64 = 1e6;
+
 impl From<ToolBoxWire> for ToolForm {
     fn from(wire: ToolBoxWire) -> Self {
         Self::Box {
@@ -118,9 +161,17 @@ impl From<ToolSphereWire> for ToolForm {
     }
 }
 
+/// Files that come with a scene, by the names that it has for them.
+pub(super) type ReadFile<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
+
 /// The shape at `index`, whose text is `raw`.
-pub(super) fn tool_shape(text: &str, index: usize, raw: &str) -> Result<ToolShape, SceneError> {
-    const KNOWN: &str = "`box`, `cylinder` and `sphere` are known";
+pub(super) fn tool_shape(
+    text: &str,
+    index: usize,
+    raw: &str,
+    read: ReadFile<'_>,
+) -> Result<ToolShape, SceneError> {
+    const KNOWN: &str = "`box`, `cylinder`, `sphere` and `mesh` are known";
     let prefixed = |error| match error {
         SceneError::Json { what, place, .. } => {
             let what = format!("tool, shape {}: {what}", index + 1);
@@ -142,10 +193,34 @@ pub(super) fn tool_shape(text: &str, index: usize, raw: &str) -> Result<ToolShap
         Some("sphere") => {
             serde_json::from_str::<Object<ToolSphereWire>>(raw).map_err(fail)?.0.into()
         }
+        Some("mesh") => {
+            let wire = serde_json::from_str::<Object<ToolMeshWire>>(raw).map_err(fail)?.0;
+            mesh(wire, read).map_err(|(key, what)| wrong(what, Some(key)))?
+        }
         Some(other) => {
             return Err(wrong(format!("unknown type `{}`; {KNOWN}", excerpt(other)), Some("type")));
         }
         None => return Err(wrong(format!("it has no `type`; {KNOWN}"), None)),
     };
     Ok(ToolShape { form })
+}
+
+/// Reads what the wire names; the error has the key that it belongs to.
+fn mesh(wire: ToolMeshWire, read: ReadFile<'_>) -> Result<ToolForm, (&'static str, String)> {
+    let ToolMeshWire { file, origin_mm, rpy_deg, scale, .. } = wire;
+    if !(MIN_SCALE..=MAX_SCALE).contains(&scale) {
+        return Err((
+            "scale",
+            format!("scale is {scale}; it must be from {MIN_SCALE} to {MAX_SCALE}"),
+        ));
+    }
+    let named = |what: String| ("file", format!("`{}`: {what}", excerpt(&file)));
+    let bytes = read(&file).map_err(named)?;
+    let hull =
+        ConvexHull::from_mesh(&file, &bytes, scale).map_err(|error| named(error.to_string()))?;
+    Ok(ToolForm::Mesh {
+        hull,
+        origin_m: origin_mm.map(from_mm),
+        rpy_rad: rpy_deg.map(f64::to_radians),
+    })
 }

@@ -231,6 +231,23 @@ function cuboid(size) {
   return shape;
 }
 
+/** A convex polyhedron of flat triangles. */
+function polyhedron(corners, triangles) {
+  const shape = { positions: [], normals: [], triangles: [] };
+  for (const triangle of triangles) {
+    const [a, b, c] = triangle.map((corner) => corners[corner]);
+    const [u, v] = [b, c].map((it) => it.map((value, i) => value - a[i]));
+    const across = [0, 1, 2].map((i) => u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
+    const length = Math.hypot(...across) || 1;
+    for (const corner of [a, b, c]) {
+      shape.triangles.push(shape.positions.length);
+      shape.positions.push(corner);
+      shape.normals.push(across.map((value) => value / length));
+    }
+  }
+  return shape;
+}
+
 /** A part of a plane, square to z: it goes on, so that the view need not take it in. */
 function sheet(size) {
   const h = size / 2;

@@ -211,8 +211,8 @@ function makeScene(canvas) {
   );
   const ball = solid([{ shape: sphere(1), origin: still, colour: [1, 1, 1] }]);
 
-  /** What stands beside the arm: ways of the TCP, blended targets, frames, obstacles. */
-  let contents = { ways: [], corners: [], frames: [], obstacles: [] };
+  /** What stands beside the arm: ways of the TCP, blended targets, frames, obstacles; and the shapes of its tool. */
+  let contents = { ways: [], corners: [], frames: [], obstacles: [], tool: [] };
   let middle = [0, 0, 0];
   let reach = 1;
 
@@ -248,6 +248,8 @@ function makeScene(canvas) {
   let ways = [];
   let frames = null;
   let obstacles = [];
+  /** Meshes of the tool: one for each shape, since a mesh has no more corners than 16 bits count. */
+  let carried = [];
 
   /** Takes the colours of the page: arrays of three. */
   function paint(colours) {
@@ -273,6 +275,7 @@ function makeScene(canvas) {
   function build() {
     for (const { mesh } of ways) discard(mesh);
     for (const { mesh, edges } of obstacles) [mesh, edges].forEach(discard);
+    carried.forEach(discard);
     if (frames) discard(frames);
     // A cross of axes each: x red, y green, z blue.
     const AXIS_M = 0.05;
@@ -291,6 +294,8 @@ function makeScene(canvas) {
       edges: strip(shape.edges.map((ends) => [...ends.map((end) => transformed(origin, end)), [...theme.soft, 0.9]])),
       alpha: shape.endless ? 0.07 : 0.24,
     }));
+    const flange = model.links.length - 1;
+    carried = contents.tool.map(({ shape, origin }) => solid([{ shape, origin, colour: theme.settle, link: flange }]));
   }
 
   function camera() {
@@ -353,6 +358,7 @@ function makeScene(canvas) {
     for (let link = 0; link < model.links.length; link++) all.set(poses[link], 16 * link);
     place(all);
     draw(arm);
+    for (const mesh of carried) draw(mesh);
   };
   const beadAt = (p, radius) => {
     place(new Float32Array([radius, 0, 0, 0, 0, radius, 0, 0, 0, 0, radius, 0, ...p, 1]));

@@ -233,35 +233,55 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
   return largest;
 }
 
-/** The speed of the TCP. */
-function drawSpeed(canvas, curve, state, theme) {
+/** Curves of one number each, from 0 on: times, lowest and highest values, the colour's name, and a factor. Of two, the
+    first is a pale, broad band under the other. `room` is how high the chart is, in the largest value. Tells what takes times
+    and values to px. */
+function drawCurves(canvas, curves, state, theme, withTimes, room = 1.08) {
   const size = cleared(canvas);
   const { context } = size;
-  const most = 1e3 * curve.high.reduce((a, b) => Math.max(a, b), 0) * 1.08 || 1;
-  const { x, y, left, right, top, bottom } = axes(context, size, state.window, [0, most], theme, true);
+  const largest = curves.map(({ high, factor = 1 }) => factor * high.reduce((a, b) => Math.max(a, b || 0), 0));
+  const most = Math.max(...largest) * room || 1;
+  const axis = axes(context, size, state.window, [0, most], theme, withTimes);
+  const { x, y, left, right, top, bottom } = axis;
   context.save();
   context.beginPath();
   context.rect(left, top, right - left, bottom - top);
   context.clip();
-  context.strokeStyle = theme.lin;
-  context.lineWidth = 1.5;
-  trace(context, curve.t_s, curve.low, curve.high, 1, 0, state.window, x, (v) => y(1e3 * v));
+  curves.forEach(({ t_s, low, high, colour, factor = 1 }, index) => {
+    const under = curves.length > 1 && index === 0;
+    context.globalAlpha = under ? 0.4 : 1;
+    context.lineWidth = under ? 4 : 1.5;
+    context.strokeStyle = theme[colour];
+    trace(context, t_s, low, high, 1, 0, state.window, x, (v) => y(factor * v));
+  });
   context.restore();
+  return { context, ...axis };
 }
 
-/** How far the recording is off the plan's path, over the plan's time. */
-function drawDeviation(canvas, values, state, theme, withTimes) {
-  const size = cleared(canvas);
-  const { context } = size;
-  const most = values.reduce((a, b) => Math.max(a, b), 0) * 1.08 || 1;
-  const { x, y, left, right, top, bottom } = axes(context, size, state.window, [0, most], theme, withTimes);
+/** The clearance, and from when on which pair is nearest; `pairs` are those of the last of the curves. */
+function drawClearance(canvas, curves, pairs, state, theme) {
+  // Names of pairs are above the curve.
+  const { context, x, left, right, top, bottom } = drawCurves(canvas, curves, state, theme, true, 1.3);
   context.save();
   context.beginPath();
   context.rect(left, top, right - left, bottom - top);
   context.clip();
-  context.strokeStyle = theme.measured;
-  context.lineWidth = 1.5;
-  trace(context, report.compared.plan_s, values, values, 1, 0, state.window, x, y);
+  context.textAlign = "left";
+  context.textBaseline = "top";
+  context.setLineDash([2, 3]);
+  pairs.forEach(({ from_s, text }, i) => {
+    const [from, to] = [x(from_s), i + 1 < pairs.length ? x(pairs[i + 1].from_s) : right];
+    if (to < left || from > right) return;
+    context.strokeStyle = theme.soft;
+    context.beginPath();
+    context.moveTo(from, bottom);
+    context.lineTo(from, top);
+    context.stroke();
+    const at = Math.max(from, left) + 4;
+    if (Math.min(to, right) - at < context.measureText(text).width + 4) return;
+    context.fillStyle = theme.soft;
+    context.fillText(text, at, top + 2);
+  });
   context.restore();
 }
 

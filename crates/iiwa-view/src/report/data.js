@@ -3,32 +3,28 @@
 const report = JSON.parse(document.getElementById("data").textContent);
 const { robot } = report;
 
-for (const arm of report.arms) {
-  arm.poses = unpackPoses(arm.poses);
-  for (const name of ["position", "velocity", "acceleration", "jerk"]) {
-    const curve = arm[name];
-    curve.t_s = new Float64Array(unpack(curve.t_s));
-    curve.low = new Float32Array(unpack(curve.low));
-    curve.high = curve.high === undefined ? curve.low : new Float32Array(unpack(curve.high));
-  }
+function unpackCurve(curve) {
+  curve.t_s = new Float64Array(unpack(curve.t_s));
+  curve.low = new Float32Array(unpack(curve.low));
+  curve.high = curve.high === undefined ? curve.low : new Float32Array(unpack(curve.high));
 }
 
-if (report.workcell.speed) {
-  const { speed } = report.workcell;
-  speed.t_s = new Float64Array(unpack(speed.t_s));
-  speed.low = new Float32Array(unpack(speed.low));
-  speed.high = speed.high === undefined ? speed.low : new Float32Array(unpack(speed.high));
+for (const arm of report.arms) {
+  arm.poses = unpackPoses(arm.poses);
+  for (const name of ["position", "velocity", "acceleration", "jerk"]) unpackCurve(arm[name]);
+  if (arm.clearance) unpackCurve(arm.clearance.distance);
 }
+if (report.workcell.speed) unpackCurve(report.workcell.speed);
 
 const startS = Math.min(...report.arms.map((arm) => arm.start_s));
 const endS = Math.max(...report.arms.map((arm) => arm.end_s), startS + 1e-3);
 
-/** A curve's value at a time, of joint j: evenly between columns, the middle of each. */
-function valueAt(curve, t, j) {
+/** A curve's value at a time, of joint j of so many numbers: evenly between columns, the middle of each. */
+function valueAt(curve, t, j, of = 7) {
   const last = curve.t_s.length - 1;
   const i = Math.min(Math.max(countUpTo(curve.t_s, t) - 1, 0), last);
   const next = Math.min(i + 1, last);
-  const middle = (k) => (curve.low[7 * k + j] + curve.high[7 * k + j]) / 2;
+  const middle = (k) => (curve.low[of * k + j] + curve.high[of * k + j]) / 2;
   const span = curve.t_s[next] - curve.t_s[i];
   const share = span > 0 ? Math.min(Math.max((t - curve.t_s[i]) / span, 0), 1) : 0;
   return share === 0 ? middle(i) : middle(i) + share * (middle(next) - middle(i));

@@ -9,6 +9,7 @@ use iiwa_eval::{Comparison, Plan};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{Loss, PlanPiece};
 use iiwa_program::{Blend, LimitKind, Motion, Program};
+use iiwa_scene::{ArmInScene, Scene};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -20,6 +21,7 @@ use crate::{
 
 use super::{
     attached,
+    clearance::Clearances,
     curve::{Curve, Samples},
     measured::Measured,
     planned::Planned,
@@ -44,6 +46,9 @@ pub struct Page {
     pieces: Vec<PlanPiece>,
     corners: Vec<Corner>,
     workcell: Workcell,
+    /// What stands around the arm, and what it carries.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scene: Option<Scene>,
     /// Of the motions that have any below 1; motions count from 1.
     shares: BTreeMap<usize, Shares>,
     /// As `iiwasim plan --json` has them.
@@ -82,6 +87,9 @@ struct Arm {
     poses: Poses,
     #[serde(flatten)]
     curves: Option<Curves>,
+    /// In a scene with obstacles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clearance: Option<Clearances>,
 }
 
 /// The curves of an arm's joints.
@@ -110,6 +118,8 @@ pub enum Extent {
 pub struct PageOptions {
     /// The robot, if it is not the one of the files.
     pub robot: Option<Robot>,
+    /// What stands around the arm: the whole page shows it, and how near the arm comes.
+    pub scene: Option<Scene>,
     /// How much of the page is made.
     pub extent: Extent,
     /// Whether the work is to end early; asked again and again while something is planned.
@@ -117,9 +127,9 @@ pub struct PageOptions {
 }
 
 impl Default for PageOptions {
-    /// The files' robot, the whole page, never interrupted.
+    /// The files' robot, no scene, the whole page, never interrupted.
     fn default() -> Self {
-        Self { robot: None, extent: Extent::default(), interrupted: || false }
+        Self { robot: None, scene: None, extent: Extent::default(), interrupted: || false }
     }
 }
 
@@ -216,7 +226,9 @@ impl Page {
         let program = first.program();
         let mut workcell = Workcell::new(program.as_ref());
         let shift_s = from_start(&first);
-        let mut arms = vec![Arm::new(&first, shift_s, extent, |planned| {
+        let scene = options.scene.as_ref().filter(|_| extent == Extent::Whole);
+        let in_scene = scene.map(|scene| ArmInScene::new(&robot, scene));
+        let mut arms = vec![Arm::new(&first, shift_s, (extent, in_scene.as_ref()), |planned| {
             let pieces = &first.record.pieces;
             workcell = std::mem::take(&mut workcell).with_speed(&robot, planned, pieces, shift_s);
         })];
@@ -240,7 +252,7 @@ impl Page {
             if compared.is_none() || !second.log.losses.iter().all(gap) {
                 notes.extend(second.losses());
             }
-            arms.push(Arm::new(second, shift_s, extent, |_| ()));
+            arms.push(Arm::new(second, shift_s, (extent, in_scene.as_ref()), |_| ()));
         }
         let motions = program.as_ref().map_or(&[][..], |program| &program.motions);
         Ok(Self {
@@ -248,6 +260,7 @@ impl Page {
             arms,
             corners: corners(&first.record.pieces, program.as_ref(), &robot),
             workcell,
+            scene: scene.cloned(),
             shares: shares(motions),
             figures: first.record.to_json(),
             pieces: first.record.pieces,
@@ -410,23 +423,35 @@ fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Ve
 
 impl Arm {
     /// `take` sees what is planned, before it becomes curves.
-    fn new(source: &Source, shift_s: f64, extent: Extent, take: impl FnOnce(&Planned)) -> Self {
+    fn new(
+        source: &Source,
+        shift_s: f64,
+        (extent, scene): (Extent, Option<&ArmInScene>),
+        take: impl FnOnce(&Planned),
+    ) -> Self {
         let log = &source.log;
         let times = |t_s: Option<&f64>| t_s.map_or(0.0, |t_s| t_s + shift_s);
         let (start_s, end_s) = (times(log.t_s.first()), times(log.t_s.last()));
         let role = source.role();
+        let mut clearance = None;
+        let mut measure = |positions: &Samples| {
+            clearance = scene.and_then(|arm| Clearances::new(arm, positions, shift_s));
+        };
         let (poses, curves) = match (extent, role) {
             (Extent::Sketch, _) => (Poses::new(&log.t_s, &log.q_rad, shift_s), None),
             (Extent::Whole, Role::Plan) => {
                 let smooth = source.record.timing() != Some("acceleration");
                 let planned = Planned::new(&source.record.nodes, smooth);
                 take(&planned);
+                measure(&planned.position);
                 let poses = Poses::new(&planned.position.t_s, &planned.position.rows, shift_s);
                 (poses, Some(Curves::of_plan(planned, smooth, shift_s)))
             }
             (Extent::Whole, _) => {
                 let poses = Poses::new(&log.t_s, &log.q_rad, shift_s);
-                (poses, Some(Curves::of_recording(Measured::new(log), shift_s)))
+                let measured = Measured::new(log);
+                measure(&measured.position);
+                (poses, Some(Curves::of_recording(measured, shift_s)))
             }
         };
         Self {
@@ -438,6 +463,7 @@ impl Arm {
             rate_hz: log.period_s().map(f64::recip),
             poses,
             curves,
+            clearance,
         }
     }
 }

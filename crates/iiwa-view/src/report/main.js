@@ -43,6 +43,12 @@ function writeHead() {
     figure(list, "measured", seconds(cycle.real_s));
     figure(list, "off by", `${number(cycle.error_s, 4)} s, ${number(cycle.error_percent, 2)} %`);
   }
+  for (const it of report.arms.filter((arm) => arm.clearance)) {
+    const { nearest } = it.clearance;
+    const of = second ? `, ${called(it)}` : "";
+    const pair = `${pairText(nearest.link, nearest.obstacle)} at ${number(nearest.at_s, 3)} s`;
+    figure(list, `clearance${of}: ${pair}`, nearest.distance_mm ? `${number(nearest.distance_mm, 1)} mm` : "touching");
+  }
   for (const note of report.notes) $("notes").append(element("li", note));
   const methods = report.arms.map((it) => {
     const columns = Math.max(it.position.samples_a_column, it.velocity.samples_a_column);
@@ -67,10 +73,11 @@ function ways() {
   return all;
 }
 
+const around = surroundings(report.scene);
 let scene = null;
 try {
   scene = makeScene($("scene"));
-  scene?.fill({ ways: ways(), corners: report.corners, frames: report.workcell.frames });
+  scene?.fill({ ways: ways(), corners: report.corners, frames: report.workcell.frames, ...around });
 } catch (error) {
   console.warn(error);
 }
@@ -89,7 +96,9 @@ function drawScene() {
     tool: toolAt(state.time),
     ghost: second && i === 0 ? "accent" : null,
   }));
-  scene.show(arms);
+  // As the twin shows a plan: where the arm comes nearest, whenever that is.
+  const nearest = report.arms.at(-1).clearance?.nearest;
+  scene.show(arms, nearest ? [nearest.on_arm_m, nearest.on_obstacle_m] : null);
 }
 
 function writeLegends() {
@@ -109,6 +118,9 @@ function writeLegends() {
   }
   if (tcps.length) parts.push(["ink", "tool, from the flange to its TCP"]);
   if (frames.length) parts.push(["soft", "crosses of axes: frames; x red, y green, z blue"]);
+  if (around.obstacles.length)
+    parts.push(["soft", "what stands around"], ["blend", "thick line: where the arm comes nearest to it"]);
+  if (around.tool.length) parts.push(["settle", "shapes of the tool"]);
   if (second)
     parts.push(
       ["accent", `see-through arm: ${called(first)}`],
@@ -169,7 +181,8 @@ if (report.workcell.speed) {
   const canvas = chart($("charts"), title, 146);
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", "Speed of the TCP over time");
-  charts.push({ canvas, draw: (colours) => drawSpeed(canvas, report.workcell.speed, state, colours) });
+  const curve = { ...report.workcell.speed, colour: "lin", factor: 1000 };
+  charts.push({ canvas, draw: (colours) => drawCurves(canvas, [curve], state, colours, true) });
 }
 charts.push({ canvas: $("timeline"), draw: (colours) => drawTimeline($("timeline"), state, colours) });
 if (report.compared) {
@@ -178,8 +191,29 @@ if (report.compared) {
     ["joints_mrad", "Joints off their path, mrad", true],
   ]) {
     const canvas = chart($("deviations"), element("h3", title), last ? 126 : 110);
-    charts.push({ canvas, draw: (colours) => drawDeviation(canvas, report.compared[values], state, colours, last) });
+    const { plan_s: t_s, [values]: all } = report.compared;
+    const curve = { t_s, low: all, high: all, colour: "measured" };
+    charts.push({ canvas, draw: (colours) => drawCurves(canvas, [curve], state, colours, last) });
   }
+}
+/** The arms with obstacles around them; what is told of pairs is of the last of them. */
+const near = report.arms.filter((arm) => arm.clearance);
+if (near.length) {
+  $("clearance").hidden = false;
+  const { obstacles } = report.scene;
+  for (const { clearance } of near) {
+    for (const pair of clearance.pairs) pair.text = pairText(pair.link, obstacles[pair.obstacle].name);
+  }
+  const canvas = chart($("clearances"), element("h3", "Smallest distance of the arm, mm"), 146);
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", "Clearance of the arm over time");
+  const curves = near.map(({ role, clearance }) => ({
+    ...clearance.distance,
+    colour: role === "recording" ? "measured" : "accent",
+    factor: 1000,
+  }));
+  const { pairs } = near.at(-1).clearance;
+  charts.push({ canvas, draw: (colours) => drawClearance(canvas, curves, pairs, state, colours) });
 }
 
 function drawCharts() {
@@ -253,6 +287,13 @@ function writeNow() {
   $("piece").textContent = piece
     ? `Motion ${piece.motion}, ${words[piece.kind] || piece.kind}${piece.limit ? `; limited by the ${piece.limit.replace("_", " ")}${piece.joint ? ` of A${piece.joint}` : ""}` : ""}`
     : "";
+  if (near.length) {
+    const { distance, pairs } = near.at(-1).clearance;
+    const starts = pairs.map((pair) => pair.from_s);
+    const mm = 1000 * valueAt(distance, t, 0, 1);
+    const pair = pairs[Math.max(countUpTo(starts, t) - 1, 0)];
+    $("pair").textContent = `At ${number(t, 3)} s: ${mm > 0 ? `${number(mm, 1)} mm` : "touching"}, ${pair.text}`;
+  }
   for (const { row, motion } of cells.rows) row.classList.toggle("current", Boolean(piece) && piece.motion === motion);
 }
 

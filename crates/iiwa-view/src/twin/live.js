@@ -70,13 +70,6 @@ function writeJoints(q) {
   });
 }
 
-/** What is nearest to the arm, in words. */
-function nearestText({ distance_mm: mm, link: linkNumber, obstacle, at_s }) {
-  const when = at_s === null ? "" : ` at ${number(at_s, 2)} s`;
-  const apart = mm > 0 ? `${number(mm, 1)} mm` : "touching";
-  return `${apart}: ${linkNumber === 8 ? "the tool" : `link ${linkNumber}`} and ${obstacle}${when}`;
-}
-
 function writeNearest() {
   const nearest = live.newest?.nearest;
   $("nearest").hidden = !nearest;

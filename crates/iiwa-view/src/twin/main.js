@@ -26,41 +26,8 @@ if (scene) {
     );
 }
 
-/** What stands around the arm, as the 3D view takes it. */
-const obstacles = (setup.scene ? setup.scene.obstacles : []).map((obstacle) => {
-  if (obstacle.type === "box") {
-    const [x, y, z] = obstacle.rotation;
-    const origin = new Float32Array([
-      x[0],
-      y[0],
-      z[0],
-      0,
-      x[1],
-      y[1],
-      z[1],
-      0,
-      x[2],
-      y[2],
-      z[2],
-      0,
-      ...obstacle.center_m,
-      1,
-    ]);
-    return { shape: cuboid(obstacle.size_m), origin };
-  }
-  // The part of a plane that is nearest to the base.
-  const n = obstacle.normal;
-  const away = n.reduce((sum, v, i) => sum + v * obstacle.point_m[i], 0);
-  const turn = placed([0, 0, 0], [0, Math.acos(Math.min(Math.max(n[2], -1), 1)), Math.atan2(n[1], n[0])]);
-  const origin = product(
-    placed(
-      n.map((v) => v * away),
-      [0, 0, 0],
-    ),
-    turn,
-  );
-  return { shape: sheet(2.4), origin };
-});
+/** What stands around the arm, and what it carries. */
+const around = surroundings(setup.scene);
 
 function fillScene() {
   if (!scene) return;
@@ -71,7 +38,7 @@ function fillScene() {
   const toolAt = toolOf(workcell.tcps, pieces);
   const ways = plan ? [wayOf(plan.arms[0], pieces, "line", 3.5, toolAt)] : [];
   if (canReplay()) ways.push(wayOf(desk.run.arms[1], [], "measured", 1.8, toolAt));
-  scene.fill({ ways, corners, frames: workcell.frames, obstacles });
+  scene.fill({ ways, corners, frames: workcell.frames, ...around });
 }
 
 // ---- what is played
@@ -105,7 +72,8 @@ function show(mode) {
     parts.push(["line", `planned way of the ${what}`], ["blend", "its blends"]);
   }
   if (canReplay()) parts.push(["measured", "measured way"]);
-  if (setup.scene) parts.push(["soft", "what stands around"]);
+  if (around.obstacles.length) parts.push(["soft", "what stands around"]);
+  if (around.tool.length) parts.push(["settle", "tool"]);
   legend($("legend"), parts);
 }
 

@@ -1,0 +1,107 @@
+//! A convex polyhedron, prepared for distances.
+
+use parry3d_f64::math::Vector;
+
+use crate::hull::ConvexHull;
+
+/// A convex polyhedron about its own centre, in its own axes.
+#[derive(Debug)]
+pub(crate) struct Polyhedron {
+    corners: Vec<Vector>,
+    faces: Vec<Face>,
+}
+
+/// A triangle.
+#[derive(Debug)]
+struct Face {
+    corners: [Vector; 3],
+    /// Out, of length 1.
+    normal: Vector,
+    /// Of its plane, along the normal.
+    offset: f64,
+    /// Across each edge and into the triangle, of length 1.
+    inward: [Vector; 3],
+}
+
+/// Triangles that are less wide have no plane of their own, in m: those around them are as near. As much as that, rounding can
+/// shift any plane.
+const SLIVER_M: f64 = 1e-9;
+
+impl Polyhedron {
+    /// The hull, and its centre in the frame of its points.
+    pub(crate) fn new(hull: &ConvexHull) -> (Self, Vector) {
+        let points = || hull.corners_m().iter().map(|corner| Vector::from(*corner));
+        let low = points().fold(Vector::MAX, Vector::min);
+        let high = points().fold(Vector::MIN, Vector::max);
+        let center = 0.5 * (low + high);
+        let corners = points().map(|point| point - center).collect::<Vec<_>>();
+        let face = |triangle: &[u32; 3]| Face::new(triangle.map(|i| corners[i as usize]));
+        let faces = hull.triangles().iter().filter_map(face).collect();
+        (Self { corners, faces }, center)
+    }
+
+    /// The largest `measure` of its corners.
+    pub(crate) fn bound(&self, measure: impl Fn(Vector) -> f64) -> f64 {
+        self.corners.iter().map(|corner| measure(*corner)).fold(0.0, f64::max)
+    }
+
+    /// The corner that is farthest along `direction`.
+    pub(crate) fn support(&self, direction: Vector) -> Vector {
+        let mut best = (f64::MIN, Vector::ZERO);
+        for corner in &self.corners {
+            let along = direction.dot(*corner);
+            if along > best.0 {
+                best = (along, *corner);
+            }
+        }
+        best.1
+    }
+
+    /// The point of it that is nearest to `point`.
+    pub(crate) fn nearest(&self, point: Vector) -> Vector {
+        let mut best = (f64::MAX, point);
+        // From outside, the nearest point is on a face that is seen. Of the triangles of one side, rounding may show another one
+        // than that which the point is on.
+        let seen = |face: &&Face| face.normal.dot(point) > face.offset - SLIVER_M;
+        for face in self.faces.iter().filter(seen) {
+            let on_face = face.nearest(point);
+            let square = on_face.distance_squared(point);
+            if square < best.0 {
+                best = (square, on_face);
+            }
+        }
+        best.1
+    }
+}
+
+impl Face {
+    /// None for a sliver.
+    fn new(corners: [Vector; 3]) -> Option<Self> {
+        let [a, b, c] = corners;
+        let across = (b - a).cross(c - a);
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        if across.length() <= SLIVER_M * longest {
+            return None;
+        }
+        let normal = across.normalize();
+        let inward = [b - a, c - b, a - c].map(|edge| normal.cross(edge).normalize_or_zero());
+        Some(Self { corners, normal, offset: normal.dot(a), inward })
+    }
+
+    fn nearest(&self, point: Vector) -> Vector {
+        let within = |i: usize| self.inward[i].dot(point - self.corners[i]) >= 0.0;
+        if (0..3).all(within) {
+            return point - (self.normal.dot(point) - self.offset) * self.normal;
+        }
+        let on_edge = |i: usize| {
+            let (start, end) = (self.corners[i], self.corners[(i + 1) % 3]);
+            let way = end - start;
+            start + ((point - start).dot(way) / way.length_squared()).clamp(0.0, 1.0) * way
+        };
+        let [first, second, third] = [0, 1, 2].map(on_edge);
+        let nearer = |a: Vector, b: Vector| {
+            if a.distance_squared(point) < b.distance_squared(point) { a } else { b }
+        };
+        nearer(nearer(first, second), third)
+    }
+}

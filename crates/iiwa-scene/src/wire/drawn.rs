@@ -1,0 +1,107 @@
+//! Scenes as a drawing needs them: m, unit vectors, matrices.
+
+use serde::{Serialize, Serializer};
+
+use crate::{
+    hull::ConvexHull,
+    placed::{rotation, unit},
+    scene::{Form, Obstacle, Scene},
+    tool::{ToolForm, ToolShape},
+};
+
+#[derive(Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Drawn<'a> {
+    Box {
+        #[serde(skip_serializing_if = "Option::is_none")]
+        name: Option<&'a str>,
+        center_m: [f64; 3],
+        size_m: [f64; 3],
+        /// Three rows; the columns are the box's axes.
+        rotation: [[f64; 3]; 3],
+    },
+    Plane {
+        name: &'a str,
+        point_m: [f64; 3],
+        /// Of length 1.
+        normal: [f64; 3],
+    },
+    /// Along its z axis.
+    Cylinder {
+        center_m: [f64; 3],
+        radius_m: f64,
+        length_m: f64,
+        rotation: [[f64; 3]; 3],
+    },
+    Sphere {
+        center_m: [f64; 3],
+        radius_m: f64,
+    },
+    /// Its corners are in its own frame.
+    Hull {
+        origin_m: [f64; 3],
+        rotation: [[f64; 3]; 3],
+        corners_m: Vec<[f64; 3]>,
+        triangles: &'a [[u32; 3]],
+    },
+}
+
+impl<'a> From<&'a Obstacle> for Drawn<'a> {
+    fn from(Obstacle { name, form }: &'a Obstacle) -> Self {
+        match *form {
+            Form::Box { center_m, size_m, rpy_rad } => {
+                Self::Box { name: Some(name), center_m, size_m, rotation: rows(rpy_rad) }
+            }
+            Form::Plane { point_m, normal } => {
+                Self::Plane { name, point_m, normal: unit(normal).into() }
+            }
+        }
+    }
+}
+
+impl<'a> From<&'a ToolShape> for Drawn<'a> {
+    fn from(shape: &'a ToolShape) -> Self {
+        match shape.form {
+            ToolForm::Box { center_m, size_m, rpy_rad } => {
+                Self::Box { name: None, center_m, size_m, rotation: rows(rpy_rad) }
+            }
+            ToolForm::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
+                Self::Cylinder { center_m, radius_m, length_m, rotation: rows(rpy_rad) }
+            }
+            ToolForm::Sphere { center_m, radius_m } => Self::Sphere { center_m, radius_m },
+            ToolForm::Mesh { ref hull, origin_m, rpy_rad } => Self::Hull {
+                origin_m,
+                rotation: rows(rpy_rad),
+                corners_m: rounded(hull),
+                triangles: hull.triangles(),
+            },
+        }
+    }
+}
+
+/// The rotation, without a minus in front of a zero.
+fn rows(rpy_rad: [f64; 3]) -> [[f64; 3]; 3] {
+    rotation(rpy_rad).map(|row| row.map(|v| v + 0.0))
+}
+
+/// Corners to the micrometre: finer than any screen, and short as text.
+fn rounded(hull: &ConvexHull) -> Vec<[f64; 3]> {
+    hull.corners_m().iter().map(|corner| corner.map(|v| (v * 1e6).round() / 1e6 + 0.0)).collect()
+}
+
+/// The obstacles in the base frame and the tool's shapes in the flange's, with positions in m: a box as `center_m`, `size_m` and
+/// `rotation` (three rows; the columns are its axes), a plane as `point_m` and `normal` (of length 1), a cylinder as
+/// `center_m`, `radius_m`, `length_m` and `rotation`, a sphere as `center_m` and `radius_m`, a hull as `origin_m`, `rotation`, and
+/// `corners_m` with `triangles` of them.
+impl Serialize for Scene {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct View<'a> {
+            obstacles: Vec<Drawn<'a>>,
+            tool: Vec<Drawn<'a>>,
+        }
+        let obstacles = self.obstacles().iter().map(Drawn::from).collect();
+        View { obstacles, tool: self.tool().iter().map(Drawn::from).collect() }
+            .serialize(serializer)
+    }
+}

@@ -1,0 +1,40 @@
+// What stands around the arm and what it carries: a scene as the 3D view takes it, and in words.
+
+/** Where a shape is: its place, and three rows of its turn. */
+function posed([x, y, z], rows) {
+  const [a, b, c] = rows || [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+  ];
+  return new Float32Array([a[0], b[0], c[0], 0, a[1], b[1], c[1], 0, a[2], b[2], c[2], 0, x, y, z, 1]);
+}
+
+/** The obstacles of a scene in the frame of the base, its tool's shapes in that of the flange. */
+function surroundings(scene) {
+  const shaped = (it) => {
+    const origin = posed(it.center_m || it.origin_m || [0, 0, 0], it.rotation);
+    if (it.type === "box") return { shape: cuboid(it.size_m), origin };
+    if (it.type === "cylinder") return { shape: cylinder(it.radius_m, it.length_m), origin };
+    if (it.type === "sphere") return { shape: sphere(it.radius_m), origin };
+    if (it.type === "hull") return { shape: polyhedron(it.corners_m, it.triangles), origin };
+    // The part of a plane that is nearest to the base.
+    const n = it.normal;
+    const away = n.reduce((sum, v, i) => sum + v * it.point_m[i], 0);
+    const turn = placed([0, 0, 0], [0, Math.acos(Math.min(Math.max(n[2], -1), 1)), Math.atan2(n[1], n[0])]);
+    return { shape: sheet(2.4), origin: product(posed(n.map((v) => v * away)), turn) };
+  };
+  return { obstacles: (scene?.obstacles || []).map(shaped), tool: (scene?.tool || []).map(shaped) };
+}
+
+/** A part of the arm and what it is nearest to, in words. */
+function pairText(link, obstacle) {
+  return `${link === 8 ? "the tool" : `link ${link}`} and ${obstacle}`;
+}
+
+/** What is nearest to the arm, in words. */
+function nearestText({ distance_mm: mm, link, obstacle, at_s }) {
+  const when = at_s === null ? "" : ` at ${number(at_s, 2)} s`;
+  const apart = mm > 0 ? `${number(mm, 1)} mm` : "touching";
+  return `${apart}: ${pairText(link, obstacle)}${when}`;
+}

@@ -1,0 +1,162 @@
+//! How near the arm is to the obstacles of a scene, over time.
+
+use iiwa_kin::Joints;
+use iiwa_scene::{ArmInScene, Clearance};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::nearest::Nearest;
+
+use super::curve::{Curve, Samples};
+
+/// Poses of the curve at most. Between them, only those are looked at that may be nearer than all others.
+const POSES: usize = 36_000;
+
+/// Changes of the nearest pair at most: more of them cannot be told apart.
+const PAIRS: usize = 5000;
+
+/// How much nearer than what is found the arm may come, in m.
+const TOLERANCE_M: f64 = 2e-5;
+
+/// The clearance of an arm over time.
+#[derive(Debug, Serialize)]
+pub(crate) struct Clearances {
+    /// In m.
+    distance: Curve,
+    /// What is nearest to each other, from when on.
+    pairs: Vec<PairFrom>,
+    /// The smallest one, and when it is.
+    nearest: Nearest,
+}
+
+#[derive(Debug, Serialize)]
+struct PairFrom {
+    from_s: f64,
+    link: usize,
+    obstacle: usize,
+}
+
+impl Clearances {
+    /// Of `arm` at `positions`, and between them, all times later by `shift_s`; none without obstacles or positions.
+    pub(crate) fn new(arm: &ArmInScene, positions: &Samples, shift_s: f64) -> Option<Self> {
+        let Samples { t_s, rows } = positions;
+        let step = rows.len().div_ceil(POSES).max(1);
+        let of = |at: usize| arm.clearance(&rows[at]);
+        let mut places = (0..rows.len()).step_by(step).collect::<Vec<_>>();
+        let last = rows.len().checked_sub(1)?;
+        if places.last() != Some(&last) {
+            places.push(last);
+        }
+        let found = places.par_iter().map(|at| of(*at)).collect::<Vec<_>>();
+        let mut samples = Samples::<1>::with_capacity(places.len());
+        let mut pairs: Vec<PairFrom> = Vec::new();
+        for (at, clearance) in std::iter::zip(&places, &found) {
+            samples.push(t_s[*at], [clearance.map_or(f64::NAN, |it| it.distance_m)]);
+            let Some(Clearance { link, obstacle, .. }) = *clearance else { continue };
+            let is_new = pairs.last().is_none_or(|it| (it.link, it.obstacle) != (link, obstacle));
+            if is_new && pairs.len() < PAIRS {
+                pairs.push(PairFrom { from_s: t_s[*at] + shift_s, link, obstacle });
+            }
+        }
+        let (at_s, nearest) = Search::new(arm, positions).least(&places, &found)?;
+        Some(Self {
+            distance: Curve::new(&samples, shift_s),
+            pairs,
+            nearest: Nearest::new(arm, &nearest, Some(at_s + shift_s)),
+        })
+    }
+}
+
+/// A search for the least clearance, which skips what cannot have it.
+struct Search<'a> {
+    arm: &'a ArmInScene,
+    positions: &'a Samples,
+    best: Option<(f64, Clearance)>,
+}
+
+/// A pose, when it is, and how near it is to an obstacle.
+#[derive(Clone, Copy)]
+struct Known {
+    t_s: f64,
+    q: Joints,
+    distance_m: f64,
+}
+
+impl<'a> Search<'a> {
+    fn new(arm: &'a ArmInScene, positions: &'a Samples) -> Self {
+        Self { arm, positions, best: None }
+    }
+
+    fn best_m(&self) -> f64 {
+        self.best.map_or(f64::MAX, |(_, best)| best.distance_m)
+    }
+
+    /// Whether nothing from a time on counts: the arm has touched something before.
+    fn is_over(&self, t_s: f64) -> bool {
+        self.best.is_some_and(|(at_s, best)| best.distance_m == 0.0 && t_s >= at_s)
+    }
+
+    /// Takes what is nearer than the best so far; of what is as near, the first one.
+    fn take(&mut self, t_s: f64, clearance: Clearance) {
+        let is_sooner = self.best.is_none_or(|(at_s, _)| t_s < at_s);
+        if clearance.distance_m < self.best_m()
+            || clearance.distance_m == self.best_m() && is_sooner
+        {
+            self.best = Some((t_s, clearance));
+        }
+    }
+
+    fn look(&mut self, t_s: f64, q: Joints) -> Option<Known> {
+        let clearance = self.arm.clearance(&q)?;
+        self.take(t_s, clearance);
+        Some(Known { t_s, q, distance_m: clearance.distance_m })
+    }
+
+    /// When the arm is nearest to an obstacle, or first touches one, by the clearances at some places.
+    fn least(mut self, places: &[usize], found: &[Option<Clearance>]) -> Option<(f64, Clearance)> {
+        let Samples { t_s, rows } = self.positions;
+        for (at, clearance) in std::iter::zip(places, found) {
+            if let Some(clearance) = clearance {
+                self.take(t_s[*at], *clearance);
+            }
+        }
+        for (ends, found) in std::iter::zip(places.windows(2), found) {
+            if self.is_over(t_s[ends[0]]) {
+                break;
+            }
+            let between = ends[0]..=ends[1];
+            let start = rows[ends[0]];
+            let bound = |at: usize| self.arm.travel_bound_m(&start, &rows[at]);
+            // What is not finite is no bound, and where there is a gap, there is nothing.
+            let most = between.clone().map(bound).fold(0.0, f64::max);
+            let at_start = found.map_or(f64::MIN, |it| it.distance_m);
+            if at_start - most >= self.best_m() - TOLERANCE_M {
+                continue;
+            }
+            let mut before: Option<Known> = None;
+            for at in between {
+                let here = self.look(t_s[at], rows[at]);
+                if let (Some(from), Some(to)) = (before, here) {
+                    self.between(from, to);
+                }
+                before = here;
+            }
+        }
+        self.best
+    }
+
+    /// Looks between two poses: joints go evenly from one to the other.
+    fn between(&mut self, from: Known, to: Known) {
+        let way = self.arm.travel_bound_m(&from.q, &to.q);
+        let least = 0.5 * (from.distance_m + to.distance_m - way);
+        let is_over = self.is_over(from.t_s);
+        if is_over || least >= self.best_m() - TOLERANCE_M || way < TOLERANCE_M {
+            return;
+        }
+        let q = std::array::from_fn(|j| f64::midpoint(from.q[j], to.q[j]));
+        if let Some(middle) = self.look(f64::midpoint(from.t_s, to.t_s), q) {
+            self.between(from, middle);
+            self.between(middle, to);
+        }
+    }
+}
