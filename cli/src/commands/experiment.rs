@@ -34,7 +34,12 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         ExperimentName::ZoneVelocity => vec![ExperimentKind::ZoneVelocity],
         ExperimentName::Settle => vec![ExperimentKind::Settle],
         ExperimentName::CycleTime => vec![ExperimentKind::CycleTime],
+        ExperimentName::TcpBlends => vec![ExperimentKind::TcpBlends],
         ExperimentName::All => ExperimentKind::ALL.to_vec(),
+    };
+    let kinds = match &options.drive {
+        Some(_) => for_drives(&kinds)?,
+        None => kinds,
     };
     let path = match &options.output {
         Some(path) => path.clone(),
@@ -81,7 +86,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         Arm::Virtual(arm) => Some((&**arm, options.virtual_robot.as_deref())),
         Arm::Real { .. } => None,
     };
-    let mut text = preface(&format!("iiwasim {}", command.join(" ")), &bench, virtual_arm);
+    let mut text = preface(&format!("iiwasim {}", command.join(" ")), &kinds, &bench, virtual_arm);
     let mut progress = Progress::of_experiment(count);
     let mut done = 0;
     for (kind, trials) in programs {
@@ -116,6 +121,22 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     write(&report, text.as_bytes())?;
     let programs = if count == 1 { "program" } else { "programs" };
     output::print(&format!("{count} {programs} {}; report in {}\n", bench.on, report.display()))
+}
+
+/// Those of `kinds` that a robot behind a drive can do.
+fn for_drives(kinds: &[ExperimentKind]) -> Result<Vec<ExperimentKind>, Failure> {
+    const WHY: &str = "a drive moves the TCP along trajectories that iiwasim has planned, which would show what it \
+                       assumes and not what the controller does. Let the controller do the motions of \
+                       programs/tcp-blends.json, which --simulate writes, record them with `iiwasim record`, and name \
+                       that program to `iiwasim identify RECORDING --program tcp-blends.json`";
+    let can: Vec<_> = kinds.iter().copied().filter(|kind| kind.is_for_drives()).collect();
+    if can.is_empty() {
+        return Err(Failure::input(format!("tcp-blends cannot be run with --drive: {WHY}")));
+    }
+    if can.len() < kinds.len() {
+        print_note(&format!("Without tcp-blends: {WHY}\n"));
+    }
+    Ok(can)
 }
 
 /// Path of the report, and the prefix of links from it to the files of the folder.

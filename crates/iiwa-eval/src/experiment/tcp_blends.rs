@@ -41,14 +41,14 @@ const PTP_SPEED_REL: f64 = 0.3;
 
 /// A frame, and E1 there.
 #[derive(Clone, Copy)]
-struct Stop {
+struct Waypoint {
     xyz_mm: [f64; 3],
     /// By how much it is turned from straight downwards: a, b, c in degrees.
     turn_deg: [f64; 3],
     e1_deg: f64,
 }
 
-impl Stop {
+impl Waypoint {
     /// At so many mm from the corner in the direction that is turned by `angle_deg` from y towards x.
     fn about(mm: f64, angle_deg: f64) -> Self {
         Self::beside([mm, 0.0], angle_deg)
@@ -114,7 +114,7 @@ fn blended(mut motion: CartesianMotion, mm: f64) -> CartesianMotion {
 /// its face.
 #[must_use]
 pub fn tcp_blends(series: &[TcpSeries]) -> Trial {
-    let home = Stop::about(INTO_MM, 180.0);
+    let home = Waypoint::about(INTO_MM, 180.0);
     let motions = series.iter().flat_map(|series| match series {
         TcpSeries::Angles => angles(),
         TcpSeries::Shares => shares(),
@@ -138,10 +138,10 @@ const OUT_MM: f64 = 90.0;
 const BLEND_MM: f64 = 40.0;
 
 fn angles() -> Vec<CartesianMotion> {
-    let start = Stop::about(INTO_MM, 180.0);
+    let start = Waypoint::about(INTO_MM, 180.0);
     let corner = |i: u32| {
-        let end = Stop::about(OUT_MM, 10.0 * f64::from(i));
-        [blended(Stop::about(0.0, 0.0).lin(), BLEND_MM), end.lin(), start.lin()]
+        let end = Waypoint::about(OUT_MM, 10.0 * f64::from(i));
+        [blended(Waypoint::about(0.0, 0.0).lin(), BLEND_MM), end.lin(), start.lin()]
     };
     (0..=17).flat_map(corner).collect()
 }
@@ -152,9 +152,9 @@ fn shares() -> Vec<CartesianMotion> {
     const ASKED_MM: f64 = 60.0;
     let [long, short] = WAYS_MM;
     let corner = |i: u32, [into_mm, out_mm]: [f64; 2]| {
-        let end = Stop::about(out_mm, 30.0 * f64::from(i));
-        let to_corner = blended(Stop::about(0.0, 0.0).lin(), ASKED_MM);
-        [Stop::about(into_mm, 180.0).lin(), to_corner, end.lin()]
+        let end = Waypoint::about(out_mm, 30.0 * f64::from(i));
+        let to_corner = blended(Waypoint::about(0.0, 0.0).lin(), ASKED_MM);
+        [Waypoint::about(into_mm, 180.0).lin(), to_corner, end.lin()]
     };
     let both = |i| [corner(i, [long, short]), corner(i, [short, long])];
     (1..=5).flat_map(both).flatten().collect()
@@ -173,22 +173,22 @@ fn turns() -> Vec<CartesianMotion> {
         (120.0, [10.0, 15.0, 0.0], 10.0, [-10.0, 0.0, 15.0], -10.0),
     ];
     let corner = |(angle_deg, turn, e1_deg, turn_behind, e1_behind_deg): Turn| {
-        let corner = Stop::about(0.0, 0.0).turned(turn, e1_deg);
-        let end = Stop::about(INTO_MM, angle_deg).turned(turn_behind, e1_behind_deg);
-        [Stop::about(INTO_MM, 180.0).lin(), blended(corner.lin(), BLEND_MM), end.lin()]
+        let corner = Waypoint::about(0.0, 0.0).turned(turn, e1_deg);
+        let end = Waypoint::about(INTO_MM, angle_deg).turned(turn_behind, e1_behind_deg);
+        [Waypoint::about(INTO_MM, 180.0).lin(), blended(corner.lin(), BLEND_MM), end.lin()]
     };
     TURNS.into_iter().flat_map(corner).collect()
 }
 
 fn circles() -> Vec<CartesianMotion> {
     const RADIUS_MM: f64 = 90.0;
-    let start = Stop::about(INTO_MM, 180.0);
+    let start = Waypoint::about(INTO_MM, 180.0);
     let there_and_back = |angle_deg: f64| {
         let on_circle = |by_deg: f64| {
             let (sin, cos) = by_deg.to_radians().sin_cos();
-            Stop::beside([RADIUS_MM * sin, RADIUS_MM * (1.0 - cos)], angle_deg)
+            Waypoint::beside([RADIUS_MM * sin, RADIUS_MM * (1.0 - cos)], angle_deg)
         };
-        let (corner, end) = (Stop::about(0.0, 0.0), on_circle(90.0));
+        let (corner, end) = (Waypoint::about(0.0, 0.0), on_circle(90.0));
         [
             start.lin(),
             blended(corner.lin(), BLEND_MM),
@@ -204,8 +204,8 @@ fn joints() -> Vec<CartesianMotion> {
     /// Where motions from point to point begin and end, in mm.
     const AWAY_MM: [[f64; 3]; 2] = [[400.0, -250.0, 450.0], [600.0, -200.0, 300.0]];
     let there_and_back = |xyz_mm: [f64; 3], angle_deg: f64| {
-        let (corner, end) = (Stop::about(0.0, 0.0), Stop::about(INTO_MM, angle_deg));
-        let away = Stop { xyz_mm, ..corner };
+        let (corner, end) = (Waypoint::about(0.0, 0.0), Waypoint::about(INTO_MM, angle_deg));
+        let away = Waypoint { xyz_mm, ..corner };
         [
             away.ptp(),
             blended(corner.ptp(), BLEND_MM),

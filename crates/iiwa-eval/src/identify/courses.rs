@@ -42,7 +42,7 @@ pub(super) struct Courses {
 }
 
 /// A segment that the arm follows.
-struct Followed<'a> {
+struct FollowedStep<'a> {
     segment: &'a dyn Segment,
     /// Whose TCP it is, and what is said of it; none if nothing is assumed.
     motion: MotionIndex,
@@ -64,7 +64,7 @@ impl Courses {
         for joints in &watched.log.q_rad[section.samples.clone()] {
             let flange = watched.path.robot().flange_pose(joints);
             // From one TCP to another, each step has its own.
-            let tcp = |step: &Followed<'_>| flange.then(watched.path.tcp(step.motion));
+            let tcp = |step: &FollowedStep<'_>| flange.then(watched.path.tcp(step.motion));
             (at, chord) = nearest(&followed, (at, chord), |step| tcp(step).position_m);
             let tcp = tcp(&followed[at]);
             let (step, observed) = (&followed[at], &mut observed[at]);
@@ -95,7 +95,7 @@ impl Courses {
     }
 }
 
-fn follow<'a>(watched: &Watched<'_>, step: &'a Step) -> Option<Followed<'a>> {
+fn follow<'a>(watched: &Watched<'_>, step: &'a Step) -> Option<FollowedStep<'a>> {
     let Step::Move { motion, segment, blend } = step else { return None };
     let (motion, part) = match blend {
         None => (*motion, watched.is_course(*motion).then_some(CoursePart::Path)),
@@ -110,14 +110,14 @@ fn follow<'a>(watched: &Watched<'_>, step: &'a Step) -> Option<Followed<'a>> {
     };
     let at = |i: usize| segment.at(i as f64 / CHORDS as f64).q;
     let places = (0..=CHORDS).map(|i| watched.tcp(motion, &at(i)).position_m).collect();
-    Some(Followed { segment: &**segment, motion, part, places })
+    Some(FollowedStep { segment: &**segment, motion, part, places })
 }
 
 /// From a chord of a step on, downhill to the one that is nearest.
 fn nearest(
-    followed: &[Followed<'_>],
+    followed: &[FollowedStep<'_>],
     mut best: (usize, usize),
-    place: impl Fn(&Followed<'_>) -> [f64; 3],
+    place: impl Fn(&FollowedStep<'_>) -> [f64; 3],
 ) -> (usize, usize) {
     let distance =
         |(step, chord): (usize, usize)| followed[step].distance(chord, &place(&followed[step]));
@@ -148,7 +148,7 @@ fn angle(a: &Pose, b: &Pose) -> f64 {
     norm(&log(&product(&transposed(&a.rotation), &b.rotation)))
 }
 
-impl Followed<'_> {
+impl FollowedStep<'_> {
     fn chord(&self, chord: usize) -> [f64; 3] {
         sub(&self.places[chord + 1], &self.places[chord])
     }

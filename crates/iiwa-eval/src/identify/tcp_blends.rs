@@ -2,7 +2,7 @@
 
 use iiwa_kin::{
     Joints,
-    rotation::{norm, sub},
+    rotation::{Vec3, norm, sub},
 };
 use iiwa_path::Step;
 use iiwa_program::{Motion, MotionIndex};
@@ -25,10 +25,7 @@ const SURE_DEVIATIONS: f64 = 4.0;
 /// How far beyond its ends, as a share of its reach, samples show where a blend begins and ends.
 const BEYOND: f64 = 0.5;
 
-/// A position of the TCP, in m.
-type Place = [f64; 3];
-
-fn distance(a: &Place, b: &Place) -> f64 {
+fn distance(a: &Vec3<f64>, b: &Vec3<f64>) -> f64 {
     norm(&sub(a, b))
 }
 
@@ -129,19 +126,19 @@ struct About {
 /// Those about the one nearest to the middle of the blend, of what is near it first, as far as the margins before and
 /// behind the target.
 fn about(
-    places: &[Place],
-    target: &Place,
-    middle: &Place,
+    places: &[Vec3<f64>],
+    target: &Vec3<f64>,
+    middle: &Vec3<f64>,
     reach_m: f64,
     [before_m, after_m]: [f64; 2],
 ) -> Option<About> {
-    let near = |place: &Place| distance(place, middle) < reach_m;
+    let near = |place: &Vec3<f64>| distance(place, middle) < reach_m;
     let first = places.iter().position(near)?;
     let last = first + places[first..].iter().take_while(|place| near(place)).count();
     let to_middle = |sample: &usize| distance(&places[*sample], middle);
     let nearest = (first..last).min_by(|a, b| to_middle(a).total_cmp(&to_middle(b)))?;
     let (came, goes) = places.split_at(nearest);
-    let within = |place: &&Place, margin_m: f64| distance(place, target) < margin_m;
+    let within = |place: &&Vec3<f64>, margin_m: f64| distance(place, target) < margin_m;
     let before = came.iter().rev().take_while(|place| within(place, before_m)).count();
     let after = goes.iter().take_while(|place| within(place, after_m)).count();
     Some(About { first: nearest - before, nearest, last: nearest + after })
@@ -158,7 +155,7 @@ fn asked_m(watched: &Watched<'_>, motion: MotionIndex) -> Option<f64> {
 fn own_reach(
     watched: &Watched<'_>,
     motion: MotionIndex,
-    [before, target, after]: &[Place; 3],
+    [before, target, after]: &[Vec3<f64>; 3],
 ) -> [Option<f64>; 2] {
     let asked_m = asked_m(watched, motion);
     [before, after].map(|end| asked_m.map(|asked_m| asked_m.min(0.5 * distance(target, end))))
