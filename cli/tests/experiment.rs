@@ -7,6 +7,7 @@ mod run;
 
 use std::{fs, path::Path};
 
+use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 use iiwa_program::Program;
 use predicates::{
@@ -128,6 +129,49 @@ fn cycle_times_err_as_the_thesis_says() {
     let by_jerk = report.split(" by acceleration and ").nth(1).unwrap();
     let by_jerk: f64 = by_jerk.split(' ').next().unwrap().parse().unwrap();
     assert!(by_jerk < 0.1, "{by_jerk}");
+}
+
+/// A robot that blends paths of the TCP in another way than the model is told from it, and identified.
+#[test]
+fn blends_of_the_tcp_are_those_of_the_virtual_robot() {
+    let folder = tempdir().unwrap();
+    let kappa = [-2.0, 0.01, 0.0001];
+    let profile = Robot::default().with_tcp_blend_kappa(kappa).to_profile();
+    fs::write(folder.path().join("other.json"), profile).unwrap();
+    let options = ["--virtual-robot", "other.json", "--rate", "250", "-o", "out"];
+    let command = [&["experiment", "tcp-blends", "--simulate"], &options[..]].concat();
+    iiwasim(&folder, &command).success();
+    let files =
+        ["figure-tcp-kappa.svg", "figure-tcp-paths.svg", "programs", "recordings", "report.md"];
+    assert_eq!(listed(&folder, "out"), files);
+    let report = text(&folder, "out/report.md");
+    assert!(report.starts_with("# An experiment with paths of the TCP"), "{report}");
+    assert!(!report.contains("Not used"), "{report}");
+    for row in ["way before the target", "way behind the target"] {
+        assert!((number(&report, row, 1) - 1.0).abs() < 0.01, "{report}");
+    }
+    assert!(number(&report, "difference of both sides", 1).abs() < 0.02);
+    assert_eq!(number(&report, "blends between joint space", 1), 8.0);
+    assert!(number(&report, "blends between joint space", 2) < 0.1);
+
+    let identify = ["identify", "out/recordings/tcp-blends.mcap", "-o", "mine.json", "--json"];
+    let output = iiwasim(&folder, &identify).success();
+    let figures: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    assert_eq!(figures["kappa"], serde_json::Value::Null);
+    let blends = figures["tcp"]["blends"].as_array().unwrap().len();
+    assert_eq!(figures["tcp"]["kappa"]["count"].as_u64(), Some(blends as u64));
+    let mine = Robot::from_profile(&text(&folder, "mine.json")).unwrap();
+    for gamma in [20.0, 90.0, 160.0] {
+        let expected = kappa[0] + gamma * (kappa[1] + gamma * kappa[2]);
+        assert!((mine.tcp_kappa(gamma) - expected).abs() < 0.02, "{gamma}");
+    }
+    assert_eq!(mine.blend_kappa(), Robot::default().blend_kappa());
+    let printed = ["identify", "out/recordings/tcp-blends.mcap", "--no-output"];
+    iiwasim(&folder, &printed).success().stdout(
+        contains("kappa of blends of the TCP = -2.0")
+            .and(contains("They begin and end at equal ways: confirmed"))
+            .and(contains("8 blends between joint space and a path of the TCP, at most away")),
+    );
 }
 
 /// The page in the documentation is what its first lines say.

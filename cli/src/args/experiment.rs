@@ -10,7 +10,7 @@ use super::{
     values::{noise, percent_above_zero, sampling_rate},
 };
 
-/// Repeat an experiment of the thesis (Larsen 2019), on the robot or on a virtual one.
+/// Repeat an experiment of the thesis (Larsen 2019), or do one of our own, on the robot or on a virtual one.
 ///
 /// Makes the programs, runs them, compares the measurements with calculations for --robot, and writes into
 /// a folder: programs/NAME.json; recordings/NAME.mcap and NAME.csv, for `identify` and `compare`;
@@ -18,8 +18,8 @@ use super::{
 ///
 /// --simulate runs them on a virtual robot in this process, which plans under limits of velocity,
 /// acceleration and jerk, and is sampled with noise. It is the model itself unless --virtual-robot names
-/// a profile with other limits, blends (`blend_kappa`) and time to settle (`settle_time_s`). Existing
-/// files are replaced.
+/// a profile with other limits, blends (`blend_kappa`, `tcp_blend_kappa`) and time to settle
+/// (`settle_time_s`). Existing files are replaced.
 ///
 /// --drive runs them on the robot behind a drive. THE ARM MOVES FAR: `limits` swings each joint alone
 /// from 20 poses, by 20 deg at full speed, and by 70 deg about zero; `blends` moves joints 2
@@ -28,6 +28,11 @@ use super::{
 /// above the robot's base, or are those of the thesis; they do not consider other obstacles or a tool: the
 /// workspace has to be free. The range of each joint is printed first. The folder has to be new or empty.
 /// Ctrl-C stops the robot on its path; earlier recordings are kept.
+///
+/// `tcp-blends` shows how a controller blends paths of the TCP, and needs one that plans them: the simulated cabinet
+/// does so as iiwasim assumes. Where the robot program takes PTP motions only, program the motions of
+/// programs/tcp-blends.json on the controller, record them with `iiwasim record`, and run
+/// `iiwasim identify RECORDING --program programs/tcp-blends.json`.
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("on").required(true))]
 pub(crate) struct Experiment {
@@ -93,7 +98,7 @@ pub(crate) struct Experiment {
     pub(crate) keys: ClientKeys,
 }
 
-/// Experiments of the thesis.
+/// Experiments of the thesis, and ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ExperimentName {
     /// Limits of the joints: Appendix A, Tables 4 and 5, Fig. 28
@@ -106,6 +111,8 @@ pub(crate) enum ExperimentName {
     Settle,
     /// Errors of the cycle time: section 5.1.2, Fig. 23 to 25
     CycleTime,
+    /// Blends of paths of the TCP, orientation and E1 along them: not in the thesis, and not for --drive
+    TcpBlends,
     /// All of them, in one report
     All,
 }

@@ -10,7 +10,10 @@ use clap::Args;
 /// lines from rest to rest: the whole motion is fitted instead of differentiated, so that noise averages
 /// out. Long motions of single joints at full speed are the most useful; of motions of several joints,
 /// those are used in which a single joint must have been the limit. The time to settle is identified from
-/// stops between such motions, kappa from blends, regardless of time.
+/// stops between such motions, kappa from blends, regardless of time; of blends between two LINs by the
+/// TCP's path, as `tcp_blend_kappa`. Paths of the TCP and the blends at their ends are compared with what
+/// iiwasim assumes of them: orientation, E1, and blends with motions in joint space. For that, the
+/// controller must have done them: what a drive ran as a trajectory shows iiwasim's own blends.
 ///
 /// Each figure has its uncertainty, half of the 95 % confidence interval, and the number of observations.
 /// What cannot be identified from the recordings keeps the value of the model. Positions are used as they

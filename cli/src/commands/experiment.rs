@@ -34,6 +34,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         ExperimentName::ZoneVelocity => vec![ExperimentKind::ZoneVelocity],
         ExperimentName::Settle => vec![ExperimentKind::Settle],
         ExperimentName::CycleTime => vec![ExperimentKind::CycleTime],
+        ExperimentName::TcpBlends => vec![ExperimentKind::TcpBlends],
         ExperimentName::All => ExperimentKind::ALL.to_vec(),
     };
     let path = match &options.output {
@@ -81,7 +82,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         Arm::Virtual(arm) => Some((&**arm, options.virtual_robot.as_deref())),
         Arm::Real { .. } => None,
     };
-    let mut text = preface(&format!("iiwasim {}", command.join(" ")), &bench, virtual_arm);
+    let mut text = preface(&format!("iiwasim {}", command.join(" ")), &kinds, &bench, virtual_arm);
     let mut progress = Progress::of_experiment(count);
     let mut done = 0;
     for (kind, trials) in programs {

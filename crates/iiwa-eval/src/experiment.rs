@@ -1,7 +1,11 @@
-//! The programs of the thesis's experiments (Larsen 2019, sections 4.2 and 5.1.2, Appendices A, B and C).
+//! The programs of the thesis's experiments (Larsen 2019, sections 4.2 and 5.1.2, Appendices A, B and C), and of one
+//! that it does not have: [`tcp_blends`], about motions of the TCP, which it names as future work.
 //!
 //! Random ones are the same for the same seed. All keep the flange above the plane that the robot stands
 //! on; what else is around the robot they do not know.
+
+mod tcp_blends;
+mod trial;
 
 use fastrand::Rng;
 use iiwa_kin::{
@@ -10,14 +14,10 @@ use iiwa_kin::{
 };
 use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 
-/// A program of an experiment.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Trial {
-    /// Its name: letters, digits and `-`.
-    pub name: String,
-    /// The program.
-    pub program: Program,
-}
+pub use self::{
+    tcp_blends::{TcpSeries, tcp_blends},
+    trial::Trial,
+};
 
 /// Larsen 2019, Table 3, in degrees.
 const POSES_DEG: [Joints; 20] = [
@@ -292,6 +292,7 @@ mod tests {
         for sweep in Sweep::ALL {
             trials.extend(sweep.cases().iter().map(|case| case.trial(&robot, 1)));
         }
+        trials.push(tcp_blends(&TcpSeries::ALL));
         for Trial { name, program } in trials {
             JointPath::new(&program, &robot).unwrap_or_else(|fault| panic!("{name}: {fault}"));
         }

@@ -13,8 +13,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use self::bounds::{
     ACCELERATIONS, JERKS, KAPPA, KAPPA_RANGE, LEAST_RANGE_DEG, MASSES, MAX_BYTES, MAX_NAME,
-    MAX_NUMBER, MAX_POSITION_DEG, POSITIONS, RANGES, SETTLE, SETTLE_RANGE_S, TORQUES, VELOCITIES,
-    VERSION,
+    MAX_NUMBER, MAX_POSITION_DEG, POSITIONS, RANGES, SETTLE, SETTLE_RANGE_S, TCP_KAPPA, TORQUES,
+    VELOCITIES, VERSION,
 };
 pub use self::error::ProfileError;
 use crate::{Joint, Joints, Lengths, Limits, Robot, robot::MAX_LENGTH_M};
@@ -76,6 +76,10 @@ struct Wire {
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 3), extend("items" = range(KAPPA_RANGE)))]
     blend_kappa: Option<Vec<f64>>,
+    /// The same of blends between two paths of the TCP, in Cartesian space; `blend_kappa` when left out.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 3), extend("items" = range(KAPPA_RANGE)))]
+    tcp_blend_kappa: Option<Vec<f64>>,
     /// How long the arm stands after a motion without a blend, in s.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("minimum" = SETTLE_RANGE_S[0], "maximum" = SETTLE_RANGE_S[1]))]
@@ -261,15 +265,10 @@ impl Wire {
             robot.drop_assumption("masses");
         }
         if let Some(numbers) = &self.blend_kappa {
-            let found = numbers.len();
-            robot.blend_kappa = numbers.as_slice().try_into().map_err(|_| {
-                let at = locate(text, &[Key(KAPPA)]);
-                ProfileError::Count { at, key: KAPPA, found, expected: 3 }
-            })?;
-            for (index, &found) in robot.blend_kappa.iter().enumerate() {
-                let what = || format!("{KAPPA}: number {}", index + 1);
-                within(text, &[Key(KAPPA), Index(index)], found, KAPPA_RANGE, what)?;
-            }
+            robot.blend_kappa = kappa(text, KAPPA, numbers)?;
+        }
+        if let Some(numbers) = &self.tcp_blend_kappa {
+            robot = robot.with_tcp_blend_kappa(kappa(text, TCP_KAPPA, numbers)?);
         }
         if let Some(found) = self.settle_time_s {
             within(text, &[Key(SETTLE)], found, SETTLE_RANGE_S, || SETTLE.to_owned())?;
@@ -359,6 +358,8 @@ impl Wire {
                 .then(|| robot.link_mass_kg.to_vec()),
             blend_kappa: differ(&robot.blend_kappa, &base.blend_kappa)
                 .then(|| robot.blend_kappa.to_vec()),
+            tcp_blend_kappa: differ(robot.tcp_blend_kappa(), &robot.blend_kappa)
+                .then(|| robot.tcp_blend_kappa().to_vec()),
             settle_time_s: differ(&[robot.settle_time_s], &[base.settle_time_s])
                 .then_some(robot.settle_time_s),
         }
@@ -380,6 +381,7 @@ impl Wire {
                 self.torque_limit_nm.is_some(),
                 self.link_mass_kg.is_some(),
                 self.blend_kappa.is_some(),
+                self.tcp_blend_kappa.is_some(),
                 self.settle_time_s.is_some(),
             ]
             .into_iter()
@@ -444,6 +446,20 @@ fn list<const N: usize>(
         *value = checked(text, &[Key(key), Index(index)], numbers[index], max, what, to_si)?;
     }
     Ok(values)
+}
+
+/// Coefficients of kappa.
+fn kappa(text: &str, key: &'static str, numbers: &[f64]) -> Result<[f64; 3], ProfileError> {
+    let found = numbers.len();
+    let coefficients = numbers.try_into().map_err(|_| {
+        let at = locate(text, &[Key(key)]);
+        ProfileError::Count { at, key, found, expected: 3 }
+    })?;
+    for (index, &found) in numbers.iter().enumerate() {
+        let what = || format!("{key}: number {}", index + 1);
+        within(text, &[Key(key), Index(index)], found, KAPPA_RANGE, what)?;
+    }
+    Ok(coefficients)
 }
 
 fn checked(

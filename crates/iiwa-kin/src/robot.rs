@@ -49,6 +49,8 @@ pub struct Robot {
     pub(crate) limits: Limits,
     pub(crate) link_mass_kg: [f64; 8],
     pub(crate) blend_kappa: [f64; 3],
+    /// None if it is `blend_kappa`.
+    tcp_blend_kappa: Option<[f64; 3]>,
     pub(crate) settle_time_s: f64,
     pub(crate) assumptions: Vec<Assumption>,
 }
@@ -99,6 +101,7 @@ impl Robot {
             },
             link_mass_kg: IIWA_7_MASS_KG,
             blend_kappa: KAPPA,
+            tcp_blend_kappa: None,
             settle_time_s: SETTLE_TIME_S,
             assumptions: vec![Assumption {
                 what: "masses".to_owned(),
@@ -132,6 +135,7 @@ impl Robot {
             },
             link_mass_kg: IIWA_7_MASS_KG.map(|m| m * IIWA_14_WEIGHT_KG / IIWA_7_WEIGHT_KG),
             blend_kappa: small.blend_kappa,
+            tcp_blend_kappa: small.tcp_blend_kappa,
             settle_time_s: small.settle_time_s,
             assumptions: vec![
                 Assumption {
@@ -208,6 +212,13 @@ impl Robot {
         self
     }
 
+    /// The same robot with another [`tcp_kappa`](Self::tcp_kappa).
+    #[must_use]
+    pub fn with_tcp_blend_kappa(mut self, tcp_blend_kappa: [f64; 3]) -> Self {
+        self.tcp_blend_kappa = (tcp_blend_kappa != self.blend_kappa).then_some(tcp_blend_kappa);
+        self
+    }
+
     /// The same robot that settles for so many seconds, above 0.
     #[must_use]
     pub fn with_settle_time_s(mut self, settle_time_s: f64) -> Self {
@@ -248,14 +259,34 @@ impl Robot {
     /// ```
     #[must_use]
     pub fn kappa(&self, gamma_deg: f64) -> f64 {
-        let [c0, c1, c2] = self.blend_kappa;
-        (c2 * gamma_deg + c1) * gamma_deg + c0
+        parabola(&self.blend_kappa, gamma_deg)
     }
 
     /// Coefficients of [`kappa`](Self::kappa) as a polynomial of gamma in degrees, lowest power first.
     #[must_use]
     pub fn blend_kappa(&self) -> &[f64; 3] {
         &self.blend_kappa
+    }
+
+    /// kappa of blends between two paths of the TCP, in Cartesian space, at the angle gamma between the TCP's
+    /// directions, in degrees. Nobody has measured it: it is taken to be that of [`kappa`](Self::kappa), unless the
+    /// robot was given one of its own.
+    ///
+    /// ```
+    /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
+    /// assert_eq!(robot.tcp_kappa(90.0), robot.kappa(90.0));
+    /// let measured = robot.with_tcp_blend_kappa([-3.0, 0.01, 0.0]);
+    /// assert!((measured.tcp_kappa(90.0) + 2.1).abs() < 1e-12);
+    /// ```
+    #[must_use]
+    pub fn tcp_kappa(&self, gamma_deg: f64) -> f64 {
+        parabola(self.tcp_blend_kappa(), gamma_deg)
+    }
+
+    /// Coefficients of [`tcp_kappa`](Self::tcp_kappa) as a polynomial of gamma in degrees, lowest power first.
+    #[must_use]
+    pub fn tcp_blend_kappa(&self) -> &[f64; 3] {
+        self.tcp_blend_kappa.as_ref().unwrap_or(&self.blend_kappa)
     }
 
     /// How long the arm stands at the end of a motion without a blend, in s.
@@ -339,6 +370,10 @@ const IIWA_14_WEIGHT_KG: f64 = 29.9;
 /// Ratio of measured acceleration to catalogue speed on every joint of the LBR iiwa 7, in 1/s
 /// (Larsen 2019, Tables 2 and 4).
 const ACCELERATION_PER_SPEED: f64 = 5.0;
+
+fn parabola([c0, c1, c2]: &[f64; 3], x: f64) -> f64 {
+    (c2 * x + c1) * x + c0
+}
 
 fn rad(deg: Joints) -> Joints {
     deg.map(f64::to_radians)

@@ -34,6 +34,7 @@ fn every_part_can_be_overridden() {
             "torque_limit_nm": [11, 12, 13, 14, 15, 16, 17],
             "link_mass_kg": [8, 7, 6, 5, 4, 3, 2, 1],
             "blend_kappa": [-3, 0.01, 0.0002],
+            "tcp_blend_kappa": [-2, 0.02, 0.0003],
             "settle_time_s": 0.04
         }"#,
     )
@@ -50,9 +51,30 @@ fn every_part_can_be_overridden() {
     assert_eq!(limits.torque_nm[1], 12.0);
     assert_eq!(robot.link_mass_kg()[7], 1.0);
     assert_eq!(robot.kappa(100.0), -3.0 + 1.0 + 2.0);
+    assert_eq!(robot.tcp_kappa(100.0), -2.0 + 2.0 + 3.0);
     assert_eq!(robot.settle_time_s(), 0.04);
     assert!(robot.assumptions().is_empty());
     assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
+}
+
+/// kappa of the TCP's blends is that of the joints', until it is given.
+#[test]
+fn blends_of_the_tcp_may_have_a_kappa_of_their_own() {
+    let read = |keys: &str| {
+        let text = format!("{{ \"version\": 1, \"blend_kappa\": [-3, 0.01, 0.0002]{keys} }}");
+        Robot::from_profile(&text).unwrap()
+    };
+    let plain = read("");
+    assert_eq!(plain.tcp_blend_kappa(), plain.blend_kappa());
+    let same = read(", \"tcp_blend_kappa\": [-3, 0.01, 0.0002]");
+    assert_eq!(same, plain);
+    assert!(!same.to_profile().contains("tcp_blend_kappa"));
+    let own = read(", \"tcp_blend_kappa\": [-1, 0, 0]");
+    assert_eq!((own.kappa(0.0), own.tcp_kappa(0.0)), (-3.0, -1.0));
+    assert!(own.to_profile().contains("tcp_blend_kappa"));
+    // What the joints' blends are does not change what was measured of the TCP's.
+    let again = own.with_blend_kappa([1.0, 0.0, 0.0]);
+    assert_eq!((again.kappa(0.0), again.tcp_kappa(0.0)), (1.0, -1.0));
 }
 
 #[test]
@@ -137,6 +159,13 @@ fn says_what_is_wrong_with_blends_and_where() {
     assert_refused(&[
         ("{ \"version\": 1, \"settle_time_s\": 0 }", 1, 34, "0", "at least 0.001"),
         ("{ \"version\": 1, \"blend_kappa\": [1, 2] }", 1, 32, "[1, 2]", "has 2 numbers; write 3"),
+        (
+            "{ \"version\": 1, \"tcp_blend_kappa\": [1, 0, 101] }",
+            1,
+            43,
+            "101",
+            "tcp_blend_kappa: number 3 is 101",
+        ),
         (
             "{ \"version\": 1, \"blend_kappa\": [1, -101, 0] }",
             1,
@@ -289,7 +318,7 @@ fn a_flange_has_a_length() {
 fn the_schema_has_every_key() {
     let schema = Robot::profile_schema();
     let keys = schema["properties"].as_object().unwrap();
-    assert_eq!(keys.len(), 13);
+    assert_eq!(keys.len(), 14);
     assert_eq!(schema["additionalProperties"], false);
     assert_eq!(schema["required"], serde_json::json!(["version"]));
     assert_eq!(keys["version"]["const"], 1);
@@ -321,6 +350,7 @@ prop_compose! {
         torque in numbers::<7>(500.0),
         mass in numbers::<8>(50.0),
         kappa in numbers::<3>(100.0),
+        tcp_kappa in numbers::<3>(100.0),
         settle in prop::option::of(0.001..=10.0_f64),
     ) -> serde_json::Value {
         let mut profile = serde_json::json!({
@@ -337,6 +367,7 @@ prop_compose! {
             "torque_limit_nm": torque,
             "link_mass_kg": mass,
             "blend_kappa": kappa,
+            "tcp_blend_kappa": tcp_kappa,
             "settle_time_s": settle,
         });
         profile.as_object_mut().unwrap().retain(|_, value| !value.is_null());

@@ -28,6 +28,14 @@ impl BlendShape {
             Self::Alpha(_) | Self::Circle => 0.0,
         }
     }
+
+    /// The same between two paths of the TCP.
+    pub(crate) fn tcp_kappa(self, robot: &Robot, gamma_deg: f64) -> f64 {
+        match self {
+            Self::Iiwa => robot.tcp_kappa(gamma_deg),
+            _ => self.kappa(robot, gamma_deg),
+        }
+    }
 }
 
 /// How blends are made.

@@ -1,15 +1,18 @@
-//! The thesis's experiments, done again: their programs, and reports on what was recorded.
+//! The thesis's experiments, done again, and one about paths of the TCP: their programs, and reports on what was
+//! recorded.
 
 mod bench;
 mod blends;
 mod chapter;
 mod cycle_time;
 mod evaluation;
+mod kappa_plots;
 mod kind;
 mod limits;
 mod other_robot;
 mod preface;
 mod settle;
+mod tcp_blends;
 mod virtual_arm;
 mod zone_velocity;
 

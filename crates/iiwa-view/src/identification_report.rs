@@ -1,5 +1,8 @@
 //! What was identified from recordings, as JSON and as text.
 
+mod figure;
+mod tcp_figures;
+
 use std::{fmt::Write as _, path::Path};
 
 use iiwa_eval::{
@@ -11,6 +14,11 @@ use iiwa_log::{JointLog, Loss};
 use serde::Serialize;
 
 use crate::{printable, table::table};
+
+use self::{
+    figure::{EQUAL_SHARE, Figure, KappaFigure},
+    tcp_figures::TcpFigures,
+};
 
 /// What was identified from recordings of a robot. As JSON, this is the object of `iiwasim identify --json`.
 #[derive(Clone, Debug, Serialize)]
@@ -25,6 +33,8 @@ pub struct IdentificationReport {
     kappa: Option<KappaFigure>,
     /// 0 if blends begin and end at equal distances (Larsen 2019, Algorithm 3), 1 if they do not.
     unequal_share: Option<Figure>,
+    /// Of paths of the TCP; null if there are none.
+    tcp: Option<TcpFigures>,
     lines: Vec<LineRow>,
     blends: Vec<BlendRow>,
     /// What the recordings lack, and what was not used.
@@ -32,45 +42,10 @@ pub struct IdentificationReport {
     output: Option<String>,
 }
 
-#[derive(Clone, Copy, Debug, Serialize)]
-struct Figure {
-    value: f64,
-    /// Half of the interval that holds the true figure in 95 of 100 cases.
-    uncertainty: f64,
-    count: usize,
-}
-
-impl From<Estimate> for Figure {
-    fn from(Estimate { value, uncertainty, count, .. }: Estimate) -> Self {
-        Self { value, uncertainty, count }
-    }
-}
-
 #[derive(Clone, Debug, Serialize)]
 struct SettleFigure {
     mean_s: Figure,
     deviation_s: f64,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct KappaFigure {
-    /// For gamma in degrees, the constant first.
-    coefficients: [f64; 3],
-    /// The smallest and the largest angle that was observed.
-    gamma_deg: [f64; 2],
-    /// Root mean square of what the polynomial leaves over, and of what the model's does.
-    residual: f64,
-    residual_of_model: f64,
-    count: usize,
-    /// kappa and its uncertainty every 10 deg within what was observed.
-    at: Vec<KappaAt>,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct KappaAt {
-    gamma_deg: f64,
-    value: f64,
-    uncertainty: f64,
 }
 
 /// A motion along a line.
@@ -149,21 +124,6 @@ impl IdentificationReport {
         let degrees = |figures: &[Option<Estimate>; 7]| {
             figures.map(|figure| figure.map(|figure| figure.scaled(1_f64.to_degrees()).into()))
         };
-        let kappa = found.kappa.map(|kappa| KappaFigure {
-            coefficients: *kappa.coefficients(),
-            gamma_deg: kappa.gamma_deg,
-            residual: kappa.residual,
-            residual_of_model: kappa.residual_of_model,
-            count: found.blends.len(),
-            at: (0..=18)
-                .map(|ten| 10.0 * f64::from(ten))
-                .filter(|gamma| (kappa.gamma_deg[0]..=kappa.gamma_deg[1]).contains(gamma))
-                .map(|gamma_deg| {
-                    let Estimate { value, uncertainty, .. } = kappa.at(gamma_deg);
-                    KappaAt { gamma_deg, value, uncertainty }
-                })
-                .collect(),
-        });
         let lost = recordings.iter().flat_map(|(name, log)| {
             losses(log).into_iter().map(move |loss| format!("{name}: {loss}"))
         });
@@ -180,8 +140,9 @@ impl IdentificationReport {
                 mean_s: settle.mean_s.into(),
                 deviation_s: settle.deviation_s,
             }),
-            kappa,
+            kappa: found.kappa.as_ref().map(|kappa| KappaFigure::new(kappa, found.blends.len())),
             unequal_share: found.unequal_share.map(Figure::from),
+            tcp: TcpFigures::of(found),
             lines: found.lines.iter().map(LineRow::from).collect(),
             blends: found.blends.iter().map(BlendRow::from).collect(),
             losses: lost.chain(left_out).collect(),
@@ -196,6 +157,7 @@ impl IdentificationReport {
         limits.iter().all(|limits| limits.iter().all(Option::is_none))
             && self.settle.is_none()
             && self.blends.is_empty()
+            && self.tcp.is_none()
     }
 
     /// The first of what the recordings lack.
@@ -237,22 +199,7 @@ impl IdentificationReport {
             None => text.push_str("Time to settle: not found\n"),
         }
         match &self.kappa {
-            Some(kappa) => {
-                let [c0, c1, c2] = kappa.coefficients;
-                let _ = writeln!(
-                    text,
-                    "kappa = {c0:.5} {c1:+.7} gamma {c2:+.9} gamma^2, gamma from {:.0} to {:.0} deg: {} \
-                     blends, residual {:.4} (against the model's {:.4})",
-                    kappa.gamma_deg[0],
-                    kappa.gamma_deg[1],
-                    kappa.count,
-                    kappa.residual,
-                    kappa.residual_of_model
-                );
-                let widest = kappa.at.iter().map(|at| at.uncertainty).fold(0.0, f64::max);
-                let _ =
-                    writeln!(text, "Uncertainty of kappa within that range: {widest:.4} at most");
-            }
+            Some(kappa) => kappa.write(&mut text, "kappa"),
             None => {
                 let _ = writeln!(
                     text,
@@ -263,7 +210,7 @@ impl IdentificationReport {
         }
         match &self.unequal_share {
             Some(share) => {
-                let holds = share.value.abs() <= share.uncertainty.max(EQUAL_SHARE);
+                let holds = share.is_zero_within(EQUAL_SHARE);
                 let _ = writeln!(
                     text,
                     "Blends begin and end at equal distances (Algorithm 3): {}; the difference is \
@@ -275,6 +222,9 @@ impl IdentificationReport {
             None => text.push_str(
                 "Algorithm 3: not tested; it needs blends between motions of unequal lengths\n",
             ),
+        }
+        if let Some(tcp) = &self.tcp {
+            tcp.write(&mut text);
         }
         for loss in self.losses.iter().take(SHOWN) {
             let _ = writeln!(text, "Note: {}", printable(loss));
@@ -289,19 +239,8 @@ impl IdentificationReport {
     }
 }
 
-impl std::fmt::Display for Figure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let &Self { value, uncertainty, count } = self;
-        write!(f, "{}", Estimate { value, uncertainty, count })
-    }
-}
-
 /// Losses that are shown one by one.
 const SHOWN: usize = 10;
-
-/// Distances that differ by less than this share of what they would without Algorithm 3 are equal: no
-/// robot follows its path better.
-const EQUAL_SHARE: f64 = 0.02;
 
 /// What a recording lacks, all gaps in one line.
 fn losses(log: &JointLog) -> Vec<String> {

@@ -7,7 +7,7 @@
 //! - [`Page`] shows a plan, a recording or both in one HTML file that loads nothing. [`twin_page`] is the
 //!   page that follows a robot.
 //! - [`PlanPicture`] draws a plan while it is made, [`draw_comparison`] a recording beside its plan.
-//! - [`ExperimentKind`] lists the experiments of the thesis (Larsen 2019) and writes each one's
+//! - [`ExperimentKind`] lists the experiments, those of the thesis (Larsen 2019) and ours, and writes each one's
 //!   [`Chapter`].
 //! - [`ComparisonReport`], [`IdentificationReport`], [`ImportReport`], [`plan_table`] and [`Summary`] put results
 //!   into words and tables.

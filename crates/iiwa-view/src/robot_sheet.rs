@@ -40,8 +40,13 @@ pub fn robot_sheet(robot: &Robot) -> String {
     }
     let _ = writeln!(text, "{rows}\n");
 
-    let [c0, c1, c2] = robot.blend_kappa();
-    let _ = writeln!(text, "kappa of blends: {c0} + {c1} gamma + {c2} gamma^2, gamma in deg");
+    let mut kappa = |what: &str, [c0, c1, c2]: &[f64; 3]| {
+        let _ = writeln!(text, "kappa of {what}: {c0} + {c1} gamma + {c2} gamma^2, gamma in deg");
+    };
+    kappa("blends", robot.blend_kappa());
+    if robot.tcp_blend_kappa() != robot.blend_kappa() {
+        kappa("blends of paths of the TCP", robot.tcp_blend_kappa());
+    }
     let _ =
         writeln!(text, "Settles for {} s after a motion without a blend", robot.settle_time_s());
 

@@ -3,34 +3,43 @@
 //! The path does not depend on time, so neither does the fit: it makes the distances of the samples from
 //! the curve small.
 
-use iiwa_kin::{
-    Joints,
-    vector::{dot, norm, sub, unit},
-};
-
 use crate::least_squares::{self, Model};
 
 /// Corners that are straighter, or turn farther back, in degrees, show nothing of their curve.
 const GAMMA_DEG: std::ops::RangeInclusive<f64> = 3.0..=177.0;
 
-/// A corner of a path: the target that is blended away, the directions into and out of it.
+/// A corner of a path, in joint space or of the TCP: the target that is blended away, the directions into and out of
+/// it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corner {
-    target: Joints,
-    into: Joints,
+pub(super) struct Corner<const N: usize> {
+    target: [f64; N],
+    into: [f64; N],
     /// Unit vector across `into`, on the side of the way out.
-    across: Joints,
+    across: [f64; N],
     gamma_rad: f64,
 }
 
-impl Corner {
+fn sub<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn unit<const N: usize>(a: &[f64; N]) -> [f64; N] {
+    let scale = dot(a, a).sqrt().recip();
+    a.map(|v| scale * v)
+}
+
+impl<const N: usize> Corner<N> {
     /// Of the ways to the target and away from it; none if it is too straight or too sharp.
-    pub(super) fn new(target: &Joints, before: &Joints, after: &Joints) -> Option<Self> {
+    pub(super) fn new(target: &[f64; N], before: &[f64; N], after: &[f64; N]) -> Option<Self> {
         let into = unit(&sub(target, before));
         let out = unit(&sub(after, target));
         let along = dot(&into, &out);
-        let beside: Joints = std::array::from_fn(|j| out[j] - along * into[j]);
-        let gamma_rad = norm(&beside).atan2(along);
+        let beside: [f64; N] = std::array::from_fn(|j| out[j] - along * into[j]);
+        let gamma_rad = dot(&beside, &beside).sqrt().atan2(along);
         GAMMA_DEG.contains(&gamma_rad.to_degrees()).then(|| Self {
             target: *target,
             into,
@@ -44,9 +53,16 @@ impl Corner {
     }
 
     /// A sample in the plane of the corner, about the target: along the way in, and across it.
-    pub(super) fn in_plane(&self, q: &Joints) -> [f64; 2] {
-        let from_target = sub(q, &self.target);
+    pub(super) fn in_plane(&self, at: &[f64; N]) -> [f64; 2] {
+        let from_target = sub(at, &self.target);
         [dot(&from_target, &self.into), dot(&from_target, &self.across)]
+    }
+
+    /// How far a sample is from that plane.
+    pub(super) fn off_plane(&self, at: &[f64; N]) -> f64 {
+        let from_target = sub(at, &self.target);
+        let [along, across] = self.in_plane(at);
+        (dot(&from_target, &from_target) - along * along - across * across).max(0.0).sqrt()
     }
 }
 
@@ -139,28 +155,38 @@ impl Model<3> for Bend<'_> {
     }
 }
 
-/// A blend as it was observed.
+/// A blend as it was observed. Lengths are in the unit of the samples: rad in joint space, m of the TCP.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlendCurve {
     /// kappa and its standard deviation, the blend beginning and ending where it should.
     pub(super) kappa: (f64, f64),
-    /// How far before the target it begins, and how far behind it ends, in rad, each with its standard
-    /// deviation; none if the samples do not tell.
-    pub(super) reach_rad: Option<[(f64, f64); 2]>,
+    /// Where it begins and ends as it does; none if the samples do not tell.
+    pub(super) free: Option<FreeBlend>,
+    /// Root mean square of the distances from the curve.
+    pub(super) residual: f64,
+}
+
+/// A blend that begins and ends anywhere.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FreeBlend {
+    /// kappa and its standard deviation.
+    pub(super) kappa: (f64, f64),
+    /// How far before the target it begins, and how far behind it ends, each with its standard deviation.
+    pub(super) reach: [(f64, f64); 2],
     /// Standard deviation of the difference of the two.
-    pub(super) difference_deviation_rad: f64,
-    /// Root mean square of the distances from the curve, in rad.
-    pub(super) residual_rad: f64,
+    pub(super) difference_deviation: f64,
+    /// Root mean square of the distances from the curve.
+    pub(super) residual: f64,
 }
 
 impl BlendCurve {
-    /// Fits the curve of a blend that should have about this `kappa` and reach `reach_rad` on either side;
+    /// Fits the curve of a blend that should have about this `kappa` and this `reach` on either side;
     /// none if the samples do not determine it.
-    pub(super) fn fit(
-        corner: &Corner,
+    pub(super) fn fit<const N: usize>(
+        corner: &Corner<N>,
         samples: &[[f64; 2]],
         kappa: f64,
-        reach_rad: f64,
+        reach: f64,
     ) -> Option<Self> {
         let (sin, cos) = corner.gamma_rad.sin_cos();
         let bend = Bend { samples, out: [cos, sin] };
@@ -169,21 +195,28 @@ impl BlendCurve {
         let bound = starts
             .iter()
             .filter_map(|off| {
-                let start = [kappa + off, reach_rad, reach_rad];
+                let start = [kappa + off, reach, reach];
                 least_squares::fit(&bend, start, [false, true, true])
             })
             .min_by(|a, b| a.residual.total_cmp(&b.residual))?;
         let free = least_squares::fit(&bend, bound.parameters, [false; 3]);
-        let difference =
-            |free: &least_squares::Fit<3>| free.deviation_of(|p: &[f64; 3]| p[AFTER] - p[BEFORE]);
         Some(Self {
             kappa: (bound.parameters[KAPPA], bound.deviation(KAPPA)),
-            reach_rad: free
-                .as_ref()
-                .map(|free| [BEFORE, AFTER].map(|end| (free.parameters[end], free.deviation(end)))),
-            difference_deviation_rad: free.as_ref().map_or(0.0, difference),
-            residual_rad: bound.residual,
+            free: free.as_ref().map(FreeBlend::of),
+            residual: bound.residual,
         })
+    }
+}
+
+impl FreeBlend {
+    fn of(fit: &least_squares::Fit<3>) -> Self {
+        let figure = |parameter: usize| (fit.parameters[parameter], fit.deviation(parameter));
+        Self {
+            kappa: figure(KAPPA),
+            reach: [BEFORE, AFTER].map(figure),
+            difference_deviation: fit.deviation_of(|p: &[f64; 3]| p[AFTER] - p[BEFORE]),
+            residual: fit.residual,
+        }
     }
 }
 

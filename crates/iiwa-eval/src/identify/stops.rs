@@ -7,7 +7,7 @@ use iiwa_kin::{
     vector::{add_scaled, distance, dot, norm, sub},
 };
 use iiwa_log::JointLog;
-use iiwa_path::{JointPath, Step};
+use iiwa_path::{JointPath, Segment, Step};
 use iiwa_program::MotionIndex;
 
 /// Nearer than this, in rad, the arm is taken to be about to leave a stop, or to arrive: more than robots
@@ -116,12 +116,17 @@ pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Fo
                 }
             }
             let core = leaves..find(passed, &|q| distance(q, &section.to) < near)?;
-            let is_line =
-                matches!(path.steps()[section.steps.clone()], [Step::Move { blend: None, .. }]);
-            let astray = is_line
-                && q[core.clone()]
-                    .iter()
-                    .any(|q| beside(q, &section.from, &section.to) > ASTRAY_RAD);
+            let astray = match &path.steps()[section.steps.clone()] {
+                [Step::Move { segment, blend: None, .. }] if segment.is_straight() => q
+                    [core.clone()]
+                .iter()
+                .any(|q| beside(q, &section.from, &section.to) > ASTRAY_RAD),
+                [Step::Move { segment, blend: None, .. }] => {
+                    let chords = chords(segment.as_ref());
+                    q[core.clone()].iter().any(|q| off(q, &chords) > ASTRAY_RAD)
+                }
+                _ => false,
+            };
             (!astray).then_some(core)
         })();
         let Some(core) = core else {
@@ -155,6 +160,23 @@ fn beside(q: &Joints, from: &Joints, to: &Joints) -> f64 {
     let (way, off) = (sub(to, from), sub(q, from));
     let along = dot(&off, &way) / dot(&way, &way).max(f64::MIN_POSITIVE);
     norm(&add_scaled(&off, -along, &way))
+}
+
+/// Chords of a curve in joint space: some fifty, each far nearer to it than [`ASTRAY_RAD`].
+const CHORDS: usize = 48;
+
+fn chords(segment: &dyn Segment) -> Vec<Joints> {
+    (0..=CHORDS).map(|i| segment.at(i as f64 / CHORDS as f64).q).collect()
+}
+
+/// The distance from the nearest of a curve's chords.
+fn off(q: &Joints, chords: &[Joints]) -> f64 {
+    let from_chord = |ends: &[Joints]| {
+        let (way, to) = (sub(&ends[1], &ends[0]), sub(q, &ends[0]));
+        let along = dot(&to, &way) / dot(&way, &way).max(f64::MIN_POSITIVE);
+        norm(&add_scaled(&to, -along.clamp(0.0, 1.0), &way))
+    };
+    chords.windows(2).map(from_chord).fold(f64::INFINITY, f64::min)
 }
 
 /// How much of the standing before the first motion and after the last one is looked at, in s.

@@ -20,6 +20,7 @@ pub(super) const JERKS: &str = "jerk_limit_deg_s3";
 pub(super) const TORQUES: &str = "torque_limit_nm";
 pub(super) const MASSES: &str = "link_mass_kg";
 pub(super) const KAPPA: &str = "blend_kappa";
+pub(super) const TCP_KAPPA: &str = "tcp_blend_kappa";
 pub(super) const SETTLE: &str = "settle_time_s";
 
 /// No joint turns farther than this to either side, in degrees.

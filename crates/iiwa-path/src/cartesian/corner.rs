@@ -61,7 +61,7 @@ impl CurvedCorner {
                     let (a, b) = (scaled(1.0 / norm(&into), &into), scaled(1.0 / norm(&out), &out));
                     let sum = std::array::from_fn(|i| a[i] + b[i]);
                     let gamma_rad = 2.0 * norm(&sub(&b, &a)).atan2(norm(&sum));
-                    (gamma_rad, options.blend_shape.kappa(robot, gamma_rad.to_degrees()))
+                    (gamma_rad, options.blend_shape.tcp_kappa(robot, gamma_rad.to_degrees()))
                 } else {
                     (0.0, 0.0)
                 };

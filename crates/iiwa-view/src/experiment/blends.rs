@@ -8,7 +8,7 @@ use plotters::prelude::SeriesLabelPosition;
 use crate::{
     ViewError,
     picture::{
-        COLOURS, INK, MEASURED, PLANNED,
+        INK, MEASURED, PLANNED,
         plot::{Plot, Point, draw},
     },
 };
@@ -17,6 +17,7 @@ use super::{
     bench::{Bench, TrialRun},
     chapter::Chapter,
     evaluation::{identified, left_out, path},
+    kappa_plots::kappa_plots,
 };
 
 /// Each corner is three motions: to the corner, on to a target of the circle, and back to the start.
@@ -116,29 +117,8 @@ fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(),
         .iter()
         .map(|BlendObservation { gamma_deg, kappa, .. }| (*gamma_deg, kappa.0))
         .collect();
-    let angles = || (0..=90).map(|i| 2.0 * f64::from(i));
-    let at = |edge: f64| {
-        let point = |gamma| (gamma, kappa.at(gamma).value + edge * kappa.at(gamma).uncertainty);
-        angles().map(point).collect::<Vec<Point>>()
-    };
-    let model: Vec<Point> = angles().map(|gamma| (gamma, bench.model.kappa(gamma))).collect();
-    let off: Vec<Point> =
-        observed.iter().map(|(gamma, found)| (*gamma, found - bench.model.kappa(*gamma))).collect();
-    let zero = |edge: f64| {
-        at(edge).into_iter().map(|(gamma, k)| (gamma, k - bench.model.kappa(gamma))).collect()
-    };
-    let (low, high): (Vec<Point>, Vec<Point>) = (zero(-1.0), zero(1.0));
-    let plots = [
-        Plot::new("kappa over gamma", "gamma deg", "kappa")
-            .line(model, PLANNED, 4.0, "the model: Eq. 38")
-            .line(at(0.0), COLOURS[1], 1.5, "polynomial found")
-            .dots(observed, MEASURED, "observed")
-            .legend_at(SeriesLabelPosition::UpperLeft),
-        Plot::new("the same minus the model's", "gamma deg", "kappa minus Eq. 38")
-            .band(&low, &high, COLOURS[1], "polynomial found, 95 %")
-            .line(angles().map(|gamma| (gamma, 0.0)).collect(), PLANNED, 1.0, "")
-            .dots(off, MEASURED, "observed"),
-    ];
+    let words = ["the model: Eq. 38", "kappa minus Eq. 38"];
+    let plots = kappa_plots(kappa, observed, |gamma| bench.model.kappa(gamma), words);
     chapter.figure(
         bench,
         "20",

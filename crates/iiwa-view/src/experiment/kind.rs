@@ -1,6 +1,6 @@
 //! The experiments: the programs of each, and its report.
 
-use iiwa_eval::experiment::{self, Trial};
+use iiwa_eval::experiment::{self, TcpSeries, Trial};
 
 use crate::ViewError;
 
@@ -8,14 +8,14 @@ use super::{
     bench::{Bench, TrialRun},
     blends,
     chapter::Chapter,
-    cycle_time, limits, settle, zone_velocity,
+    cycle_time, limits, settle, tcp_blends, zone_velocity,
 };
 
 /// Share of full speed at which section 4.2 is run; the thesis does not state its own. The path does not
 /// depend on it.
 const BLENDS_VELOCITY_REL: f64 = 0.5;
 
-/// An experiment of the thesis (Larsen 2019).
+/// An experiment of the thesis (Larsen 2019), or ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExperimentKind {
     /// Limits of the joints (Appendix A).
@@ -28,12 +28,20 @@ pub enum ExperimentKind {
     Settle,
     /// Errors of the cycle time (section 5.1.2).
     CycleTime,
+    /// Blends of paths of the TCP: not in the thesis.
+    TcpBlends,
 }
 
 impl ExperimentKind {
     /// All experiments, in the order of the report.
-    pub const ALL: [Self; 5] =
-        [Self::Limits, Self::Blends, Self::ZoneVelocity, Self::Settle, Self::CycleTime];
+    pub const ALL: [Self; 6] = [
+        Self::Limits,
+        Self::Blends,
+        Self::ZoneVelocity,
+        Self::Settle,
+        Self::CycleTime,
+        Self::TcpBlends,
+    ];
 
     /// The programs of the experiment.
     #[must_use]
@@ -52,6 +60,7 @@ impl ExperimentKind {
             Self::ZoneVelocity => vec![experiment::zone_velocity()],
             Self::Settle => vec![experiment::settle(model, count(200), *seed)],
             Self::CycleTime => cycle_time::trials(bench, count(5)),
+            Self::TcpBlends => vec![experiment::tcp_blends(&TcpSeries::ALL)],
         }
     }
 
@@ -74,6 +83,7 @@ impl ExperimentKind {
             Self::ZoneVelocity => zone_velocity::chapter(bench, runs),
             Self::Settle => settle::chapter(bench, runs),
             Self::CycleTime => cycle_time::chapter(bench, runs),
+            Self::TcpBlends => tcp_blends::chapter(bench, runs),
         }
     }
 }

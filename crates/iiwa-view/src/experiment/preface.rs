@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use iiwa_eval::experiment::Trial;
 use iiwa_program::Motion;
 
-use super::{bench::Bench, chapter::wrapped, virtual_arm::VirtualArm};
+use super::{bench::Bench, chapter::wrapped, kind::ExperimentKind, virtual_arm::VirtualArm};
 
 /// How far each joint moves in `count` programs, for people beside the arm.
 #[must_use]
@@ -34,15 +34,23 @@ pub fn motion_warning<'a>(trials: impl Iterator<Item = &'a Trial>, count: usize)
     text
 }
 
-/// What comes before all chapters of a report that `command` made. Of a virtual arm, with the name of its
+/// What comes before the chapters of `kinds` in a report that `command` made. Of a virtual arm, with the name of its
 /// robot, unless that is the model.
 #[must_use]
 pub fn preface(
     command: &str,
+    kinds: &[ExperimentKind],
     bench: &Bench,
     virtual_arm: Option<(&VirtualArm, Option<&str>)>,
 ) -> String {
-    let mut text = String::from("# The experiments of the thesis, repeated\n\n");
+    let thesis_only = !kinds.contains(&ExperimentKind::TcpBlends);
+    let has_thesis = kinds.iter().any(|kind| *kind != ExperimentKind::TcpBlends);
+    let title = if has_thesis {
+        "The experiments of the thesis, repeated"
+    } else {
+        "An experiment with paths of the TCP"
+    };
+    let mut text = format!("# {title}\n\n");
     let _ = writeln!(text, "Made by\n\n```sh\n{command}\n```");
     let mut paragraph = |words: &str| {
         let _ = writeln!(text, "\n{}", wrapped(words));
@@ -75,6 +83,9 @@ pub fn preface(
          reproduced here; its results are quoted in words or numbers. In the figures, calculated values are \
          blue and measured ones red.",
     );
+    if has_thesis && !thesis_only {
+        paragraph("The chapter on blends of paths of the TCP is not in the thesis.");
+    }
     text
 }
 

@@ -1,0 +1,202 @@
+//! Paths of the TCP and the blends at their ends, held against what is assumed of them: positions, orientations and E1,
+//! wherever in time.
+
+use std::ops::Range;
+
+use iiwa_kin::{
+    Pose,
+    rotation::{dot, log, norm, product, sub, transposed},
+};
+use iiwa_path::{JointPath, Segment, Step};
+use iiwa_program::MotionIndex;
+
+use crate::identify::{
+    observation::{CourseObservation, CoursePart, FEWEST, LeftOut, Why},
+    watched::{CornerSpace, Watched},
+};
+
+/// Chords that a segment is followed along.
+const CHORDS: usize = 256;
+
+/// So many chords ahead are looked at for one that is nearer.
+const AHEAD: usize = 12;
+
+/// A way of the TCP that is shorter, in m, does not tell where along it a sample is.
+const LEAST_WAY_M: f64 = 1e-3;
+
+/// Farther away, in m, the arm does something else.
+const ASTRAY_M: f64 = 0.02;
+
+/// A section of a recording: steps of its path, and samples.
+#[derive(Clone, Debug)]
+pub(super) struct Section {
+    pub(super) steps: Range<usize>,
+    pub(super) samples: Range<usize>,
+}
+
+/// What was observed, or why it was not.
+#[derive(Debug, Default)]
+pub(super) struct Courses {
+    pub(super) observed: Vec<CourseObservation>,
+    pub(super) left_out: Vec<LeftOut>,
+}
+
+/// A segment that the arm follows.
+struct FollowedStep<'a> {
+    segment: &'a dyn Segment,
+    /// Whose TCP it is, and what is said of it; none if nothing is assumed.
+    motion: MotionIndex,
+    part: Option<CoursePart>,
+    /// Positions of the TCP at the ends of its chords, in m.
+    places: Vec<[f64; 3]>,
+}
+
+impl Courses {
+    /// Looks at one section; `path` is that of the program as it is assumed, with the kappa that was found.
+    pub(super) fn observe(&mut self, watched: &Watched<'_>, path: &JointPath, section: &Section) {
+        let steps = path.steps().get(section.steps.clone()).unwrap_or_default();
+        let followed: Vec<_> = steps.iter().filter_map(|step| follow(watched, step)).collect();
+        if followed.iter().all(|step| step.part.is_none()) {
+            return;
+        }
+        let mut observed: Vec<_> = followed.iter().map(|step| step.observation(watched)).collect();
+        let (mut at, mut chord) = (0, 0);
+        for joints in &watched.log.q_rad[section.samples.clone()] {
+            let flange = watched.path.robot().flange_pose(joints);
+            // From one TCP to another, each step has its own.
+            let tcp = |step: &FollowedStep<'_>| flange.then(watched.path.tcp(step.motion));
+            (at, chord) = nearest(&followed, (at, chord), |step| tcp(step).position_m);
+            let tcp = tcp(&followed[at]);
+            let (step, observed) = (&followed[at], &mut observed[at]);
+            let Some(s) = step.parameter(chord, &tcp.position_m) else { continue };
+            let assumed_rad = step.segment.at(s).q;
+            let assumed = watched.tcp(step.motion, &assumed_rad);
+            let off_m = step.across(chord, &sub(&tcp.position_m, &assumed.position_m));
+            observed.off_m = observed.off_m.max(off_m);
+            observed.turn_off_rad = observed.turn_off_rad.max(angle(&assumed, &tcp));
+            observed.e1_off_rad = observed.e1_off_rad.max((joints[2] - assumed_rad[2]).abs());
+            observed.samples += 1;
+        }
+        for (step, observed) in followed.iter().zip(observed) {
+            if step.part.is_none() || step.way_m() < LEAST_WAY_M {
+                continue;
+            }
+            let why = if observed.samples < FEWEST {
+                Why::TooFewSamples
+            } else if observed.off_m > ASTRAY_M {
+                Why::OffCourse(observed.off_m)
+            } else {
+                self.observed.push(observed);
+                continue;
+            };
+            let (recording, motion) = (watched.recording, step.motion);
+            self.left_out.push(LeftOut { recording, motion, why });
+        }
+    }
+}
+
+fn follow<'a>(watched: &Watched<'_>, step: &'a Step) -> Option<FollowedStep<'a>> {
+    let Step::Move { motion, segment, blend, .. } = step else { return None };
+    let (motion, part) = match blend {
+        None => (*motion, watched.is_course(*motion).then_some(CoursePart::Path)),
+        Some(corner) => {
+            let part = match watched.corner_space(corner.motion) {
+                CornerSpace::Joints => None,
+                CornerSpace::StraightWays | CornerSpace::Ways => Some(CoursePart::TcpBlend),
+                CornerSpace::Mixed => Some(CoursePart::JointBlend),
+            };
+            (corner.motion, part)
+        }
+    };
+    let at = |i: usize| segment.at(i as f64 / CHORDS as f64).q;
+    let places = (0..=CHORDS).map(|i| watched.tcp(motion, &at(i)).position_m).collect();
+    Some(FollowedStep { segment: &**segment, motion, part, places })
+}
+
+/// From a chord of a step on, downhill to the one that is nearest.
+fn nearest(
+    followed: &[FollowedStep<'_>],
+    mut best: (usize, usize),
+    place: impl Fn(&FollowedStep<'_>) -> [f64; 3],
+) -> (usize, usize) {
+    let distance =
+        |(step, chord): (usize, usize)| followed[step].distance(chord, &place(&followed[step]));
+    let after = |(step, chord): (usize, usize)| {
+        if chord + 1 < CHORDS {
+            Some((step, chord + 1))
+        } else {
+            (step + 1 < followed.len()).then_some((step + 1, 0))
+        }
+    };
+    let mut least = distance(best);
+    let (mut next, mut ahead) = (after(best), 0);
+    while let Some(at) = next
+        && ahead < AHEAD
+    {
+        let found = distance(at);
+        ahead += 1;
+        if found <= least {
+            (best, least, ahead) = (at, found, 0);
+        }
+        next = after(at);
+    }
+    best
+}
+
+/// The angle between two orientations, in rad.
+fn angle(a: &Pose, b: &Pose) -> f64 {
+    norm(&log(&product(&transposed(&a.rotation), &b.rotation)))
+}
+
+impl FollowedStep<'_> {
+    fn chord(&self, chord: usize) -> [f64; 3] {
+        sub(&self.places[chord + 1], &self.places[chord])
+    }
+
+    /// How far along a chord a place is, as a share of it.
+    fn along(&self, chord: usize, place: &[f64; 3]) -> f64 {
+        let way = self.chord(chord);
+        dot(&sub(place, &self.places[chord]), &way) / dot(&way, &way).max(f64::MIN_POSITIVE)
+    }
+
+    fn distance(&self, chord: usize, place: &[f64; 3]) -> f64 {
+        let share = self.along(chord, place).clamp(0.0, 1.0);
+        let way = self.chord(chord);
+        norm(&std::array::from_fn(|i| place[i] - self.places[chord][i] - share * way[i]))
+    }
+
+    /// Where along the segment a place is; none before its start and behind its end.
+    fn parameter(&self, chord: usize, place: &[f64; 3]) -> Option<f64> {
+        let share = self.along(chord, place);
+        let is_outside = (chord == 0 && share < 0.0) || (chord + 1 == CHORDS && share > 1.0);
+        (!is_outside).then(|| (chord as f64 + share.clamp(0.0, 1.0)) / CHORDS as f64)
+    }
+
+    /// The length of what of `off` is across a chord.
+    fn across(&self, chord: usize, off: &[f64; 3]) -> f64 {
+        let way = self.chord(chord);
+        let share = dot(off, &way) / dot(&way, &way).max(f64::MIN_POSITIVE);
+        norm(&std::array::from_fn(|i| off[i] - share * way[i]))
+    }
+
+    fn way_m(&self) -> f64 {
+        self.places.windows(2).map(|ends| norm(&sub(&ends[1], &ends[0]))).sum()
+    }
+
+    /// Of no sample yet.
+    fn observation(&self, watched: &Watched<'_>) -> CourseObservation {
+        let ends = [0.0, 1.0].map(|s| self.segment.at(s).q);
+        let [start, end] = ends.each_ref().map(|joints| watched.tcp(self.motion, joints));
+        CourseObservation {
+            recording: watched.recording,
+            motion: self.motion,
+            part: self.part.unwrap_or(CoursePart::Path),
+            turn_rad: angle(&start, &end),
+            e1_rad: (ends[1][2] - ends[0][2]).abs(),
+            off_m: 0.0,
+            turn_off_rad: 0.0,
+            e1_off_rad: 0.0,
+            samples: 0,
+        }
+    }
+}

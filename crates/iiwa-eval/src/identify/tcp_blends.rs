@@ -1,0 +1,162 @@
+//! Blends between two straight ways of the TCP: kappa, and where they begin and end, in the plane of both.
+
+use iiwa_kin::{
+    Joints,
+    rotation::{Vec3, norm, sub},
+};
+use iiwa_path::Step;
+use iiwa_program::{Motion, MotionIndex};
+
+use crate::identify::{
+    blends::{BlendCurve, Corner},
+    findings::Findings,
+    observation::{FEWEST, LEFT_SHARE, LeftOut, TcpBlendObservation, Why},
+    stops::Passage,
+    watched::{CornerSpace, Watched},
+};
+
+/// What may be left over of a blend, in m, beside two shares of its reach: what robots lag behind.
+const LEFT_M: f64 = 3e-4;
+
+/// A blend begins and ends where it should if it does within this share, or within so many standard deviations.
+const AS_PLANNED: f64 = 0.005;
+const SURE_DEVIATIONS: f64 = 4.0;
+
+/// How far beyond its ends, as a share of its reach, samples show where a blend begins and ends.
+const BEYOND: f64 = 0.5;
+
+fn distance(a: &Vec3<f64>, b: &Vec3<f64>) -> f64 {
+    norm(&sub(a, b))
+}
+
+/// Looks at the blends of one section of a recording.
+pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, found: &mut Findings) {
+    let steps = &watched.path.steps()[passage.steps.clone()];
+    let mut from_sample = passage.samples.start;
+    for step in steps {
+        let Step::Move { segment, blend: Some(corner), .. } = step else { continue };
+        let motion = corner.motion;
+        if watched.corner_space(motion) != CornerSpace::StraightWays {
+            continue;
+        }
+        let place = |joints: &Joints| watched.tcp(motion, joints).position_m;
+        let Some(ends) = watched.corner(motion) else { continue };
+        let ends = ends.each_ref().map(place);
+        let [before, target, after] = &ends;
+        let Some(corner) = Corner::new(target, before, after) else { continue };
+        let [start, middle] = [0.0, 0.5].map(|s| place(&segment.at(s).q));
+        let reach_m = distance(target, &start);
+        let own_m = own_reach(watched, motion, &ends);
+        let margins = [before, after].map(|end| {
+            let longest = own_m.into_iter().flatten().fold(reach_m, f64::max);
+            ((1.0 + BEYOND) * longest).min(distance(target, end))
+        });
+
+        let samples = &watched.log.q_rad[from_sample..passage.samples.end];
+        let places: Vec<_> = samples.iter().map(place).collect();
+        let Some(about) = about(&places, target, &middle, reach_m, margins) else { continue };
+        let seen = from_sample + about.first..from_sample + about.last;
+        from_sample += about.nearest;
+        let places = &places[about.first..about.last];
+        let mut leave_out = |why| {
+            let recording = watched.recording;
+            found.known.left_out.push(LeftOut { recording, motion, why });
+        };
+        if places.len() < FEWEST {
+            leave_out(Why::TooFewSamples);
+            continue;
+        }
+        let in_plane: Vec<_> = places.iter().map(|place| corner.in_plane(place)).collect();
+        let gamma_deg = corner.gamma_deg();
+        let expected = watched.path.robot().tcp_kappa(gamma_deg);
+        let Some(curve) = BlendCurve::fit(&corner, &in_plane, expected, reach_m) else {
+            leave_out(Why::TooFewSamples);
+            continue;
+        };
+        // That a blend begins and ends where it is planned is an assumption: where it does not hold, it is not used.
+        let elsewhere = curve.free.filter(|free| {
+            free.reach.iter().any(|(reach, deviation)| {
+                let off = (reach - reach_m).abs();
+                off > (AS_PLANNED * reach_m).max(SURE_DEVIATIONS * deviation)
+            })
+        });
+        let (kappa, residual) =
+            elsewhere.map_or((curve.kappa, curve.residual), |free| (free.kappa, free.residual));
+        let across: f64 = places.iter().map(|place| corner.off_plane(place).powi(2)).sum();
+        let residual_m = residual.hypot((across / places.len() as f64).sqrt());
+        if residual_m > LEFT_M + 2.0 * LEFT_SHARE * reach_m {
+            leave_out(Why::NoTcpBlend(residual_m));
+            continue;
+        }
+        if let (Some(free), [Some(own_before), Some(own_after)]) = (curve.free, own_m) {
+            let by = own_after - own_before;
+            let [found_before, found_after] = free.reach;
+            if by.abs() > 0.1 * own_after.max(own_before) {
+                let share = (found_after.0 - found_before.0) / by;
+                found.tcp_unequal.push((share, free.difference_deviation / by.abs()));
+            } else if let Some(asked_m) = asked_m(watched, motion)
+                && (reach_m / asked_m - 1.0).abs() < 1e-6
+            {
+                for (reach, (value, deviation)) in found.tcp_reach.iter_mut().zip(free.reach) {
+                    reach.push((value / asked_m, deviation / asked_m));
+                }
+            }
+        }
+        found.known.tcp_blends.push(TcpBlendObservation {
+            recording: watched.recording,
+            motion,
+            time_s: [watched.log.t_s[seen.start], watched.log.t_s[seen.end - 1]],
+            gamma_deg,
+            kappa,
+            reach_m,
+            found_reach_m: curve.free.map(|free| free.reach.map(|(reach, _)| reach)),
+            residual_m,
+        });
+    }
+}
+
+/// The samples about a corner.
+struct About {
+    first: usize,
+    /// The one that is nearest to the middle of the blend.
+    nearest: usize,
+    last: usize,
+}
+
+/// Those about the one nearest to the middle of the blend, of what is near it first, as far as the margins before and
+/// behind the target.
+fn about(
+    places: &[Vec3<f64>],
+    target: &Vec3<f64>,
+    middle: &Vec3<f64>,
+    reach_m: f64,
+    [before_m, after_m]: [f64; 2],
+) -> Option<About> {
+    let near = |place: &Vec3<f64>| distance(place, middle) < reach_m;
+    let first = places.iter().position(near)?;
+    let last = first + places[first..].iter().take_while(|place| near(place)).count();
+    let to_middle = |sample: &usize| distance(&places[*sample], middle);
+    let nearest = (first..last).min_by(|a, b| to_middle(a).total_cmp(&to_middle(b)))?;
+    let (came, goes) = places.split_at(nearest);
+    let within = |place: &&Vec3<f64>, margin_m: f64| distance(place, target) < margin_m;
+    let before = came.iter().rev().take_while(|place| within(place, before_m)).count();
+    let after = goes.iter().take_while(|place| within(place, after_m)).count();
+    Some(About { first: nearest - before, nearest, last: nearest + after })
+}
+
+/// The way that a program asks for, in m, if it is a way and nothing else that it gives.
+fn asked_m(watched: &Watched<'_>, motion: MotionIndex) -> Option<f64> {
+    let Motion::Cartesian(own) = &watched.program.motions[motion.index()] else { return None };
+    let blend = own.blend.filter(|b| b.orientation_rad.is_none() && b.sunrise_rel.is_none())?;
+    blend.cart_mm.map(|mm| 1e-3 * mm)
+}
+
+/// How far either side of a blend would reach without the other, in m: at most to the half of its way.
+fn own_reach(
+    watched: &Watched<'_>,
+    motion: MotionIndex,
+    [before, target, after]: &[Vec3<f64>; 3],
+) -> [Option<f64>; 2] {
+    let asked_m = asked_m(watched, motion);
+    [before, after].map(|end| asked_m.map(|asked_m| asked_m.min(0.5 * distance(target, end))))
+}

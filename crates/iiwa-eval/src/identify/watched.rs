@@ -1,0 +1,112 @@
+//! A recording, and what its program asks for.
+
+use std::sync::Arc;
+
+use iiwa_kin::{Joints, Pose, Robot};
+use iiwa_log::JointLog;
+use iiwa_path::{JointPath, Segment, Step};
+use iiwa_program::{Course, Fault, Motion, MotionIndex, OrientationType, Program};
+
+/// A recording, and what its program asks for.
+pub(super) struct Watched<'a> {
+    /// Its place, from 0.
+    pub(super) recording: usize,
+    pub(super) program: &'a Program,
+    pub(super) log: &'a JointLog,
+    pub(super) path: JointPath,
+    /// Each motion as it were without blends: its segments.
+    motions: Vec<Vec<Arc<dyn Segment>>>,
+}
+
+/// In which space a corner is rounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum CornerSpace {
+    /// Both motions are straight in joint space.
+    Joints,
+    /// Both are straight ways of one TCP.
+    StraightWays,
+    /// Both are paths of one TCP, and not both are straight.
+    Ways,
+    /// One is a path of the TCP, the other is not, or they are of different TCPs: in joint space, as far as known.
+    Mixed,
+}
+
+impl<'a> Watched<'a> {
+    pub(super) fn new(
+        recording: usize,
+        program: &'a Program,
+        log: &'a JointLog,
+        model: &Robot,
+    ) -> Result<Self, Fault> {
+        let path = JointPath::new(program, model)?;
+        let mut motions = vec![Vec::new(); program.motions.len()];
+        for step in JointPath::new(&without_blends(program), model)?.steps() {
+            if let Step::Move { motion, segment, .. } = step {
+                motions[motion.index()].push(Arc::clone(segment));
+            }
+        }
+        Ok(Self { recording, program, log, path, motions })
+    }
+
+    /// Whether a motion is a path of the TCP.
+    pub(super) fn is_course(&self, motion: MotionIndex) -> bool {
+        self.course(motion).is_some()
+    }
+
+    fn course(&self, motion: MotionIndex) -> Option<&Course> {
+        match self.program.motions.get(motion.index()) {
+            Some(Motion::Cartesian(own)) if !own.is_ptp() => Some(&own.course),
+            _ => None,
+        }
+    }
+
+    /// In which space the corner at the end of a motion is rounded.
+    pub(super) fn corner_space(&self, motion: MotionIndex) -> CornerSpace {
+        let next = motion.next();
+        let by_wrist = |motion: MotionIndex| {
+            let entry = &self.program.motions[motion.index()];
+            matches!(entry, Motion::Cartesian(own) if own.orientation == OrientationType::Joints)
+        };
+        let is_straight =
+            |course: &Course| matches!(course, Course::Lin { .. } | Course::LinRel { .. });
+        match (self.course(motion), self.course(next)) {
+            (None, None) => CornerSpace::Joints,
+            (Some(a), Some(b))
+                if self.path.tcp(motion) == self.path.tcp(next)
+                    && !by_wrist(motion)
+                    && !by_wrist(next) =>
+            {
+                if is_straight(a) && is_straight(b) {
+                    CornerSpace::StraightWays
+                } else {
+                    CornerSpace::Ways
+                }
+            }
+            _ => CornerSpace::Mixed,
+        }
+    }
+
+    /// Where a motion, its target and that of the next one are: what a corner is between.
+    pub(super) fn corner(&self, motion: MotionIndex) -> Option<[Joints; 3]> {
+        let into = self.motions.get(motion.index())?;
+        let out = self.motions.get(motion.next().index())?;
+        Some([into.first()?.at(0.0).q, into.last()?.at(1.0).q, out.last()?.at(1.0).q])
+    }
+
+    /// The TCP of a motion, with the joints there.
+    pub(super) fn tcp(&self, motion: MotionIndex, joints_rad: &Joints) -> Pose {
+        self.path.robot().flange_pose(joints_rad).then(self.path.tcp(motion))
+    }
+}
+
+fn without_blends(program: &Program) -> Program {
+    let mut plain = program.clone();
+    for motion in &mut plain.motions {
+        match motion {
+            Motion::Ptp(ptp) => ptp.blend = None,
+            Motion::Cartesian(own) => own.blend = None,
+            Motion::Wait { .. } => {}
+        }
+    }
+    plain
+}

@@ -1,0 +1,41 @@
+//! kappa over gamma as it was found, beside the model's.
+
+use iiwa_eval::identify::Kappa;
+use plotters::prelude::SeriesLabelPosition;
+
+use crate::picture::{
+    COLOURS, MEASURED, PLANNED,
+    plot::{Plot, Point},
+};
+
+/// kappa in each blend, the polynomial through all of them and the model's; and what is left when the model's is taken
+/// away. The model's and that difference have their words.
+pub(super) fn kappa_plots(
+    found: &Kappa,
+    observed: Vec<Point>,
+    model: impl Fn(f64) -> f64,
+    [words_of_model, words_of_difference]: [&str; 2],
+) -> [Plot; 2] {
+    let angles = || (0..=90).map(|i| 2.0 * f64::from(i));
+    let at = |edge: f64| {
+        let point = |gamma| (gamma, found.at(gamma).value + edge * found.at(gamma).uncertainty);
+        angles().map(point).collect::<Vec<Point>>()
+    };
+    let of_model: Vec<Point> = angles().map(|gamma| (gamma, model(gamma))).collect();
+    let off: Vec<Point> =
+        observed.iter().map(|(gamma, found)| (*gamma, found - model(*gamma))).collect();
+    let zero =
+        |edge: f64| at(edge).into_iter().map(|(gamma, k)| (gamma, k - model(gamma))).collect();
+    let (low, high): (Vec<Point>, Vec<Point>) = (zero(-1.0), zero(1.0));
+    [
+        Plot::new("kappa over gamma", "gamma deg", "kappa")
+            .line(of_model, PLANNED, 4.0, words_of_model)
+            .line(at(0.0), COLOURS[1], 1.5, "polynomial found")
+            .dots(observed, MEASURED, "observed")
+            .legend_at(SeriesLabelPosition::UpperLeft),
+        Plot::new("the same minus the model's", "gamma deg", words_of_difference)
+            .band(&low, &high, COLOURS[1], "polynomial found, 95 %")
+            .line(angles().map(|gamma| (gamma, 0.0)).collect(), PLANNED, 1.0, "")
+            .dots(off, MEASURED, "observed"),
+    ]
+}

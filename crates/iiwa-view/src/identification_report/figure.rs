@@ -1,0 +1,94 @@
+//! Figures with their uncertainties.
+
+use std::fmt::Write as _;
+
+use iiwa_eval::{Estimate, identify::Kappa};
+use serde::Serialize;
+
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Figure {
+    pub(super) value: f64,
+    /// Half of the interval that holds the true figure in 95 of 100 cases.
+    uncertainty: f64,
+    pub(super) count: usize,
+}
+
+impl From<Estimate> for Figure {
+    fn from(Estimate { value, uncertainty, count, .. }: Estimate) -> Self {
+        Self { value, uncertainty, count }
+    }
+}
+
+impl Figure {
+    /// Whether it may be zero, or is nearer to it than `negligible`.
+    pub(super) fn is_zero_within(&self, negligible: f64) -> bool {
+        self.value.abs() <= self.uncertainty.max(negligible)
+    }
+}
+
+impl std::fmt::Display for Figure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let &Self { value, uncertainty, count } = self;
+        write!(f, "{}", Estimate { value, uncertainty, count })
+    }
+}
+
+/// kappa over gamma.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct KappaFigure {
+    /// For gamma in degrees, the constant first.
+    coefficients: [f64; 3],
+    /// The smallest and the largest angle that was observed.
+    gamma_deg: [f64; 2],
+    /// Root mean square of what the polynomial leaves over, and of what the model's does.
+    residual: f64,
+    residual_of_model: f64,
+    count: usize,
+    /// kappa and its uncertainty every 10 deg within what was observed.
+    at: Vec<KappaAt>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct KappaAt {
+    gamma_deg: f64,
+    value: f64,
+    uncertainty: f64,
+}
+
+impl KappaFigure {
+    /// Of what was found in so many blends.
+    pub(super) fn new(kappa: &Kappa, count: usize) -> Self {
+        Self {
+            coefficients: *kappa.coefficients(),
+            gamma_deg: kappa.gamma_deg,
+            residual: kappa.residual,
+            residual_of_model: kappa.residual_of_model,
+            count,
+            at: (0..=18)
+                .map(|ten| 10.0 * f64::from(ten))
+                .filter(|gamma| (kappa.gamma_deg[0]..=kappa.gamma_deg[1]).contains(gamma))
+                .map(|gamma_deg| {
+                    let Estimate { value, uncertainty, .. } = kappa.at(gamma_deg);
+                    KappaAt { gamma_deg, value, uncertainty }
+                })
+                .collect(),
+        }
+    }
+
+    /// Two lines about it, under its name.
+    pub(super) fn write(&self, text: &mut String, name: &str) {
+        let [c0, c1, c2] = self.coefficients;
+        let _ = writeln!(
+            text,
+            "{name} = {c0:.5} {c1:+.7} gamma {c2:+.9} gamma^2, gamma from {:.0} to {:.0} deg: {} \
+             blends, residual {:.4} (against the model's {:.4})",
+            self.gamma_deg[0], self.gamma_deg[1], self.count, self.residual, self.residual_of_model
+        );
+        let widest = self.at.iter().map(|at| at.uncertainty).fold(0.0, f64::max);
+        let _ = writeln!(text, "Uncertainty of {name} within that range: {widest:.4} at most");
+    }
+}
+
+/// Distances that differ by less than this share of what they would without Algorithm 3 are equal: no
+/// robot follows its path better.
+pub(super) const EQUAL_SHARE: f64 = 0.02;
