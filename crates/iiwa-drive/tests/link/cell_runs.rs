@@ -84,7 +84,6 @@ fn motions_with_frames_take_the_planned_time_and_path() {
 fn a_request_with_frames_is_replied_to() {
     let rig = bent_rig();
     let socket = RequestSocket::new(&rig.drive_config.instructions);
-    socket.socket.set_rcvtimeo(i32::try_from(LONG.as_millis()).unwrap()).unwrap();
     let mut short = request(None);
     short["id"] = json!(["mine"]);
     short["motions"] = json!([

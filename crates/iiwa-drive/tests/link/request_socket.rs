@@ -2,6 +2,8 @@
 
 use serde_json::Value;
 
+use crate::rig::LONG;
+
 /// A REQ socket: one request at a time.
 pub(crate) struct RequestSocket {
     pub(crate) socket: zmq::Socket,
@@ -11,7 +13,7 @@ impl RequestSocket {
     pub(crate) fn new(at: &str) -> Self {
         let socket = zmq::Context::new().socket(zmq::REQ).unwrap();
         socket.set_linger(0).unwrap();
-        socket.set_rcvtimeo(5000).unwrap();
+        socket.set_rcvtimeo(i32::try_from(LONG.as_millis()).unwrap()).unwrap();
         socket.connect(at).unwrap();
         Self { socket }
     }
