@@ -11,7 +11,7 @@ use iiwa_link::{
 use iiwasim_tests::ports::free_address;
 
 /// Time-out of all waits.
-pub(crate) const LONG: Duration = Duration::from_secs(60);
+pub(crate) const LONG: Duration = Duration::from_mins(1);
 
 /// Both sides, each of which may be stopped.
 pub(crate) struct Rig {
