@@ -19,6 +19,7 @@
 mod excerpt;
 mod list;
 mod locate;
+mod meant;
 mod object;
 mod place;
 mod problem;
@@ -32,7 +33,8 @@ mod tests;
 pub use excerpt::excerpt;
 pub use list::{Numbers, numbers};
 pub use locate::{Step, element_at, locate};
-pub use object::{Object, object, object_or_null};
+pub use meant::{are_known, meant, unknown};
+pub use object::{Object, object, object_or_null, object_or_null_like};
 pub use place::Place;
 pub use problem::problem;
 pub use tagged::tag;

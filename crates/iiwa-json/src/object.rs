@@ -13,21 +13,33 @@ use serde::{
 #[serde(transparent)]
 pub struct Object<T>(pub T);
 
+/// Reads a `T` from an object only; what it says to expect is `like`.
+struct OfMap<T> {
+    like: &'static str,
+    of: PhantomData<T>,
+}
+
+impl<T> OfMap<T> {
+    const fn new(like: &'static str) -> Self {
+        Self { like, of: PhantomData }
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for OfMap<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.like)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(map))
+    }
+}
+
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
     fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
-        struct OfMap<T>(PhantomData<T>);
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for OfMap<T> {
-            type Value = T;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
-                T::deserialize(MapAccessDeserializer::new(map))
-            }
-        }
-        reader.deserialize_map(OfMap(PhantomData)).map(Self)
+        reader.deserialize_map(OfMap::new("an object")).map(Self)
     }
 }
 
@@ -50,4 +62,36 @@ pub fn object_or_null<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 ) -> Result<Option<T>, D::Error> {
     let object = Option::<Object<T>>::deserialize(reader)?;
     Ok(object.map(|object| object.0))
+}
+
+/// The same, with words for what is expected, such as an example of it.
+///
+/// # Errors
+///
+/// As [`object`].
+pub fn object_or_null_like<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    reader: D,
+    like: &'static str,
+) -> Result<Option<T>, D::Error> {
+    struct OrNull<T>(OfMap<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for OrNull<T> {
+        type Value = Option<T>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            self.0.expecting(f)
+        }
+
+        fn visit_unit<E>(self) -> Result<Option<T>, E> {
+            Ok(None)
+        }
+
+        fn visit_none<E>(self) -> Result<Option<T>, E> {
+            Ok(None)
+        }
+
+        fn visit_some<D: Deserializer<'de>>(self, reader: D) -> Result<Option<T>, D::Error> {
+            reader.deserialize_map(self.0).map(Some)
+        }
+    }
+    reader.deserialize_option(OrNull(OfMap::new(like)))
 }

@@ -1,6 +1,6 @@
 //! Errors of `serde_json` as messages for the author of the text.
 
-use crate::excerpt::excerpt;
+use crate::{excerpt::excerpt, meant::meant};
 
 /// The message of `error` for the author of the JSON, without the place.
 #[must_use]
@@ -32,7 +32,11 @@ pub fn problem(error: &serde_json::Error) -> String {
             };
             return format!("expected {expected}, found {}", shown(found));
         }
-        return format!("{said}{}, expected {expected}", shown(found));
+        let known = expected.split('`').skip(1).step_by(2);
+        return match meant(found.trim_matches('`'), known) {
+            Some(word) => format!("{said}{}; did you mean `{word}`?", shown(found)),
+            None => format!("{said}{}, expected {expected}", shown(found)),
+        };
     }
     let key = |start: &str| message.strip_prefix(start);
     if let Some(key) = key("missing field ") {

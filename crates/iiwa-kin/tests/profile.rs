@@ -199,7 +199,7 @@ fn says_what_is_wrong_and_where() {
             2,
             19,
             "\"flnge\"",
-            "unknown key `flnge`, expected one of `base`",
+            "unknown key `flnge`; did you mean `flange`?",
         ),
         ("{ \"version\": 1, \"version\": 1 }", 1, 17, "\"version\"", "there twice"),
         (

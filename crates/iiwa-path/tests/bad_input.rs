@@ -126,19 +126,22 @@ fn a_byte_too_many_or_too_few() {
 fn unknown_names() {
     let ptp = "one of `type`, `joints_rad`, `joints_deg`, `frame`, `tool`, `base`, `velocity_rel`, \
                `acceleration_rel`, `jerk_rel`, `blend`";
-    let what = format!("motion 2: unknown key `velocity`, expected {ptp}");
-    check("\"velocity_rel\"", "\"velocity\"", (6, 64), "\"velocity\"", &what);
-    let what = "unknown key `robots`, expected one of `version`, `robot`, `include`, `start`, `tools`, \
-                `bases`, `frames`, `tool`, `base`, `mode`, `motions`";
+    let what = format!("motion 2: unknown key `speed`, expected {ptp}");
+    check("\"velocity_rel\"", "\"speed\"", (6, 64), "\"speed\"", &what);
+    let what = "motion 2: unknown key `velocity`; did you mean `velocity_rel`?";
+    check("\"velocity_rel\"", "\"velocity\"", (6, 64), "\"velocity\"", what);
+    let what = "unknown key `robots`; did you mean `robot`?";
     check("\"start\"", "\"robots\": [], \"start\"", (3, 3), "\"robots\"", what);
     let what = "unknown key `joints`, expected one of `joints_rad`, `joints_deg`, `frame`";
     check("\"joints_deg\"", "\"joints\"", (3, 14), "\"joints\"", what);
-    let what = "motion 3: unknown key `second`, expected `type` or `seconds`";
+    let what = "motion 3: unknown key `second`; did you mean `seconds`?";
     check("\"seconds\"", "\"second\"", (7, 23), "\"second\"", what);
     let what = "motion 1: unknown key `radius`, expected one of `fraction`, `sunrise_rel`, \
                 `cart_mm`";
     check("\"cart_mm\"", "\"radius\"", (5, 74), "\"radius\"", what);
 
+    let what = "motion 3: unknown type `Wait`; did you mean `wait`?";
+    check("\"wait\"", "\"Wait\"", (7, 15), "\"Wait\"", what);
     let known = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` and `wait` are known";
     let what = format!("motion 3: unknown type `fly`; {known}");
     check("\"wait\"", "\"fly\"", (7, 15), "\"fly\"", &what);
@@ -217,7 +220,9 @@ fn lists_for_objects() {
     check(wait, "null", (7, 5), "null", "motion 3: expected an object, found null");
     let start = "{ \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }";
     check(start, "[[0, 0, 0, 0, 0, 0, 0]]", (3, 12), "[", what);
-    check("{ \"cart_mm\": 50 }", "[50]", (5, 72), "[", &format!("motion 1: {what}"));
+    let blend =
+        "expected an object such as { \"fraction\": 0.25 } or { \"cart_mm\": 30 }, found a list";
+    check("{ \"cart_mm\": 50 }", "[50]", (5, 72), "[", &format!("motion 1: {blend}"));
     let text = "[1, null, { \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }, [{ \"type\": \"wait\", \
                 \"seconds\": 1 }]]";
     assert_eq!(refused(text).0, what);
@@ -340,8 +345,11 @@ fn shares_out_of_range() {
             );
         }
     }
-    let what = "motion 2: velocity_rel of joint A7 is 2; it must be above 0 and at most 1";
+    let what =
+        "motion 2: velocity_rel of joint A7 is 2; it must be above 0 and at most 1 (2 % is 0.02)";
     check("0.75", "[1, 1, 1, 1, 1, 1, 2]", (6, 99), "2", what);
+    let what = "motion 2: velocity_rel is 50; it must be above 0 and at most 1 (50 % is 0.5)";
+    check("0.75", "50", (6, 80), "50", what);
     let what = "motion 2: velocity_rel is 0.0000005; it must be at least 0.000001 and at most 1";
     check("0.75", "5e-7", (6, 80), "5e-7", what);
     let seven = "motion 2: expected seven shares, for joints A1 to A7, found 3";
@@ -386,7 +394,8 @@ fn blends_out_of_range() {
     check("\"cart_mm\": 50", "\"cart_mm\": 50, \"fraction\": 0.1", at, "{", one);
     let null = "motion 1: expected a number, found null";
     check("\"cart_mm\": 50", "\"cart_mm\": null", (at.0, at.1 + 13), "null", null);
-    let object = "motion 1: expected an object, found";
+    let object =
+        "motion 1: expected an object such as { \"fraction\": 0.25 } or { \"cart_mm\": 30 }, found";
     check("{ \"cart_mm\": 50 }", "50", at, "50", &format!("{object} `50`"));
     check(
         "{ \"cart_mm\": 50 }",

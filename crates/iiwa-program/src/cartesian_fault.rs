@@ -2,7 +2,7 @@
 
 use iiwa_kin::{OutsideRange, SingularPart, Unreachable};
 
-use crate::workcell::NameFault;
+use crate::{limit_kind::percent, workcell::NameFault};
 
 /// Something in a motion to a frame that cannot be planned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -61,7 +61,7 @@ pub enum CartesianFault {
         min: f64,
     },
     /// A share of the joints' limits is not in (0, 1], or next to nothing.
-    #[error("{key} is {found}; it must be at least {min} and at most 1")]
+    #[error("{key} is {found}; it must be at least {min} and at most 1{}", percent(*.found))]
     Share {
         /// The share's key in programs.
         key: &'static str,

@@ -4,7 +4,10 @@ use iiwa_json::{Place, Step, locate};
 use iiwa_kin::{Joint, OutsideRange};
 
 use crate::{
-    blend::Blend, cartesian_fault::CartesianFault, limit_kind::LimitKind, motion_index::MotionIndex,
+    blend::Blend,
+    cartesian_fault::CartesianFault,
+    limit_kind::{LimitKind, percent},
+    motion_index::MotionIndex,
 };
 
 /// Something in a motion program that cannot be planned.
@@ -24,10 +27,11 @@ pub enum Fault {
     },
     /// A relative speed, acceleration or jerk is not in (0, 1], or next to nothing.
     #[error(
-        "motion {motion}: {}{} is {found}; it must be {} and at most 1",
+        "motion {motion}: {}{} is {found}; it must be {} and at most 1{}",
         .kind.share_key(),
         .joint.map(|joint| format!(" of joint {joint}")).unwrap_or_default(),
-        if *.found > 0.0 && *.found < *.min { format!("at least {min}") } else { "above 0".to_owned() }
+        if *.found > 0.0 && *.found < *.min { format!("at least {min}") } else { "above 0".to_owned() },
+        percent(*.found)
     )]
     Share {
         /// The motion.

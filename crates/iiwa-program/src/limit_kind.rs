@@ -7,6 +7,15 @@ use enum_map::{Enum, EnumMap};
 /// The least share of a limit: at a millionth of its speed the arm takes weeks for half a turn.
 pub(crate) const MIN_SHARE: f64 = 1e-6;
 
+/// What a share is that was given in per cent.
+pub(crate) fn percent(found: f64) -> String {
+    if (2.0..=100.0).contains(&found) {
+        format!(" ({found} % is {})", (1e4 * found).round() / 1e6)
+    } else {
+        String::new()
+    }
+}
+
 /// A kind of limit of a joint, or of the TCP.
 ///
 /// ```

@@ -6,7 +6,7 @@ mod error;
 mod numbers;
 mod tool;
 
-use iiwa_json::{Object, Step, Unread, excerpt, locate, read_version, tag};
+use iiwa_json::{Object, Step, Unread, are_known, locate, read_version, tag, unknown};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -92,13 +92,13 @@ fn obstacle(text: &str, index: usize, raw: &str) -> Result<Obstacle, SceneError>
         Some("plane") => {
             serde_json::from_str::<Object<PlaneWire>>(raw).map_err(fail).map(|wire| wire.0.into())
         }
-        Some(other) => {
-            let what = format!("unknown type `{}`; `box` and `plane` are known", excerpt(other));
-            Err(wrong(what, Some("type")))
-        }
-        None => Err(wrong("it has no `type`; `box` and `plane` are known".to_owned(), None)),
+        Some(other) => Err(wrong(unknown("type", other, &KNOWN_TYPES), Some("type"))),
+        None => Err(wrong(format!("it has no `type`; {}", are_known(&KNOWN_TYPES)), None)),
     }
 }
+
+/// The types of obstacles.
+const KNOWN_TYPES: [&str; 2] = ["box", "plane"];
 
 /// What stands around a KUKA LBR iiwa, in the frame of its base: z up, origin in the middle of its foot.
 #[derive(Deserialize, JsonSchema)]

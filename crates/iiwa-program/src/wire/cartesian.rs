@@ -1,8 +1,8 @@
 //! Paths of the TCP in programs.
 
-use iiwa_json::{object, object_or_null};
+use iiwa_json::{object, object_or_null_like};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{
     by_name::word,
@@ -51,7 +51,7 @@ macro_rules! path_wire {
             } {
                 /// How the target is blended away; without it the arm stops there.
                 #[serde(
-                    default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none"
+                    default, deserialize_with = "crate::wire::cartesian::blend", skip_serializing_if = "Option::is_none"
                 )]
                 blend: Option<PathBlendWire>,
             }
@@ -342,6 +342,12 @@ impl EndWire {
     pub(super) fn is_interpolate(&self) -> bool {
         *self == Self::Interpolate
     }
+}
+
+pub(super) fn blend<'de, D: Deserializer<'de>>(
+    reader: D,
+) -> Result<Option<PathBlendWire>, D::Error> {
+    object_or_null_like(reader, r#"an object such as { "cart_mm": 30 }"#)
 }
 
 /// Where the arm may leave the path to the target and cut the corner; of several sizes the smallest counts.

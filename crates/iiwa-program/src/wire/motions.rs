@@ -1,6 +1,6 @@
 //! Motions in JSON.
 
-use iiwa_json::{Object, Step, excerpt, locate, tag};
+use iiwa_json::{Object, Step, are_known, locate, tag, unknown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::value::RawValue;
@@ -80,16 +80,13 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
             let Object(wire) = serde_json::from_str::<Object<WaitWire>>(raw).map_err(fail)?;
             Ok(Motion::Wait { seconds: wire.seconds })
         }
-        Some(other) => {
-            let what = format!("unknown type `{}`; {KNOWN_TYPES} are known", excerpt(other));
-            Err(wrong(what, Some("type")))
-        }
-        None => Err(wrong(format!("it has no `type`; {KNOWN_TYPES} are known"), None)),
+        Some(other) => Err(wrong(unknown("type", other, &KNOWN_TYPES), Some("type"))),
+        None => Err(wrong(format!("it has no `type`; {}", are_known(&KNOWN_TYPES)), None)),
     }
 }
 
 /// The types of motions.
-const KNOWN_TYPES: &str = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` and `wait`";
+const KNOWN_TYPES: [&str; 7] = ["ptp", "lin", "lin_rel", "circ", "spline", "spl", "wait"];
 
 /// One entry of the list of motions.
 #[derive(Serialize, JsonSchema)]

@@ -1,6 +1,6 @@
 //! Point-to-point motions in programs.
 
-use iiwa_json::{numbers, object_or_null};
+use iiwa_json::{numbers, object_or_null_like};
 use iiwa_kin::Joints;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
@@ -59,8 +59,12 @@ pub(super) struct PtpWire {
     #[serde(default, skip_serializing_if = "Share::is_full")]
     jerk_rel: Share,
     /// How the target is blended away; without it the arm stops there.
-    #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "blend", skip_serializing_if = "Option::is_none")]
     blend: Option<BlendWire>,
+}
+
+fn blend<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<BlendWire>, D::Error> {
+    object_or_null_like(reader, r#"an object such as { "fraction": 0.25 } or { "cart_mm": 30 }"#)
 }
 
 /// Where the arm may leave the line to the target and cut the corner.

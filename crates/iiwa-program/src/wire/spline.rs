@@ -1,6 +1,6 @@
 //! Splines in programs.
 
-use iiwa_json::{Object, object_or_null};
+use iiwa_json::Object;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::IgnoredAny};
 

@@ -1,6 +1,6 @@
 //! The tool in a scene's JSON form.
 
-use iiwa_json::{Object, Step, excerpt, locate, tag};
+use iiwa_json::{Object, Step, are_known, excerpt, locate, tag, unknown};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -171,7 +171,7 @@ pub(super) fn tool_shape(
     raw: &str,
     read: ReadFile<'_>,
 ) -> Result<ToolShape, SceneError> {
-    const KNOWN: &str = "`box`, `cylinder`, `sphere` and `mesh` are known";
+    const KNOWN_TYPES: [&str; 4] = ["box", "cylinder", "sphere", "mesh"];
     let prefixed = |error| match error {
         SceneError::Json { what, place, .. } => {
             let what = format!("tool, shape {}: {what}", index + 1);
@@ -198,9 +198,9 @@ pub(super) fn tool_shape(
             mesh(wire, read).map_err(|(key, what)| wrong(what, Some(key)))?
         }
         Some(other) => {
-            return Err(wrong(format!("unknown type `{}`; {KNOWN}", excerpt(other)), Some("type")));
+            return Err(wrong(unknown("type", other, &KNOWN_TYPES), Some("type")));
         }
-        None => return Err(wrong(format!("it has no `type`; {KNOWN}"), None)),
+        None => return Err(wrong(format!("it has no `type`; {}", are_known(&KNOWN_TYPES)), None)),
     };
     Ok(ToolShape { form })
 }

@@ -1,0 +1,64 @@
+//! Words that were probably meant.
+
+use strsim::damerau_levenshtein;
+
+use crate::excerpt::excerpt;
+
+/// The one of `known` that is most like `found`, if a slip of the pen, a capital letter or a missing ending may be the
+/// difference.
+///
+/// ```
+/// let keys = ["velocity_rel", "acceleration_rel", "blend"];
+/// assert_eq!(iiwa_json::meant("velocty_rel", keys), Some("velocity_rel"));
+/// assert_eq!(iiwa_json::meant("velocity", keys), Some("velocity_rel"));
+/// assert_eq!(iiwa_json::meant("colour", keys), None);
+/// ```
+#[must_use]
+pub fn meant<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    // What is longer than any word is none, and takes long to compare.
+    if found.len() > MAX_WORD {
+        return None;
+    }
+    let found = found.to_lowercase();
+    let known: Vec<&str> = known.into_iter().collect();
+    let off = |word: &&str| damerau_levenshtein(&found, &word.to_lowercase());
+    let near = known.iter().map(|word| (off(word), *word));
+    let nearest = near.filter(|(off, word)| 3 * off < word.len().min(found.len())).min();
+    let begun = || {
+        let mut begun = known.iter().filter(|word| word.starts_with(&found));
+        begun.next().filter(|_| found.len() >= MIN_BEGINNING && begun.next().is_none()).copied()
+    };
+    nearest.map(|(_, word)| word).or_else(begun)
+}
+
+/// In bytes.
+const MAX_WORD: usize = 64;
+/// The beginning of a word is enough if it has so many letters and no other word begins with it.
+const MIN_BEGINNING: usize = 4;
+
+/// A message for a word that is none of those that are known: it names the one that was probably meant, or all.
+///
+/// ```
+/// let message = iiwa_json::unknown("type", "PTP", &["ptp", "lin", "wait"]);
+/// assert_eq!(message, "unknown type `PTP`; did you mean `ptp`?");
+/// let message = iiwa_json::unknown("type", "fly", &["ptp", "lin", "wait"]);
+/// assert_eq!(message, "unknown type `fly`; `ptp`, `lin` and `wait` are known");
+/// ```
+#[must_use]
+pub fn unknown(what: &str, found: &str, known: &[&str]) -> String {
+    let shown = excerpt(found);
+    match meant(found, known.iter().copied()) {
+        Some(word) => format!("unknown {what} `{shown}`; did you mean `{word}`?"),
+        None => format!("unknown {what} `{shown}`; {}", are_known(known)),
+    }
+}
+
+/// All words that are known, in a sentence.
+#[must_use]
+pub fn are_known(known: &[&str]) -> String {
+    match known {
+        [] => "none are known".to_owned(),
+        [only] => format!("`{only}` is known"),
+        [others @ .., last] => format!("`{}` and `{last}` are known", others.join("`, `")),
+    }
+}
