@@ -14,7 +14,10 @@ use iiwa_program::{Program, ProgramError, Workcell};
 use iiwa_scene::Scene;
 use iiwa_view::with_causes;
 
-use crate::failure::Failure;
+use crate::{
+    failure::Failure,
+    file_kind::{JsonKind, binary_hint},
+};
 
 /// A file's name and text.
 pub(crate) struct Text {
@@ -36,7 +39,10 @@ impl Text {
             bytes.map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Self { text: text.trim_start_matches('\u{feff}').to_owned(), name }),
-            Err(_) => Err(Failure::input(format!("{name} is not text in UTF-8"))),
+            Err(error) => {
+                let hint = binary_hint(error.as_bytes());
+                Err(Failure::input(format!("{name} is not text in UTF-8{hint}")))
+            }
         }
     }
 }
@@ -103,6 +109,11 @@ fn program_of(
         }
         error => Failure::in_text(&error.what(), error.place(), &name, &text),
     };
+    if program.is_err()
+        && let Some(kind) = JsonKind::of(&text)
+    {
+        return Err(Failure::input(format!("{name} {}", kind.hint())));
+    }
     let program = program.map_err(refuse)?;
     let merged = file.map(|file| Program::merged_json(&text, &file)).transpose().map_err(refuse)?;
     let robot = match (robot, &program.robot) {

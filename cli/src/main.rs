@@ -8,6 +8,7 @@ mod args;
 mod commands;
 mod connection;
 mod failure;
+mod file_kind;
 mod frame;
 mod input;
 mod leftovers;

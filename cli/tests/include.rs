@@ -159,6 +159,25 @@ fn a_stop_within_a_spline_is_worth_a_warning() {
 }
 
 #[test]
+fn what_is_no_program_is_called_what_it_is() {
+    let folder = folder(PROGRAM, CELL);
+    let cases = [
+        ("scene.json", r#"{ "version": 1, "obstacles": [] }"#, "is a scene, not a program"),
+        ("robot.json", r#"{ "version": 1, "settle_time_s": 0.1 }"#, "is a robot profile"),
+        ("cell.json", CELL, "is a file of tools, bases and frames"),
+        ("empty.json", r#"{ "version": 1 }"#, "the key `start` is missing"),
+    ];
+    for (name, text, what) in cases {
+        fs::write(folder.path().join(name), text).unwrap();
+        iiwasim(&folder, &["plan", name, "--no-output"]).code(2).stderr(contains(what));
+    }
+    iiwasim(&folder, &["plan", "program.json", "-o", "plan.mcap"]).success();
+    iiwasim(&folder, &["plan", "plan.mcap", "--no-output"])
+        .code(2)
+        .stderr(contains("an MCAP file"));
+}
+
+#[test]
 fn prints_the_schema() {
     let folder = tempdir().unwrap();
     iiwasim(&folder, &["schema", "frames"]).success().stdout(contains("iiwasim frames"));

@@ -7,10 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_kin::Robot;
-use iiwa_program::Workcell;
-
-use crate::{args::Plan, failure::Failure, input};
+use crate::{args::Plan, failure::Failure, file_kind::JsonKind};
 
 use super::target::{file_name, is_stdin};
 
@@ -76,11 +73,7 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
 
 /// Whether it is a robot profile, a scene or a file to include.
 fn is_other(path: &Path) -> bool {
-    fs::read_to_string(path).is_ok_and(|text| {
-        Robot::from_profile(&text).is_ok()
-            || input::scene(path).is_ok()
-            || Workcell::from_json(&text).is_ok()
-    })
+    fs::read_to_string(path).is_ok_and(|text| JsonKind::of(&text).is_some())
 }
 
 /// Refuses a program that is given twice.

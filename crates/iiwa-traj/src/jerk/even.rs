@@ -22,7 +22,7 @@ pub(super) fn even(segment: &LimitedSegment<'_>) -> Option<Stamps> {
     let limits = segment.even_tool_limits()?;
     let length = segment.length_rad();
     let instants = divided(&phases(length, limits));
-    let intervals: Vec<Interval> = instants.windows(2).map(Interval::new).collect();
+    let intervals: Vec<ConstantJerk> = instants.windows(2).map(ConstantJerk::new).collect();
     let mut usage = LimitUsage::default();
     for some in intervals.chunks(PLACES / 2) {
         let mut sigma = [length; PLACES];
@@ -48,14 +48,14 @@ pub(super) fn even(segment: &LimitedSegment<'_>) -> Option<Stamps> {
 }
 
 /// A time of constant jerk.
-struct Interval {
+struct ConstantJerk {
     dt_s: f64,
     jerk: f64,
     /// Half-way in time, and at its end.
     samples: [ProfilePoint; 2],
 }
 
-impl Interval {
+impl ConstantJerk {
     fn new(pair: &[ProfilePoint]) -> Self {
         let [from, to] = [pair[0], pair[1]];
         let dt_s = from.phase_s;
