@@ -13,8 +13,8 @@ pub(crate) fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
     let stops = path.stops_in_splines().into_iter().map(|(motion, count)| {
         let often = if count == 1 { "once".to_owned() } else { format!("{count} times") };
         format!(
-            "motion {motion}: the TCP stops {often} within the spline, where lines or circles meet at a corner; a segment \
-             `spl` between them rounds it"
+            "motion {motion}: the TCP stops {often} within the spline, where direction, curvature, turn or E1 of two lines or \
+             circles do not go on; a segment `spl` between them makes them"
         )
     });
     turns.iter().map(ToString::to_string).chain(stops).collect()

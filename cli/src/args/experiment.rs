@@ -111,7 +111,7 @@ pub(crate) enum ExperimentName {
     Settle,
     /// Errors of the cycle time: section 5.1.2, Fig. 23 to 25
     CycleTime,
-    /// Blends of paths of the TCP, orientation and E1 along them: not in the thesis, and not for --drive
+    /// Blends of paths of the TCP, orientation and E1 along them: not in the thesis; with --drive, for controllers that plan paths of the TCP
     TcpBlends,
     /// All of them, in one report
     All,

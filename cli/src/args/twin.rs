@@ -25,7 +25,7 @@ pub(crate) struct Twin {
     #[arg(long, value_name = "PORT", default_value_t = 5562)]
     pub(crate) port: u16,
 
-    /// Scene in JSON: boxes and planes around the arm (`iiwasim schema scene` describes it)
+    /// Scene in JSON: boxes and planes around the arm, and its tool (`iiwasim schema scene` describes it)
     #[arg(long, value_name = "SCENE.json")]
     pub(crate) scene: Option<PathBuf>,
 

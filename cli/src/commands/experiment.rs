@@ -66,7 +66,9 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
             let keys = options.keys.clone();
             let address = DriveAddress { drive: drive.clone(), keys };
             let line = Box::new(DriveConnection::new(&address, &options.stream)?);
-            print_note(&motion_warning(programs.iter().flat_map(|(_, trials)| trials), count));
+            let trials = programs.iter().flat_map(|(_, trials)| trials);
+            let warning = motion_warning(&bench.model, trials, count);
+            print_note(&warning.map_err(|fault| Failure::input(fault.to_string()))?);
             Arm::Real { line, to_start }
         }
         _ => Arm::Virtual(Box::new(VirtualArm {
@@ -91,7 +93,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         }
         let mut runs = Vec::with_capacity(trials.len());
         for trial in trials {
-            let log = arm.run(&trial)?;
+            let log = arm.run(&trial, &bench.model)?;
             folder.run(&trial, &log, &bench.model)?;
             runs.push(TrialRun { trial, log });
             done += 1;

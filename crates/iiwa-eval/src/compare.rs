@@ -19,7 +19,7 @@ mod noise;
 mod plan;
 
 use iiwa_log::JointLog;
-use iiwa_program::MotionIndex;
+use iiwa_program::{MotionIndex, MotionType};
 
 use iiwa_kin::vector::{self, add_scaled, norm, sub};
 
@@ -88,8 +88,8 @@ pub struct CycleTime {
 pub struct MotionTime {
     /// Its place in the program.
     pub motion: MotionIndex,
-    /// Whether it is a wait.
-    pub waits: bool,
+    /// Its type; that of PTP motions where the plan does not tell.
+    pub motion_type: MotionType,
     /// When the plan starts it, in s.
     pub planned_start_s: f64,
     /// For how long, in s; without the time to settle after it.
@@ -369,7 +369,7 @@ impl Timing {
             let real_s = real.map(|(from, to)| to - from);
             MotionTime {
                 motion: start.motion,
-                waits,
+                motion_type: if waits { MotionType::Wait } else { plan.motion_type(start.motion) },
                 planned_start_s,
                 planned_s,
                 real_start_s: real.map(|(from, _)| from - self.departure.t_s + first),

@@ -7,7 +7,7 @@ use iiwa_eval::{CompareError, Comparison, Plan, compare};
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 use iiwa_path::JointPath;
-use iiwa_program::Program;
+use iiwa_program::{MotionType, Program};
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 
 const FIXTURES: [&str; 3] = [
@@ -205,7 +205,7 @@ fn waits_and_stops_have_their_times() {
     let real = trajectory(FIXTURES[2], jerk());
     let c = compared(&real, Tape { before_s: 0.5, section: 1.1, ..Tape::default() });
     let wait = &c.motions[2];
-    assert!(wait.waits && wait.motion.number() == 3);
+    assert!(wait.motion_type == MotionType::Wait && wait.motion.number() == 3);
     // The stand of 0.05 s to settle and 0.5 s to wait, all stretched; what is not settling waits.
     assert!((wait.real_s.unwrap() - (1.1 * 0.55 - 0.05)).abs() < 1e-6, "{wait:?}");
     let stops: Vec<_> = c.stops.iter().map(|stop| (stop.after_motion, stop.planned_s)).collect();

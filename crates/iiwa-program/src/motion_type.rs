@@ -37,6 +37,13 @@ impl MotionType {
         }
     }
 
+    /// The type of a name; of `ptp`, that to joint positions.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        let all = [Self::Ptp, Self::Lin, Self::LinRel, Self::Circ, Self::Spline, Self::Wait];
+        all.into_iter().find(|motion| motion.name() == name)
+    }
+
     /// Whether its target is a frame of the TCP.
     #[must_use]
     pub fn is_cartesian(self) -> bool {

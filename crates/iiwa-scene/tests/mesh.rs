@@ -187,12 +187,18 @@ fn what_is_no_mesh_is_refused_at_its_key() {
     let solid = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9";
     let mut not_finite = binary_stl();
     not_finite[96..100].copy_from_slice(&f32::NAN.to_le_bytes());
+    let whole = binary_stl();
+    let cut = whole[..whole.len() - 50].to_vec();
     let cases = [
         (refused(stl, Err("there is no file")), "`a.stl`: there is no file"),
         (refused(stl, Ok(b"hello".to_vec())), "`a.stl`: it is no STL file"),
         (refused(stl, Ok(b"solid a\nfacet normal 0 0 0\nouter".to_vec())), "no STL file"),
         (refused(stl, Ok(binary_stl()[..100].to_vec())), "no STL file"),
-        (refused(stl, Ok(binary_stl()[..84].to_vec())), "all in one plane, or fewer than four"),
+        (refused(stl, Ok(binary_stl()[..84].to_vec())), "it would have another length"),
+        // Cut between two triangles, and with a header that looks like text.
+        (refused(stl, Ok(cut.clone())), "it would have another length"),
+        (refused(stl, Ok([b"solid", &cut[5..]].concat())), "it would have another length"),
+        (refused(stl, Ok(Vec::new())), "it is empty"),
         (refused(stl, Ok(not_finite)), "a coordinate that is no number"),
         (obj("v 1 2\n"), "it is no OBJ file"),
         (obj("v 0 0 0\nv 1 0 0\nf 1 2 3\n"), "it is no OBJ file"),
@@ -231,7 +237,8 @@ fn what_is_no_mesh_is_refused_at_its_key() {
 #[test]
 fn what_is_as_fine_as_a_scan_is_refused() {
     let triangle = &binary_stl()[84..134];
-    let mut file = [0; 84].to_vec();
+    let mut file = [0; 80].to_vec();
+    file.extend(2_000_001_u32.to_le_bytes());
     file.extend(triangle.repeat(2_000_001));
     let error = ConvexHull::from_mesh("scan.stl", &file, 1.0).unwrap_err().to_string();
     assert_eq!(error, "it has 2000001 triangles; it may have 2000000");

@@ -99,7 +99,7 @@ impl From<&MotionTime> for MotionTimeRow {
     fn from(motion: &MotionTime) -> Self {
         Self {
             index: motion.motion.number(),
-            r#type: if motion.waits { "wait" } else { "ptp" },
+            r#type: motion.motion_type.name(),
             planned_start_s: motion.planned_start_s,
             planned_s: motion.planned_s,
             real_start_s: motion.real_start_s,

@@ -1,6 +1,7 @@
 //! The arm that runs the programs of an experiment.
 
 use iiwa_eval::experiment::Trial;
+use iiwa_kin::Robot;
 use iiwa_link::{ClientError, message::Samples};
 use iiwa_log::JointLog;
 use iiwa_view::VirtualArm;
@@ -23,21 +24,26 @@ pub(crate) enum Arm {
 }
 
 impl Arm {
-    /// Runs a program and returns the measured joint positions.
-    pub(crate) fn run(&mut self, trial: &Trial) -> Result<JointLog, Failure> {
+    /// Runs a program of the robot `model` and returns the measured joint positions.
+    pub(crate) fn run(&mut self, trial: &Trial, model: &Robot) -> Result<JointLog, Failure> {
         output::check_interrupt()?;
         match self {
             Self::Virtual(arm) => Ok(arm.run(trial)?),
-            Self::Real { line, to_start } => run_real(line, *to_start, trial),
+            Self::Real { line, to_start } => run_real(line, *to_start, trial, model),
         }
     }
 }
 
-fn run_real(line: &mut DriveConnection, to_start: f64, trial: &Trial) -> Result<JointLog, Failure> {
+fn run_real(
+    line: &mut DriveConnection,
+    to_start: f64,
+    trial: &Trial,
+    model: &Robot,
+) -> Result<JointLog, Failure> {
     print_note(&format!("{}\n", trial.name));
-    if let Some(start_rad) = trial.program.start.joints_rad() {
-        go_to_start(line, Some(to_start), start_rad)?;
-    }
+    let start_rad = trial.program.start_rad(model);
+    let start_rad = start_rad.map_err(|fault| Failure::input(fault.to_string()))?;
+    go_to_start(line, Some(to_start), &start_rad)?;
     output::check_interrupt()?;
     let task = Task::Motions(trial.program.clone().into());
     let measured = execute_with_progress(line, task, None).result.map_err(|error| {

@@ -4,7 +4,7 @@ use std::io::Read;
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};
-use iiwa_program::MotionIndex;
+use iiwa_program::{MotionIndex, MotionType};
 use iiwa_traj::Trajectory;
 
 use super::curve::Curve;
@@ -15,6 +15,7 @@ pub struct Plan {
     robot: Robot,
     pub(crate) curve: Curve,
     pub(crate) pieces: Vec<Piece>,
+    types: Vec<(MotionIndex, MotionType)>,
 }
 
 /// A line, a blend or a rest.
@@ -80,7 +81,11 @@ impl Plan {
                 })
             })
             .collect();
-        Self::of(trajectory.path().robot().clone(), knots, pieces)
+        let path = trajectory.path();
+        let types = (0..path.limits().len()).map(MotionIndex::new);
+        let types = types.filter_map(|motion| Some((motion, path.motion_type(motion)?)));
+        let types = types.collect();
+        Self { types, ..Self::of(path.robot().clone(), knots, pieces) }
     }
 
     /// Reads a plan from an MCAP file as [`PlanWriter`](iiwa_log::PlanWriter) writes it. The robot is the
@@ -121,7 +126,19 @@ impl Plan {
             Ok(Piece { motion, kind, start_s, end_s })
         };
         let pieces = record.pieces.iter().map(piece).collect::<Result<_, PlanRecordError>>()?;
-        Ok(Self::of(robot, record.nodes, pieces))
+        let motions = record.figures().map(|figures| figures.motions).unwrap_or_default();
+        let types = motions.iter().filter_map(|motion| {
+            let index = MotionIndex::from_number(motion.index)?;
+            Some((index, MotionType::from_name(&motion.r#type)?))
+        });
+        let types = types.collect();
+        Ok(Self { types, ..Self::of(robot, record.nodes, pieces) })
+    }
+
+    /// The type of a motion; that of PTP motions where the plan does not tell.
+    pub(crate) fn motion_type(&self, motion: MotionIndex) -> MotionType {
+        let place = self.types.binary_search_by_key(&motion, |(motion, _)| *motion);
+        place.map_or_else(|_| MotionType::default(), |place| self.types[place].1)
     }
 
     fn of(robot: Robot, mut knots: Vec<PlanNode>, pieces: Vec<Piece>) -> Self {
@@ -138,7 +155,7 @@ impl Plan {
             .windows(2)
             .filter(leaves)
             .all(|pair| pair[0].ddq.iter().all(|ddq| ddq.abs() <= 1e-6));
-        Self { robot, curve: Curve::new(knots, smooth), pieces }
+        Self { robot, curve: Curve::new(knots, smooth), pieces, types: Vec::new() }
     }
 
     /// The robot it is for.

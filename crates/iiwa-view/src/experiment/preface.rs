@@ -3,21 +3,39 @@
 use std::fmt::Write as _;
 
 use iiwa_eval::experiment::Trial;
-use iiwa_program::Motion;
+use iiwa_kin::Robot;
+use iiwa_path::{JointPath, Step};
+use iiwa_program::{Fault, Motion};
 
 use super::{bench::Bench, chapter::wrapped, kind::ExperimentKind, virtual_arm::VirtualArm};
 
-/// How far each joint moves in `count` programs, for people beside the arm.
-#[must_use]
-pub fn motion_warning<'a>(trials: impl Iterator<Item = &'a Trial>, count: usize) -> String {
+/// How far each joint of `robot` moves in `count` programs, for people beside the arm.
+///
+/// # Errors
+///
+/// If the robot cannot do a program.
+pub fn motion_warning<'a>(
+    robot: &Robot,
+    trials: impl Iterator<Item = &'a Trial>,
+    count: usize,
+) -> Result<String, Fault> {
+    const PLACES: u32 = 16;
     let mut range = [(f64::INFINITY, f64::NEG_INFINITY); 7];
     for trial in trials {
+        let path = JointPath::new(&trial.program, robot)?;
         let targets = trial.program.motions.iter().filter_map(|motion| match motion {
             Motion::Ptp(ptp) => Some(ptp.target_rad),
             _ => None,
         });
-        for target in targets.chain(trial.program.start.joints_rad().copied()) {
-            for (range, q) in range.iter_mut().zip(target) {
+        let on_the_way = path.steps().iter().filter_map(|step| match step {
+            Step::Move { segment, .. } => Some(segment),
+            _ => None,
+        });
+        let on_the_way = on_the_way.flat_map(|segment| {
+            (0..=PLACES).map(|i| segment.at(f64::from(i) / f64::from(PLACES)).q)
+        });
+        for joints in on_the_way.chain(targets).chain([*path.start_rad()]) {
+            for (range, q) in range.iter_mut().zip(joints) {
                 *range = (range.0.min(q), range.1.max(q));
             }
         }
@@ -31,7 +49,7 @@ pub fn motion_warning<'a>(trials: impl Iterator<Item = &'a Trial>, count: usize)
     text.push_str(
         "All that its links can reach there has to be free. Ctrl-C stops it on its path.\n",
     );
-    text
+    Ok(text)
 }
 
 /// What comes before the chapters of `kinds` in a report that `command` made. Of a virtual arm, with the name of its
@@ -91,13 +109,19 @@ pub fn preface(
 
 #[cfg(test)]
 mod tests {
+    use iiwa_eval::experiment;
+
     use super::*;
 
     #[test]
     fn the_warning_tells_the_joints_ranges() {
-        let trial = iiwa_eval::experiment::zone_velocity();
-        let text = motion_warning([&trial].into_iter(), 1);
+        let trial = experiment::zone_velocity();
+        let text = motion_warning(&Robot::default(), [&trial].into_iter(), 1).unwrap();
         assert!(text.contains("A2   -27.2 and   63.6"), "{text}");
         assert!(text.contains("A1     0.0 and    0.0"), "{text}");
+        // Of paths of the TCP, from a start that is a frame.
+        let trial = experiment::tcp_blends(&[experiment::TcpSeries::Angles]);
+        let text = motion_warning(&Robot::default(), [&trial].into_iter(), 1).unwrap();
+        assert!(!text.contains("inf") && !text.contains("A2     0.0"), "{text}");
     }
 }
