@@ -20,7 +20,7 @@ impl JsonKind {
     pub(crate) fn of(text: &str) -> Option<Self> {
         let object: Map<String, Value> = serde_json::from_str(text).ok()?;
         let has = |key| object.contains_key(key);
-        if has("start") || has("motions") || object.keys().all(|key| key == "version") {
+        if is_program_object(&object) || object.keys().all(|key| key == "version") {
             None
         } else if has("obstacles") || object.get("tool").is_some_and(Value::is_array) {
             Some(Self::Scene)
@@ -33,7 +33,7 @@ impl JsonKind {
         }
     }
 
-    /// What it is, and what it is for, to somebody who gave it as a program.
+    /// A hint for a user who gave the file as a program.
     pub(crate) fn hint(self) -> &'static str {
         match self {
             Self::Profile => "is a robot profile, not a program: it belongs to --robot",
@@ -43,6 +43,15 @@ impl JsonKind {
             }
         }
     }
+}
+
+/// Whether a text that cannot be read was meant to be a program.
+pub(crate) fn is_program(text: &str) -> bool {
+    serde_json::from_str(text).is_ok_and(|object| is_program_object(&object))
+}
+
+fn is_program_object(object: &Map<String, Value>) -> bool {
+    ["start", "motions"].iter().any(|key| object.contains_key(*key))
 }
 
 /// What bytes are that are no text, if that can be told.

@@ -16,7 +16,7 @@ use iiwa_view::with_causes;
 
 use crate::{
     failure::Failure,
-    file_kind::{JsonKind, binary_hint},
+    file_kind::{JsonKind, binary_hint, is_program},
 };
 
 /// A file's name and text.
@@ -84,12 +84,6 @@ pub(crate) fn workcell(path: &Path, robot: Option<&str>) -> Result<(Workcell, Ro
         Err(_) => {}
     }
     program_of(path, text, robot).map(|(_, program, robot)| (program.workcell, robot))
-}
-
-/// Whether a text that cannot be read was meant for a program, and not for frames.
-fn is_program(text: &str) -> bool {
-    let object = serde_json::from_str::<serde_json::Map<String, serde_json::Value>>(text);
-    object.is_ok_and(|object| ["start", "motions"].iter().any(|key| object.contains_key(*key)))
 }
 
 /// The program that was read from `path`.
@@ -182,7 +176,7 @@ enum NotBeside {
 }
 
 impl NotBeside {
-    /// What is told: `elsewhere` of a file that may not be named, in a `kind` of file.
+    /// The message; `elsewhere` explains which files may be named, `kind` is the file that names it.
     fn of(self, elsewhere: &str, kind: &str) -> String {
         match self {
             Self::Elsewhere => elsewhere.to_owned(),

@@ -131,7 +131,7 @@ fn cycle_times_err_as_the_thesis_says() {
     assert!(by_jerk < 0.1, "{by_jerk}");
 }
 
-/// A robot that blends paths of the TCP in another way than the model is told from it, and identified.
+/// A robot whose blends of TCP paths differ from the model's is recognised and identified.
 #[test]
 fn blends_of_the_tcp_are_those_of_the_virtual_robot() {
     let folder = tempdir().unwrap();

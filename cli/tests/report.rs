@@ -119,7 +119,7 @@ fn a_scene_is_around_the_arm() {
             (&expected["link"], &expected["obstacle"]),
             (&found["link"], &found["obstacle"])
         );
-        // The curve comes as near, but for what is between its samples.
+        // The curve has the same minimum, up to its sampling.
         let curve = singles(&with["arms"][0]["clearance"]["distance"]["low"]);
         let least = 1e3 * curve.into_iter().fold(f64::MAX, f64::min);
         let off = least - found["distance_mm"].as_f64().unwrap();

@@ -9,8 +9,8 @@ use clap::Args;
 /// The page is one HTML file that needs no network: the arm in 3D with play, pause, scrub and speed;
 /// the path of the flange with the blends and their spheres; position, velocity, acceleration and
 /// jerk of the joints next to their limits; when each motion runs and what limits it. With a second
-/// file, both arms and the errors that `iiwasim compare` finds. With --scene, what stands around the arm, the tool
-/// that it carries, and how near it comes to anything.
+/// file, both arms and the errors that `iiwasim compare` finds. With --scene, the obstacles, the tool and the
+/// clearance over time.
 ///
 /// A recording of `iiwasim run` contains its program, and is shown beside the plan of it. Other
 /// recordings have no motions, and the page shows the rest. A truncated file is shown up to its end,

@@ -160,7 +160,7 @@ fn what_is_no_blend_is_left_out() {
     let why =
         |left: &&iiwa_eval::identify::LeftOut| matches!(left.why, Why::NoTcpBlend(mm) if mm > 5e-4);
     assert_eq!(found.left_out.iter().filter(why).count(), 17, "{:?}", found.left_out);
-    // It is told how far off it is.
+    // The report states the deviation.
     let ([off_mm, ..], _) = worst(&found, CoursePart::TcpBlend);
     assert!((off_mm - 8.0).abs() < 1.0, "{off_mm}");
 }

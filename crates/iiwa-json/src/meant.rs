@@ -1,4 +1,4 @@
-//! Words that were probably meant.
+//! Suggestions for misspelled words.
 
 use strsim::damerau_levenshtein;
 
@@ -36,7 +36,7 @@ const MAX_WORD: usize = 64;
 /// The beginning of a word is enough if it has so many letters and no other word begins with it.
 const MIN_BEGINNING: usize = 4;
 
-/// A message for a word that is none of those that are known: it names the one that was probably meant, or all.
+/// The error message for an unknown word: it suggests the likely one, or lists all.
 ///
 /// ```
 /// let message = iiwa_json::unknown("type", "PTP", &["ptp", "lin", "wait"]);

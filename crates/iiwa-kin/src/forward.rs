@@ -160,18 +160,7 @@ impl Robot {
     pub fn flange_motion(&self, joints_rad: &Joints, rate: &Joints) -> ([f64; 3], [f64; 3]) {
         let (s, c) = sin_cos_of_joints(joints_rad);
         let d = self.offsets();
-        let mut p = [0.0, 0.0, d[3]];
-        let mut v = [0.0; 3];
-        for j in (0..6).rev() {
-            p = rotate_back(j, p, s[j], c[j]);
-            v = rotate_back(j, v, s[j], c[j]);
-            v[0] -= rate[j] * p[1];
-            v[1] += rate[j] * p[0];
-            if j % 2 == 0 {
-                p[2] += d[j / 2];
-            }
-        }
-        (p, v)
+        motion_in_base(&d, [&s, &c], rate, [0.0, 0.0, d[3]], [0.0; 3])
     }
 
     /// The same of a TCP, whose position is given in the flange's frame, in m.
@@ -193,18 +182,8 @@ impl Robot {
         let (s, c) = sin_cos_of_joints(joints_rad);
         let d = self.offsets();
         let [x, y, z] = *tcp_m;
-        let mut p = [c[6] * x - s[6] * y, s[6] * x + c[6] * y, d[3] + z];
-        let mut v = [-rate[6] * p[1], rate[6] * p[0], 0.0];
-        for j in (0..6).rev() {
-            p = rotate_back(j, p, s[j], c[j]);
-            v = rotate_back(j, v, s[j], c[j]);
-            v[0] -= rate[j] * p[1];
-            v[1] += rate[j] * p[0];
-            if j % 2 == 0 {
-                p[2] += d[j / 2];
-            }
-        }
-        (p, v)
+        let p = [c[6] * x - s[6] * y, s[6] * x + c[6] * y, d[3] + z];
+        motion_in_base(&d, [&s, &c], rate, p, [-rate[6] * p[1], rate[6] * p[0], 0.0])
     }
 
     /// Poses of all links in the base frame: `iiwa_link_0` to `iiwa_link_7`, then the flange
@@ -283,6 +262,27 @@ impl Robot {
         let (_, velocity) = self.tcp_motion(&tcp.position_m, joints_rad, velocity_rad_s);
         velocity.iter().map(|v| v * v).sum::<f64>().sqrt()
     }
+}
+
+/// Position and velocity in the base frame of a point that is given, with what joint 7 makes it move, beyond that joint.
+#[inline(always)]
+fn motion_in_base(
+    d: &[f64; 4],
+    [s, c]: [&Joints; 2],
+    rate: &Joints,
+    mut p: [f64; 3],
+    mut v: [f64; 3],
+) -> ([f64; 3], [f64; 3]) {
+    for j in (0..6).rev() {
+        p = rotate_back(j, p, s[j], c[j]);
+        v = rotate_back(j, v, s[j], c[j]);
+        v[0] -= rate[j] * p[1];
+        v[1] += rate[j] * p[0];
+        if j % 2 == 0 {
+            p[2] += d[j / 2];
+        }
+    }
+    (p, v)
 }
 
 /// Sines and cosines of seven joints, computed as eight: an even number fills vector registers.

@@ -170,7 +170,7 @@ impl JointPath {
         &self.limits
     }
 
-    /// The limits that hold on a step: those of its motion, but for segments of splines with limits of their own.
+    /// The limits of a step: those of its motion, or the spline segment's own.
     ///
     /// # Panics
     ///

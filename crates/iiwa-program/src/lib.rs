@@ -1,5 +1,5 @@
-//! Motion programs of the KUKA LBR iiwa: what the arm is told to do, with which tools, in which frames, and the JSON
-//! that says so. It plans nothing.
+//! Motion programs of the KUKA LBR iiwa: motions, tools, bases and frames, and their JSON form. Planning is done
+//! elsewhere.
 //!
 //! ```
 //! use iiwa_program::{Motion, Program};

@@ -7,6 +7,11 @@ use enum_map::{Enum, EnumMap};
 /// The least share of a limit: at a millionth of its speed the arm takes weeks for half a turn.
 pub(crate) const MIN_SHARE: f64 = 1e-6;
 
+/// Whether a number may be a share of a limit.
+pub(crate) fn is_share(number: f64) -> bool {
+    (MIN_SHARE..=1.0).contains(&number)
+}
+
 /// What a share is that was given in per cent.
 pub(crate) fn percent(found: f64) -> String {
     if (2.0..=100.0).contains(&found) {

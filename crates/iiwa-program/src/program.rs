@@ -8,7 +8,7 @@ use crate::{
     blend::Blend,
     cartesian_motion::CartesianMotion,
     fault::Fault,
-    limit_kind::{LimitKind, MIN_SHARE},
+    limit_kind::{LimitKind, MIN_SHARE, is_share},
     motion_index::MotionIndex,
     target::TargetRef,
     workcell::Workcell,
@@ -258,7 +258,7 @@ fn check_shares<'a>(
 ) -> Result<(), Fault> {
     for kind in LimitKind::ALL {
         let values = of(kind);
-        let wrong = |(_, share): &(Joint, &f64)| !(MIN_SHARE..=1.0).contains(*share);
+        let wrong = |(_, share): &(Joint, &f64)| !is_share(**share);
         if let Some((joint, &found)) = Joint::ALL.into_iter().zip(values).find(wrong) {
             let joint = values.iter().any(|v| v.to_bits() != found.to_bits()).then_some(joint);
             return Err(Fault::Share { motion, kind, joint, found, min: MIN_SHARE });

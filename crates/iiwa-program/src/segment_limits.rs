@@ -4,7 +4,7 @@ use iiwa_kin::Joints;
 
 use crate::{
     cartesian_fault::CartesianFault,
-    limit_kind::{ByKind, MIN_SHARE},
+    limit_kind::{ByKind, MIN_SHARE, is_share},
     tool_limits::ToolLimits,
 };
 
@@ -21,8 +21,7 @@ impl SegmentLimits {
     /// Finds the first limit that cannot be kept.
     pub(crate) fn check(&self) -> Result<(), (&'static str, CartesianFault)> {
         for (kind, shares) in &self.shares {
-            let wrong = |share: &&f64| !(MIN_SHARE..=1.0).contains(*share);
-            if let Some(&found) = shares.iter().flatten().find(wrong) {
+            if let Some(&found) = shares.iter().flatten().find(|share| !is_share(**share)) {
                 let key = kind.share_key();
                 return Err((key, CartesianFault::Share { key, found, min: MIN_SHARE }));
             }

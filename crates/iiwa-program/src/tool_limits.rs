@@ -14,7 +14,7 @@ use crate::{cartesian_fault::CartesianFault, limit_kind::ByKind};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolLimits {
     /// Of the way: speed, acceleration and jerk along the path, in m over s to the power of the kind's
-    /// [order](crate::LimitKind::order). Infinite where there is none; else above zero.
+    /// [order](crate::LimitKind::order). Infinite if unlimited, else positive.
     pub way: ByKind<f64>,
     /// Of the angle by which it turns, in rad over s to the same power.
     pub turn: ByKind<f64>,

@@ -3,19 +3,17 @@
 //! A section that is one straight line has a closed form, and so has a path of the TCP that its limits alone hold back. Any other is solved for by [`iiwa_solver`], starting from
 //! its acceleration-limited stamps.
 
-mod even;
+mod closed_form;
 mod horizon;
 mod stamps;
 
 use std::{ops::Range, sync::atomic::AtomicBool};
 
-use iiwa_path::{PLACES, Step};
+use iiwa_path::Step;
 use iiwa_solver::{LimitedSegment, SolveError, SweptNode, Window};
 
 use crate::{
-    limit_usage::LimitUsage,
     node::Node,
-    phases::phases,
     section::{Piece, Section},
     timing::{JerkOptions, TimingError},
 };
@@ -69,8 +67,10 @@ pub(crate) fn stamps(
         segments.push(segment);
     }
     let closed_form = match (segments.as_slice(), pieces.ends) {
-        ([line], [None, None]) if line.is_line() && !options.general => Some(straight(line)),
-        ([path], [None, None]) if !options.general => even::even(path),
+        ([line], [None, None]) if line.is_line() && !options.general => {
+            Some(closed_form::line(line))
+        }
+        ([path], [None, None]) if !options.general => closed_form::tcp_path(path),
         _ => None,
     };
     if let Some(found) = closed_form {
@@ -100,27 +100,6 @@ fn window_stamps(
     let mut stamper = Stamper::new(0.0, window.range.start);
     stamper.add(&solution, window, window.range.end);
     Ok(stamper.finish())
-}
-
-/// The stamps of a section that is one line.
-fn straight(segment: &LimitedSegment<'_>) -> Stamps {
-    let length = segment.length_rad();
-    let instants = phases(length, segment.straight(0.0));
-    let nodes: Vec<_> = instants.iter().map(|at| at.node(length)).collect();
-    let mut usage = LimitUsage::default();
-    let geometry = segment.geometry(&[0.0; PLACES]);
-    for pair in instants.windows(2) {
-        let [from, to] = [pair[0], pair[1]];
-        let dt = from.phase_s;
-        let jerk = (to.acceleration - from.acceleration) / dt;
-        // Where the phase is half over, and for the peaks also at its end.
-        for (at, dt) in [(from.after(0.5 * dt, jerk), dt), (to, 0.0)] {
-            let rates = [at.speed, at.acceleration, jerk];
-            usage.sample(&segment.shares(&geometry, 0, rates), dt);
-        }
-    }
-    let segments = vec![SegmentStamps { nodes: 0..nodes.len(), usage }];
-    Stamps { nodes, segments }
 }
 
 impl Section {

@@ -253,7 +253,7 @@ mod tests {
         }
     }
 
-    /// All corners are blended, but for those of LINs that come back.
+    /// Every corner is blended, except where a LIN returns.
     #[test]
     fn corners_are_as_said() {
         let trial = tcp_blends(&TcpSeries::ALL);

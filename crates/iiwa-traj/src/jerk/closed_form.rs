@@ -1,4 +1,5 @@
-//! Stamps of a line or circle of the TCP that its own limits hold back: the profile of at most seven phases along it.
+//! Stamps in closed form: the profile of at most seven phases of constant jerk along a line in joint space, and along a line
+//! or circle of the TCP that its own limits hold back.
 
 use iiwa_path::PLACES;
 use iiwa_solver::LimitedSegment;
@@ -16,9 +17,29 @@ const INTERVALS: f64 = 200.0;
 /// The largest share of a limit that a joint may use at what is checked: then it keeps the limit in between, too.
 const MOST_SHARE: f64 = 0.99;
 
+/// The stamps of a section that is one line in joint space.
+pub(super) fn line(segment: &LimitedSegment<'_>) -> Stamps {
+    let length = segment.length_rad();
+    let instants = phases(length, segment.straight(0.0));
+    let mut usage = LimitUsage::default();
+    let geometry = segment.geometry(&[0.0; PLACES]);
+    for interval in instants.windows(2).map(ConstantJerk::new) {
+        for (rates, dt) in interval.rates() {
+            usage.sample(&segment.shares(&geometry, 0, rates), dt);
+        }
+    }
+    stamps(&instants, length, &usage)
+}
+
+fn stamps(instants: &[ProfilePoint], length: f64, usage: &LimitUsage) -> Stamps {
+    let nodes: Vec<Node> = instants.iter().map(|at| at.node(length)).collect();
+    let segments = vec![SegmentStamps { nodes: 0..nodes.len(), usage: *usage }];
+    Stamps { nodes, segments }
+}
+
 /// The stamps of a section that is one path of the TCP; none if a joint or more than the limits of the TCP hold it back.
 /// What keeps the joints' limits as well is the fastest that there is: the TCP's limits alone allow no faster motion.
-pub(super) fn even(segment: &LimitedSegment<'_>) -> Option<Stamps> {
+pub(super) fn tcp_path(segment: &LimitedSegment<'_>) -> Option<Stamps> {
     let limits = segment.even_tool_limits()?;
     let length = segment.length_rad();
     let instants = divided(&phases(length, limits));
@@ -31,8 +52,7 @@ pub(super) fn even(segment: &LimitedSegment<'_>) -> Option<Stamps> {
         }
         let geometry = segment.geometry(&sigma);
         for (i, interval) in some.iter().enumerate() {
-            for (k, (sample, dt)) in interval.samples.iter().zip([interval.dt_s, 0.0]).enumerate() {
-                let rates = [sample.speed, sample.acceleration, interval.jerk];
+            for (k, (rates, dt)) in interval.rates().into_iter().enumerate() {
                 let shares = segment.shares(&geometry, 2 * i + k, rates);
                 let joints = shares.values().flat_map(|shares| &shares[..7]);
                 if !joints.into_iter().all(|share| share.abs() <= MOST_SHARE) {
@@ -42,9 +62,7 @@ pub(super) fn even(segment: &LimitedSegment<'_>) -> Option<Stamps> {
             }
         }
     }
-    let nodes: Vec<Node> = instants.iter().map(|at| at.node(length)).collect();
-    let segments = vec![SegmentStamps { nodes: 0..nodes.len(), usage }];
-    Some(Stamps { nodes, segments })
+    Some(stamps(&instants, length, &usage))
 }
 
 /// A time of constant jerk.
@@ -61,6 +79,12 @@ impl ConstantJerk {
         let dt_s = from.phase_s;
         let jerk = (to.acceleration - from.acceleration) / dt_s;
         Self { dt_s, jerk, samples: [from.after(0.5 * dt_s, jerk), to] }
+    }
+
+    /// Speed, acceleration and jerk at the samples, with the time that each stands for: the end is for the peaks alone.
+    fn rates(&self) -> [([f64; 3], f64); 2] {
+        let [half, end] = self.samples.map(|at| [at.speed, at.acceleration, self.jerk]);
+        [(half, self.dt_s), (end, 0.0)]
     }
 }
 
