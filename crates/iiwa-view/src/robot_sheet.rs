@@ -21,6 +21,12 @@ pub fn robot_sheet(robot: &Robot) -> String {
         ]);
     }
     let _ = writeln!(text, "{dh}\n");
+    let flange_mm = rounded(robot.lengths().flange_m * 1e3);
+    let _ = writeln!(
+        text,
+        "d of A7 is that of the media flange: {flange_mm} mm from the wrist. For another one, as 126 mm of the \
+         flange without media, make a profile with \"lengths_mm\": {{\"flange\": 126}}\n"
+    );
 
     let limits = robot.limits();
     let mut rows = table(&["quantity", "unit", "A1", "A2", "A3", "A4", "A5", "A6", "A7"]);

@@ -20,6 +20,9 @@ pub fn table(head: &[&str]) -> Table {
     for (index, title) in head.iter().enumerate() {
         let words = [
             "",
+            "name",
+            "direction",
+            "value",
             "type",
             "limited by",
             "robot",
