@@ -57,7 +57,9 @@ impl Iterator for Objects {
             let line = match self.lines.next()? {
                 Ok(line) => line,
                 Err(error) => {
-                    return Some(Err(Failure::input(format!("cannot read standard input: {error}"))));
+                    return Some(Err(Failure::input(format!(
+                        "cannot read standard input: {error}"
+                    ))));
                 }
             };
             let line = line.trim_start_matches('\u{feff}').trim();
@@ -88,14 +90,15 @@ pub(crate) fn joints_rad(object: &Map<String, Value>) -> Result<[f64; 7], String
                 (1..=7).filter_map(|joint| object.get(&key(joint))).collect()
             }
         };
-        let values: Option<Vec<f64>> = given.iter().map(|value| value.as_f64().map(to_rad)).collect();
+        let values: Option<Vec<f64>> =
+            given.iter().map(|value| value.as_f64().map(to_rad)).collect();
         let count = given.len();
         let joints = values.ok_or_else(|| "a joint is not a number".to_owned());
         Some(joints.and_then(|values| {
             values.try_into().map_err(|_| format!("there are {count} numbers, and seven joints"))
         }))
     };
-    numbers(f64::to_radians, "deg")
-        .or_else(|| numbers(|rad| rad, "rad"))
-        .unwrap_or_else(|| Err("there is no `joints_deg`, `joints_rad` or `joint_1_deg`".to_owned()))
+    numbers(f64::to_radians, "deg").or_else(|| numbers(|rad| rad, "rad")).unwrap_or_else(|| {
+        Err("there is no `joints_deg`, `joints_rad` or `joint_1_deg`".to_owned())
+    })
 }

@@ -26,11 +26,23 @@ pub(crate) struct DriveAddress {
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ClientKeys {
     /// Own key, made by `iiwasim keygen`, for a drive that requires keys
-    #[arg(long, value_name = "FILE.key", requires = "server_key", env = "IIWASIM_KEY", hide_env = true)]
+    #[arg(
+        long,
+        value_name = "FILE.key",
+        requires = "server_key",
+        env = "IIWASIM_KEY",
+        hide_env = true
+    )]
     pub(crate) key: Option<PathBuf>,
 
     /// The drive's public key
-    #[arg(long, value_name = "FILE.pub", requires = "key", env = "IIWASIM_SERVER_KEY", hide_env = true)]
+    #[arg(
+        long,
+        value_name = "FILE.pub",
+        requires = "key",
+        env = "IIWASIM_SERVER_KEY",
+        hide_env = true
+    )]
     pub(crate) server_key: Option<PathBuf>,
 }
 

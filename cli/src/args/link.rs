@@ -7,7 +7,9 @@ use iiwa_link::{message::IoValue, security::Endpoint};
 
 use super::{
     addresses::{ClientKeys, DRIVE, DriveAddress, STREAM, ServerKeys},
-    values::{at_least_0, epoch, io_value, noise, percent, percent_above_zero, period, seven, speed},
+    values::{
+        at_least_0, epoch, io_value, noise, percent, percent_above_zero, period, seven, speed,
+    },
 };
 
 /// Make keys for connections between machines: NAME.key, which is secret, and NAME.pub.

@@ -8,6 +8,9 @@ use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
 use super::values::{at_least_0, epoch, rate};
 
+/// Options that few need.
+const METHOD: &str = "Methods of calculation (Larsen 2019)";
+
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
 /// The table has a row for each motion: when it starts and ends, its top speed as a share of the
@@ -47,20 +50,20 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
 
-    /// Limits that the motion keeps
-    #[arg(long, value_enum, default_value_t = Timing::Jerk)]
+    /// Limits that the motion keeps: velocity within 0.1 %, acceleration within 0.2 %, jerk within 2 %
+    #[arg(long, value_enum, default_value_t = Timing::Jerk, help_heading = METHOD)]
     pub(crate) timing: Timing,
 
     /// Curve of the blends
-    #[arg(long, value_enum, default_value_t = Shape::Iiwa)]
+    #[arg(long, value_enum, default_value_t = Shape::Iiwa, help_heading = METHOD)]
     pub(crate) blend_shape: Shape,
 
     /// Method that finds the start and end of a blend given in mm
-    #[arg(long, value_enum, default_value_t = Search::FirstCrossing)]
+    #[arg(long, value_enum, default_value_t = Search::FirstCrossing, help_heading = METHOD)]
     pub(crate) blend_search: Search,
 
     /// Samples a blend for --timing acceleration, 2 to 100000; more samples are more exact and slower
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=100_000), help_heading = METHOD)]
     pub(crate) samples: u32,
 
     /// Also write the trajectory as a table, of a single program: time, motion, joint positions, velocities and
@@ -103,7 +106,7 @@ pub(crate) struct Plan {
 
     /// Also print the solver's iterations on standard error, of a single program with --timing jerk. A straight line
     /// takes none
-    #[arg(long)]
+    #[arg(long, help_heading = METHOD)]
     pub(crate) trace: bool,
 
     /// Also draw the path of the flange and the joint speeds as a picture, of a single program

@@ -44,7 +44,8 @@ fn many(place: &Workplace, json: bool) -> Result<(), Failure> {
             let (position_m, rotation) = (pose.position_m, pose.rotation);
             output::json_line(&LineAnswer { position_m, rotation, frame: &frame })?
         } else {
-            let ReachedFrame { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg, e1_deg, status, turn } = frame;
+            let ReachedFrame { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg, e1_deg, status, turn } =
+                frame;
             format!("{x_mm},{y_mm},{z_mm},{a_deg},{b_deg},{c_deg},{e1_deg},{status},{turn}\n")
         };
         if !output::print_if_read(&line)? {

@@ -15,7 +15,8 @@ use tokio::{
 use crate::{
     error::LinkError,
     message::{
-        Code, IoValue, MAX_MESSAGE_BYTES, MAX_REPLY_BYTES, Refusal, Request, Run, Sensors, Signal, Status,
+        Code, IoValue, MAX_MESSAGE_BYTES, MAX_REPLY_BYTES, Refusal, Request, Run, Sensors, Signal,
+        Status,
     },
     security::{ConnectionRefusal, Endpoint},
     socket::{MAX_CLOSED_HANDSHAKES, Remote},

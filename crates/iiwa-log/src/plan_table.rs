@@ -50,7 +50,10 @@ enum Sheet<W: Write> {
 fn names() -> impl Iterator<Item = String> {
     let joints = |unit| (1..=7).map(move |joint| format!("joint_{joint}_{unit}"));
     let tcp = ["x_m", "y_m", "z_m", "a_rad", "b_rad", "c_rad"];
-    ["rad", "rad_s", "rad_s2"].into_iter().flat_map(joints).chain(tcp.map(|name| format!("tcp_{name}")))
+    ["rad", "rad_s", "rad_s2"]
+        .into_iter()
+        .flat_map(joints)
+        .chain(tcp.map(|name| format!("tcp_{name}")))
 }
 
 impl<W: Write> PlanTable<W> {

@@ -43,7 +43,8 @@ impl<W: Write + Send> Sheet<W> {
         for name in names() {
             fields.push(field(&name, Physical::DOUBLE).map_err(refused)?);
         }
-        let schema = Type::group_type_builder("plan").with_fields(fields).build().map_err(refused)?;
+        let schema =
+            Type::group_type_builder("plan").with_fields(fields).build().map_err(refused)?;
         let zstd = Compression::ZSTD(parquet::basic::ZstdLevel::default());
         let properties = WriterProperties::builder().set_compression(zstd).build();
         let writer = SerializedFileWriter::new(stream, Arc::new(schema), Arc::new(properties));

@@ -33,7 +33,8 @@ impl<C> Dispatcher<C> {
                     QueryKind::Signals => io.map(|io| Body::Signals { io }),
                     QueryKind::Value => value.map(|value| Body::Value { value }),
                 };
-                let lacks = || Refusal::robot("the robot program's acknowledgement lacks the value");
+                let lacks =
+                    || Refusal::robot("the robot program's acknowledgement lacks the value");
                 self.reply(requester, content.map(Some).ok_or_else(lacks));
             }
             (Purpose::Plan(run) | Purpose::Begin(run), Some(error)) => self.fail(run, error, now),
