@@ -125,7 +125,8 @@ impl PositionList {
         let from = self.place(id)?;
         let last = self.positions.len() - 1;
         let steps = usize::try_from(by.unsigned_abs()).unwrap_or(last);
-        let to = if by < 0 { from.saturating_sub(steps) } else { (from + steps.min(last)).min(last) };
+        let to =
+            if by < 0 { from.saturating_sub(steps) } else { (from + steps.min(last)).min(last) };
         self.change(|list| {
             let position = list.positions.remove(from);
             list.positions.insert(to, position);
@@ -135,11 +136,7 @@ impl PositionList {
 
     /// A program from the first position to the last. Targets are frames by the positions' names; where a frame does not
     /// lead back to the taught joints, as where the arm is stretched, they are those joints.
-    pub(super) fn program(
-        &self,
-        velocity_percent: f64,
-        blend_mm: f64,
-    ) -> Result<Program, String> {
+    pub(super) fn program(&self, velocity_percent: f64, blend_mm: f64) -> Result<Program, String> {
         let velocity_rel = velocity_percent / 100.0;
         if !(velocity_rel > 0.0 && velocity_rel <= 1.0) {
             return Err(format!(
@@ -183,8 +180,7 @@ impl PositionList {
         let kept = self.robot.redundancy(joints_rad);
         let back = self.robot.inverse(&pose, kept.e1_rad, kept.status).ok()?;
         let is_same = std::iter::zip(joints_rad, back).all(|(a, b)| (a - b).abs() < SAME_RAD);
-        let frame =
-            Frame { xyz_mm: pose.position_m.map(|m| 1e3 * m), abc_rad: pose.abc_rad() };
+        let frame = Frame { xyz_mm: pose.position_m.map(|m| 1e3 * m), abc_rad: pose.abc_rad() };
         is_same.then(|| Target {
             e1_rad: Some(kept.e1_rad),
             status: Some(kept.status),

@@ -192,8 +192,9 @@ fn what_cannot_come_nearer_does_not_count() {
         ArmInScene::new(&robot, &scene).clearance(q).unwrap()
     };
     // The shoulder is 266 mm above the column that the arm stands on, at all poses: what counts moves with the pose.
-    let apart = [[0.0; 7], [0.0, 1.0, 0.0, -1.5, 0.0, 0.5, 0.0], [2.0, -1.0, 0.0, 1.8, 0.0, 0.0, 0.0]]
-        .map(|q| of(column(-0.15), &q).distance_m);
+    let apart =
+        [[0.0; 7], [0.0, 1.0, 0.0, -1.5, 0.0, 0.5, 0.0], [2.0, -1.0, 0.0, 1.8, 0.0, 0.0, 0.0]]
+            .map(|q| of(column(-0.15), &q).distance_m);
     assert!(apart.iter().all(|m| (m - 0.266).abs() > 1e-3), "{apart:?}");
     assert!((apart[0] - apart[1]).abs() > 0.01 && (apart[1] - apart[2]).abs() > 0.01, "{apart:?}");
     // What it touches, it does so at all poses: that counts.
@@ -201,8 +202,7 @@ fn what_cannot_come_nearer_does_not_count() {
     assert_eq!((touching.distance_m, touching.link), (0.0, 2));
     // A post beside the shoulder is nearer to it at some poses than at others.
     let post = Form::Box { center_m: [0.0, 0.3, 0.34], size_m: [0.1; 3], rpy_rad: [0.0; 3] };
-    let [along, across] =
-        [0.0, 0.5 * PI].map(|a1| of(post, &[a1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    let [along, across] = [0.0, 0.5 * PI].map(|a1| of(post, &[a1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
     assert_eq!((along.link, across.link), (2, 2));
     assert!((along.distance_m - across.distance_m).abs() > 0.01, "{along:?} {across:?}");
 }

@@ -153,9 +153,13 @@ fn pairs_are_ignored_by_name() {
     let pair = |link, obstacle| IgnoredPair { link, obstacle };
     assert_eq!(pairs, [pair(2, 0), pair(8, 1)]);
     for (pair, what, span) in [
-        (r#"["link 2", "tabel"]"#, "unknown obstacle `tabel`; did you mean `table`?", "\"tabel\""),
+        (
+            r#"["link 2", "tablet"]"#,
+            "unknown obstacle `tablet`; did you mean `table`?",
+            "\"tablet\"",
+        ),
         (r#"["link 1", "table"]"#, "unknown part of the arm `link 1`; did you mean", "\"link 1\""),
-        (r#"["lnik 7", "table"]"#, "did you mean `link 7`?", "\"lnik 7\""),
+        (r#"["link7", "table"]"#, "did you mean `link 7`?", "\"lnik 7\""),
         (r#"["link 2"]"#, "a pair is [\"link 2\", \"NAME\"]", "[\"link 2\"]"),
         (r#"["link 2", 7]"#, "expected a string, found `7`", "["),
         ("7", "a pair is", "7"),

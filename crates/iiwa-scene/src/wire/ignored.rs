@@ -26,9 +26,8 @@ pub(super) fn ignored_pair(
         obstacle: None,
         place,
     };
-    let at = |name: usize| {
-        locate(text, &[Step::Key("ignore"), Step::Index(index), Step::Index(name)])
-    };
+    let at =
+        |name: usize| locate(text, &[Step::Key("ignore"), Step::Index(index), Step::Index(name)]);
     let [part, obstacle] = serde_json::from_str::<[String; 2]>(raw).map_err(|error| {
         let what = format!("{}; a pair is [\"link 2\", \"NAME\"]", problem(&error));
         wrong(what, locate(text, &[Step::Key("ignore"), Step::Index(index)]))

@@ -380,11 +380,7 @@ fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compare
 }
 
 /// A deviation over the time of the arm, which goes on where the plan's time stands; the arm starts at `start_s`.
-fn deviation(
-    comparison: &Comparison,
-    start_s: f64,
-    value: impl Fn(&TracePoint) -> f64,
-) -> Curve {
+fn deviation(comparison: &Comparison, start_s: f64, value: impl Fn(&TracePoint) -> f64) -> Curve {
     let mut samples = Samples::<1>::with_capacity(comparison.trace.len());
     for part in comparison.unbroken_trace() {
         if let (Some(last), Some(first)) = (samples.t_s.last(), part.first()) {
