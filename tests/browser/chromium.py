@@ -196,9 +196,17 @@ class Browser:
         assert isinstance(box, dict) and box["width"] > 0 and box["height"] > 0, selector
         return box
 
-    def press(self, x: float, y: float) -> None:
-        """Presses the mouse at a place."""
-        self.drag([(x, y)])
+    def press(self, x: float, y: float, count: int = 1) -> None:
+        """Presses the mouse at a place, once or twice."""
+        for i in range(count):
+            self._mouse("mousePressed", x, y, 1, i + 1)
+            self._mouse("mouseReleased", x, y, 0, i + 1)
+        self.frames()
+
+    def move(self, x: float, y: float) -> None:
+        """Moves the mouse."""
+        self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+        self.frames()
 
     def drag(self, places: list[tuple[float, float]]) -> None:
         """Presses the mouse, moves it and lets go."""
@@ -208,7 +216,7 @@ class Browser:
         self._mouse("mouseReleased", *places[-1], 0)
         self.frames()
 
-    def _mouse(self, kind: str, x: float, y: float, buttons: int) -> None:
+    def _mouse(self, kind: str, x: float, y: float, buttons: int, count: int = 1) -> None:
         self.call(
             "Input.dispatchMouseEvent",
             type=kind,
@@ -216,5 +224,22 @@ class Browser:
             y=y,
             button="left",
             buttons=buttons,
-            clickCount=1,
+            clickCount=count,
         )
+
+    def touch(self, places: list[list[tuple[float, float]]]) -> None:
+        """Fingers go down, from place to place, and up."""
+        for i, fingers in enumerate(places):
+            points = [{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(fingers)]
+            self.call("Input.dispatchTouchEvent", type="touchMove" if i else "touchStart", touchPoints=points)
+        self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        self.frames()
+
+    def key(self, key: str, text: str = "") -> None:
+        """Presses a key."""
+        codes = {"Tab": 9, "End": 35, "Home": 36, "ArrowLeft": 37, "ArrowRight": 39, "Enter": 13, "Escape": 27}
+        for kind in ("keyDown", "keyUp"):
+            extra = {"text": text} if text and kind == "keyDown" else {}
+            code = codes.get(key, 0)
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code, **extra)
+        self.frames()

@@ -15,7 +15,7 @@ use super::{
 /// The page is served to this machine only, at an address with a token, which is printed at the start. It
 /// shows the measured arm, the state of the drive, sensors, inputs and outputs, and, with --scene, the
 /// clearance of the arm. A program is planned and shown before it can be run, and the recording of the
-/// run is shown beside the plan. Saved positions can be made into a program.
+/// run is shown beside the plan. Saved positions stay for the next time, and can be made into a program.
 ///
 /// The page is a client of the drive like any other: its requests pass the checks of the drive and those of
 /// `iiwasim run`. Ctrl-C ends the twin; a run that it has started is stopped on its path.
@@ -37,6 +37,10 @@ pub(crate) struct Twin {
     /// is removed at the end]
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
+
+    /// File of saved positions, created with the first one [default: a file for each robot in the user's data folder]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) positions: Option<PathBuf>,
 
     /// Input or output to show; may be given more than once [default: those of the media flange]
     #[arg(long = "io", value_name = "NAME")]

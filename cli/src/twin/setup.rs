@@ -20,6 +20,8 @@ use crate::{
     args, connection, failure::Failure, input, leftovers::Name, output, runner::DriveConnection,
 };
 
+use super::positions::default_file;
+
 /// The robot, its obstacles, and the connection to its drive.
 pub(crate) struct Setup {
     pub(crate) robot: Robot,
@@ -31,6 +33,8 @@ pub(crate) struct Setup {
     remote: Remote,
     drive: String,
     stream: String,
+    /// The file of saved positions.
+    pub(super) positions: PathBuf,
     folder: PathBuf,
     /// Removed at the end, unless a folder was given.
     temporary: Option<Temporary>,
@@ -83,7 +87,9 @@ impl Setup {
             [] => MEDIA_FLANGE.map(str::to_owned).into(),
             named => named.to_vec(),
         };
+        let positions = options.positions.clone().or_else(|| default_file(&robot));
         Ok(Self {
+            positions: positions.unwrap_or_else(|| folder.join("positions.json")),
             robot,
             robot_name: options.robot.clone(),
             arm,
@@ -185,6 +191,7 @@ impl Setup {
             scene: self.arm.as_ref().map(ArmInScene::scene),
             min_clearance_mm: self.min_clearance_mm,
             drive: &self.drive,
+            positions: self.positions.display().to_string(),
             folder: self.temporary.is_none().then(|| self.folder.display().to_string()),
         }
     }

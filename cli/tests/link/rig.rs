@@ -188,12 +188,14 @@ impl Rig {
         });
     }
 
-    /// The addresses of the drive that a command asks for.
+    /// The addresses of the drive that a command asks for, and the file of positions.
     fn addresses(&self, command: &str) -> Vec<&str> {
         let (drive, stream) = (["--drive", &self.instructions], ["--stream", &self.stream]);
         match command {
             "record" => stream.to_vec(),
-            "run" | "experiment" | "twin" => [drive, stream].concat(),
+            // Not the positions of whoever runs this.
+            "twin" => [drive, stream, ["--positions", "positions.json"]].concat(),
+            "run" | "experiment" => [drive, stream].concat(),
             _ => drive.to_vec(),
         }
     }

@@ -6,20 +6,14 @@ use iiwa_kin::{Along, Joints, Pose, Robot, Solid};
 use parry3d_f64::{math::Vector, shape::SupportMap};
 
 use crate::{
+    links::{FIRST_LINK, TOOL},
     placed::rotation,
     polyhedron::Polyhedron,
     tool::{ToolForm, ToolShape},
 };
 
-/// The first link that counts. Links 0 and 1 stand on the table and turn about their own axis only: how
-/// far they are from anything is the same at all poses.
-pub(crate) const FIRST_LINK: usize = 2;
-
 /// The last link, which carries the tool.
 const LAST_LINK: usize = 7;
-
-/// What a tool is called among links.
-pub(crate) const TOOL: usize = 8;
 
 /// A convex shape of the arm.
 #[derive(Clone, Debug)]
@@ -203,6 +197,17 @@ fn from_own_axis(center: Vector, along: Along, form: &Volume<Arc<Polyhedron>>) -
 }
 
 impl Part {
+    /// Whether only joint 1 moves it: it is round about the axis that its own link, the second, turns about.
+    pub(crate) fn turns_with_joint_1(&self) -> bool {
+        let on_axis = self.center.x == 0.0 && self.center.y == 0.0;
+        let is_round = match self.form {
+            Volume::Cylinder { .. } => self.axis == Vector::Z,
+            Volume::Ball { .. } => true,
+            Volume::Box { .. } | Volume::Hull { .. } => false,
+        };
+        self.link == FIRST_LINK && on_axis && is_round
+    }
+
     /// The part where its link's frame is at `pose`.
     pub(crate) fn at(&self, pose: &Pose) -> Body<'_> {
         let rows = pose.rotation.map(Vector::from);

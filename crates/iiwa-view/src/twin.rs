@@ -10,11 +10,14 @@ use crate::{
 };
 
 /// Parts of this page alone.
-const PARTS: [Part; 5] = [
+const PARTS: [Part; 8] = [
     ("/*twin.css*/", include_str!("twin/twin.css")),
+    ("/*plot.js*/", include_str!("page/plot.js")),
     ("/*link.js*/", include_str!("twin/link.js")),
     ("/*live.js*/", include_str!("twin/live.js")),
+    ("/*positions.js*/", include_str!("twin/positions.js")),
     ("/*programs.js*/", include_str!("twin/programs.js")),
+    ("/*history.js*/", include_str!("twin/history.js")),
     ("/*main.js*/", include_str!("twin/main.js")),
 ];
 
@@ -29,6 +32,8 @@ pub struct TwinSetup<'a> {
     pub min_clearance_mm: f64,
     /// The drive's address.
     pub drive: &'a str,
+    /// The file of saved positions.
+    pub positions: String,
     /// The folder of the twin's files, if they are kept.
     pub folder: Option<String>,
 }

@@ -4,7 +4,7 @@ const shown = { mode: "live", time: 0, playing: false, frame: null };
 
 $("title").textContent = `Twin of ${robot.name}`;
 $("footer").textContent =
-  `Follows ${setup.drive}. ${setup.folder ? `Programs, plans and recordings are kept in ${setup.folder}.` : "Programs, plans and recordings are kept until the end of the twin (--output keeps them)."} The button that stops the robot is no emergency stop: it needs this page, the network, the drive and the robot program.`;
+  `Follows ${setup.drive}. ${setup.folder ? `Programs, plans and recordings are kept in ${setup.folder}.` : "Programs, plans and recordings are kept until the end of the twin (--output keeps them)."} Positions are kept in ${setup.positions}. The button that stops the robot is no emergency stop: it needs this page, the network, the drive and the robot program.`;
 
 let scene = null;
 try {
@@ -80,9 +80,18 @@ function show(mode) {
 /** Whether what is shown is where the arm is. */
 function writeMode() {
   const texts = { live: "Live", simulation: "Live, with the plan's simulation", replay: "Replay: not live" };
-  const isLost = shown.mode !== "replay" && Boolean(trouble());
-  $("mode").textContent = isLost ? "Not live: where the arm was" : texts[shown.mode];
-  $("mode").classList.toggle("bad", isLost || shown.mode === "replay");
+  const isReplay = shown.mode === "replay";
+  const isLost = !isReplay && (Boolean(trouble()) || (live.newest !== null && isStale()));
+  const isAwaited = !isReplay && !isLost && live.newest === null;
+  $("mode").textContent = isLost
+    ? live.newest === null
+      ? "Not live: nothing is known of the arm"
+      : "Not live: where the arm was"
+    : isAwaited
+      ? "Waiting for the arm"
+      : texts[shown.mode];
+  $("mode").classList.toggle("bad", isLost || isReplay);
+  $("mode").classList.toggle("waiting", isAwaited);
 }
 
 const lastS = (arms) => Math.max(...arms.map((arm) => arm.end_s));
@@ -166,6 +175,7 @@ function frame(now) {
     }
     writeLink();
     writeMode();
+    writeHistory();
   }
   requestAnimationFrame(frame);
 }
