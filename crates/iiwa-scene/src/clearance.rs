@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::{
     arm::{self, Body, Part},
+    arm_meshes::ArmMeshes,
     distance::{Near, near},
     placed::Placed,
     scene::Scene,
@@ -66,6 +67,14 @@ impl ArmInScene {
             parts: [arm::parts(robot), arm::tool_parts(robot, scene.tool())].concat().into(),
             obstacles: scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect(),
         }
+    }
+
+    /// Prepares `robot` and `scene`: links are the convex hulls of their meshes, in place of cylinders and spheres.
+    #[must_use]
+    pub fn with_meshes(robot: &Robot, scene: &Scene, meshes: &ArmMeshes) -> Self {
+        let parts = arm::mesh_parts(robot, &meshes.hulls);
+        let parts = [parts, arm::tool_parts(robot, scene.tool())].concat().into();
+        Self { parts, ..Self::new(robot, scene) }
     }
 
     /// The scene.
