@@ -10,6 +10,7 @@ mod model;
 mod plan;
 mod report;
 mod twin;
+mod urdf;
 mod values;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -24,6 +25,7 @@ pub(crate) use model::{Fk, Format, Ik, Place, Robot, Schema};
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use twin::Twin;
+pub(crate) use urdf::Urdf;
 
 const EXIT_CODES: &str = "\
 Exit codes:

@@ -200,21 +200,41 @@ class Browser:
         """Presses the mouse at a place."""
         self.drag([(x, y)])
 
-    def drag(self, places: list[tuple[float, float]]) -> None:
+    def drag(self, places: list[tuple[float, float]], button: str = "left", shift: bool = False) -> None:
         """Presses the mouse, moves it and lets go."""
         for i, (x, y) in enumerate(places):
             kind = "mousePressed" if i == 0 else "mouseMoved"
-            self._mouse(kind, x, y, 1)
-        self._mouse("mouseReleased", *places[-1], 0)
+            self._mouse(kind, x, y, button, True, shift)
+        self._mouse("mouseReleased", *places[-1], button, False, shift)
         self.frames()
 
-    def _mouse(self, kind: str, x: float, y: float, buttons: int) -> None:
+    def _mouse(self, kind: str, x: float, y: float, button: str, down: bool, shift: bool) -> None:
         self.call(
             "Input.dispatchMouseEvent",
             type=kind,
             x=x,
             y=y,
-            button="left",
-            buttons=buttons,
+            button=button,
+            buttons={"left": 1, "right": 2}[button] if down else 0,
+            modifiers=8 if shift else 0,
             clickCount=1,
         )
+
+    def wheel(self, x: float, y: float, down: float) -> None:
+        """Turns the wheel at a place, by so many px."""
+        self.call("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=down)
+        self.frames()
+
+    def fingers(self, ways: list[list[tuple[float, float]]]) -> None:
+        """Puts fingers on the screen, moves each along its way, and lifts them."""
+        for i, places in enumerate(zip(*ways, strict=True)):
+            points = [{"x": x, "y": y, "id": finger} for finger, (x, y) in enumerate(places)]
+            self.call("Input.dispatchTouchEvent", type="touchMove" if i else "touchStart", touchPoints=points)
+        self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        self.frames()
+
+    def key(self, key: str, shift: bool = False) -> None:
+        """Presses a key."""
+        for kind in ("keyDown", "keyUp"):
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, modifiers=8 if shift else 0)
+        self.frames()
