@@ -6,7 +6,10 @@ use bytesize::ByteSize;
 use clap::{Args, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
-use super::values::{at_least_0, epoch, rate};
+use super::{
+    Urdf,
+    values::{at_least_0, epoch, rate},
+};
 
 /// Options that few need.
 const METHOD: &str = "Methods of calculation (Larsen 2019)";
@@ -95,6 +98,9 @@ pub(crate) struct Plan {
     /// Scene in JSON (`iiwasim schema scene` describes it), to print the clearance of the arm
     #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) arm: Urdf,
 
     /// Gate: exit with code 3 if the arm comes nearer to an obstacle of the scene, in mm, or touches one
     #[arg(long, value_name = "MM", value_parser = at_least_0)]
