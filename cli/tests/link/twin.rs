@@ -279,7 +279,7 @@ fn positions_become_a_program() {
             ("\"version\": 1", "\"version\": 2", "version 1 is understood"),
             ("lbr_iiwa_7_r800", "lbr_iiwa_14_r820", "not of lbr_iiwa_7_r800"),
             ("\"home\"", "\"<b>there</b>\"", "there is a position"),
-            ("\"name\"", "\"nam\"", "did you mean `name`?"),
+            ("\"name\"", "\"names\"", "did you mean `name`?"),
             ("{", "", "line 1"),
         ] {
             fs::write(rig.path("positions.json"), kept.replacen(from, to, 1)).unwrap();
