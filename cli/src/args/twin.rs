@@ -26,7 +26,7 @@ pub(crate) struct Twin {
     pub(crate) port: u16,
 
     /// Scene in JSON: boxes and planes around the arm, and its tool (`iiwasim schema scene` describes it)
-    #[arg(long, value_name = "SCENE.json")]
+    #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
 
     /// Minimum clearance of programs that may be run, in mm
@@ -57,7 +57,7 @@ pub(crate) struct Twin {
     pub(crate) robot: String,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]

@@ -208,6 +208,19 @@ impl Rig {
         process
     }
 
+    /// Runs a command without addresses, to its end.
+    pub(crate) fn iiwasim_alone(&self, arguments: &[&str]) -> Assert {
+        let mut process = assert_cmd::Command::new(cargo_bin!("iiwasim"));
+        process.current_dir(&self.folder).args(arguments).timeout(LONG).assert()
+    }
+
+    /// Writes the addresses into a file of settings.
+    pub(crate) fn write_settings(&self, name: &str) {
+        let Self { instructions, stream, .. } = self;
+        let text = format!("drive = \"{instructions}\"\nstream = \"{stream}\"\n");
+        fs::write(self.path(name), text).unwrap();
+    }
+
     /// Runs a command that speaks to the drive, to its end.
     pub(crate) fn iiwasim(&self, command: &str, arguments: &[&str]) -> Assert {
         self.command(command, arguments).assert()

@@ -288,6 +288,12 @@ impl Page {
         &self.notes
     }
 
+    /// How long the second file's motion took, in s, if it was held against the plan.
+    #[must_use]
+    pub fn measured_cycle_time_s(&self) -> Option<f64> {
+        self.compared.as_ref().map(|compared| compared.report.measured_cycle_time_s())
+    }
+
     /// What the 3D view needs of the page, without curves.
     #[must_use]
     pub fn sketch(&self) -> impl Serialize + use<'_> {
