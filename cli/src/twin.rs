@@ -16,6 +16,7 @@ mod follow;
 mod foxglove;
 mod guard;
 mod health;
+mod jog;
 mod message;
 mod page_socket;
 mod planned;

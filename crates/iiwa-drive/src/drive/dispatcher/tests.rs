@@ -49,7 +49,10 @@ impl DispatcherScene {
     fn report(&mut self, state: DriveState, run: Option<RunId>, ended: Option<RunId>) {
         let outcome = ended.map(|run| Outcome { run, start_s: None, end_s: 1.0, error: None });
         self.observe();
-        self.dispatcher.state_changed(StateChange { boot: 1, state, run, outcome }, self.now);
+        self.dispatcher.state_changed(
+            StateChange { boot: 1, state, run, outcome, simulated: false },
+            self.now,
+        );
     }
 
     fn observe(&mut self) {
