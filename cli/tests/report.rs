@@ -530,7 +530,14 @@ fn clearances_are_those_of_meshes() {
     write("arm.urdf", &urdf_with(&Robot::default(), "wedge.obj"));
     let program = fixture("appendix-b.json");
     let cage = fixture("cage.json");
-    let base = ["plan", program.to_str().unwrap(), "--no-output", "--json", "--scene", cage.to_str().unwrap()];
+    let base = [
+        "plan",
+        program.to_str().unwrap(),
+        "--no-output",
+        "--json",
+        "--scene",
+        cage.to_str().unwrap(),
+    ];
     let distance = |more: &[&str]| {
         let assert = iiwasim(&folder, &[&base[..], more].concat());
         let figures: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
