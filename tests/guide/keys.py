@@ -30,11 +30,15 @@ def anchor(name):
     return name.lower()
 
 
+def plain(number):
+    return f"{number:.9f}".rstrip("0").rstrip(".") if 0 < abs(number) < 1e-3 else f"{number:g}"
+
+
 def bounds(schema):
     low, high = schema.get("minimum"), schema.get("maximum")
     above, below = schema.get("exclusiveMinimum"), schema.get("exclusiveMaximum")
-    low_text = f"{low:g}" if low is not None else f"above {above:g}" if above is not None else ""
-    high_text = f"{high:g}" if high is not None else f"below {below:g}" if below is not None else ""
+    low_text = plain(low) if low is not None else f"above {plain(above)}" if above is not None else ""
+    high_text = plain(high) if high is not None else f"below {plain(below)}" if below is not None else ""
     if low_text and high_text:
         return f", {low_text} to {high_text}"
     if low_text:
@@ -63,7 +67,7 @@ def kind(schema):
         low, high = schema.get("minItems"), schema.get("maxItems")
         of = kind(schema.get("items", {}))
         if low is not None and low == high:
-            return f"{low} times {of}"
+            return f"{low} {of.replace('number', 'numbers', 1)}" if of.startswith("number") else f"{low} times {of}"
         count = f", {low or 0} to {high}" if high else f", at least {low}" if low else ""
         return f"list of {of}{count}"
     if types == ["object"]:
@@ -98,6 +102,11 @@ def section(schema):
     elif options and all("const" in option or "enum" in option for option in options):
         lines += ["| value | meaning |", "|---|---|"]
         lines += [f"| {cell(kind(option))} | {cell(option.get('description', ''))} |" for option in options]
+    elif options and all(len(option.get("properties", {})) == 1 for option in options):
+        lines += ["One of", "", "| key | value | meaning |", "|---|---|---|"]
+        for option in options:
+            [(name, value)] = option["properties"].items()
+            lines.append(f"| `{name}` | {cell(kind(value))} | {cell(option.get('description', ''))} |")
     elif options and all("properties" in option for option in options):
         for option in options:
             lines += [option.get("description", ""), "", *properties(option), ""]

@@ -65,6 +65,8 @@ pub use iiwa_sunrise as sunrise;
 pub use iiwa_traj as traj;
 #[cfg(feature = "view")]
 pub use iiwa_view as view;
+#[cfg(feature = "viewers")]
+pub use iiwa_viewers as viewers;
 
 pub mod prelude;
 
@@ -77,4 +79,3 @@ pub struct Readme;
 #[cfg(all(doctest, feature = "plan"))]
 #[doc = include_str!("../../../docs/guide/library.md")]
 pub struct Guide;
-
