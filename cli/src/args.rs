@@ -9,10 +9,14 @@ mod link;
 mod model;
 mod plan;
 mod report;
+mod shell;
 mod twin;
+mod urdf;
 mod values;
 
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use crate::settings::{self, Settings};
 
 pub(crate) use addresses::{ClientKeys, DriveAddress, ServerKeys};
 pub(crate) use compare::Compare;
@@ -23,7 +27,9 @@ pub(crate) use link::{Cabinet, Drive, Io, IoAction, Keygen, Record, Run, Sensors
 pub(crate) use model::{Fk, Format, Ik, Place, Robot, Schema};
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
+pub(crate) use shell::{Completions, Man};
 pub(crate) use twin::Twin;
+pub(crate) use urdf::Urdf;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -32,20 +38,41 @@ Exit codes:
   2  wrong usage or invalid input
   3  done, but a gate such as --max-cycle-time was not met, or some of many programs failed";
 
+const FILES: &str = "\
+Files:
+  What can be made again is replaced: trajectories, pictures, reports, the results of virtual robots. What was
+  measured on a robot, or may have been edited by hand, is not: recordings, robot profiles, frames; --overwrite
+  replaces them. Keys never are.";
+
+/// Version, commit and abilities.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), env!("IIWASIM_BUILD"), ", with CURVE");
+
 /// Motion simulator for the KUKA LBR iiwa: which path will the arm take through a motion program,
 /// and how long will it take?
 #[derive(Debug, Parser)]
-#[command(name = "iiwasim", version, after_help = EXIT_CODES)]
+#[command(name = "iiwasim", version = VERSION, after_help = format!("{EXIT_CODES}\n\n{FILES}\n\n{}", settings::HELP))]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
 }
 
 impl Arguments {
-    /// Parses the arguments of this process; exits on wrong usage, and after printing help. The help of each
-    /// command lists the exit codes.
-    pub(crate) fn read() -> Self {
-        let command = Self::command().mut_subcommands(|command| command.after_help(EXIT_CODES));
+    /// The command line. The help of each command lists the exit codes.
+    pub(crate) fn command_line() -> clap::Command {
+        Self::command().mut_subcommands(|command| {
+            // Else, a negative number would be taken for an option.
+            let number = |arg: Arg| match arg.is_positional() || !arg.get_action().takes_values() {
+                true => arg,
+                false => arg.allow_negative_numbers(true),
+            };
+            command.mut_args(number).after_help(EXIT_CODES)
+        })
+    }
+
+    /// Parses the arguments of this process with these settings as defaults; exits on wrong usage, and after printing
+    /// help.
+    pub(crate) fn read(settings: &Settings) -> Self {
+        let command = Self::command_line().mut_subcommands(|command| settings.apply(command));
         Self::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
     }
 }
@@ -72,4 +99,6 @@ pub(crate) enum Command {
     Import(Import),
     Robot(Robot),
     Schema(Schema),
+    Completions(Completions),
+    Man(Man),
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod cabinet;
 pub(crate) mod compare;
+pub(crate) mod completions;
 pub(crate) mod drive;
 pub(crate) mod experiment;
 pub(crate) mod fk;
@@ -10,6 +11,7 @@ pub(crate) mod ik;
 pub(crate) mod import;
 pub(crate) mod io;
 pub(crate) mod keygen;
+pub(crate) mod man;
 pub(crate) mod plan;
 pub(crate) mod record;
 pub(crate) mod report;

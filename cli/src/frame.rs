@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::{
     args::Place,
     failure::Failure,
-    input::{self, find_robot},
+    input::{self, default_robot, find_robot},
 };
 
 /// A robot and what a program says of its tool and base; without a program the bare flange and the foot.
@@ -25,7 +25,7 @@ impl Workplace {
         let (workcell, robot) = if let Some(path) = &place.program {
             input::workcell(path, robot)?
         } else {
-            let robot = robot.map_or_else(|| Ok(Robot::default()), find_robot)?;
+            let robot = robot.map_or_else(default_robot, find_robot)?;
             (Workcell::default(), robot)
         };
         let [tool, base] = [&place.tool, &place.base].map(|name| name.as_deref());

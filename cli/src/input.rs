@@ -5,6 +5,7 @@ use std::{
     fs::{self, File},
     io::{self, Read},
     path::{Component, Path, PathBuf},
+    sync::OnceLock,
 };
 
 use iiwa_json::{Step, locate};
@@ -20,6 +21,7 @@ use crate::{
 };
 
 /// A file's name and text.
+#[derive(Debug)]
 pub(crate) struct Text {
     pub(crate) name: String,
     pub(crate) text: String,
@@ -45,6 +47,19 @@ impl Text {
             }
         }
     }
+}
+
+/// The robot of programs and commands that name none, if it is not the default model.
+static ROBOT: OnceLock<String> = OnceLock::new();
+
+/// From now on, programs and commands that name no robot are for this one: a built-in model, or the path of a profile.
+pub(crate) fn set_default_robot(name: String) {
+    let _ = ROBOT.set(name);
+}
+
+/// The robot of programs and commands that name none.
+pub(crate) fn default_robot() -> Result<Robot, Failure> {
+    ROBOT.get().map_or_else(|| Ok(Robot::default()), |name| find_robot(name))
 }
 
 /// A program's name and text.
@@ -76,7 +91,7 @@ pub(crate) fn workcell(path: &Path, robot: Option<&str>) -> Result<(Workcell, Ro
     let text = Text::read(path)?;
     match Workcell::from_json(&text.text) {
         Ok(workcell) => {
-            return Ok((workcell, robot.map_or_else(|| Ok(Robot::default()), find_robot)?));
+            return Ok((workcell, robot.map_or_else(default_robot, find_robot)?));
         }
         Err(error) if !is_program(&text.text) => {
             return Err(Failure::in_text(&error.what(), error.place(), &text.name, &text.text));
@@ -112,7 +127,7 @@ fn program_of(
     let merged = file.map(|file| Program::merged_json(&text, &file)).transpose().map_err(refuse)?;
     let robot = match (robot, &program.robot) {
         (Some(name), _) => find_robot(name)?,
-        (None, None) => Robot::default(),
+        (None, None) => default_robot()?,
         (None, Some(robot)) => {
             Robot::built_in(robot).map_or_else(|| named(path, [&name, &text], robot), Ok)?
         }

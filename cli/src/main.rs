@@ -5,6 +5,8 @@
 //! was not met, or of many programs some failed.
 
 mod args;
+mod arm_files;
+mod clearance;
 mod commands;
 mod connection;
 mod failure;
@@ -12,10 +14,13 @@ mod file_kind;
 mod frame;
 mod input;
 mod leftovers;
+mod lines;
 mod log;
 mod output;
+mod picture;
 mod progress;
 mod runner;
+mod settings;
 mod start;
 mod twin;
 mod warning;
@@ -24,10 +29,38 @@ use std::process::ExitCode;
 
 use args::{Arguments, Command};
 use failure::{Failure, print_note};
+use settings::Settings;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::read();
-    let result = match arguments.command {
+    let result = Settings::read().map_or_else(
+        |failure| {
+            // Help is given whatever the settings are.
+            Arguments::read(&Settings::default());
+            Err(failure)
+        },
+        |settings| {
+            let arguments = Arguments::read(&settings);
+            if let Some(robot) = settings.into_robot() {
+                input::set_default_robot(robot);
+            }
+            run(arguments.command)
+        },
+    );
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            print_note(&failure.text());
+            ExitCode::from(match failure {
+                Failure::Run { .. } => 1,
+                Failure::Input(_) => 2,
+                Failure::Gate(_) => 3,
+            })
+        }
+    }
+}
+
+fn run(command: Command) -> Result<(), Failure> {
+    match command {
         Command::Plan(options) => commands::plan::run(&options),
         Command::Experiment(options) => commands::experiment::run(&options),
         Command::Compare(options) => commands::compare::run(&options),
@@ -48,16 +81,7 @@ fn main() -> ExitCode {
         Command::Stop(options) => commands::stop::run(&options),
         Command::Io(options) => commands::io::run(&options.action),
         Command::Sensors(options) => commands::sensors::run(&options),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            print_note(&failure.text());
-            ExitCode::from(match failure {
-                Failure::Run { .. } => 1,
-                Failure::Input(_) => 2,
-                Failure::Gate(_) => 3,
-            })
-        }
+        Command::Completions(options) => commands::completions::run(&options),
+        Command::Man(options) => commands::man::run(&options),
     }
 }

@@ -30,6 +30,11 @@ impl Output {
     pub(crate) fn new(path: &Path) -> Result<Self, Failure> {
         let refuse =
             |error: &io::Error| Failure::run(format!("cannot write {}", path.display()), error);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        if !folder.as_os_str().is_empty() && !folder.exists() {
+            let what = format!("there is no folder {}", folder.display());
+            return Err(refuse(&io::Error::other(what)));
+        }
         // Of a symbolic link, the target is replaced.
         let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         match path.metadata() {
@@ -122,6 +127,17 @@ impl Seek for Stream {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.0.seek(to)
     }
+}
+
+/// Refuses to replace a file that cannot be made again, unless `overwrite` says so.
+pub(crate) fn keep_existing(what: &str, path: &Path, overwrite: bool) -> Result<(), Failure> {
+    if overwrite || !path.exists() {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "{} exists; a {what} is not written over another file: name one with --output, or give --overwrite",
+        path.display()
+    )))
 }
 
 /// Whether two paths lead to one file.

@@ -10,6 +10,8 @@ pub(crate) struct Progress {
     steps: u64,
     done: u64,
     look: &'static str,
+    /// Time left, where it is known.
+    left: String,
     bar: Option<ProgressBar>,
 }
 
@@ -26,9 +28,14 @@ impl Progress {
         Self::new(count as u64, "planning {wide_bar} {pos} of {len} programs, {eta} left")
     }
 
-    /// A run of the robot, in shares.
+    /// A run of the robot, in shares; see [`Self::show_time`].
     pub(crate) fn of_run() -> Self {
-        Self::new(1000, "running {wide_bar} {percent} %, {eta} left")
+        Self::new(1000, "running {wide_bar} {percent} %, {msg} left")
+    }
+
+    /// A motion to the start of a program, in shares; see [`Self::show_time`].
+    pub(crate) fn of_approach() -> Self {
+        Self::new(1000, "moving to the start {wide_bar} {percent} %, {msg} left")
     }
 
     /// The programs of an experiment, in their number.
@@ -42,13 +49,19 @@ impl Progress {
     }
 
     fn new(steps: u64, look: &'static str) -> Self {
-        Self { since: Instant::now(), steps, done: 0, look, bar: None }
+        Self { since: Instant::now(), steps, done: 0, look, left: String::new(), bar: None }
     }
 
     /// Shows that a share of the work is done, 0 to 1.
     pub(crate) fn show_share(&mut self, share: f64) {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 1000")]
         self.show((share * self.steps as f64) as u64);
+    }
+
+    /// Shows how far a motion is of which the duration is known, both in s.
+    pub(crate) fn show_time(&mut self, t_s: f64, whole_s: f64) {
+        self.left = format!("{:.0} s", (whole_s - t_s).max(0.0).ceil());
+        self.show_share((t_s / whole_s).clamp(0.0, 1.0));
     }
 
     /// Shows that so many steps are done.
@@ -67,6 +80,7 @@ impl Progress {
             let bar = ProgressBar::with_draw_target(Some(self.steps), ProgressDrawTarget::stderr());
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
+        bar.set_message(self.left.clone());
         bar.set_position(self.done);
     }
 

@@ -1,6 +1,11 @@
 //! Runs on the robot, through a drive: the motion to the start, the run, its recording.
 
-use std::{collections::BTreeMap, io::Cursor, thread, time::Duration};
+use std::{
+    collections::BTreeMap,
+    io::Cursor,
+    thread,
+    time::{Duration, SystemTime, UNIX_EPOCH},
+};
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
@@ -8,7 +13,7 @@ use iiwa_link::{
     message::{Code, DriveState, FriStatus, Refusal, Run as Measured, Samples, Status},
     security::Endpoint,
 };
-use iiwa_log::{Recorder, RecorderConfig};
+use iiwa_log::{Config, DEFAULT_EPOCH, JointLog, PlanOptions, Recorder, RecorderConfig};
 use iiwa_program::{Motion, MotionList, Ptp};
 use iiwa_traj::Trajectory;
 use iiwa_view::printable;
@@ -90,20 +95,16 @@ pub(crate) enum RunEvent<'a> {
     StreamError(&'a LinkError),
 }
 
-/// Runs a task with a progress bar, and stops it on an interrupt.
+/// Runs a task that is planned to take so long, in s, with a progress bar, and stops it on an interrupt.
 pub(crate) fn execute_with_progress(
     drive: &mut DriveConnection,
     task: Task,
-    planned_s: Option<f64>,
+    planned_s: f64,
+    mut progress: Progress,
 ) -> ExecutedRun {
-    let mut progress = Progress::of_run();
     let mut stops = 0;
     let run = execute(drive, task, output::interrupted, |event| match event {
-        RunEvent::Progress(t_s) => {
-            if let Some(planned_s) = planned_s {
-                progress.show_share((t_s / planned_s).min(1.0));
-            }
-        }
+        RunEvent::Progress(t_s) => progress.show_time(t_s, planned_s),
         RunEvent::Stopped(stopped) => {
             progress.aside(|| match stopped {
                 _ if stops > 0 => {}
@@ -193,10 +194,15 @@ pub(crate) fn go_to_start(
     drive: &mut DriveConnection,
     move_to_start: Option<f64>,
     start_rad: &Joints,
+    robot: &Robot,
 ) -> Result<(), Failure> {
     let ask =
         |error: ClientError| connection::failed("cannot ask for the position of the robot", &error);
     let status = drive.client.state().map_err(ask)?;
+    if status.state != DriveState::Idle {
+        let what = "the robot is busy: it is running another program".to_owned();
+        return Err(Failure::Run { what, cause: None });
+    }
     let Some(joints_rad) = position(&status) else {
         return Err(Failure::Run { what: UNKNOWN_POSITION.to_owned(), cause: None });
     };
@@ -211,38 +217,59 @@ pub(crate) fn go_to_start(
         });
     };
     print_note("Moving to the start\n");
-    let there = vec![Motion::Ptp(Ptp::to(*start_rad).velocity(percent / 100.0))];
-    execute_with_progress(drive, Task::Motions(there.into()), None)
+    let there = Ptp::to(*start_rad).velocity(percent / 100.0);
+    let approach = MotionList::from(vec![Motion::Ptp(there)]);
+    // The controller plans it by itself: this is for the time only.
+    let plan = PlanOptions::default().plan(&approach.clone().starting_at(joints_rad), robot);
+    let plan = plan.map_err(|error| {
+        let what = "the robot cannot move to the start in a straight line in joint space";
+        Failure::run(what, &error)
+    })?;
+    let task = Task::Motions(approach);
+    execute_with_progress(drive, task, plan.cycle_time_s(), Progress::of_approach())
         .result
         .map(drop)
         .map_err(|error| connection::failed("the robot did not move to the start", &error))
 }
 
-/// The samples from the start of a run on, with their times since then.
-pub(crate) fn since_start(measured: &Measured) -> Vec<(Duration, &Joints)> {
+/// The samples from the start of a run on, with their times since then; and how long the robot program says that it took.
+pub(crate) fn since_start(measured: &Measured) -> JointLog {
     let Samples { t_s, joints_rad, .. } = &measured.samples;
     let from_s = measured.start_s.or(t_s.first().copied()).unwrap_or_default();
     // Stamps are rounded sums: the first sample may be just before the start.
-    let since = |t_s: f64| (t_s - from_s > -1e-6).then(|| (t_s - from_s).max(0.0));
-    let time = |t_s: &f64| Duration::try_from_secs_f64(since(*t_s)?).ok();
-    t_s.iter().zip(joints_rad).filter_map(|(t_s, q)| Some((time(t_s)?, q))).collect()
+    let first = t_s.partition_point(|t_s| t_s - from_s <= -1e-6);
+    let times = t_s[first..].iter().map(|t_s| (t_s - from_s).max(0.0)).collect();
+    let positions = joints_rad.get(first..).unwrap_or_default().to_vec();
+    let mut log = JointLog::new(times, positions);
+    log.cycle_time_s = measured.cycle_time_s;
+    log
 }
 
-/// A recording as MCAP, with the program that was run.
+/// When the first sample of a log was taken whose last one has just arrived, since 1970.
+pub(crate) fn began(log: &JointLog) -> Duration {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH);
+    let last_s = log.t_s.last().copied().unwrap_or_default();
+    now.saturating_sub(Duration::try_from_secs_f64(last_s).unwrap_or_default())
+}
+
+/// A recording as MCAP, with the program that was run and the time since 1970 at which its times start.
 pub(crate) fn recording(
-    samples: &[(Duration, &Joints)],
-    cycle_time_s: Option<f64>,
+    log: &JointLog,
+    epoch: Duration,
     robot: &Robot,
     program: &str,
 ) -> Result<Vec<u8>, Failure> {
     let refuse = |error: iiwa_log::WriteError| Failure::run("cannot write the recording", &error);
     let storage = Cursor::new(Vec::new());
-    let mut recorder = Recorder::new(storage, robot, RecorderConfig::default()).map_err(refuse)?;
-    for (t, q) in samples {
-        recorder.sample(*t, q).map_err(refuse)?;
+    let file = Config { epoch, ..Config::default() };
+    let config = RecorderConfig { file, ..RecorderConfig::default() };
+    let mut recorder = Recorder::new(storage, robot, config).map_err(refuse)?;
+    for (t_s, q) in log.t_s.iter().zip(&log.q_rad) {
+        let Ok(t) = Duration::try_from_secs_f64(*t_s) else { continue };
+        recorder.sample(t, q).map_err(refuse)?;
     }
-    let mut metadata = BTreeMap::from([("sample_count".to_owned(), samples.len().to_string())]);
-    if let Some(cycle_time_s) = cycle_time_s {
+    let mut metadata = BTreeMap::from([("sample_count".to_owned(), log.t_s.len().to_string())]);
+    if let Some(cycle_time_s) = log.cycle_time_s {
         metadata.insert("cycle_time_s".to_owned(), cycle_time_s.to_string());
     }
     let program = ("program.json", "application/json", program.as_bytes());

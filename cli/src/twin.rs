@@ -2,7 +2,7 @@
 //!
 //! One thread follows the drive's stream of joint positions ([`mod@follow`]), one polls the state of the drive
 //! and the robot ([`health`]). The dispatcher ([`dispatcher`]) carries out the requests of pages, and holds
-//! saved positions, the plan and the run. Each of them publishes its state as JSON ([`message`]); only the
+//! saved positions ([`positions`]), the plan and the run. Each of them publishes its state as JSON ([`message`]); only the
 //! latest message of a kind is kept, so that a slow page skips messages and no queue grows.
 //!
 //! The server ([`mod@server`]) bounds the number of connections ([`mod@connections`]), admits those that have
@@ -18,6 +18,7 @@ mod health;
 mod message;
 mod page_socket;
 mod planned;
+mod positions;
 mod request;
 mod run;
 mod server;

@@ -17,7 +17,10 @@ pub(crate) fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
              circles do not go on; a segment `spl` between them makes them"
         )
     });
-    turns.iter().map(ToString::to_string).chain(stops).collect()
+    let end = program.blend_at_the_end().map(|motion| {
+        format!("motion {motion} is the last one: its blend has nothing to blend into, and the arm stops")
+    });
+    turns.iter().map(ToString::to_string).chain(stops).chain(end).collect()
 }
 
 /// Warnings as they are reported on standard error; of one of many programs, with its name.

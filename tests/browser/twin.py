@@ -11,141 +11,22 @@ given), over which frames, latency and memory are measured. --only runs one chec
 from __future__ import annotations
 
 import argparse
-import bisect
 import json
-import statistics
 import subprocess
-import threading
 import time
 import urllib.error
 import urllib.request
 from pathlib import Path
 
+from accessibility import check_accessibility
 from checks import run_checks
 from chromium import Browser
+from latency import frames_latency_and_memory
 from rig import Rig
-from scene import TOOL, write_scene
+from scene import TOOL
+from twins import FIXTURES, ODD, Mover, Twin, load, send, text
 
-FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 SCENE = "(drawArms(), document.getElementById('scene').toDataURL())"
-
-# The arm goes to and fro; blended, so that it moves nearly all the time.
-TO_AND_FRO = {
-    "version": 1,
-    "start": {"joints_deg": [0, 20, 0, -70, 0, 90, 0]},
-    "motions": [
-        {
-            "type": "ptp",
-            "joints_deg": [60 * (-1) ** i, 20 + 10 * (i % 3), 0, -70, 0, 90, 0],
-            "velocity_rel": 0.6,
-            "blend": {"fraction": 0.3},
-        }
-        for i in range(12)
-    ]
-    + [{"type": "ptp", "joints_deg": [0, 20, 0, -70, 0, 90, 0], "velocity_rel": 0.6}],
-}
-
-
-class Twin:
-    """A robot, its drive and its twin."""
-
-    def __init__(self, rig: Rig, minutes: float) -> None:
-        self.rig = rig
-        self.minutes = minutes
-        (rig.folder / "to-and-fro.json").write_text(json.dumps(TO_AND_FRO))
-        self.start()
-
-    def start(self) -> None:
-        """The same port each time, so that an open page finds it again."""
-        rig = self.rig
-        options = ["--port", "0", "--scene", write_scene(rig.folder)]
-        printed = rig.folder / "address"
-        with printed.open("w") as out:
-            self.process = rig.start("twin", *options, *rig.drive_at, *rig.stream_at, stdout=out)
-        until = time.monotonic() + 30
-        while not printed.read_text().endswith("\n"):
-            assert time.monotonic() < until, "the twin tells no address"
-            time.sleep(0.02)
-        self.address = printed.read_text().strip()
-
-    def open(self, browser: Browser) -> None:
-        browser.size(1280, 1000)
-        browser.scheme("light")
-        browser.go(self.address)
-        browser.until(
-            "document.readyState === 'complete' && typeof live === 'object' && live.newest && live.health.status"
-        )
-        browser.frames()
-
-    def keep(self, browser: Browser, name: str) -> None:
-        (self.rig.folder / f"{name}.png").write_bytes(browser.picture(whole=True))
-
-
-def text(browser: Browser, place: str) -> str:
-    return browser.run(f"document.getElementById('{place}').textContent")
-
-
-def load(browser: Browser, program: Path) -> None:
-    """As if its file had been chosen."""
-    words = json.dumps(program.read_text())
-    browser.run("desk.before = desk.plan && desk.plan.id")
-    browser.run(f"loadFile(new File([{words}], {json.dumps(program.name)}))")
-    browser.until("desk.plan && desk.plan.id !== desk.before")
-    browser.frames()
-
-
-def send(browser: Browser) -> None:
-    browser.until("!document.getElementById('send').disabled")
-    browser.click("#send")
-    browser.until("document.getElementById('confirm').open")
-    if browser.run("document.getElementById('confirm-yes').disabled"):
-        browser.click("#move-to-start")
-    assert not browser.run("document.getElementById('confirm-yes').disabled")
-    browser.click("#confirm-yes")
-    browser.until("!document.getElementById('confirm').open")
-
-
-class Witness(threading.Thread):
-    """Another client of the drive: when it heard of each stamp, in ms since 1970."""
-
-    def __init__(self, rig: Rig) -> None:
-        super().__init__(daemon=True)
-        self.stamps: list[float] = []
-        self.heard_ms: list[float] = []
-        self.process = rig.start(
-            "status", "--watch", "--json", *rig.drive_at, *rig.stream_at, stdout=subprocess.PIPE, text=True
-        )
-        self.start()
-
-    def run(self) -> None:
-        for line in self.process.stdout:
-            message = json.loads(line)
-            if "joints_rad" in message:
-                self.stamps.append(message["t_s"])
-                self.heard_ms.append(1e3 * time.time())
-
-    def when(self, stamp: float) -> float | None:
-        at = bisect.bisect_left(self.stamps, stamp - 1e-9)
-        same = at < len(self.stamps) and abs(self.stamps[at] - stamp) < 1e-6
-        return self.heard_ms[at] if same else None
-
-
-class Mover(threading.Thread):
-    """Has the robot go to and fro until it is told to end."""
-
-    def __init__(self, rig: Rig) -> None:
-        super().__init__(daemon=True)
-        self.rig = rig
-        self.ended = False
-        self.start()
-
-    def run(self) -> None:
-        while not self.ended:
-            self.rig.run(Path("to-and-fro.json"), "--no-output", "--move-to-start=100")
-
-    def end(self) -> None:
-        self.ended = True
-        self.join()
 
 
 def page_follows_the_robot(browser: Browser, twin: Twin) -> None:
@@ -276,21 +157,153 @@ def stop_stops(browser: Browser, twin: Twin) -> None:
 
 def positions_are_kept(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
-    for name in ("<i>first</i>", ""):
-        browser.run(f"document.getElementById('position-name').value = {json.dumps(name)}")
+    # A name is asked for, and suggested.
+    assert browser.run("document.getElementById('position-name').value") == "P1"
+    browser.run("document.getElementById('position-name').value = ''")
+    browser.click("#save button")
+    browser.frames()
+    assert browser.run("desk.positions.length") == 0, "a position without a name is saved"
+    for count, name in ((1, "<i>first</i>"), (2, "P2")):
+        if count == 1:
+            browser.run(f"document.getElementById('position-name').value = {json.dumps(name)}")
         browser.click("#save button")
-        browser.until(f"desk.positions.length === {1 if name else 2}")
-        if name:
-            twin.rig.run(Path("to-and-fro.json"), "--no-output", "--move-to-start=100")
+        browser.until(f"desk.positions.length === {count}")
+        browser.until(f"document.getElementById('position-name').value === 'P{count + 1}'")
+        twin.rig.run(Path("to-and-fro.json"), "--no-output", "--move-to-start=100")
     browser.frames()
     assert "<i>first</i>" in text(browser, "positions")
+    names = "desk.positions.map(it => it.name).join()"
+    # The same name is refused; what was wrong goes with what comes next.
+    browser.run("document.getElementById('position-name').value = 'P2'")
+    browser.click("#save button")
+    browser.until("document.getElementById('positions-said').textContent.includes('already')")
+    browser.click("#positions tr:nth-child(2) [aria-label='Move P2 up']")
+    browser.until(f"{names} === 'P2,<i>first</i>'")
+    assert text(browser, "positions-said") == ""
+    browser.click("#positions tr:nth-child(1) [aria-label='Move P2 down']")
+    browser.until(f"{names} === '<i>first</i>,P2'")
+    assert browser.run("document.querySelector('#positions [aria-label=\"Move P2 down\"]').disabled")
+    browser.click("#positions tr:nth-child(2) .name")
+    browser.until("document.getElementById('rename').open")
+    twin.keep(browser, "twin-rename")
+    browser.run("document.getElementById('new-name').value = 'home'")
+    browser.click("#rename button[value=yes]")
+    browser.until(f"{names} === '<i>first</i>,home'")
     browser.click("#make button")
     browser.until("desk.plan && desk.plan.name.startsWith('positions')")
     twin.keep(browser, "twin-positions")
-    for _ in range(2):
-        count = browser.run("desk.positions.length")
-        browser.click("#positions button")
-        browser.until(f"desk.positions.length === {count - 1}")
+    # The program has them by name.
+    link = browser.run("[...document.querySelectorAll('#files a')].find(it => it.textContent === 'Program').href")
+    program = json.loads(urllib.request.urlopen(link, timeout=10).read())
+    assert program["motions"][0]["frame"] == "home" and "home" in program["frames"], program
+    # They survive the twin.
+    twin.process.terminate()
+    twin.process.wait(10)
+    browser.go("about:blank")
+    browser.complaints.clear()
+    twin.start()
+    twin.open(browser)
+    browser.until(f"{names} === '<i>first</i>,home'")
+    for count in (1, 0):
+        browser.click("#positions [aria-label^=Remove]")
+        browser.until(f"desk.positions.length === {count}")
+
+
+def nothing_is_armed_after_a_broken_file(browser: Browser, twin: Twin) -> None:
+    twin.open(browser)
+    load(browser, FIXTURES / "ten-motions.json")
+    assert browser.run("document.getElementById('plan-warnings').children.length") == 0
+    browser.run("loadFile(new File(['{'], 'bad.json'))")
+    browser.until("document.getElementById('program-said').textContent.includes('line 1')")
+    browser.until("desk.plan === null && document.getElementById('plan').hidden")
+    browser.until("document.getElementById('program-said').textContent.includes('Nothing is loaded')")
+    twin.keep(browser, "twin-broken")
+    # What is odd about the next one is told, and what was wrong before is gone.
+    program = twin.rig.folder / "odd.json"
+    program.write_text(json.dumps(ODD))
+    load(browser, program)
+    assert text(browser, "program-said") == ""
+    assert "Warning: " in text(browser, "plan-warnings"), text(browser, "plan-warnings")
+    twin.keep(browser, "twin-warning")
+    browser.click("#send")
+    browser.until("document.getElementById('confirm').open")
+    assert "Warning: " in text(browser, "confirm-text")
+    browser.click("#confirm button[value=no]")
+    browser.click("#clear")
+
+
+def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
+    twin.open(browser)
+    mover = Mover(twin.rig)
+    try:
+        browser.until("live.health.status.state === 'running_motion'")
+        time.sleep(3)
+        browser.run("document.getElementById('history-joints').scrollIntoView({ block: 'center' })")
+        browser.until("isHistorySeen")
+        speeds = []
+        for _ in range(8):
+            time.sleep(0.4)
+            speeds.append(1000 * (browser.run("speedNow()") or 0))
+        assert max(speeds) > 100, speeds
+        shown = text(browser, "speed-now")
+        assert "The flange moves at " in shown, shown
+        twin.keep(browser, "twin-history")
+    finally:
+        mover.end()
+    # As the arm was, by its own stamps, each once.
+    assert browser.run("history_.t_s.subarray(0, history_.count).every((t, i, all) => i === 0 || t > all[i - 1])")
+    newest = browser.run("[...history_.rows.slice(8 * (history_.count - 1), 8 * (history_.count - 1) + 7)]")
+    assert max(abs(a - b) for a, b in zip(newest, browser.run("live.newest.joints_rad"))) < 1e-3
+    browser.until("speedNow() < 0.001")
+    look = "(drawHistory(), document.getElementById('history-joints').toDataURL())"
+    before = browser.run(look)
+    browser.click("#history-120")
+    assert browser.run("history_.span") == 120 and browser.run(look) != before
+    assert browser.run("document.getElementById('history-120').getAttribute('aria-pressed')") == "true"
+    # Two minutes are kept, and no more than there is room for.
+    kept = browser.run(
+        "(() => { const t = history_.t_s[history_.count - 1];"
+        " for (let i = 1; i < 40000; i++) remember({ t_s: t + 0.01 * i, joints_rad: live.newest.joints_rad });"
+        " return [history_.count, history_.t_s[history_.count - 1] - history_.t_s[0]] })()"
+    )
+    assert kept[0] <= 16_000 and kept[1] >= 119, kept
+    # Another drive has other times.
+    browser.until("history_.count < 10_000")
+
+
+def nothing_is_called_live_before_data(browser: Browser, twin: Twin) -> None:
+    twin.open(browser)
+    browser.run("([live.newest, live.fresh] = [null, false], link.takes.live = () => {}, 1)")
+    browser.until("document.getElementById('mode').textContent !== 'Live'")
+    browser.until("document.getElementById('link').textContent !== 'live'")
+    # As the page is before its first word.
+    page = urllib.request.urlopen(twin.address, timeout=10).read().decode()
+    assert '<span id="link" class="chip waiting">connecting</span>' in page
+    green = browser.run(
+        "(() => { const it = document.getElementById('link'); it.className = 'chip';"
+        " const live = getComputedStyle(it).backgroundColor; it.className = 'chip waiting';"
+        " return [live, getComputedStyle(it).backgroundColor] })()"
+    )
+    assert green[0] != green[1], green
+
+
+def people_without_a_mouse_are_served(browser: Browser, twin: Twin) -> None:
+    twin.open(browser)
+    load(browser, FIXTURES / "ten-motions.json")
+    browser.run("document.getElementById('position-name').value = 'there'")
+    browser.click("#save button")
+    browser.until("desk.positions.length === 1")
+    for scheme in ("light", "dark"):
+        browser.scheme(scheme)
+        check_accessibility(browser, f"twin, {scheme}")
+        browser.click("#send")
+        browser.until("document.getElementById('confirm').open")
+        check_accessibility(browser, f"twin's question, {scheme}")
+        browser.click("#confirm button[value=no]")
+    browser.scheme("light")
+    browser.click("#positions [aria-label^=Remove]")
+    browser.until("desk.positions.length === 0")
+    browser.click("#clear")
 
 
 def outputs_are_switched(browser: Browser, twin: Twin) -> None:
@@ -372,79 +385,16 @@ def twin_ends(browser: Browser, twin: Twin) -> None:
         assert error.code == 403, error.code
 
 
-def resident_kb(process: subprocess.Popen) -> int:
-    status = Path(f"/proc/{process.pid}/status").read_text()
-    return int(status.split("VmRSS:")[1].split()[0])
-
-
-def heap_kb(browser: Browser) -> int:
-    """What the page holds once what nobody needs is thrown away."""
-    for _ in range(2):
-        browser.call("HeapProfiler.collectGarbage")
-    return int(browser.call("Runtime.getHeapUsage")["usedSize"]) // 1024
-
-
-def frames_latency_and_memory(browser: Browser, twin: Twin) -> str:
-    twin.open(browser)
-    witness = Witness(twin.rig)
-    mover = Mover(twin.rig)
-    # The page's word for a frame is kept with when it was drawn.
-    browser.run("""(() => {
-        window.frames_ = [];
-        const drawn = drawnNow;
-        drawnNow = () => {
-            if (live.fresh) frames_.push([clockMs(), live.newest.t_s]);
-            drawn();
-        };
-    })()""")
-    frames: list[list[float]] = []
-    memory = []
-    end = time.monotonic() + 60 * twin.minutes
-    try:
-        # It finds its pace first.
-        time.sleep(10)
-        browser.run("frames_.length = 0")
-        while time.monotonic() < end:
-            begin = time.monotonic()
-            while time.monotonic() < min(begin + 10, end):
-                time.sleep(1)
-                frames += browser.run("frames_.splice(0)")
-            memory.append((resident_kb(twin.process), heap_kb(browser)))
-            # To collect garbage takes frames.
-            browser.run("frames_.length = 0")
-    finally:
-        mover.end()
-    time.sleep(0.5)
-    seconds: dict[int, int] = {}
-    for now_ms, _ in frames:
-        seconds[int(now_ms // 1000)] = seconds.get(int(now_ms // 1000), 0) + 1
-    late_ms = sorted(now_ms - heard for now_ms, stamp in frames if (heard := witness.when(stamp)) is not None)
-    assert len(late_ms) > 0.9 * len(frames), f"{len(late_ms)} of {len(frames)} frames are known to the witness"
-    a_second = sorted(seconds.values())
-    usual, quick = statistics.median(a_second), a_second[3 * len(a_second) // 4]
-    share = lambda part: late_ms[int(part * (len(late_ms) - 1))]
-    # The first words of everything are behind it by then.
-    first, last = memory[len(memory) // 4], memory[-1]
-    grown = f"twin {first[0] / 1e3:.1f} to {last[0] / 1e3:.1f} MB, page {first[1] / 1e3:.1f} to {last[1] / 1e3:.1f} MB"
-    figure = (
-        f"twin, {twin.minutes:g} minutes at 5 ms: {usual:.0f} frames a second without a graphics card, from robot to "
-        f"screen {share(0.5):.0f} ms, 90 % within {share(0.9):.0f} ms, 99 % within {share(0.99):.0f} ms; memory: {grown}"
-    )
-    print(f"        {figure}", flush=True)
-    # Without a graphics card the machine draws, and others may use it, too: on one of its own, it is more than 30.
-    assert quick >= 10, f"{quick} frames a second"
-    assert share(0.9) <= 200, f"a tenth of the frames is later than {share(0.9):.0f} ms"
-    assert last[0] - first[0] < 4000, grown
-    assert last[1] - first[1] < 2000, grown
-    return figure
-
-
 CHECKS = [
     page_follows_the_robot,
     tool_is_drawn,
     program_is_simulated_sent_and_replayed,
     stop_stops,
     positions_are_kept,
+    nothing_is_armed_after_a_broken_file,
+    the_last_minutes_are_plotted,
+    nothing_is_called_live_before_data,
+    people_without_a_mouse_are_served,
     outputs_are_switched,
     too_near_is_not_sent,
     schemes_and_phones,

@@ -15,7 +15,7 @@ pub(super) const STREAM: &str = "127.0.0.1:5561";
 #[derive(Args, Debug)]
 pub(crate) struct DriveAddress {
     /// Address for requests to the drive
-    #[arg(long, value_name = "HOST:PORT", default_value = DRIVE)]
+    #[arg(long, value_name = "HOST:PORT", default_value = DRIVE, env = "IIWASIM_DRIVE", hide_env = true)]
     pub(crate) drive: Endpoint,
 
     #[command(flatten)]
@@ -26,11 +26,23 @@ pub(crate) struct DriveAddress {
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ClientKeys {
     /// Own key, made by `iiwasim keygen`, for a drive that requires keys
-    #[arg(long, value_name = "FILE.key", requires = "server_key")]
+    #[arg(
+        long,
+        value_name = "FILE.key",
+        requires = "server_key",
+        env = "IIWASIM_KEY",
+        hide_env = true
+    )]
     pub(crate) key: Option<PathBuf>,
 
     /// The drive's public key
-    #[arg(long, value_name = "FILE.pub", requires = "key")]
+    #[arg(
+        long,
+        value_name = "FILE.pub",
+        requires = "key",
+        env = "IIWASIM_SERVER_KEY",
+        hide_env = true
+    )]
     pub(crate) server_key: Option<PathBuf>,
 }
 

@@ -43,7 +43,7 @@ pub(crate) struct Compare {
     pub(crate) max_deviation_mm: Option<f64>,
 
     /// Draw both paths of the flange, and the deviations along the path, as a picture
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = "FILE.svg|png|pdf")]
     pub(crate) picture: Option<PathBuf>,
 
     /// Built-in model or robot profile, instead of the plan's

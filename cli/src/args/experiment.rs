@@ -1,13 +1,13 @@
 //! `iiwasim experiment`.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, time::Duration};
 
 use clap::{ArgGroup, Args, ValueEnum};
 use iiwa_link::security::Endpoint;
 
 use super::{
     addresses::{ClientKeys, STREAM},
-    values::{noise, percent_above_zero, sampling_rate},
+    values::{epoch, noise, percent_above_zero, sampling_rate},
 };
 
 /// Repeat an experiment of the thesis (Larsen 2019), or do one of our own, on the robot or on a virtual one.
@@ -60,6 +60,11 @@ pub(crate) struct Experiment {
     #[arg(long)]
     pub(crate) no_recordings: bool,
 
+    /// Start of the recordings' time stamps, from 1970 to 2037 [default: of a robot the time when it ran, of a virtual
+    /// one 2020-01-01T00:00:00Z]
+    #[arg(long, value_name = "TIME", value_parser = epoch, conflicts_with = "no_recordings")]
+    pub(crate) epoch: Option<Duration>,
+
     /// The model: built in, or a robot profile
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
@@ -91,7 +96,7 @@ pub(crate) struct Experiment {
     pub(crate) move_to_start: Option<f64>,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]

@@ -44,6 +44,10 @@ pub(crate) struct Identify {
     #[arg(short, long, value_name = "PROFILE.json", default_value = "identified.json")]
     pub(crate) output: PathBuf,
 
+    /// Replace an existing profile, which may have been edited by hand
+    #[arg(long, conflicts_with = "no_output")]
+    pub(crate) overwrite: bool,
+
     /// Print the figures only, write no profile
     #[arg(long, conflicts_with_all = ["output", "name"])]
     pub(crate) no_output: bool,

@@ -24,6 +24,10 @@ pub(crate) struct Import {
     #[arg(short, long, value_name = "FRAMES.json", default_value = "frames.json")]
     pub(crate) output: PathBuf,
 
+    /// Replace an existing file of frames, which may have been edited by hand
+    #[arg(long, conflicts_with = "no_output")]
+    pub(crate) overwrite: bool,
+
     /// Print the tables only, write no frames
     #[arg(long, conflicts_with = "output")]
     pub(crate) no_output: bool,

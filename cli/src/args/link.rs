@@ -1,13 +1,15 @@
 //! Commands of the connection to a robot.
 
-use std::{net::SocketAddr, path::PathBuf};
+use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use clap::{Args, Subcommand};
 use iiwa_link::{message::IoValue, security::Endpoint};
 
 use super::{
     addresses::{ClientKeys, DRIVE, DriveAddress, STREAM, ServerKeys},
-    values::{at_least_0, io_value, noise, percent, percent_above_zero, period, seven, speed},
+    values::{
+        at_least_0, epoch, io_value, noise, percent, percent_above_zero, period, seven, speed,
+    },
 };
 
 /// Make keys for connections between machines: NAME.key, which is secret, and NAME.pub.
@@ -156,9 +158,14 @@ pub(crate) struct Run {
     #[arg(value_name = "PROGRAM.json")]
     pub(crate) program: PathBuf,
 
-    /// Path of the recording [default: PROGRAM.measured.mcap in the current folder]
+    /// Path of the recording [default: PROGRAM.measured.mcap in the current folder, or PROGRAM.measured-2.mcap and
+    /// so on if that exists]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+
+    /// Replace an existing recording
+    #[arg(long, requires = "output")]
+    pub(crate) overwrite: bool,
 
     /// Write no recording
     #[arg(long, conflicts_with = "output")]
@@ -169,6 +176,15 @@ pub(crate) struct Run {
     #[arg(long)]
     pub(crate) as_trajectory: bool,
 
+    /// Scene in JSON (`iiwasim schema scene` describes it): the clearance of the arm is printed, and a program that
+    /// comes too near is not run
+    #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
+    pub(crate) scene: Option<PathBuf>,
+
+    /// Least clearance of a program that is run, in mm; it does not count for the motion to the start
+    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = at_least_0)]
+    pub(crate) min_clearance: f64,
+
     /// First move to the start of the program, in a straight line in joint space, at this share of the
     /// velocity limits, in per cent, 10 without a value
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = percent_above_zero)]
@@ -178,12 +194,17 @@ pub(crate) struct Run {
     #[arg(long)]
     pub(crate) json: bool,
 
+    /// Start of the time stamps in the recording, from 1970 to 2037, as 2020-01-01T00:00:00Z [default: when the
+    /// program starts]
+    #[arg(long, value_name = "TIME", value_parser = epoch, conflicts_with = "no_output")]
+    pub(crate) epoch: Option<Duration>,
+
     /// Built-in model or robot profile, instead of the program's
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]
@@ -195,20 +216,28 @@ pub(crate) struct Run {
 /// The file is readable at any time: if the recorder is killed, at most the last second is lost.
 #[derive(Args, Debug)]
 pub(crate) struct Record {
-    /// Path of the MCAP file; an existing one is not overwritten
+    /// Path of the MCAP file
     #[arg(short, long, value_name = "FILE.mcap")]
     pub(crate) output: PathBuf,
+
+    /// Replace an existing file
+    #[arg(long)]
+    pub(crate) overwrite: bool,
 
     /// Duration in s
     #[arg(long, value_name = "S", value_parser = at_least_0)]
     pub(crate) seconds: Option<f64>,
+
+    /// Start of the time stamps in the file, from 1970 to 2037, as 2020-01-01T00:00:00Z [default: now]
+    #[arg(long, value_name = "TIME", value_parser = epoch)]
+    pub(crate) epoch: Option<Duration>,
 
     /// Built-in model or robot profile, for the link frames in the file
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]
@@ -236,7 +265,7 @@ pub(crate) struct Status {
     pub(crate) watch: bool,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]
@@ -263,6 +292,15 @@ pub(crate) struct Io {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum IoAction {
+    /// Print all inputs and outputs with their values
+    List {
+        /// Print one JSON array of objects: `name`, `direction`, `value`
+        #[arg(long)]
+        json: bool,
+
+        #[command(flatten)]
+        drive: DriveAddress,
+    },
     /// Print the value of an input or output
     Get {
         /// Name, as MediaFlange.UserButton

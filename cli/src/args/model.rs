@@ -50,6 +50,11 @@ pub(crate) struct Joints {
     /// Joints A1 to A7 in degrees, as 0,30,0,-60,0,90,0
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
     joints_deg: Option<[f64; 7]>,
+
+    /// Read many from standard input: a table with the columns joint_1_deg to joint_7_deg (or _rad), or a JSON object a
+    /// line with joints_deg. Prints a table with a row each, or with --json an object a line
+    #[arg(long)]
+    pub(crate) stdin: bool,
 }
 
 impl Joints {
@@ -66,10 +71,18 @@ pub(crate) struct Ik {
     #[arg(
         long,
         value_name = "JSON|NAME",
+        required_unless_present = "stdin",
+        default_value = "",
+        hide_default_value = true,
         help = "The flange in the robot's foot, or the tool's TCP in the base: x_mm, y_mm, z_mm, a_deg, b_deg, c_deg \
                 (or a_rad, ...), and e1_deg, status and turn as on the robot; or the name of a frame of --program"
     )]
     pub(crate) frame: String,
+
+    /// Read many frames from standard input: a table with these keys as columns, or a JSON object a line. Prints a table
+    /// with a row each, or with --json an object a line
+    #[arg(long, conflicts_with = "frame")]
+    pub(crate) stdin: bool,
 
     /// Position of joint A3 in degrees, in place of the frame's
     #[arg(long, value_name = "DEG", value_parser = number, allow_hyphen_values = true)]
@@ -103,9 +116,13 @@ pub(crate) struct Robot {
     #[arg(value_name = "NAME|FILE")]
     pub(crate) model: Option<String>,
 
-    /// Print the model as a robot profile, to be edited and used with --robot
+    /// Print what differs from a built-in model as a robot profile, to be edited and used with --robot
     #[arg(long, requires = "model", conflicts_with = "urdf")]
     pub(crate) json: bool,
+
+    /// With --json, all figures, those of the built-in model, too; in a profile, they count as known and not as assumed
+    #[arg(long, requires = "json")]
+    pub(crate) all: bool,
 
     /// Print the model as a URDF with simple shapes
     #[arg(long, requires = "model")]

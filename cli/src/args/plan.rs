@@ -6,7 +6,13 @@ use bytesize::ByteSize;
 use clap::{Args, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
-use super::values::{at_least_0, epoch, rate};
+use super::{
+    Urdf,
+    values::{at_least_0, epoch, rate},
+};
+
+/// Options that few need.
+const METHOD: &str = "Methods of calculation (Larsen 2019)";
 
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
@@ -35,8 +41,8 @@ pub(crate) struct Plan {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Print the figures only, write no trajectory
-    #[arg(long, conflicts_with_all = ["output", "rate", "epoch", "max_file_size"])]
+    /// Write no MCAP file
+    #[arg(long, conflicts_with_all = ["output", "epoch"])]
     pub(crate) no_output: bool,
 
     /// Print the figures as a JSON object; of many programs, one object a line
@@ -47,27 +53,36 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
 
-    /// Limits that the motion keeps
-    #[arg(long, value_enum, default_value_t = Timing::Jerk)]
+    /// Limits that the motion keeps: velocity within 0.1 %, acceleration within 0.2 %, jerk within 2 %
+    #[arg(long, value_enum, default_value_t = Timing::Jerk, help_heading = METHOD)]
     pub(crate) timing: Timing,
 
     /// Curve of the blends
-    #[arg(long, value_enum, default_value_t = Shape::Iiwa)]
+    #[arg(long, value_enum, default_value_t = Shape::Iiwa, help_heading = METHOD)]
     pub(crate) blend_shape: Shape,
 
     /// Method that finds the start and end of a blend given in mm
-    #[arg(long, value_enum, default_value_t = Search::FirstCrossing)]
+    #[arg(long, value_enum, default_value_t = Search::FirstCrossing, help_heading = METHOD)]
     pub(crate) blend_search: Search,
 
     /// Samples a blend for --timing acceleration, 2 to 100000; more samples are more exact and slower
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=100_000), help_heading = METHOD)]
     pub(crate) samples: u32,
 
-    /// Joint states a second in the MCAP file, 0.1 to 100000
+    /// Also write the trajectory as a table, of a single program: time, motion, joint positions, velocities and
+    /// accelerations, the TCP
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) csv: Option<PathBuf>,
+
+    /// The same as an Apache Parquet file
+    #[arg(long, value_name = "FILE.parquet")]
+    pub(crate) parquet: Option<PathBuf>,
+
+    /// Joint states a second in the files, 0.1 to 100000
     #[arg(long, value_name = "HZ", default_value_t = 250.0, value_parser = rate)]
     pub(crate) rate: f64,
 
-    /// Refuse to write a larger MCAP file, as 500MB or 5GB. The size is estimated before the trajectory is
+    /// Refuse to write a larger MCAP file (tables are three to six times as large), as 500MB or 5GB. The size is estimated before the trajectory is
     /// sampled: a very slow program may take months and fill any disk
     #[arg(long, value_name = "SIZE", default_value = "1GB")]
     pub(crate) max_file_size: ByteSize,
@@ -81,11 +96,14 @@ pub(crate) struct Plan {
     pub(crate) max_cycle_time: Option<f64>,
 
     /// Scene in JSON (`iiwasim schema scene` describes it), to print the clearance of the arm
-    #[arg(long, value_name = "SCENE.json")]
+    #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
 
+    #[command(flatten)]
+    pub(crate) arm: Urdf,
+
     /// Gate: exit with code 3 if the arm comes nearer to an obstacle of the scene, in mm, or touches one
-    #[arg(long, value_name = "MM", value_parser = at_least_0, requires = "scene")]
+    #[arg(long, value_name = "MM", value_parser = at_least_0)]
     pub(crate) min_clearance: Option<f64>,
 
     /// Start of the time stamps in the file, from 1970 to 2037, as 2020-01-01T00:00:00Z
@@ -94,11 +112,11 @@ pub(crate) struct Plan {
 
     /// Also print the solver's iterations on standard error, of a single program with --timing jerk. A straight line
     /// takes none
-    #[arg(long)]
+    #[arg(long, help_heading = METHOD)]
     pub(crate) trace: bool,
 
     /// Also draw the path of the flange and the joint speeds as a picture, of a single program
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = "FILE.svg|png|pdf")]
     pub(crate) picture: Option<PathBuf>,
 }
 

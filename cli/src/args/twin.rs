@@ -6,6 +6,7 @@ use clap::Args;
 use iiwa_link::security::Endpoint;
 
 use super::{
+    Urdf,
     addresses::{DriveAddress, STREAM},
     values::at_least_0,
 };
@@ -15,7 +16,7 @@ use super::{
 /// The page is served to this machine only, at an address with a token, which is printed at the start. It
 /// shows the measured arm, the state of the drive, sensors, inputs and outputs, and, with --scene, the
 /// clearance of the arm. A program is planned and shown before it can be run, and the recording of the
-/// run is shown beside the plan. Saved positions can be made into a program.
+/// run is shown beside the plan. Saved positions stay for the next time, and can be made into a program.
 ///
 /// The page is a client of the drive like any other: its requests pass the checks of the drive and those of
 /// `iiwasim run`. Ctrl-C ends the twin; a run that it has started is stopped on its path.
@@ -26,8 +27,11 @@ pub(crate) struct Twin {
     pub(crate) port: u16,
 
     /// Scene in JSON: boxes and planes around the arm, and its tool (`iiwasim schema scene` describes it)
-    #[arg(long, value_name = "SCENE.json")]
+    #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) arm: Urdf,
 
     /// Minimum clearance of programs that may be run, in mm
     #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = at_least_0)]
@@ -37,6 +41,10 @@ pub(crate) struct Twin {
     /// is removed at the end]
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
+
+    /// File of saved positions, created with the first one [default: a file for each robot in the user's data folder]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) positions: Option<PathBuf>,
 
     /// Input or output to show; may be given more than once [default: those of the media flange]
     #[arg(long = "io", value_name = "NAME")]
@@ -52,7 +60,7 @@ pub(crate) struct Twin {
     pub(crate) robot: String,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]

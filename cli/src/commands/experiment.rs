@@ -46,7 +46,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         Some(name) => input::find_robot(name)?,
         None => model.clone(),
     };
-    let folder = Folder::new(&path, !options.no_recordings, options.drive.is_some())?;
+    let folder = Folder::new(&path, options)?;
     let bench = Bench {
         model,
         seed: options.seed,

@@ -8,6 +8,7 @@ use crate::{
     args::Fk,
     failure::Failure,
     frame::{ReachedFrame, Workplace},
+    lines::{Objects, joints_rad},
     output,
 };
 
@@ -19,9 +20,47 @@ struct PoseAnswer<'a> {
     robot: &'a str,
 }
 
+/// Of one of many poses.
+#[derive(Serialize)]
+struct LineAnswer<'a> {
+    position_m: [f64; 3],
+    rotation: [[f64; 3]; 3],
+    frame: &'a ReachedFrame,
+}
+
+/// Prints the poses of all joints on standard input.
+fn many(place: &Workplace, json: bool) -> Result<(), Failure> {
+    if !json {
+        output::print("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,e1_deg,status,turn\n")?;
+    }
+    for object in Objects::on_stdin() {
+        let (number, object) = object?;
+        let refuse = |what| Failure::input(format!("standard input, line {number}: {what}"));
+        let joints = joints_rad(&object).map_err(refuse)?;
+        let limits = place.robot.limits();
+        limits.check(&joints).map_err(|outside| refuse(outside.to_string()))?;
+        let (pose, frame) = (place.pose(&joints), place.frame(&joints));
+        let line = if json {
+            let (position_m, rotation) = (pose.position_m, pose.rotation);
+            output::json_line(&LineAnswer { position_m, rotation, frame: &frame })?
+        } else {
+            let ReachedFrame { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg, e1_deg, status, turn } =
+                frame;
+            format!("{x_mm},{y_mm},{z_mm},{a_deg},{b_deg},{c_deg},{e1_deg},{status},{turn}\n")
+        };
+        if !output::print_if_read(&line)? {
+            break;
+        }
+    }
+    Ok(())
+}
+
 /// Prints the pose of the flange, or of a TCP.
 pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     let place = Workplace::new(options.robot.as_deref(), &options.place)?;
+    if options.joints.stdin {
+        return many(&place, options.json);
+    }
     let robot = &place.robot;
     let joints = options.joints.rad();
     robot.limits().check(&joints).map_err(|outside| Failure::input(outside.to_string()))?;

@@ -26,6 +26,7 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
         let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
         let read = recordings.chain(program).chain(robot);
         output::keep_inputs("profile", target, read, "--output")?;
+        output::keep_existing("profile", target, options.overwrite)?;
     }
     let (sources, model) = read(options)?;
     let recordings: Vec<_> =
@@ -87,7 +88,7 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
             })?;
             model = Some(match (recorded, program.robot.as_deref()) {
                 (Some(robot), _) => robot,
-                (None, None) => Robot::default(),
+                (None, None) => input::default_robot()?,
                 (None, Some(robot)) => Robot::built_in(robot).ok_or_else(|| {
                     Failure::input(format!(
                         "{name}: the robot `{robot}` of its program is not built in; name its profile \
@@ -105,7 +106,7 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
         }
         sources.push(Source { name, program, log });
     }
-    Ok((sources, model.unwrap_or_default()))
+    Ok((sources, model.map_or_else(input::default_robot, Ok)?))
 }
 
 /// The loss of the rest of a file.

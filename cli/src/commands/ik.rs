@@ -9,6 +9,7 @@ use crate::{
     args::Ik,
     failure::{Failure, print_note},
     frame::{ReachedFrame, Workplace},
+    lines::Objects,
     output,
 };
 
@@ -32,11 +33,29 @@ struct SingularityAnswer {
     wrist: f64,
 }
 
-/// Prints the joints that reach a frame.
+/// Prints the joints that reach a frame, or all frames on standard input.
 pub(crate) fn run(options: &Ik) -> Result<(), Failure> {
     let place = Workplace::new(options.robot.as_deref(), &options.place)?;
+    if options.stdin {
+        return many(&place, options);
+    }
+    let Solution { joints_rad, allowed_rad, turn } = solve(&place, options, &options.frame)?;
+    check_turn(turn, &joints_rad);
+    print(&place, &joints_rad, &allowed_rad, options.json)
+}
+
+/// The joints that reach a frame.
+struct Solution {
+    joints_rad: Joints,
+    /// Ranges of E1 with which all joints are within their limits.
+    allowed_rad: Vec<[f64; 2]>,
+    /// As the frame states it.
+    turn: Option<Turn>,
+}
+
+fn solve(place: &Workplace, options: &Ik, frame: &str) -> Result<Solution, Failure> {
     let robot = &place.robot;
-    let (target, flange) = place.target(&options.frame)?;
+    let (target, flange) = place.target(frame)?;
     let near = options.near.map(|joints_deg| joints_deg.map(f64::to_radians));
     let near = near.map(|joints_rad| robot.redundancy(&joints_rad));
     let e1_rad = options.e1_deg.map(f64::to_radians).or(target.e1_rad);
@@ -48,14 +67,64 @@ pub(crate) fn run(options: &Ik) -> Result<(), Failure> {
         .or(near.map(|near| near.status))
         .ok_or_else(|| missing("the status, 0 to 7,", "--status, by `status` in the frame"))?;
 
-    let allowed = robot.allowed_e1(&flange, status).map_err(|error| refused(&error))?;
+    let allowed_rad = robot.allowed_e1(&flange, status).map_err(|error| refused(&error))?;
     let unless = |what: &dyn std::error::Error| {
-        Failure::input(format!("{what}; {}", with_other_e1(&allowed, status)))
+        Failure::input(format!("{what}; {}", with_other_e1(&allowed_rad, status)))
     };
     let joints_rad = robot.inverse(&flange, e1_rad, status).map_err(|error| unless(&error))?;
     robot.limits().check(&joints_rad).map_err(|error| unless(&error))?;
-    check_turn(target.turn.and_then(Turn::new), &joints_rad);
-    print(&place, &joints_rad, &allowed, options.json)
+    Ok(Solution { joints_rad, allowed_rad, turn: target.turn.and_then(Turn::new) })
+}
+
+/// One of many frames.
+#[derive(Default, Serialize)]
+struct LineAnswer {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joints_deg: Option<[f64; 7]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+}
+
+/// Prints the joints of all frames on standard input; those that have none do not stop the others.
+fn many(place: &Workplace, options: &Ik) -> Result<(), Failure> {
+    if !options.json {
+        let names: Vec<_> = (1..=7).map(|joint| format!("joint_{joint}_deg")).collect();
+        output::print(&format!("{},error\n", names.join(",")))?;
+    }
+    let (mut frames, mut failed) = (0_usize, 0_usize);
+    for object in Objects::on_stdin() {
+        let (number, object) = object?;
+        frames += 1;
+        let frame = serde_json::Value::Object(object).to_string();
+        let answer = match solve(place, options, &frame) {
+            Ok(Solution { joints_rad, .. }) => {
+                LineAnswer { joints_deg: Some(joints_rad.map(f64::to_degrees)), error: None }
+            }
+            Err(failure) => {
+                failed += 1;
+                let error = failure.what();
+                print_note(&format!("standard input, line {number}: {error}\n"));
+                LineAnswer { error: Some(error), ..LineAnswer::default() }
+            }
+        };
+        let line = if options.json { output::json_line(&answer)? } else { csv_line(&answer) };
+        if !output::print_if_read(&line)? {
+            break;
+        }
+    }
+    match failed {
+        0 => Ok(()),
+        failed => Err(Failure::Gate(format!("{failed} of {frames} frames are not reached"))),
+    }
+}
+
+fn csv_line(answer: &LineAnswer) -> String {
+    let joints = answer.joints_deg.map_or_else(
+        || ",".repeat(6),
+        |joints_deg| joints_deg.map(|joint| joint.to_string()).join(","),
+    );
+    let error = answer.error.as_ref().map(|error| format!("\"{}\"", error.replace('"', "\"\"")));
+    format!("{joints},{}\n", error.unwrap_or_default())
 }
 
 fn missing(what: &str, how: &str) -> Failure {

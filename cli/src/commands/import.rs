@@ -5,14 +5,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_kin::Robot;
 use iiwa_sunrise::{DataFile, ImportedCell};
 use iiwa_view::ImportReport;
 
 use crate::{
     args::Import,
     failure::{Failure, print_note},
-    input::{Text, find_robot},
+    input::{Text, default_robot, find_robot},
     output,
 };
 
@@ -34,8 +33,9 @@ pub(crate) fn run(options: &Import) -> Result<(), Failure> {
         let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
         let read = [("project", project.as_path())].into_iter().chain(robot);
         output::keep_inputs("file of frames", target, read, "--output")?;
+        output::keep_existing("file of frames", target, options.overwrite)?;
     }
-    let robot = options.robot.as_deref().map_or_else(|| Ok(Robot::default()), find_robot)?;
+    let robot = options.robot.as_deref().map_or_else(default_robot, find_robot)?;
     let Text { name, text } = Text::read(&project)?;
     let file = DataFile::from_xml(&text)
         .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))?;

@@ -1,10 +1,18 @@
 //! `iiwasim io`.
 
-use crate::{args::IoAction, connection, failure::Failure, output};
+use iiwa_view::{printable, table};
 
-/// Prints the value of an input or output, for `set` the new one.
+use crate::{
+    args::{DriveAddress, IoAction},
+    connection,
+    failure::Failure,
+    output,
+};
+
+/// Prints all inputs and outputs, or the value of one, for `set` the new one.
 pub(crate) fn run(action: &IoAction) -> Result<(), Failure> {
     let value = match action {
+        IoAction::List { json, drive } => return list(drive, *json),
         IoAction::Get { name, drive } => connection::client(drive)?
             .get_io(name)
             .map_err(|error| connection::failed("cannot read it", &error)),
@@ -13,4 +21,19 @@ pub(crate) fn run(action: &IoAction) -> Result<(), Failure> {
             .map_err(|error| connection::failed("cannot set it", &error)),
     };
     output::print(&format!("{}\n", value?))
+}
+
+fn list(drive: &DriveAddress, json: bool) -> Result<(), Failure> {
+    let signals = connection::client(drive)?
+        .list_io()
+        .map_err(|error| connection::failed("cannot read inputs and outputs", &error))?;
+    if json {
+        return output::print_json(&signals);
+    }
+    let mut table = table(&["name", "direction", "value"]);
+    for signal in &signals {
+        let (name, direction) = (printable(&signal.name), signal.direction.name().to_owned());
+        table.add_row([name, direction, signal.value.to_string()]);
+    }
+    output::print(&format!("{table}\n"))
 }

@@ -4,6 +4,7 @@ mod answer;
 mod many;
 mod one;
 mod programs;
+mod tables;
 mod target;
 mod work;
 
@@ -11,6 +12,9 @@ use crate::{args::Plan, failure::Failure};
 
 /// Plans programs, writes their trajectories and prints their figures.
 pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
+    if options.min_clearance.is_some() && options.scene.is_none() {
+        return Err(Failure::input("--min-clearance needs a scene: --scene SCENE.json"));
+    }
     match options.programs.as_slice() {
         [program] if target::is_stdin(program) || !program.is_dir() => one::run(options, program),
         given => many::run(options, given),

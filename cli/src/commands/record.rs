@@ -2,13 +2,12 @@
 
 use std::{
     fs::{self, File},
-    io::ErrorKind,
     path::Path,
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
 use iiwa_link::{Published, Stream};
-use iiwa_log::{Config, Recorder, RecorderConfig};
+use iiwa_log::{Config, DEFAULT_EPOCH, Recorder, RecorderConfig};
 
 use crate::{
     args::Record,
@@ -33,17 +32,14 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
         .map_err(|error| connection::refused(&error))?;
     output::catch_interrupts();
     let path = &options.output;
-    let file = File::create_new(path).map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => Failure::input(format!(
-            "{} exists; a recording is not written over another file",
-            path.display()
-        )),
-        _ => Failure::run(format!("cannot write {}", path.display()), &error),
-    })?;
+    output::keep_existing("recording", path, options.overwrite)?;
+    let file = File::create(path)
+        .map_err(|error| Failure::run(format!("cannot write {}", path.display()), &error))?;
     let refuse = |error: iiwa_log::WriteError| {
         Failure::run(format!("cannot write {}", path.display()), &error)
     };
-    let epoch = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(iiwa_log::DEFAULT_EPOCH);
+    let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH);
+    let epoch = options.epoch.unwrap_or_else(now);
     let config =
         RecorderConfig { file: Config { epoch, ..Config::default() }, ..RecorderConfig::default() };
     let mut recorder = Recorder::new(file, &robot, config).map_err(refuse)?;

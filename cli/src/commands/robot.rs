@@ -17,7 +17,8 @@ pub(crate) fn run(options: &args::Robot) -> Result<(), Failure> {
     let Some(name) = &options.model else { return output::print(&robots_table()) };
     let robot = find_robot(name)?;
     if options.json {
-        return output::print(&format!("{}\n", robot.to_profile().trim_end()));
+        let profile = if options.all { robot.to_full_profile() } else { robot.to_profile() };
+        return output::print(&format!("{}\n", profile.trim_end()));
     }
     if options.urdf {
         return output::print(&format!("{}\n", robot.to_urdf().trim_end()));

@@ -1,22 +1,28 @@
 //! `iiwasim run`.
 
-use std::path::{Path as FilePath, PathBuf};
+use std::{
+    iter,
+    path::{Path as FilePath, PathBuf},
+};
 
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, message::Run as Measured};
 use iiwa_log::{PlanFigures, PlanOptions};
 use iiwa_program::Program;
+use iiwa_scene::ArmInScene;
 use iiwa_traj::Trajectory;
-use iiwa_view::{RunReport, plan_table};
+use iiwa_view::{PlanGates, RunReport, plan_table};
 
 use crate::{
     args::Run,
+    clearance::nearest,
     connection,
     failure::{Failure, print_note},
     input::{self, ProgramText},
     output::{self, Output},
+    progress::Progress,
     runner::{
-        DriveConnection, Task, execute_with_progress, go_to_start, hint, recording, sampled,
+        DriveConnection, Task, began, execute_with_progress, go_to_start, hint, recording, sampled,
         since_start,
     },
     warning::{warning_lines, warnings},
@@ -25,25 +31,32 @@ use crate::{
 /// Runs a program on the robot.
 pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let (text, program, robot) = input::program(&options.program, options.robot.as_deref())?;
-    let target = target(options);
+    let target = target(options)?;
+    let scene = options.scene.as_deref().map(input::scene).transpose()?;
     output::catch_interrupts();
-    let (plan, figures) = plan(&text, &program, &robot)?;
+    let (plan, mut figures) = plan(&text, &program, &robot)?;
+    if let Some(scene) = &scene {
+        let arm = ArmInScene::new(&robot, scene);
+        let nearest = plan.sections().iter().filter_map(|section| nearest(&arm, section));
+        nearest.for_each(|nearest| figures.add_clearance(nearest));
+    }
     print_note(&warning_lines(&warnings(&program, plan.path()), None));
 
     let mut line = DriveConnection::new(&options.drive, &options.stream)?;
     if !options.json {
         output::print(&plan_table(&figures))?;
     }
+    check_clearance(options, &figures)?;
     let output = target.as_deref().map(Output::new).transpose()?;
     let task = if options.as_trajectory {
         Task::Trajectory(sampled(&plan)?)
     } else {
         Task::Motions(program.into())
     };
-    go_to_start(&mut line, options.move_to_start, plan.path().start_rad())?;
+    go_to_start(&mut line, options.move_to_start, plan.path().start_rad(), &robot)?;
     output::check_interrupt()?;
 
-    let watched = execute_with_progress(&mut line, task, Some(plan.cycle_time_s()));
+    let watched = execute_with_progress(&mut line, task, plan.cycle_time_s(), Progress::of_run());
     let (measured, failure) = match watched.result {
         Ok(measured) => (measured, None),
         Err(ClientError::Refused { mut refusal, run }) => {
@@ -66,24 +79,20 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
             (Measured::new(watched.streamed), Some(failure))
         }
     };
-    let samples = since_start(&measured);
-    let written = output.filter(|_| !samples.is_empty());
+    let log = since_start(&measured);
+    let written = output.filter(|_| !log.t_s.is_empty());
     let file = match written {
         Some(output) => {
-            let recording = recording(&samples, measured.cycle_time_s, &robot, text.complete())?;
+            let epoch = options.epoch.unwrap_or_else(|| began(&log));
+            let recording = recording(&log, epoch, &robot, text.complete())?;
             output.write(&recording)?;
             output.complete_always()?;
             target.as_deref()
         }
         None => None,
     };
-    let figures = RunReport::new(
-        plan.cycle_time_s(),
-        measured.cycle_time_s,
-        failure.is_none(),
-        samples.len(),
-        file,
-    );
+    let plan = iiwa_eval::Plan::from_trajectory(&plan);
+    let figures = RunReport::new(&plan, &log, failure.is_none(), file);
     if options.json {
         output::print_json(&figures)?;
     } else {
@@ -92,15 +101,31 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     failure.map_or(Ok(()), Err)
 }
 
-fn target(options: &Run) -> Option<PathBuf> {
+/// The file of the recording, if one is written. Its name is that of no other file, unless it was given.
+fn target(options: &Run) -> Result<Option<PathBuf>, Failure> {
     if options.no_output {
-        return None;
+        return Ok(None);
+    }
+    if let Some(path) = &options.output {
+        output::keep_existing("recording", path, options.overwrite)?;
+        return Ok(Some(path.clone()));
     }
     let stem = match options.program.file_stem() {
         Some(stem) if options.program != FilePath::new("-") => stem.to_string_lossy().into_owned(),
         _ => "program".to_owned(),
     };
-    Some(options.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.measured.mcap"))))
+    let later = (2..).map(|run: u32| format!("{stem}.measured-{run}.mcap"));
+    let names = iter::once(format!("{stem}.measured.mcap")).chain(later);
+    Ok(names.map(PathBuf::from).find(|path| !path.exists()))
+}
+
+/// Refuses a program that comes nearer to the scene of the options than it may.
+fn check_clearance(options: &Run, figures: &PlanFigures) -> Result<(), Failure> {
+    let gates = PlanGates { min_clearance_mm: Some(options.min_clearance), ..PlanGates::default() };
+    match gates.judge(figures).complaint() {
+        Some(how) => Err(Failure::Gate(format!("the program {how}; it was not run"))),
+        None => Ok(()),
+    }
 }
 
 fn plan(

@@ -36,6 +36,10 @@ fn watch(options: &Status, mut state: DriveState) -> Result<(), Failure> {
             .map_err(|error| connection::refused(&error))?;
     output::catch_interrupts();
     let mut shown = None::<Instant>;
+    if !options.json {
+        let joints: String = (1..=7).map(|joint| format!("{:>9}", format!("A{joint}"))).collect();
+        output::print(&format!("{:>10}    {:<17}{joints}\n", "time", "state"))?;
+    }
     while !output::interrupted() {
         let pause = |length| shown.is_none_or(|shown| shown.elapsed() >= length);
         let next = stream.next(EVERY).map_err(|error| connection::refused(&error))?;

@@ -29,7 +29,7 @@ pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     let viewers = options.foxglove.map(|at| Viewers::listen(&setup.robot, at)).transpose()?;
     output::catch_interrupts();
     let live = Arc::new(LatestJoints::default());
-    let dispatcher = Arc::new(Dispatcher::new(setup.clone(), live.clone()));
+    let dispatcher = Arc::new(Dispatcher::new(setup.clone(), live.clone())?);
     let (live_words, health_words) = (PageChannel::new("{}".into()), PageChannel::new("{}".into()));
     let words = [live_words.subscribe(), health_words.subscribe()];
     let twin = Shared::new(setup.clone(), words, dispatcher.clone());

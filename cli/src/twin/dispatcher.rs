@@ -9,10 +9,7 @@ use std::{
     thread::{self, JoinHandle},
 };
 
-use iiwa_kin::Joints;
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
 use iiwa_view::Extent;
-use serde::Serialize;
 use tokio::runtime::Handle;
 
 use crate::failure::Failure;
@@ -21,6 +18,7 @@ use super::{
     LatestJoints, PageChannel, Setup,
     message::page_message,
     planned::Planned,
+    positions::PositionList,
     request::PageRequest,
     run::{ProgramRun, RunOutcome},
     stop::Stopper,
@@ -32,16 +30,14 @@ pub(crate) struct Dispatcher {
     live: Arc<LatestJoints>,
     state: Mutex<DispatcherState>,
     stopper: Stopper,
-    pub(super) positions: PageChannel,
+    positions: Mutex<PositionList>,
+    pub(super) positions_channel: PageChannel,
     pub(super) plan: PageChannel,
     pub(super) run: PageChannel,
 }
 
 #[derive(Default)]
 struct DispatcherState {
-    positions: Vec<Position>,
-    /// Number of positions saved since the start, of which ids are made.
-    saved: u64,
     plans: u64,
     plan: Option<Arc<Planned>>,
     running: Option<Running>,
@@ -53,35 +49,26 @@ struct DispatcherState {
     measured: Option<PathBuf>,
 }
 
-/// A saved position of the arm.
-#[derive(Clone, Serialize)]
-struct Position {
-    /// Unique, unlike indices, which change while other pages show the list.
-    id: u64,
-    name: String,
-    joints_rad: Joints,
-}
-
 struct Running {
     thread: JoinHandle<()>,
     stopped: Arc<AtomicBool>,
 }
 
-/// Number of positions that are kept, at most.
-const MAX_POSITIONS: usize = 1000;
-
 impl Dispatcher {
-    pub(crate) fn new(setup: Arc<Setup>, live: Arc<LatestJoints>) -> Self {
+    /// With the positions that were saved before.
+    pub(crate) fn new(setup: Arc<Setup>, live: Arc<LatestJoints>) -> Result<Self, Failure> {
         let nothing = |kind| PageChannel::new(page_message(kind, &None::<()>));
-        Self {
+        let positions = PositionList::read(&setup.positions, &setup.robot)?;
+        Ok(Self {
             stopper: Stopper::new(&setup),
             setup,
             live,
             state: Mutex::default(),
-            positions: PageChannel::new(page_message("positions", &[(); 0])),
+            positions_channel: PageChannel::new(page_message("positions", &positions.all())),
+            positions: Mutex::new(positions),
             plan: nothing("plan"),
             run: nothing("run"),
-        }
+        })
     }
 
     fn state(&self) -> MutexGuard<'_, DispatcherState> {
@@ -94,21 +81,22 @@ impl Dispatcher {
         match request {
             PageRequest::SavePosition { name } => self.save_position(&name),
             PageRequest::RemovePosition { position } => {
-                let mut state = self.state();
-                state.positions.retain(|kept| kept.id != position);
-                self.publish_positions(&state);
-                Ok(())
+                self.change_positions(|positions| positions.remove(position))
+            }
+            PageRequest::RenamePosition { position, name } => {
+                self.change_positions(|positions| positions.rename(position, &name))
+            }
+            PageRequest::MovePosition { position, by } => {
+                self.change_positions(|positions| positions.shift(position, by))
             }
             PageRequest::MakeProgram { velocity_percent, blend_mm } => {
-                let text = self.program_of_positions(velocity_percent, blend_mm)?;
-                self.load("positions.json", text)
+                let program = self.positions().program(velocity_percent, blend_mm)?;
+                self.load("positions.json", program.to_json())
             }
             PageRequest::ClearProgram => {
                 let mut state = self.state();
                 not_running(&state)?;
-                state.plan = None;
-                self.discard_run(&mut state);
-                self.plan.send_replace(page_message("plan", &None::<()>));
+                self.discard_plan(&mut state);
                 Ok(())
             }
             PageRequest::Send { plan, move_to_start } => self.send(plan, move_to_start),
@@ -126,58 +114,26 @@ impl Dispatcher {
                 "the position of the robot is unknown: nothing is received from the drive".into()
             );
         };
-        let mut state = self.state();
-        let count = state.positions.len();
-        if count >= MAX_POSITIONS {
-            return Err(format!(
-                "there are {MAX_POSITIONS} positions already, which is the most; remove some first"
-            ));
-        }
-        let name = match name.trim() {
-            "" => format!("P{}", count + 1),
-            name => name.chars().take(100).collect(),
-        };
-        state.saved += 1;
-        let id = state.saved;
-        state.positions.push(Position { id, name, joints_rad });
-        self.publish_positions(&state);
+        self.change_positions(|positions| positions.save(name, joints_rad))
+    }
+
+    fn change_positions(
+        &self,
+        change: impl FnOnce(&mut PositionList) -> Result<(), String>,
+    ) -> Result<(), String> {
+        // A lock of its own: the file may be on a slow disk.
+        let mut positions = self.positions();
+        change(&mut positions)?;
+        self.positions_channel.send_replace(page_message("positions", &positions.all()));
         Ok(())
     }
 
-    fn publish_positions(&self, state: &DispatcherState) {
-        self.positions.send_replace(page_message("positions", &state.positions));
+    fn positions(&self) -> MutexGuard<'_, PositionList> {
+        self.positions.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn program_of_positions(&self, velocity_percent: f64, blend_mm: f64) -> Result<String, String> {
-        let velocity_rel = velocity_percent / 100.0;
-        if !(velocity_rel > 0.0 && velocity_rel <= 1.0) {
-            return Err(format!(
-                "the velocity is {velocity_percent} %; it has to be above 0 and at most 100 %"
-            ));
-        }
-        if !(0.0..=1e4).contains(&blend_mm) {
-            return Err(format!("the blend radius is {blend_mm} mm; it has to be 0 to 10000 mm"));
-        }
-        let state = self.state();
-        let [start, targets @ .., last] = state.positions.as_slice() else {
-            return Err("a program needs at least two positions: the start and a target".into());
-        };
-        let ptp = |to: &Position| Ptp::to(to.joints_rad).velocity(velocity_rel);
-        let blended =
-            |ptp: Ptp| if blend_mm > 0.0 { ptp.blend(Blend::CartMm(blend_mm)) } else { ptp };
-        let inner = targets.iter().map(|to| blended(ptp(to)));
-        let motions = inner.chain([ptp(last)]).map(Motion::Ptp).collect();
-        let robot = Some(self.setup.robot.name().to_owned());
-        Ok(Program {
-            robot,
-            start: Start::Joints(start.joints_rad),
-            motions,
-            workcell: Workcell::default(),
-        }
-        .to_json())
-    }
-
-    /// Plans a program and shows it. Errors are shown on the page.
+    /// Plans a program and shows it. Errors are shown on the page; after one, nothing can be sent: nobody is to send the program
+    /// before it for the one that was meant.
     pub(super) fn load(&self, name: &str, text: String) -> Result<(), String> {
         let id = {
             let mut state = self.state();
@@ -186,16 +142,28 @@ impl Dispatcher {
             state.plans
         };
         // Planning may take long: the lock is not held meanwhile.
-        let plan = Planned::new(id, name, text, &self.setup)?;
+        let plan = Planned::new(id, name, text, &self.setup);
         let mut state = self.state();
         not_running(&state)?;
         // A program that was loaded later may have been planned faster.
-        if state.plan.as_ref().is_none_or(|shown| shown.id < id) {
+        let is_newest = state.plan.as_ref().is_none_or(|shown| shown.id < id);
+        let plan = plan.inspect_err(|_| {
+            if is_newest {
+                self.discard_plan(&mut state);
+            }
+        })?;
+        if is_newest {
             self.plan.send_replace(plan.message.clone());
             state.plan = Some(Arc::new(plan));
             self.discard_run(&mut state);
         }
         Ok(())
+    }
+
+    fn discard_plan(&self, state: &mut DispatcherState) {
+        state.plan = None;
+        self.discard_run(state);
+        self.plan.send_replace(page_message("plan", &None::<()>));
     }
 
     fn discard_run(&self, state: &mut DispatcherState) {

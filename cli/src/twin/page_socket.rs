@@ -55,7 +55,7 @@ async fn send_messages(
     let dispatcher = &twin.dispatcher;
     let mut live = twin.live.clone();
     let mut health = twin.health.clone();
-    let mut positions = dispatcher.positions.subscribe();
+    let mut positions = dispatcher.positions_channel.subscribe();
     let mut plan = dispatcher.plan.subscribe();
     let mut run = dispatcher.run.subscribe();
     // The current state is new to this page.

@@ -9,7 +9,7 @@ use iiwa_traj::Trajectory;
 use iiwa_view::{Extent, Nearest, long_duration};
 use serde::Serialize;
 
-use crate::{failure::Failure, output::Output};
+use crate::{failure::Failure, output::Output, warning::warnings};
 
 use super::{
     Setup,
@@ -61,6 +61,7 @@ impl Planned {
         check_size(&plan)?;
         let nearest = setup.nearest_of(&plan);
         let refused = setup.too_near(nearest.as_ref());
+        let warnings = warnings(&program, plan.path());
 
         let [json, mcap] = setup.new_files(&file_stem(name), [".json", ".mcap"]).map_err(what)?;
         let stem = json.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -97,6 +98,7 @@ impl Planned {
                 start_rad: &start_rad,
                 nearest,
                 refused: refused.as_deref(),
+                warnings: &warnings,
                 sketch: page.sketch(),
             },
         );
@@ -114,6 +116,8 @@ struct PlanForPage<'a, S> {
     start_rad: &'a [f64; 7],
     nearest: Option<Nearest>,
     refused: Option<&'a str>,
+    /// What is odd about it.
+    warnings: &'a [String],
     sketch: S,
 }
 

@@ -18,6 +18,10 @@ pub(super) enum PageRequest {
     SavePosition { name: String },
     /// Removes the saved position with this id.
     RemovePosition { position: u64 },
+    /// Gives the saved position with this id another name.
+    RenamePosition { position: u64, name: String },
+    /// Moves the saved position with this id by so many places; down if above 0.
+    MovePosition { position: u64, by: i64 },
     /// Makes a program of the saved positions, from the first to the last, and plans it.
     MakeProgram {
         velocity_percent: f64,

@@ -190,14 +190,14 @@ struct RunForPage<'a, S> {
 /// Writes the recording, and compares it with the plan.
 fn finish(plan: &Planned, measured: &Measured, error: Option<String>, setup: &Setup) -> RunOutcome {
     let phase = if error.is_some() { Phase::Failed } else { Phase::Done };
-    let samples = runner::since_start(measured);
-    if samples.is_empty() {
+    let log = runner::since_start(measured);
+    if log.t_s.is_empty() {
         return RunOutcome {
             message: without_recording(plan, phase, error.as_deref()),
             mcap: None,
         };
     }
-    let saved = runner::recording(&samples, measured.cycle_time_s, &setup.robot, &plan.text)
+    let saved = runner::recording(&log, runner::began(&log), &setup.robot, &plan.text)
         .and_then(|bytes| save(&bytes, plan, setup));
     let (mcap, unwritten) = match saved {
         Ok((mcap, unwritten)) => (Some(mcap), unwritten),
@@ -216,7 +216,11 @@ fn finish(plan: &Planned, measured: &Measured, error: Option<String>, setup: &Se
             plan: plan.id,
             phase,
             error: (!errors.is_empty()).then(|| errors.join("; ")).as_deref(),
-            cycle_time_s: measured.cycle_time_s,
+            // As everywhere: by the joint positions, or else by the robot program's clock.
+            cycle_time_s: page
+                .as_ref()
+                .and_then(Page::measured_cycle_time_s)
+                .or(measured.cycle_time_s),
             sketch: page.as_ref().map(Page::sketch),
         },
     );

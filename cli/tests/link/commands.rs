@@ -3,16 +3,16 @@
 use std::{
     net::TcpListener,
     thread,
-    time::{Duration, Instant},
+    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
-use iiwasim_tests::calm::in_real_time;
+use iiwasim_tests::{calm::in_real_time, ports::free_address};
 use predicates::{
     prelude::PredicateBooleanExt,
     str::{contains, is_empty, is_match, starts_with},
 };
 
-use crate::rig::{Rig, wait_for};
+use crate::rig::{LONG, Rig, wait_for};
 
 #[test]
 fn the_robot_tells_of_itself() {
@@ -36,6 +36,14 @@ fn the_robot_tells_of_itself() {
         }
 
         let io = |arguments: &[&str]| rig.iiwasim("io", arguments);
+        io(&["list"])
+            .success()
+            .stdout(contains("MediaFlange.UserButton").and(contains("Simulation.AnalogOutput")));
+        let listed = io(&["list", "--json"]).success();
+        let listed: Vec<serde_json::Value> =
+            serde_json::from_slice(&listed.get_output().stdout).unwrap();
+        let led = serde_json::json!({ "name": "MediaFlange.LEDBlue", "direction": "output", "value": false });
+        assert!(listed.len() == 11 && listed.contains(&led), "{listed:?}");
         io(&["get", "MediaFlange.LEDBlue"]).success().stdout("false\n");
         io(&["set", "MediaFlange.LEDBlue", "true"]).success().stdout("true\n");
         io(&["get", "MediaFlange.LEDBlue"]).success().stdout("true\n");
@@ -74,12 +82,24 @@ fn a_program_runs() {
             .success()
             .stdout(contains("Cycle time 3.198 s").and(contains("A1 velocity")))
             .stdout(
-                is_match("Measured   3.20[0-9] s, planned 3.198 s: the plan is off by -0.00")
-                    .unwrap(),
+                is_match(
+                    "Measured   3\\.(19|20)[0-9] s, planned 3.198 s: the plan is off by [-+]0.00",
+                )
+                .unwrap(),
+            )
+            .stdout(
+                is_match(
+                    "\n           3.20[0-9] s by the robot program's clock, in cycles of 5 ms",
+                )
+                .unwrap(),
             )
             .stdout(is_match("\n64[0-9] samples recorded in slow.measured.mcap\n").unwrap())
             .stderr(is_empty());
         let recording = rig.recording("slow.measured.mcap");
+        // Of what is measured, the stamps are those of the wall clock.
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+        let ago = now.checked_sub(recording.epoch).unwrap();
+        assert!(ago < LONG, "{ago:?}");
         let [first, .., last] = recording.joint_states.as_slice() else { panic!("no states") };
         assert!(first.q[0].abs() < 1e-3 && (last.q[0].to_degrees() - 60.0).abs() < 1e-3);
         assert!(first.t_s < 0.01 && (last.t_s - 3.2).abs() < 0.01);
@@ -101,11 +121,78 @@ fn a_program_runs() {
         assert!((number("error_s") - (planned_s - measured_s)).abs() < 1e-12);
         assert!((number("error_percent") - 100.0 * number("error_s") / measured_s).abs() < 1e-12);
         assert!(number("error_s").abs() < 0.02, "{figures}");
+        assert!((number("robot_program_cycle_time_s") - measured_s).abs() < 0.011, "{figures}");
+        assert!((number("sample_step_s") - 0.005).abs() < 1e-6, "{figures}");
+        // One definition: `compare` and the report find the same.
+        rig.iiwasim_alone(&["plan", program, "-o", "plan.mcap"]).success();
+        let compared =
+            rig.iiwasim_alone(&["compare", "plan.mcap", "again.mcap", "--json"]).success();
+        let compared: serde_json::Value =
+            serde_json::from_slice(&compared.get_output().stdout).unwrap();
+        let real_s = compared["cycle_time"]["real_s"].as_f64().unwrap();
+        assert!((real_s - measured_s).abs() < 1e-6, "{real_s} s, {measured_s} s");
+        // What was measured is not overwritten; the default name is a new one.
+        rig.iiwasim("run", &["--move-to-start=100", "-o", "again.mcap", program])
+            .code(2)
+            .stderr(contains("again.mcap exists").and(contains("--overwrite")));
+        let options = ["--move-to-start=100", "--epoch", "2024-02-29T12:00:00Z", program];
+        rig.iiwasim("run", &options).success().stdout(contains("slow.measured-2.mcap"));
+        assert_eq!(rig.recording("slow.measured-2.mcap").epoch.as_secs(), 1_709_208_000);
         assert!(figures["ended_after_s"].is_null());
         assert_eq!(figures["output"], "again.mcap");
         let states = rig.recording("again.mcap").joint_states;
         assert_eq!(number("samples"), states.len() as f64);
         assert!((rig.joint_1().to_degrees() - 60.0).abs() < 1e-3);
+    });
+}
+
+/// A program that comes too near to a scene does not begin.
+#[test]
+fn a_scene_is_checked_before_a_run() {
+    in_real_time(|| {
+        let rig = Rig::new();
+        let scene = r#"{ "version": 1, "obstacles": [
+            { "name": "shelf", "type": "box", "center_mm": [0, 0, 1350], "size_mm": [100, 100, 60] }
+        ] }"#;
+        std::fs::write(rig.path("shelf.json"), scene).unwrap();
+        let program = rig.slow_program();
+        let before = rig.joint_1();
+        rig.iiwasim("run", &["--scene", "shelf.json", "--min-clearance", "100", program])
+            .code(3)
+            .stdout(contains("Clearance").and(contains("shelf")))
+            .stderr(contains("shelf").and(contains("it was not run")));
+        assert_eq!(rig.joint_1(), before);
+        assert!(!rig.path("slow.measured.mcap").exists());
+    });
+}
+
+/// Another run is in the way, and not the position of the arm.
+#[test]
+fn a_robot_that_runs_is_busy() {
+    in_real_time(|| {
+        let rig = Rig::new();
+        let program = rig.slow_program();
+        let running = rig.begin("run", &[program]);
+        wait_for("motion", || rig.joint_1() > 0.2);
+        rig.iiwasim("run", &[program]).code(1).stderr(contains("the robot is busy"));
+        running.end().code(0);
+    });
+}
+
+/// Addresses need not be repeated.
+#[test]
+fn addresses_are_settings() {
+    in_real_time(|| {
+        let rig = Rig::new();
+        rig.write_settings("iiwasim.toml");
+        rig.iiwasim_alone(&["status"]).success().stdout(starts_with("state          idle"));
+        rig.iiwasim_alone(&["record", "-o", "a.mcap", "--seconds", "0.5"]).success();
+        rig.iiwasim_alone(&["record", "-o", "a.mcap", "--seconds", "0.5"])
+            .code(2)
+            .stderr(contains("a.mcap exists"));
+        rig.iiwasim_alone(&["record", "-o", "a.mcap", "--overwrite", "--seconds", "0.5"]).success();
+        let nobody = free_address().to_string();
+        rig.iiwasim_alone(&["status", "--drive", &nobody]).code(1).stderr(contains(nobody));
     });
 }
 

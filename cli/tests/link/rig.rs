@@ -188,12 +188,14 @@ impl Rig {
         });
     }
 
-    /// The addresses of the drive that a command asks for.
+    /// The addresses of the drive that a command asks for, and the file of positions.
     fn addresses(&self, command: &str) -> Vec<&str> {
         let (drive, stream) = (["--drive", &self.instructions], ["--stream", &self.stream]);
         match command {
             "record" => stream.to_vec(),
-            "run" | "experiment" | "twin" => [drive, stream].concat(),
+            // Not the positions of whoever runs this.
+            "twin" => [drive, stream, ["--positions", "positions.json"]].concat(),
+            "run" | "experiment" => [drive, stream].concat(),
             _ => drive.to_vec(),
         }
     }
@@ -204,6 +206,19 @@ impl Rig {
         process.current_dir(&self.folder).arg(command).args(arguments).args(addresses);
         process.timeout(LONG);
         process
+    }
+
+    /// Runs a command without addresses, to its end.
+    pub(crate) fn iiwasim_alone(&self, arguments: &[&str]) -> Assert {
+        let mut process = assert_cmd::Command::new(cargo_bin!("iiwasim"));
+        process.current_dir(&self.folder).args(arguments).timeout(LONG).assert()
+    }
+
+    /// Writes the addresses into a file of settings.
+    pub(crate) fn write_settings(&self, name: &str) {
+        let Self { instructions, stream, .. } = self;
+        let text = format!("drive = \"{instructions}\"\nstream = \"{stream}\"\n");
+        fs::write(self.path(name), text).unwrap();
     }
 
     /// Runs a command that speaks to the drive, to its end.

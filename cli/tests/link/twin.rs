@@ -201,7 +201,7 @@ fn a_program_is_seen_sent_and_replayed() {
 fn positions_become_a_program() {
     in_real_time(|| {
         let rig = Rig::new();
-        let (_twin, address) = start(&rig, &[]);
+        let (twin, address) = start(&rig, &[]);
         let mut page = address.page();
         page.wait_for("live", |live| live["joints_rad"][0].is_number());
         let making = json!({ "velocity_percent": 50, "blend_mm": 20 });
@@ -212,15 +212,36 @@ fn positions_become_a_program() {
         page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(1.04));
         page.order("save_position", json!({ "name": "<b>there</b>" })).unwrap();
         page.order("save_position", json!({ "name": "too much" })).unwrap();
-        let all = page.wait_for("positions", |all| all.as_array().unwrap().len() == 3);
+        let names = |page: &mut Page, expected: &[&str]| {
+            page.wait_for("positions", |all| {
+                let names = all.as_array().unwrap().iter().map(|it| it["name"].as_str().unwrap());
+                names.eq(expected.iter().copied())
+            })
+        };
+        let all = names(&mut page, &["P1", "<b>there</b>", "too much"]);
+        // No two have the same name, and none has none.
+        for (order, name) in
+            [("save_position", "P1"), ("rename_position", "P1"), ("rename_position", " ")]
+        {
+            let wrong = json!({ "position": all[2]["id"], "name": name });
+            let why = page.order(order, wrong).unwrap_err();
+            assert!(why.contains("name"), "{why}");
+        }
+        let own = json!({ "position": all[2]["id"], "name": " too much " });
+        page.order("rename_position", own).unwrap();
+        for (by, expected) in [
+            (-1, ["P1", "too much", "<b>there</b>"]),
+            (-5, ["too much", "P1", "<b>there</b>"]),
+            (9, ["P1", "<b>there</b>", "too much"]),
+        ] {
+            page.order("move_position", json!({ "position": all[2]["id"], "by": by })).unwrap();
+            names(&mut page, &expected);
+        }
         for _ in 0..2 {
             page.order("remove_position", json!({ "position": all[2]["id"] })).unwrap();
         }
-        let positions = page.wait_for("positions", |all| all.as_array().unwrap().len() == 2);
-        assert_eq!(
-            (&positions[0]["name"], &positions[1]["name"]),
-            (&json!("P1"), &json!("<b>there</b>"))
-        );
+        page.order("rename_position", json!({ "position": all[0]["id"], "name": "home" })).unwrap();
+        names(&mut page, &["home", "<b>there</b>"]);
         for wrong in [
             json!({ "velocity_percent": 0, "blend_mm": 0 }),
             json!({ "velocity_percent": 50, "blend_mm": -1 }),
@@ -231,14 +252,78 @@ fn positions_become_a_program() {
         let plan = page.wait_for("plan", |plan| plan["name"] == "positions");
         assert_eq!(plan["motions"], 1);
         let text = String::from_utf8(address.file("files/program.json")).unwrap();
+        // Targets are called as the positions are.
         let made: Value = serde_json::from_str(&text).unwrap();
-        let target = made["motions"][0]["joints_rad"][0].as_f64().unwrap();
-        assert!((target.to_degrees() - 60.0).abs() < 1e-3, "{text}");
+        assert_eq!(made["motions"][0]["frame"], "<b>there</b>", "{text}");
+        let frame = &made["frames"]["<b>there</b>"];
+        assert!(frame["status"].is_number() && frame["e1_rad"].is_number(), "{text}");
         // `iiwasim plan` takes it.
         fs::write(rig.path("made.json"), text).unwrap();
-        assert_eq!(rig.start(&["plan", "made.json", "--no-output"]).end().status.code(), Some(0));
+        assert_eq!(
+            rig.start(&["plan", "made.json", "-o", "made.mcap"]).end().status.code(),
+            Some(0)
+        );
+        let planned = Recording::from_bytes(&fs::read(rig.path("made.mcap")).unwrap()).unwrap();
+        let end_deg = planned.joint_states.last().unwrap().q[0].to_degrees();
+        assert!((end_deg - 60.0).abs() < 1e-3, "{end_deg}");
+        twin.signal("INT");
+        twin.end().code(0);
+
+        // The next twin has them, in their order.
+        let (twin, address) = start(&rig, &[]);
+        names(&mut address.page(), &["home", "<b>there</b>"]);
+        twin.signal("INT");
+        twin.end().code(0);
+        let kept = fs::read_to_string(rig.path("positions.json")).unwrap();
+        for (from, to, why) in [
+            ("\"version\": 1", "\"version\": 2", "version 1 is understood"),
+            ("lbr_iiwa_7_r800", "lbr_iiwa_14_r820", "not of lbr_iiwa_7_r800"),
+            ("\"home\"", "\"<b>there</b>\"", "there is a position"),
+            ("\"name\"", "\"nam\"", "did you mean `name`?"),
+            ("{", "", "line 1"),
+        ] {
+            fs::write(rig.path("positions.json"), kept.replacen(from, to, 1)).unwrap();
+            let ended = rig.begin("twin", &["--port", "0"]).end().code(2);
+            assert!(ended.stderr.contains(why), "{}", ended.stderr);
+        }
+        // What cannot be written is not there either.
+        fs::write(rig.path("positions.json"), &kept).unwrap();
+        let (_twin, address) = start(&rig, &[]);
+        let mut page = address.page();
+        page.wait_for("live", |live| live["joints_rad"][0].is_number());
+        fs::remove_file(rig.path("positions.json")).unwrap();
+        fs::create_dir(rig.path("positions.json")).unwrap();
+        let why = page.order("save_position", json!({ "name": "lost" })).unwrap_err();
+        assert!(why.contains("positions.json"), "{why}");
+        names(&mut page, &["home", "<b>there</b>"]);
     });
 }
+
+#[test]
+fn nothing_can_be_sent_after_a_broken_file() {
+    in_real_time(|| {
+        let rig = Rig::new();
+        let (_twin, address) = start(&rig, &[]);
+        let mut page = address.page();
+        let plan = load(&address, &mut page, &program(TO_60));
+        assert_eq!(plan["warnings"], json!([]));
+        address.load(&json!({ "name": "broken.json", "text": "{" })).unwrap_err();
+        page.wait_for("plan", Value::is_null);
+        let send = json!({ "plan": plan["id"], "move_to_start": false });
+        let why = page.order("send", send).unwrap_err();
+        assert!(why.contains("not the plan that is shown"), "{why}");
+        // What is odd about a program is told.
+        let odd = json!({ "name": "odd.json", "text": ODD });
+        let plan = load(&address, &mut page, &odd);
+        let warnings = plan["warnings"].as_array().unwrap();
+        assert!(warnings[0].as_str().unwrap().contains("turn"), "{plan}");
+    });
+}
+
+/// A target whose turn is not that of the joints there.
+const ODD: &str = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] }, "motions": [
+    { "type": "ptp", "frame": { "x_mm": 500, "y_mm": 100, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0,
+      "e1_deg": 0, "status": 2, "turn": 127 } }] }"#;
 
 #[test]
 fn what_cannot_be_sent_is_not() {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use iiwa_link::message::{IoValue, Refusal, shortened};
+use iiwa_link::message::{Direction, IoValue, Refusal, Signal, shortened};
 
 /// Inputs and outputs, by name.
 #[derive(Clone, Debug)]
@@ -12,12 +12,6 @@ pub(crate) struct Ports(BTreeMap<&'static str, Port>);
 struct Port {
     direction: Direction,
     value: IoValue,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Direction {
-    Input,
-    Output,
 }
 
 impl Default for Ports {
@@ -44,6 +38,16 @@ impl Default for Ports {
 }
 
 impl Ports {
+    /// All of them, by name.
+    pub(crate) fn all(&self) -> Vec<Signal> {
+        let signal = |(name, port): (&&'static str, &Port)| Signal {
+            name: (*name).to_owned(),
+            direction: port.direction,
+            value: port.value,
+        };
+        self.0.iter().map(signal).collect()
+    }
+
     pub(crate) fn get(&self, name: &str) -> Result<IoValue, Refusal> {
         self.0.get(name).map(|port| port.value).ok_or_else(|| self.unknown(name))
     }

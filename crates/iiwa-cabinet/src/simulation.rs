@@ -474,6 +474,7 @@ impl Simulation {
             Instruction::ReadSensors => {
                 answer.sensors = Some(Sensors::new(self.temperatures.celsius(), [0.0; 7]));
             }
+            Instruction::ListIo => answer.io = Some(self.ports.all()),
             Instruction::GetIo { name } => answer.value = Some(self.ports.get(&name)?),
             Instruction::SetIo { name, value } => {
                 answer.value = Some(self.ports.set(&name, value)?);

@@ -66,6 +66,23 @@ pub struct Comparison {
     pub trace: Vec<TracePoint>,
 }
 
+impl Comparison {
+    /// The trace without its gaps: runs of neighbouring samples, in the order of time. Where the recording has a pause, or
+    /// stands still and is not in the trace, one run ends and the next begins.
+    pub fn unbroken_trace(&self) -> impl Iterator<Item = &[TracePoint]> {
+        /// A step this many times as long as usual is a gap.
+        const GAP: f64 = 5.0;
+        let mut steps: Vec<f64> =
+            self.trace.windows(2).map(|pair| pair[1].measured_s - pair[0].measured_s).collect();
+        let middle = steps.len() / 2;
+        let usual_s = match steps.len() {
+            0 => f64::INFINITY,
+            _ => *steps.select_nth_unstable_by(middle, f64::total_cmp).1,
+        };
+        self.trace.chunk_by(move |a, b| b.measured_s - a.measured_s <= GAP * usual_s)
+    }
+}
+
 /// The error of a cycle time (Larsen 2019, Eq. 40).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CycleTime {

@@ -189,7 +189,7 @@ impl Robot {
         let wire = Self::BUILT_IN
             .iter()
             .filter_map(|name| Self::built_in(name))
-            .map(|base| Wire::of(self, &base))
+            .map(|base| Wire::of(self, &base, differ))
             // Rather some more numbers than a wrong word about where they come from.
             .min_by_key(|wire| {
                 let read_back = wire.robot("");
@@ -198,6 +198,16 @@ impl Robot {
             })
             .unwrap_or_default();
         // Only a map with keys that are no strings could fail.
+        serde_json::to_string_pretty(&wire).unwrap_or_default()
+    }
+
+    /// This robot as a profile with all its figures, those of the built-in model, too.
+    ///
+    /// Who reads it back has a robot whose figures are all taken for known: what is in a profile is not
+    /// [assumed](Robot::assumptions).
+    #[must_use]
+    pub fn to_full_profile(&self) -> String {
+        let wire = Wire::of(self, &Self::default(), |_, _| true);
         serde_json::to_string_pretty(&wire).unwrap_or_default()
     }
 
@@ -315,8 +325,8 @@ impl Wire {
         Ok(())
     }
 
-    /// What `robot` has that `base` has not.
-    fn of(robot: &Robot, base: &Robot) -> Self {
+    /// What `robot` has that `base` has not, where `differ` says so of two lists of figures.
+    fn of(robot: &Robot, base: &Robot, differ: fn(&[f64], &[f64]) -> bool) -> Self {
         let deg = |values: &Joints, of_base: &Joints, what: &str| {
             let known = base.assumes(what) && !robot.assumes(what);
             (known || differ(values, of_base)).then(|| values.map(|v| unconvert(v, DEG)).to_vec())
@@ -332,7 +342,7 @@ impl Wire {
             version: VERSION,
             base: Some(base.name.clone()),
             name: (robot.name != base.name).then(|| robot.name.clone()),
-            lengths_mm: (l != b).then(|| LengthsWire {
+            lengths_mm: differ(&l.in_order(), &b.in_order()).then(|| LengthsWire {
                 base: mm(l.base_m, b.base_m),
                 upper_arm: mm(l.upper_arm_m, b.upper_arm_m),
                 forearm: mm(l.forearm_m, b.forearm_m),
@@ -403,6 +413,10 @@ impl LengthsWire {
 }
 
 impl Lengths {
+    fn in_order(&self) -> [f64; 4] {
+        [self.base_m, self.upper_arm_m, self.forearm_m, self.flange_m]
+    }
+
     fn all(&mut self) -> [&mut f64; 4] {
         [&mut self.base_m, &mut self.upper_arm_m, &mut self.forearm_m, &mut self.flange_m]
     }

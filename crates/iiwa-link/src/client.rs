@@ -15,7 +15,8 @@ use tokio::{
 use crate::{
     error::LinkError,
     message::{
-        Code, IoValue, MAX_MESSAGE_BYTES, MAX_REPLY_BYTES, Refusal, Request, Run, Sensors, Status,
+        Code, IoValue, MAX_MESSAGE_BYTES, MAX_REPLY_BYTES, Refusal, Request, Run, Sensors, Signal,
+        Status,
     },
     security::{ConnectionRefusal, Endpoint},
     socket::{MAX_CLOSED_HANDSHAKES, Remote},
@@ -207,6 +208,20 @@ impl Client {
         }
         let SensorsReply { sensors } = self.request(&Request::ReadSensors, Some(REPLY_TIMEOUT))?;
         Ok(sensors)
+    }
+
+    /// Reads all inputs and outputs.
+    ///
+    /// # Errors
+    ///
+    /// Any [`ClientError`].
+    pub fn list_io(&mut self) -> Result<Vec<Signal>, ClientError> {
+        #[derive(Deserialize)]
+        struct SignalsReply {
+            io: Vec<Signal>,
+        }
+        let SignalsReply { io } = self.request(&Request::ListIo, Some(REPLY_TIMEOUT))?;
+        Ok(io)
     }
 
     /// Reads an input or output.

@@ -6,7 +6,7 @@ pub(crate) mod reply;
 pub(crate) mod request;
 pub(crate) mod text;
 
-pub use io::IoValue;
+pub use io::{Direction, IoValue, Signal};
 pub use refusal::{Code, Refusal};
 pub use reply::{Body, DriveState, FriStatus, Presence, Reply, Run, Samples, Sensors, Status};
 pub use request::{Id, Request, RequestHead};

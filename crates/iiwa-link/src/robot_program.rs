@@ -14,7 +14,7 @@ use serde::{
     de::{DeserializeOwned, IgnoredAny},
 };
 
-use crate::message::{DriveState, IoValue, Refusal, Sensors, bad_json, shortened, to_json};
+use crate::message::{DriveState, IoValue, Refusal, Sensors, Signal, bad_json, shortened, to_json};
 
 /// The number of a run.
 pub type RunId = u64;
@@ -50,6 +50,8 @@ pub enum Instruction {
     Stop,
     /// Read the sensors.
     ReadSensors,
+    /// Read all inputs and outputs.
+    ListIo,
     /// Read an input or output.
     GetIo {
         /// Its name.
@@ -150,6 +152,7 @@ impl Instruction {
             "end_trajectory" => Self::EndTrajectory { run: read::<RunKey>(text)?.run },
             "stop" => Self::Stop,
             "read_sensors" => Self::ReadSensors,
+            "list_io" => Self::ListIo,
             "get_io" => Self::GetIo { name: read::<NameKey>(text)?.name },
             "set_io" => {
                 let ValueKeys { name, value } = read(text)?;
@@ -173,6 +176,9 @@ pub struct Acknowledgement {
     /// The sensors, if they were read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensors: Option<Sensors>,
+    /// All inputs and outputs, if they were read.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub io: Option<Vec<Signal>>,
     /// The value of the input or output that was read or set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<IoValue>,

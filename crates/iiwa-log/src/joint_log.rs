@@ -5,6 +5,8 @@ mod columns;
 mod error;
 mod format;
 mod loss;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod recording;
 mod samples;
 mod shown;
@@ -32,6 +34,8 @@ use crate::recorded_robot::recorded_robot;
 ///   `/robot_description`. The program is the attachment `program.json`.
 /// - A table: a line of column names, then a line a sample, with commas, semicolons, tabs or spaces
 ///   between fields. Names may be in quotes and in capitals or not. A decimal point is a point.
+///
+/// - An Apache Parquet file with such columns, with the feature `parquet`.
 ///
 /// | column | accepted names |
 /// |---|---|

@@ -51,6 +51,7 @@ mod plan_figures;
 mod plan_options;
 mod plan_record;
 mod plan_size;
+mod plan_table;
 mod planning;
 mod reader;
 mod record;
@@ -80,6 +81,7 @@ pub use plan_figures::{
 pub use plan_options::PlanOptions;
 pub use plan_record::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};
 pub use plan_size::PlanSize;
+pub use plan_table::PlanTable;
 pub use planning::{Planning, write_plan};
 pub use reader::Reader;
 pub use recorded_robot::RecordedRobotError;

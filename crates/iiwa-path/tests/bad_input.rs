@@ -419,9 +419,17 @@ fn a_blend_into_nothing() {
     let blend = "0.75, \"blend\": { \"fraction\": 0.25 }";
     let what = format!("motion 2 is followed by a wait and {remove}");
     check("0.75", blend, (6, 95), "{", &what);
-    let what = format!("motion 4 is the last one and {remove}");
-    check("90, 0] }\n", "90, 0], \"blend\": { \"sunrise_rel\": 0.05 } }\n", (8, 73), "{", &what);
-    check("90, 0] }\n", "90, 0], \"blend\": { \"cart_mm\": 4 } }\n", (8, 73), "{", &what);
+    // What comes after the last motion is not known.
+    for blend in ["\"sunrise_rel\": 0.05", "\"cart_mm\": 4", "\"fraction\": 0.5"] {
+        let text = GOOD.replace("90, 0] }\n", &format!("90, 0], \"blend\": {{ {blend} }} }}\n"));
+        let [with, without] = [&*text, GOOD].map(|text| Program::from_json(text).unwrap());
+        assert_eq!(with.blend_at_the_end().map(|motion| motion.number()), Some(4));
+        assert_eq!(without.blend_at_the_end(), None);
+        let blends = |program: &Program| {
+            JointPath::new(program, &Robot::lbr_iiwa_7_r800()).unwrap().blends().count()
+        };
+        assert_eq!(blends(&with), blends(&without));
+    }
     // A blend that is a stop has no need of anything to blend into.
     for stop in ["\"sunrise_rel\": 0.049", "\"cart_mm\": 3.9", "\"fraction\": 0"] {
         let text = GOOD.replace("0.75", &format!("0.75, \"blend\": {{ {stop} }}"));

@@ -63,12 +63,6 @@ pub enum Fault {
         /// What it is.
         blend: Blend,
     },
-    /// The last motion has a blend.
-    #[error("motion {motion} is the last one and has nothing to blend into; remove its blend")]
-    BlendAtTheEnd {
-        /// The motion.
-        motion: MotionIndex,
-    },
     /// A motion before a wait has a blend.
     #[error(
         "motion {motion} is followed by a wait and has nothing to blend into; remove its blend"
@@ -109,7 +103,6 @@ impl Fault {
             | Self::Share { .. }
             | Self::Wait { .. }
             | Self::Blend { .. }
-            | Self::BlendAtTheEnd { .. }
             | Self::BlendBeforeWait { .. } => false,
         }
     }
@@ -155,7 +148,6 @@ impl Fault {
                 locate(text, &[motions, Index(motion.index()), Key("seconds")])
             }
             Self::Blend { motion, .. }
-            | Self::BlendAtTheEnd { motion }
             | Self::BlendBeforeWait { motion }
             | Self::BlendOutside { motion, .. } => {
                 locate(text, &[motions, Index(motion.index()), Key("blend")])

@@ -241,13 +241,23 @@ impl Program {
         if blend.has_effect() { self.check_what_follows(motion) } else { Ok(()) }
     }
 
-    /// That there is a motion to blend into.
+    /// That no wait is to be blended into. What is after the last motion is not known: there, the arm stops.
     fn check_what_follows(&self, motion: MotionIndex) -> Result<(), Fault> {
         match self.motions.get(motion.index() + 1) {
-            None => Err(Fault::BlendAtTheEnd { motion }),
             Some(Motion::Wait { .. }) => Err(Fault::BlendBeforeWait { motion }),
-            Some(Motion::Ptp(_) | Motion::Cartesian(_)) => Ok(()),
+            None | Some(Motion::Ptp(_) | Motion::Cartesian(_)) => Ok(()),
         }
+    }
+
+    /// The last motion, if it has a blend, which has nothing to blend into: the arm stops there.
+    #[must_use]
+    pub fn blend_at_the_end(&self) -> Option<MotionIndex> {
+        let blends = match self.motions.last()? {
+            Motion::Ptp(ptp) => ptp.blend.is_some_and(Blend::has_effect),
+            Motion::Cartesian(own) => own.blend.is_some(),
+            Motion::Wait { .. } => false,
+        };
+        blends.then(|| MotionIndex::new(self.motions.len() - 1))
     }
 }
 

@@ -6,20 +6,15 @@ use iiwa_kin::{Along, Joints, Pose, Robot, Solid};
 use parry3d_f64::{math::Vector, shape::SupportMap};
 
 use crate::{
+    hull::ConvexHull,
+    links::{FIRST_LINK, TOOL},
     placed::rotation,
     polyhedron::Polyhedron,
     tool::{ToolForm, ToolShape},
 };
 
-/// The first link that counts. Links 0 and 1 stand on the table and turn about their own axis only: how
-/// far they are from anything is the same at all poses.
-pub(crate) const FIRST_LINK: usize = 2;
-
 /// The last link, which carries the tool.
 const LAST_LINK: usize = 7;
-
-/// What a tool is called among links.
-pub(crate) const TOOL: usize = 8;
 
 /// A convex shape of the arm.
 #[derive(Clone, Debug)]
@@ -121,6 +116,27 @@ pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
     parts
 }
 
+/// All parts of `robot` that count, where links are the convex hulls of meshes, in their frames; those of links without
+/// one are as they are without meshes.
+pub(crate) fn mesh_parts(robot: &Robot, hulls: &[Vec<ConvexHull>; 8]) -> Vec<Part> {
+    let d = robot.dh().map(|row| row.d_m);
+    let plain = parts(robot).into_iter().filter(|part| hulls[part.link].is_empty());
+    let links = hulls.iter().enumerate().skip(FIRST_LINK);
+    let meshed = links.flat_map(|(link, hulls)| {
+        hulls.iter().map(move |hull| {
+            let (hull, center) = Polyhedron::new(hull);
+            // No point of a hull is farther from a point or an axis than one of its corners.
+            let way = hull.bound(|corner| (center + corner).length());
+            let own = hull.bound(|corner| (center + corner).truncate().length());
+            let bound = hull.bound(Vector::length);
+            let form = Volume::Hull { sides: [Vector::X, Vector::Y], hull: Arc::new(hull) };
+            let reach = reaches(&d, link, way, own);
+            Part { link, shown: link, center, axis: Vector::Z, form, bound, reach }
+        })
+    });
+    plain.chain(meshed).collect()
+}
+
 /// The parts of a tool, which is given in the flange's frame.
 pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
     let d = robot.dh().map(|row| row.d_m);
@@ -203,6 +219,17 @@ fn from_own_axis(center: Vector, along: Along, form: &Volume<Arc<Polyhedron>>) -
 }
 
 impl Part {
+    /// Whether only joint 1 moves it: it is round about the axis that its own link, the second, turns about.
+    pub(crate) fn turns_with_joint_1(&self) -> bool {
+        let on_axis = self.center.x == 0.0 && self.center.y == 0.0;
+        let is_round = match self.form {
+            Volume::Cylinder { .. } => self.axis == Vector::Z,
+            Volume::Ball { .. } => true,
+            Volume::Box { .. } | Volume::Hull { .. } => false,
+        };
+        self.link == FIRST_LINK && on_axis && is_round
+    }
+
     /// The part where its link's frame is at `pose`.
     pub(crate) fn at(&self, pose: &Pose) -> Body<'_> {
         let rows = pose.rotation.map(Vector::from);

@@ -1,12 +1,13 @@
 //! The clearance of a pose.
 
-use std::sync::Arc;
+use std::{collections::HashSet, f64::consts::TAU, sync::Arc};
 
 use iiwa_kin::{Joints, Robot};
 use serde::Serialize;
 
 use crate::{
     arm::{self, Body, Part},
+    arm_meshes::ArmMeshes,
     distance::{Near, near},
     placed::Placed,
     scene::Scene,
@@ -28,21 +29,12 @@ pub struct Clearance {
     pub on_obstacle_m: [f64; 3],
 }
 
-/// What a [`Clearance`]'s link is called: `link 5`, or `the tool`.
-///
-/// ```
-/// assert_eq!(iiwa_scene::part_name(8), "the tool");
-/// ```
-#[must_use]
-pub fn part_name(link: usize) -> String {
-    if link == arm::TOOL { "the tool".to_owned() } else { format!("link {link}") }
-}
-
 /// An arm in a scene, prepared for clearances.
 ///
 /// The arm is made of the cylinders and spheres of [`Robot::link_shapes`], and of the scene's tool. Links 0 and 1 do not count: they
 /// turn about their own axis only, so that their distances never change, and the foot may stand on an
-/// obstacle. The arm's distances from itself do not count either.
+/// obstacle. For the same reason the shoulder does not count next to what it is as far from at all poses, as the column below it,
+/// unless they touch. Neither do pairs that the scene ignores, nor the arm's distances from itself.
 ///
 /// A clone shares what was prepared: it costs next to nothing.
 #[derive(Clone, Debug)]
@@ -51,6 +43,8 @@ pub struct ArmInScene {
     scene: Arc<Scene>,
     pub(crate) parts: Arc<[Part]>,
     pub(crate) obstacles: Arc<[Placed]>,
+    /// Whether a pair counts, part by part.
+    counts: Arc<[bool]>,
 }
 
 /// A part of the arm and an obstacle, by their indices.
@@ -60,12 +54,44 @@ impl ArmInScene {
     /// Prepares `robot` and `scene`.
     #[must_use]
     pub fn new(robot: &Robot, scene: &Scene) -> Self {
+        Self::of_parts(
+            robot,
+            scene,
+            [arm::parts(robot), arm::tool_parts(robot, scene.tool())].concat(),
+        )
+    }
+
+    /// Prepares `robot` and `scene`: links are the convex hulls of their meshes, in place of cylinders and spheres.
+    #[must_use]
+    pub fn with_meshes(robot: &Robot, scene: &Scene, meshes: &ArmMeshes) -> Self {
+        let parts = arm::mesh_parts(robot, &meshes.hulls);
+        Self::of_parts(robot, scene, [parts, arm::tool_parts(robot, scene.tool())].concat())
+    }
+
+    fn of_parts(robot: &Robot, scene: &Scene, parts: Vec<Part>) -> Self {
+        let obstacles: Arc<[Placed]> =
+            scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect();
+        let ignored: HashSet<Pair> =
+            scene.ignored().iter().map(|it| (it.link, it.obstacle)).collect();
+        let counts = parts.iter().flat_map(|part| {
+            let own = |o: usize| {
+                !ignored.contains(&(part.shown, o)) && !is_constant(robot, part, &obstacles[o])
+            };
+            (0..obstacles.len()).map(own).collect::<Vec<_>>()
+        });
+        let counts = counts.collect();
         Self {
             robot: robot.clone(),
             scene: Arc::new(scene.clone()),
-            parts: [arm::parts(robot), arm::tool_parts(robot, scene.tool())].concat().into(),
-            obstacles: scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect(),
+            parts: parts.into(),
+            obstacles,
+            counts,
         }
+    }
+
+    /// Whether the distance of a pair counts.
+    pub(crate) fn counts(&self, (part, obstacle): Pair) -> bool {
+        self.counts[part * self.obstacles.len() + obstacle]
     }
 
     /// The scene.
@@ -106,7 +132,9 @@ impl ArmInScene {
         for (part, body) in bodies.iter().enumerate() {
             let bound = self.parts[part].bound;
             let least = |obstacle: &Placed| obstacle.distance(body.center) - bound;
-            pairs.extend(self.obstacles.iter().enumerate().map(|(o, obs)| (least(obs), (part, o))));
+            let counting = |o: &usize| self.counts((part, *o));
+            let own = (0..self.obstacles.len()).filter(counting);
+            pairs.extend(own.map(|o| (least(&self.obstacles[o]), (part, o))));
         }
         // The one that is likely to be nearest first: it rules out most of the others.
         let first = (0..pairs.len()).min_by(|a, b| pairs[*a].0.total_cmp(&pairs[*b].0))?;
@@ -136,4 +164,23 @@ impl ArmInScene {
             on_obstacle_m: near.on_obstacle.into(),
         }
     }
+}
+
+/// Whether a part, which only joint 1 moves, is as far from an obstacle at all poses. What touches is told.
+fn is_constant(robot: &Robot, part: &Part, obstacle: &Placed) -> bool {
+    /// Angles of joint 1: 5 degrees apart, at which the shoulder moves by less than a centimetre.
+    const TURNS: u32 = 72;
+    /// Error of two distances, in m.
+    const SAME_M: f64 = 1e-6;
+    if !part.turns_with_joint_1() {
+        return false;
+    }
+    let distance = |turn: u32| {
+        let mut joints_rad = [0.0; 7];
+        joints_rad[0] = TAU * f64::from(turn) / f64::from(TURNS);
+        let body = part.at(&robot.link_poses(&joints_rad)[part.link]);
+        near(&body, obstacle, f64::MAX).map_or(0.0, |near| near.distance)
+    };
+    let first = distance(0);
+    first > 0.0 && (1..TURNS).all(|turn| (distance(turn) - first).abs() < SAME_M)
 }

@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 
 use iiwa_json::{Place, Step, locate};
 
+use crate::links::IgnoredPair;
+
 /// Something in a scene that cannot be. Obstacles count from 0 here and from 1 in the message.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -80,6 +82,14 @@ pub enum Fault {
         /// What it may be at most.
         max: f64,
     },
+    /// A pair that is to be ignored has a link or an obstacle that does not exist. Pairs count from 0 here.
+    #[error("ignored pair {}: there is no link {} or no obstacle {}", .pair + 1, .found.link, .found.obstacle + 1)]
+    Ignored {
+        /// The pair.
+        pair: usize,
+        /// What it says.
+        found: IgnoredPair,
+    },
     /// The normal of a plane is zero.
     #[error("obstacle {}: a normal of length zero points nowhere", .obstacle + 1)]
     NoDirection {
@@ -108,6 +118,7 @@ impl Fault {
                 path.extend(axis.map(Index));
                 locate(text, &path)
             }
+            Self::Ignored { pair, .. } => locate(text, &[Key("ignore"), Index(pair)]),
             Self::NoDirection { obstacle } => {
                 locate(text, &[obstacles, Index(obstacle), Key("normal")])
             }

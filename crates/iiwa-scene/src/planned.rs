@@ -109,7 +109,8 @@ impl<'a> Search<'a> {
         for place in pieces.iter().filter_map(moving) {
             let pairs = (0..self.arm.parts.len())
                 .flat_map(|part| (0..self.arm.obstacles.len()).map(move |o| (part, o)));
-            self.open.extend(pairs.map(|pair| (pair, f64::MIN)));
+            let counting = pairs.filter(|pair| self.arm.counts(*pair));
+            self.open.extend(counting.map(|pair| (pair, f64::MIN)));
             self.span(place, 0.5, 0.5, 0..self.open.len());
             self.open.clear();
         }

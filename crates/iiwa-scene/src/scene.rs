@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use crate::{
     extent::{MAX_ANGLE_RAD, MAX_M, MIN_SIZE_M},
     fault::Fault,
+    links::{FIRST_LINK, IgnoredPair, TOOL},
     tool::ToolShape,
 };
 
@@ -17,6 +18,7 @@ use crate::{
 pub struct Scene {
     obstacles: Vec<Obstacle>,
     tool: Vec<ToolShape>,
+    ignored: Vec<IgnoredPair>,
 }
 
 /// Something that the arm must not touch.
@@ -77,7 +79,7 @@ impl Scene {
                 return Err(Fault::SameName { obstacle: index, other, name });
             }
         }
-        Ok(Self { obstacles, tool: Vec::new() })
+        Ok(Self { obstacles, ..Self::default() })
     }
 
     /// The same, with an arm that carries a tool of these shapes.
@@ -91,6 +93,27 @@ impl Scene {
         }
         tool.iter().enumerate().try_for_each(|(index, shape)| shape.check(index))?;
         Ok(Self { tool, ..self })
+    }
+
+    /// The same, without the distances of these pairs: of what touches by design, as a base that the arm is mounted on.
+    ///
+    /// # Errors
+    ///
+    /// [`Fault::Ignored`] if there is no such link or no such obstacle.
+    pub fn with_ignored(self, ignored: Vec<IgnoredPair>) -> Result<Self, Fault> {
+        let exists = |it: &IgnoredPair| {
+            (FIRST_LINK..=TOOL).contains(&it.link) && it.obstacle < self.obstacles.len()
+        };
+        match ignored.iter().position(|it| !exists(it)) {
+            Some(pair) => Err(Fault::Ignored { pair, found: ignored[pair] }),
+            None => Ok(Self { ignored, ..self }),
+        }
+    }
+
+    /// The pairs whose distances do not count.
+    #[must_use]
+    pub fn ignored(&self) -> &[IgnoredPair] {
+        &self.ignored
     }
 
     /// The shapes of the tool; none if the flange is bare.

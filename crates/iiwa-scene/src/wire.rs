@@ -3,6 +3,7 @@
 
 mod drawn;
 mod error;
+mod ignored;
 mod numbers;
 mod tool;
 
@@ -15,6 +16,7 @@ use crate::scene::{Form, Obstacle, Scene};
 
 pub use error::SceneError;
 use error::{VERSION, json_error};
+use ignored::{IgnoredPart, ignored_pair};
 use numbers::{angle, from_mm, position, size, three};
 use tool::{ToolShapeWire, tool_shape};
 
@@ -62,12 +64,15 @@ impl Scene {
             })?;
         let obstacles = wire.obstacles.iter().enumerate();
         let obstacles = obstacles.map(|(index, raw)| obstacle(text, index, raw.get()));
-        let obstacles = obstacles.collect::<Result<_, _>>()?;
+        let obstacles = obstacles.collect::<Result<Vec<_>, _>>()?;
         let tool = wire.tool.iter().enumerate();
         let tool = tool.map(|(index, raw)| tool_shape(text, index, raw.get(), &mut read));
         let tool = tool.collect::<Result<Vec<_>, _>>()?;
+        let ignored = wire.ignore.iter().enumerate();
+        let ignored = ignored.map(|(index, raw)| ignored_pair(text, index, raw.get(), &obstacles));
+        let ignored = ignored.collect::<Result<Vec<_>, _>>()?;
         Self::new(obstacles)
-            .and_then(|scene| scene.with_tool(tool))
+            .and_then(|scene| scene.with_tool(tool)?.with_ignored(ignored))
             .map_err(|fault| SceneError::Fault { place: fault.place_in(text), fault })
     }
 
@@ -116,6 +121,10 @@ struct SceneWire<'a> {
     #[serde(default, borrow)]
     #[schemars(with = "Vec<ToolShapeWire>", length(max = 100))]
     tool: Vec<&'a RawValue>,
+    /// Pairs whose distances do not count, each a part of the arm and an obstacle by its name.
+    #[serde(default, borrow)]
+    #[schemars(with = "Vec<(IgnoredPart, String)>", length(max = 10_000))]
+    ignore: Vec<&'a RawValue>,
 }
 
 /// An obstacle.

@@ -8,7 +8,7 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use iiwa_kin::{Along, Joints, Pose, Robot, Shape, Solid};
-use iiwa_scene::{ArmInScene, Form, Obstacle, Scene};
+use iiwa_scene::{ArmInScene, Form, IgnoredPair, Obstacle, Scene};
 
 type Point = [f64; 3];
 
@@ -180,6 +180,54 @@ fn known_distances() {
     let up = [0.0, 0.0, 1.0];
     let table = clearance(Form::Plane { point_m: [0.0; 3], normal: up });
     assert!(table.link >= 2 && table.distance_m > 0.2, "{table:?}");
+}
+
+#[test]
+fn what_cannot_come_nearer_does_not_count() {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let size_m = [0.14, 0.14, 0.3];
+    let column = |z| Form::Box { center_m: [0.0, 0.0, z], size_m, rpy_rad: [0.0; 3] };
+    let of = |form, q: &Joints| {
+        let scene = Scene::new(vec![Obstacle { name: "it".to_owned(), form }]).unwrap();
+        ArmInScene::new(&robot, &scene).clearance(q).unwrap()
+    };
+    // The shoulder is 266 mm above the column that the arm stands on, at all poses: what counts moves with the pose.
+    let apart =
+        [[0.0; 7], [0.0, 1.0, 0.0, -1.5, 0.0, 0.5, 0.0], [2.0, -1.0, 0.0, 1.8, 0.0, 0.0, 0.0]]
+            .map(|q| of(column(-0.15), &q).distance_m);
+    assert!(apart.iter().all(|m| (m - 0.266).abs() > 1e-3), "{apart:?}");
+    assert!((apart[0] - apart[1]).abs() > 0.01 && (apart[1] - apart[2]).abs() > 0.01, "{apart:?}");
+    // What it touches, it does so at all poses: that counts.
+    let touching = of(column(0.2), &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    assert_eq!((touching.distance_m, touching.link), (0.0, 2));
+    // A post beside the shoulder is nearer to it at some poses than at others.
+    let post = Form::Box { center_m: [0.0, 0.3, 0.34], size_m: [0.1; 3], rpy_rad: [0.0; 3] };
+    let [along, across] = [0.0, 0.5 * PI].map(|a1| of(post, &[a1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    assert_eq!((along.link, across.link), (2, 2));
+    assert!((along.distance_m - across.distance_m).abs() > 0.01, "{along:?} {across:?}");
+}
+
+#[test]
+fn ignored_pairs_do_not_count() {
+    let robot = Robot::lbr_iiwa_7_r800();
+    let ceiling = |z| Form::Plane { point_m: [0.0, 0.0, z], normal: [0.0, 0.0, -1.0] };
+    let obstacles = [("low", 1.3), ("high", 1.5)]
+        .map(|(name, z)| Obstacle { name: name.to_owned(), form: ceiling(z) });
+    let scene = Scene::new(obstacles.to_vec()).unwrap();
+    let clearance = |ignored: &[(usize, usize)]| {
+        let ignored = ignored.iter().map(|(link, o)| IgnoredPair { link: *link, obstacle: *o });
+        let scene = scene.clone().with_ignored(ignored.collect()).unwrap();
+        ArmInScene::new(&robot, &scene).clearance(&[0.0; 7])
+    };
+    assert!((clearance(&[]).unwrap().distance_m - 0.008).abs() < 1e-12);
+    let next = clearance(&[(7, 0)]).unwrap();
+    assert_eq!((next.link, next.obstacle), (6, 0));
+    let all: Vec<_> = (2..=7).map(|link| (link, 0)).collect();
+    let high = clearance(&all).unwrap();
+    assert_eq!((high.link, high.obstacle), (7, 1));
+    assert!((high.distance_m - 0.208).abs() < 1e-12);
+    let none: Vec<_> = (2..=7).flat_map(|link| [(link, 0), (link, 1)]).collect();
+    assert_eq!(clearance(&none), None);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 // Helpers of tests may fail.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use iiwa_scene::{Fault, Form, Obstacle, Scene, SceneError};
+use iiwa_scene::{Fault, Form, IgnoredPair, Obstacle, Scene, SceneError};
 use iiwasim_tests::fixture;
 use serde_json::{Value, json};
 
@@ -141,6 +141,43 @@ fn says_what_is_wrong_and_where() {
     }
 }
 
+/// GOOD with pairs to ignore.
+fn ignoring(pairs: &str) -> String {
+    GOOD.replacen("] }", &format!("], \"ignore\": [{pairs}] }}"), 1)
+}
+
+#[test]
+fn pairs_are_ignored_by_name() {
+    let text = ignoring(r#"["link 2", "table"], ["tool", "floor"]"#);
+    let pairs = Scene::from_json(&text).unwrap().ignored().to_vec();
+    let pair = |link, obstacle| IgnoredPair { link, obstacle };
+    assert_eq!(pairs, [pair(2, 0), pair(8, 1)]);
+    for (pair, what, span) in [
+        (
+            r#"["link 2", "tablet"]"#,
+            "unknown obstacle `tablet`; did you mean `table`?",
+            "\"tablet\"",
+        ),
+        (r#"["link 1", "table"]"#, "unknown part of the arm `link 1`; did you mean", "\"link 1\""),
+        (r#"["link7", "table"]"#, "did you mean `link 7`?", "\"lnik 7\""),
+        (r#"["link 2"]"#, "a pair is [\"link 2\", \"NAME\"]", "[\"link 2\"]"),
+        (r#"["link 2", 7]"#, "expected a string, found `7`", "["),
+        ("7", "a pair is", "7"),
+    ] {
+        let text = ignoring(&format!("[\"link 3\", \"floor\"], {pair}"));
+        let error = Scene::from_json(&text).unwrap_err();
+        let found = error.what();
+        assert!(found.starts_with("ignored pair 2: ") && found.contains(what), "{found}");
+        assert!(text[error.place().span.clone()].starts_with(span), "{found}: {}", error.place());
+        assert_eq!(error.place().line, 4, "{found}");
+    }
+    let scene = Scene::from_json(GOOD).unwrap();
+    for found in [pair(1, 0), pair(9, 0), pair(2, 2)] {
+        let error = scene.clone().with_ignored(vec![pair(3, 1), found]);
+        assert_eq!(error, Err(Fault::Ignored { pair: 1, found }));
+    }
+}
+
 #[test]
 fn scenes_made_in_code_are_checked() {
     let cuboid = |size_m| Form::Box { center_m: [0.0; 3], size_m, rpy_rad: [0.0; 3] };
@@ -167,7 +204,8 @@ fn the_schema_agrees() {
     let schema = jsonschema::validator_for(&Scene::schema()).unwrap();
     let good: Value = serde_json::from_str(GOOD).unwrap();
     let cage = std::fs::read_to_string(fixture("cage.json")).unwrap();
-    for scene in [&good, &serde_json::from_str(&cage).unwrap()] {
+    let ignoring: Value = serde_json::from_str(&ignoring(r#"["link 2", "table"]"#)).unwrap();
+    for scene in [&good, &ignoring, &serde_json::from_str(&cage).unwrap()] {
         if let Err(error) = schema.validate(scene) {
             panic!("{error}");
         }
@@ -178,7 +216,16 @@ fn the_schema_agrees() {
         *scene.pointer_mut(pointer).unwrap() = value;
         scene
     };
+    let wrong_pair = |pair: Value| {
+        let mut scene = ignoring.clone();
+        scene["ignore"][0] = pair;
+        scene
+    };
     for wrong in [
+        wrong_pair(json!(["link 1", "table"])),
+        wrong_pair(json!(["link 2"])),
+        wrong_pair(json!(["link 2", "table", "table"])),
+        wrong_pair(json!("link 2")),
         at("/version", json!(2)),
         at("/obstacles", json!({})),
         at("/obstacles/0/type", json!("plane")),

@@ -14,7 +14,8 @@ use crate::{
 
 /// What the arm does at any time from the start of a program to its end.
 ///
-/// It keeps its limits: that is checked before it is handed out.
+/// It keeps its limits, which is checked before it is handed out. Between the places where the solver holds them, limits of
+/// velocity are exceeded by at most 0.1 %, of acceleration by 0.2 % and of jerk by 2 %.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     path: JointPath,

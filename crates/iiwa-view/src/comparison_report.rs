@@ -189,6 +189,12 @@ impl ComparisonReport {
         }
     }
 
+    /// The real cycle time, in s.
+    #[must_use]
+    pub fn measured_cycle_time_s(&self) -> f64 {
+        self.cycle_time.real_s
+    }
+
     /// By how much the simulated cycle time is off, in per cent of the real one (Larsen 2019, Eq. 40).
     #[must_use]
     pub fn error_percent(&self) -> f64 {
@@ -260,7 +266,11 @@ impl ComparisonReport {
             cycle.standing_s
         );
         if let Some(stated_s) = cycle.stated_s {
-            let _ = writeln!(text, "            {stated_s:.3} s real as the recording states it");
+            let step_ms = 1e3 / self.rate_hz;
+            let _ = writeln!(
+                text,
+                "            {stated_s:.3} s by the robot program's clock, in cycles of {step_ms:.0} ms"
+            );
         }
         let (joints, tcp) = (&self.joint_deviation, &self.tcp_deviation);
         let _ = writeln!(

@@ -21,6 +21,12 @@ pub fn robot_sheet(robot: &Robot) -> String {
         ]);
     }
     let _ = writeln!(text, "{dh}\n");
+    let flange_mm = rounded(robot.lengths().flange_m * 1e3);
+    let _ = writeln!(
+        text,
+        "d of A7 is the flange: {flange_mm} mm from the wrist. With another one, as the plain flange of\n126 mm, \
+         use a profile with \"lengths_mm\": {{\"flange\": 126}}\n"
+    );
 
     let limits = robot.limits();
     let mut rows = table(&["quantity", "unit", "A1", "A2", "A3", "A4", "A5", "A6", "A7"]);
@@ -35,7 +41,11 @@ pub fn robot_sheet(robot: &Robot) -> String {
         ("torque", "Nm", limits.torque_nm),
     ] {
         let mut row = vec![format!("{what}{}", mark(what)), unit.to_owned()];
-        row.extend(values.map(rounded));
+        let shown = |value: f64| match value.abs() >= 1e3 {
+            true => format!("{value:.0}"),
+            false => rounded(value),
+        };
+        row.extend(values.map(shown));
         rows.add_row(row);
     }
     let _ = writeln!(text, "{rows}\n");

@@ -160,7 +160,7 @@ impl Summary {
             cells.push(row.result().to_owned());
             table.add_row(cells.into_iter().map(Cell::new));
         }
-        let mut text = format!("{table}\n\n");
+        let mut text = format!("{}\n\n", table.trim_fmt());
         let _ = writeln!(
             text,
             "{} planned, {} failed; cycle times together {:.3} s",

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use comfy_table::{Cell, CellAlignment, LineStyle, Table, presets};
+use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use iiwa_log::{ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord, PlanFigures};
 use iiwa_scene::part_name;
 
@@ -10,6 +10,9 @@ use crate::printable;
 
 /// Motions that are shown at the start and at the end of a long program.
 const SHOWN: usize = 100;
+
+/// Width of a plan's table: that of the narrowest terminal that is usual. Longer cells are wrapped.
+const WIDTH: u16 = 80;
 
 /// A table with a head; columns of numbers are aligned to the right.
 #[must_use]
@@ -20,8 +23,12 @@ pub fn table(head: &[&str]) -> Table {
     for (index, title) in head.iter().enumerate() {
         let words = [
             "",
+            "name",
+            "direction",
+            "value",
             "type",
             "limited by",
+            "limited by, % of its time",
             "robot",
             "quantity",
             "unit",
@@ -39,10 +46,11 @@ pub fn table(head: &[&str]) -> Table {
             "to",
             "why",
         ];
-        if !words.contains(title)
-            && let Some(column) = table.column_mut(index)
-        {
-            column.set_cell_alignment(CellAlignment::Right);
+        if let Some(column) = table.column_mut(index) {
+            column.set_padding((0, if index + 1 < head.len() { 1 } else { 0 }));
+            if !words.contains(title) {
+                column.set_cell_alignment(CellAlignment::Right);
+            }
         }
     }
     table
@@ -63,15 +71,16 @@ pub(crate) fn shortened<T>(table: &mut Table, rows: &[T], mut add: impl FnMut(&m
 /// The figures of a plan, for people.
 #[must_use]
 pub fn plan_table(figures: &PlanFigures) -> String {
-    let mut head = vec!["motion", "type", "start s", "end s", "duration s", "top speed %"];
+    let mut head = vec!["motion", "type", "start s", "time s", "top %"];
     let has_tcp = figures.motions.iter().any(|motion| motion.cartesian.is_some());
     if has_tcp {
         head.push("TCP mm/s");
     }
-    head.push("limited by");
+    head.push("limited by, % of its time");
     let mut table = table(&head);
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     shortened(&mut table, &figures.motions, |table, row| add(table, row, has_tcp));
-    let mut text = format!("{table}\n\n");
+    let mut text = format!("{}\n\n", table.trim_fmt());
     let PlanFigures { cycle_time_s, motion_time_s, settle_time_s, wait_time_s, .. } = figures;
     let _ = writeln!(
         text,
@@ -117,7 +126,7 @@ fn limits(first: &LimitRecord, all: &[LimitShareRecord]) -> String {
         .iter()
         .filter(|limit| limit.share >= SHOWN_SHARE)
         .take(2)
-        .map(|limit| format!("{} {:.0} %", limit.limit, 100.0 * limit.share))
+        .map(|limit| format!("{} {:.0}", limit.limit, 100.0 * limit.share))
         .collect();
     if shown.is_empty() { first.to_string() } else { shown.join(", ") }
 }
@@ -131,7 +140,6 @@ fn add(table: &mut Table, row: &MotionRecord, has_tcp: bool) {
         Cell::new(row.index),
         Cell::new(&row.r#type),
         Cell::new(format!("{:.3}", row.start_s)),
-        Cell::new(format!("{:.3}", row.end_s)),
         Cell::new(format!("{:.3}", row.end_s - row.start_s)),
         Cell::new(speed.unwrap_or_default()),
     ];

@@ -148,6 +148,9 @@ impl Rig {
 
     fn start_twin(&mut self) -> Result<(), Fault> {
         let mut arguments = vec!["--port".to_owned(), self.at.twin.port().to_string()];
+        // Not those of whoever runs this.
+        let positions = self.folder.path().join("positions.json").display().to_string();
+        arguments.extend(["--positions".to_owned(), positions]);
         arguments.extend(self.client_options(true));
         let twin = self.serve("twin", &arguments)?;
         self.page = twin

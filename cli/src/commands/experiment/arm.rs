@@ -3,13 +3,14 @@
 use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, message::Samples};
-use iiwa_log::JointLog;
+use iiwa_log::{JointLog, PlanOptions};
 use iiwa_view::VirtualArm;
 
 use crate::{
     connection,
     failure::{Failure, print_note},
     output,
+    progress::Progress,
     runner::{DriveConnection, Task, execute_with_progress, go_to_start},
 };
 
@@ -43,10 +44,13 @@ fn run_real(
     print_note(&format!("{}\n", trial.name));
     let start_rad = trial.program.start_rad(model);
     let start_rad = start_rad.map_err(|fault| Failure::input(fault.to_string()))?;
-    go_to_start(line, Some(to_start), &start_rad)?;
+    go_to_start(line, Some(to_start), &start_rad, model)?;
     output::check_interrupt()?;
     let task = Task::Motions(trial.program.clone().into());
-    let measured = execute_with_progress(line, task, None).result.map_err(|error| {
+    let plan = PlanOptions::default().plan(&trial.program, model);
+    let plan = plan.map_err(|error| Failure::run("cannot plan the program", &error))?;
+    let run = execute_with_progress(line, task, plan.cycle_time_s(), Progress::of_run());
+    let measured = run.result.map_err(|error| {
         let what = match error {
             ClientError::Refused { .. } => "was not run to its end",
             // A motion continues without the drive.

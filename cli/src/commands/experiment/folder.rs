@@ -3,26 +3,32 @@
 use std::{
     fs,
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
-use iiwa_log::JointLog;
+use iiwa_log::{DEFAULT_EPOCH, JointLog};
 
-use crate::{failure::Failure, output, runner};
+use crate::{args::Experiment, failure::Failure, output, runner};
 
 /// A folder for programs, recordings and figures. Each file in it appears whole or not at all.
 pub(crate) struct Folder {
     path: PathBuf,
     recordings: bool,
+    /// Whether a robot was measured, and no virtual one.
+    of_robot: bool,
+    /// Start of all recordings' times, since 1970.
+    epoch: Option<Duration>,
 }
 
 impl Folder {
-    /// A folder that is made with its first file. With `new`, it has to be empty or missing: recordings of a robot
-    /// cannot be made again.
-    pub(crate) fn new(path: &Path, recordings: bool, new: bool) -> Result<Self, Failure> {
+    /// The folder that the options name, made with its first file. That of a robot has to be empty or missing: its
+    /// recordings cannot be made again.
+    pub(crate) fn new(path: &Path, options: &Experiment) -> Result<Self, Failure> {
+        let of_robot = options.drive.is_some();
         let full = fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
-        if new && full {
+        if of_robot && full {
             return Err(Failure::input(format!(
                 "{} is not empty; recordings of a robot are not written over other files: name another \
                  folder with --output",
@@ -32,7 +38,8 @@ impl Folder {
         if path.is_file() {
             return Err(Failure::input(format!("{} is a file, not a folder", path.display())));
         }
-        Ok(Self { path: path.to_owned(), recordings })
+        let (recordings, epoch) = (!options.no_recordings, options.epoch);
+        Ok(Self { path: path.to_owned(), recordings, of_robot, epoch })
     }
 
     /// Writes a program and its recording.
@@ -43,11 +50,11 @@ impl Folder {
         let name = &trial.name;
         let program = trial.program.to_json();
         self.write(&format!("programs/{name}.json"), format!("{program}\n").as_bytes())?;
-        let from_s = log.t_s.first().copied().unwrap_or_default();
-        let time = |t_s: &f64| std::time::Duration::try_from_secs_f64(t_s - from_s).ok();
-        let samples: Vec<_> =
-            log.t_s.iter().zip(&log.q_rad).filter_map(|(t_s, q)| Some((time(t_s)?, q))).collect();
-        let mcap = runner::recording(&samples, None, robot, &program)?;
+        let epoch = self.epoch.unwrap_or_else(|| match self.of_robot {
+            true => runner::began(log),
+            false => DEFAULT_EPOCH,
+        });
+        let mcap = runner::recording(log, epoch, robot, &program)?;
         self.write(&format!("recordings/{name}.mcap"), &mcap)?;
         let mut csv = Vec::new();
         log.write_csv(&mut csv)

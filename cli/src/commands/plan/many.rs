@@ -34,6 +34,9 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
     if options.picture.is_some() {
         return Err(Failure::input("--picture draws one program; plan that one alone"));
     }
+    if options.csv.is_some() || options.parquet.is_some() {
+        return Err(Failure::input("--csv and --parquet are for one program; plan that one alone"));
+    }
     if options.trace {
         return Err(Failure::input("--trace shows how one program is solved; plan that one alone"));
     }
@@ -131,7 +134,7 @@ impl ProgramOutcome {
     ) -> Result<Self, Failure> {
         let line = || {
             let output = job.target.as_deref().map(|file| file.display().to_string());
-            output::json_line(&PlanAnswer { program: Some(name), figures, output })
+            output::json_line(&PlanAnswer { program: Some(name), figures, output, warnings })
         };
         let gates = gates(options).judge(figures);
         let complain = |how| Failure::Gate(format!("{} {how}", printable(name))).text();

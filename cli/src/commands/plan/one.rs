@@ -12,7 +12,7 @@ use iiwa_view::plan_table;
 use crate::{
     args::{Plan, Timing},
     failure::{Failure, print_note},
-    input, log, output,
+    input, log, output, picture,
     progress::Progress,
     warning::warning_lines,
 };
@@ -44,7 +44,7 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
     progress.clear();
     let PlanOutcome { figures, warnings } = planned?;
     print_note(&warning_lines(&warnings, None));
-    report(options, &figures, target.as_deref())?;
+    report(options, &figures, &warnings, target.as_deref())?;
     match gates(options).judge(&figures).complaint() {
         Some(how) => Err(Failure::Gate(format!("the program {how}"))),
         None => Ok(()),
@@ -63,11 +63,17 @@ fn output_path(options: &Plan, program: &Path) -> Option<PathBuf> {
 fn distinct(options: &Plan, program: &Path, target: Option<&Path>) -> Result<(), Failure> {
     let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
     let scene = options.scene.as_deref().map(|path| ("scene", path));
-    let read: Vec<_> = iter::once(("program", program)).chain(robot).chain(scene).collect();
+    let urdf = options.arm.urdf.as_deref().map(|path| ("URDF", path));
+    let read: Vec<_> =
+        iter::once(("program", program)).chain(robot).chain(scene).chain(urdf).collect();
     if let Some(target) = target {
         output::keep_inputs("trajectory", target, read.iter().copied(), "--output")?;
     }
+    for table in options.csv.iter().chain(&options.parquet) {
+        output::keep_inputs("table", table, read.iter().copied(), "--csv or --parquet")?;
+    }
     if let Some(picture) = &options.picture {
+        picture::check(picture)?;
         let trajectory = target.map(|path| ("trajectory", path));
         let others = read.iter().copied().chain(trajectory);
         output::keep_inputs("picture", picture, others, "--picture")?;
@@ -75,14 +81,22 @@ fn distinct(options: &Plan, program: &Path, target: Option<&Path>) -> Result<(),
     Ok(())
 }
 
-fn report(options: &Plan, figures: &PlanFigures, file: Option<&Path>) -> Result<(), Failure> {
+fn report(
+    options: &Plan,
+    figures: &PlanFigures,
+    warnings: &[String],
+    file: Option<&Path>,
+) -> Result<(), Failure> {
     if !options.json {
         let mut text = plan_table(figures);
         if let Some(file) = file {
             let _ = writeln!(text, "Trajectory in {}", file.display());
         }
+        for table in options.csv.iter().chain(&options.parquet) {
+            let _ = writeln!(text, "Table in {}", table.display());
+        }
         return output::print(&text);
     }
     let output = file.map(|file| file.display().to_string());
-    output::print_json(&PlanAnswer { program: None, figures, output })
+    output::print_json(&PlanAnswer { program: None, figures, output, warnings })
 }

@@ -4,23 +4,31 @@ use std::path::Path;
 
 use bytesize::ByteSize;
 use iiwa_kin::Robot;
-use iiwa_log::{ClearanceRecord, PlanConfig, PlanFigures, PlanOptions, PlanWriter, Planning};
+use iiwa_log::{PlanConfig, PlanFigures, PlanOptions, PlanWriter, Planning};
 use iiwa_path::PathOptions;
 use iiwa_program::Program;
-use iiwa_scene::{ArmInScene, PlannedClearance, Scene};
-use iiwa_traj::{JerkOptions, Section, SweepOptions, Timing};
+use iiwa_scene::{ArmInScene, Scene};
+use iiwa_traj::{JerkOptions, SweepOptions, Timing};
 use iiwa_view::{PlanGates, PlanPicture, long_duration};
 
 use crate::{
     args::{self, Plan},
+    arm_files::ArmFiles,
+    clearance::nearest,
     failure::Failure,
     input::{self, ProgramText},
     output::{self, Output},
+    picture,
     warning::warnings,
 };
 
+use super::tables::Tables;
+
 /// The scene of the options, if any.
 pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
+    if options.arm.urdf.is_some() && options.scene.is_none() {
+        return Err(Failure::input("--urdf is what clearances are taken of: it needs a --scene"));
+    }
     options.scene.as_deref().map(input::scene).transpose()
 }
 
@@ -48,7 +56,12 @@ pub(super) fn write(
     let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&program));
     let warnings = warnings(&program, planning.path());
     drop(program);
-    let arm = scene.map(|scene| ArmInScene::new(&robot, scene));
+    let files = ArmFiles::new(&options.arm)?;
+    let meshes = files.map(|files| files.meshes(&robot)).transpose()?;
+    let arm = scene.map(|scene| match &meshes {
+        Some(meshes) => ArmInScene::with_meshes(&robot, scene, meshes),
+        None => ArmInScene::new(&robot, scene),
+    });
 
     let output = target.map(Output::new).transpose()?;
     let drawing = options.picture.as_deref().map(Output::new).transpose()?;
@@ -64,10 +77,11 @@ pub(super) fn write(
         }
     };
 
+    let mut tables = Tables::new(options)?;
     while let Some(section) = planning.next() {
         output::check_interrupt()?;
         let section = section.map_err(|error| refuse(error.into()))?;
-        if let Some(nearest) = arm.as_ref().and_then(|arm| clearance(arm, &section)) {
+        if let Some(nearest) = arm.as_ref().and_then(|arm| nearest(arm, &section)) {
             planning.figures_mut().add_clearance(nearest);
         }
         if let (Some(writer), Some(output)) = (&mut writer, &output) {
@@ -76,6 +90,10 @@ pub(super) fn write(
             }
             writer.section(&section).map_err(|error| output.failure(&error))?;
         }
+        if !tables.is_empty() && planning.size().bytes() > options.max_file_size.as_u64() {
+            return Err(too_large(options, planning));
+        }
+        tables.add(&section)?;
         if let Some(picture) = &mut picture {
             picture.add(&section);
         }
@@ -89,10 +107,10 @@ pub(super) fn write(
             .into_inner()
             .map_err(|error| output.failure(error.error()))?;
     }
-    if let (Some(picture), Some(drawing)) = (picture, &drawing) {
-        drawing.write(picture.draw()?.as_bytes())?;
+    if let (Some(picture), Some(drawing), Some(path)) = (picture, &drawing, &options.picture) {
+        drawing.write(&picture::content(path, picture.draw()?)?)?;
     }
-    for whole in output.into_iter().chain(drawing) {
+    for whole in output.into_iter().chain(drawing).chain(tables.finish()?) {
         whole.complete()?;
     }
     Ok(PlanOutcome { figures: planning.into_figures(), warnings })
@@ -117,17 +135,6 @@ fn plan_options(options: &Plan) -> PlanOptions {
         },
         samples: options.samples,
     }
-}
-
-/// Least clearance in a section.
-fn clearance(arm: &ArmInScene, section: &Section) -> Option<ClearanceRecord> {
-    let PlannedClearance { clearance, at_s, .. } = arm.clearance_of_section(section)?;
-    Some(ClearanceRecord {
-        distance_mm: 1e3 * clearance.distance_m,
-        link: clearance.link,
-        obstacle: arm.scene().obstacles()[clearance.obstacle].name.clone(),
-        at_s,
-    })
 }
 
 /// The failure of a program whose file would be too large, with the size of the whole file; `planning` has the

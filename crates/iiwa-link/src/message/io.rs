@@ -25,6 +25,38 @@ pub enum IoValue {
     Analog(f64),
 }
 
+/// An input or output with its current value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Signal {
+    /// Its name.
+    pub name: String,
+    /// Whether it can be set.
+    pub direction: Direction,
+    /// Its current value.
+    pub value: IoValue,
+}
+
+/// Whether a signal can be set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Direction {
+    /// It can be read.
+    Input,
+    /// It can be read and set.
+    Output,
+}
+
+impl Direction {
+    /// Its name in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Input => "input",
+            Self::Output => "output",
+        }
+    }
+}
+
 impl<'de> Deserialize<'de> for IoValue {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct IoValueVisitor;

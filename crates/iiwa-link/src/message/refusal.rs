@@ -54,10 +54,10 @@ impl fmt::Display for Code {
 /// use iiwa_link::message::{Code, Refusal};
 ///
 /// let refusal = Refusal::new(Code::NotIdle, "a motion is running");
-/// assert_eq!(refusal.to_string(), "a motion is running (not_idle)");
+/// assert_eq!(refusal.to_string(), "a motion is running");
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
-#[error("{message} ({code})")]
+#[error("{message}")]
 pub struct Refusal {
     /// The error code.
     pub code: Code,

@@ -5,7 +5,12 @@ use std::fmt;
 use iiwa_kin::Joints;
 use serde::{Deserialize, Serialize};
 
-use crate::message::{io::IoValue, refusal::Refusal, request::Id, text::to_json};
+use crate::message::{
+    io::{IoValue, Signal},
+    refusal::Refusal,
+    request::Id,
+    text::to_json,
+};
 
 /// The state of iiwaDrive and the robot (Larsen 2019, section 3.1.1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -179,6 +184,11 @@ pub enum Body {
     Sensors {
         /// The readings.
         sensors: Sensors,
+    },
+    /// Of `list_io`.
+    Signals {
+        /// All inputs and outputs.
+        io: Vec<Signal>,
     },
     /// Of `get_io` and `set_io`.
     Value {

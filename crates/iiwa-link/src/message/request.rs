@@ -47,6 +47,8 @@ pub enum Request {
     },
     /// Read the robot's sensors.
     ReadSensors,
+    /// Read all inputs and outputs.
+    ListIo,
     /// Read an input or output.
     GetIo {
         /// Its name.
@@ -72,10 +74,11 @@ pub type Id = Box<RawValue>;
 
 impl Request {
     /// The `type` of all requests.
-    pub const TYPES: [&'static str; 8] = [
+    pub const TYPES: [&'static str; 9] = [
         "run_motions",
         "run_trajectory",
         "read_sensors",
+        "list_io",
         "get_io",
         "set_io",
         "state",
@@ -128,6 +131,7 @@ impl Request {
                 Ok(Self::SetIo { name, value })
             }
             Some("read_sensors") => parse::<BareRequest>(text).map(|_| Self::ReadSensors),
+            Some("list_io") => parse::<BareRequest>(text).map(|_| Self::ListIo),
             Some("state") => parse::<BareRequest>(text).map(|_| Self::State),
             Some("last_run") => parse::<BareRequest>(text).map(|_| Self::LastRun),
             Some("stop") => parse::<BareRequest>(text).map(|_| Self::Stop),
@@ -152,6 +156,7 @@ impl Request {
             RunMotions(&'a MotionList),
             RunTrajectory { trajectory: &'a TimedJoints },
             ReadSensors,
+            ListIo,
             GetIo { name: &'a str },
             SetIo { name: &'a str, value: IoValue },
             State,
@@ -162,6 +167,7 @@ impl Request {
             Self::RunMotions { motions } => RequestJson::RunMotions(motions),
             Self::RunTrajectory { trajectory } => RequestJson::RunTrajectory { trajectory },
             Self::ReadSensors => RequestJson::ReadSensors,
+            Self::ListIo => RequestJson::ListIo,
             Self::GetIo { name } => RequestJson::GetIo { name },
             Self::SetIo { name, value } => RequestJson::SetIo { name, value: *value },
             Self::State => RequestJson::State,

@@ -31,6 +31,10 @@ impl JointLog {
         if recording::is_mcap(&head) {
             return recording::read(Cursor::new(head).chain(stream));
         }
+        #[cfg(feature = "parquet")]
+        if head.starts_with(super::parquet::MAGIC) {
+            return super::parquet::read(head, stream);
+        }
         table::read(&head, stream)
     }
 }

@@ -39,10 +39,10 @@ pub fn draw(plan: &Plan, comparison: &Comparison) -> Result<String, ViewError> {
             draw_paths(&top, &space, best, (&planned, &measured))?;
         }
         let (flange, joints) = bottom.split_vertically(FINE * HEIGHT * 9 / 40);
-        let title = "Flange's distance from its path in mm, over time in the plan";
-        draw_deviation(&flange, title, comparison, |point| 1e3 * point.tcp_deviation_m)?;
-        let title = "Joints' distance from their path in mrad, over time in the plan";
-        draw_deviation(&joints, title, comparison, |point| 1e3 * point.joints_rad)
+        let flange_off = |point: &TracePoint| 1e3 * point.tcp_deviation_m;
+        draw_deviation(&flange, ("Flange off its path", "mm"), comparison, flange_off)?;
+        let joints_off = |point: &TracePoint| 1e3 * point.joints_rad;
+        draw_deviation(&joints, ("Joints off their path", "mrad"), comparison, joints_off)
     })
 }
 
@@ -69,28 +69,42 @@ fn draw_paths(
     legend(&mut chart, SeriesLabelPosition::UpperRight)
 }
 
-/// A deviation along the path; every other motion is shaded.
+/// What is smaller, in mm or mrad, is not told apart from nothing.
+const LEAST: f64 = 0.001;
+
+/// A deviation over the arm's time since the program's start; every other motion is shaded.
 fn draw_deviation(
     area: &Area<'_>,
-    title: &str,
+    (what, unit): (&str, &str),
     comparison: &Comparison,
     value: impl Fn(&TracePoint) -> f64,
 ) -> Drawn {
-    let end_s = comparison.cycle_time.simulated_s.max(1e-3);
-    let most = comparison.trace.iter().map(&value).fold(0.0, f64::max);
-    let top = 1.15 * most.max(1e-6);
+    let trace = &comparison.trace;
+    let start_s = trace.first().map_or(0.0, |point| point.plan_s - point.measured_s);
+    let last_s = trace.last().map_or(0.0, |point| start_s + point.measured_s);
+    let end_s = comparison.cycle_time.simulated_s.max(last_s).max(1e-3);
+    let most = trace.iter().map(&value).fold(0.0, f64::max);
+    let top = 1.15 * most.max(LEAST);
+    let title = if most < LEAST {
+        format!("{what}: below {LEAST} {unit}, over the arm's time in s")
+    } else {
+        format!("{what} in {unit}, over the arm's time in s")
+    };
     let mut chart = ChartBuilder::on(area)
         .caption(title, font())
         .margin(8 * FINE)
+        // Half of the last number is beside the axis.
+        .margin_right(24 * FINE)
         .x_label_area_size(30 * FINE)
         .y_label_area_size(62 * FINE)
         .build_cartesian_2d(0.0..end_s, 0.0..top)?;
     chart.draw_series(comparison.motions.iter().step_by(2).map(|motion| {
-        let from_s = motion.planned_start_s;
-        Rectangle::new([(from_s, 0.0), (from_s + motion.planned_s, top)], SHADE.mix(0.6).filled())
+        let from_s = motion.real_start_s.unwrap_or(motion.planned_start_s);
+        let to_s = from_s + motion.real_s.unwrap_or(motion.planned_s);
+        Rectangle::new([(from_s, 0.0), (to_s, top)], SHADE.mix(0.6).filled())
     }))?;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 7")]
-    let digits = (1.0 - top.log10().floor()).clamp(0.0, 7.0) as usize;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 4")]
+    let digits = (1.0 - top.log10().floor()).clamp(0.0, 4.0) as usize;
     chart
         .configure_mesh()
         .disable_x_mesh()
@@ -101,7 +115,9 @@ fn draw_deviation(
         .y_labels(5)
         .y_label_formatter(&|v| format!("{v:.digits$}"))
         .draw()?;
-    let points = comparison.trace.iter().map(|point| (point.plan_s, value(point)));
-    chart.draw_series(LineSeries::new(points, MEASURED.stroke_width(3 * FINE / 2)))?;
+    for part in comparison.unbroken_trace() {
+        let points = part.iter().map(|point| (start_s + point.measured_s, value(point)));
+        chart.draw_series(LineSeries::new(points, MEASURED.stroke_width(3 * FINE / 2)))?;
+    }
     Ok(())
 }

@@ -1,4 +1,4 @@
-// Curves over time and the timeline, on canvases with two dimensions.
+// Curves of the joints against their limits, the clearance and the timeline.
 
 const QUANTITIES = [
   { key: "position", title: "Position", unit: "deg", limit: "upper_rad" },
@@ -6,114 +6,6 @@ const QUANTITIES = [
   { key: "acceleration", title: "Acceleration", unit: "deg/s\u00b2", limit: "acceleration_rad_s2" },
   { key: "jerk", title: "Jerk", unit: "deg/s\u00b3", limit: "jerk_rad_s3" },
 ];
-/** Left and right of the curves, in px. */
-const LEFT = 52;
-const RIGHT = 8;
-
-/** A canvas as large as it is on the screen, cleared; sizes in CSS px. */
-function cleared(canvas) {
-  const ratio = Math.min(window.devicePixelRatio || 1, 2);
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-  canvas.width = Math.max(1, Math.round(width * ratio));
-  canvas.height = Math.max(1, Math.round(height * ratio));
-  const context = canvas.getContext("2d");
-  context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  context.font = `11px ${getComputedStyle(document.body).fontFamily}`;
-  return { context, width, height };
-}
-
-/** A step of 1, 2 or 5 times a power of ten that divides a span into some `count`. */
-function step(span, count) {
-  const rough = span / count;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const digit = rough / power;
-  return power * (digit < 1.5 ? 1 : digit < 3.5 ? 2 : digit < 7.5 ? 5 : 10);
-}
-
-function ticks(from, to, count) {
-  const by = step(to - from, count);
-  const decimals = Math.max(0, -Math.floor(Math.log10(by) + 1e-9));
-  const all = [];
-  for (let i = Math.ceil(from / by - 1e-9); i * by <= to + 1e-9 * by; i++) {
-    all.push({ value: i * by, text: number(i * by, decimals) });
-  }
-  return all;
-}
-
-/** Draws a curve of which there may be far more than there are pixels: of each column of pixels the
-    first, the lowest, the highest and the last value. What is not a number is a gap. */
-function trace(context, times, low, high, stride, offset, window_, x, y) {
-  const first = Math.max(countUpTo(times, window_.from) - 1, 0);
-  const last = Math.min(countUpTo(times, window_.to), times.length - 1);
-  context.beginPath();
-  let down = false;
-  let pixel = null;
-  const flush = () => {
-    if (!pixel) return;
-    const [px, a, least, most, b] = pixel;
-    if (down) context.lineTo(px, a);
-    else context.moveTo(px, a);
-    if (least !== most) {
-      context.lineTo(px, least);
-      context.lineTo(px, most);
-      context.lineTo(px, b);
-    }
-    down = true;
-    pixel = null;
-  };
-  for (let i = first; i <= last; i++) {
-    const k = stride * i + offset;
-    if (Number.isNaN(low[k])) {
-      flush();
-      down = false;
-      continue;
-    }
-    const px = x(times[i]);
-    const [a, b] = [y(low[k]), y(high[k])];
-    if (pixel && Math.floor(pixel[0]) === Math.floor(px)) {
-      pixel[2] = Math.max(pixel[2], a);
-      pixel[3] = Math.min(pixel[3], b);
-      pixel[4] = b;
-    } else {
-      flush();
-      pixel = [px, a, a, b, b];
-    }
-  }
-  flush();
-  context.stroke();
-}
-
-/** Axes of a chart: lines and numbers, and what takes values to px. */
-function axes(context, size, window_, range, theme, withTimes) {
-  const bottom = size.height - (withTimes ? 20 : 6);
-  const top = 6;
-  const [left, right] = [LEFT, size.width - RIGHT];
-  const x = (t) => left + ((t - window_.from) / (window_.to - window_.from)) * (right - left);
-  const y = (v) => bottom - ((v - range[0]) / (range[1] - range[0])) * (bottom - top);
-  context.lineWidth = 1;
-  context.strokeStyle = theme.rule;
-  context.fillStyle = theme.soft;
-  context.textAlign = "right";
-  context.textBaseline = "middle";
-  const line = (...points) => {
-    context.beginPath();
-    for (const [px, py] of points) context.lineTo(px, py);
-    context.stroke();
-  };
-  for (const { value, text } of ticks(...range, 4)) {
-    const py = Math.round(y(value)) + 0.5;
-    line([left, py], [right, py]);
-    context.fillText(text, left - 6, py);
-  }
-  context.textAlign = "center";
-  context.textBaseline = "top";
-  for (const { value, text } of ticks(window_.from, window_.to, Math.max(3, size.width / 110))) {
-    const px = Math.round(x(value)) + 0.5;
-    line([px, top], [px, bottom]);
-    if (withTimes) context.fillText(`${text} s`, Math.min(Math.max(px, left + 10), right - 14), bottom + 5);
-  }
-  return { x, y, left, right, top, bottom };
-}
 
 /** From when to when motions have limits of their own: shares of the robot's, one a joint. */
 function ownLimits(key) {
@@ -133,19 +25,27 @@ for (const quantity of QUANTITIES) quantity.own = ownLimits(quantity.key);
 /** What of a quantity is drawn, in per cent of the limits: more would flatten all else. */
 const MOST_PERCENT = 300;
 
+/** What takes a joint's value of a quantity to what is shown: in per cent of its limits, whose middle is 0, or in degrees. */
+function shownScale(quantity, percent) {
+  const upper = report.robot[quantity.limit];
+  const lower = quantity.key === "position" ? report.robot.lower_rad : upper.map((limit) => -limit);
+  const scale = (j) => (percent ? 200 / (upper[j] - lower[j]) : DEG);
+  const offset = (j) => (percent ? (-100 * (upper[j] + lower[j])) / (upper[j] - lower[j]) : 0);
+  return {
+    scale,
+    offset,
+    highest: (j) => scale(j) * upper[j] + offset(j),
+    lowest: (j) => scale(j) * lower[j] + offset(j),
+  };
+}
+
 /** One quantity of all joints; tells the largest value there is. `state` is shared: the window of time,
     which joints, the units. */
 function drawQuantity(canvas, quantity, state, theme, withTimes) {
   const size = cleared(canvas);
   const { context } = size;
-  const upper = report.robot[quantity.limit];
-  const lower = quantity.key === "position" ? report.robot.lower_rad : upper.map((limit) => -limit);
   const shown = state.joints.flatMap((on, j) => (on ? [j] : []));
-  // In per cent, the middle of a range is 0.
-  const scale = (j) => (state.percent ? 200 / (upper[j] - lower[j]) : DEG);
-  const offset = (j) => (state.percent ? (-100 * (upper[j] + lower[j])) / (upper[j] - lower[j]) : 0);
-  const highest = (j) => scale(j) * upper[j] + offset(j);
-  const lowest = (j) => scale(j) * lower[j] + offset(j);
+  const { scale, offset, highest, lowest } = shownScale(quantity, state.percent);
   // What is drawn: at least the band of the limits in per cent, at most three times as much.
   let most = state.percent ? 108 : 0;
   for (const arm of report.arms) {
@@ -166,10 +66,7 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
   const axis = axes(context, size, state.window, [-most, most], theme, withTimes);
   const { x, y, left, right, top, bottom } = axis;
 
-  context.save();
-  context.beginPath();
-  context.rect(left, top, right - left, bottom - top);
-  context.clip();
+  clipped(context, axis);
   // Beyond the limits: of all joints in per cent, else of the joint that may go farthest.
   const farthest = state.percent ? 100 : Math.max(...shown.map(highest), 0);
   const deepest = state.percent ? -100 : Math.min(...shown.map(lowest), 0);
@@ -233,39 +130,12 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
   return largest;
 }
 
-/** Curves of one number each, from 0 on: times, lowest and highest values, the colour's name, and a factor. Of two, the
-    first is a pale, broad band under the other. `room` is how high the chart is, in the largest value. Tells what takes times
-    and values to px. */
-function drawCurves(canvas, curves, state, theme, withTimes, room = 1.08) {
-  const size = cleared(canvas);
-  const { context } = size;
-  const largest = curves.map(({ high, factor = 1 }) => factor * high.reduce((a, b) => Math.max(a, b || 0), 0));
-  const most = Math.max(...largest) * room || 1;
-  const axis = axes(context, size, state.window, [0, most], theme, withTimes);
-  const { x, y, left, right, top, bottom } = axis;
-  context.save();
-  context.beginPath();
-  context.rect(left, top, right - left, bottom - top);
-  context.clip();
-  curves.forEach(({ t_s, low, high, colour, factor = 1 }, index) => {
-    const under = curves.length > 1 && index === 0;
-    context.globalAlpha = under ? 0.4 : 1;
-    context.lineWidth = under ? 4 : 1.5;
-    context.strokeStyle = theme[colour];
-    trace(context, t_s, low, high, 1, 0, state.window, x, (v) => y(factor * v));
-  });
-  context.restore();
-  return { context, ...axis };
-}
-
 /** The clearance, and from when on which pair is nearest; `pairs` are those of the last of the curves. */
-function drawClearance(canvas, curves, pairs, state, theme) {
+function drawClearance(canvas, curves, pairs, window_, theme) {
   // Names of pairs are above the curve.
-  const { context, x, left, right, top, bottom } = drawCurves(canvas, curves, state, theme, true, 1.3);
-  context.save();
-  context.beginPath();
-  context.rect(left, top, right - left, bottom - top);
-  context.clip();
+  const { context, ...axis } = drawCurves(canvas, curves, window_, theme, { room: 0.3, least: 1 });
+  const { x, left, right, top, bottom } = axis;
+  clipped(context, axis);
   context.textAlign = "left";
   context.textBaseline = "top";
   context.setLineDash([2, 3]);

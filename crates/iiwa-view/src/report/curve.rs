@@ -23,6 +23,22 @@ impl<const N: usize> Samples<N> {
         self.t_s.push(t_s);
         self.rows.push(row);
     }
+
+    /// Values at times that increase, evenly between samples.
+    pub(crate) fn at_times(&self, times: &[f64]) -> impl ExactSizeIterator<Item = [f64; N]> {
+        let mut next = 0;
+        times.iter().map(move |at_s| {
+            while next + 1 < self.t_s.len() && self.t_s[next] < *at_s {
+                next += 1;
+            }
+            let last = next.saturating_sub(1);
+            let [from_s, to_s] = [self.t_s[last], self.t_s[next]];
+            let share = if to_s > from_s { (at_s - from_s) / (to_s - from_s) } else { 0.0 };
+            let share = share.clamp(0.0, 1.0);
+            let [from, to] = [&self.rows[last], &self.rows[next]];
+            std::array::from_fn(|j| from[j] + share * (to[j] - from[j]))
+        })
+    }
 }
 
 /// For each column, when it begins, and each value's lowest and highest value from there to the next
@@ -99,6 +115,14 @@ mod tests {
         assert_eq!(text(&curve.high.unwrap()), text(&expected(false)));
         let t_s = Packed::doubles((0..10).map(|i| f64::from(i) * 100.0 + 0.5));
         assert_eq!(text(&curve.t_s), text(&t_s));
+    }
+
+    #[test]
+    fn values_are_even_between_samples() {
+        let samples = Samples { t_s: vec![0.0, 1.0, 3.0], rows: vec![[0.0], [1.0], [-1.0]] };
+        let values = |times: &[f64]| samples.at_times(times).map(|[v]| v).collect::<Vec<_>>();
+        assert_eq!(values(&[-1.0, 0.0, 0.25, 1.0, 2.5, 4.0]), [0.0, 0.0, 0.25, 1.0, -0.5, -1.0]);
+        assert_eq!(values(&[2.0]), [0.0]);
     }
 
     #[test]

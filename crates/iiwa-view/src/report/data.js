@@ -12,9 +12,10 @@ function unpackCurve(curve) {
 for (const arm of report.arms) {
   arm.poses = unpackPoses(arm.poses);
   for (const name of ["position", "velocity", "acceleration", "jerk"]) unpackCurve(arm[name]);
+  if (arm.speed) unpackCurve(arm.speed);
   if (arm.clearance) unpackCurve(arm.clearance.distance);
 }
-if (report.workcell.speed) unpackCurve(report.workcell.speed);
+for (const name of ["tcp_mm", "joints_mrad"]) if (report.compared) unpackCurve(report.compared[name]);
 
 const startS = Math.min(...report.arms.map((arm) => arm.start_s));
 const endS = Math.max(...report.arms.map((arm) => arm.end_s), startS + 1e-3);
@@ -30,6 +31,13 @@ function valueAt(curve, t, j, of = 7) {
   return share === 0 ? middle(i) : middle(i) + share * (middle(next) - middle(i));
 }
 
+/** The same, or nothing beyond its ends and in its gaps. */
+function readingAt(curve, t, j, of = 1) {
+  const { t_s } = curve;
+  if (!t_s.length || t < t_s[0] - 1e-9 || t > t_s[t_s.length - 1] + 1e-9) return Number.NaN;
+  return valueAt(curve, t, j, of);
+}
+
 const pieceStarts = report.pieces.map((piece) => piece.start_s);
 /** The TCP that moves at a time, in the flange's frame. */
 const toolAt = toolOf(report.workcell.tcps, report.pieces);
@@ -37,3 +45,22 @@ const toolAt = toolOf(report.workcell.tcps, report.pieces);
 function pieceAt(t) {
   return report.pieces[Math.max(countUpTo(pieceStarts, t) - 1, 0)];
 }
+
+// ---- what is shown
+
+const [first, second] = report.arms;
+const isPlan = first.role === "plan";
+/** What an arm is called where both are shown. */
+const called = (arm) => (arm.role === "recording" ? "measured" : arm === second ? "other plan" : "plan");
+/** At first the page shows the plan, or everything there is. */
+const whole = isPlan
+  ? { from: first.start_s, to: Math.max(first.end_s, first.start_s + 1e-3) }
+  : { from: startS, to: endS };
+const state = {
+  time: whole.from,
+  playing: false,
+  speed: 1,
+  window: { ...whole },
+  joints: Array(7).fill(true),
+  percent: true,
+};

@@ -5,17 +5,17 @@ use std::{
     path::Path,
 };
 
-use iiwa_eval::{Comparison, Plan};
+use iiwa_eval::{Comparison, Plan, TracePoint};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{Loss, PlanPiece};
 use iiwa_program::{Blend, LimitKind, Motion, Program};
-use iiwa_scene::{ArmInScene, Scene};
+use iiwa_scene::{ArmInScene, ArmMeshes, Scene};
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::{
     ComparisonReport, ViewError,
-    page::{self, Part, Poses},
+    page::{self, ArmSource, Look, Part, Poses},
     with_causes,
 };
 
@@ -30,9 +30,15 @@ use super::{
 };
 
 /// Parts of this page alone.
-const PARTS: [Part; 3] = [
+const PARTS: [Part; 9] = [
     ("/*data.js*/", include_str!("data.js")),
+    ("/*plot.js*/", include_str!("../page/plot.js")),
     ("/*charts.js*/", include_str!("charts.js")),
+    ("/*head.js*/", include_str!("head.js")),
+    ("/*point.js*/", include_str!("point.js")),
+    ("/*panels.js*/", include_str!("panels.js")),
+    ("/*tables.js*/", include_str!("tables.js")),
+    ("/*pointing.js*/", include_str!("pointing.js")),
     ("/*main.js*/", include_str!("main.js")),
 ];
 
@@ -65,8 +71,9 @@ pub struct Page {
 #[derive(Debug, Serialize)]
 struct Model {
     name: String,
-    /// Shapes and joints.
+    /// Joints.
     urdf: String,
+    look: Look,
     lower_rad: Joints,
     upper_rad: Joints,
     velocity_rad_s: Joints,
@@ -87,6 +94,9 @@ struct Arm {
     poses: Poses,
     #[serde(flatten)]
     curves: Option<Curves>,
+    /// In m/s: of the flange, and, if there is a tool, of the TCP.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speed: Option<Curve>,
     /// In a scene with obstacles.
     #[serde(skip_serializing_if = "Option::is_none")]
     clearance: Option<Clearances>,
@@ -118,6 +128,8 @@ pub enum Extent {
 pub struct PageOptions {
     /// The robot, if it is not the one of the files.
     pub robot: Option<Robot>,
+    /// What the arm looks like, if not as we draw it: meshes, whose convex hulls are also what its clearance is taken of.
+    pub arm: Option<ArmSource>,
     /// What stands around the arm: the whole page shows it, and how near the arm comes.
     pub scene: Option<Scene>,
     /// How much of the page is made.
@@ -127,9 +139,15 @@ pub struct PageOptions {
 }
 
 impl Default for PageOptions {
-    /// The files' robot, no scene, the whole page, never interrupted.
+    /// The files' robot as we draw it, no scene, the whole page, never interrupted.
     fn default() -> Self {
-        Self { robot: None, scene: None, extent: Extent::default(), interrupted: || false }
+        Self {
+            robot: None,
+            arm: None,
+            scene: None,
+            extent: Extent::default(),
+            interrupted: || false,
+        }
     }
 }
 
@@ -175,15 +193,14 @@ struct Shares {
 struct Compared {
     /// As `iiwasim compare --json` has it.
     report: ComparisonReport,
-    /// Some samples of the recording: when the plan is where the arm was, and how far it was off.
-    plan_s: Vec<f64>,
-    tcp_mm: Vec<f64>,
-    joints_mrad: Vec<f64>,
+    /// How far some samples of the recording were off, over the page's time.
+    tcp_mm: Curve,
+    joints_mrad: Curve,
 }
 
 impl std::fmt::Debug for Compared {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Compared").field("samples", &self.plan_s.len()).finish_non_exhaustive()
+        f.debug_struct("Compared").field("tcp_mm", &self.tcp_mm).finish_non_exhaustive()
     }
 }
 
@@ -224,14 +241,23 @@ impl Page {
 
         let mut compared = None;
         let program = first.program();
-        let mut workcell = Workcell::new(program.as_ref());
+        let workcell = Workcell::new(program.as_ref());
         let shift_s = from_start(&first);
         let scene = options.scene.as_ref().filter(|_| extent == Extent::Whole);
-        let in_scene = scene.map(|scene| ArmInScene::new(&robot, scene));
-        let mut arms = vec![Arm::new(&first, shift_s, (extent, in_scene.as_ref()), |planned| {
-            let pieces = &first.record.pieces;
-            workcell = std::mem::take(&mut workcell).with_speed(&robot, planned, pieces, shift_s);
-        })];
+        let meshes = options.arm.as_ref().filter(|_| extent == Extent::Whole);
+        let meshes = meshes.map(|source| source.of(&robot)).transpose()?;
+        let in_scene = scene.map(|scene| match &meshes {
+            Some(meshes) => ArmInScene::with_meshes(&robot, scene, meshes),
+            None => ArmInScene::new(&robot, scene),
+        });
+        let making = Making {
+            extent,
+            robot: &robot,
+            scene: in_scene.as_ref(),
+            workcell: &workcell,
+            pieces: &first.record.pieces,
+        };
+        let mut arms = vec![making.arm(&first, shift_s)];
         if let Some(second) = &second {
             second.check(&robot)?;
             if second.role() != Role::Recording {
@@ -252,11 +278,11 @@ impl Page {
             if compared.is_none() || !second.log.losses.iter().all(gap) {
                 notes.extend(second.losses());
             }
-            arms.push(Arm::new(second, shift_s, (extent, in_scene.as_ref()), |_| ()));
+            arms.push(making.arm(second, shift_s));
         }
         let motions = program.as_ref().map_or(&[][..], |program| &program.motions);
         Ok(Self {
-            robot: Model::from(&robot),
+            robot: Model::new(&robot, meshes.as_ref(), extent),
             arms,
             corners: corners(&first.record.pieces, program.as_ref(), &robot),
             workcell,
@@ -274,6 +300,12 @@ impl Page {
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// How long the second file's motion took, in s, if it was held against the plan.
+    #[must_use]
+    pub fn measured_cycle_time_s(&self) -> Option<f64> {
+        self.compared.as_ref().map(|compared| compared.report.measured_cycle_time_s())
     }
 
     /// What the 3D view needs of the page, without curves.
@@ -361,11 +393,25 @@ fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compare
     let names = [Path::new(&first.name), Path::new(&second.name)];
     let compared = Compared {
         report: ComparisonReport::new(names, None, &plan, &second.log, &comparison),
-        plan_s: comparison.trace.iter().map(|point| point.plan_s).collect(),
-        tcp_mm: comparison.trace.iter().map(|point| 1e3 * point.tcp_deviation_m).collect(),
-        joints_mrad: comparison.trace.iter().map(|point| 1e3 * point.joints_rad).collect(),
+        tcp_mm: deviation(&comparison, start_s, |point| 1e3 * point.tcp_deviation_m),
+        joints_mrad: deviation(&comparison, start_s, |point| 1e3 * point.joints_rad),
     };
     Ok((compared, start_s - comparison.departure_s))
+}
+
+/// A deviation over the time of the arm, which goes on where the plan's time stands; the arm starts at `start_s`.
+fn deviation(comparison: &Comparison, start_s: f64, value: impl Fn(&TracePoint) -> f64) -> Curve {
+    let mut samples = Samples::<1>::with_capacity(comparison.trace.len());
+    for part in comparison.unbroken_trace() {
+        if let (Some(last), Some(first)) = (samples.t_s.last(), part.first()) {
+            let middle_s = f64::midpoint(*last, start_s + first.measured_s);
+            samples.push(middle_s, [f64::NAN]);
+        }
+        for point in part {
+            samples.push(start_s + point.measured_s, [value(point)]);
+        }
+    }
+    Curve::new(&samples, 0.0)
 }
 
 /// The motions with limits of their own, each with its number.
@@ -421,40 +467,49 @@ fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Ve
     program.motions.iter().enumerate().filter_map(corner).collect()
 }
 
-impl Arm {
-    /// `take` sees what is planned, before it becomes curves.
-    fn new(
-        source: &Source,
-        shift_s: f64,
-        (extent, scene): (Extent, Option<&ArmInScene>),
-        take: impl FnOnce(&Planned),
-    ) -> Self {
+/// What arms are made with.
+#[derive(Clone, Copy)]
+struct Making<'a> {
+    extent: Extent,
+    robot: &'a Robot,
+    scene: Option<&'a ArmInScene>,
+    workcell: &'a Workcell,
+    /// Those of the plan, by which the TCP is told, in the page's time.
+    pieces: &'a [PlanPiece],
+}
+
+impl Making<'_> {
+    /// The arm of a file, all times later by `shift_s`.
+    fn arm(&self, source: &Source, shift_s: f64) -> Arm {
         let log = &source.log;
         let times = |t_s: Option<&f64>| t_s.map_or(0.0, |t_s| t_s + shift_s);
         let (start_s, end_s) = (times(log.t_s.first()), times(log.t_s.last()));
         let role = source.role();
-        let mut clearance = None;
-        let mut measure = |positions: &Samples| {
-            clearance = scene.and_then(|arm| Clearances::new(arm, positions, shift_s));
+        let (mut clearance, mut speed) = (None, None);
+        let mut measure = |position: &Samples, velocity: &Samples| {
+            clearance = self.scene.and_then(|arm| Clearances::new(arm, position, shift_s));
+            let states = std::iter::zip(position.at_times(&velocity.t_s), &velocity.rows);
+            let states = std::iter::zip(&velocity.t_s, states);
+            let states = states.map(|(t_s, (q, dq))| (*t_s, q, dq));
+            speed = Some(self.workcell.speeds(self.robot, self.pieces, states, shift_s));
         };
-        let (poses, curves) = match (extent, role) {
+        let (poses, curves) = match (self.extent, role) {
             (Extent::Sketch, _) => (Poses::new(&log.t_s, &log.q_rad, shift_s), None),
             (Extent::Whole, Role::Plan) => {
                 let smooth = source.record.timing() != Some("acceleration");
                 let planned = Planned::new(&source.record.nodes, smooth);
-                take(&planned);
-                measure(&planned.position);
+                measure(&planned.position, &planned.velocity);
                 let poses = Poses::new(&planned.position.t_s, &planned.position.rows, shift_s);
                 (poses, Some(Curves::of_plan(planned, smooth, shift_s)))
             }
             (Extent::Whole, _) => {
                 let poses = Poses::new(&log.t_s, &log.q_rad, shift_s);
                 let measured = Measured::new(log);
-                measure(&measured.position);
+                measure(&measured.position, &measured.velocity);
                 (poses, Some(Curves::of_recording(measured, shift_s)))
             }
         };
-        Self {
+        Arm {
             role,
             file: source.file.clone(),
             start_s,
@@ -463,6 +518,7 @@ impl Arm {
             rate_hz: log.period_s().map(f64::recip),
             poses,
             curves,
+            speed,
             clearance,
         }
     }
@@ -500,12 +556,18 @@ impl Curves {
     }
 }
 
-impl From<&Robot> for Model {
-    fn from(robot: &Robot) -> Self {
+impl Model {
+    fn new(robot: &Robot, meshes: Option<&ArmMeshes>, extent: Extent) -> Self {
         let limits = robot.limits();
+        let look = match (extent, meshes) {
+            (Extent::Sketch, _) => Look::default(),
+            (Extent::Whole, Some(meshes)) => Look::of_meshes(meshes),
+            (Extent::Whole, None) => Look::own(robot),
+        };
         Self {
             name: robot.name().to_owned(),
             urdf: robot.to_urdf(),
+            look,
             lower_rad: limits.lower_rad,
             upper_rad: limits.upper_rad,
             velocity_rad_s: limits.velocity_rad_s,

@@ -1,14 +1,11 @@
 //! What the page shows of tools and frames.
 
-use iiwa_kin::{Pose, Robot};
+use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_log::PlanPiece;
 use iiwa_program::Program;
 use serde::Serialize;
 
-use super::{
-    curve::{Curve, Samples},
-    planned::Planned,
-};
+use super::curve::{Curve, Samples};
 
 /// Frames that are shown, at most: more of them hide each other.
 const FRAMES: usize = 500;
@@ -19,13 +16,9 @@ pub(crate) struct Workcell {
     /// The TCPs in the flange's frame: each from a motion on, up to the next.
     tcps: Vec<Tcp>,
     frames: Vec<ShownFrame>,
-    /// The TCP's speed, in m/s; of plans whose program has frames.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    speed: Option<Curve>,
+    /// The TCP of each motion, in the flange's frame.
     #[serde(skip)]
     poses: Vec<Pose>,
-    #[serde(skip)]
-    has_frames: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -33,6 +26,8 @@ struct Tcp {
     /// From 1.
     motion: usize,
     offset_m: [f64; 3],
+    /// Row-major.
+    rotation: [[f64; 3]; 3],
 }
 
 #[derive(Debug, Serialize)]
@@ -54,11 +49,13 @@ impl Workcell {
         };
         let mut tcps: Vec<Tcp> = Vec::new();
         for (index, pose) in poses.iter().enumerate() {
-            if tcps.last().is_none_or(|last| last.offset_m != pose.position_m) {
-                tcps.push(Tcp { motion: index + 1, offset_m: pose.position_m });
+            let Pose { position_m: offset_m, rotation } = *pose;
+            let is_same = |last: &Tcp| last.offset_m == offset_m && last.rotation == rotation;
+            if !tcps.last().is_some_and(is_same) {
+                tcps.push(Tcp { motion: index + 1, offset_m, rotation });
             }
         }
-        if tcps.iter().all(|tcp| tcp.offset_m == [0.0; 3]) {
+        if poses.iter().all(|pose| *pose == Pose::IDENTITY) {
             tcps.clear();
         }
         let shown = frames.into_iter().take(FRAMES).map(|frame| ShownFrame {
@@ -66,31 +63,36 @@ impl Workcell {
             position_m: frame.pose.position_m,
             rotation: frame.pose.rotation,
         });
-        Self { tcps, frames: shown.collect(), speed: None, poses, has_frames: program.has_frames() }
+        Self { tcps, frames: shown.collect(), poses }
     }
 
-    /// With the speed of the TCP on a plan, all times later by `shift_s`.
-    pub(crate) fn with_speed(
-        self,
+    /// Speeds in m/s over time: of the flange, and, if there is a tool, of the TCP that moves then by `pieces`. States are
+    /// times, positions and velocities of the joints, in the order of time; all times are later by `shift_s` in the curve.
+    pub(crate) fn speeds<'a>(
+        &self,
         robot: &Robot,
-        planned: &Planned,
         pieces: &[PlanPiece],
+        states: impl ExactSizeIterator<Item = (f64, Joints, &'a Joints)>,
         shift_s: f64,
-    ) -> Self {
-        if !self.has_frames {
-            return self;
+    ) -> Curve {
+        let flange = |q: &Joints, dq: &Joints| robot.tcp_speed_m_s(&Pose::IDENTITY, q, dq);
+        if self.tcps.is_empty() {
+            let mut samples = Samples::<1>::with_capacity(states.len());
+            for (t_s, q, dq) in states {
+                samples.push(t_s, [flange(&q, dq)]);
+            }
+            return Curve::new(&samples, shift_s);
         }
-        let states = std::iter::zip(&planned.position.rows, &planned.velocity.rows);
-        let mut samples = Samples::<1>::with_capacity(planned.position.rows.len());
+        let mut samples = Samples::<2>::with_capacity(states.len());
         let mut piece = 0;
-        for (t_s, (q, dq)) in std::iter::zip(&planned.position.t_s, states) {
-            while pieces.get(piece + 1).is_some_and(|next| next.start_s <= *t_s) {
+        for (t_s, q, dq) in states {
+            while pieces.get(piece + 1).is_some_and(|next| next.start_s <= t_s + shift_s) {
                 piece += 1;
             }
             let motion = pieces.get(piece).map_or(0, |piece| piece.motion as usize);
             let tcp = self.poses.get(motion.saturating_sub(1)).unwrap_or(&Pose::IDENTITY);
-            samples.push(*t_s, [robot.tcp_speed_m_s(tcp, q, dq)]);
+            samples.push(t_s, [flange(&q, dq), robot.tcp_speed_m_s(tcp, &q, dq)]);
         }
-        Self { speed: Some(Curve::new(&samples, shift_s)), ..self }
+        Curve::new(&samples, shift_s)
     }
 }

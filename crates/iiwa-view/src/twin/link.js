@@ -64,6 +64,11 @@ async function handOver(name, text) {
   if (error !== null) throw new Error(error);
 }
 
+/** What went wrong before is no longer on the page. */
+function forgetComplaints() {
+  for (const it of document.querySelectorAll(".said")) it.textContent = "";
+}
+
 /** Gives an order, and tells in a place of the page if it was refused. */
 function ask(place, what, parameters) {
   return attempt(place, () => order(what, parameters));
@@ -71,7 +76,7 @@ function ask(place, what, parameters) {
 
 /** Does something, and tells in a place of the page if it fails. */
 async function attempt(place, what) {
-  $(place).textContent = "";
+  forgetComplaints();
   try {
     await what();
     return true;

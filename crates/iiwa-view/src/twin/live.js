@@ -21,6 +21,7 @@ link.takes.live = (where) => {
   compareClocks(where.at_ms);
   live.newest = where;
   live.fresh = true;
+  remember(where);
 };
 link.takes.health = (health) => {
   live.health = health || {};
@@ -151,5 +152,6 @@ function writeLink() {
   if ($("banner").textContent !== wrong) $("banner").textContent = wrong;
   $("link").textContent = wrong ? "not live" : isStale() ? "connecting" : "live";
   $("link").classList.toggle("bad", Boolean(wrong));
+  $("link").classList.toggle("waiting", !wrong && isStale());
   $("pace").textContent = wrong || !frames ? "" : `${frames} frames/s, ${number(late, 0)} ms late at most`;
 }

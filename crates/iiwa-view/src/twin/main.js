@@ -4,7 +4,7 @@ const shown = { mode: "live", time: 0, playing: false, frame: null };
 
 $("title").textContent = `Twin of ${robot.name}`;
 $("footer").textContent =
-  `Follows ${setup.drive}. ${setup.folder ? `Programs, plans and recordings are kept in ${setup.folder}.` : "Programs, plans and recordings are kept until the end of the twin (--output keeps them)."} The button that stops the robot is no emergency stop: it needs this page, the network, the drive and the robot program.`;
+  `Follows ${setup.drive}. ${setup.folder ? `Programs, plans and recordings are kept in ${setup.folder}.` : "Programs, plans and recordings are kept until the end of the twin (--output keeps them)."} Positions are kept in ${setup.positions}. The button that stops the robot is no emergency stop: it needs this page, the network, the drive and the robot program.`;
 
 let scene = null;
 try {
@@ -14,7 +14,6 @@ try {
 }
 if (scene) {
   makeTurnable($("scene"), scene, () => {});
-  $("look").addEventListener("click", () => scene.reset());
   const paint = () => scene.paint(theme().solid);
   paint();
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
@@ -80,9 +79,18 @@ function show(mode) {
 /** Whether what is shown is where the arm is. */
 function writeMode() {
   const texts = { live: "Live", simulation: "Live, with the plan's simulation", replay: "Replay: not live" };
-  const isLost = shown.mode !== "replay" && Boolean(trouble());
-  $("mode").textContent = isLost ? "Not live: where the arm was" : texts[shown.mode];
-  $("mode").classList.toggle("bad", isLost || shown.mode === "replay");
+  const isReplay = shown.mode === "replay";
+  const isLost = !isReplay && (Boolean(trouble()) || (live.newest !== null && isStale()));
+  const isAwaited = !isReplay && !isLost && live.newest === null;
+  $("mode").textContent = isLost
+    ? live.newest === null
+      ? "Not live: nothing is known of the arm"
+      : "Not live: where the arm was"
+    : isAwaited
+      ? "Waiting for the arm"
+      : texts[shown.mode];
+  $("mode").classList.toggle("bad", isLost || isReplay);
+  $("mode").classList.toggle("waiting", isAwaited);
 }
 
 const lastS = (arms) => Math.max(...arms.map((arm) => arm.end_s));
@@ -118,7 +126,8 @@ $("scrub").addEventListener("input", () => {
 
 // ---- every frame
 
-function drawArms() {
+/** Draws the arms; `now`, in ms, is the time of a frame, for which nothing is drawn that was drawn before. */
+function drawArms(now = null) {
   const arms = played(shown.mode);
   const poses = arms.map((arm) => jointsAt(arm, shown.time));
   const isReplay = shown.mode === "replay";
@@ -126,7 +135,9 @@ function drawArms() {
   const where = live.newest;
   if (where && !isReplay) drawn.push({ q: where.joints_rad, ghost: isStale() ? "settle" : null });
   const nearest = shown.mode === "live" ? where?.nearest : shown.mode === "simulation" ? desk.plan.nearest : null;
-  if (scene) scene.show(drawn, nearest ? [nearest.on_arm_m, nearest.on_obstacle_m] : null);
+  const gap = nearest ? [nearest.on_arm_m, nearest.on_obstacle_m] : null;
+  if (now === null) scene?.show(drawn, gap);
+  else scene?.follow(drawn, gap, now);
   $("clock").textContent = arms.length ? `${number(shown.time, 2)} s` : "\u2013";
   if (arms.length) $("scrub").value = shown.time;
 }
@@ -156,7 +167,7 @@ let written = 0;
 function frame(now) {
   keepPace(now);
   advance(now);
-  drawArms();
+  drawArms(now);
   drawnNow();
   if (now - written > 100) {
     written = now;
@@ -166,6 +177,7 @@ function frame(now) {
     }
     writeLink();
     writeMode();
+    writeHistory();
   }
   requestAnimationFrame(frame);
 }

@@ -5,28 +5,10 @@ const desk = { positions: [], plan: null, run: null };
 /** A plan's or a run's arms, as they are drawn. */
 const unpackArms = (sketch) => sketch.arms.map((arm) => ({ ...arm, poses: unpackPoses(arm.poses) }));
 
-link.takes.positions = (positions) => {
-  desk.positions = positions;
-  $("positions").replaceChildren(
-    ...positions.map(({ id, name, joints_rad: q }) => {
-      const row = element("tr");
-      const remove = element("button", "Remove");
-      remove.type = "button";
-      remove.addEventListener("click", () => ask("positions-said", "remove_position", { position: id }));
-      row.append(
-        element("td", name, "word"),
-        element("td", q.map((v) => number(v * DEG, 1)).join(", "), "word small"),
-        element("td"),
-      );
-      row.lastChild.append(remove);
-      return row;
-    }),
-  );
-  $("make").hidden = positions.length < 2;
-};
-
 link.takes.plan = (plan) => {
   const isNew = plan && (!desk.plan || desk.plan.id !== plan.id);
+  // What was wrong with the one before is no news.
+  if (isNew) forgetComplaints();
   desk.plan = plan && { ...plan, arms: unpackArms(plan.sketch) };
   writePlan();
   fillScene();
@@ -64,6 +46,7 @@ function writePlan() {
       : "There is no scene (--scene): obstacles around the arm are unknown.";
   $("plan-refused").hidden = plan.refused === null;
   $("plan-refused").textContent = plan.refused === null ? "" : `It cannot be sent: ${plan.refused}.`;
+  $("plan-warnings").replaceChildren(...plan.warnings.map((text) => element("li", `Warning: ${text}`)));
   writeRun();
 }
 
@@ -138,6 +121,7 @@ async function send() {
     plan.nearest
       ? `Nearest on its way: ${nearestText(plan.nearest)}.`
       : "There is no scene: the program has not been checked for collisions.",
+    ...plan.warnings.map((text) => `Warning: ${text}.`),
     "The robot will move. Keep everyone out of its reach, and the emergency stop at hand.",
   ];
   const q = live.newest ? live.newest.joints_rad : plan.start_rad;
@@ -155,11 +139,18 @@ async function send() {
 async function loadFile(file) {
   if (!file) return;
   if (file.size > 4 * 2 ** 20) {
+    await ask("program-said", "clear_program");
     $("program-said").textContent =
-      `${file.name} is longer than 4 MiB, the most that the twin accepts; iiwasim plan has no such limit.`;
+      `${file.name} is longer than 4 MiB, the most that the twin accepts; iiwasim plan has no such limit. Nothing is loaded.`;
     return;
   }
-  await attempt("program-said", async () => handOver(file.name, await file.text()));
+  await attempt("program-said", async () => {
+    try {
+      await handOver(file.name, await file.text());
+    } catch (error) {
+      throw new Error(desk.plan ? error.message : `${error.message}\nNothing is loaded.`);
+    }
+  });
 }
 
 $("file").addEventListener("change", async () => {
@@ -175,14 +166,3 @@ document.addEventListener("drop", (event) => {
 $("send").addEventListener("click", send);
 $("clear").addEventListener("click", () => ask("program-said", "clear_program"));
 $("stop").addEventListener("click", () => ask("program-said", "stop"));
-$("save").addEventListener("submit", async (event) => {
-  event.preventDefault();
-  if (await ask("positions-said", "save_position", { name: $("position-name").value })) $("position-name").value = "";
-});
-$("make").addEventListener("submit", (event) => {
-  event.preventDefault();
-  ask("positions-said", "make_program", {
-    velocity_percent: Number($("velocity").value),
-    blend_mm: Number($("blend").value),
-  });
-});

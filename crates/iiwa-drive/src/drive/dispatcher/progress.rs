@@ -27,12 +27,15 @@ impl<C> Dispatcher<C> {
         match (purpose, acknowledgement.error) {
             (Purpose::Query(requester, _), Some(error)) => self.reply(requester, Err(error)),
             (Purpose::Query(requester, kind), None) => {
-                let content = match (kind, acknowledgement.sensors, acknowledgement.value) {
-                    (QueryKind::Sensors, Some(sensors), _) => Ok(Some(Body::Sensors { sensors })),
-                    (QueryKind::Value, _, Some(value)) => Ok(Some(Body::Value { value })),
-                    _ => Err(Refusal::robot("the robot program's acknowledgement lacks the value")),
+                let Acknowledgement { sensors, io, value, .. } = acknowledgement;
+                let content = match kind {
+                    QueryKind::Sensors => sensors.map(|sensors| Body::Sensors { sensors }),
+                    QueryKind::Signals => io.map(|io| Body::Signals { io }),
+                    QueryKind::Value => value.map(|value| Body::Value { value }),
                 };
-                self.reply(requester, content);
+                let lacks =
+                    || Refusal::robot("the robot program's acknowledgement lacks the value");
+                self.reply(requester, content.map(Some).ok_or_else(lacks));
             }
             (Purpose::Plan(run) | Purpose::Begin(run), Some(error)) => self.fail(run, error, now),
             (Purpose::Plan(run), None) => self.begin_planned(run, now),

@@ -43,6 +43,7 @@ impl<C> Dispatcher<C> {
             }
             Request::LastRun => return self.serve_last_run(requester),
             Request::Stop => return self.serve_stop(requester, now),
+            Request::ListIo => (Instruction::ListIo, QueryKind::Signals),
             Request::GetIo { name } => (Instruction::GetIo { name }, QueryKind::Value),
             Request::SetIo { name, value } => {
                 (Instruction::SetIo { name, value }, QueryKind::Value)

@@ -100,6 +100,7 @@ pub(super) enum Purpose<C> {
 pub(super) enum QueryKind {
     Value,
     Sensors,
+    Signals,
 }
 
 /// The robot program counts as disconnected after so much silence; it sends its state twice a second.

@@ -1,0 +1,54 @@
+//! The tables of a plan.
+
+use std::{
+    io::{self, BufWriter},
+    path::Path,
+};
+
+use iiwa_log::PlanTable;
+use iiwa_traj::Section;
+
+use crate::{
+    args::Plan,
+    failure::Failure,
+    output::{Output, Stream},
+};
+
+/// The tables under construction that the options name.
+pub(super) struct Tables(Vec<(Output, PlanTable<BufWriter<Stream>>)>);
+
+/// How a table begins.
+type Begin = fn(BufWriter<Stream>, f64) -> io::Result<PlanTable<BufWriter<Stream>>>;
+
+impl Tables {
+    pub(super) fn new(options: &Plan) -> Result<Self, Failure> {
+        let begin = |path: &Path, begin: Begin| {
+            let output = Output::new(path)?;
+            let table = begin(output.stream()?, options.rate);
+            table.map_err(|error| output.failure(&error)).map(|table| (output, table))
+        };
+        let csv = options.csv.as_deref().map(|path| begin(path, PlanTable::csv));
+        let parquet = options.parquet.as_deref().map(|path| begin(path, PlanTable::parquet));
+        csv.into_iter().chain(parquet).collect::<Result<_, _>>().map(Self)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub(super) fn add(&mut self, section: &Section) -> Result<(), Failure> {
+        self.0.iter_mut().try_for_each(|(output, table)| {
+            table.section(section).map_err(|error| output.failure(&error))
+        })
+    }
+
+    /// The files, which are whole.
+    pub(super) fn finish(self) -> Result<Vec<Output>, Failure> {
+        let finish = |(output, table): (Output, PlanTable<BufWriter<Stream>>)| {
+            let stream = table.finish().map_err(|error| output.failure(&error))?;
+            stream.into_inner().map_err(|error| output.failure(error.error()))?;
+            Ok(output)
+        };
+        self.0.into_iter().map(finish).collect()
+    }
+}

@@ -1,0 +1,130 @@
+//! Defaults of options: the file `iiwasim.toml`, and the environment.
+
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+};
+
+use clap::{Arg, Command};
+use iiwa_json::Place;
+use iiwa_kin::Robot;
+use serde::Deserialize;
+
+use crate::failure::Failure;
+
+/// Name of the file.
+const FILE: &str = "iiwasim.toml";
+
+/// Names another file, or none if it is empty.
+const FILE_VARIABLE: &str = "IIWASIM_CONFIG";
+
+/// The robot, as the file's key `robot`.
+const ROBOT_VARIABLE: &str = "IIWASIM_ROBOT";
+
+/// What `--help` says of all this.
+pub(crate) const HELP: &str = "\
+Defaults:
+  iiwasim.toml in this folder, or in the nearest one above, may set robot, scene, drive, stream, key and
+  server_key; paths are relative to it. IIWASIM_CONFIG names another file. IIWASIM_ROBOT, IIWASIM_SCENE,
+  IIWASIM_DRIVE, IIWASIM_STREAM, IIWASIM_KEY and IIWASIM_SERVER_KEY win over the file, options over both. The robot
+  is for programs and commands that name none.";
+
+/// The content of the file.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Settings {
+    robot: Option<String>,
+    scene: Option<PathBuf>,
+    drive: Option<String>,
+    stream: Option<String>,
+    key: Option<PathBuf>,
+    server_key: Option<PathBuf>,
+}
+
+impl Settings {
+    /// Reads the file of this folder or of the nearest one above, and the environment.
+    pub(crate) fn read() -> Result<Self, Failure> {
+        let path = match env::var_os(FILE_VARIABLE) {
+            Some(path) if path.is_empty() => None,
+            Some(path) => Some(PathBuf::from(path)),
+            None => nearest(),
+        };
+        let mut settings = path.as_deref().map(Self::read_file).transpose()?.unwrap_or_default();
+        if let Ok(robot) = env::var(ROBOT_VARIABLE)
+            && !robot.is_empty()
+        {
+            settings.robot = Some(robot);
+        }
+        Ok(settings)
+    }
+
+    fn read_file(path: &Path) -> Result<Self, Failure> {
+        let name = path.display().to_string();
+        let text = fs::read_to_string(path)
+            .map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
+        let settings: Self = toml::from_str(&text).map_err(|error| {
+            let place = Place::of_span(&text, error.span().unwrap_or_default());
+            Failure::in_text(error.message(), &place, &name, &text)
+        })?;
+        if settings.key.is_some() != settings.server_key.is_some() {
+            return Err(Failure::input(format!("{name}: key and server_key belong together")));
+        }
+        Ok(settings.relative_to(path.parent().unwrap_or(Path::new(""))))
+    }
+
+    /// With paths that are relative to `folder`.
+    fn relative_to(self, folder: &Path) -> Self {
+        let below = |path: PathBuf| folder.join(path);
+        // A name that is no built-in robot is a file.
+        let robot = self.robot.map(|name| match Robot::built_in(&name) {
+            Some(_) => name,
+            None => folder.join(name).to_string_lossy().into_owned(),
+        });
+        Self {
+            robot,
+            scene: self.scene.map(below),
+            key: self.key.map(below),
+            server_key: self.server_key.map(below),
+            ..self
+        }
+    }
+
+    /// Makes the settings the defaults of a subcommand's options.
+    pub(crate) fn apply(&self, command: Command) -> Command {
+        let path = |path: &Option<PathBuf>| Some(path.as_ref()?.to_string_lossy().into_owned());
+        // A server's own key is called the same as a client's.
+        let is_client = command.get_arguments().any(|arg| arg.get_id() == "server_key");
+        command.mut_args(|arg| {
+            let value = match arg.get_id().as_str() {
+                "robot" if has_default(&arg) => self.robot.clone(),
+                "drive" if has_default(&arg) => self.drive.clone(),
+                "stream" if is_client => self.stream.clone(),
+                "key" if is_client => path(&self.key),
+                "server_key" => path(&self.server_key),
+                "scene" => path(&self.scene),
+                _ => None,
+            };
+            match value {
+                Some(value) => arg.default_value(value),
+                None => arg,
+            }
+        })
+    }
+
+    /// The robot of programs and commands that name none, if it is set.
+    pub(crate) fn into_robot(self) -> Option<String> {
+        self.robot
+    }
+}
+
+fn has_default(arg: &Arg) -> bool {
+    !arg.get_default_values().is_empty()
+}
+
+/// The file in this folder, or in the nearest one above that has one.
+fn nearest() -> Option<PathBuf> {
+    let here = env::current_dir().ok()?;
+    let found = here.ancestors().map(|folder| folder.join(FILE)).find(|file| file.is_file())?;
+    // In messages, a file of this folder has no more than its name.
+    Some(found.strip_prefix(&here).map_or_else(|_| found.clone(), Path::to_owned))
+}

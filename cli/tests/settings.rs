@@ -1,0 +1,156 @@
+//! Defaults of options from a file and the environment; what shells and manuals get.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+#[path = "common/helpers.rs"]
+mod helpers;
+#[expect(dead_code, reason = "other tests use the rest")]
+#[path = "common/run.rs"]
+mod run;
+
+use std::fs;
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use helpers::{fixture, long_program, program};
+use predicates::{prelude::PredicateBooleanExt, str::contains};
+use run::{files, iiwasim};
+use tempfile::tempdir;
+
+/// One motion, whose program names no robot.
+const MOTION: &str = r#"{ "type": "ptp", "joints_deg": [30, 0, 0, -60, 0, 0, 0] }"#;
+
+#[test]
+fn the_robot_of_programs_that_name_none_is_a_setting() {
+    let folder = tempdir().unwrap();
+    fs::write(folder.path().join("a.json"), program(MOTION)).unwrap();
+    let plan = || iiwasim(&folder, &["plan", "a.json", "--no-output"]).success();
+    plan().stdout(contains("lbr_iiwa_7_r800"));
+    fs::write(folder.path().join("iiwasim.toml"), "robot = \"lbr_iiwa_14_r820\"\n").unwrap();
+    plan().stdout(contains("lbr_iiwa_14_r820"));
+    iiwasim(&folder, &["fk", "--joints-deg", "0,0,0,0,0,0,0", "--json"])
+        .success()
+        .stdout(contains("lbr_iiwa_14_r820"));
+    // A program that names its robot, an option and the environment win.
+    let named = program(MOTION).replace("1,", "1,\n  \"robot\": \"lbr_iiwa_7_r800\",");
+    fs::write(folder.path().join("b.json"), named).unwrap();
+    iiwasim(&folder, &["plan", "b.json", "--no-output"]).success().stdout(contains("7_r800"));
+    iiwasim(&folder, &["plan", "a.json", "--no-output", "--robot", "lbr_iiwa_7_r800"])
+        .success()
+        .stdout(contains("lbr_iiwa_7_r800"));
+    for (variable, value, robot) in [
+        ("IIWASIM_ROBOT", "lbr_iiwa_7_r800", "lbr_iiwa_7_r800"),
+        ("IIWASIM_CONFIG", "", "lbr_iiwa_7_r800"),
+        ("IIWASIM_ROBOT", "", "lbr_iiwa_14_r820"),
+    ] {
+        cargo_bin_cmd!("iiwasim")
+            .current_dir(&folder)
+            .args(["plan", "a.json", "--no-output"])
+            .env(variable, value)
+            .assert()
+            .success()
+            .stdout(contains(robot));
+    }
+}
+
+#[test]
+fn paths_of_settings_are_relative_to_their_file() {
+    let folder = tempdir().unwrap();
+    let below = folder.path().join("programs");
+    fs::create_dir(&below).unwrap();
+    fs::copy(fixture("cage.json"), folder.path().join("cage.json")).unwrap();
+    fs::copy(fixture("ten-motions.json"), below.join("a.json")).unwrap();
+    fs::write(folder.path().join("iiwasim.toml"), "scene = \"cage.json\"\n").unwrap();
+    let plan = |gate: &str| {
+        cargo_bin_cmd!("iiwasim")
+            .current_dir(&below)
+            .args(["plan", "a.json", "--no-output", "--min-clearance", gate])
+            .assert()
+    };
+    plan("50").success().stdout(contains("Clearance 79.1 mm"));
+    plan("100").code(3);
+}
+
+#[test]
+fn settings_that_are_wrong_are_refused_with_their_place() {
+    let folder = tempdir().unwrap();
+    let file = folder.path().join("iiwasim.toml");
+    for (text, reasons) in [
+        ("robot = 7\n", ["iiwasim.toml, line 1, column 9", "string"]),
+        ("drive = \"a:1\"\nrobots = \"x\"\n", ["iiwasim.toml, line 2, column 1", "robots"]),
+        ("key = \"a.key\"\n", ["iiwasim.toml", "belong together"]),
+    ] {
+        fs::write(&file, text).unwrap();
+        let assert = iiwasim(&folder, &["robot"]).code(2);
+        let stderr = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        for reason in reasons {
+            assert!(stderr.contains(reason), "no {reason:?} in {stderr}");
+        }
+        // Help is given all the same.
+        iiwasim(&folder, &["--help"]).success().stdout(contains("iiwasim.toml"));
+    }
+}
+
+#[test]
+fn shells_and_manuals_know_all_commands() {
+    let folder = tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        iiwasim(&folder, &["completions", shell])
+            .success()
+            .stdout(contains("identify").and(contains("max-cycle-time")));
+    }
+    iiwasim(&folder, &["man", "man1"]).success();
+    let pages = fs::read_dir(folder.path().join("man1")).unwrap();
+    let pages: Vec<_> =
+        pages.map(|page| page.unwrap().file_name().into_string().unwrap()).collect();
+    for page in ["iiwasim.1", "iiwasim-plan.1", "iiwasim-twin.1"] {
+        assert!(pages.iter().any(|name| name == page), "{page} in {pages:?}");
+    }
+    iiwasim(&folder, &["--version"]).success().stdout(contains("CURVE"));
+}
+
+#[test]
+fn help_says_first_what_most_need() {
+    let folder = tempdir().unwrap();
+    let assert = iiwasim(&folder, &["plan", "--help"]).success();
+    let help = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+    let at = |what: &str| help.find(what).unwrap_or_else(|| panic!("no {what} in {help}"));
+    assert!(at("--output") < at("--max-cycle-time"));
+    assert!(at("--max-cycle-time") < at("Methods of calculation"));
+    assert!(at("Methods of calculation") < at("--blend-search"));
+}
+
+#[test]
+fn what_can_be_made_again_is_replaced() {
+    let folder = tempdir().unwrap();
+    fs::write(folder.path().join("a.json"), program(MOTION)).unwrap();
+    for _ in 0..2 {
+        iiwasim(&folder, &["plan", "a.json"]).success();
+    }
+    iiwasim(&folder, &["plan", "a.json", "-o", "missing/a.mcap"])
+        .code(1)
+        .stderr(contains("there is no folder missing"));
+    iiwasim(&folder, &["plan", "a.json", "--max-cycle-time", "-1"])
+        .code(2)
+        .stderr(contains("it cannot be negative").and(contains("to pass").not()));
+    iiwasim(&folder, &["plan", "a.json", "--min-clearance", "5"])
+        .code(2)
+        .stderr(contains("--scene"));
+    assert_eq!(files(&folder), ["a.json", "a.mcap"]);
+}
+
+#[test]
+fn tables_fit_a_terminal() {
+    let folder = tempdir().unwrap();
+    fs::write(folder.path().join("long.json"), long_program(40)).unwrap();
+    let fixtures = ["ten-motions.json", "pick-and-place.json", "appendix-b.json"];
+    let programs = fixtures.map(|name| fixture(name).display().to_string());
+    for program in programs.iter().map(String::as_str).chain(["long.json"]) {
+        let assert = iiwasim(&folder, &["plan", program, "--no-output"]).success();
+        let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+        let table = text.split("\n\n").next().unwrap();
+        for line in table.lines() {
+            assert!(line.chars().count() <= 80, "{line}");
+            assert_eq!(line, line.trim_end());
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Plans as tables and pictures, and poses in lines.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+#[expect(dead_code, reason = "other tests use the rest")]
+#[path = "common/helpers.rs"]
+mod helpers;
+#[path = "common/run.rs"]
+mod run;
+
+use std::fs;
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use helpers::fixture;
+use iiwa_log::JointLog;
+use predicates::{prelude::PredicateBooleanExt, str::contains};
+use run::{files, iiwasim};
+use serde_json::Value;
+use tempfile::tempdir;
+
+#[test]
+fn tables_read_back_as_the_plan() {
+    let folder = tempdir().unwrap();
+    let program = fixture("pick-and-place.json").display().to_string();
+    let options = ["--csv", "a.csv", "--parquet", "a.parquet", "--rate", "200", "--json"];
+    let assert = iiwasim(&folder, &[&["plan", &program, "-o", "a.mcap"], &options[..]].concat());
+    let figures: Value = serde_json::from_slice(&assert.success().get_output().stdout).unwrap();
+    let read = |name: &str| JointLog::read(&*fs::read(folder.path().join(name)).unwrap()).unwrap();
+    let (mcap, csv, parquet) = (read("a.mcap"), read("a.csv"), read("a.parquet"));
+    assert_eq!((&csv.t_s, &csv.q_rad), (&parquet.t_s, &parquet.q_rad));
+    assert_eq!(csv.q_rad, mcap.q_rad);
+    let end_s = figures["cycle_time_s"].as_f64().unwrap();
+    assert_eq!(csv.t_s.last(), Some(&end_s));
+    for (table, plan) in csv.t_s.iter().zip(&mcap.t_s) {
+        // Stamps in the file are whole nanoseconds.
+        assert!((table - plan).abs() < 1e-9);
+    }
+    let text = fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    assert_eq!((head.len(), head[0], head[1], head[28]), (29, "t_s", "motion", "tcp_c_rad"));
+    // The program's tool is 120 mm long: its TCP is where `fk` says.
+    let last: Vec<f64> =
+        lines.last().unwrap().split(',').map(|field| field.parse().unwrap()).collect();
+    let joints: Vec<_> = last[2..9].iter().map(f64::to_string).collect();
+    let fk = iiwasim(
+        &folder,
+        &[
+            "fk",
+            "--json",
+            "--program",
+            &program,
+            "--base",
+            "robot",
+            "--joints-rad",
+            &joints.join(","),
+        ],
+    );
+    let pose: Value = serde_json::from_slice(&fk.success().get_output().stdout).unwrap();
+    for (axis, found) in last[23..26].iter().enumerate() {
+        assert!((pose["position_m"][axis].as_f64().unwrap() - found).abs() < 1e-12, "{pose}");
+    }
+    // At rest.
+    assert!(last[9..23].iter().all(|rate| rate.abs() < 1e-9));
+    iiwasim(&folder, &["compare", "a.mcap", "a.parquet"]).success().stdout(contains("0.00 %"));
+    iiwasim(
+        &folder,
+        &["plan", &program, "--csv", "b.csv", "--no-output", "--max-file-size", "1kB"],
+    )
+    .code(2)
+    .stderr(contains("--max-file-size"));
+    assert_eq!(files(&folder), ["a.csv", "a.mcap", "a.parquet"]);
+}
+
+#[test]
+fn pictures_are_what_their_endings_say() {
+    let folder = tempdir().unwrap();
+    let program = fixture("appendix-b.json").display().to_string();
+    let draw = |name: &str| iiwasim(&folder, &["plan", &program, "--no-output", "--picture", name]);
+    draw("a.svg").success();
+    assert!(fs::read(folder.path().join("a.svg")).unwrap().starts_with(b"<svg"));
+    for (name, magic) in [("a.png", &b"\x89PNG"[..]), ("a.PDF", b"%PDF")] {
+        let assert = draw(name);
+        if assert.get_output().status.success() {
+            assert!(fs::read(folder.path().join(name)).unwrap().starts_with(magic));
+        } else {
+            // Letters need a font.
+            assert.code(1).stderr(contains("no fonts"));
+        }
+    }
+    for name in ["a.jpg", "a", "a.json"] {
+        draw(name).code(2).stderr(contains(".svg, .png or .pdf"));
+        assert!(!folder.path().join(name).exists());
+    }
+}
+
+fn from_stdin(arguments: &[&str], text: &str) -> assert_cmd::assert::Assert {
+    cargo_bin_cmd!("iiwasim").args(arguments).write_stdin(text).assert()
+}
+
+#[test]
+fn poses_go_through_in_lines() {
+    let joints = "joint_1_deg,joint_2_deg,joint_3_deg,joint_4_deg,joint_5_deg,joint_6_deg,joint_7_deg\n\
+                  0,30,0,-60,0,90,0\n\n-100.5,80,-30,70,-150,100,-170\n";
+    let poses = from_stdin(&["fk", "--stdin"], joints).success();
+    let poses = String::from_utf8(poses.get_output().stdout.clone()).unwrap();
+    assert_eq!(poses.lines().count(), 3, "{poses}");
+    assert!(poses.starts_with("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,e1_deg,status,turn\n"), "{poses}");
+    let back = from_stdin(&["ik", "--stdin"], &poses).success();
+    let back = String::from_utf8(back.get_output().stdout.clone()).unwrap();
+    let numbers = |line: &str| -> Vec<f64> {
+        line.split(',').filter_map(|field| field.parse().ok()).collect()
+    };
+    for (asked, found) in
+        joints.lines().skip(1).filter(|line| !line.is_empty()).zip(back.lines().skip(1))
+    {
+        let (asked, found) = (numbers(asked), numbers(found));
+        assert_eq!(found.len(), 7, "{back}");
+        assert!(asked.iter().zip(&found).all(|(a, b)| (a - b).abs() < 1e-9), "{back}");
+    }
+
+    // As objects; one that is not reached does not stop the others.
+    let frames = "{\"x_mm\": 600, \"y_mm\": 0, \"z_mm\": 400, \"a_deg\": 0, \"b_deg\": 180, \"c_deg\": 0}\n\
+                  {\"x_mm\": 6000, \"y_mm\": 0, \"z_mm\": 400, \"a_deg\": 0, \"b_deg\": 180, \"c_deg\": 0}\n";
+    let arguments = ["ik", "--stdin", "--json", "--e1-deg", "0", "--status", "2"];
+    let found = from_stdin(&arguments, frames).code(3);
+    let stdout = String::from_utf8(found.get_output().stdout.clone()).unwrap();
+    let lines: Vec<Value> =
+        stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines[0]["joints_deg"].as_array().unwrap().len(), 7);
+    assert!(lines[1]["error"].as_str().unwrap().contains("mm"), "{stdout}");
+    found.stderr(contains("line 2").and(contains("1 of 2 frames")));
+
+    for (text, reason) in [
+        ("1,2,3\n", "line 1: the first line has to name the columns"),
+        ("joint_1_deg,joint_2_deg\n1,2\n", "line 2: there are 2 numbers, and seven joints"),
+        ("joint_1_deg\n1,2\n", "line 2: 2 fields, and 1 columns"),
+        ("joint_1_deg\nx\n", "line 2: joint_1_deg: `x` is not a number"),
+        ("{\"joints_deg\": [0]}\n", "line 1: there are 1 numbers, and seven joints"),
+        ("{\"joints_deg\": [200,0,0,0,0,0,0]}\n", "line 1: joint A1"),
+        ("{\"joints\": 1}\n", "line 1: there is no `joints_deg`"),
+        ("{\n", "line 1: "),
+    ] {
+        let refused = from_stdin(&["fk", "--stdin"], text).code(2);
+        let stderr = String::from_utf8_lossy(&refused.get_output().stderr).replace("\n  │", "");
+        assert!(stderr.contains(reason), "{text:?}: no {reason:?} in {stderr}");
+    }
+}
+
+#[test]
+fn a_robot_has_all_its_figures_in_json() {
+    let folder = tempdir().unwrap();
+    let all = iiwasim(&folder, &["robot", "lbr_iiwa_7_r800", "--json", "--all"]).success();
+    let text = String::from_utf8(all.get_output().stdout.clone()).unwrap();
+    let profile: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        profile["velocity_limit_deg_s"],
+        serde_json::json!([98, 98, 100, 130, 140, 180, 180])
+            .as_array()
+            .map_or(Value::Null, |list| {
+                list.iter().map(|value| value.as_f64().unwrap()).collect()
+            })
+    );
+    for key in [
+        "lengths_mm",
+        "position_limit_deg",
+        "acceleration_limit_deg_s2",
+        "jerk_limit_deg_s3",
+        "torque_limit_nm",
+        "link_mass_kg",
+        "settle_time_s",
+    ] {
+        assert!(!profile[key].is_null(), "{key}");
+    }
+    // It reads back as the same robot.
+    fs::write(folder.path().join("all.json"), &text).unwrap();
+    let again = iiwasim(&folder, &["robot", "all.json", "--json", "--all"]).success();
+    assert_eq!(again.get_output().stdout, text.as_bytes());
+    iiwasim(&folder, &["robot", "lbr_iiwa_7_r800"]).success().stdout(contains("\"flange\": 126"));
+}

@@ -1,0 +1,158 @@
+//! A plan as a table, section by section: CSV or Parquet.
+
+#[cfg(feature = "parquet")]
+mod parquet;
+
+use std::io::{self, Write};
+
+use iiwa_traj::Section;
+
+/// A table under construction: a row an instant, at a fixed rate, and one for the end.
+///
+/// | columns | content |
+/// |---|---|
+/// | `t_s` | time since the start of the program, s |
+/// | `motion` | the motion's number, from 1 |
+/// | `joint_1_rad` ... `joint_7_rad` | positions |
+/// | `joint_1_rad_s` ... | velocities |
+/// | `joint_1_rad_s2` ... | accelerations |
+/// | `tcp_x_m`, `tcp_y_m`, `tcp_z_m` | the TCP of the motion's tool, or the flange, in the frame of the robot's foot |
+/// | `tcp_a_rad`, `tcp_b_rad`, `tcp_c_rad` | its orientation: about z, then y, then x, as on the robot |
+///
+/// [`JointLog::read`](crate::JointLog::read) reads its times and positions back.
+#[derive(Debug)]
+pub struct PlanTable<W: Write> {
+    sheet: Sheet<W>,
+    rate_hz: f64,
+    /// Rows so far.
+    ticks: u64,
+    /// The end of the last section.
+    end: Option<Row>,
+}
+
+/// Times since the start, numbers of motions, and all columns behind them.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    t_s: f64,
+    motion: usize,
+    /// In the order of [`names`].
+    values: [f64; 27],
+}
+
+#[derive(Debug)]
+enum Sheet<W: Write> {
+    Csv(W),
+    #[cfg(feature = "parquet")]
+    Parquet(Box<parquet::Sheet<W>>),
+}
+
+/// The names of all columns but the first two.
+fn names() -> impl Iterator<Item = String> {
+    let joints = |unit| (1..=7).map(move |joint| format!("joint_{joint}_{unit}"));
+    let tcp = ["x_m", "y_m", "z_m", "a_rad", "b_rad", "c_rad"];
+    ["rad", "rad_s", "rad_s2"]
+        .into_iter()
+        .flat_map(joints)
+        .chain(tcp.map(|name| format!("tcp_{name}")))
+}
+
+impl<W: Write> PlanTable<W> {
+    /// Begins a table with commas between fields, at a rate in rows a second.
+    ///
+    /// # Errors
+    ///
+    /// That of the stream.
+    pub fn csv(mut stream: W, rate_hz: f64) -> io::Result<Self> {
+        write!(stream, "t_s,motion")?;
+        names().try_for_each(|name| write!(stream, ",{name}"))?;
+        writeln!(stream)?;
+        Ok(Self::new(Sheet::Csv(stream), rate_hz))
+    }
+
+    fn new(sheet: Sheet<W>, rate_hz: f64) -> Self {
+        Self { sheet, rate_hz, ticks: 0, end: None }
+    }
+}
+
+impl<W: Write + Send> PlanTable<W> {
+    /// Begins an Apache Parquet file, compressed by Zstandard, at a rate in rows a second.
+    ///
+    /// # Errors
+    ///
+    /// That of the stream.
+    #[cfg(feature = "parquet")]
+    pub fn parquet(stream: W, rate_hz: f64) -> io::Result<Self> {
+        Ok(Self::new(Sheet::Parquet(Box::new(parquet::Sheet::new(stream)?)), rate_hz))
+    }
+
+    /// Writes a section; they come in order.
+    ///
+    /// # Errors
+    ///
+    /// That of the stream.
+    pub fn section(&mut self, section: &Section) -> io::Result<()> {
+        loop {
+            let t_s = self.ticks as f64 / self.rate_hz;
+            if t_s >= section.end_s() {
+                break;
+            }
+            self.sheet.push(&row(section, t_s))?;
+            self.ticks += 1;
+        }
+        self.end = Some(row(section, section.end_s()));
+        Ok(())
+    }
+
+    /// Writes the end and gives the stream back.
+    ///
+    /// # Errors
+    ///
+    /// That of the stream.
+    pub fn finish(mut self) -> io::Result<W> {
+        if let Some(end) = self.end {
+            // The last row may be the end already, but for rounding.
+            let last = self.ticks.checked_sub(1).map(|tick| tick as f64 / self.rate_hz);
+            if last.is_none_or(|last_s| end.t_s - last_s > 1e-9) {
+                self.sheet.push(&end)?;
+            }
+        }
+        match self.sheet {
+            Sheet::Csv(mut stream) => {
+                stream.flush()?;
+                Ok(stream)
+            }
+            #[cfg(feature = "parquet")]
+            Sheet::Parquet(sheet) => sheet.finish(),
+        }
+    }
+}
+
+impl<W: Write + Send> Sheet<W> {
+    fn push(&mut self, row: &Row) -> io::Result<()> {
+        match self {
+            Self::Csv(stream) => line(stream, row),
+            #[cfg(feature = "parquet")]
+            Self::Parquet(sheet) => sheet.push(row),
+        }
+    }
+}
+
+/// A line of a CSV file. Its numbers are the shortest texts that give the same numbers.
+fn line(stream: &mut impl Write, row: &Row) -> io::Result<()> {
+    write!(stream, "{:?},{}", row.t_s, row.motion)?;
+    row.values.iter().try_for_each(|value| write!(stream, ",{value:?}"))?;
+    writeln!(stream)
+}
+
+/// The row of an instant.
+fn row(section: &Section, t_s: f64) -> Row {
+    let state = section.at(t_s);
+    let path = section.path();
+    let tcp = path.robot().flange_pose(&state.q).then(path.tcp(state.motion));
+    let mut values = [0.0; 27];
+    let parts: [&[f64]; 5] = [&state.q, &state.dq, &state.ddq, &tcp.position_m, &tcp.abc_rad()];
+    for (value, part) in values.iter_mut().zip(parts.into_iter().flatten()) {
+        *value = *part;
+    }
+    Row { t_s, motion: state.motion.number(), values }
+}

@@ -1,0 +1,31 @@
+//! Which parts of the arm count, and what they are called.
+
+/// The first link that counts. Links 0 and 1 stand on the table and turn about their own axis only: how
+/// far they are from anything is the same at all poses.
+pub(crate) const FIRST_LINK: usize = 2;
+
+/// What a tool is called among links.
+pub(crate) const TOOL: usize = 8;
+
+/// The parts in scenes, by their links from [`FIRST_LINK`] on.
+pub(crate) const PARTS: [&str; 7] =
+    ["link 2", "link 3", "link 4", "link 5", "link 6", "link 7", "tool"];
+
+/// A part of the arm and an obstacle whose distance does not count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IgnoredPair {
+    /// The link, 2 to 7, or 8 for the tool.
+    pub link: usize,
+    /// The obstacle's place in [`Scene::obstacles`](crate::Scene::obstacles).
+    pub obstacle: usize,
+}
+
+/// What a [`Clearance`](crate::Clearance)'s link is called: `link 5`, or `the tool`.
+///
+/// ```
+/// assert_eq!(iiwa_scene::part_name(8), "the tool");
+/// ```
+#[must_use]
+pub fn part_name(link: usize) -> String {
+    if link == TOOL { "the tool".to_owned() } else { format!("link {link}") }
+}

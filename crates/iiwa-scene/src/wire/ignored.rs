@@ -1,0 +1,55 @@
+//! Pairs of a part of the arm and an obstacle that a scene ignores.
+
+use iiwa_json::{Place, Step, locate, problem, unknown};
+use schemars::JsonSchema;
+
+use super::error::SceneError;
+use crate::{
+    links::{FIRST_LINK, IgnoredPair, PARTS},
+    scene::Obstacle,
+};
+
+/// A part of the arm.
+#[derive(JsonSchema)]
+#[schemars(inline, extend("enum" = PARTS))]
+pub(super) struct IgnoredPart(#[expect(dead_code, reason = "the schema is made of it")] String);
+
+/// Reads a pair, as `["link 2", "pedestal"]`; `obstacles` are those of the scene.
+pub(super) fn ignored_pair(
+    text: &str,
+    index: usize,
+    raw: &str,
+    obstacles: &[Obstacle],
+) -> Result<IgnoredPair, SceneError> {
+    let wrong = |what: String, place: Place| SceneError::Json {
+        what: format!("ignored pair {}: {what}", index + 1),
+        obstacle: None,
+        place,
+    };
+    let at =
+        |name: usize| locate(text, &[Step::Key("ignore"), Step::Index(index), Step::Index(name)]);
+    let [part, obstacle] = serde_json::from_str::<[String; 2]>(raw).map_err(|error| {
+        let what = format!("{}; a pair is [\"link 2\", \"NAME\"]", problem(&error));
+        wrong(what, locate(text, &[Step::Key("ignore"), Step::Index(index)]))
+    })?;
+    let link = PARTS
+        .iter()
+        .position(|name| *name == part)
+        .map(|place| FIRST_LINK + place)
+        .ok_or_else(|| wrong(unknown("part of the arm", &part, &PARTS), at(0)))?;
+    let obstacle = obstacles.iter().position(|it| it.name == obstacle).ok_or_else(|| {
+        /// More of them would hide the message.
+        const SHOWN: usize = 8;
+        let names: Vec<&str> = obstacles.iter().map(|it| it.name.as_str()).collect();
+        let what = match iiwa_json::meant(&obstacle, names.iter().copied()) {
+            None if names.len() > SHOWN => format!(
+                "unknown obstacle `{}`; the scene has {} others",
+                iiwa_json::excerpt(&obstacle),
+                names.len()
+            ),
+            _ => unknown("obstacle", &obstacle, &names),
+        };
+        wrong(what, at(1))
+    })?;
+    Ok(IgnoredPair { link, obstacle })
+}

@@ -1,0 +1,92 @@
+// What is above the arm, and what its colours and those of the curves mean.
+
+function writeHead() {
+  const { figures } = report;
+  const seconds = (value) => `${number(value, 3)} s`;
+  const arm = (it) => `${it.samples} samples${it.rate_hz ? `, ${number(it.rate_hz, 0)} Hz` : ""}`;
+  const summary = {
+    plan: `Plan for ${report.robot.name}, limits of velocity${figures.timing === "acceleration" ? " and acceleration" : ", acceleration and jerk"}`,
+    part: `Part of a plan for ${report.robot.name}: ${arm(first)}`,
+    recording: `Recording of ${report.robot.name}: ${arm(first)}`,
+  };
+  const beside = second ? `; ${called(second)}: ${arm(second)}` : "";
+  $("summary").textContent = summary[first.role] + beside;
+  const list = $("figures");
+  if (figures.cycle_time_s !== undefined) figure(list, "Cycle time", seconds(Number(figures.cycle_time_s)));
+  else figure(list, "Duration", seconds(first.end_s - first.start_s));
+  if (isPlan && figures.motion_time_s !== undefined) {
+    figure(list, "in motion", seconds(figures.motion_time_s));
+    figure(list, "settling", seconds(figures.settle_time_s));
+    figure(list, "waiting", seconds(figures.wait_time_s));
+  }
+  const cycle = report.compared?.report.cycle_time;
+  if (cycle) {
+    figure(list, "measured", seconds(cycle.real_s));
+    figure(list, "off by", `${number(cycle.error_s, 4)} s, ${number(cycle.error_percent, 2)} %`);
+  }
+  for (const it of report.arms.filter((arm) => arm.clearance)) {
+    const { nearest } = it.clearance;
+    const of = second ? `, ${called(it)}` : "";
+    const pair = `${pairText(nearest.link, nearest.obstacle)} at ${number(nearest.at_s, 3)} s`;
+    figure(list, `clearance${of}: ${pair}`, nearest.distance_mm ? `${number(nearest.distance_mm, 1)} mm` : "touching");
+  }
+  for (const note of report.notes) $("notes").append(element("li", note));
+  const methods = report.arms.map((it) => {
+    const columns = Math.max(it.position.samples_a_column, it.velocity.samples_a_column);
+    const thinned =
+      columns > 1 ? `; thinned out: each column spans from the lowest to the highest of ${columns} samples` : "";
+    return `${it.file}: ${it.method}${thinned}.`;
+  });
+  if (second) methods.unshift(`Broad and pale: ${first.file}; thin: ${second.file}.`);
+  $("method").textContent = methods.join(" ");
+  const assumed = report.robot.assumptions.filter((text) => !text.startsWith("masses"));
+  $("footer").textContent =
+    `${report.robot.name}. Made by iiwasim report.` +
+    (assumed.length ? ` Assumed, not from a source: ${assumed.join("; ")}.` : "");
+}
+
+function writeLegends() {
+  const { tcps, frames } = report.workcell;
+  const parts = [["line", `way of the ${tcps.length ? "TCP" : "flange"}`]];
+  const has = (kind) => report.pieces.some((piece) => piece.kind === kind);
+  if (has("line")) parts[0][1] = "lines";
+  else if (has("lin") || has("circ") || has("spline")) parts.pop();
+  if (has("lin")) parts.push(["lin", "lines of the TCP"]);
+  if (has("circ")) parts.push(["circ", "circles of the TCP"]);
+  if (has("spline")) parts.push(["spline", "splines of the TCP"]);
+  if (report.pieces.some((piece) => piece.kind === "blend")) {
+    const marks = ["from where they begin to where they end"];
+    if (report.corners.length) marks.push("dots: their targets");
+    if (report.corners.some((corner) => corner.radius_m)) marks.push("spheres: their radii");
+    parts.push(["blend", `blends, ${marks.join("; ")}`]);
+  }
+  if (tcps.length) parts.push(["ink", "tool, from the flange to its TCP"]);
+  if (frames.length) parts.push(["soft", "crosses of axes: frames; x red, y green, z blue"]);
+  if (around.obstacles.length)
+    parts.push(["soft", "what stands around"], ["blend", "thick line: where the arm comes nearest to it"]);
+  if (around.tool.length) parts.push(["settle", "shapes of the tool"]);
+  if (second)
+    parts.push(
+      ["accent", `see-through arm: ${called(first)}`],
+      ["measured", `solid arm and thin line: ${called(second)}`],
+    );
+  if (scene) legend($("legend"), parts);
+  const kinds = [
+    ["line", "line"],
+    ["lin", "line of the TCP"],
+    ["circ", "circle of the TCP"],
+    ["spline", "segment of a spline"],
+    ["blend", "blend"],
+    ["settle", "settling"],
+    ["wait", "waiting"],
+  ];
+  const there = new Set(report.pieces.map((piece) => piece.kind));
+  legend(
+    $("kinds"),
+    kinds.filter(([kind]) => there.has(kind)),
+  );
+  document.querySelector(".track").hidden = report.pieces.length === 0;
+  const bands = [["beyond", "beyond the robot's limits"]];
+  if (Object.keys(report.shares).length) bands.push(["own", "beyond the motion's own limits, if narrower"]);
+  legend($("bands"), bands);
+}

@@ -1,0 +1,158 @@
+// The charts that there are: each is drawn, and tells its values at a time.
+
+/** Below this, in mm or mrad, recordings and their noise tell nothing. */
+const LEAST_DEVIATION = 0.001;
+
+/** All charts: how each is drawn, its values at a time as colour, name and text, and the place that they are written to. */
+const charts = [];
+
+/** Adds a chart to a part of the page, below a title. */
+function addChart(parent, { title, label, height, draw, readings }) {
+  if (title) parent.append(title);
+  const box = element("div", "", "chart");
+  const canvas = element("canvas");
+  if (height) canvas.style.height = `${height}px`;
+  box.append(canvas, element("i", "", "cursor"));
+  parent.append(box);
+  return listChart(canvas, label, draw, readings);
+}
+
+/** Notes a canvas as a chart. It is a slider of the time to those who do not see it. */
+function listChart(canvas, label, draw, readings = () => []) {
+  const marks = {
+    select: element("i", "", "selection"),
+    hover: element("i", "", "hover"),
+    told: element("div", "", "told"),
+  };
+  for (const mark of Object.values(marks)) mark.hidden = true;
+  canvas.parentElement.append(...Object.values(marks));
+  canvas.tabIndex = 0;
+  canvas.setAttribute("role", "slider");
+  canvas.setAttribute("aria-label", label);
+  const chart = { canvas, draw: (colours) => draw(canvas, colours), readings, ...marks };
+  charts.push(chart);
+  return chart;
+}
+
+/** Values of the arms with a curve, one text for all of them. */
+function valuesAt(of, decimals, unit) {
+  const texts = report.arms.map((arm) => number(of(arm), decimals)).filter((text) => text !== "\u2013");
+  return texts.length ? `${texts.join(" | ")} ${unit}` : "";
+}
+
+function addQuantities() {
+  const shown = QUANTITIES.filter(({ key }) => report.arms.some((arm) => arm[key].columns > 0));
+  shown.forEach((quantity, i) => {
+    const title = element("h3");
+    const last = i + 1 === shown.length;
+    addChart($("charts"), {
+      title,
+      label: `${quantity.title} of the joints over time`,
+      height: last ? 166 : 0,
+      draw: (canvas, colours) => {
+        const largest = drawQuantity(canvas, quantity, state, colours, last);
+        const beyond =
+          state.percent && largest > MOST_PERCENT ? `, up to ${number(largest, 0)}, drawn up to ${MOST_PERCENT}` : "";
+        title.textContent = `${quantity.title}, ${state.percent ? "% of the limit" : quantity.unit}${beyond}`;
+      },
+      readings: (t) => {
+        const { scale, offset } = shownScale(quantity, state.percent);
+        const value = (arm, j) => readingAt(arm[quantity.key], t, j, 7) * scale(j) + offset(j);
+        const joints = state.joints.flatMap((on, j) => (on ? [j] : []));
+        return joints.map((j) => [
+          `a${j + 1}`,
+          `A${j + 1}`,
+          valuesAt((arm) => value(arm, j), state.percent ? 1 : 2, state.percent ? "%" : quantity.unit),
+        ]);
+      },
+    });
+  });
+}
+
+/** The deviations from the plan, over the page's time. */
+function addDeviations() {
+  for (const [key, what, unit, last] of [
+    ["tcp_mm", "Flange off its path", "mm", false],
+    ["joints_mrad", "Joints off their path", "mrad", true],
+  ]) {
+    const curve = { ...report.compared[key], colour: "measured" };
+    const most = curve.high.reduce((a, b) => Math.max(a, b || 0), 0);
+    const title = most < LEAST_DEVIATION ? `${what}: below ${LEAST_DEVIATION} ${unit}` : `${what}, ${unit}`;
+    addChart($("deviations"), {
+      title: element("h3", title),
+      label: `${what} over time`,
+      height: last ? 126 : 110,
+      draw: (canvas, colours) =>
+        drawCurves(canvas, [curve], state.window, colours, { least: LEAST_DEVIATION, withTimes: last }),
+      readings: (t) => [["measured", "off by", atLeast(readingAt(curve, t, 0), 3, unit)]],
+    });
+  }
+}
+
+/** The arms with obstacles around them; what is told of pairs is of the last of them. */
+const near = report.arms.filter((arm) => arm.clearance);
+
+/** The pair that is nearest at a time. */
+function pairAt(t) {
+  const { pairs } = near.at(-1).clearance;
+  const starts = pairs.map((pair) => pair.from_s);
+  return pairs[Math.max(countUpTo(starts, t) - 1, 0)];
+}
+
+function addClearance() {
+  $("clearance").hidden = false;
+  const { obstacles } = report.scene;
+  for (const { clearance } of near) {
+    for (const pair of clearance.pairs) pair.text = pairText(pair.link, obstacles[pair.obstacle].name);
+  }
+  const curves = near.map(({ role, clearance }, i) => ({
+    ...clearance.distance,
+    colour: role === "recording" ? "measured" : "accent",
+    factor: 1000,
+    under: near.length > 1 && i === 0,
+  }));
+  const { pairs } = near.at(-1).clearance;
+  addChart($("clearances"), {
+    title: element("h3", "Smallest distance of the arm, mm"),
+    label: "Clearance of the arm over time",
+    height: 146,
+    draw: (canvas, colours) => drawClearance(canvas, curves, pairs, state.window, colours),
+    readings: (t) => [
+      ...curves.map((curve, i) => [curve.colour, called(near[i]), `${number(1000 * readingAt(curve, t, 0), 1)} mm`]),
+      ["soft", "", pairAt(t).text],
+    ],
+  });
+}
+
+addQuantities();
+listChart(
+  $("timeline"),
+  "Timeline of the motions",
+  (canvas, colours) => drawTimeline(canvas, state, colours),
+  (t) => {
+    const piece = report.pieces.length ? pieceAt(t) : null;
+    return piece ? [[piece.kind, `Motion ${piece.motion}`, piece.kind]] : [];
+  },
+);
+if (report.compared) addDeviations();
+if (near.length) addClearance();
+addPoint();
+
+function drawCharts() {
+  const colours = theme().flat;
+  for (const chart of charts) chart.draw(colours);
+  placeCursors();
+}
+
+/** Where a time is across the charts, as a share of their width. */
+const shareOf = (t) => (t - state.window.from) / (state.window.to - state.window.from);
+
+function placeAt(mark, t) {
+  const share = shareOf(t);
+  mark.hidden = share < 0 || share > 1;
+  mark.style.left = `calc(${LEFT}px + ${share} * (100% - ${LEFT + RIGHT}px))`;
+}
+
+function placeCursors() {
+  for (const cursor of document.querySelectorAll(".cursor")) placeAt(cursor, state.time);
+}

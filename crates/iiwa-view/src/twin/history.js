@@ -1,0 +1,94 @@
+// The joints and the speed of the flange or the TCP over the last seconds.
+
+const history_ = {
+  /** How far back the plots go, in s. */
+  span: 30,
+  count: 0,
+  t_s: new Float64Array(16_000),
+  /** Seven joints in rad, and the speed in m/s. */
+  rows: new Float32Array(8 * 16_000),
+  places: [],
+};
+
+/** The TCP of the program on the page, in the flange's frame; none is the flange. */
+const tipOf = () => desk.plan?.sketch.workcell.tcps[0]?.offset_m || null;
+
+/** Notes where the arm is; a drive that starts again has other times. */
+function remember({ t_s: t, joints_rad: q }) {
+  /** Speeds are those over at least so long, in s: shorter ones are noise. */
+  const OVER_S = 0.045;
+  const past = history_;
+  if (past.count && t <= past.t_s[past.count - 1]) {
+    if (t > past.t_s[past.count - 1] - 1) return;
+    [past.count, past.places] = [0, []];
+  }
+  const limit = past.t_s.length;
+  if (past.count === limit) {
+    // What is older than two minutes goes.
+    const kept = (3 * limit) / 4;
+    past.t_s.copyWithin(0, limit - kept);
+    past.rows.copyWithin(0, 8 * (limit - kept));
+    past.count = kept;
+  }
+  const tip = tipOf();
+  const places = past.places;
+  if (places.length && String(places.at(-1).tip) !== String(tip)) places.length = 0;
+  places.push({ t, tip, at: tcpAt(q, tip) });
+  while (places.length > 2 && t - places[1].t >= OVER_S) places.shift();
+  const { t: from, at } = places[0];
+  // After a gap, nothing is known.
+  const isKnown = t - from >= OVER_S && t - from < 0.5;
+  const i = past.count;
+  past.t_s[i] = t;
+  past.rows.set(q, 8 * i);
+  past.rows[8 * i + 7] = isKnown ? Math.hypot(...places.at(-1).at.map((v, k) => v - at[k])) / (t - from) : Number.NaN;
+  past.count += 1;
+}
+
+/** The speed now, in m/s; not a number where it is unknown. */
+const speedNow = () => (history_.count ? history_.rows[8 * (history_.count - 1) + 7] : Number.NaN);
+
+/** Draws the last seconds; the newest is at 0. */
+function drawHistory() {
+  const past = history_;
+  const newest = past.count ? past.t_s[past.count - 1] : 0;
+  const first = countUpTo(past.t_s.subarray(0, past.count), newest - past.span);
+  const t_s = past.t_s.subarray(first, past.count).map((t) => t - newest);
+  const rows = past.rows.subarray(8 * first, 8 * past.count);
+  const colours = theme().flat;
+  const window_ = { from: -past.span, to: 0 };
+  const curve = (at, colour, factor) => ({ t_s, low: rows, high: rows, of: 8, at, colour, factor });
+  const joints = Array.from({ length: 7 }, (_, j) => curve(j, `a${j + 1}`, DEG));
+  drawCurves($("history-joints"), joints, window_, colours, { fromZero: false, least: 1, withTimes: false });
+  drawCurves($("history-speed"), [curve(7, "accent", 1000)], window_, colours, { least: 10 });
+}
+
+/** Whether the plots are on the screen: others are not drawn. */
+let isHistorySeen = false;
+new IntersectionObserver((entries) => {
+  isHistorySeen = entries.at(-1).isIntersecting;
+}).observe($("history-joints"));
+
+function writeHistory() {
+  const speed = speedNow();
+  const what = tipOf() ? "TCP" : "flange";
+  $("history-title").textContent = `Speed of the ${what}, mm/s`;
+  $("speed-now").textContent =
+    isStale() || Number.isNaN(speed) ? "" : `The ${what} moves at ${number(1000 * speed, 0)} mm/s`;
+  if (isHistorySeen) drawHistory();
+}
+
+for (const [id, span] of [
+  ["history-30", 30],
+  ["history-120", 120],
+]) {
+  $(id).addEventListener("click", () => {
+    history_.span = span;
+    for (const it of ["history-30", "history-120"]) $(it).setAttribute("aria-pressed", String(it === id));
+    drawHistory();
+  });
+}
+legend(
+  $("history-legend"),
+  Array.from({ length: 7 }, (_, j) => [`a${j + 1}`, `A${j + 1}`]),
+);

@@ -1,0 +1,150 @@
+"""Pages of `iiwasim report` for a browser, and the files that they are made of."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+from pathlib import Path
+from random import Random
+
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+
+from chromium import Browser
+from rig import Rig
+from scene import write_scene
+
+FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
+
+
+def many_motions(count: int) -> dict:
+    """To and fro, with blends and limits of their own now and then."""
+    motions = []
+    for i in range(count):
+        joints = [60 * math.sin(0.7 * i + j) for j in range(7)]
+        motion = {"type": "ptp", "joints_deg": [round(q, 3) for q in joints]}
+        if i % 3 == 1:
+            motion["velocity_rel"] = 0.5
+        if i % 5 == 2:
+            motion["acceleration_rel"] = [1, 0.5, 1, 0.25, 1, 0.5, 1]
+        if i % 2 and i + 1 < count:
+            motion["blend"] = {"fraction": 0.3}
+        motions.append(motion)
+    return {"version": 1, "start": {"joints_deg": [0, 20, 0, -70, 0, 90, 0]}, "motions": motions}
+
+
+# Stops, waits, and a motion of no length.
+WAITING = {
+    "version": 1,
+    "start": {"joints_deg": [0, 20, 0, -70, 0, 90, 0]},
+    "motions": [
+        {"type": "ptp", "joints_deg": [40, 20, 0, -70, 0, 90, 0]},
+        {"type": "wait", "seconds": 0.8},
+        {"type": "ptp", "joints_deg": [40, 20, 0, -70, 0, 90, 0]},
+        {"type": "ptp", "joints_deg": [40, 50, 0, -60, 0, 60, 0]},
+        {"type": "wait", "seconds": 0.5},
+        {"type": "ptp", "joints_deg": [0, 20, 0, -70, 0, 90, 0]},
+    ],
+}
+# A tool that is bent, and a line of its TCP.
+WITH_TOOL = {
+    "version": 1,
+    "tools": {"gripper": {"tcp": {"z_mm": 120, "b_deg": 20}}},
+    "tool": "gripper",
+    "start": {"joints_deg": [0, 30, 0, -60, 0, 90, 0]},
+    "motions": [
+        {"type": "ptp", "joints_deg": [30, 40, 0, -70, 0, 50, 40]},
+        {"type": "lin_rel", "offset": {"z_mm": -100}},
+        {"type": "lin_rel", "offset": {"x_mm": -50, "y_mm": 80}},
+    ],
+}
+
+
+class Pages:
+    """The program, and where its pages go."""
+
+    def __init__(self, program: Path, folder: Path, urdf: Path | None = None) -> None:
+        self.program = program.resolve()
+        self.urdf = urdf and urdf.resolve()
+        self.folder = folder.resolve()
+        self.folder.mkdir(parents=True, exist_ok=True)
+
+    def iiwasim(self, *arguments: str) -> str:
+        done = subprocess.run([self.program, *arguments], cwd=self.folder, check=True, capture_output=True, text=True)
+        return done.stdout
+
+    def make(self) -> None:
+        for name in ("ten-motions", "appendix-b", "waits-and-stops"):
+            self.iiwasim("plan", str(FIXTURES / f"{name}.json"), "-o", f"{name}.mcap")
+            self.iiwasim("report", f"{name}.mcap")
+        # What stands for the robot: the same program without limits of jerk, and with other blends.
+        program = str(FIXTURES / "appendix-b.json")
+        other = ["--timing", "acceleration", "--blend-shape", "alpha", "--rate", "1000"]
+        self.iiwasim("plan", program, "-o", "measured.mcap", *other)
+        self.iiwasim("report", "appendix-b.mcap", "measured.mcap", "-o", "compared.html")
+        # At ten times the speed: times are the robot's.
+        with Rig(self.program, self.folder, "--speed", "10", "--noise", "2e-5") as rig:
+            rig.run(FIXTURES / "ten-motions.json", "-o", "real.mcap", "--move-to-start=100")
+        self.iiwasim("report", "ten-motions.mcap", "real.mcap", "-o", "run.html")
+        # The recording holds its program, so that its plan can be beside it.
+        self.iiwasim("report", "real.mcap", "-o", "run-alone.html")
+        self.iiwasim("report", str(FIXTURES / "data-recorder.log"), "-o", "recorder.html")
+        # Many motions at limits of their own, some of them alike; one motion.
+        (self.folder / "many.json").write_text(json.dumps(many_motions(300)))
+        (self.folder / "one.json").write_text(json.dumps(many_motions(1)))
+        for name in ("many", "one"):
+            self.iiwasim("plan", f"{name}.json")
+            self.iiwasim("report", f"{name}.mcap")
+        # What stands around, and a tool of all kinds of shapes.
+        scene = write_scene(self.folder)
+        self.iiwasim("report", "ten-motions.mcap", "--scene", scene, "-o", "scene.html")
+        self.iiwasim("report", "ten-motions.mcap", "real.mcap", "--scene", scene, "-o", "scene-run.html")
+        self.make_deviations()
+        self.make_tool()
+        # A long file, so that there are several chunks, cut off.
+        self.iiwasim("plan", program, "-o", "cut.mcap", "--rate", "4000")
+        cut = self.folder / "cut.mcap"
+        cut.write_bytes(cut.read_bytes()[: cut.stat().st_size // 2])
+        self.iiwasim("report", "cut.mcap")
+
+    def make_deviations(self) -> None:
+        """Recordings that are exact, that wait, and that have a gap."""
+        (self.folder / "waiting.json").write_text(json.dumps(WAITING))
+        self.iiwasim("plan", "waiting.json")
+        self.csv("ten-motions", "exact.csv", 0.0)
+        self.csv("waiting", "waiting.csv", 2e-5)
+        self.csv("waiting", "gap.csv", 2e-5, (0.6, 0.9))
+        for plan, recording in (("ten-motions", "exact"), ("waiting", "waiting"), ("waiting", "gap")):
+            self.iiwasim("report", f"{plan}.mcap", f"{recording}.csv", "-o", f"{recording}.html")
+        self.iiwasim("report", "waiting.mcap", "-o", "long-wait.html")
+
+    def make_tool(self) -> None:
+        (self.folder / "tool.json").write_text(json.dumps(WITH_TOOL))
+        self.iiwasim("plan", "tool.json")
+        self.iiwasim("report", "tool.mcap")
+
+    def csv(self, plan: str, name: str, noise_rad: float, gap: tuple[float, float] = (0, 0)) -> None:
+        """What a robot would record that follows a plan, but for some noise and a gap."""
+        random = Random(7)
+        with (self.folder / name).open("w") as table, (self.folder / f"{plan}.mcap").open("rb") as file:
+            table.write("t_s," + ",".join(f"joint_{j}_rad" for j in range(1, 8)) + "\n")
+            reader = make_reader(file, decoder_factories=[DecoderFactory()])
+            start = None
+            for *_, message in reader.iter_decoded_messages(topics=["/joint_states"]):
+                t = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
+                start = t if start is None else start
+                if gap[0] < t - start < gap[1]:
+                    continue
+                joints = [q + random.gauss(0, noise_rad) for q in message.position]
+                table.write(f"{t - start:.6f}," + ",".join(f"{q:.9f}" for q in joints) + "\n")
+
+    @staticmethod
+    def json(text: str) -> dict:
+        return json.loads(text)
+
+    def page(self, name: str) -> Path:
+        return self.folder / f"{name}.html"
+
+    def keep(self, browser: Browser, name: str, whole: bool = True) -> None:
+        (self.folder / f"{name}.png").write_bytes(browser.picture(whole))
