@@ -1,17 +1,17 @@
 //! Failures of commands, and how they are reported.
 
-use std::{error::Error, io::Write as _, path::Path};
+use std::{error::Error, io::Write as _, ops::Range, path::Path};
 
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use iiwa_json::Place;
 use iiwa_traj::{PlanError, TimingError};
 use iiwa_view::{ViewError, printable, with_causes};
-use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 
 /// Why a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// The input is invalid.
-    Input(Report),
+    Input(Box<Problem>),
     /// It failed while running.
     Run { what: String, cause: Option<String> },
     /// The command succeeded, but a gate was not met.
@@ -22,15 +22,21 @@ impl Failure {
     /// Invalid input, without an excerpt.
     pub(crate) fn input(what: impl Into<String>) -> Self {
         let what = printable(&what.into());
-        Self::Input(Report::new(Problem { what, text: None, place: None }))
+        Self::Input(Box::new(Problem { what, excerpt: None }))
     }
 
     /// A fault at a place in a text.
     pub(crate) fn in_text(what: &str, place: &Place, name: &str, text: &str) -> Self {
-        Self::Input(Report::new(Problem {
+        // Of a long object, only the beginning is marked.
+        let marked = place.span.start..place.span.end.min(place.span.start + 60);
+        let excerpt = can_be_shown(text, place).then(|| Excerpt {
+            name: printable(name),
+            text: text.to_owned(),
+            marked,
+        });
+        Self::Input(Box::new(Problem {
             what: printable(&format!("{name}, {place}: {what}")),
-            text: excerpt(text, place).then(|| NamedSource::new(printable(name), text.to_owned())),
-            place: Some(place.clone()),
+            excerpt,
         }))
     }
 
@@ -63,9 +69,7 @@ impl Failure {
     pub(crate) fn about(mut self, program: &str) -> Self {
         let program = printable(program);
         let what = match &mut self {
-            Self::Input(report) => {
-                report.downcast_mut::<Problem>().map(|problem| &mut problem.what)
-            }
+            Self::Input(problem) => Some(&mut problem.what),
             Self::Run { what, .. } | Self::Gate(what) => Some(what),
         };
         if let Some(what) = what {
@@ -81,7 +85,7 @@ impl Failure {
     /// The failure in one line.
     pub(crate) fn what(&self) -> String {
         match self {
-            Self::Input(report) => report.to_string(),
+            Self::Input(problem) => problem.what.clone(),
             Self::Run { what, cause: Some(cause) } => format!("{what}: {cause}"),
             Self::Run { what, cause: None } | Self::Gate(what) => what.clone(),
         }
@@ -90,7 +94,7 @@ impl Failure {
     /// As it is reported on standard error.
     pub(crate) fn text(&self) -> String {
         let text = match self {
-            Self::Input(report) => format!("{report:?}"),
+            Self::Input(problem) => problem.text(),
             Self::Run { .. } => format!("Error: {}", self.what()),
             Self::Gate(what) => format!("Gate not met: {what}"),
         };
@@ -124,7 +128,7 @@ pub(crate) fn print_note(text: &str) {
 }
 
 /// Whether the lines around a place can be shown: short, without control characters.
-fn excerpt(text: &str, place: &Place) -> bool {
+fn can_be_shown(text: &str, place: &Place) -> bool {
     const MAX_LINE: usize = 400;
     let from = text[..place.span.start].rfind('\n').map_or(0, |at| at + 1);
     let to = text[from..].lines().take(3).map(str::len).max().unwrap_or(0);
@@ -133,24 +137,35 @@ fn excerpt(text: &str, place: &Place) -> bool {
     to <= MAX_LINE && before <= MAX_LINE && !text.contains(is_control)
 }
 
-#[derive(Debug, thiserror::Error)]
-#[error("{what}")]
-struct Problem {
+/// Invalid input.
+#[derive(Debug)]
+pub(crate) struct Problem {
     what: String,
-    text: Option<NamedSource<String>>,
-    place: Option<Place>,
+    excerpt: Option<Excerpt>,
 }
 
-impl Diagnostic for Problem {
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.text.as_ref().map(|text| text as &dyn SourceCode)
-    }
+/// Where in a text it is.
+#[derive(Debug)]
+struct Excerpt {
+    name: String,
+    text: String,
+    /// Bytes of the text.
+    marked: Range<usize>,
+}
 
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let place = self.place.as_ref().filter(|_| self.text.is_some())?;
-        // Of a long object, only the beginning is marked.
-        let span = place.span.start..place.span.end.min(place.span.start + 60);
-        Some(Box::new(std::iter::once(LabeledSpan::at(span, "here"))))
+impl Problem {
+    /// With the line and a mark under the place, in colours that [`print_note`] leaves out where nobody sees them.
+    fn text(&self) -> String {
+        let title = Level::ERROR.with_name("Error").primary_title(&self.what);
+        let report = match &self.excerpt {
+            None => Group::with_title(title),
+            Some(Excerpt { name, text, marked }) => title.element(
+                Snippet::source(text)
+                    .path(name)
+                    .annotation(AnnotationKind::Primary.span(marked.clone()).label("here")),
+            ),
+        };
+        Renderer::styled().render(&[report])
     }
 }
 

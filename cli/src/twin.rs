@@ -8,12 +8,11 @@
 //! The server ([`mod@server`]) bounds the number of connections ([`mod@connections`]), admits those that have
 //! the token ([`mod@guard`]), and exchanges messages and requests with pages ([`page_socket`]). A stop has a
 //! connection to the drive of its own ([`mod@stop`]). The same data is published to Foxglove on request
-//! ([`foxglove`]).
+//! ([`iiwa_viewers`]).
 
 mod connections;
 mod dispatcher;
 mod follow;
-mod foxglove;
 mod guard;
 mod health;
 mod jog;
@@ -30,13 +29,14 @@ mod stop;
 
 pub(crate) use dispatcher::Dispatcher;
 pub(crate) use follow::{LatestJoints, follow};
-pub(crate) use foxglove::{Viewers, ViewersError};
 pub(crate) use guard::Token;
 pub(crate) use health::watch_health;
 pub(crate) use message::PageChannel;
 pub(crate) use server::serve;
 pub(crate) use setup::Setup;
 pub(crate) use shared::Shared;
+
+pub(crate) use iiwa_viewers::{Viewers, ViewersError};
 
 use crate::failure::Failure;
 

@@ -51,8 +51,7 @@ pub(crate) struct Twin {
     pub(crate) io: Vec<String>,
 
     /// Also publish the robot to Foxglove and Lichtblick, at this WebSocket address, 127.0.0.1:8765 without
-    /// a value. There is no token and no bound on connections: do not use it on a machine with untrusted
-    /// programs
+    /// a value. There is no token: any program on the machine may look on, 16 at a time
     #[arg(long, value_name = "IP:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
     pub(crate) foxglove: Option<SocketAddr>,
 

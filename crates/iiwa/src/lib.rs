@@ -63,6 +63,10 @@ pub use iiwa_solver as solver;
 pub use iiwa_sunrise as sunrise;
 #[cfg(feature = "plan")]
 pub use iiwa_traj as traj;
+#[cfg(feature = "view")]
+pub use iiwa_view as view;
+#[cfg(feature = "viewers")]
+pub use iiwa_viewers as viewers;
 
 pub mod prelude;
 
@@ -70,5 +74,8 @@ pub mod prelude;
 #[cfg(all(doctest, feature = "plan"))]
 #[doc = include_str!("../../../README.md")]
 pub struct Readme;
-#[cfg(feature = "view")]
-pub use iiwa_view as view;
+
+/// The guide's Rust compiles.
+#[cfg(all(doctest, feature = "plan"))]
+#[doc = include_str!("../../../docs/guide/library.md")]
+pub struct Guide;

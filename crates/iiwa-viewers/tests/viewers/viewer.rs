@@ -57,6 +57,20 @@ impl Viewer {
         viewer
     }
 
+    /// Whether a viewer more is turned away.
+    pub(super) fn is_refused(address: SocketAddr) -> bool {
+        Self::is_refused_with(address, "foxglove.sdk.v1")
+    }
+
+    /// Whether one that offers this protocol alone is.
+    pub(super) fn is_refused_with(address: SocketAddr, protocol: &str) -> bool {
+        let stream = TcpStream::connect(address).unwrap();
+        stream.set_read_timeout(Some(LONG)).unwrap();
+        let request = ClientRequestBuilder::new(format!("ws://{address}").parse().unwrap())
+            .with_sub_protocol(protocol);
+        tungstenite::client(request, stream).is_err()
+    }
+
     /// Subscribes to topics, and to the description after them; when that is there, so are they.
     pub(super) fn subscribe(&mut self, topics: &[&str]) {
         let all = [topics, &["/robot_description"]].concat();

@@ -24,7 +24,7 @@ fn a_client_in_python_reads_everything() {
     let mut viewers = listen();
     viewers.drive_state(SystemTime::now(), &status());
     viewers.inputs_outputs(SystemTime::now(), &[("gripper_closed", IoValue::Boolean(true))]);
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/foxglove/check.py");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/foxglove/check.py");
     let mut client = Command::new(python)
         .arg("-B")
         .arg(script)

@@ -1,12 +1,8 @@
-//! The twin's server for Foxglove and Lichtblick, without a twin: it is compiled in here by itself, so that
-//! tests choose the times and publish more than any robot does.
+//! The server for Foxglove and Lichtblick, without a twin: tests choose the times and publish more than any
+//! robot does.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a failed test is a panic")]
 
-#[path = "../../src/twin"]
-mod twin {
-    pub(crate) mod foxglove;
-}
 mod peer;
 mod viewer;
 
@@ -21,7 +17,9 @@ use iiwa_log::{Arm, Encoder, Frame, Topic};
 use iiwasim_tests::ports::free_address;
 use serde_json::{Value, json};
 
-use self::{twin::foxglove::Viewers, viewer::Viewer};
+use iiwa_viewers::Viewers;
+
+use self::viewer::Viewer;
 
 const JOINTS: Joints = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6, 0.7];
 const ARM_TOPICS: [&str; 3] = ["/joint_states", "/tf", "/tcp_pose"];
@@ -286,6 +284,56 @@ fn viewers_only_read() {
         let status = viewer.status();
         assert!(status.message.contains("does not support"), "{status:?}");
     }
+}
+
+#[test]
+fn what_a_viewer_gets_wrong_it_is_told() {
+    let viewers = listen();
+    let mut viewer = subscriber(&viewers, &["/tf"]);
+    let subscribe = |id: u64, channel: u64| json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": channel }] });
+    let (tf, sensors) = (viewer.channels["/tf"].id, viewer.channels["/sensors"].id);
+    for (message, expected) in [
+        (subscribe(9, 99).to_string(), "there is no channel 99"),
+        (subscribe(9, tf).to_string(), "already subscribed"),
+        (subscribe(0, sensors).to_string(), "subscription 0 is in use"),
+        ("no JSON".to_owned(), "invalid message"),
+    ] {
+        viewer.send(message);
+        let status = viewer.status();
+        assert!(status.message.contains(expected), "{status:?}");
+    }
+}
+
+#[test]
+fn who_unsubscribes_gets_no_more() {
+    let mut viewers = listen();
+    let mut viewer = subscriber(&viewers, &["/tf", "/joint_states"]);
+    viewer.send(json!({ "op": "unsubscribe", "subscriptionIds": [0] }).to_string());
+    // Answered in turn: the other one has been carried out by then.
+    viewer.send("{}".to_owned());
+    viewer.status();
+    viewers.joints(at(Duration::ZERO), &JOINTS).unwrap();
+    viewer.next_on("/joint_states");
+    viewers.joints(at(Duration::from_secs(1)), &JOINTS).unwrap();
+    viewer.next_on("/joint_states");
+}
+
+#[test]
+fn there_are_sixteen_viewers_at_most_and_a_place_is_free_again() {
+    let viewers = listen();
+    let mut seated: Vec<_> = (0..16).map(|_| Viewer::connect(viewers.address(), ALL)).collect();
+    assert!(Viewer::is_refused(viewers.address()));
+    seated.pop();
+    let started = Instant::now();
+    while Viewer::is_refused(viewers.address()) {
+        assert!(started.elapsed() < Duration::from_secs(20), "no place became free");
+    }
+}
+
+#[test]
+fn a_page_that_speaks_another_protocol_is_refused() {
+    let viewers = listen();
+    assert!(Viewer::is_refused_with(viewers.address(), "foxglove.sdk.v2"));
 }
 
 #[test]

@@ -1,0 +1,238 @@
+//! Publishes a KUKA LBR iiwa live to Foxglove and Lichtblick.
+//!
+//! Viewers connect to a WebSocket and find the topics of a recording, with the same types, so that a
+//! layout made for one works for the other; and the state of the drive, as JSON. They only read: the
+//! server does not allow them to publish, set parameters or call services. There is no authentication,
+//! and so the server should listen to this machine only. (Any web page in a browser on this machine
+//! can connect, which is how viewers that are web pages do it.)
+//!
+//! Viewers need the protocol `foxglove.sdk.v1`, as in Foxglove and newer versions of Lichtblick.
+
+mod audience;
+mod protocol;
+mod schema;
+mod server;
+
+use std::{
+    error::Error,
+    net::SocketAddr,
+    time::{Duration, SystemTime, UNIX_EPOCH},
+};
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_link::message::{IoValue, Sensors, Status};
+use iiwa_log::{Arm, Encoder, Frame, Topic, WriteError};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use self::{protocol::Channel, server::Server};
+
+/// Joint states a second that are published, at most: more than a screen shows, and a divisor of the
+/// usual rates of streams.
+const RATE_HZ: u32 = 100;
+
+/// The channels that are advertised, by their numbers.
+const JOINT_STATES: u64 = 1;
+const TF: u64 = 2;
+const TCP_POSE: u64 = 3;
+const ROBOT_DESCRIPTION: u64 = 4;
+const DRIVE_STATE: u64 = 5;
+const SENSORS: u64 = 6;
+const INPUTS_OUTPUTS: u64 = 7;
+
+/// Why viewers cannot be served.
+#[derive(Debug, thiserror::Error)]
+#[error("{what}: {cause}")]
+pub struct ViewersError {
+    /// What cannot be done.
+    pub what: String,
+    /// Why.
+    pub cause: Box<dyn Error + Send + Sync>,
+}
+
+impl ViewersError {
+    fn new(what: impl Into<String>, cause: impl Error + Send + Sync + 'static) -> Self {
+        Self { what: what.into(), cause: Box::new(cause) }
+    }
+}
+
+/// A server for viewers. When dropped, it disconnects them and closes the port.
+///
+/// It has a thread of its own. [`Self::listen`] and the drop block, so that asynchronous code must not call
+/// them.
+pub struct Viewers {
+    encoder: Encoder,
+    arm: Arm,
+    last: Option<Sample>,
+    server: Server,
+}
+
+/// The joint state published last.
+#[derive(Clone, Copy)]
+struct Sample {
+    /// Since 1970.
+    t: Duration,
+    joints_rad: Joints,
+}
+
+impl Viewers {
+    /// Listens at `at` for viewers of `robot`; port 0 takes a free one.
+    ///
+    /// # Errors
+    ///
+    /// [`ViewersError`] if the address is not free, or not one of this machine.
+    pub fn listen(robot: &Robot, at: SocketAddr) -> Result<Self, ViewersError> {
+        let mut encoder = Encoder::new(Duration::ZERO).map_err(unencoded)?;
+        let arm = Arm::new(robot);
+        let channels = vec![
+            ros_channel(JOINT_STATES, Topic::JointStates),
+            ros_channel(TF, Topic::Tf),
+            ros_channel(TCP_POSE, Topic::TcpPose),
+            ros_channel(ROBOT_DESCRIPTION, Topic::RobotDescription),
+            json_channel(DRIVE_STATE, "/drive_state", "DriveState", &schema::drive_state()),
+            json_channel(SENSORS, "/sensors", "Sensors", &schema::sensors()),
+            json_channel(
+                INPUTS_OUTPUTS,
+                "/inputs_outputs",
+                "InputsOutputs",
+                &schema::inputs_outputs(),
+            ),
+        ];
+        let server = Server::listen(at, channels).map_err(|error| {
+            ViewersError::new(format!("cannot listen for viewers at {at}"), error)
+        })?;
+        let description = encoder.robot_description(arm.urdf()).map_err(unencoded)?.to_vec();
+        let now_ns = nanoseconds(since_1970(SystemTime::now()));
+        server.audience().latch(ROBOT_DESCRIPTION, now_ns, description);
+        Ok(Self { encoder, arm, last: None, server })
+    }
+
+    /// The address at which it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.server.address()
+    }
+
+    /// Publishes a sample, with positions in rad: the joint state, the frames of the links and the pose of the
+    /// flange. Of the samples of each hundredth of a second, only the first one is published.
+    ///
+    /// The velocities are the mean ones since the sample published before.
+    ///
+    /// # Errors
+    ///
+    /// [`ViewersError`] if a message cannot be written, as of a time that its format does not have.
+    pub fn joints(&mut self, at: SystemTime, joints_rad: &Joints) -> Result<(), ViewersError> {
+        let t = since_1970(at);
+        let slot = |t: Duration| t.as_nanos() * u128::from(RATE_HZ) / 1_000_000_000;
+        if self.last.is_some_and(|last| slot(last.t) == slot(t)) {
+            return Ok(());
+        }
+        let before = self.last.replace(Sample { t, joints_rad: *joints_rad });
+        self.publish(t, joints_rad, &mean_velocities(before.as_ref(), t, joints_rad))
+            .map_err(unencoded)
+    }
+
+    fn publish(
+        &mut self,
+        t: Duration,
+        joints_rad: &Joints,
+        velocities: &Joints,
+    ) -> Result<(), WriteError> {
+        let Self { encoder, arm, server, .. } = self;
+        let audience = server.audience();
+        let at = nanoseconds(t);
+        // Encoded only for topics that have subscribers.
+        if audience.has_viewers(JOINT_STATES) {
+            audience.publish(JOINT_STATES, at, encoder.joint_state(t, joints_rad, velocities)?);
+        }
+        if audience.has_viewers(TF) {
+            audience.publish(TF, at, encoder.transforms(t, &arm.links(joints_rad))?);
+        }
+        if audience.has_viewers(TCP_POSE) {
+            let Frame { parent, translation_m, rotation_xyzw, .. } = arm.flange(joints_rad);
+            let pose = encoder.tcp_pose(t, parent, translation_m, rotation_xyzw)?;
+            audience.publish(TCP_POSE, at, pose);
+        }
+        Ok(())
+    }
+
+    /// Publishes the status of the drive and the robot on `/drive_state`.
+    pub fn drive_state(&self, at: SystemTime, status: &Status) {
+        self.publish_json(DRIVE_STATE, at, status);
+    }
+
+    /// Publishes the values of the sensors on `/sensors`.
+    pub fn sensors(&self, at: SystemTime, sensors: &Sensors) {
+        self.publish_json(SENSORS, at, sensors);
+    }
+
+    /// Publishes the values of inputs and outputs, by name, on `/inputs_outputs`. Booleans become 0 or 1,
+    /// which viewers can plot.
+    pub fn inputs_outputs(&self, at: SystemTime, values: &[(&str, IoValue)]) {
+        let number = |value: IoValue| match value {
+            IoValue::Boolean(value) => u8::from(value).into(),
+            IoValue::Digital(value) => value.into(),
+            IoValue::Analog(value) => Value::from(value),
+        };
+        let entries =
+            values.iter().map(|(name, value)| json!({ "name": name, "value": number(*value) }));
+        self.publish_json(INPUTS_OUTPUTS, at, &json!({ "values": entries.collect::<Value>() }));
+    }
+
+    /// Publishes a message as JSON, without unknown fields: for viewers a field has one type, and null is
+    /// another.
+    fn publish_json(&self, channel: u64, at: SystemTime, message: &impl Serialize) {
+        let Ok(mut message) = serde_json::to_value(message) else { return };
+        if let Value::Object(fields) = &mut message {
+            fields.retain(|_, value| !value.is_null());
+        }
+        let text = message.to_string().into_bytes();
+        self.server.audience().latch(channel, nanoseconds(since_1970(at)), text);
+    }
+}
+
+/// A topic of a recording.
+fn ros_channel(id: u64, topic: Topic) -> Channel {
+    Channel {
+        id,
+        topic: topic.name().to_owned(),
+        encoding: Topic::MESSAGE_ENCODING,
+        schema_name: topic.type_name().to_owned(),
+        schema: topic.schema(),
+        schema_encoding: Topic::SCHEMA_ENCODING,
+    }
+}
+
+/// A topic in JSON.
+fn json_channel(id: u64, topic: &str, type_name: &str, schema: &Value) -> Channel {
+    Channel {
+        id,
+        topic: topic.to_owned(),
+        encoding: "json",
+        schema_name: format!("iiwasim.{type_name}"),
+        schema: schema.to_string(),
+        schema_encoding: "jsonschema",
+    }
+}
+
+/// Mean velocities since the sample before, in rad/s; zero without one.
+fn mean_velocities(before: Option<&Sample>, t: Duration, joints_rad: &Joints) -> Joints {
+    let Some(before) = before else { return [0.0; 7] };
+    // The clock may have been set back.
+    let Some(span) = t.checked_sub(before.t).filter(|span| !span.is_zero()) else {
+        return [0.0; 7];
+    };
+    let span_s = span.as_secs_f64();
+    std::array::from_fn(|joint| (joints_rad[joint] - before.joints_rad[joint]) / span_s)
+}
+
+fn since_1970(at: SystemTime) -> Duration {
+    at.duration_since(UNIX_EPOCH).unwrap_or_default()
+}
+
+fn nanoseconds(t: Duration) -> u64 {
+    u64::try_from(t.as_nanos()).unwrap_or(u64::MAX)
+}
+
+fn unencoded(error: WriteError) -> ViewersError {
+    ViewersError::new("cannot publish to viewers", error)
+}

@@ -1,0 +1,97 @@
+//! Messages of the protocol `foxglove.sdk.v1`, as far as viewers need them that only read.
+
+use serde::{Deserialize, Serialize};
+
+/// Its name in the handshake.
+pub(super) const PROTOCOL: &str = "foxglove.sdk.v1";
+
+/// First byte of a message on a topic.
+const MESSAGE_DATA: u8 = 1;
+
+/// A topic that viewers may subscribe to.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Channel {
+    pub(super) id: u64,
+    pub(super) topic: String,
+    pub(super) encoding: &'static str,
+    pub(super) schema_name: String,
+    pub(super) schema: String,
+    pub(super) schema_encoding: &'static str,
+}
+
+/// What the server says as text.
+#[derive(Debug, Serialize)]
+#[serde(tag = "op", rename_all = "camelCase")]
+pub(super) enum ServerMessage<'a> {
+    /// The first message; viewers may do what `capabilities` lists.
+    ServerInfo {
+        name: &'a str,
+        capabilities: [&'a str; 0],
+    },
+    Advertise {
+        channels: &'a [Channel],
+    },
+    Status {
+        level: Level,
+        message: &'a str,
+    },
+}
+
+impl ServerMessage<'_> {
+    pub(super) fn text(&self) -> String {
+        // Strings and numbers have no way to fail.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(into = "u8")]
+pub(super) enum Level {
+    Warning,
+    Error,
+}
+
+impl From<Level> for u8 {
+    fn from(level: Level) -> Self {
+        match level {
+            Level::Warning => 1,
+            Level::Error => 2,
+        }
+    }
+}
+
+/// What a viewer asks for.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "op", rename_all = "camelCase")]
+pub(super) enum ViewerMessage {
+    Subscribe {
+        subscriptions: Vec<Subscription>,
+    },
+    #[serde(rename_all = "camelCase")]
+    Unsubscribe {
+        subscription_ids: Vec<u32>,
+    },
+    /// What only viewers with more rights may do.
+    #[serde(other)]
+    Other,
+}
+
+/// The number by which a viewer knows the messages of a channel.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Subscription {
+    pub(super) id: u32,
+    pub(super) channel_id: u64,
+}
+
+/// A message on a topic, for the subscription of this number.
+pub(super) fn message_data(subscription: u32, time_ns: u64, data: &[u8]) -> Vec<u8> {
+    let mut message = Vec::with_capacity(13 + data.len());
+    message.push(MESSAGE_DATA);
+    message.extend_from_slice(&subscription.to_le_bytes());
+    message.extend_from_slice(&time_ns.to_le_bytes());
+    message.extend_from_slice(data);
+    message
+}

@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""mdBook's preprocessor `sources`: what pages link to outside of docs/ becomes part of the book.
+
+A page links to `../crates/iiwa-kin/src/inverse.rs`, which a forge shows. The book has no such file beside it: each one
+that is linked to is copied to `sources`, beside the folder of the book, with `.txt` behind its name so that browsers show
+it, and the link leads there. Folders have nothing to show and keep their text alone.
+"""
+
+import json
+import os
+import re
+import shutil
+import sys
+from pathlib import Path
+
+LINK = re.compile(r"(?<!!)\[([^\]\n]*)\]\(([^)\s#:]+)(#[^)\s]*)?\)")
+
+
+def chapters(items):
+    for item in items:
+        if isinstance(item, dict) and (chapter := item.get("Chapter")):
+            yield chapter
+            yield from chapters(chapter["sub_items"])
+
+
+def main():
+    if len(sys.argv) > 1 and sys.argv[1] == "supports":
+        return 0
+    context, book = json.load(sys.stdin)
+    docs = Path(context["root"]).resolve()
+    copies = docs / context["config"]["build"]["build-dir"] / "../sources"
+    for chapter in chapters(book.get("items") or book.get("sections")):
+        if not chapter.get("path"):
+            continue
+        folder = (docs / chapter["path"]).parent
+
+        def inside(match, folder=folder):
+            text, target = match[1], match[2]
+            file = Path(os.path.normpath(folder / target))
+            if file.is_relative_to(docs):
+                return match[0]
+            if not file.is_file():
+                return text
+            # mdBook takes `.md.txt` for a chapter.
+            name = file.relative_to(docs.parent).with_name(file.name.removesuffix(".md") + ".txt")
+            copy = copies / name
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(file, copy)
+            up = os.path.relpath(docs.parent / "sources", folder)
+            return f"[{text}]({up}/{name.as_posix()})"
+
+        # What is in fences is no link.
+        parts = re.split(r"(^```.*?^```$)", chapter["content"], flags=re.MULTILINE | re.DOTALL)
+        chapter["content"] = "".join(part if part.startswith("```") else LINK.sub(inside, part) for part in parts)
+    json.dump(book, sys.stdout)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
