@@ -61,9 +61,12 @@ impl Arguments {
     pub(crate) fn command_line() -> clap::Command {
         Self::command().mut_subcommands(|command| {
             // Else, a negative number would be taken for an option.
-            let number = |arg: Arg| match arg.is_positional() || !arg.get_action().takes_values() {
-                true => arg,
-                false => arg.allow_negative_numbers(true),
+            let number = |arg: Arg| {
+                if arg.is_positional() || !arg.get_action().takes_values() {
+                    arg
+                } else {
+                    arg.allow_negative_numbers(true)
+                }
             };
             command.mut_args(number).after_help(EXIT_CODES)
         })

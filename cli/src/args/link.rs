@@ -153,6 +153,7 @@ pub(crate) struct CabinetFaults {
 /// The program is planned first, and the figures are printed. Then the drive runs it, and the measured joint
 /// positions are recorded as MCAP. Ctrl-C stops the robot on its path; the recording until then is kept.
 #[derive(Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Run {
     /// Motion program in JSON (`iiwasim schema` describes it); - reads standard input
     #[arg(value_name = "PROGRAM.json")]

@@ -38,16 +38,9 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let mut sensors = client.map(Sensors::new);
     output::catch_interrupts();
     let path = &options.output;
-    output::keep_existing("recording", path, options.overwrite)?;
-    let file = File::create(path)
-        .map_err(|error| Failure::run(format!("cannot write {}", path.display()), &error))?;
     let refuse =
         |error: WriteError| Failure::run(format!("cannot write {}", path.display()), &error);
-    let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH);
-    let epoch = options.epoch.unwrap_or_else(now);
-    let config =
-        RecorderConfig { file: Config { epoch, ..Config::default() }, ..RecorderConfig::default() };
-    let mut recorder = Recorder::new(file, &robot, config).map_err(refuse)?;
+    let mut recorder = Recorder::new(create(options)?, &robot, config(options)).map_err(refuse)?;
 
     let since = Instant::now();
     let limit = options.seconds.map(Duration::from_secs_f64);
@@ -138,6 +131,21 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
         last.as_secs_f64(),
         path.display()
     ))
+}
+
+/// The file, which replaces another one only if it may.
+fn create(options: &Record) -> Result<File, Failure> {
+    let path = &options.output;
+    output::keep_existing("recording", path, options.overwrite)?;
+    File::create(path)
+        .map_err(|error| Failure::run(format!("cannot write {}", path.display()), &error))
+}
+
+/// With the time of the start.
+fn config(options: &Record) -> RecorderConfig {
+    let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH);
+    let epoch = options.epoch.unwrap_or_else(now);
+    RecorderConfig { file: Config { epoch, ..Config::default() }, ..RecorderConfig::default() }
 }
 
 /// What cannot be told because something was told at the same time is left out.

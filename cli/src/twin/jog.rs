@@ -10,7 +10,7 @@ use super::{
 };
 
 /// How long a step may take: many times what it takes.
-const LIMIT: Duration = Duration::from_secs(120);
+const LIMIT: Duration = Duration::from_mins(2);
 
 /// The longest step, in degrees.
 const MAX_STEP_DEG: f64 = 45.0;
@@ -26,7 +26,7 @@ pub(super) fn jog(
     let Some(name) = joint.checked_sub(1).and_then(|index| Joint::ALL.get(index)) else {
         return Err(format!("there is no joint {joint}"));
     };
-    if !(step_deg.abs() <= MAX_STEP_DEG) {
+    if !step_deg.is_finite() || step_deg.abs() > MAX_STEP_DEG {
         return Err(format!("a step of {step_deg} deg; it has to be {MAX_STEP_DEG} deg at most"));
     }
     let mut client = setup.client().map_err(|failure| failure.what())?;
