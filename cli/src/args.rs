@@ -11,6 +11,7 @@ mod plan;
 mod report;
 mod shell;
 mod twin;
+mod urdf;
 mod values;
 
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -28,6 +29,7 @@ pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use shell::{Completions, Man};
 pub(crate) use twin::Twin;
+pub(crate) use urdf::Urdf;
 
 const EXIT_CODES: &str = "\
 Exit codes:

@@ -21,6 +21,7 @@ use crate::{
 };
 
 /// A file's name and text.
+#[derive(Debug)]
 pub(crate) struct Text {
     pub(crate) name: String,
     pub(crate) text: String,

@@ -5,6 +5,7 @@
 //! was not met, or of many programs some failed.
 
 mod args;
+mod arm_files;
 mod clearance;
 mod commands;
 mod connection;

@@ -470,3 +470,105 @@ fn what_files_are_called_is_no_markup() {
     assert_eq!(html.matches("<script").count(), 2);
     assert_eq!(data(&html)["arms"][0]["file"], name);
 }
+
+/// A wedge of three sides, as OBJ.
+const WEDGE: &str = "v 0 0 0\nv 60 0 0\nv 0 40 0\nv 0 0 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+/// Our URDF, with this mesh on link 4.
+fn urdf_with(robot: &Robot, mesh: &str) -> String {
+    let visual = format!(
+        "<link name=\"iiwa_link_4\"><visual><geometry><mesh filename=\"{mesh}\" scale=\"0.001 0.001 0.001\"/></geometry>\
+         <material name=\"red\"><color rgba=\"1 0 0 1\"/></material></visual>"
+    );
+    robot.to_urdf().replace("<link name=\"iiwa_link_4\">", &visual)
+}
+
+#[test]
+fn meshes_of_a_urdf_are_drawn() {
+    let folder = plan("appendix-b.json");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    };
+    write("cell/arm/meshes/wedge.obj", WEDGE);
+    let urdf = urdf_with(&Robot::default(), "package://arm/meshes/wedge.obj");
+    write("arm.urdf", &urdf);
+    let own = data(&page(&folder, &["plan.mcap"]));
+    let links = own["robot"]["look"]["links"].as_array().unwrap();
+    assert!(links.iter().all(|link| !link.as_array().unwrap().is_empty()));
+    assert_eq!(own["robot"]["look"]["is_closed"], true);
+    // The folder that holds the package, the package itself, and one beside the URDF.
+    write("arm/urdf/arm.urdf", &urdf);
+    write("arm/meshes/wedge.obj", WEDGE);
+    for arguments in [
+        &["--urdf", "arm.urdf", "--package-path", "cell"][..],
+        &["--urdf", "arm.urdf", "--package-path", "cell/arm"],
+        &["--urdf", "arm/urdf/arm.urdf"],
+    ] {
+        let data = data(&page(&folder, &[&["plan.mcap"], arguments].concat()));
+        let links = data["robot"]["look"]["links"].as_array().unwrap();
+        let counts: Vec<_> = links.iter().map(|link| link.as_array().unwrap().len()).collect();
+        assert_eq!(counts, [0, 0, 0, 0, 1, 0, 0, 0]);
+        let surface = &links[4][0];
+        assert_eq!(surface["paint"], Value::from(vec![255, 0, 0]));
+        // Creases all around: three corners for each of four triangles.
+        assert_eq!(bytes(&surface["positions"]).len(), 12 * 6);
+        let longest = surface["size_m"].as_array().unwrap()[0].as_f64().unwrap();
+        assert!((longest - 0.06).abs() < 1e-9, "{longest}");
+    }
+}
+
+#[test]
+fn a_urdf_without_its_meshes_is_refused() {
+    let folder = plan("appendix-b.json");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let refused = |urdf: &str, more: &[&str], why: &str| {
+        write("arm.urdf", urdf);
+        let arguments = [&["report", "plan.mcap", "--urdf", "arm.urdf"], more].concat();
+        iiwasim(&folder, &arguments).code(2).stderr(contains(why));
+    };
+    let robot = Robot::default();
+    refused(&urdf_with(&robot, "package://arm/wedge.obj"), &[], "--package-path");
+    let more = ["--package-path", "."];
+    refused(&urdf_with(&robot, "package://arm/wedge.obj"), &more, "no package arm");
+    refused(&urdf_with(&robot, "wedge.obj"), &["--package-path", "nowhere"], "there is no folder");
+    refused(&urdf_with(&robot, "wedge.obj"), &[], "there is no file");
+    write("wedge.obj", "v 0 0 0\n");
+    refused(&urdf_with(&robot, "wedge.obj"), &[], "no triangles");
+    refused(&robot.to_urdf(), &[], "names no meshes");
+    write("wedge.obj", WEDGE);
+    refused(&urdf_with(&Robot::lbr_iiwa_14_r820(), "wedge.obj"), &[], "axis of joint 2");
+    iiwasim(&folder, &["plan", fixture("appendix-b.json").to_str().unwrap(), "--urdf", "arm.urdf"])
+        .code(2)
+        .stderr(contains("needs a --scene"));
+    // The URDF is not overwritten.
+    iiwasim(&folder, &["report", "plan.mcap", "--urdf", "arm.urdf", "-o", "arm.urdf"]).code(2);
+}
+
+/// The hull of a mesh is what comes near.
+#[test]
+fn clearances_are_those_of_meshes() {
+    let folder = plan("appendix-b.json");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    // Far longer than the arm's own shapes.
+    write("wedge.obj", &WEDGE.replace("v 60 0 0", "v 400 0 0").replace("v 0 0 20", "v 0 0 400"));
+    write("arm.urdf", &urdf_with(&Robot::default(), "wedge.obj"));
+    let program = fixture("appendix-b.json");
+    let cage = fixture("cage.json");
+    let base = [
+        "plan",
+        program.to_str().unwrap(),
+        "--no-output",
+        "--json",
+        "--scene",
+        cage.to_str().unwrap(),
+    ];
+    let distance = |more: &[&str]| {
+        let assert = iiwasim(&folder, &[&base[..], more].concat());
+        let figures: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+        figures["clearance"]["distance_mm"].as_f64().unwrap_or_else(|| panic!("{figures}"))
+    };
+    let (plain, meshed) = (distance(&[]), distance(&["--urdf", "arm.urdf"]));
+    assert!(meshed < plain - 1.0, "{meshed} {plain}");
+}

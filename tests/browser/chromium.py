@@ -199,8 +199,8 @@ class Browser:
     def press(self, x: float, y: float, count: int = 1) -> None:
         """Presses the mouse at a place, once or twice."""
         for i in range(count):
-            self._mouse("mousePressed", x, y, 1, i + 1)
-            self._mouse("mouseReleased", x, y, 0, i + 1)
+            self._mouse("mousePressed", x, y, "left", True, count=i + 1)
+            self._mouse("mouseReleased", x, y, "left", False, count=i + 1)
         self.frames()
 
     def move(self, x: float, y: float) -> None:
@@ -208,24 +208,36 @@ class Browser:
         self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
         self.frames()
 
-    def drag(self, places: list[tuple[float, float]]) -> None:
+    def drag(self, places: list[tuple[float, float]], button: str = "left", shift: bool = False) -> None:
         """Presses the mouse, moves it and lets go."""
         for i, (x, y) in enumerate(places):
             kind = "mousePressed" if i == 0 else "mouseMoved"
-            self._mouse(kind, x, y, 1)
-        self._mouse("mouseReleased", *places[-1], 0)
+            self._mouse(kind, x, y, button, True, shift)
+        self._mouse("mouseReleased", *places[-1], button, False, shift)
         self.frames()
 
-    def _mouse(self, kind: str, x: float, y: float, buttons: int, count: int = 1) -> None:
+    def _mouse(
+        self, kind: str, x: float, y: float, button: str, down: bool, shift: bool = False, count: int = 1
+    ) -> None:
         self.call(
             "Input.dispatchMouseEvent",
             type=kind,
             x=x,
             y=y,
-            button="left",
-            buttons=buttons,
+            button=button,
+            buttons={"left": 1, "right": 2}[button] if down else 0,
+            modifiers=8 if shift else 0,
             clickCount=count,
         )
+
+    def wheel(self, x: float, y: float, down: float) -> None:
+        """Turns the wheel at a place, by so many px."""
+        self.call("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=down)
+        self.frames()
+
+    def fingers(self, ways: list[list[tuple[float, float]]]) -> None:
+        """Puts fingers on the screen, moves each along its way, and lifts them."""
+        self.touch([list(places) for places in zip(*ways, strict=True)])
 
     def touch(self, places: list[list[tuple[float, float]]]) -> None:
         """Fingers go down, from place to place, and up."""
@@ -235,11 +247,12 @@ class Browser:
         self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
         self.frames()
 
-    def key(self, key: str, text: str = "") -> None:
+    def key(self, key: str, text: str = "", shift: bool = False) -> None:
         """Presses a key."""
         codes = {"Tab": 9, "End": 35, "Home": 36, "ArrowLeft": 37, "ArrowRight": 39, "Enter": 13, "Escape": 27}
         for kind in ("keyDown", "keyUp"):
             extra = {"text": text} if text and kind == "keyDown" else {}
+            extra["modifiers"] = 8 if shift else 0
             code = codes.get(key, 0)
             self.call("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code, **extra)
         self.frames()

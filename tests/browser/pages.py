@@ -64,8 +64,9 @@ WITH_TOOL = {
 class Pages:
     """The program, and where its pages go."""
 
-    def __init__(self, program: Path, folder: Path) -> None:
+    def __init__(self, program: Path, folder: Path, urdf: Path | None = None) -> None:
         self.program = program.resolve()
+        self.urdf = urdf and urdf.resolve()
         self.folder = folder.resolve()
         self.folder.mkdir(parents=True, exist_ok=True)
 

@@ -6,14 +6,17 @@ use bytesize::ByteSize;
 use clap::{Args, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
-use super::values::{at_least_0, epoch, rate};
+use super::{
+    Urdf,
+    values::{at_least_0, epoch, rate},
+};
 
 /// Options that few need.
 const METHOD: &str = "Methods of calculation (Larsen 2019)";
 
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
-/// The table has a row for each motion: when it starts and ends, its top speed as a share of the
+/// The table has a row for each motion: when it starts, how long it takes, its top speed as a share of the
 /// joint's speed limit, and the limits that it reaches for the longest time, with their shares of its
 /// duration; --json prints all of them. A motion lasts from the start of the blend that leads into it to
 /// the start of the blend that leads out of it, or to its stop.
@@ -95,6 +98,9 @@ pub(crate) struct Plan {
     /// Scene in JSON (`iiwasim schema scene` describes it), to print the clearance of the arm
     #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) arm: Urdf,
 
     /// Gate: exit with code 3 if the arm comes nearer to an obstacle of the scene, in mm, or touches one
     #[arg(long, value_name = "MM", value_parser = at_least_0)]

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::Urdf;
+
 /// Make a page of a plan or a recording: the arm in motion, its path, its joints over time, its motions.
 ///
 /// The page is one HTML file that needs no network: the arm in 3D with play, pause, scrub and speed;
@@ -31,6 +33,9 @@ pub(crate) struct Report {
     /// over time
     #[arg(long, value_name = "FILE")]
     pub(crate) scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) arm: Urdf,
 
     /// Path of the page [default: FILE.html in the current folder]
     #[arg(short, long, value_name = "FILE.html")]

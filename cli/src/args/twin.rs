@@ -6,6 +6,7 @@ use clap::Args;
 use iiwa_link::security::Endpoint;
 
 use super::{
+    Urdf,
     addresses::{DriveAddress, STREAM},
     values::at_least_0,
 };
@@ -28,6 +29,9 @@ pub(crate) struct Twin {
     /// Scene in JSON: boxes and planes around the arm, and its tool (`iiwasim schema scene` describes it)
     #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) arm: Urdf,
 
     /// Minimum clearance of programs that may be run, in mm
     #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = at_least_0)]

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use iiwa_view::{Extent, Page, PageOptions, printable};
+use iiwa_view::{Extent, Page, PageOptions, ViewError, printable};
 
 use crate::{
     args::Report,
+    arm_files::ArmFiles,
     failure::{Failure, print_note},
     input::{find_robot, scene},
     output,
@@ -16,13 +17,22 @@ pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let target = options.output.clone().unwrap_or_else(|| file_name(&options.file));
     let measured = options.measured.as_deref().map(|path| ("recording", path));
     let around = options.scene.as_deref().map(|path| ("scene", path));
-    let read = [("file", options.file.as_path())].into_iter().chain(measured).chain(around);
+    let urdf = options.arm.urdf.as_deref().map(|path| ("URDF", path));
+    let file = [("file", options.file.as_path())].into_iter();
+    let read = file.chain(measured).chain(around).chain(urdf);
     output::keep_inputs("page", &target, read, "--output")?;
     output::catch_interrupts();
     let robot = options.robot.as_deref().map(find_robot).transpose()?;
     let scene = options.scene.as_deref().map(scene).transpose()?;
-    let how = PageOptions { robot, scene, extent: Extent::Whole, interrupted: output::interrupted };
-    let page = Page::read(&options.file, options.measured.as_deref(), &how)?;
+    let files = ArmFiles::new(&options.arm)?;
+    let arm = files.as_ref().map(ArmFiles::source);
+    let how =
+        PageOptions { robot, arm, scene, extent: Extent::Whole, interrupted: output::interrupted };
+    let page = Page::read(&options.file, options.measured.as_deref(), &how);
+    let page = page.map_err(|error| match (&error, &files) {
+        (ViewError::Arm { source }, Some(files)) => files.failure(source),
+        _ => error.into(),
+    })?;
     for note in page.notes() {
         print_note(&format!("Note: {}\n", printable(note)));
     }

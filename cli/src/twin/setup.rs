@@ -11,13 +11,14 @@ use iiwa_kin::{Joints, Robot};
 use iiwa_link::{Client, Remote, Stream};
 use iiwa_log::PlanOptions;
 use iiwa_program::Program;
-use iiwa_scene::ArmInScene;
+use iiwa_scene::{ArmInScene, ArmMeshes};
 use iiwa_traj::Trajectory;
-use iiwa_view::{Extent, Nearest, Page, PageOptions, TwinRobot, TwinSetup};
+use iiwa_view::{ArmSource, Extent, Nearest, Page, PageOptions, TwinRobot, TwinSetup};
 use tempfile::TempDir;
 
 use crate::{
-    args, connection, failure::Failure, input, leftovers::Name, output, runner::DriveConnection,
+    args, arm_files::ArmFiles, connection, failure::Failure, input, leftovers::Name, output,
+    runner::DriveConnection,
 };
 
 use super::positions::default_file;
@@ -28,6 +29,8 @@ pub(crate) struct Setup {
     /// The robot's name, or its profile's.
     pub(super) robot_name: String,
     arm: Option<ArmInScene>,
+    /// What the arm looks like, if not as we draw it.
+    meshes: Option<ArmMeshes>,
     pub(super) min_clearance_mm: f64,
     pub(super) io: Vec<String>,
     remote: Remote,
@@ -72,7 +75,12 @@ impl Setup {
     pub(crate) fn new(options: &args::Twin) -> Result<Self, Failure> {
         let robot = input::find_robot(&options.robot)?;
         let scene = options.scene.as_deref().map(input::scene).transpose()?;
-        let arm = scene.map(|scene| ArmInScene::new(&robot, &scene));
+        let files = ArmFiles::new(&options.arm)?;
+        let meshes = files.map(|files| files.meshes(&robot)).transpose()?;
+        let arm = scene.map(|scene| match &meshes {
+            Some(meshes) => ArmInScene::with_meshes(&robot, &scene, meshes),
+            None => ArmInScene::new(&robot, &scene),
+        });
         let (folder, temporary) = if let Some(folder) = &options.output {
             std::fs::create_dir_all(folder).map_err(|error| {
                 Failure::run(format!("cannot make the folder {}", folder.display()), &error)
@@ -91,6 +99,7 @@ impl Setup {
         Ok(Self {
             positions: positions.unwrap_or_else(|| folder.join("positions.json")),
             robot,
+            meshes,
             robot_name: options.robot.clone(),
             arm,
             min_clearance_mm: options.min_clearance,
@@ -145,7 +154,8 @@ impl Setup {
     ) -> Result<Page, Failure> {
         let robot = Some(self.robot.clone());
         let scene = self.arm.as_ref().map(|arm| arm.scene().clone());
-        let how = PageOptions { robot, scene, extent, interrupted: output::interrupted };
+        let arm = self.meshes.clone().map(|meshes| ArmSource::new(move |_| Ok(meshes.clone())));
+        let how = PageOptions { robot, arm, scene, extent, interrupted: output::interrupted };
         Ok(Page::read(plan, measured, &how)?)
     }
 
@@ -187,7 +197,7 @@ impl Setup {
     /// What the page contains from the start.
     pub(super) fn for_page(&self) -> TwinSetup<'_> {
         TwinSetup {
-            robot: TwinRobot::from(&self.robot),
+            robot: TwinRobot::new(&self.robot, self.meshes.as_ref()),
             scene: self.arm.as_ref().map(ArmInScene::scene),
             min_clearance_mm: self.min_clearance_mm,
             drive: &self.drive,

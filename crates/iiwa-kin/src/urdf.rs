@@ -5,12 +5,14 @@ mod check;
 mod error;
 mod inertia;
 mod joint;
+mod meshes;
 mod read;
 mod tag;
 mod write;
 
 pub use check::{LimitDifference, UrdfReport};
 pub use error::{Listed, UrdfError};
+pub use meshes::{UrdfLink, UrdfMesh};
 
 /// Attributes of a joint's limit: rad, rad, Nm, rad/s.
 const LIMITS: [&str; 4] = ["lower", "upper", "effort", "velocity"];

@@ -43,7 +43,7 @@ struct Row {
 enum Sheet<W: Write> {
     Csv(W),
     #[cfg(feature = "parquet")]
-    Parquet(parquet::Sheet<W>),
+    Parquet(Box<parquet::Sheet<W>>),
 }
 
 /// The names of all columns but the first two.
@@ -82,7 +82,7 @@ impl<W: Write + Send> PlanTable<W> {
     /// That of the stream.
     #[cfg(feature = "parquet")]
     pub fn parquet(stream: W, rate_hz: f64) -> io::Result<Self> {
-        Ok(Self::new(Sheet::Parquet(parquet::Sheet::new(stream)?), rate_hz))
+        Ok(Self::new(Sheet::Parquet(Box::new(parquet::Sheet::new(stream)?)), rate_hz))
     }
 
     /// Writes a section; they come in order.

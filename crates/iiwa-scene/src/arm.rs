@@ -6,6 +6,7 @@ use iiwa_kin::{Along, Joints, Pose, Robot, Solid};
 use parry3d_f64::{math::Vector, shape::SupportMap};
 
 use crate::{
+    hull::ConvexHull,
     links::{FIRST_LINK, TOOL},
     placed::rotation,
     polyhedron::Polyhedron,
@@ -113,6 +114,27 @@ pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
         }
     }
     parts
+}
+
+/// All parts of `robot` that count, where links are the convex hulls of meshes, in their frames; those of links without
+/// one are as they are without meshes.
+pub(crate) fn mesh_parts(robot: &Robot, hulls: &[Vec<ConvexHull>; 8]) -> Vec<Part> {
+    let d = robot.dh().map(|row| row.d_m);
+    let plain = parts(robot).into_iter().filter(|part| hulls[part.link].is_empty());
+    let links = hulls.iter().enumerate().skip(FIRST_LINK);
+    let meshed = links.flat_map(|(link, hulls)| {
+        hulls.iter().map(move |hull| {
+            let (hull, center) = Polyhedron::new(hull);
+            // No point of a hull is farther from a point or an axis than one of its corners.
+            let way = hull.bound(|corner| (center + corner).length());
+            let own = hull.bound(|corner| (center + corner).truncate().length());
+            let bound = hull.bound(Vector::length);
+            let form = Volume::Hull { sides: [Vector::X, Vector::Y], hull: Arc::new(hull) };
+            let reach = reaches(&d, link, way, own);
+            Part { link, shown: link, center, axis: Vector::Z, form, bound, reach }
+        })
+    });
+    plain.chain(meshed).collect()
 }
 
 /// The parts of a tool, which is given in the flange's frame.

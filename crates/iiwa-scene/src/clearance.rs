@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::{
     arm::{self, Body, Part},
+    arm_meshes::ArmMeshes,
     distance::{Near, near},
     placed::Placed,
     scene::Scene,
@@ -53,7 +54,21 @@ impl ArmInScene {
     /// Prepares `robot` and `scene`.
     #[must_use]
     pub fn new(robot: &Robot, scene: &Scene) -> Self {
-        let parts = [arm::parts(robot), arm::tool_parts(robot, scene.tool())].concat();
+        Self::of_parts(
+            robot,
+            scene,
+            [arm::parts(robot), arm::tool_parts(robot, scene.tool())].concat(),
+        )
+    }
+
+    /// Prepares `robot` and `scene`: links are the convex hulls of their meshes, in place of cylinders and spheres.
+    #[must_use]
+    pub fn with_meshes(robot: &Robot, scene: &Scene, meshes: &ArmMeshes) -> Self {
+        let parts = arm::mesh_parts(robot, &meshes.hulls);
+        Self::of_parts(robot, scene, [parts, arm::tool_parts(robot, scene.tool())].concat())
+    }
+
+    fn of_parts(robot: &Robot, scene: &Scene, parts: Vec<Part>) -> Self {
         let obstacles: Arc<[Placed]> =
             scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect();
         let ignored: HashSet<Pair> =

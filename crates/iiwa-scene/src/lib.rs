@@ -38,15 +38,19 @@
 //! touches or overlaps has a distance of 0. Distances of poses are
 //! exact to 0.1 um; of motions, no pose is left out, and the smallest one is found to 0.1 mm.
 //!
+//! With [`ArmMeshes`], the arm is made of the convex hulls of the meshes of a user's URDF instead.
+//!
 //! Units are SI and radians; positions are in the base frame, `iiwa_link_0`.
 
 mod arm;
+mod arm_meshes;
 mod clearance;
 mod distance;
 mod extent;
 mod fault;
 mod hull;
 mod links;
+mod mesh;
 mod mesh_file;
 mod placed;
 mod planned;
@@ -57,10 +61,12 @@ mod span;
 mod tool;
 mod wire;
 
+pub use arm_meshes::{ArmMeshError, ArmMeshes};
 pub use clearance::{ArmInScene, Clearance};
 pub use fault::Fault;
 pub use hull::{ConvexHull, NotSolid};
 pub use links::{IgnoredPair, part_name};
+pub use mesh::{Patch, TriangleMesh, TriangleMeshError};
 pub use mesh_file::MeshError;
 pub use planned::PlannedClearance;
 pub use scene::{Form, Obstacle, Scene};

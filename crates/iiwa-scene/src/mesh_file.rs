@@ -1,11 +1,11 @@
-//! Files of meshes: STL and OBJ.
+//! Files of meshes of tools: STL and OBJ.
 
 use std::io;
 
-use crate::hull::{ConvexHull, NotSolid};
-
-/// Most triangles of a mesh: it is CAD of a tool, and not a scan of a hall.
-const MAX_TRIANGLES: usize = 2_000_000;
+use crate::{
+    hull::{ConvexHull, NotSolid},
+    mesh::{MAX_TRIANGLES, MeshFormat},
+};
 
 /// Longest extent of a mesh, in m; the arm is 1.3 m long.
 const MAX_EXTENT_M: f64 = 2.0;
@@ -80,18 +80,13 @@ impl ConvexHull {
     ///
     /// If it is no such file, has more than two million triangles or no volume, or is longer than 2 m or shorter than 1 mm.
     pub fn from_mesh(name: &str, bytes: &[u8], mm_per_unit: f64) -> Result<Self, MeshError> {
-        let ending = name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase());
-        let (format, read) = match ending.as_deref() {
-            Some("stl") => ("STL", stl(bytes)),
-            Some("obj") => ("OBJ", {
-                // Materials have no shape.
-                let no_files =
-                    |_: &std::path::Path| Err::<Vec<u8>, _>(io::ErrorKind::NotFound.into());
-                mesh_loader::obj::from_slice(bytes, None, no_files)
-            }),
-            _ => return Err(MeshError::Format),
+        let Some(format @ (MeshFormat::Stl | MeshFormat::Obj)) = MeshFormat::of(name) else {
+            return Err(MeshError::Format);
         };
-        let read = read.map_err(|error| MeshError::Unread { format, error })?;
+        // Materials have no shape.
+        let read = format
+            .read(bytes, |_| None)
+            .map_err(|error| MeshError::Unread { format: format.name(), error })?;
         let found = read.meshes.iter().map(|mesh| mesh.faces.len()).sum();
         if found > MAX_TRIANGLES {
             return Err(MeshError::TooMany { found, max: MAX_TRIANGLES });
@@ -106,41 +101,6 @@ impl ConvexHull {
             return Err(MeshError::Extent { longest_m, mm_per_unit });
         }
         Ok(Self::new(points)?)
-    }
-}
-
-/// Reads ASCII or binary STL. Of a binary file, the length has to be what its count of triangles says: else a part of it is
-/// missing, and a part of the tool would be.
-fn stl(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
-    const HEADER: usize = 84;
-    const TRIANGLE: usize = 50;
-    let refuse = |what: String| Err(io::Error::new(io::ErrorKind::InvalidData, what));
-    if bytes.is_empty() {
-        return refuse("it is empty".to_owned());
-    }
-    let count = bytes.get(80..HEADER).and_then(|count| count.try_into().ok());
-    let triangles = count.map(u32::from_le_bytes);
-    let is_whole = triangles
-        .is_some_and(|count| (bytes.len() - HEADER) as u64 == u64::from(count) * TRIANGLE as u64);
-    let is_text =
-        bytes.starts_with(b"solid") && !bytes.contains(&0) && str::from_utf8(bytes).is_ok();
-    if !is_whole && !is_text {
-        return refuse(match triangles {
-            Some(count) => format!(
-                "it is no text that begins with `solid`, and as a binary file of {count} triangles it would have another length"
-            ),
-            None => {
-                "it is no text that begins with `solid`, and too short for a binary file".to_owned()
-            }
-        });
-    }
-    let read = mesh_loader::stl::from_slice(bytes)?;
-    let found: usize = read.meshes.iter().map(|mesh| mesh.faces.len()).sum();
-    match triangles.filter(|_| is_whole) {
-        Some(count) if found != count as usize => {
-            refuse(format!("{found} of its {count} triangles could be read"))
-        }
-        _ => Ok(read),
     }
 }
 

@@ -5,6 +5,7 @@ use std::{error::Error, fmt::Write as _, io};
 use iiwa_eval::{CompareError, VirtualRobotError, identify::IdentifyError};
 use iiwa_log::{JointLogError, ReadError, RecordedRobotError, WriteError};
 use iiwa_program::Fault;
+use iiwa_scene::ArmMeshError;
 use iiwa_traj::PlanError;
 
 /// Why a page, a picture or a report cannot be made.
@@ -75,6 +76,13 @@ pub enum ViewError {
         /// Why not.
         source: PlanError,
     },
+    /// A URDF gives no meshes of the arm.
+    #[error("no meshes of the arm")]
+    Arm {
+        /// Why not.
+        #[from]
+        source: ArmMeshError,
+    },
     /// A plan is too long to be drawn.
     #[error("it takes {duration} or more, too long to be drawn")]
     TooLong {
@@ -138,6 +146,7 @@ impl ViewError {
             | Self::UnknownRobot { .. }
             | Self::Swapped { .. }
             | Self::Program { .. }
+            | Self::Arm { .. }
             | Self::Path { .. }
             | Self::Planning { source: PlanError::Fault(_), .. }
             | Self::TooLong { .. } => true,

@@ -41,6 +41,7 @@ pub use gates::{PlanGates, UnmetGates};
 pub use identification_report::IdentificationReport;
 pub use import_report::ImportReport;
 pub use nearest::Nearest;
+pub use page::ArmSource;
 pub use picture::{PlanPicture, draw_comparison};
 pub use printable::printable;
 pub use report::{Extent, Page, PageOptions};

@@ -3,9 +3,13 @@
 //! A page is one file that loads nothing: its style, its scripts and its data are in it. It is markup
 //! with a place for each part, as `/*arm.js*/`, `<!--title-->` and `<!--data-->`.
 
+mod arm_source;
+mod look;
 mod packed;
 mod poses;
 
+pub use arm_source::ArmSource;
+pub(crate) use look::Look;
 pub(crate) use packed::Packed;
 pub(crate) use poses::Poses;
 
@@ -17,12 +21,17 @@ use crate::ViewError;
 pub(crate) type Part = (&'static str, &'static str);
 
 /// Parts of all pages.
-const PARTS: [Part; 7] = [
+const PARTS: [Part; 12] = [
     ("/*style.css*/", include_str!("page/style.css")),
     ("/*basics.js*/", include_str!("page/basics.js")),
     ("/*poses.js*/", include_str!("page/poses.js")),
     ("/*arm.js*/", include_str!("page/arm.js")),
     ("/*surroundings.js*/", include_str!("page/surroundings.js")),
+    ("/*shaders.js*/", include_str!("page/shaders.js")),
+    ("/*painter.js*/", include_str!("page/painter.js")),
+    ("/*shadows.js*/", include_str!("page/shadows.js")),
+    ("/*look.js*/", include_str!("page/look.js")),
+    ("/*sight.js*/", include_str!("page/sight.js")),
     ("/*scene.js*/", include_str!("page/scene.js")),
     ("/*view.js*/", include_str!("page/view.js")),
 ];

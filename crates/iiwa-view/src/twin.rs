@@ -1,12 +1,12 @@
 //! The page that follows a robot: its markup, its style and its scripts, but not its server.
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_scene::Scene;
+use iiwa_scene::{ArmMeshes, Scene};
 use serde::Serialize;
 
 use crate::{
     ViewError,
-    page::{self, Part},
+    page::{self, Look, Part},
 };
 
 /// Parts of this page alone.
@@ -43,15 +43,19 @@ pub struct TwinSetup<'a> {
 pub struct TwinRobot<'a> {
     name: &'a str,
     urdf: String,
+    look: Look,
     lower_rad: Joints,
     upper_rad: Joints,
 }
 
-impl<'a> From<&'a Robot> for TwinRobot<'a> {
-    fn from(robot: &'a Robot) -> Self {
+impl<'a> TwinRobot<'a> {
+    /// A robot, with these meshes if there are any.
+    #[must_use]
+    pub fn new(robot: &'a Robot, meshes: Option<&ArmMeshes>) -> Self {
         Self {
             name: robot.name(),
             urdf: robot.to_urdf(),
+            look: meshes.map_or_else(|| Look::own(robot), Look::of_meshes),
             lower_rad: robot.limits().lower_rad,
             upper_rad: robot.limits().upper_rad,
         }

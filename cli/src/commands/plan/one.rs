@@ -63,7 +63,9 @@ fn output_path(options: &Plan, program: &Path) -> Option<PathBuf> {
 fn distinct(options: &Plan, program: &Path, target: Option<&Path>) -> Result<(), Failure> {
     let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
     let scene = options.scene.as_deref().map(|path| ("scene", path));
-    let read: Vec<_> = iter::once(("program", program)).chain(robot).chain(scene).collect();
+    let urdf = options.arm.urdf.as_deref().map(|path| ("URDF", path));
+    let read: Vec<_> =
+        iter::once(("program", program)).chain(robot).chain(scene).chain(urdf).collect();
     if let Some(target) = target {
         output::keep_inputs("trajectory", target, read.iter().copied(), "--output")?;
     }

@@ -13,6 +13,7 @@ use iiwa_view::{PlanGates, PlanPicture, long_duration};
 
 use crate::{
     args::{self, Plan},
+    arm_files::ArmFiles,
     clearance::nearest,
     failure::Failure,
     input::{self, ProgramText},
@@ -25,6 +26,9 @@ use super::tables::Tables;
 
 /// The scene of the options, if any.
 pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
+    if options.arm.urdf.is_some() && options.scene.is_none() {
+        return Err(Failure::input("--urdf is what clearances are taken of: it needs a --scene"));
+    }
     options.scene.as_deref().map(input::scene).transpose()
 }
 
@@ -52,7 +56,12 @@ pub(super) fn write(
     let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&program));
     let warnings = warnings(&program, planning.path());
     drop(program);
-    let arm = scene.map(|scene| ArmInScene::new(&robot, scene));
+    let files = ArmFiles::new(&options.arm)?;
+    let meshes = files.map(|files| files.meshes(&robot)).transpose()?;
+    let arm = scene.map(|scene| match &meshes {
+        Some(meshes) => ArmInScene::with_meshes(&robot, scene, meshes),
+        None => ArmInScene::new(&robot, scene),
+    });
 
     let output = target.map(Output::new).transpose()?;
     let drawing = options.picture.as_deref().map(Output::new).transpose()?;

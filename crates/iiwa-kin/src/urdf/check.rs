@@ -127,6 +127,17 @@ impl Robot {
     ) -> UrdfError {
         // Small deviations add up: the first joint's share is below the whole.
         const SHARE: f64 = 0.1;
+        let tip = || UrdfError::Tip {
+            at: chain.joints.last().map_or(description.at, |last| last.at).place(),
+            tip: chain.tip.to_owned(),
+            position_m,
+            rotation_rad,
+        };
+        self.misplaced_axis(chain, SHARE).unwrap_or_else(tip)
+    }
+
+    /// The first axis that is off by more than this share of the tolerance, if there is one.
+    pub(super) fn misplaced_axis(&self, chain: &Chain<'_>, share: f64) -> Option<UrdfError> {
         let model = self.link_poses(&[0.0; 7]);
         let (axes, _) = chain.poses(&[0.0; 7]);
         for (j, joint) in chain.revolute().into_iter().enumerate() {
@@ -136,24 +147,19 @@ impl Robot {
             let shift = axes[j].translation.vector - Vector3::from(model[j + 1].position_m);
             let distance = finite((shift - expected * shift.dot(&expected)).norm());
             let angle = finite(found.cross(&expected).norm().atan2(found.dot(&expected)));
-            if distance > SHARE * UrdfReport::TOLERANCE_M
-                || angle > SHARE * UrdfReport::TOLERANCE_RAD
+            if distance > share * UrdfReport::TOLERANCE_M
+                || angle > share * UrdfReport::TOLERANCE_RAD
             {
-                return UrdfError::Axis {
+                return Some(UrdfError::Axis {
                     at: joint.at.place(),
                     number: j + 1,
                     joint: joint.name.clone(),
                     position_m: distance,
                     rotation_rad: angle,
-                };
+                });
             }
         }
-        UrdfError::Tip {
-            at: chain.joints.last().map_or(description.at, |last| last.at).place(),
-            tip: chain.tip.to_owned(),
-            position_m,
-            rotation_rad,
-        }
+        None
     }
 
     fn limit_differences(&self, chain: &Chain<'_>) -> Vec<LimitDifference> {

@@ -108,6 +108,6 @@ fn unique(names: &mut HashSet<String>, name: String, at: At<'_>) -> Result<(), U
     }
 }
 
-fn offset(byte: u64) -> usize {
+pub(super) fn offset(byte: u64) -> usize {
     usize::try_from(byte).unwrap_or(usize::MAX)
 }

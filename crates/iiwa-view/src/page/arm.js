@@ -1,4 +1,4 @@
-// The arm: its shapes and joints from its URDF, its links' poses from joint positions.
+// The arm: its joints from its URDF, its links' poses from joint positions; and shapes that stand around it.
 // Matrices are 4 by 4, column by column, as WebGL has them.
 
 function product(a, b) {
@@ -56,19 +56,7 @@ const model = (() => {
     origin: origin(joint),
     moves: joint.getAttribute("type") === "revolute",
   }));
-  const links = [...xml.querySelectorAll("robot > link")].map((link) =>
-    [...link.querySelectorAll("visual")].map((visual) => {
-      const solid = visual.querySelector("geometry > *");
-      return {
-        round: solid.tagName === "sphere",
-        radius: Number(solid.getAttribute("radius")),
-        length: Number(solid.getAttribute("length")),
-        origin: origin(visual),
-        colour: numbers(visual.querySelector("color"), "rgba").slice(0, 3),
-      };
-    }),
-  );
-  return { joints, links };
+  return { joints };
 })();
 
 /** Poses of all links in the base, the flange last, at joint positions in rad. */
@@ -152,7 +140,17 @@ function wayOf(arm, pieces, usual, width, toolAt, from, to) {
     const piece = pieces[Math.max(countUpTo(starts, t - 1e-6) - 1, 0)];
     return piece && ["blend", "lin", "circ", "spline"].includes(piece.kind) ? piece.kind : usual;
   });
-  return { places, kinds, width };
+  // Where joints are on the way, so that the view takes them in.
+  const POSES = 40;
+  const step = Math.max(Math.ceil(arm.poses.count / POSES), 1);
+  const joints = [];
+  for (let i = 0; i < arm.poses.count; i += step) {
+    const t = arm.poses.t_s[i];
+    if (t < (from ?? -Infinity) || t > (to ?? Infinity)) continue;
+    for (const pose of linkPoses(arm.poses.q_rad.subarray(7 * i, 7 * i + 7)))
+      joints.push(Array.from(pose.slice(12, 15)));
+  }
+  return { places, kinds, width, joints };
 }
 
 /** A body of revolution about z: corners with their normals, and triangles by their numbers. `profile` has
@@ -173,13 +171,14 @@ function turned(profile, sides = 24) {
   return shape;
 }
 
-function sphere(radius, steps = 12) {
+function sphere(radius, steps = 12, sides = 24) {
   return turned(
     Array.from({ length: steps + 1 }, (_, i) => {
       const angle = Math.PI * (i / steps - 0.5);
       const [s, c] = [Math.sin(angle), Math.cos(angle)];
       return [radius * c, radius * s, c, s];
     }),
+    sides,
   );
 }
 

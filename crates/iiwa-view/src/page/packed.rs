@@ -20,6 +20,24 @@ impl Packed {
         Self::of(values.into_iter().flat_map(|value| (value as f32).to_le_bytes()))
     }
 
+    /// Numbers from 0 to 1: of 16 bits.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
+    pub(crate) fn shares(values: impl IntoIterator<Item = f64>) -> Self {
+        let word = |value: f64| (value * f64::from(u16::MAX)).round() as u16;
+        Self::of(values.into_iter().flat_map(|value| word(value).to_le_bytes()))
+    }
+
+    /// Counts below 65536.
+    pub(crate) fn halves(values: impl IntoIterator<Item = u32>) -> Self {
+        let half = |value: u32| u16::try_from(value).unwrap_or(u16::MAX);
+        Self::of(values.into_iter().flat_map(|value| half(value).to_le_bytes()))
+    }
+
+    /// Counts.
+    pub(crate) fn words(values: impl IntoIterator<Item = u32>) -> Self {
+        Self::of(values.into_iter().flat_map(u32::to_le_bytes))
+    }
+
     fn of(bytes: impl Iterator<Item = u8>) -> Self {
         Self(STANDARD.encode(bytes.collect::<Vec<_>>()))
     }

@@ -9,13 +9,13 @@ use iiwa_eval::{Comparison, Plan, TracePoint};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{Loss, PlanPiece};
 use iiwa_program::{Blend, LimitKind, Motion, Program};
-use iiwa_scene::{ArmInScene, Scene};
+use iiwa_scene::{ArmInScene, ArmMeshes, Scene};
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::{
     ComparisonReport, ViewError,
-    page::{self, Part, Poses},
+    page::{self, ArmSource, Look, Part, Poses},
     with_causes,
 };
 
@@ -71,8 +71,9 @@ pub struct Page {
 #[derive(Debug, Serialize)]
 struct Model {
     name: String,
-    /// Shapes and joints.
+    /// Joints.
     urdf: String,
+    look: Look,
     lower_rad: Joints,
     upper_rad: Joints,
     velocity_rad_s: Joints,
@@ -127,6 +128,8 @@ pub enum Extent {
 pub struct PageOptions {
     /// The robot, if it is not the one of the files.
     pub robot: Option<Robot>,
+    /// What the arm looks like, if not as we draw it: meshes, whose convex hulls are also what its clearance is taken of.
+    pub arm: Option<ArmSource>,
     /// What stands around the arm: the whole page shows it, and how near the arm comes.
     pub scene: Option<Scene>,
     /// How much of the page is made.
@@ -136,9 +139,15 @@ pub struct PageOptions {
 }
 
 impl Default for PageOptions {
-    /// The files' robot, no scene, the whole page, never interrupted.
+    /// The files' robot as we draw it, no scene, the whole page, never interrupted.
     fn default() -> Self {
-        Self { robot: None, scene: None, extent: Extent::default(), interrupted: || false }
+        Self {
+            robot: None,
+            arm: None,
+            scene: None,
+            extent: Extent::default(),
+            interrupted: || false,
+        }
     }
 }
 
@@ -235,7 +244,12 @@ impl Page {
         let workcell = Workcell::new(program.as_ref());
         let shift_s = from_start(&first);
         let scene = options.scene.as_ref().filter(|_| extent == Extent::Whole);
-        let in_scene = scene.map(|scene| ArmInScene::new(&robot, scene));
+        let meshes = options.arm.as_ref().filter(|_| extent == Extent::Whole);
+        let meshes = meshes.map(|source| source.of(&robot)).transpose()?;
+        let in_scene = scene.map(|scene| match &meshes {
+            Some(meshes) => ArmInScene::with_meshes(&robot, scene, meshes),
+            None => ArmInScene::new(&robot, scene),
+        });
         let making = Making {
             extent,
             robot: &robot,
@@ -268,7 +282,7 @@ impl Page {
         }
         let motions = program.as_ref().map_or(&[][..], |program| &program.motions);
         Ok(Self {
-            robot: Model::from(&robot),
+            robot: Model::new(&robot, meshes.as_ref(), extent),
             arms,
             corners: corners(&first.record.pieces, program.as_ref(), &robot),
             workcell,
@@ -542,12 +556,18 @@ impl Curves {
     }
 }
 
-impl From<&Robot> for Model {
-    fn from(robot: &Robot) -> Self {
+impl Model {
+    fn new(robot: &Robot, meshes: Option<&ArmMeshes>, extent: Extent) -> Self {
         let limits = robot.limits();
+        let look = match (extent, meshes) {
+            (Extent::Sketch, _) => Look::default(),
+            (Extent::Whole, Some(meshes)) => Look::of_meshes(meshes),
+            (Extent::Whole, None) => Look::own(robot),
+        };
         Self {
             name: robot.name().to_owned(),
             urdf: robot.to_urdf(),
+            look,
             lower_rad: limits.lower_rad,
             upper_rad: limits.upper_rad,
             velocity_rad_s: limits.velocity_rad_s,

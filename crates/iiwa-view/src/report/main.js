@@ -155,12 +155,6 @@ function listen() {
 
   if (scene) {
     makeTurnable($("scene"), scene, update);
-    $("look").addEventListener("click", () => {
-      scene.reset();
-      update();
-    });
-  } else {
-    $("look")?.remove();
   }
 
   const draw = () => {

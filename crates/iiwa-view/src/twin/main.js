@@ -14,7 +14,6 @@ try {
 }
 if (scene) {
   makeTurnable($("scene"), scene, () => {});
-  $("look").addEventListener("click", () => scene.reset());
   const paint = () => scene.paint(theme().solid);
   paint();
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
@@ -127,7 +126,8 @@ $("scrub").addEventListener("input", () => {
 
 // ---- every frame
 
-function drawArms() {
+/** Draws the arms; `now`, in ms, is the time of a frame, for which nothing is drawn that was drawn before. */
+function drawArms(now = null) {
   const arms = played(shown.mode);
   const poses = arms.map((arm) => jointsAt(arm, shown.time));
   const isReplay = shown.mode === "replay";
@@ -135,7 +135,9 @@ function drawArms() {
   const where = live.newest;
   if (where && !isReplay) drawn.push({ q: where.joints_rad, ghost: isStale() ? "settle" : null });
   const nearest = shown.mode === "live" ? where?.nearest : shown.mode === "simulation" ? desk.plan.nearest : null;
-  if (scene) scene.show(drawn, nearest ? [nearest.on_arm_m, nearest.on_obstacle_m] : null);
+  const gap = nearest ? [nearest.on_arm_m, nearest.on_obstacle_m] : null;
+  if (now === null) scene?.show(drawn, gap);
+  else scene?.follow(drawn, gap, now);
   $("clock").textContent = arms.length ? `${number(shown.time, 2)} s` : "\u2013";
   if (arms.length) $("scrub").value = shown.time;
 }
@@ -165,7 +167,7 @@ let written = 0;
 function frame(now) {
   keepPace(now);
   advance(now);
-  drawArms();
+  drawArms(now);
   drawnNow();
   if (now - written > 100) {
     written = now;

@@ -60,6 +60,7 @@ impl DispatcherScene {
             t_s: 2.0,
             clock_ahead_s: 0.0,
             joints_rad: [0.0; 7],
+            torques_nm: None,
             session: SessionState::MonitoringReady,
             quality: Quality::Excellent,
             safety: Safety::Normal,

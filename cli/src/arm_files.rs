@@ -1,0 +1,102 @@
+//! The files of a URDF: its text, and the meshes that it names.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use iiwa_kin::Robot;
+use iiwa_scene::{ArmMeshError, ArmMeshes};
+use iiwa_view::ArmSource;
+
+use crate::{args::Urdf, failure::Failure, input::Text};
+
+/// A URDF of the arm, and where its packages are.
+#[derive(Clone, Debug)]
+pub(crate) struct ArmFiles(Arc<Files>);
+
+#[derive(Debug)]
+struct Files {
+    path: PathBuf,
+    text: Text,
+    packages: Vec<PathBuf>,
+}
+
+impl ArmFiles {
+    /// The one of the options, if they have one.
+    pub(crate) fn new(options: &Urdf) -> Result<Option<Self>, Failure> {
+        let Some(path) = options.urdf.clone() else { return Ok(None) };
+        let text = Text::read(&path)?;
+        let packages = options.package_path.clone();
+        if let Some(missing) = packages.iter().find(|folder| !folder.is_dir()) {
+            return Err(Failure::input(format!(
+                "--package-path: there is no folder {}",
+                missing.display()
+            )));
+        }
+        Ok(Some(Self(Arc::new(Files { path, text, packages }))))
+    }
+
+    /// The meshes of a robot.
+    pub(crate) fn meshes(&self, robot: &Robot) -> Result<ArmMeshes, Failure> {
+        self.0.meshes(robot).map_err(|error| self.failure(&error))
+    }
+
+    /// The same for a page.
+    pub(crate) fn source(&self) -> ArmSource {
+        let files = Arc::clone(&self.0);
+        ArmSource::new(move |robot| files.meshes(robot))
+    }
+
+    /// Why the URDF is refused, where it says so.
+    pub(crate) fn failure(&self, error: &ArmMeshError) -> Failure {
+        let Text { name, text } = &self.0.text;
+        match error.place() {
+            Some(place) => Failure::in_text(&error.what(), place, name, text),
+            None => Failure::input(format!("{name}: {error}")),
+        }
+    }
+}
+
+impl Files {
+    fn meshes(&self, robot: &Robot) -> Result<ArmMeshes, ArmMeshError> {
+        ArmMeshes::from_urdf(robot, &self.text.text, |name| self.read(name))
+    }
+
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        let path = self.path_of(name)?;
+        fs::read(&path).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => format!("there is no file {}", path.display()),
+            _ => format!("cannot read {}: {error}", path.display()),
+        })
+    }
+
+    /// Where a file is that the URDF names.
+    fn path_of(&self, name: &str) -> Result<PathBuf, String> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let Some(rest) = name.strip_prefix("package://") else {
+            return Ok(folder.join(name.strip_prefix("file://").unwrap_or(name)));
+        };
+        let (package, file) = rest.split_once('/').unwrap_or((rest, ""));
+        let folders = self.packages(package);
+        match folders.iter().map(|folder| folder.join(file)).find(|path| path.is_file()) {
+            Some(path) => Ok(path),
+            None if folders.is_empty() => Err(format!(
+                "there is no package {package}: --package-path names the folder that it is in, or its own"
+            )),
+            None => Err(format!("the package {package} has no file {file}")),
+        }
+    }
+
+    /// Folders of a package: in those of the options, or one of them; or around the URDF.
+    fn packages(&self, name: &str) -> Vec<PathBuf> {
+        let is_called = |folder: &Path| folder.file_name().is_some_and(|last| last == name);
+        let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let inside = self.packages.iter().map(|folder| folder.join(name));
+        let own = self.packages.iter().map(|folder| real(folder)).filter(|it| is_called(it));
+        let urdf = real(&self.path);
+        let around = urdf.ancestors().filter(|folder| is_called(folder)).map(Path::to_owned);
+        inside.chain(own).chain(around).filter(|folder| folder.is_dir()).collect()
+    }
+}

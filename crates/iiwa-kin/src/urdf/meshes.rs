@@ -1,0 +1,239 @@
+//! Files of meshes that a URDF names, where the model has its links.
+
+use std::collections::HashMap;
+
+use iiwa_json::Place;
+use nalgebra::Isometry3;
+use quick_xml::{Reader, events::Event};
+
+use super::{
+    UrdfError,
+    chain::Chain,
+    read::{Description, offset},
+    tag::{At, Tag},
+};
+use crate::{Pose, Robot};
+
+/// The meshes of a link.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct UrdfLink {
+    /// What it looks like.
+    pub visual: Vec<UrdfMesh>,
+    /// What it is for collisions.
+    pub collision: Vec<UrdfMesh>,
+}
+
+/// A file of a mesh, as a URDF names it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct UrdfMesh {
+    /// The name, as it is written: `package://NAME/...`, `file://...` or a path.
+    pub file: String,
+    /// How many times as large it is along each of its axes.
+    pub scale: [f64; 3],
+    /// Where the mesh is, in the frame of the model's link.
+    pub pose: Pose,
+    /// Red, green, blue and opacity, from 0 to 1, if the URDF gives it a colour.
+    pub rgba: Option<[f64; 4]>,
+    /// Where the URDF names it.
+    pub at: Place,
+}
+
+impl Robot {
+    /// The meshes that a URDF of this robot names, of link 0 to link 7.
+    ///
+    /// Its seven axes must be the model's; its frames may lie anywhere along them, and its last link need not be the
+    /// flange. What is fixed to a link is a part of it. Boxes, cylinders and spheres are left out.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    ///
+    /// let robot = Robot::lbr_iiwa_7_r800();
+    /// // Our own URDF needs no files.
+    /// let links = robot.urdf_meshes(&robot.to_urdf())?;
+    /// assert!(links.iter().all(|link| link.visual.is_empty()));
+    /// # Ok::<(), iiwa_kin::UrdfError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If the text is no URDF, has no chain of seven revolute joints, or has an axis that is off by more than
+    /// [`UrdfReport::TOLERANCE_M`](crate::UrdfReport::TOLERANCE_M) or
+    /// [`UrdfReport::TOLERANCE_RAD`](crate::UrdfReport::TOLERANCE_RAD).
+    pub fn urdf_meshes(&self, urdf: &str) -> Result<[UrdfLink; 8], UrdfError> {
+        let description = Description::read(urdf)?;
+        let chain = description.chain(None)?;
+        if let Some(error) = self.misplaced_axis(&chain, 1.0) {
+            return Err(error);
+        }
+        let places = self.places(&description, &chain);
+        let mut links: [UrdfLink; 8] = Default::default();
+        for Found { link, is_visual, origin, mut mesh } in found(urdf)? {
+            let Some((number, frame)) = places.get(link.as_str()) else { continue };
+            mesh.pose = pose(&(frame * origin));
+            let UrdfLink { visual, collision } = &mut links[*number];
+            if is_visual { visual.push(mesh) } else { collision.push(mesh) }
+        }
+        Ok(links)
+    }
+
+    /// Of the URDF's links that are a part of the arm: of which link of the model, and where in its frame.
+    fn places<'a>(
+        &self,
+        description: &'a Description<'_>,
+        chain: &Chain<'a>,
+    ) -> HashMap<&'a str, (usize, Isometry3<f64>)> {
+        let model = self.link_poses(&[0.0; 7]);
+        let revolute = chain.revolute();
+        let (axes, _) = chain.poses(&[0.0; 7]);
+        let mut places = HashMap::from([(chain.base, (0, Isometry3::identity()))]);
+        for (j, joint) in revolute.iter().enumerate() {
+            // At zero, a joint's child is where the joint is.
+            let frame = model[j + 1].to_isometry().inverse() * axes[j];
+            places.insert(&joint.child, (j + 1, frame));
+        }
+        let mut children: HashMap<&str, Vec<_>> = HashMap::new();
+        for joint in description.joints.iter().filter(|joint| joint.is_fixed()) {
+            children.entry(&joint.parent).or_default().push(joint);
+        }
+        let mut open: Vec<&str> = places.keys().copied().collect();
+        while let Some(link) = open.pop() {
+            let (number, frame) = places[link];
+            for joint in children.get(link).into_iter().flatten() {
+                places.entry(&joint.child).or_insert_with(|| {
+                    open.push(&joint.child);
+                    (number, frame * joint.origin)
+                });
+            }
+        }
+        places
+    }
+}
+
+/// A mesh in the link that it belongs to.
+struct Found {
+    link: String,
+    is_visual: bool,
+    origin: Isometry3<f64>,
+    /// Its pose is not known yet.
+    mesh: UrdfMesh,
+}
+
+/// A colour, or the name of one.
+enum Colour {
+    Of([f64; 4]),
+    Named(String),
+}
+
+/// What is known so far of a visual or of a collision.
+struct Draft {
+    is_visual: bool,
+    origin: Isometry3<f64>,
+    colour: Option<Colour>,
+    mesh: Option<UrdfMesh>,
+}
+
+/// All meshes of a URDF, in the order of the file. The text is well-formed: it was read before.
+fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
+    let mut reader = Reader::from_str(text);
+    // Names of the elements that are open, without the outermost.
+    let mut open: Vec<Vec<u8>> = Vec::new();
+    let mut depth = 0_usize;
+    let mut quaternions = false;
+    let mut link = String::new();
+    let mut draft: Option<Draft> = None;
+    let mut material = None;
+    let mut colours: HashMap<String, [f64; 4]> = HashMap::new();
+    let mut all: Vec<(Found, Option<Colour>)> = Vec::new();
+    loop {
+        let start = offset(reader.buffer_position());
+        let (element, is_open) = match reader.read_event() {
+            Ok(Event::Start(element)) => (element, true),
+            Ok(Event::Empty(element)) => (element, false),
+            Ok(Event::End(_)) => {
+                depth = depth.saturating_sub(1);
+                open.truncate(depth.saturating_sub(1));
+                if depth == 2
+                    && let Some(Draft { is_visual, origin, colour, mesh: Some(mesh) }) =
+                        draft.take()
+                {
+                    all.push((Found { link: link.clone(), is_visual, origin, mesh }, colour));
+                }
+                continue;
+            }
+            Ok(Event::Eof) | Err(_) => break,
+            Ok(_) => continue,
+        };
+        let at = At { text, start, end: offset(reader.buffer_position()) };
+        let tag = Tag { element: &element, at };
+        let name = element.name().as_ref().to_vec();
+        let path: Vec<&[u8]> = open.iter().map(Vec::as_slice).chain([name.as_slice()]).collect();
+        match (path.as_slice(), &mut draft) {
+            _ if depth == 0 => {
+                quaternions = tag.attribute("version")?.is_some_and(|v| v.trim() != "1.0");
+            }
+            ([b"link"], _) => link = tag.required("name", "a link")?,
+            ([b"link", kind @ (b"visual" | b"collision")], _) => {
+                draft = Some(Draft {
+                    is_visual: *kind == b"visual",
+                    origin: Isometry3::identity(),
+                    colour: None,
+                    mesh: None,
+                });
+            }
+            ([b"link", _, b"origin"], Some(draft)) => draft.origin = tag.origin(quaternions)?,
+            ([b"link", _, b"geometry", b"mesh"], Some(draft)) => {
+                draft.mesh = Some(UrdfMesh {
+                    file: tag.required("filename", &format!("a mesh of link {link:?}"))?,
+                    scale: tag.numbers("scale")?.unwrap_or([1.0; 3]),
+                    pose: Pose::IDENTITY,
+                    rgba: None,
+                    at: at.place(),
+                });
+            }
+            ([b"link", _, b"material"], Some(draft)) => {
+                draft.colour = tag.attribute("name")?.map(Colour::Named);
+                material = tag.attribute("name")?;
+            }
+            ([b"material"], _) => material = tag.attribute("name")?,
+            ([b"link", _, b"material", b"color"], Some(draft)) => {
+                if let Some(rgba) = tag.numbers("rgba")? {
+                    draft.colour = Some(Colour::Of(rgba));
+                    material.take().map(|name| colours.insert(name, rgba));
+                }
+            }
+            ([b"material", b"color"], _) => {
+                if let (Some(name), Some(rgba)) = (material.take(), tag.numbers("rgba")?) {
+                    colours.insert(name, rgba);
+                }
+            }
+            _ => {}
+        }
+        if is_open {
+            if depth > 0 {
+                open.push(name);
+            }
+            depth += 1;
+        }
+    }
+    // A colour may be given further below.
+    Ok(all
+        .into_iter()
+        .map(|(mut found, colour)| {
+            found.mesh.rgba = colour.and_then(|colour| match colour {
+                Colour::Of(rgba) => Some(rgba),
+                Colour::Named(name) => colours.get(&name).copied(),
+            });
+            found
+        })
+        .collect())
+}
+
+fn pose(frame: &Isometry3<f64>) -> Pose {
+    let rotation = frame.rotation.to_rotation_matrix();
+    Pose {
+        position_m: frame.translation.vector.into(),
+        rotation: std::array::from_fn(|i| std::array::from_fn(|j| rotation[(i, j)])),
+    }
+}

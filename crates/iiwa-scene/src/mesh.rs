@@ -1,0 +1,207 @@
+//! Triangles from files of meshes.
+
+use std::{collections::HashSet, io, panic, path::Path};
+
+/// Most triangles of a mesh: it is CAD of a tool or of an arm, and not a scan of a hall.
+pub(crate) const MAX_TRIANGLES: usize = 2_000_000;
+
+/// Triangles of a file, in its own unit and frame.
+///
+/// ```
+/// use iiwa_scene::TriangleMesh;
+///
+/// let wedge = "v 0 0 0\nv 60 0 0\nv 0 40 0\nv 0 0 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+/// let mesh = TriangleMesh::read("wedge.obj", wedge.as_bytes(), |_| None)?;
+/// assert_eq!(mesh.patches[0].triangles.len(), 4);
+/// # Ok::<(), iiwa_scene::TriangleMeshError>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct TriangleMesh {
+    /// Its parts, each of one colour, none without a triangle.
+    pub patches: Vec<Patch>,
+}
+
+/// Triangles of one colour.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Patch {
+    /// Their corners.
+    pub points: Vec<[f64; 3]>,
+    /// Numbers of three corners each, counterclockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Red, green and blue, from 0 to 1, if the file gives a colour.
+    pub rgb: Option<[f64; 3]>,
+}
+
+/// Why a file is no mesh.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TriangleMeshError {
+    /// The name has another ending.
+    #[error("meshes are read from *.stl, *.obj and *.dae")]
+    Format,
+    /// It cannot be read as what its name says.
+    #[error("it is no {format} file: {error}")]
+    Unread {
+        /// What it should be: `STL`, `OBJ` or `Collada`.
+        format: &'static str,
+        /// What was found, and where.
+        error: io::Error,
+    },
+    /// It has no triangles.
+    #[error("it has no triangles")]
+    Empty,
+    /// It has too many triangles.
+    #[error("it has {found} triangles; it may have {max}")]
+    TooMany {
+        /// How many there are.
+        found: usize,
+        /// How many there may be.
+        max: usize,
+    },
+    /// A coordinate is none.
+    #[error("a corner has a coordinate that is no number")]
+    NotFinite,
+}
+
+impl TriangleMesh {
+    /// Reads `bytes`, the contents of a file whose name ends in `.stl` (binary or ASCII), `.obj` or `.dae` (Collada).
+    /// `materials` is asked for the files of materials that an OBJ file names; without them it has no colours.
+    ///
+    /// # Errors
+    ///
+    /// If it is no such file, or has no triangles or more than two million.
+    pub fn read(
+        name: &str,
+        bytes: &[u8],
+        materials: impl FnMut(&Path) -> Option<Vec<u8>>,
+    ) -> Result<Self, TriangleMeshError> {
+        let format = MeshFormat::of(name).ok_or(TriangleMeshError::Format)?;
+        let unread = |error| TriangleMeshError::Unread { format: format.name(), error };
+        let read = format.read(bytes, materials).map_err(unread)?;
+        let found = read.meshes.iter().map(|mesh| mesh.faces.len()).sum();
+        if found == 0 {
+            return Err(TriangleMeshError::Empty);
+        }
+        if found > MAX_TRIANGLES {
+            return Err(TriangleMeshError::TooMany { found, max: MAX_TRIANGLES });
+        }
+        let mut patches = Vec::new();
+        for (number, mesh) in read.meshes.iter().enumerate() {
+            if mesh.faces.is_empty() {
+                continue;
+            }
+            let points = mesh.vertices.iter().map(|point| point.map(f64::from)).collect::<Vec<_>>();
+            if points.iter().flatten().any(|value| !value.is_finite()) {
+                return Err(TriangleMeshError::NotFinite);
+            }
+            let colour = read.materials.get(number).and_then(|material| material.color.diffuse);
+            let triangles = mesh.faces.iter().copied();
+            let known = |corners: &[u32; 3]| corners.iter().all(|it| (*it as usize) < points.len());
+            let triangles = triangles.filter(known).collect();
+            let rgb = colour.map(|[red, green, blue, _]| [red, green, blue].map(f64::from));
+            patches.push(Patch { points, triangles, rgb });
+        }
+        Ok(Self { patches })
+    }
+}
+
+/// A format of meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MeshFormat {
+    Stl,
+    Obj,
+    Collada,
+}
+
+impl MeshFormat {
+    /// The format of a file, by its ending.
+    pub(crate) fn of(name: &str) -> Option<Self> {
+        match name.rsplit_once('.')?.1.to_ascii_lowercase().as_str() {
+            "stl" => Some(Self::Stl),
+            "obj" => Some(Self::Obj),
+            "dae" => Some(Self::Collada),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Stl => "STL",
+            Self::Obj => "OBJ",
+            Self::Collada => "Collada",
+        }
+    }
+
+    /// Reads a file of this format.
+    pub(crate) fn read(
+        self,
+        bytes: &[u8],
+        mut materials: impl FnMut(&Path) -> Option<Vec<u8>>,
+    ) -> io::Result<mesh_loader::Scene> {
+        match self {
+            Self::Stl => stl(bytes),
+            Self::Obj => mesh_loader::obj::from_slice(bytes, None, |path: &Path| {
+                materials(path).ok_or_else(|| io::ErrorKind::NotFound.into())
+            }),
+            Self::Collada => collada(bytes),
+        }
+    }
+}
+
+/// Reads Collada. A part that a file shows at several places would be read at one of them.
+fn collada(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
+    const INSTANCE: &str = "<instance_geometry";
+    let text = String::from_utf8_lossy(bytes);
+    let mut shown = HashSet::new();
+    for tag in text.split(INSTANCE).skip(1) {
+        let url = tag.split('>').next().unwrap_or_default().split("url=").nth(1);
+        let part = url.and_then(|url| url.split(['"', '\'']).nth(1)).unwrap_or_default();
+        if !shown.insert(part) {
+            return refuse(format!(
+                "it shows its part {part:?} at several places, which cannot be read: write the mesh as STL or OBJ"
+            ));
+        }
+    }
+    // Of indices that lead nowhere, the library panics.
+    panic::catch_unwind(|| mesh_loader::collada::from_slice(bytes))
+        .unwrap_or_else(|_| refuse("its numbers lead to corners that it does not have"))
+}
+
+fn refuse<T>(what: impl Into<String>) -> io::Result<T> {
+    Err(io::Error::new(io::ErrorKind::InvalidData, what.into()))
+}
+
+/// Reads ASCII or binary STL. Of a binary file, the length has to be what its count of triangles says: else a part of it is
+/// missing, and a part of the tool would be.
+fn stl(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
+    const HEADER: usize = 84;
+    const TRIANGLE: usize = 50;
+    if bytes.is_empty() {
+        return refuse("it is empty");
+    }
+    let count = bytes.get(80..HEADER).and_then(|count| count.try_into().ok());
+    let triangles = count.map(u32::from_le_bytes);
+    let is_whole = triangles
+        .is_some_and(|count| (bytes.len() - HEADER) as u64 == u64::from(count) * TRIANGLE as u64);
+    let is_text =
+        bytes.starts_with(b"solid") && !bytes.contains(&0) && str::from_utf8(bytes).is_ok();
+    if !is_whole && !is_text {
+        return refuse(match triangles {
+            Some(count) => format!(
+                "it is no text that begins with `solid`, and as a binary file of {count} triangles it would have another length"
+            ),
+            None => {
+                "it is no text that begins with `solid`, and too short for a binary file".to_owned()
+            }
+        });
+    }
+    let read = mesh_loader::stl::from_slice(bytes)?;
+    let found: usize = read.meshes.iter().map(|mesh| mesh.faces.len()).sum();
+    match triangles.filter(|_| is_whole) {
+        Some(count) if found != count as usize => {
+            refuse(format!("{found} of its {count} triangles could be read"))
+        }
+        _ => Ok(read),
+    }
+}

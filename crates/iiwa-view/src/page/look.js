@@ -1,0 +1,42 @@
+// What the arm looks like: surfaces of its links, as they come packed.
+
+/** A direction from its point on an unfolded octahedron. */
+function folded(u, v) {
+  const z = 1 - Math.abs(u) - Math.abs(v);
+  const under = Math.max(-z, 0);
+  const [x, y] = [u + (u < 0 ? under : -under), v + (v < 0 ? under : -under)];
+  const length = Math.hypot(x, y, z);
+  return [x / length, y / length, z / length];
+}
+
+/** All surfaces of the links as the 3D view takes them: ten numbers for each corner (its place, its normal, its colour, its
+    link), and triangles; and whether its insides cannot be seen. */
+function unpackLook({ links, is_closed }) {
+  const FULL = 65535;
+  const parts = links.flatMap((surfaces, link) =>
+    surfaces.map((it) => ({
+      ...it,
+      link,
+      positions: new Uint16Array(unpack(it.positions)),
+      normals: new Uint16Array(unpack(it.normals)),
+      triangles: it.is_large ? new Uint32Array(unpack(it.triangles)) : new Uint16Array(unpack(it.triangles)),
+    })),
+  );
+  const sum = (of) => parts.reduce((all, part) => all + of(part), 0);
+  const floats = new Float32Array(10 * sum((part) => part.positions.length / 3));
+  const triangles = new Uint32Array(sum((part) => part.triangles.length));
+  let [first, next] = [0, 0];
+  for (const { link, paint, low_m: low, size_m: size, positions, normals, triangles: corners } of parts) {
+    const count = positions.length / 3;
+    for (let i = 0; i < count; i++) {
+      const at = 10 * (first + i);
+      for (let k = 0; k < 3; k++) floats[at + k] = low[k] + (size[k] * positions[3 * i + k]) / FULL;
+      floats.set(folded((2 * normals[2 * i]) / FULL - 1, (2 * normals[2 * i + 1]) / FULL - 1), at + 3);
+      for (let k = 0; k < 3; k++) floats[at + 6 + k] = paint[k] / 255;
+      floats[at + 9] = link;
+    }
+    for (const corner of corners) triangles[next++] = first + corner;
+    first += count;
+  }
+  return { floats, triangles, is_closed };
+}

@@ -1,0 +1,24 @@
+//! Surfaces and their colours.
+
+use serde::Serialize;
+
+use super::surface::Surface;
+
+/// A colour: red, green and blue as screens have them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct Paint(pub(crate) [u8; 3]);
+
+impl Paint {
+    /// Of shares from 0 to 1.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
+    pub(super) fn of(rgb: [f64; 3]) -> Self {
+        Self(rgb.map(|share| (255.0 * share).round() as u8))
+    }
+}
+
+/// A surface of one colour.
+#[derive(Clone, Debug)]
+pub(crate) struct Skin {
+    pub(super) paint: Paint,
+    pub(super) surface: Surface,
+}

@@ -1,0 +1,206 @@
+//! Meshes of users with fewer triangles, and with normals.
+
+use std::collections::HashMap;
+
+use super::surface::{Surface, cross, difference, dot, unit};
+
+/// Points and triangles of their numbers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Soup {
+    /// In m.
+    pub(super) points: Vec<[f64; 3]>,
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+/// Points that are not farther apart are one, in m.
+const SAME_M: f64 = 1e-6;
+
+/// Cosine of the angle between two triangles from which on their edge is a crease.
+const CREASE: f64 = 0.76;
+
+impl Soup {
+    /// Where corners are in one place there is one, and triangles without an area are gone.
+    pub(super) fn welded(&self) -> Self {
+        let cell = |point: [f64; 3]| point.map(|v| (v / SAME_M).round());
+        self.gathered(cell, |points| points[0])
+    }
+
+    /// Soups with no more than so many triangles in all. What is in one cell of a grid becomes one corner: where it is nearest to
+    /// the planes of all triangles there (Lindstrom 2000), so that edges and flat faces stay where they are.
+    pub(super) fn thinned(soups: Vec<Self>, most: usize) -> Vec<Self> {
+        let count = |soups: &[Self]| soups.iter().map(|soup| soup.triangles.len()).sum::<usize>();
+        if count(&soups) <= most {
+            return soups;
+        }
+        // The finest grid that is coarse enough, within a twentieth.
+        let (mut fine_m, mut coarse_m) = (1e-4, 2e-4);
+        let at = |size_m: f64| soups.iter().map(|soup| soup.clustered(size_m)).collect::<Vec<_>>();
+        let mut thin = at(coarse_m);
+        while count(&thin) > most {
+            (fine_m, coarse_m) = (coarse_m, 2.0 * coarse_m);
+            thin = at(coarse_m);
+        }
+        while coarse_m / fine_m > 1.05 {
+            let middle_m = (fine_m * coarse_m).sqrt();
+            let other = at(middle_m);
+            if count(&other) > most {
+                fine_m = middle_m;
+            } else {
+                (coarse_m, thin) = (middle_m, other);
+            }
+        }
+        thin
+    }
+
+    fn clustered(&self, size_m: f64) -> Self {
+        let cell = |point: [f64; 3]| point.map(|v| (v / size_m).floor());
+        let mut planes: HashMap<[i64; 3], Quadric> = HashMap::new();
+        for corners in &self.triangles {
+            let [a, b, c] = corners.map(|it| self.points[it as usize]);
+            let across = cross(difference(b, a), difference(c, a));
+            for corner in [a, b, c] {
+                planes.entry(whole(cell(corner))).or_default().add(across, a);
+            }
+        }
+        let middle = |points: &[[f64; 3]]| -> [f64; 3] {
+            std::array::from_fn(|i| points.iter().map(|p| p[i]).sum::<f64>() / points.len() as f64)
+        };
+        self.gathered(cell, |points| {
+            let home = cell(points[0]);
+            let near = middle(points);
+            let best = planes.get(&whole(home)).map_or(near, |planes| planes.nearest(near));
+            // Never far outside its cell.
+            std::array::from_fn(|i| {
+                best[i].clamp((home[i] - 0.5) * size_m, (home[i] + 1.5) * size_m)
+            })
+        })
+    }
+
+    /// All points of a cell become one, which `one` makes of them. Triangles between fewer than three cells are gone, and
+    /// so are those that are there twice.
+    fn gathered(
+        &self,
+        cell: impl Fn([f64; 3]) -> [f64; 3],
+        one: impl Fn(&[[f64; 3]]) -> [f64; 3],
+    ) -> Self {
+        let mut numbers: HashMap<[i64; 3], usize> = HashMap::new();
+        let mut groups: Vec<Vec<[f64; 3]>> = Vec::new();
+        let mut number_of = |point: [f64; 3]| {
+            let number = *numbers.entry(whole(cell(point))).or_insert_with(|| {
+                groups.push(Vec::new());
+                groups.len() - 1
+            });
+            groups[number].push(point);
+            u32::try_from(number).unwrap_or(u32::MAX)
+        };
+        let mut known = std::collections::HashSet::new();
+        let mut triangles = Vec::new();
+        for corners in &self.triangles {
+            let [a, b, c] = corners.map(|it| number_of(self.points[it as usize]));
+            if a == b || b == c || c == a {
+                continue;
+            }
+            let mut sorted = [a, b, c];
+            sorted.sort_unstable();
+            // A triangle and its back are two sides of a sheet.
+            let is_even = sorted == [a, b, c] || sorted == [b, c, a] || sorted == [c, a, b];
+            if known.insert((sorted, is_even)) {
+                triangles.push([a, b, c]);
+            }
+        }
+        let points = groups.iter().map(|points| one(points)).collect();
+        Self { points, triangles }
+    }
+
+    /// The surface with normals: smooth where triangles meet at a small angle, with creases where they do not.
+    pub(super) fn surface(&self) -> Surface {
+        let normals: Vec<[f64; 3]> =
+            self.triangles.iter().map(|corners| self.across(corners)).collect();
+        let mut around: Vec<Vec<usize>> = vec![Vec::new(); self.points.len()];
+        for (number, corners) in self.triangles.iter().enumerate() {
+            for corner in corners {
+                around[*corner as usize].push(number);
+            }
+        }
+        let mut surface = Surface::default();
+        let mut made: HashMap<(u32, [i64; 3]), u32> = HashMap::new();
+        for (number, corners) in self.triangles.iter().enumerate() {
+            let own = unit(normals[number]);
+            surface.triangles.push(corners.map(|corner| {
+                let sum = around[corner as usize]
+                    .iter()
+                    .filter(|other| dot(unit(normals[**other]), own) > CREASE)
+                    .fold([0.0; 3], |sum, other| {
+                        std::array::from_fn(|i| sum[i] + normals[*other][i])
+                    });
+                let normal = if dot(sum, sum) > 0.0 { unit(sum) } else { own };
+                let key = (corner, normal.map(|v| (v * 500.0).round()));
+                *made.entry((key.0, whole(key.1))).or_insert_with(|| {
+                    surface.positions.push(self.points[corner as usize]);
+                    surface.normals.push(normal);
+                    u32::try_from(surface.positions.len() - 1).unwrap_or(u32::MAX)
+                })
+            }));
+        }
+        surface
+    }
+
+    /// Across a triangle, outwards, twice as long as its area.
+    fn across(&self, corners: &[u32; 3]) -> [f64; 3] {
+        let [a, b, c] = corners.map(|it| self.points[it as usize]);
+        cross(difference(b, a), difference(c, a))
+    }
+}
+
+/// Squares of distances from planes, as a quadratic form about the origin.
+#[derive(Clone, Copy, Debug, Default)]
+struct Quadric {
+    /// The sum of products of the normals, and of the normals and the planes' offsets.
+    squares: [[f64; 3]; 3],
+    offsets: [f64; 3],
+}
+
+impl Quadric {
+    /// Adds a triangle's plane, through `point`; the normal's length is its weight.
+    fn add(&mut self, across: [f64; 3], point: [f64; 3]) {
+        let weight = dot(across, across).sqrt();
+        let normal = unit(across);
+        let offset = dot(normal, point);
+        for i in 0..3 {
+            for j in 0..3 {
+                self.squares[i][j] += weight * normal[i] * normal[j];
+            }
+            self.offsets[i] += weight * normal[i] * offset;
+        }
+    }
+
+    /// The point that is nearest to all planes; along directions that they leave open, the one next to `near`.
+    fn nearest(&self, near: [f64; 3]) -> [f64; 3] {
+        let trace = self.squares[0][0] + self.squares[1][1] + self.squares[2][2];
+        if trace <= 0.0 {
+            return near;
+        }
+        // Pulled to `near` a little: a sheet leaves two directions open.
+        let pull = 1e-3 * trace;
+        let mut rows: [[f64; 3]; 3] = self.squares;
+        for (i, row) in rows.iter_mut().enumerate() {
+            row[i] += pull;
+        }
+        let right: [f64; 3] = std::array::from_fn(|i| self.offsets[i] + pull * near[i]);
+        let whole = dot(rows[0], cross(rows[1], rows[2]));
+        if whole <= 0.0 {
+            return near;
+        }
+        // Cramer's rule; the matrix is symmetric.
+        std::array::from_fn(|i| {
+            let mut columns = rows;
+            columns[i] = right;
+            dot(columns[0], cross(columns[1], columns[2])) / whole
+        })
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a cell of a grid")]
+fn whole(cell: [f64; 3]) -> [i64; 3] {
+    cell.map(|v| v as i64)
+}
