@@ -24,25 +24,9 @@ import pypdf
 from charts import CHART_CHECKS
 from checks import run_checks
 from chromium import Browser
-from pages import FIXTURES, Pages
+from pages import CHARTS, CLOCK, FIXTURES, SCENE, Pages, desk, seek
 from scene import TOOL
-from view import SCENE, VIEW_CHECKS, desk, meshes_of_a_urdf_are_drawn
-
-CLOCK = "parseFloat(document.getElementById('clock').textContent)"
-# A canvas that was read is drawn in another way from then on, so that it is drawn anew and read again.
-READ = "[...document.querySelectorAll('#charts canvas')].map(it => it.toDataURL()).join()"
-CHARTS = f"(() => {{ {READ}; drawCharts(); return {READ} }})()"
-
-
-def seek(browser: Browser, t: float) -> None:
-    """As people do with the keyboard or a finger: the slider has another value."""
-    script = f"""(() => {{
-        const scrub = document.getElementById("scrub");
-        scrub.value = {t};
-        scrub.dispatchEvent(new Event("input", {{ bubbles: true }}));
-    }})()"""
-    browser.run(script)
-    browser.frames()
+from view import VIEW_CHECKS, meshes_of_a_urdf_are_drawn
 
 
 def speed(browser: Browser, factor: float) -> None:

@@ -3,15 +3,7 @@
 from __future__ import annotations
 
 from chromium import Browser
-from pages import FIXTURES, Pages
-
-# What was drawn is gone once it is on the screen.
-SCENE = "(drawScene(), document.getElementById('scene').toDataURL())"
-
-
-def desk(browser: Browser) -> None:
-    browser.size(1280, 900)
-    browser.scheme("light")
+from pages import FIXTURES, SCENE, Pages, desk
 
 
 def view_can_be_turned(browser: Browser, pages: Pages) -> None:
