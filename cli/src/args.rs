@@ -40,8 +40,9 @@ Exit codes:
 
 const FILES: &str = "\
 Files:
-  What can be made again is replaced: trajectories, pictures, reports, the results of virtual robots. What was
-  measured on a robot, or may have been edited by hand, is not: recordings, robot profiles, frames; --overwrite
+  What can be made again is replaced: trajectories, pictures, reports, the
+  results of virtual robots. What was measured on a robot, or may have been
+  edited by hand, is not: recordings, robot profiles, frames; --overwrite
   replaces them. Keys never are.";
 
 /// Version, commit and abilities.
