@@ -423,7 +423,7 @@ fn a_blend_into_nothing() {
     for blend in ["\"sunrise_rel\": 0.05", "\"cart_mm\": 4", "\"fraction\": 0.5"] {
         let text = GOOD.replace("90, 0] }\n", &format!("90, 0], \"blend\": {{ {blend} }} }}\n"));
         let [with, without] = [&*text, GOOD].map(|text| Program::from_json(text).unwrap());
-        assert_eq!(with.blend_at_the_end().map(|motion| motion.number()), Some(4));
+        assert_eq!(with.blend_at_the_end().map(MotionIndex::number), Some(4));
         assert_eq!(without.blend_at_the_end(), None);
         let blends = |program: &Program| {
             JointPath::new(program, &Robot::lbr_iiwa_7_r800()).unwrap().blends().count()
