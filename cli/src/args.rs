@@ -40,8 +40,9 @@ Exit codes:
 
 const FILES: &str = "\
 Files:
-  What can be made again is replaced: trajectories, pictures, reports, the results of virtual robots. What was
-  measured on a robot, or may have been edited by hand, is not: recordings, robot profiles, frames; --overwrite
+  What can be made again is replaced: trajectories, pictures, reports, the
+  results of virtual robots. What was measured on a robot, or may have been
+  edited by hand, is not: recordings, robot profiles, frames; --overwrite
   replaces them. Keys never are.";
 
 /// Version, commit and abilities.
@@ -61,9 +62,12 @@ impl Arguments {
     pub(crate) fn command_line() -> clap::Command {
         Self::command().mut_subcommands(|command| {
             // Else, a negative number would be taken for an option.
-            let number = |arg: Arg| match arg.is_positional() || !arg.get_action().takes_values() {
-                true => arg,
-                false => arg.allow_negative_numbers(true),
+            let number = |arg: Arg| {
+                if arg.is_positional() || !arg.get_action().takes_values() {
+                    arg
+                } else {
+                    arg.allow_negative_numbers(true)
+                }
             };
             command.mut_args(number).after_help(EXIT_CODES)
         })

@@ -2,7 +2,10 @@
 
 use std::{io, path::Path};
 
-use svg2pdf::usvg::{Options, Tree};
+use svg2pdf::{
+    ConversionOptions, PageOptions,
+    usvg::{Options, Tree},
+};
 
 use crate::failure::Failure;
 
@@ -60,7 +63,7 @@ pub(crate) fn content(path: &Path, svg: String) -> Result<Vec<u8>, Failure> {
     options.fontdb_mut().set_sans_serif_family(family);
     let tree = Tree::from_str(&svg, &options).map_err(|error| refuse(error.to_string()))?;
     if format == Format::Pdf {
-        return svg2pdf::to_pdf(&tree, Default::default(), Default::default())
+        return svg2pdf::to_pdf(&tree, ConversionOptions::default(), PageOptions::default())
             .map_err(|error| refuse(error.to_string()));
     }
     let size = tree.size().to_int_size().scale_by(SCALE);

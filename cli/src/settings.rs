@@ -24,10 +24,12 @@ const ROBOT_VARIABLE: &str = "IIWASIM_ROBOT";
 /// What `--help` says of all this.
 pub(crate) const HELP: &str = "\
 Defaults:
-  iiwasim.toml in this folder, or in the nearest one above, may set robot, scene, drive, stream, key and
-  server_key; paths are relative to it. IIWASIM_CONFIG names another file. IIWASIM_ROBOT, IIWASIM_SCENE,
-  IIWASIM_DRIVE, IIWASIM_STREAM, IIWASIM_KEY and IIWASIM_SERVER_KEY win over the file, options over both. The robot
-  is for programs and commands that name none.";
+  iiwasim.toml in this folder, or in the nearest one above, may set robot,
+  scene, drive, stream, key and server_key; paths are relative to it.
+  IIWASIM_CONFIG names another file. IIWASIM_ROBOT, IIWASIM_SCENE,
+  IIWASIM_DRIVE, IIWASIM_STREAM, IIWASIM_KEY and IIWASIM_SERVER_KEY win over
+  the file, options over both. The robot is for programs and commands that
+  name none.";
 
 /// The content of the file.
 #[derive(Debug, Default, Deserialize)]

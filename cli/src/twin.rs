@@ -15,6 +15,7 @@ mod dispatcher;
 mod follow;
 mod guard;
 mod health;
+mod jog;
 mod message;
 mod page_socket;
 mod planned;

@@ -211,6 +211,33 @@ fn spheres_are_about_their_targets() {
     }
 }
 
+/// The arm stands where it is nearest: plan, report and the report of a recording name the instant of its arrival.
+#[test]
+fn the_nearest_instant_is_the_same_everywhere() {
+    let folder = tempdir().unwrap();
+    let program = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, -60, 0, 60, 0] }, "motions": [
+        { "type": "ptp", "joints_deg": [13, 61, 7, -31, 5, 50, 0] },
+        { "type": "wait", "seconds": 1 },
+        { "type": "ptp", "joints_deg": [0, 0, 0, -60, 0, 60, 0] } ] }"#;
+    let scene = r#"{ "version": 1, "obstacles": [
+        { "name": "wall", "type": "plane", "point_mm": [1200, 300, 0], "normal": [-1, -0.1, 0.02] } ] }"#;
+    fs::write(folder.path().join("program.json"), program).unwrap();
+    fs::write(folder.path().join("scene.json"), scene).unwrap();
+    let planned = iiwasim(
+        &folder,
+        &["plan", "program.json", "--scene", "scene.json", "-o", "plan.mcap", "--json"],
+    );
+    let planned: Value = serde_json::from_slice(&planned.success().get_output().stdout).unwrap();
+    let at_s = planned["clearance"]["at_s"].as_f64().unwrap();
+    let measured = recorded(&fs::read(folder.path().join("plan.mcap")).unwrap(), program);
+    fs::write(folder.path().join("measured.mcap"), measured).unwrap();
+    let data = data(&page(&folder, &["plan.mcap", "measured.mcap", "--scene", "scene.json"]));
+    for arm in data["arms"].as_array().unwrap() {
+        let found_s = arm["clearance"]["nearest"]["at_s"].as_f64().unwrap();
+        assert!((found_s - at_s).abs() < 0.015, "{found_s} {at_s}");
+    }
+}
+
 #[test]
 fn two_files_are_held_against_each_other() {
     let folder = plan("waits-and-stops.json");

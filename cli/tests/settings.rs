@@ -4,7 +4,6 @@
 
 #[path = "common/helpers.rs"]
 mod helpers;
-#[expect(dead_code, reason = "other tests use the rest")]
 #[path = "common/run.rs"]
 mod run;
 

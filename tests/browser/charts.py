@@ -6,6 +6,7 @@ import math
 
 from accessibility import check_accessibility
 from chromium import Browser
+from pages import desk
 
 # The texts that charts write, with where each begins and ends, in px of its canvas; and the lines that they draw.
 WATCH = """(() => {
@@ -32,11 +33,6 @@ WATCH = """(() => {
 })()"""
 SPAN = "state.window.to - state.window.from"
 TOLD = "document.querySelector('.told:not([hidden])')"
-
-
-def desk(browser: Browser) -> None:
-    browser.size(1280, 900)
-    browser.scheme("light")
 
 
 def numbers_along_axes_are_whole(browser: Browser, pages) -> None:

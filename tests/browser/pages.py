@@ -18,6 +18,14 @@ from scene import write_scene
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 
 
+# What was drawn is gone once it is on the screen.
+SCENE = "(drawScene(), document.getElementById('scene').toDataURL())"
+CLOCK = "parseFloat(document.getElementById('clock').textContent)"
+# A canvas that was read is drawn in another way from then on, so that it is drawn anew and read again.
+READ = "[...document.querySelectorAll('#charts canvas')].map(it => it.toDataURL()).join()"
+CHARTS = f"(() => {{ {READ}; drawCharts(); return {READ} }})()"
+
+
 def many_motions(count: int) -> dict:
     """To and fro, with blends and limits of their own now and then."""
     motions = []
@@ -148,3 +156,19 @@ class Pages:
 
     def keep(self, browser: Browser, name: str, whole: bool = True) -> None:
         (self.folder / f"{name}.png").write_bytes(browser.picture(whole))
+
+
+def desk(browser: Browser) -> None:
+    browser.size(1280, 900)
+    browser.scheme("light")
+
+
+def seek(browser: Browser, t: float) -> None:
+    """As people do with the keyboard or a finger: the slider has another value."""
+    script = f"""(() => {{
+        const scrub = document.getElementById("scrub");
+        scrub.value = {t};
+        scrub.dispatchEvent(new Event("input", {{ bubbles: true }}));
+    }})()"""
+    browser.run(script)
+    browser.frames()

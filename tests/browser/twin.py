@@ -271,6 +271,26 @@ def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
     browser.until("history_.count < 10_000")
 
 
+def joints_are_turned(browser: Browser, twin: Twin) -> None:
+    twin.open(browser)
+    browser.until("live.health.status.state === 'idle' && document.body.classList.contains('simulated')")
+    joint = "live.newest.joints_rad[2] * DEG"
+    before = browser.run(joint)
+    browser.run("document.getElementById('jog-step').value = '7'")
+    for name, by in (("Turn A3 forth by a step", 7), ("Turn A3 back by a step", 0)):
+        browser.until(f"!document.querySelector('[aria-label=\"{name}\"]').disabled")
+        browser.click(f"[aria-label='{name}']")
+        browser.until(f"Math.abs({joint} - {before + by}) < 0.01")
+        assert text(browser, "jog-said") == ""
+    twin.keep(browser, "twin-jog")
+    # What is refused is told, and what is no step is not even asked for.
+    why = browser.run("order('jog', { joint: 3, step_deg: 46 }).then(() => '', it => it.message)")
+    assert "45 deg at most" in why, why
+    # Without a word of the drive that the robot is simulated, there are no such buttons.
+    browser.run("link.takes.health({ status: { ...live.health.status, simulated: false } })")
+    assert browser.run("getComputedStyle(document.querySelector('td.jog')).display") == "none"
+
+
 def nothing_is_called_live_before_data(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
     browser.run("([live.newest, live.fresh] = [null, false], link.takes.live = () => {}, 1)")
@@ -393,6 +413,7 @@ CHECKS = [
     positions_are_kept,
     nothing_is_armed_after_a_broken_file,
     the_last_minutes_are_plotted,
+    joints_are_turned,
     nothing_is_called_live_before_data,
     people_without_a_mouse_are_served,
     outputs_are_switched,

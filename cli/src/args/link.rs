@@ -6,7 +6,7 @@ use clap::{Args, Subcommand};
 use iiwa_link::{message::IoValue, security::Endpoint};
 
 use super::{
-    addresses::{ClientKeys, DRIVE, DriveAddress, STREAM, ServerKeys},
+    addresses::{DRIVE, DriveAddress, STREAM, ServerKeys},
     values::{
         at_least_0, epoch, io_value, noise, percent, percent_above_zero, period, seven, speed,
     },
@@ -153,6 +153,7 @@ pub(crate) struct CabinetFaults {
 /// The program is planned first, and the figures are printed. Then the drive runs it, and the measured joint
 /// positions are recorded as MCAP. Ctrl-C stops the robot on its path; the recording until then is kept.
 #[derive(Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Run {
     /// Motion program in JSON (`iiwasim schema` describes it); - reads standard input
     #[arg(value_name = "PROGRAM.json")]
@@ -213,7 +214,8 @@ pub(crate) struct Run {
 
 /// Record the motion of the robot as MCAP, until Ctrl-C.
 ///
-/// The file is readable at any time: if the recorder is killed, at most the last second is lost.
+/// It has the joints' positions, and their torques as `effort` where the controller measures them; the drive's state is on
+/// /diagnostics. The file is readable at any time: if the recorder is killed, at most the last second is lost.
 #[derive(Args, Debug)]
 pub(crate) struct Record {
     /// Path of the MCAP file
@@ -228,6 +230,10 @@ pub(crate) struct Record {
     #[arg(long, value_name = "S", value_parser = at_least_0)]
     pub(crate) seconds: Option<f64>,
 
+    /// Also record temperatures, inputs and outputs, once a second while the robot does not move, as /diagnostics
+    #[arg(long)]
+    pub(crate) sensors: bool,
+
     /// Start of the time stamps in the file, from 1970 to 2037, as 2020-01-01T00:00:00Z [default: now]
     #[arg(long, value_name = "TIME", value_parser = epoch)]
     pub(crate) epoch: Option<Duration>,
@@ -241,7 +247,7 @@ pub(crate) struct Record {
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]
-    pub(crate) keys: ClientKeys,
+    pub(crate) drive: DriveAddress,
 }
 
 /// Stop the robot on its path, whichever client moves it, and wait until it stands still.

@@ -10,7 +10,7 @@ use super::values::{number, seven};
 #[derive(Args, Debug)]
 pub(crate) struct Fk {
     #[command(flatten)]
-    pub(crate) joints: Joints,
+    pub(crate) joints: Configuration,
 
     /// Built-in model or robot profile; the program's, or else the LBR iiwa 7 R800
     #[arg(long, value_name = "NAME|FILE")]
@@ -42,7 +42,7 @@ pub(crate) struct Place {
 
 #[derive(Args, Debug)]
 #[group(required = true, multiple = false)]
-pub(crate) struct Joints {
+pub(crate) struct Configuration {
     /// Joints A1 to A7 in rad, as 0,0.5,0,-1,0,0.7,0
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
     joints_rad: Option<[f64; 7]>,
@@ -51,13 +51,13 @@ pub(crate) struct Joints {
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
     joints_deg: Option<[f64; 7]>,
 
-    /// Read many from standard input: a table with the columns joint_1_deg to joint_7_deg (or _rad), or a JSON object a
-    /// line with joints_deg. Prints a table with a row each, or with --json an object a line
+    /// Read many from standard input: a table with the columns `joint_1_deg` to `joint_7_deg`, or in rad, or a JSON
+    /// object a line with `joints_deg`. Prints a table with a row each, or with --json an object a line
     #[arg(long)]
     pub(crate) stdin: bool,
 }
 
-impl Joints {
+impl Configuration {
     pub(crate) fn rad(&self) -> [f64; 7] {
         let from_deg = self.joints_deg.map(|deg| deg.map(f64::to_radians));
         // One of the two is required.

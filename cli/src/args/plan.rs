@@ -16,7 +16,7 @@ const METHOD: &str = "Methods of calculation (Larsen 2019)";
 
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
-/// The table has a row for each motion: when it starts and ends, its top speed as a share of the
+/// The table has a row for each motion: when it starts, how long it takes, its top speed as a share of the
 /// joint's speed limit, and the limits that it reaches for the longest time, with their shares of its
 /// duration; --json prints all of them. A motion lasts from the start of the blend that leads into it to
 /// the start of the blend that leads out of it, or to its stop.

@@ -12,7 +12,7 @@ pub(crate) struct Urdf {
     #[arg(long, value_name = "FILE.urdf")]
     pub(crate) urdf: Option<PathBuf>,
 
-    /// Folder for package://NAME/... in that URDF: NAME is in it, or is it; may be given more than once
+    /// Folder for `package://NAME/...` in that URDF: NAME is in it, or is it; may be given more than once
     #[arg(long, value_name = "FOLDER", requires = "urdf")]
     pub(crate) package_path: Vec<PathBuf>,
 }

@@ -1,5 +1,7 @@
 //! `iiwasim record`.
 
+mod diagnostics;
+
 use std::{
     fs::{self, File},
     path::Path,
@@ -7,7 +9,7 @@ use std::{
 };
 
 use iiwa_link::{Published, Stream};
-use iiwa_log::{Config, DEFAULT_EPOCH, Recorder, RecorderConfig};
+use iiwa_log::{Config, DEFAULT_EPOCH, Recorder, RecorderConfig, WriteError};
 
 use crate::{
     args::Record,
@@ -18,6 +20,8 @@ use crate::{
     progress::Progress,
 };
 
+use diagnostics::Sensors;
+
 /// How long to wait for the stream before the file is flushed.
 const POLL: Duration = Duration::from_millis(200);
 
@@ -27,22 +31,16 @@ const NOTE_AFTER: Duration = Duration::from_secs(3);
 /// Records until an interrupt.
 pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let robot = find_robot(&options.robot)?;
-    let remote = connection::remote(&options.keys)?;
-    let mut stream = Stream::new(&remote, &options.stream.to_string())
+    let remote = connection::remote(&options.drive.keys)?;
+    let mut stream = Stream::with_torques(&remote, &options.stream.to_string())
         .map_err(|error| connection::refused(&error))?;
+    let client = options.sensors.then(|| connection::client(&options.drive)).transpose()?;
+    let mut sensors = client.map(Sensors::new);
     output::catch_interrupts();
     let path = &options.output;
-    output::keep_existing("recording", path, options.overwrite)?;
-    let file = File::create(path)
-        .map_err(|error| Failure::run(format!("cannot write {}", path.display()), &error))?;
-    let refuse = |error: iiwa_log::WriteError| {
-        Failure::run(format!("cannot write {}", path.display()), &error)
-    };
-    let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH);
-    let epoch = options.epoch.unwrap_or_else(now);
-    let config =
-        RecorderConfig { file: Config { epoch, ..Config::default() }, ..RecorderConfig::default() };
-    let mut recorder = Recorder::new(file, &robot, config).map_err(refuse)?;
+    let refuse =
+        |error: WriteError| Failure::run(format!("cannot write {}", path.display()), &error);
+    let mut recorder = Recorder::new(create(options)?, &robot, config(options)).map_err(refuse)?;
 
     let since = Instant::now();
     let limit = options.seconds.map(Duration::from_secs_f64);
@@ -51,6 +49,8 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let mut first_s = None;
     let mut last = Duration::ZERO;
     let mut fresh = false;
+    let mut torques = None;
+    let hardware_id = robot.name().to_owned();
     let mut noted = false;
     let mut progress = Progress::of_recording();
     while !output::interrupted() && limit.is_none_or(|limit| since.elapsed() < limit) {
@@ -66,7 +66,22 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
                 break;
             }
         };
+        // The clock of the file starts with the first sample.
+        let since_first =
+            |t_s: f64| first_s.and_then(|first_s| Duration::try_from_secs_f64(t_s - first_s).ok());
+        if let (Some(sensors), true) = (&mut sensors, samples > 0)
+            && let Some(parts) = sensors.read(&hardware_id)
+        {
+            told(recorder.diagnostics(last, &parts)).map_err(refuse)?;
+        }
         match published {
+            Some(Published::Torques { t_s, measured_nm, .. }) => torques = Some((t_s, measured_nm)),
+            Some(Published::State { t_s, state }) => {
+                if let Some(t) = since_first(t_s) {
+                    let parts = [diagnostics::drive(state, &hardware_id)];
+                    told(recorder.diagnostics(t, &parts)).map_err(refuse)?;
+                }
+            }
             Some(Published::Joints { t_s, joints_rad }) => {
                 let from_s = *first_s.get_or_insert(t_s);
                 let t = Duration::try_from_secs_f64(t_s - from_s).unwrap_or_default();
@@ -77,7 +92,9 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
                     left_out += 1;
                     continue;
                 }
-                recorder.sample(t, &joints_rad).map_err(refuse)?;
+                let of_now = torques.take().filter(|(torques_s, _)| *torques_s == t_s);
+                let torques_nm = of_now.as_ref().map(|(_, torques_nm)| torques_nm);
+                recorder.sample_with_torques(t, &joints_rad, torques_nm).map_err(refuse)?;
                 (last, fresh) = (t, true);
                 samples += 1;
                 progress.show(samples);
@@ -114,6 +131,29 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
         last.as_secs_f64(),
         path.display()
     ))
+}
+
+/// The file, which replaces another one only if it may.
+fn create(options: &Record) -> Result<File, Failure> {
+    let path = &options.output;
+    output::keep_existing("recording", path, options.overwrite)?;
+    File::create(path)
+        .map_err(|error| Failure::run(format!("cannot write {}", path.display()), &error))
+}
+
+/// With the time of the start.
+fn config(options: &Record) -> RecorderConfig {
+    let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH);
+    let epoch = options.epoch.unwrap_or_else(now);
+    RecorderConfig { file: Config { epoch, ..Config::default() }, ..RecorderConfig::default() }
+}
+
+/// What cannot be told because something was told at the same time is left out.
+fn told(written: Result<(), WriteError>) -> Result<(), WriteError> {
+    written.or_else(|error| match error {
+        WriteError::NotIncreasing { .. } => Ok(()),
+        error => Err(error),
+    })
 }
 
 /// Removes an empty recording, which would be in the way of the next one.

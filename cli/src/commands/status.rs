@@ -37,8 +37,8 @@ fn watch(options: &Status, mut state: DriveState) -> Result<(), Failure> {
     output::catch_interrupts();
     let mut shown = None::<Instant>;
     if !options.json {
-        let joints: String = (1..=7).map(|joint| format!("{:>9}", format!("A{joint}"))).collect();
-        output::print(&format!("{:>10}    {:<17}{joints}\n", "time", "state"))?;
+        let joints = ["A1", "A2", "A3", "A4", "A5", "A6", "A7"].map(|name| format!("{name:>8}"));
+        output::print(&format!("{:>10}    {:<18}{}\n", "time", "state", joints.join(" ")))?;
     }
     while !output::interrupted() {
         let pause = |length| shown.is_none_or(|shown| shown.elapsed() >= length);

@@ -16,6 +16,7 @@ use crate::failure::Failure;
 
 use super::{
     LatestJoints, PageChannel, Setup,
+    jog::jog,
     message::page_message,
     planned::Planned,
     positions::PositionList,
@@ -100,6 +101,14 @@ impl Dispatcher {
                 Ok(())
             }
             PageRequest::Send { plan, move_to_start } => self.send(plan, move_to_start),
+            PageRequest::Jog { joint, step_deg } => {
+                let stops = {
+                    let state = self.state();
+                    not_running(&state)?;
+                    state.stops
+                };
+                jog(joint, step_deg, &self.setup, || self.state().stops != stops)
+            }
             PageRequest::Stop => Handle::current().block_on(self.stop()),
             PageRequest::SetIo { name, value } => {
                 let mut client = self.setup.client().map_err(|failure| failure.what())?;

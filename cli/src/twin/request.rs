@@ -32,6 +32,8 @@ pub(super) enum PageRequest {
     ClearProgram,
     /// Runs the plan with this id on the robot, if it is still the current one.
     Send { plan: u64, move_to_start: bool },
+    /// Turns a joint of a simulated robot, 1 to 7.
+    Jog { joint: usize, step_deg: f64 },
     /// Stops the robot on its path, whichever client started the motion.
     Stop,
     /// Sets an output.

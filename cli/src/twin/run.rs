@@ -32,8 +32,8 @@ use super::{
     planned::Planned,
 };
 
-/// Velocity of the motion to a program's start, relative to the limits.
-const TO_START_VELOCITY_REL: f64 = 0.1;
+/// Velocity of motions that are not a program's, relative to the limits.
+const SLOW_VELOCITY_REL: f64 = 0.1;
 
 /// State of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -84,7 +84,8 @@ impl ProgramRun {
         let to_start = if offset.is_within_tolerance() {
             None
         } else if move_to_start {
-            Some(motion_to_start(start_rad, joints_rad, setup)?)
+            let refuse = |why| format!("the robot does not move to the program's start: {why}");
+            Some(motion_to(start_rad, joints_rad, setup).map_err(refuse)?)
         } else {
             return Err(format!("{offset}; let it move there first"));
         };
@@ -144,26 +145,26 @@ impl ProgramRun {
 }
 
 /// The position of the robot, if it is idle.
-fn position_when_idle(status: &Status) -> Result<Joints, String> {
+pub(super) fn position_when_idle(status: &Status) -> Result<Joints, String> {
     if status.state != DriveState::Idle {
         return Err(format!("the robot is busy: {}", status.state));
     }
     runner::position(status).ok_or_else(|| runner::UNKNOWN_POSITION.to_owned())
 }
 
-/// The slow motion to a program's start, if it keeps clear of obstacles.
-fn motion_to_start(start_rad: Joints, joints_rad: Joints, setup: &Setup) -> Result<Motion, String> {
-    let motion = Motion::Ptp(Ptp::to(start_rad).velocity(TO_START_VELOCITY_REL));
+/// A slow motion from one position to another, if it keeps clear of obstacles.
+pub(super) fn motion_to(to_rad: Joints, from_rad: Joints, setup: &Setup) -> Result<Motion, String> {
+    let motion = Motion::Ptp(Ptp::to(to_rad).velocity(SLOW_VELOCITY_REL));
     let program = Program {
         robot: None,
-        start: Start::Joints(joints_rad),
+        start: Start::Joints(from_rad),
         motions: vec![motion.clone()],
         workcell: Workcell::default(),
     };
     let plan = setup.plan(&program)?;
     match setup.too_near(setup.nearest_of(&plan).as_ref()) {
         None => Ok(motion),
-        Some(why) => Err(format!("the robot does not move to the program's start: {why}")),
+        Some(why) => Err(why),
     }
 }
 

@@ -279,7 +279,7 @@ fn positions_become_a_program() {
             ("\"version\": 1", "\"version\": 2", "version 1 is understood"),
             ("lbr_iiwa_7_r800", "lbr_iiwa_14_r820", "not of lbr_iiwa_7_r800"),
             ("\"home\"", "\"<b>there</b>\"", "there is a position"),
-            ("\"name\"", "\"nam\"", "did you mean `name`?"),
+            ("\"name\"", "\"names\"", "did you mean `name`?"),
             ("{", "", "line 1"),
         ] {
             fs::write(rig.path("positions.json"), kept.replacen(from, to, 1)).unwrap();
@@ -296,6 +296,45 @@ fn positions_become_a_program() {
         let why = page.order("save_position", json!({ "name": "lost" })).unwrap_err();
         assert!(why.contains("positions.json"), "{why}");
         names(&mut page, &["home", "<b>there</b>"]);
+    });
+}
+
+#[test]
+fn a_simulated_robot_is_turned_joint_by_joint() {
+    in_real_time(|| {
+        let rig = Rig::new();
+        let (_twin, address) = start(&rig, &["--scene", "scene.json"]);
+        let mut page = address.page();
+        let health = page.wait_for("health", |health| health["status"]["state"] == "idle");
+        assert_eq!(health["status"]["simulated"], true);
+        let before = page.wait_for("live", |live| live["joints_rad"][0].is_number());
+        page.order("jog", json!({ "joint": 3, "step_deg": 5 })).unwrap();
+        page.order("jog", json!({ "joint": 1, "step_deg": -2.5 })).unwrap();
+        let turned = |live: &Value, joint: usize, deg: f64| {
+            let at = |live: &Value| live["joints_rad"][joint].as_f64().unwrap().to_degrees();
+            (at(live) - at(&before) - deg).abs() < 0.01
+        };
+        page.wait_for("live", |live| turned(live, 0, -2.5) && turned(live, 2, 5.0));
+        for (joint, step_deg, why) in [
+            (0, 1.0, "no joint 0"),
+            (8, 1.0, "no joint 8"),
+            (1, 46.0, "45 deg at most"),
+            (6, 45.0, ""),
+            (6, 45.0, ""),
+            (6, 45.0, "A6"),
+        ] {
+            let turn = json!({ "joint": joint, "step_deg": step_deg });
+            match page.order("jog", turn) {
+                Ok(()) => assert_eq!(why, ""),
+                Err(found) => assert!(!why.is_empty() && found.contains(why), "{found}"),
+            }
+        }
+        // A robot that runs a program is not turned, nor one that is told to stop.
+        let run = rig.begin("run", &[rig.slow_program(), "--no-output", "--move-to-start"]);
+        page.wait_for("health", |health| health["status"]["state"] != "idle");
+        page.order("jog", json!({ "joint": 1, "step_deg": 1 })).unwrap_err();
+        page.order("stop", json!({})).unwrap();
+        run.end();
     });
 }
 

@@ -175,7 +175,7 @@ impl Simulation {
             Activity::Commanded(commanded) => (DriveState::RunningTrajectory, Some(commanded.run)),
             Activity::Braking(braking) => (braking.state, Some(braking.run)),
         };
-        StateChange { boot: self.boot, state, run, outcome: self.outcome.clone() }
+        StateChange { boot: self.boot, state, run, outcome: self.outcome.clone(), simulated: true }
     }
 
     /// The current joint positions, in rad.

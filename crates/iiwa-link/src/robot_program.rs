@@ -198,6 +198,9 @@ pub struct StateChange {
     /// The outcome of the last run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outcome: Option<Outcome>,
+    /// Whether the robot is a simulated one, to which nobody is near. A robot program on a cabinet never says so.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub simulated: bool,
 }
 
 /// The outcome of a run. Times are of the controller's clock, as are the time stamps of FRI.

@@ -38,9 +38,13 @@ use crate::{
 pub struct Stream {
     at: Endpoint,
     config: WireConfig,
+    topics: &'static [&'static str],
     connection: Connection,
     runtime: Runtime,
 }
+
+/// Where a stream comes from, and which of its topics are wanted.
+type Source<'a> = (&'a Endpoint, &'a WireConfig, &'static [&'static str]);
 
 enum Connection {
     None,
@@ -67,6 +71,16 @@ pub enum Published {
         /// The positions, in rad.
         joints_rad: Joints,
     },
+    /// Measured torques, every cycle of FRI, before the positions of the same time; only for
+    /// [those who ask](Stream::with_torques), and only if the controller measures them.
+    Torques {
+        /// Time stamp, in s, as that of the positions.
+        t_s: f64,
+        /// The torques of the joints, in Nm.
+        measured_nm: Joints,
+        /// The external torques of the joints, in Nm: the measured ones less those of the arm's weight and motion.
+        external_nm: Joints,
+    },
     /// The new state of the drive.
     State {
         /// Time stamp, in s.
@@ -82,6 +96,7 @@ impl Published {
     pub fn topic(&self) -> &'static str {
         match self {
             Self::Joints { .. } => "joints",
+            Self::Torques { .. } => "torques",
             Self::State { .. } => "state",
         }
     }
@@ -105,13 +120,27 @@ impl Stream {
     ///
     /// The address is invalid, or requires keys.
     pub fn new(remote: &Remote, at: &str) -> Result<Self, LinkError> {
+        Self::of(remote, at, &["joints", "state"])
+    }
+
+    /// The same with the measured torques.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn with_torques(remote: &Remote, at: &str) -> Result<Self, LinkError> {
+        Self::of(remote, at, &["torques", "joints", "state"])
+    }
+
+    fn of(remote: &Remote, at: &str, topics: &'static [&'static str]) -> Result<Self, LinkError> {
         let (at, config) = remote.wire(SocketType::Sub, at, SHORT_MESSAGE_BYTES)?;
         let runtime = transport::runtime().map_err(|source| LinkError::Thread { source })?;
-        let mut stream = Self { at, config, connection: Connection::None, runtime };
-        let Self { at, config, connection, runtime } = &mut stream;
+        let mut stream = Self { at, config, topics, connection: Connection::None, runtime };
+        let Self { at, config, topics, connection, runtime } = &mut stream;
         // The first call of `next` reports errors.
-        let _ =
-            runtime.block_on(async { timeout(INITIAL_WAIT, open(at, config, connection)).await });
+        let _ = runtime.block_on(async {
+            timeout(INITIAL_WAIT, open((at, config, topics), connection)).await
+        });
         Ok(stream)
     }
 
@@ -121,11 +150,11 @@ impl Stream {
     ///
     /// [`LinkError::Unauthorized`] if the drive has refused the connection.
     pub fn next(&mut self, limit: Duration) -> Result<Option<Published>, LinkError> {
-        let Self { at, config, connection, runtime } = self;
+        let Self { at, config, topics, connection, runtime } = self;
         let received = runtime.block_on(async {
             // Lets the runtime poll for input that has arrived meanwhile.
             yield_now().await;
-            timeout(limit, receive(at, config, connection)).await
+            timeout(limit, receive((at, config, topics), connection)).await
         });
         received.unwrap_or(Ok(None))
     }
@@ -133,12 +162,11 @@ impl Stream {
 
 /// Waits for the next message. Cancellation-safe.
 async fn receive(
-    at: &Endpoint,
-    config: &WireConfig,
+    source: Source<'_>,
     connection: &mut Connection,
 ) -> Result<Option<Published>, LinkError> {
     loop {
-        open(at, config, connection).await?;
+        open(source, connection).await?;
         let Connection::Open(wire) = connection else { continue };
         match wire.receive().await {
             Ok(Incoming::Message(received)) => return Ok(read(&received.frames)),
@@ -149,16 +177,13 @@ async fn receive(
 }
 
 /// Waits for the connection. Cancellation-safe.
-async fn open(
-    at: &Endpoint,
-    config: &WireConfig,
-    connection: &mut Connection,
-) -> Result<(), LinkError> {
+async fn open(source: Source<'_>, connection: &mut Connection) -> Result<(), LinkError> {
     loop {
         match connection {
             Connection::Open(_) => return Ok(()),
             Connection::None => {
-                let task = tokio::spawn(connect(at.clone(), config.clone()));
+                let (at, config, topics) = source;
+                let task = tokio::spawn(connect(at.clone(), config.clone(), topics));
                 *connection = Connection::Pending(task);
             }
             Connection::Pending(task) => {
@@ -167,7 +192,7 @@ async fn open(
                 match connected {
                     Ok(Ok(wire)) => *connection = Connection::Open(Box::new(wire)),
                     Ok(Err(why)) => {
-                        let at = at.to_string();
+                        let at = source.0.to_string();
                         return Err(LinkError::Unauthorized { at, what: why.reason() });
                     }
                     Err(error) => tracing::warn!("the task of the connection failed: {error}"),
@@ -178,10 +203,14 @@ async fn open(
 }
 
 /// Connects, with retries unless the drive refuses the connection.
-async fn connect(at: Endpoint, config: WireConfig) -> Result<Wire, ConnectionRefusal> {
+async fn connect(
+    at: Endpoint,
+    config: WireConfig,
+    topics: &'static [&'static str],
+) -> Result<Wire, ConnectionRefusal> {
     let mut closed = 0;
     loop {
-        match timeout(CONNECT_TIMEOUT, subscribe(&at, &config)).await {
+        match timeout(CONNECT_TIMEOUT, subscribe(&at, &config, topics)).await {
             Ok(Ok(wire)) => return Ok(wire),
             // A drive that is shutting down closes connections, too: only repetition is a refusal.
             Ok(Err(WireError::Refused(ConnectionRefusal::Closed)))
@@ -196,9 +225,13 @@ async fn connect(at: Endpoint, config: WireConfig) -> Result<Wire, ConnectionRef
     }
 }
 
-async fn subscribe(at: &Endpoint, config: &WireConfig) -> Result<Wire, WireError> {
+async fn subscribe(
+    at: &Endpoint,
+    config: &WireConfig,
+    topics: &[&'static str],
+) -> Result<Wire, WireError> {
     let mut wire = Wire::connect(at, config).await?;
-    for topic in ["joints", "state"] {
+    for topic in topics {
         wire.subscribe(topic)?;
     }
     wire.flush().await?;
@@ -212,6 +245,12 @@ fn read(frames: &[Bytes]) -> Option<Published> {
         joints_rad: Joints,
     }
     #[derive(Deserialize)]
+    struct TorquesMessage {
+        t_s: f64,
+        measured_nm: Joints,
+        external_nm: Joints,
+    }
+    #[derive(Deserialize)]
     struct StateMessage {
         t_s: f64,
         state: DriveState,
@@ -219,6 +258,11 @@ fn read(frames: &[Bytes]) -> Option<Published> {
     match frames {
         [topic, body] if topic == "joints" => from_json(body)
             .map(|JointsMessage { t_s, joints_rad }| Published::Joints { t_s, joints_rad }),
+        [topic, body] if topic == "torques" => {
+            from_json(body).map(|TorquesMessage { t_s, measured_nm, external_nm }| {
+                Published::Torques { t_s, measured_nm, external_nm }
+            })
+        }
         [topic, body] if topic == "state" => {
             from_json(body).map(|StateMessage { t_s, state }| Published::State { t_s, state })
         }

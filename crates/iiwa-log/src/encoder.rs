@@ -8,10 +8,11 @@ use serde::Serialize;
 
 use crate::error::WriteError;
 use crate::ros::{
-    Header, JointState, Joints, MotionMessage, Names, PoseStamped, Text, Time, TransformStamped,
+    DiagnosticArray, Header, JointState, Joints, MotionMessage, Names, PoseStamped, Text, Time,
+    TransformStamped,
 };
 use crate::template::{Template, Word, stamp_word};
-use crate::{Motion, Topic, cdr};
+use crate::{Diagnostic, Motion, Topic, cdr};
 
 /// The pose of one coordinate frame in another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +56,7 @@ pub struct Encoder {
     words: Vec<Word>,
     /// Of the last messages on topics that are written again and again.
     joint_state: Option<Template>,
+    joint_effort: Option<Template>,
     transforms: Option<Template>,
     chain: Option<Template>,
     tcp_pose: Option<Template>,
@@ -74,6 +76,7 @@ impl Encoder {
             buffer: Vec::new(),
             words: Vec::new(),
             joint_state: None,
+            joint_effort: None,
             transforms: None,
             chain: None,
             tcp_pose: None,
@@ -92,23 +95,52 @@ impl Encoder {
         positions: &[f64; 7],
         velocities: &[f64; 7],
     ) -> Result<&[u8], WriteError> {
+        self.state(t, positions, velocities, None)
+    }
+
+    /// The same with torques (Nm), as the message's `effort`.
+    ///
+    /// # Errors
+    ///
+    /// As [`joint_state`](Self::joint_state).
+    pub fn joint_state_with_torques(
+        &mut self,
+        t: Duration,
+        positions: &[f64; 7],
+        velocities: &[f64; 7],
+        torques: &[f64; 7],
+    ) -> Result<&[u8], WriteError> {
+        self.state(t, positions, velocities, Some(torques))
+    }
+
+    fn state(
+        &mut self,
+        t: Duration,
+        positions: &[f64; 7],
+        velocities: &[f64; 7],
+        torques: Option<&[f64; 7]>,
+    ) -> Result<&[u8], WriteError> {
         let topic = Topic::JointStates;
         let stamp = self.stamp(topic, t)?;
-        let template =
-            up_to_date(&mut self.joint_state, topic, iter::empty, |buffer, stamp, value| {
-                let message = JointState {
-                    header: Header { stamp, frame_id: "".into() },
-                    name: Names::Iiwa,
-                    position: Joints::from([value; 7]),
-                    velocity: Joints::from([value; 7]),
-                    effort: Joints::EMPTY,
-                };
-                cdr::encode(buffer, &message)
-            })?;
+        let template = match torques {
+            Some(_) => &mut self.joint_effort,
+            None => &mut self.joint_state,
+        };
+        let template = up_to_date(template, topic, iter::empty, |buffer, stamp, value| {
+            let message = JointState {
+                header: Header { stamp, frame_id: "".into() },
+                name: Names::Iiwa,
+                position: Joints::from([value; 7]),
+                velocity: Joints::from([value; 7]),
+                effort: torques.map_or(Joints::EMPTY, |_| Joints::from([value; 7])),
+            };
+            cdr::encode(buffer, &message)
+        })?;
         self.words.clear();
         self.words.push(stamp_word(stamp));
-        self.words.extend(positions.map(f64::to_le_bytes));
-        self.words.extend(velocities.map(f64::to_le_bytes));
+        for numbers in [positions, velocities].into_iter().chain(torques) {
+            self.words.extend(numbers.map(f64::to_le_bytes));
+        }
         Ok(template.fill(&self.words))
     }
 
@@ -205,6 +237,21 @@ impl Encoder {
     pub fn robot_description(&mut self, urdf: &str) -> Result<&[u8], WriteError> {
         let message = Text { data: urdf.into() };
         self.encode(Topic::RobotDescription, &message)
+    }
+
+    /// How parts of a machine are, for `/diagnostics`.
+    ///
+    /// # Errors
+    ///
+    /// As [`joint_state`](Self::joint_state).
+    pub fn diagnostics(
+        &mut self,
+        t: Duration,
+        parts: &[Diagnostic<'_>],
+    ) -> Result<&[u8], WriteError> {
+        let topic = Topic::Diagnostics;
+        let header = self.header(topic, t, "")?;
+        self.encode(topic, &DiagnosticArray { header, status: parts })
     }
 
     /// The start of a piece of the path, for `/motion`.

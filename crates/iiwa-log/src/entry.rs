@@ -52,6 +52,8 @@ pub struct JointSample {
     pub q: [f64; 7],
     /// Joint velocities, rad/s.
     pub dq: [f64; 7],
+    /// Measured torques, Nm, if the recording has them.
+    pub torques_nm: Option<[f64; 7]>,
 }
 
 /// The pose of the TCP, or of the flange, at one time.

@@ -42,6 +42,7 @@ mod cdr;
 mod chunk;
 mod compression;
 mod container;
+mod diagnostic;
 mod encoder;
 mod entry;
 mod error;
@@ -69,6 +70,7 @@ mod writer;
 
 pub use arm::{Arm, LINK_NAMES};
 pub use compression::Compression;
+pub use diagnostic::{Diagnostic, DiagnosticLevel};
 pub use encoder::{Encoder, Frame};
 pub use entry::{Attachment, Entry, JointSample, Motion, MotionSample, PoseSample};
 pub use error::{ReadError, WriteError};

@@ -60,7 +60,7 @@ pub struct ClearanceRecord {
 pub struct MotionRecord {
     /// The place in the program, from 1.
     pub index: usize,
-    /// `ptp`, `lin`, `lin_rel`, `circ`, `spline` or `wait`.
+    /// `ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` or `wait`.
     pub r#type: Cow<'static, str>,
     /// When it starts, in s.
     pub start_s: f64,

@@ -308,7 +308,7 @@ impl Content<'_> {
 
     fn message(&mut self, body: &Body<'_>) -> Result<Option<Entry>, ReadError> {
         Ok(Some(match body.topic {
-            Topic::Tf => return Ok(None),
+            Topic::Tf | Topic::Diagnostics => return Ok(None),
             Topic::JointStates => Entry::JointState(body.joint_state()?),
             topic @ (Topic::TcpPose | Topic::FlangePose) => {
                 let message: PoseStamped<'_> = body.decode()?;
@@ -357,6 +357,10 @@ impl<'a> Body<'a> {
             t_s: self.stamp_s(message.header.stamp)?,
             q: self.seven("position", &message.position)?,
             dq: self.seven("velocity", &message.velocity)?,
+            torques_nm: match message.effort.len {
+                0 => None,
+                _ => Some(self.seven("effort", &message.effort)?),
+            },
         })
     }
 

@@ -9,7 +9,7 @@ use crate::arm::Arm;
 use crate::storage::Storage;
 use crate::tail::Index;
 use crate::whole_file::{WholeFile, header_is_torn};
-use crate::{Config, Topic, WriteError, Writer};
+use crate::{Config, Diagnostic, Topic, WriteError, Writer};
 
 /// How a recording is made.
 #[derive(Clone, Debug)]
@@ -75,6 +75,7 @@ pub struct Recorder<S: Storage> {
 struct Sample {
     t: Duration,
     q: Joints,
+    torques_nm: Option<Joints>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -131,8 +132,22 @@ impl<S: Storage> Recorder<S> {
     /// [`WriteError::Mcap`] when the storage refuses: the file stays as it was, and takes nothing
     /// more.
     pub fn sample(&mut self, t: Duration, joints_rad: &Joints) -> Result<(), WriteError> {
+        self.sample_with_torques(t, joints_rad, None)
+    }
+
+    /// The same with the joints' torques, in Nm, if they are known.
+    ///
+    /// # Errors
+    ///
+    /// As [`sample`](Self::sample).
+    pub fn sample_with_torques(
+        &mut self,
+        t: Duration,
+        joints_rad: &Joints,
+        torques_nm: Option<&Joints>,
+    ) -> Result<(), WriteError> {
         self.writer.stamp(Topic::JointStates, t)?;
-        let next = Sample { t, q: *joints_rad };
+        let next = Sample { t, q: *joints_rad, torques_nm: torques_nm.copied() };
         if let Some(Last { sample, written }) = self.last {
             if t <= sample.t {
                 let topic = Topic::JointStates;
@@ -149,6 +164,15 @@ impl<S: Storage> Recorder<S> {
             self.open_since = Some(t);
         }
         Ok(())
+    }
+
+    /// Takes how parts of the machine are at `t` after the epoch.
+    ///
+    /// # Errors
+    ///
+    /// As [`sample`](Self::sample).
+    pub fn diagnostics(&mut self, t: Duration, parts: &[Diagnostic<'_>]) -> Result<(), WriteError> {
+        self.writer.diagnostics(t, parts)
     }
 
     /// Brings the file up to date, with every sample so far. For a caller that gets no more
@@ -202,7 +226,12 @@ impl<S: Storage> Recorder<S> {
 
     /// Writes a sample, with the poses when it is their turn.
     fn write(&mut self, sample: &Sample, velocity: &Joints) -> Result<(), WriteError> {
-        self.writer.joint_state(sample.t, &sample.q, velocity)?;
+        match &sample.torques_nm {
+            None => self.writer.joint_state(sample.t, &sample.q, velocity)?,
+            Some(torques_nm) => {
+                self.writer.joint_state_with_torques(sample.t, &sample.q, velocity, torques_nm)?;
+            }
+        }
         let interval = sample.t.as_nanos() * u128::from(self.config.pose_rate_hz) / 1_000_000_000;
         if self.config.pose_rate_hz > 0 && self.posed != Some(interval) {
             self.posed = Some(interval);

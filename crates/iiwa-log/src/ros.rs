@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde::de::{DeserializeSeed, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::JOINT_NAMES;
+use crate::{Diagnostic, JOINT_NAMES};
 
 /// `builtin_interfaces/msg/Time`, and `Duration` with the same fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -86,6 +86,13 @@ pub(crate) struct JointTrajectoryPoint {
     pub(crate) accelerations: Joints,
     pub(crate) effort: Joints,
     pub(crate) time_from_start: Time,
+}
+
+/// `diagnostic_msgs/msg/DiagnosticArray`.
+#[derive(Debug, Serialize)]
+pub(crate) struct DiagnosticArray<'a> {
+    pub(crate) header: Header<'a>,
+    pub(crate) status: &'a [Diagnostic<'a>],
 }
 
 /// `iiwasim_msgs/msg/Motion`.

@@ -23,11 +23,14 @@ pub enum Topic {
     Motion,
     /// `/flange_pose`, `geometry_msgs/msg/PoseStamped`: the pose of the flange; only of programs with a tool.
     FlangePose,
+    /// `/diagnostics`, `diagnostic_msgs/msg/DiagnosticArray`: the drive's state, temperatures, inputs and outputs; only of
+    /// recordings.
+    Diagnostics,
 }
 
 impl Topic {
     /// Every topic, in the order of their channel numbers in a file.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::JointStates,
         Self::Tf,
         Self::RobotDescription,
@@ -35,6 +38,7 @@ impl Topic {
         Self::JointTrajectory,
         Self::Motion,
         Self::FlangePose,
+        Self::Diagnostics,
     ];
 
     /// How messages are encoded, as MCAP calls it.
@@ -60,6 +64,7 @@ impl Topic {
             Self::JointTrajectory => "/joint_trajectory",
             Self::Motion => "/motion",
             Self::FlangePose => "/flange_pose",
+            Self::Diagnostics => "/diagnostics",
         }
     }
 
@@ -79,6 +84,7 @@ impl Topic {
             Self::TcpPose | Self::FlangePose => "geometry_msgs/msg/PoseStamped",
             Self::JointTrajectory => "trajectory_msgs/msg/JointTrajectory",
             Self::Motion => "iiwasim_msgs/msg/Motion",
+            Self::Diagnostics => "diagnostic_msgs/msg/DiagnosticArray",
         }
     }
 
@@ -111,6 +117,10 @@ impl Topic {
                  uint32 limiting_joint\nstring limiting_kind\n",
                 &[&HEADER, &TIME],
             ),
+            Self::Diagnostics => (
+                "std_msgs/Header header\ndiagnostic_msgs/DiagnosticStatus[] status\n",
+                &[&HEADER, &TIME, &DIAGNOSTIC_STATUS, &KEY_VALUE],
+            ),
         };
         let mut text = String::from(fields);
         for (name, fields) in needs {
@@ -130,9 +140,12 @@ impl Topic {
     pub fn offered_qos_profiles(self) -> &'static str {
         match self {
             Self::RobotDescription | Self::JointTrajectory => LATCHED,
-            Self::JointStates | Self::Tf | Self::TcpPose | Self::Motion | Self::FlangePose => {
-                VOLATILE
-            }
+            Self::JointStates
+            | Self::Tf
+            | Self::TcpPose
+            | Self::Motion
+            | Self::FlangePose
+            | Self::Diagnostics => VOLATILE,
         }
     }
 }
@@ -169,6 +182,13 @@ const JOINT_TRAJECTORY_POINT: Definition = (
      builtin_interfaces/Duration time_from_start\n",
 );
 
+const DIAGNOSTIC_STATUS: Definition = (
+    "diagnostic_msgs/DiagnosticStatus",
+    "byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\nstring name\nstring message\n\
+     string hardware_id\ndiagnostic_msgs/KeyValue[] values\n",
+);
+const KEY_VALUE: Definition = ("diagnostic_msgs/KeyValue", "string key\nstring value\n");
+
 macro_rules! qos {
     (depth: $depth:literal, durability: $durability:literal) => {
         concat!(
@@ -189,3 +209,19 @@ macro_rules! qos {
 const LATCHED: &str = qos!(depth: "1", durability: "1");
 /// Keep the last hundred, reliable, volatile.
 const VOLATILE: &str = qos!(depth: "100", durability: "2");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What ROS 2 builds is what files say.
+    #[test]
+    fn the_package_of_messages_has_the_fields_of_the_schema() {
+        let path =
+            concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/ros/iiwasim_msgs/msg/Motion.msg");
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let fields = text.lines().filter(|line| !line.starts_with('#'));
+        let schema = Topic::Motion.schema();
+        assert!(fields.eq(schema.lines().take_while(|line| !line.starts_with('='))));
+    }
+}

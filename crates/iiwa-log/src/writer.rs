@@ -11,7 +11,7 @@ use crate::container::Container;
 use crate::error::WriteError;
 use crate::ros::Time;
 use crate::tail::Index;
-use crate::{Compression, Encoder, Frame, Motion, Topic, TrajectoryMessage};
+use crate::{Compression, Diagnostic, Encoder, Frame, Motion, Topic, TrajectoryMessage};
 
 /// 2020-01-01T00:00:00Z as the time since 1970-01-01T00:00:00Z (Unix time 1 577 836 800 s).
 ///
@@ -113,6 +113,31 @@ impl<W: Write> Writer<W> {
         velocities: &[f64; 7],
     ) -> Result<(), WriteError> {
         self.file.write(Topic::JointStates, t, self.encoder.joint_state(t, positions, velocities)?)
+    }
+
+    /// Writes the same with torques (Nm), as the messages' `effort`.
+    ///
+    /// # Errors
+    ///
+    /// As [`joint_state`](Self::joint_state).
+    pub fn joint_state_with_torques(
+        &mut self,
+        t: Duration,
+        positions: &[f64; 7],
+        velocities: &[f64; 7],
+        torques: &[f64; 7],
+    ) -> Result<(), WriteError> {
+        let message = self.encoder.joint_state_with_torques(t, positions, velocities, torques)?;
+        self.file.write(Topic::JointStates, t, message)
+    }
+
+    /// Writes how parts of a machine are to `/diagnostics`.
+    ///
+    /// # Errors
+    ///
+    /// As [`joint_state`](Self::joint_state).
+    pub fn diagnostics(&mut self, t: Duration, parts: &[Diagnostic<'_>]) -> Result<(), WriteError> {
+        self.file.write(Topic::Diagnostics, t, self.encoder.diagnostics(t, parts)?)
     }
 
     /// Writes the poses of all `frames` as one message to `/tf`.

@@ -242,7 +242,7 @@ impl CartesianMotion {
         }
     }
 
-    /// Its name in programs: `ptp`, `lin`, `lin_rel`, `circ` or `spline`.
+    /// Its name in programs: `ptp`, `lin`, `lin_rel`, `circ`, `spline` or `spl`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self.course {
@@ -250,6 +250,7 @@ impl CartesianMotion {
             Course::Lin { .. } => "lin",
             Course::LinRel { .. } => "lin_rel",
             Course::Circ(_) => "circ",
+            Course::Spline(_) if self.is_single_spl() => "spl",
             Course::Spline(_) => "spline",
         }
     }

@@ -19,12 +19,14 @@ pub enum MotionType {
     Circ,
     /// The TCP goes through frames on segments of a spline.
     Spline,
+    /// The TCP goes on a spline of one segment.
+    Spl,
     /// A wait.
     Wait,
 }
 
 impl MotionType {
-    /// Its name in programs: `ptp`, `lin`, `lin_rel`, `circ`, `spline` or `wait`.
+    /// Its name in programs: `ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` or `wait`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -33,6 +35,7 @@ impl MotionType {
             Self::LinRel => "lin_rel",
             Self::Circ => "circ",
             Self::Spline => "spline",
+            Self::Spl => "spl",
             Self::Wait => "wait",
         }
     }
@@ -40,8 +43,9 @@ impl MotionType {
     /// The type of a name; of `ptp`, that to joint positions.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
-        let all = [Self::Ptp, Self::Lin, Self::LinRel, Self::Circ, Self::Spline, Self::Wait];
-        all.into_iter().find(|motion| motion.name() == name)
+        let tcp = [Self::Lin, Self::LinRel, Self::Circ, Self::Spline, Self::Spl];
+        let mut all = [Self::Ptp, Self::Wait].into_iter().chain(tcp);
+        all.find(|motion| motion.name() == name)
     }
 
     /// Whether its target is a frame of the TCP.
@@ -63,6 +67,7 @@ impl Motion {
                 Course::Lin { .. } => MotionType::Lin,
                 Course::LinRel { .. } => MotionType::LinRel,
                 Course::Circ(_) => MotionType::Circ,
+                Course::Spline(_) if own.is_single_spl() => MotionType::Spl,
                 Course::Spline(_) => MotionType::Spline,
             },
         }

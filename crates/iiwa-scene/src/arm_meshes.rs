@@ -175,7 +175,10 @@ fn patches(
             patch.rgb = Some([*red, *green, *blue]);
         }
     }
+    let is_finite =
+        patches.iter().flat_map(|patch| patch.points.as_flattened()).all(|v| v.is_finite());
     let longest_m = (0..3).map(|i| extent(&patches, i)).fold(0.0, f64::max);
+    let longest_m = if is_finite { longest_m } else { f64::INFINITY };
     if longest_m > MAX_EXTENT_M {
         return Err(ArmMeshError::Extent { at: at(), file: file(), longest_m });
     }

@@ -28,6 +28,9 @@ pub struct PlannedClearance {
 /// How much nearer than what is found the arm may come, in m.
 const TOLERANCE_M: f64 = 1e-4;
 
+/// Distances that differ by less are the same, in m: where the arm stands, by rounding.
+const SAME_M: f64 = 1e-9;
+
 /// Poses of each piece that are looked at first: the nearer they come, the sooner the rest is ruled out.
 const SAMPLES: u32 = 8;
 
@@ -71,6 +74,8 @@ impl ArmInScene {
 struct Search<'a> {
     arm: &'a ArmInScene,
     best: Option<PlannedClearance>,
+    /// The least distance of all, in m: that of the best, but for what cannot be told apart from it.
+    least_m: f64,
     /// Pairs that may come nearer in a span, with the least distance that they keep in it: those of the
     /// span that is looked at, on top of those of the spans that it is a part of.
     open: Vec<(Pair, f64)>,
@@ -86,7 +91,7 @@ struct Place<'a> {
 
 impl<'a> Search<'a> {
     fn new(arm: &'a ArmInScene) -> Self {
-        Self { arm, best: None, open: Vec::new() }
+        Self { arm, best: None, least_m: f64::MAX, open: Vec::new() }
     }
 
     /// Looks for what is nearer than the best so far in `pieces` of `section`.
@@ -124,20 +129,20 @@ impl<'a> Search<'a> {
     /// Looks at one pose of a piece.
     fn sample(&mut self, piece: &Piece, joints_rad: &[f64; 7], at_s: impl FnOnce() -> f64) {
         let bodies = self.arm.bodies(joints_rad);
-        if let Some((pair, near)) = self.arm.nearest(&bodies, self.best_m()) {
+        if let Some((pair, near)) = self.arm.nearest(&bodies, self.best_m() + SAME_M) {
             self.found(piece, pair, &near, at_s);
         }
     }
 
-    /// Takes what was found if it is nearer than the best so far; of what touches, the first one.
+    /// Takes what was found if it is nearer than the best so far; of what is as near, the first one.
     fn found(&mut self, piece: &Piece, pair: Pair, near: &Near, at_s: impl FnOnce() -> f64) {
-        let touches = near.distance == 0.0;
-        if near.distance >= self.best_m() && !touches {
+        if near.distance > self.least_m + SAME_M {
             return;
         }
+        self.least_m = self.least_m.min(near.distance);
         let at_s = at_s();
         let earlier = self.best.is_none_or(|best| at_s < best.at_s);
-        if near.distance < self.best_m() || earlier {
+        if near.distance < self.best_m() - SAME_M || earlier {
             let clearance = self.arm.told(pair, near);
             self.best = Some(PlannedClearance { clearance, at_s, motion: piece.motion });
         }

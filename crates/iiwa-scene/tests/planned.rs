@@ -187,6 +187,26 @@ fn the_first_touch_is_told() {
     assert!(just_before.distance_m > 0.0 && just_before.distance_m < 5e-3);
 }
 
+/// The arm comes nearest where it then stands: that is when it arrives, whatever the rounding of what comes after.
+#[test]
+fn the_first_of_equal_instants_is_told() {
+    let wall = Form::Plane { point_m: [1.2, 0.3, 0.0], normal: [-1.0, -0.1, 0.02] };
+    let scene = Scene::new(vec![Obstacle { name: "wall".to_owned(), form: wall }]).unwrap();
+    let arm = ArmInScene::new(&Robot::default(), &scene);
+    let text = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, -60, 0, 60, 0] }, "motions": [
+        { "type": "ptp", "joints_deg": [13, 61, 7, -31, 5, 50, 0] },
+        { "type": "wait", "seconds": 1 },
+        { "type": "ptp", "joints_deg": [13, 61, 7, -31, 5, 50, 0] },
+        { "type": "wait", "seconds": 1 },
+        { "type": "ptp", "joints_deg": [0, 0, 0, -60, 0, 60, 0] } ] }"#;
+    let program = Program::from_json(text).unwrap();
+    let trajectory = plan(&program, PathOptions::default(), Timing::default());
+    let arrival_s = trajectory.sections()[0].pieces()[0].end_s;
+    let found = arm.clearance_of(&trajectory).unwrap();
+    assert!(found.clearance.distance_m > 0.0);
+    assert!((arrival_s - 0.01..=arrival_s).contains(&found.at_s), "{arrival_s} {}", found.at_s);
+}
+
 #[test]
 fn nothing_to_touch_is_no_clearance() {
     let scene = Scene::new(Vec::new()).unwrap();

@@ -115,7 +115,7 @@ impl Piece {
                 _ if blend.is_some() => PieceKind::Blend,
                 Some(MotionType::Lin | MotionType::LinRel) => PieceKind::Lin,
                 Some(MotionType::Circ) => PieceKind::Circ,
-                Some(MotionType::Spline) => PieceKind::Spline,
+                Some(MotionType::Spline | MotionType::Spl) => PieceKind::Spline,
                 _ => PieceKind::Line,
             },
             motion: *motion,

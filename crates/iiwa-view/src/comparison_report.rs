@@ -275,16 +275,19 @@ impl ComparisonReport {
         let (joints, tcp) = (&self.joint_deviation, &self.tcp_deviation);
         let _ = writeln!(
             text,
-            "Joints      {:.2e} rad off the path on average, {:.2e} rad at most: motion {}, {:.3} s in \
+            "Joints      {} off the path on average, {} at most: motion {}, {:.3} s in \
              the plan",
-            joints.mean_rad, joints.max_rad, joints.motion, joints.plan_s
+            shown(1e3 * joints.mean_rad, "mrad"),
+            shown(1e3 * joints.max_rad, "mrad"),
+            joints.motion,
+            joints.plan_s
         );
         let _ = writeln!(
             text,
-            "Flange      {:.3} mm off the path on average, {:.3} mm at most: motion {}, {:.3} s in the \
+            "Flange      {} off the path on average, {} at most: motion {}, {:.3} s in the \
              plan, at ({:.1}, {:.1}, {:.1}) mm",
-            tcp.mean_mm,
-            tcp.max_mm,
+            shown(tcp.mean_mm, "mm"),
+            shown(tcp.max_mm, "mm"),
             tcp.motion,
             tcp.plan_s,
             1e3 * tcp.measured_m[0],
@@ -329,4 +332,9 @@ fn signed(value: f64, digits: u8) -> String {
         0.0 => format!("{:.precision$}", 0.0),
         value => format!("{value:+.precision$}"),
     }
+}
+
+/// A deviation with three decimals; what they do not show is said to be below them.
+fn shown(value: f64, unit: &str) -> String {
+    if value < 0.001 { format!("below 0.001 {unit}") } else { format!("{value:.3} {unit}") }
 }

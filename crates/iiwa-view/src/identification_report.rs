@@ -16,7 +16,7 @@ use serde::Serialize;
 use crate::{printable, table::table};
 
 use self::{
-    figure::{EQUAL_SHARE, Figure, KappaFigure},
+    figure::{EQUAL_SHARE, Figure, KappaFigure, blends},
     tcp_figures::TcpFigures,
 };
 
@@ -214,9 +214,9 @@ impl IdentificationReport {
                 let _ = writeln!(
                     text,
                     "Blends begin and end at equal distances (Algorithm 3): {}; the difference is \
-                     {share} of that without this rule, {} blends",
+                     {share} of that without this rule, {}",
                     if holds { "confirmed" } else { "not confirmed" },
-                    share.count
+                    blends(share.count)
                 );
             }
             None => text.push_str(

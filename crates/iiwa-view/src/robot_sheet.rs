@@ -41,10 +41,8 @@ pub fn robot_sheet(robot: &Robot) -> String {
         ("torque", "Nm", limits.torque_nm),
     ] {
         let mut row = vec![format!("{what}{}", mark(what)), unit.to_owned()];
-        let shown = |value: f64| match value.abs() >= 1e3 {
-            true => format!("{value:.0}"),
-            false => rounded(value),
-        };
+        let shown =
+            |value: f64| if value.abs() >= 1e3 { format!("{value:.0}") } else { rounded(value) };
         row.extend(values.map(shown));
         rows.add_row(row);
     }

@@ -47,7 +47,7 @@ pub fn table(head: &[&str]) -> Table {
             "why",
         ];
         if let Some(column) = table.column_mut(index) {
-            column.set_padding((0, if index + 1 < head.len() { 1 } else { 0 }));
+            column.set_padding((0, u16::from(index + 1 < head.len())));
             if !words.contains(title) {
                 column.set_cell_alignment(CellAlignment::Right);
             }

@@ -1,4 +1,4 @@
-//! URDFs, checked against the model.
+//! URDFs, checked against the model, and their meshes.
 
 #![no_main]
 
@@ -6,5 +6,7 @@ use iiwa_kin::Robot;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
-    let _ = Robot::lbr_iiwa_7_r800().check_urdf(text, None);
+    let robot = Robot::lbr_iiwa_7_r800();
+    let _ = robot.check_urdf(text, None);
+    let _ = robot.urdf_meshes(text);
 });

@@ -50,10 +50,9 @@ impl Folder {
         let name = &trial.name;
         let program = trial.program.to_json();
         self.write(&format!("programs/{name}.json"), format!("{program}\n").as_bytes())?;
-        let epoch = self.epoch.unwrap_or_else(|| match self.of_robot {
-            true => runner::began(log),
-            false => DEFAULT_EPOCH,
-        });
+        let epoch = self
+            .epoch
+            .unwrap_or_else(|| if self.of_robot { runner::began(log) } else { DEFAULT_EPOCH });
         let mcap = runner::recording(log, epoch, robot, &program)?;
         self.write(&format!("recordings/{name}.mcap"), &mcap)?;
         let mut csv = Vec::new();

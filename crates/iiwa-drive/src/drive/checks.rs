@@ -113,8 +113,14 @@ fn check_motions(
 ) -> Result<(), Refusal> {
     let count: usize = list.motions.iter().map(segments).sum();
     if count > MAX_MOTIONS {
+        let motions = list.motions.len();
+        let of_splines = if motions == count {
+            String::new()
+        } else {
+            format!(" that make {count}, since each segment of a spline counts")
+        };
         return Err(Refusal::bad(format!(
-            "the request has {count} motions, at most {MAX_MOTIONS} are allowed; split it where the arm stops"
+            "the request has {motions} motions{of_splines}; at most {MAX_MOTIONS} are allowed; split it where the arm stops"
         )));
     }
     // As the robot program receives it: with more digits, and with the keys that a client may leave out.

@@ -41,6 +41,8 @@ pub(super) struct Observation {
     pub(super) clock_ahead_s: f64,
     /// Measured joint positions, in rad.
     pub(super) joints_rad: Joints,
+    /// Measured and external torques, in Nm, if the controller sends them.
+    pub(super) torques_nm: Option<[Joints; 2]>,
     pub(super) session: SessionState,
     pub(super) quality: Quality,
     pub(super) safety: Safety,

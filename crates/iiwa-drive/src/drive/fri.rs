@@ -107,7 +107,10 @@ impl FriThread {
 
     fn forward_events(&self, responder: &mut Responder) {
         for event in responder.take_events() {
-            if let FriEvent::Observed(Observation { t_s, joints_rad, .. }) = event {
+            if let FriEvent::Observed(Observation { t_s, joints_rad, torques_nm, .. }) = event {
+                if let Some([measured_nm, external_nm]) = torques_nm {
+                    self.publish(Published::Torques { t_s, measured_nm, external_nm });
+                }
                 self.publish(Published::Joints { t_s, joints_rad });
             }
             // The receiver outlives this thread.

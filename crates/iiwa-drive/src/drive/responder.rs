@@ -238,6 +238,10 @@ impl Responder {
             t_s: tick.t_s,
             clock_ahead_s: self.clock.ahead_s,
             joints_rad,
+            torques_nm: message
+                .measured_torque_nm
+                .zip(message.external_torque_nm)
+                .map(|(measured, external)| [measured, external]),
             session: message.session,
             quality: message.quality,
             safety: message.safety.unwrap_or_default(),

@@ -253,7 +253,12 @@ fn requests_that_grow_are_refused() {
         json!({"type": "spline", "segments": vec![json!({"type": "spl", "frame": "pick"}); 20]});
     many["motions"] = json!(vec![spline; 251]);
     let answer = socket.ask(&many.to_string());
-    assert_error(&answer["error"], "bad_request", &["5020 motions, at most 5000"], "splines");
+    assert_error(
+        &answer["error"],
+        "bad_request",
+        &["251 motions that make 5020", "at most 5000"],
+        "splines",
+    );
     let mut large = request(None);
     let bases =
         (0..60_000).map(|i| (i.to_string(), json!({}))).chain([("table".to_owned(), json!({}))]);

@@ -150,13 +150,23 @@ pub struct Status {
     /// Whether the robot program is connected.
     #[serde(default)]
     pub robot_program: Presence,
+    /// Whether the robot program says that the robot is a simulated one.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub simulated: bool,
 }
 
 impl Status {
     /// The state of a drive that has received nothing of the robot.
     #[must_use]
     pub fn new(state: DriveState, fri: FriStatus) -> Self {
-        Self { state, joints_rad: None, t_s: None, fri, robot_program: Presence::Silent }
+        Self {
+            state,
+            joints_rad: None,
+            t_s: None,
+            fri,
+            robot_program: Presence::Silent,
+            simulated: false,
+        }
     }
 }
 

@@ -126,7 +126,10 @@ fn a_single_sample_stands_still() {
     recorder.flush().unwrap();
     recorder.flush().unwrap();
     let file = recorder.finish(&BTreeMap::new(), &[]).unwrap().into_inner();
-    assert_eq!(joint_states(&file), [JointSample { t_s: 1e-3, q: [0.5; 7], dq: [0.0; 7] }]);
+    assert_eq!(
+        joint_states(&file),
+        [JointSample { t_s: 1e-3, q: [0.5; 7], dq: [0.0; 7], torques_nm: None }]
+    );
 }
 
 #[test]

@@ -80,13 +80,22 @@ impl KappaFigure {
         let [c0, c1, c2] = self.coefficients;
         let _ = writeln!(
             text,
-            "{name} = {c0:.5} {c1:+.7} gamma {c2:+.9} gamma^2, gamma from {:.0} to {:.0} deg: {} \
-             blends, residual {:.4} (against the model's {:.4})",
-            self.gamma_deg[0], self.gamma_deg[1], self.count, self.residual, self.residual_of_model
+            "{name} = {c0:.5} {c1:+.7} gamma {c2:+.9} gamma^2, gamma from {:.0} to {:.0} deg: {}, \
+             residual {:.4} (against the model's {:.4})",
+            self.gamma_deg[0],
+            self.gamma_deg[1],
+            blends(self.count),
+            self.residual,
+            self.residual_of_model
         );
         let widest = self.at.iter().map(|at| at.uncertainty).fold(0.0, f64::max);
         let _ = writeln!(text, "Uncertainty of {name} within that range: {widest:.4} at most");
     }
+}
+
+/// So many blends.
+pub(super) fn blends(count: usize) -> String {
+    if count == 1 { "1 blend".to_owned() } else { format!("{count} blends") }
 }
 
 /// Distances that differ by less than this share of what they would without Algorithm 3 are equal: no

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use iiwa_eval::identify::{CourseObservation, CoursePart, Identified, TcpBlendObservation};
 use serde::Serialize;
 
-use super::figure::{EQUAL_SHARE, Figure, KappaFigure};
+use super::figure::{EQUAL_SHARE, Figure, KappaFigure, blends};
 
 /// Blends between straight ways of the TCP, and how far paths of the TCP and their blends are from what is assumed.
 #[derive(Clone, Debug, Serialize)]
@@ -122,8 +122,8 @@ impl TcpFigures {
         if let Some([before, after]) = &self.reach {
             let _ = writeln!(
                 text,
-                "They begin {before} times `cart_mm` before the target and end {after} times behind it, {} blends",
-                before.count
+                "They begin {before} times `cart_mm` before the target and end {after} times behind it, {}",
+                blends(before.count)
             );
         }
         if let Some(share) = &self.unequal_share {
@@ -131,9 +131,9 @@ impl TcpFigures {
             let _ = writeln!(
                 text,
                 "They begin and end at equal ways: {}; the difference is {share} of that of sides that go by themselves, \
-                 {} blends",
+                 {}",
                 if holds { "confirmed" } else { "not confirmed" },
-                share.count
+                blends(share.count)
             );
         }
         for part in CoursePart::ALL {

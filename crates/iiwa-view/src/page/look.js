@@ -9,8 +9,12 @@ function folded(u, v) {
   return [x / length, y / length, z / length];
 }
 
+/** Light of a colour as screens have it. */
+const lightOf = (share) => share ** 2.2;
+
 /** All surfaces of the links as the 3D view takes them: ten numbers for each corner (its place, its normal, its colour, its
-    link), and triangles; and whether its insides cannot be seen. */
+    link), and triangles; how many
+    of the triangles' numbers count for shadows; and whether insides cannot be seen. */
 function unpackLook({ links, is_closed }) {
   const FULL = 65535;
   const parts = links.flatMap((surfaces, link) =>
@@ -22,21 +26,25 @@ function unpackLook({ links, is_closed }) {
       triangles: it.is_large ? new Uint32Array(unpack(it.triangles)) : new Uint16Array(unpack(it.triangles)),
     })),
   );
+  // The largest come first: they are what throws a shadow that can be seen.
+  const CASTS_M = 0.13;
+  parts.sort((a, b) => Math.max(...b.size_m) - Math.max(...a.size_m));
   const sum = (of) => parts.reduce((all, part) => all + of(part), 0);
   const floats = new Float32Array(10 * sum((part) => part.positions.length / 3));
   const triangles = new Uint32Array(sum((part) => part.triangles.length));
-  let [first, next] = [0, 0];
+  let [first, next, casting] = [0, 0, 0];
   for (const { link, paint, low_m: low, size_m: size, positions, normals, triangles: corners } of parts) {
     const count = positions.length / 3;
     for (let i = 0; i < count; i++) {
       const at = 10 * (first + i);
       for (let k = 0; k < 3; k++) floats[at + k] = low[k] + (size[k] * positions[3 * i + k]) / FULL;
       floats.set(folded((2 * normals[2 * i]) / FULL - 1, (2 * normals[2 * i + 1]) / FULL - 1), at + 3);
-      for (let k = 0; k < 3; k++) floats[at + 6 + k] = paint[k] / 255;
+      for (let k = 0; k < 3; k++) floats[at + 6 + k] = lightOf(paint[k] / 255);
       floats[at + 9] = link;
     }
     for (const corner of corners) triangles[next++] = first + corner;
     first += count;
+    if (Math.max(...size) > CASTS_M) casting = next;
   }
-  return { floats, triangles, is_closed };
+  return { floats, triangles, casting, is_closed };
 }

@@ -57,8 +57,8 @@ function makePainter(canvas) {
     gl.useProgram(program);
     return program.uniforms;
   };
-  /** Draws a mesh with the program in use, which takes of it what it needs. */
-  painter.draw = (mesh) => {
+  /** Draws a mesh, or so much of it, with the program in use, which takes of it what it needs. */
+  painter.draw = (mesh, count = mesh.count) => {
     const { places } = painter.program;
     gl.bindBuffer(gl.ARRAY_BUFFER, mesh.corners);
     let offset = 0;
@@ -72,9 +72,9 @@ function makePainter(canvas) {
     }
     if (mesh.triangles) {
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, mesh.triangles);
-      gl.drawElements(gl.TRIANGLES, mesh.count, gl.UNSIGNED_INT, 0);
+      gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
     } else {
-      gl.drawArrays(gl.TRIANGLES, 0, mesh.count);
+      gl.drawArrays(gl.TRIANGLES, 0, count);
     }
     // Its buffers may be gone when something else is drawn.
     for (const place of Object.values(places)) gl.disableVertexAttribArray(place);

@@ -44,7 +44,12 @@ function makeScene(canvas) {
     for (const { shape, origin, colour, link = 0 } of parts) {
       const first = floats.length / 10;
       shape.positions.forEach((position, i) => {
-        floats.push(...transformed(origin, position), ...transformed(origin, shape.normals[i], 0), ...colour, link);
+        floats.push(
+          ...transformed(origin, position),
+          ...transformed(origin, shape.normals[i], 0),
+          ...colour.map(lightOf),
+          link,
+        );
       });
       for (const corner of shape.triangles) triangles.push(first + corner);
     }
@@ -63,7 +68,10 @@ function makeScene(canvas) {
   // All links at once: what is asked of a graphics card takes time, too.
   const look = unpackLook(robot.look);
   const arm = upload(SOLID, look.floats, look.triangles);
-  const ball = solid([{ shape: sphere(1, 24, 44), origin: still, colour: [1, 1, 1] }]);
+  const [bead, ball] = [
+    [8, 16],
+    [24, 44],
+  ].map((steps) => solid([{ shape: sphere(1, ...steps), origin: still, colour: [1, 1, 1] }]));
   const floor = upload([["corner", 2]], QUAD);
 
   /** What stands beside the arm: ways of the TCP, blended targets, frames, obstacles; and the shapes of its tool. */
@@ -121,16 +129,16 @@ function makeScene(canvas) {
     carried = contents.tool.map(({ shape, origin }) => solid([{ shape, origin, colour: theme.settle, link: flange }]));
   }
 
-  const drawArm = (poses) => {
+  const drawArm = (poses, count) => {
     const all = new Float32Array(16 * poses.length);
     poses.forEach((pose, link) => {
       all.set(pose, 16 * link);
     });
     place(all);
-    draw(arm);
+    draw(arm, count);
     for (const mesh of carried) draw(mesh);
   };
-  const shadows = makeShadows(painter, drawArm);
+  const shadows = makeShadows(painter, (poses) => drawArm(poses, look.casting));
 
   /** Solids from now on: in their own colours, or partly in another one; as ghosts with a share. */
   const shade = (tint, tinted, alpha, ghost = 0) => {
@@ -145,9 +153,9 @@ function makeScene(canvas) {
     gl.uniform4f(use(flats).colour, ...colour, alpha);
   };
   const place = (matrix) => gl.uniformMatrix4fv(painter.program.uniforms["links[0]"], false, matrix);
-  const beadAt = (p, radius) => {
+  const beadAt = (p, radius, mesh = bead) => {
     place(new Float32Array([radius, 0, 0, 0, 0, radius, 0, 0, 0, 0, radius, 0, ...p, 1]));
-    draw(ball);
+    draw(mesh);
   };
 
   /** Draws arms: joint positions, the TCP in the flange's frame if there is a tool, and the colour of those that are
@@ -164,7 +172,7 @@ function makeScene(canvas) {
       sight.aim(contents, standing);
     }
     const { matrix, eye } = sight.camera();
-    if (solidOnes.length) shadows.cast(solidOnes);
+    if (solidOnes.length) shadows.cast(solidOnes, changes, sharpness < 1);
 
     gl.viewport(0, 0, width, height);
     gl.clearColor(...theme.ground, 1);
@@ -241,7 +249,7 @@ function makeScene(canvas) {
     }
     for (const { edges } of obstacles) drawLines(edges, 1.5);
     shade(theme.blend, 1, 0.2);
-    for (const corner of contents.corners) if (corner.radius_m) beadAt(corner.target_m, corner.radius_m);
+    for (const corner of contents.corners) if (corner.radius_m) beadAt(corner.target_m, corner.radius_m, ball);
     gl.depthMask(true);
     // Where both arms are in one place, the solid one is seen: ghosts are a little thinner.
     const swell = (m) => {

@@ -11,7 +11,7 @@ void main() {
   vec4 place = model * vec4(position + swell * normal, 1.0);
   vPlace = place.xyz;
   vNormal = mat3(model) * normal;
-  vColour = pow(colour, vec3(2.2));
+  vColour = colour;
   gl_Position = camera * place;
 }`;
 
@@ -60,7 +60,9 @@ void main() {
   vec3 colour = mix(vColour, pow(tint, vec3(2.2)), tinted);
   vec3 n = normalize(vNormal);
   vec3 toEye = normalize(eye - vPlace);
-  if (dot(n, toEye) < 0.0) n = -n;
+  // At the outline, a smooth normal may look away: no further than across.
+  if (!gl_FrontFacing) n = -n;
+  n = normalize(n - min(dot(n, toEye), 0.0) * toEye);
   float facing = max(dot(n, toEye), 0.0);
   float graze = pow(1.0 - facing, 5.0);
   if (ghost > 0.0) {

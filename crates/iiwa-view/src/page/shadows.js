@@ -17,9 +17,10 @@ function makeShadows(painter, drawArm) {
   const blur = compiled(BLUR_VERTEX, BLUR_FRAGMENT);
   const square = painter.upload([["corner", 2]], QUAD);
   const depths = painter.picture(768, true);
-  const [cast, between, near, far] = [256, 144, 144, 144].map((size) => painter.picture(size, false));
+  const [cast, between, near, far] = [256, 128, 128, 128].map((size) => painter.picture(size, false));
   const made = { depths, near, far, sun: new Float32Array(16), patch: [0, 0, 1] };
   let before = "";
+  let isLate = false;
 
   /** As the light sees the arms: to a box of so much around a middle. */
   const seenFrom = (middle, reach) => {
@@ -49,25 +50,7 @@ function makeShadows(painter, drawArm) {
     }
   };
 
-  /** The shadows of arms in such poses; as before, if they are. */
-  made.cast = (arms) => {
-    const places = arms.flatMap(({ poses }) => poses.map((pose) => Array.from(pose.slice(12, 15))));
-    const now = arms.map(({ poses }) => poses.map((pose) => pose.join()).join()).join(";");
-    if (now === before) return;
-    before = now;
-    const ROOM_M = 0.2;
-    const box = [0, 1, 2]
-      .map((i) => places.map((place) => place[i]))
-      .map((all) => [Math.min(...all), Math.max(...all)]);
-    const middle = box.map(([low, high]) => (low + high) / 2);
-    const reach = Math.hypot(...box.map(([low, high]) => high - low)) / 2 + ROOM_M;
-    made.sun = seenFrom(middle, reach);
-    // On the floor, that of each joint is where its own is.
-    const cast_ = places.map((place) => [0, 1].map((i) => place[i] - (KEY[i] / KEY[2]) * place[2]));
-    const [x, y] = [0, 1].map((i) => cast_.map((place) => place[i])).map((all) => [Math.min(...all), Math.max(...all)]);
-    const half = Math.max(x[1] - x[0], y[1] - y[0]) / 2 + 0.45;
-    made.patch = [(x[0] + x[1]) / 2, (y[0] + y[1]) / 2, half];
-
+  const castOnArm = (arms) => {
     gl.disable(gl.BLEND);
     gl.enable(gl.DEPTH_TEST);
     gl.depthMask(true);
@@ -80,6 +63,14 @@ function makeShadows(painter, drawArm) {
     gl.polygonOffset(4, 8);
     for (const { poses } of arms) drawArm(poses);
     gl.disable(gl.POLYGON_OFFSET_FILL);
+  };
+
+  const castOnFloor = (arms, places) => {
+    // On the floor, that of each joint is where its own is.
+    const cast_ = places.map((place) => [0, 1].map((i) => place[i] - (KEY[i] / KEY[2]) * place[2]));
+    const [x, y] = [0, 1].map((i) => cast_.map((place) => place[i])).map((all) => [Math.min(...all), Math.max(...all)]);
+    const half = Math.max(x[1] - x[0], y[1] - y[0]) / 2 + 0.45;
+    made.patch = [(x[0] + x[1]) / 2, (y[0] + y[1]) / 2, half];
 
     gl.disable(gl.DEPTH_TEST);
     into(cast);
@@ -97,6 +88,25 @@ function makeShadows(painter, drawArm) {
     // Of so many m, whatever the patch is.
     blurred(cast, near, 0.008 / (2 * half));
     blurred(near, far, 0.03 / (2 * half));
+  };
+
+  /** The shadows of arms in such poses; as before, if they are, and no other things were changed. If it has to be quick, those
+      on the floor change every other time. */
+  made.cast = (arms, changes, isQuick) => {
+    const places = arms.flatMap(({ poses }) => poses.map((pose) => Array.from(pose.slice(12, 15))));
+    const now = [changes, isQuick, ...arms.map(({ poses }) => poses.map((pose) => pose.join()).join())].join(";");
+    if (now === before) return;
+    before = now;
+    const ROOM_M = 0.2;
+    const box = [0, 1, 2]
+      .map((i) => places.map((place) => place[i]))
+      .map((all) => [Math.min(...all), Math.max(...all)]);
+    const middle = box.map(([low, high]) => (low + high) / 2);
+    const reach = Math.hypot(...box.map(([low, high]) => high - low)) / 2 + ROOM_M;
+    made.sun = seenFrom(middle, reach);
+    castOnArm(arms);
+    isLate = isQuick && !isLate;
+    if (!isLate) castOnFloor(arms, places);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   };
   return made;

@@ -18,6 +18,9 @@ const PAIRS: usize = 5000;
 /// How much nearer than what is found the arm may come, in m.
 const TOLERANCE_M: f64 = 2e-5;
 
+/// Distances that differ by less are the same, in m: where the arm stands, by rounding.
+const SAME_M: f64 = 1e-9;
+
 /// The clearance of an arm over time.
 #[derive(Debug, Serialize)]
 pub(crate) struct Clearances {
@@ -72,6 +75,8 @@ struct Search<'a> {
     arm: &'a ArmInScene,
     positions: &'a Samples,
     best: Option<(f64, Clearance)>,
+    /// The least distance of all, in m: that of the best, but for what cannot be told apart from it.
+    least_m: f64,
 }
 
 /// A pose, when it is, and how near it is to an obstacle.
@@ -84,7 +89,7 @@ struct Known {
 
 impl<'a> Search<'a> {
     fn new(arm: &'a ArmInScene, positions: &'a Samples) -> Self {
-        Self { arm, positions, best: None }
+        Self { arm, positions, best: None, least_m: f64::MAX }
     }
 
     fn best_m(&self) -> f64 {
@@ -99,9 +104,10 @@ impl<'a> Search<'a> {
     /// Takes what is nearer than the best so far; of what is as near, the first one.
     fn take(&mut self, t_s: f64, clearance: Clearance) {
         let is_sooner = self.best.is_none_or(|(at_s, _)| t_s < at_s);
-        if clearance.distance_m < self.best_m()
-            || clearance.distance_m == self.best_m() && is_sooner
-        {
+        let distance_m = clearance.distance_m;
+        let is_as_near = distance_m <= self.least_m + SAME_M;
+        self.least_m = self.least_m.min(distance_m);
+        if distance_m < self.best_m() - SAME_M || is_as_near && is_sooner {
             self.best = Some((t_s, clearance));
         }
     }

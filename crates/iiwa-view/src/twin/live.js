@@ -55,10 +55,24 @@ const jointCells = Array.from({ length: 7 }, (_, j) => {
   range.append(mark);
   const wide = element("td", "", "wide");
   wide.append(range);
-  row.append(element("td", `A${j + 1}`), position, temperature, torque, wide);
+  const jog = element("td", "", "jog");
+  for (const sign of [-1, 1]) {
+    const button = element("button", sign < 0 ? "\u2212" : "+");
+    button.type = "button";
+    button.setAttribute("aria-label", `Turn A${j + 1} ${sign < 0 ? "back" : "forth"} by a step`);
+    button.addEventListener("click", () => turnJoint(j + 1, sign));
+    jog.append(button);
+  }
+  row.append(element("td", `A${j + 1}`), position, temperature, torque, wide, jog);
   $("joints").append(row);
   return { position, temperature, torque, mark };
 });
+
+/** Turns a joint of the simulated robot by a step of so many degrees. */
+function turnJoint(joint, sign) {
+  const step = $("jog-step");
+  if (step.reportValidity()) ask("jog-said", "jog", { joint, step_deg: sign * Number(step.value) });
+}
 
 function writeJoints(q) {
   jointCells.forEach(({ position, mark }, j) => {
@@ -93,6 +107,8 @@ function writeHealth() {
     temperature.textContent = sensors ? number(sensors.joint_temperature_c[j], 1) : "";
     torque.textContent = sensors ? number(sensors.external_torque_nm[j], 1) : "";
   });
+  document.body.classList.toggle("simulated", Boolean(status?.simulated));
+  for (const button of document.querySelectorAll("td.jog button")) button.disabled = status?.state !== "idle";
   writeIo(io || []);
   for (const part of ["io", "joints"]) $(part).classList.toggle("old", Boolean(live.health.is_old));
   $("io-old").hidden = !live.health.is_old;

@@ -70,7 +70,8 @@ function writeRun() {
   }
   if (run?.sketch) {
     const { compared } = run.sketch;
-    if (compared) notes.push(`The flange was off its path by ${number(compared.tcp_deviation.max_mm, 2)} mm at most.`);
+    if (compared)
+      notes.push(`The flange was off its path by ${atLeast(compared.tcp_deviation.max_mm, 2, "mm")} at most.`);
     notes.push(...run.sketch.notes);
   }
   $("run-notes").textContent = notes.join(" ");

@@ -155,8 +155,9 @@ impl<C> Dispatcher<C> {
         let mut status = Status::new(state, fri);
         status.joints_rad = self.observation.map(|it| it.joints_rad);
         status.t_s = self.observation.map(|it| it.t_s);
-        if self.program_at(now).is_some() {
+        if let Some(program) = self.program_at(now) {
             status.robot_program = Presence::Connected;
+            status.simulated = program.simulated;
         }
         status
     }

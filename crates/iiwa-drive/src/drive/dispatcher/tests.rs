@@ -49,7 +49,10 @@ impl DispatcherScene {
     fn report(&mut self, state: DriveState, run: Option<RunId>, ended: Option<RunId>) {
         let outcome = ended.map(|run| Outcome { run, start_s: None, end_s: 1.0, error: None });
         self.observe();
-        self.dispatcher.state_changed(StateChange { boot: 1, state, run, outcome }, self.now);
+        self.dispatcher.state_changed(
+            StateChange { boot: 1, state, run, outcome, simulated: false },
+            self.now,
+        );
     }
 
     fn observe(&mut self) {
@@ -57,6 +60,7 @@ impl DispatcherScene {
             t_s: 2.0,
             clock_ahead_s: 0.0,
             joints_rad: [0.0; 7],
+            torques_nm: None,
             session: SessionState::MonitoringReady,
             quality: Quality::Excellent,
             safety: Safety::Normal,

@@ -173,7 +173,7 @@ impl Elbow {
     }
 
     fn shell(&self) -> Surface {
-        Surface::tube(22, |along, angle| {
+        Surface::tube(16, |along, angle| {
             let (outer, inner) = (self.outer(along), self.inner(along));
             let share = along * along * (3.0 - 2.0 * along);
             let wide = self.limb + share * (self.radius - self.limb);

@@ -17,7 +17,7 @@ pub(crate) struct Surface {
 pub(super) type Bend = (f64, f64, f64);
 
 /// From one side to the next of what is turned about an axis.
-const SIDES: usize = 44;
+const SIDES: usize = 36;
 
 impl Surface {
     /// What an outline encloses that is turned about the z axis: from the axis at the bottom to the axis at the top.

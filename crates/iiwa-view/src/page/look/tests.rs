@@ -38,7 +38,7 @@ fn welded(surface: &Surface) -> Vec<[usize; 3]> {
         .iter()
         .map(|position| {
             let count = known.len();
-            *known.entry(position.map(|v| (v * 1e9).round() as i64)).or_insert(count)
+            *known.entry(position.map(|v| ((v * 1e9).round() + 0.0).to_bits())).or_insert(count)
         })
         .collect();
     let triangles = surface.triangles.iter().map(|corners| corners.map(|it| numbers[it as usize]));

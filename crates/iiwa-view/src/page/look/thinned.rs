@@ -204,3 +204,101 @@ impl Quadric {
 fn whole(cell: [f64; 3]) -> [i64; 3] {
     cell.map(|v| v as i64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box of quads that are cut in squares, whose corners come once for each triangle.
+    fn cuboid(size: [f64; 3], cuts: u32) -> Soup {
+        let mut soup = Soup::default();
+        for axis in 0..3 {
+            for side in [0.0, 1.0] {
+                let at = |u: u32, v: u32| -> [f64; 3] {
+                    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+                    let mut point = [0.0; 3];
+                    point[axis] = side * size[axis];
+                    point[i] = size[i] * f64::from(u) / f64::from(cuts);
+                    point[j] = size[j] * f64::from(v) / f64::from(cuts);
+                    point
+                };
+                for (u, v) in (0..cuts).flat_map(|u| (0..cuts).map(move |v| (u, v))) {
+                    let quad = [at(u, v), at(u + 1, v), at(u + 1, v + 1), at(u, v + 1)];
+                    for corners in [[0, 1, 2], [0, 2, 3]] {
+                        let corners =
+                            if side > 0.0 { corners } else { [corners[0], corners[2], corners[1]] };
+                        let first = u32::try_from(soup.points.len()).expect("few");
+                        soup.points.extend(corners.map(|it| quad[it]));
+                        soup.triangles.push([first, first + 1, first + 2]);
+                    }
+                }
+            }
+        }
+        soup
+    }
+
+    fn ball(radius: f64, steps: u32) -> Soup {
+        let mut soup = cuboid([2.0; 3], steps).welded();
+        for point in &mut soup.points {
+            *point = unit(point.map(|v| v - 1.0)).map(|v| radius * v);
+        }
+        soup
+    }
+
+    #[test]
+    fn boxes_have_creases_and_balls_have_none() {
+        let soup = cuboid([0.1, 0.2, 0.3], 4).welded();
+        assert_eq!((soup.points.len(), soup.triangles.len()), (98, 192));
+        let surface = soup.surface();
+        // At edges two normals, at corners three.
+        assert_eq!(surface.positions.len(), 6 * 25);
+        for normal in &surface.normals {
+            let along: Vec<_> = normal.iter().filter(|v| v.abs() > 1e-9).collect();
+            assert!(along.len() == 1 && (along[0].abs() - 1.0).abs() < 1e-12, "{normal:?}");
+        }
+        let ball = ball(0.1, 20).surface();
+        assert_eq!(ball.positions.len(), 6 * 20 * 20 + 2);
+        for (normal, position) in std::iter::zip(&ball.normals, &ball.positions) {
+            assert!(dot(*normal, unit(*position)) > 0.995);
+        }
+    }
+
+    #[test]
+    fn thinned_meshes_keep_their_shape() {
+        let soups = vec![ball(0.1, 60), cuboid([0.1, 0.2, 0.3], 40).welded()];
+        let before: usize = soups.iter().map(|soup| soup.triangles.len()).sum();
+        let thin = Soup::thinned(soups, 5000);
+        let count: usize = thin.iter().map(|soup| soup.triangles.len()).sum();
+        assert!((3500..=5000).contains(&count), "{count} of {before}");
+        for point in &thin[0].points {
+            let radius = dot(*point, *point).sqrt();
+            assert!((radius - 0.1).abs() < 5e-4, "{radius}");
+        }
+        // Faces of a box stay where they are, and so do its corners.
+        for point in &thin[1].points {
+            let off = std::iter::zip(point, [0.1, 0.2, 0.3])
+                .map(|(v, size)| v.abs().min((v - size).abs()));
+            assert!(off.fold(f64::MAX, f64::min) < 1e-5, "{point:?}");
+        }
+        for corner in 0..8 {
+            let place: [f64; 3] =
+                std::array::from_fn(
+                    |i| if corner >> i & 1 == 0 { 0.0 } else { [0.1, 0.2, 0.3][i] },
+                );
+            let away = |point: &[f64; 3]| dot(difference(*point, place), difference(*point, place));
+            let nearest = thin[1].points.iter().map(away).fold(f64::MAX, f64::min).sqrt();
+            assert!(nearest < 1e-3, "corner {corner}: {nearest}");
+        }
+        // What is small enough stays as it is.
+        let soup = cuboid([0.1; 3], 2).welded();
+        assert_eq!(Soup::thinned(vec![soup.clone()], 48)[0].triangles, soup.triangles);
+    }
+
+    #[test]
+    fn sheets_have_two_sides() {
+        let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let soup = Soup { points, triangles: vec![[0, 1, 2], [0, 2, 1], [1, 2, 0], [0, 0, 1]] };
+        assert_eq!(soup.welded().triangles.len(), 2);
+        assert_eq!(soup.surface().triangles.len(), 4);
+    }
+}

@@ -1,0 +1,63 @@
+//! What a recording has beside the motion: the drive's state, temperatures, inputs and outputs.
+
+use std::time::{Duration, Instant};
+
+use iiwa_link::{Client, message::DriveState};
+use iiwa_log::{Diagnostic, DiagnosticLevel};
+
+/// Each reading is a request to the robot program.
+const EVERY: Duration = Duration::from_secs(1);
+
+/// Reads sensors, inputs and outputs now and then.
+pub(super) struct Sensors {
+    client: Client,
+    read: Option<Instant>,
+}
+
+impl Sensors {
+    pub(super) fn new(client: Client) -> Self {
+        Self { client, read: None }
+    }
+
+    /// The values, when it is time. During a motion the robot program does not tell them, and nothing is recorded.
+    pub(super) fn read(&mut self, robot: &str) -> Option<Vec<Diagnostic<'static>>> {
+        if self.read.is_some_and(|read| read.elapsed() < EVERY) {
+            return None;
+        }
+        self.read = Some(Instant::now());
+        let sensors = self.client.read_sensors().ok()?;
+        // A robot program may not know all of its signals.
+        let signals = self.client.list_io().unwrap_or_default();
+        let joints = |name: &str, unit: &str, values: [f64; 7]| {
+            let value = |(joint, value): (usize, f64)| {
+                (format!("A{}", joint + 1).into(), value.to_string().into())
+            };
+            let values = values.into_iter().enumerate().map(value).collect();
+            part(name.to_owned(), format!("in {unit}"), robot, values)
+        };
+        let io =
+            signals.into_iter().map(|signal| (signal.name.into(), signal.value.to_string().into()));
+        Some(vec![
+            joints("joint temperatures", "degrees Celsius", sensors.joint_temperature_c),
+            joints("external torques", "Nm", sensors.external_torque_nm),
+            part("inputs and outputs".to_owned(), String::new(), robot, io.collect()),
+        ])
+    }
+}
+
+/// The state of the drive.
+pub(super) fn drive(state: DriveState, robot: &str) -> Diagnostic<'static> {
+    part("drive".to_owned(), state.to_string(), robot, Vec::new())
+}
+
+type Values = Vec<(std::borrow::Cow<'static, str>, std::borrow::Cow<'static, str>)>;
+
+fn part(name: String, message: String, robot: &str, values: Values) -> Diagnostic<'static> {
+    Diagnostic {
+        level: DiagnosticLevel::Ok,
+        name: name.into(),
+        message: message.into(),
+        hardware_id: robot.to_owned().into(),
+        values,
+    }
+}
