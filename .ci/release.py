@@ -106,17 +106,12 @@ def collect(folder, binary, target):
     if not runs_here(target):
         print("manual pages and completions are left out: the program does not run here")
         return
-    known = subprocess.run([program, "--help"], check=True, capture_output=True, text=True).stdout
-    if " completions " in known:
-        completions = folder / "completions"
-        completions.mkdir()
-        for shell, name in SHELLS.items():
-            text = subprocess.run([program, "completions", shell], check=True, capture_output=True).stdout
-            (completions / name).write_bytes(text)
-    if " man " in known:
-        manual = folder / "man"
-        manual.mkdir()
-        subprocess.run([program, "man", manual], check=True, stdout=subprocess.DEVNULL)
+    completions = folder / "completions"
+    completions.mkdir()
+    for shell, name in SHELLS.items():
+        text = subprocess.run([program, "completions", shell], check=True, capture_output=True).stdout
+        (completions / name).write_bytes(text)
+    subprocess.run([program, "man", folder / "man"], check=True, stdout=subprocess.DEVNULL)
 
 
 def write_archive(folder, target, at_s):

@@ -128,7 +128,8 @@ class Folder:
         programs = self.path / ".bin"
         programs.mkdir()
         (programs / "iiwasim").symlink_to(binary)
-        self.environment = os.environ | {
+        inherited = {name: value for name, value in os.environ.items() if not name.startswith("IIWASIM_")}
+        self.environment = inherited | {
             "PATH": f"{programs}:{os.environ['PATH']}",
             "HOME": str(self.path),
             "NO_COLOR": "1",
@@ -346,6 +347,10 @@ def check_page(path, binary, renew):
                 check_yaml(page, fence, folder)
             elif fence.language.startswith("rust") and page.path not in RUST:
                 page.wrong(fence, "no doctest compiles it: crates/iiwa/src/lib.rs and RUST name the pages")
+            elif fence.language == "toml":
+                page.documents += 1
+                (folder.path / "iiwasim.toml").write_text(fence.text + "\n")
+                run(page, Fence("sh", fence.line, "iiwasim schema"), folder)
             elif not fence.language.startswith(("rust", "text")):
                 page.wrong(fence, f"nothing checks {fence.language or 'a fence without a language'}")
     finally:
