@@ -280,7 +280,7 @@ fn positions_become_a_program() {
             ("lbr_iiwa_7_r800", "lbr_iiwa_14_r820", "not of lbr_iiwa_7_r800"),
             ("\"home\"", "\"<b>there</b>\"", "there is a position"),
             ("\"name\"", "\"names\"", "did you mean `name`?"),
-            ("{", "", "line 1"),
+            ("{", "", "line 2"),
         ] {
             fs::write(rig.path("positions.json"), kept.replacen(from, to, 1)).unwrap();
             let ended = rig.begin("twin", &["--port", "0"]).end().code(2);

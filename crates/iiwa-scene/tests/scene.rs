@@ -143,7 +143,7 @@ fn says_what_is_wrong_and_where() {
 
 /// GOOD with pairs to ignore.
 fn ignoring(pairs: &str) -> String {
-    GOOD.replacen("] }", &format!("], \"ignore\": [{pairs}] }}"), 1)
+    GOOD.replacen("\n] }", &format!("\n], \"ignore\": [{pairs}] }}"), 1)
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn pairs_are_ignored_by_name() {
             "\"tablet\"",
         ),
         (r#"["link 1", "table"]"#, "unknown part of the arm `link 1`; did you mean", "\"link 1\""),
-        (r#"["link7", "table"]"#, "did you mean `link 7`?", "\"lnik 7\""),
+        (r#"["link7", "table"]"#, "did you mean `link 7`?", "\"link7\""),
         (r#"["link 2"]"#, "a pair is [\"link 2\", \"NAME\"]", "[\"link 2\"]"),
         (r#"["link 2", 7]"#, "expected a string, found `7`", "["),
         ("7", "a pair is", "7"),
