@@ -37,6 +37,13 @@ function makeSight(canvas) {
     const thinned = (all) => all.filter((_, i) => i % Math.ceil(all.length / MOST) === 0);
     points = [[0, 0, 0.05], ...standing];
     for (const { places, joints } of contents.ways) points.push(...thinned(places), ...thinned(joints));
+    // Without a way, the arm may go anywhere near.
+    const REACH_M = 0.4;
+    const around = [-REACH_M, REACH_M].flatMap((v) => [
+      [v, 0, 0.5],
+      [0, v, 0.5],
+    ]);
+    if (!contents.ways.length) points.push([0, 0, 0.9], ...around);
     const box = [0, 1, 2].map((i) => {
       const all = points.map((p) => p[i]);
       return [Math.min(...all) - NEAR_M, Math.max(...all) + NEAR_M];
