@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use iiwa_json::Place;
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
-use iiwa_program::{Motion, Program, ProgramError, Ptp, Start, Workcell};
+use iiwa_program::{Motion, MotionIndex, Program, ProgramError, Ptp, Start, Workcell};
 
 const GOOD: &str = r#"{
   "version": 1,
