@@ -141,31 +141,66 @@ impl MeshFormat {
     ) -> io::Result<mesh_loader::Scene> {
         match self {
             Self::Stl => stl(bytes),
-            Self::Obj => mesh_loader::obj::from_slice(bytes, None, |path: &Path| {
-                materials(path).ok_or_else(|| io::ErrorKind::NotFound.into())
-            }),
+            Self::Obj => {
+                mesh_loader::obj::from_slice(bytes, Some(Path::new("a.obj")), |path: &Path| {
+                    materials(path).ok_or_else(|| io::ErrorKind::NotFound.into())
+                })
+            }
             Self::Collada => collada(bytes),
         }
     }
 }
 
-/// Reads Collada. A part that a file shows at several places would be read at one of them.
+/// Reads Collada. What the library would read otherwise than it is, is refused: of a part that is shown at several places it
+/// keeps one, and it takes the places of nodes within nodes in the wrong order. It does not apply the unit to places.
 fn collada(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
-    const INSTANCE: &str = "<instance_geometry";
-    let text = String::from_utf8_lossy(bytes);
+    const UNIT: &str = "<unit";
+    let mut text = String::from_utf8_lossy(bytes).into_owned();
     let mut shown = HashSet::new();
-    for tag in text.split(INSTANCE).skip(1) {
-        let url = tag.split('>').next().unwrap_or_default().split("url=").nth(1);
-        let part = url.and_then(|url| url.split(['"', '\'']).nth(1)).unwrap_or_default();
-        if !shown.insert(part) {
+    let mut depth = 0_i32;
+    for tag in text.split('<').skip(1) {
+        let tag = tag.split('>').next().unwrap_or_default();
+        if tag.starts_with("instance_geometry") && !shown.insert(quoted(tag, "url")) {
+            let part = quoted(tag, "url").unwrap_or_default();
             return refuse(format!(
                 "it shows its part {part:?} at several places, which cannot be read: write the mesh as STL or OBJ"
             ));
         }
+        let is_node = tag == "node" || tag.starts_with("node ");
+        depth += i32::from(is_node && !tag.ends_with('/')) - i32::from(tag.starts_with("/node"));
+        if is_node && depth > 1 {
+            return refuse(
+                "it has nodes within nodes, which cannot be read: write the mesh as STL or OBJ",
+            );
+        }
+    }
+    let mut unit_m = 1.0;
+    if let Some(start) = text.find(UNIT)
+        && let Some(length) = text[start..].find('>')
+    {
+        let tag = &text[start..start + length];
+        if let Some(meter) = quoted(tag, "meter") {
+            let Some(found) = meter.trim().parse().ok().filter(|unit: &f32| *unit > 0.0) else {
+                return refuse(format!("its unit is {meter:?} m"));
+            };
+            unit_m = found;
+        }
+        let end = if tag.ends_with('/') { "/" } else { "" };
+        text.replace_range(start..start + length, &format!("{UNIT}{end}"));
     }
     // Of indices that lead nowhere, the library panics.
-    panic::catch_unwind(|| mesh_loader::collada::from_slice(bytes))
-        .unwrap_or_else(|_| refuse("its numbers lead to corners that it does not have"))
+    let mut scene = panic::catch_unwind(|| mesh_loader::collada::from_str(&text))
+        .unwrap_or_else(|_| refuse("its numbers lead to corners that it does not have"))?;
+    for value in scene.meshes.iter_mut().flat_map(|mesh| mesh.vertices.as_flattened_mut()) {
+        *value *= unit_m;
+    }
+    Ok(scene)
+}
+
+/// The value of a tag's attribute.
+fn quoted<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
+    let (_, rest) = tag.split_once(&format!("{name}="))?;
+    rest.split(['"', '\'']).nth(1)
 }
 
 fn refuse<T>(what: impl Into<String>) -> io::Result<T> {

@@ -127,7 +127,7 @@ enum Colour {
 }
 
 /// What is known so far of a visual or of a collision.
-struct Draft {
+struct MeshDraft {
     is_visual: bool,
     origin: Isometry3<f64>,
     colour: Option<Colour>,
@@ -142,7 +142,7 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
     let mut depth = 0_usize;
     let mut quaternions = false;
     let mut link = String::new();
-    let mut draft: Option<Draft> = None;
+    let mut draft: Option<MeshDraft> = None;
     let mut material = None;
     let mut colours: HashMap<String, [f64; 4]> = HashMap::new();
     let mut all: Vec<(Found, Option<Colour>)> = Vec::new();
@@ -155,7 +155,7 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
                 depth = depth.saturating_sub(1);
                 open.truncate(depth.saturating_sub(1));
                 if depth == 2
-                    && let Some(Draft { is_visual, origin, colour, mesh: Some(mesh) }) =
+                    && let Some(MeshDraft { is_visual, origin, colour, mesh: Some(mesh) }) =
                         draft.take()
                 {
                     all.push((Found { link: link.clone(), is_visual, origin, mesh }, colour));
@@ -175,7 +175,7 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
             }
             ([b"link"], _) => link = tag.required("name", "a link")?,
             ([b"link", kind @ (b"visual" | b"collision")], _) => {
-                draft = Some(Draft {
+                draft = Some(MeshDraft {
                     is_visual: *kind == b"visual",
                     origin: Isometry3::identity(),
                     colour: None,
