@@ -49,9 +49,10 @@ MARKS = {
 # Lines with figures that were measured, and by how much each of their numbers may differ: one bound for all, or one each.
 MEASURED = [
     (re.compile(r"^Measured +\d"), 0.06),
+    (re.compile(r"by the robot program's clock"), [0.06, 0]),
     (re.compile(r"^\d+ samples recorded"), 40),
     # Of a comparison: the motion's number, planned, real, error in s and in per cent.
-    (re.compile(r"^ +\d+ +\w+ +\d\.\d{3} +\d\.\d{3} +-?\d\.\d{4} +-?\d\.\d\d$"), [0, 0, 0.01, 0.01, 2]),
+    (re.compile(r"^ *\d+ +\w+ +\d\.\d{3} +\d\.\d{3} +-?\d\.\d{4} +-?\d\.\d\d$"), [0, 0, 0.01, 0.01, 2]),
     (re.compile(r"^Cycle time .* real: off by"), [0, 0.01, 0.01, 0.2]),
     (re.compile(r"^FRI +\w+, quality"), 2),
     # Fits to samples with noise: limits of velocity, acceleration and jerk.
