@@ -383,6 +383,8 @@ def main():
     parser.add_argument("--renew", action="store_true")
     options = parser.parse_args()
     paths = [page.resolve() for page in options.pages] or [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    # What is ended takes along what it has started.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     own_network()
     began, problems = time.monotonic(), []
     commands_run = outputs = documents = 0
