@@ -12,5 +12,6 @@ mod crowd;
 mod faults;
 mod keys;
 mod page;
+mod positions;
 mod rig;
 mod twin;
