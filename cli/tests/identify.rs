@@ -50,7 +50,7 @@ fn a_profile_that_plans() {
     iiwasim(&folder, &["identify", "wide.csv", "--program", "wide.json", "--name", "cell 3"])
         .success()
         .stdout(
-            contains("A1   88.")
+            contains("A1  88.")
                 .and(contains("Settles for 0.0800"))
                 .and(contains("kappa over gamma: not found"))
                 .and(contains("Profile of cell 3 in identified.json")),
@@ -135,7 +135,7 @@ fn what_is_lost_is_said() {
     iiwasim(&folder, &["identify", "half.csv", "--program", "wide.json", "--no-output"])
         .success()
         .stdout(
-            contains("A7               not found")
+            contains("A7              not found")
                 .and(contains("the arm does not follow the program from here on"))
                 .and(contains("Note: half.csv: ")),
         );
