@@ -131,7 +131,17 @@ impl Seek for Stream {
 
 /// Refuses to replace a file that cannot be made again, unless `overwrite` says so.
 pub(crate) fn keep_existing(what: &str, path: &Path, overwrite: bool) -> Result<(), Failure> {
-    if overwrite || !path.exists() {
+    if !path.exists() {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        return match folder.filter(|folder| !folder.exists()) {
+            None => Ok(()),
+            Some(folder) => {
+                let cause = Some(format!("there is no folder {}", folder.display()));
+                Err(Failure::Run { what: format!("cannot write {}", path.display()), cause })
+            }
+        };
+    }
+    if overwrite {
         return Ok(());
     }
     Err(Failure::input(format!(

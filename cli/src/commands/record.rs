@@ -3,11 +3,11 @@
 mod diagnostics;
 
 use std::{
-    fs::{self, File},
-    path::Path,
+    fs::File,
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
+use iiwa_kin::Robot;
 use iiwa_link::{Published, Stream};
 use iiwa_log::{Config, DEFAULT_EPOCH, Recorder, RecorderConfig, WriteError};
 
@@ -40,7 +40,9 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let path = &options.output;
     let refuse =
         |error: WriteError| Failure::run(format!("cannot write {}", path.display()), &error);
-    let mut recorder = Recorder::new(create(options)?, &robot, config(options)).map_err(refuse)?;
+    output::keep_existing("recording", path, options.overwrite)?;
+    // The file begins with the first sample: until then, one that it replaces is kept.
+    let mut recorder: Option<Recorder<File>> = None;
 
     let since = Instant::now();
     let limit = options.seconds.map(Duration::from_secs_f64);
@@ -56,10 +58,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     while !output::interrupted() && limit.is_none_or(|limit| since.elapsed() < limit) {
         let published = match stream.next(POLL) {
             Ok(published) => published,
-            Err(error) if samples == 0 => {
-                discard(path);
-                return Err(connection::refused(&error));
-            }
+            Err(error) if samples == 0 => return Err(connection::refused(&error)),
             // The samples so far are kept.
             Err(error) => {
                 progress.aside(|| print_note(&format!("The stream broke off: {error}\n")));
@@ -69,7 +68,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
         // The clock of the file starts with the first sample.
         let since_first =
             |t_s: f64| first_s.and_then(|first_s| Duration::try_from_secs_f64(t_s - first_s).ok());
-        if let (Some(sensors), true) = (&mut sensors, samples > 0)
+        if let (Some(sensors), Some(recorder)) = (&mut sensors, &mut recorder)
             && let Some(parts) = sensors.read(&hardware_id)
         {
             told(recorder.diagnostics(last, &parts)).map_err(refuse)?;
@@ -77,7 +76,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
         match published {
             Some(Published::Torques { t_s, measured_nm, .. }) => torques = Some((t_s, measured_nm)),
             Some(Published::State { t_s, state }) => {
-                if let Some(t) = since_first(t_s) {
+                if let (Some(t), Some(recorder)) = (since_first(t_s), &mut recorder) {
                     let parts = [diagnostics::drive(state, &hardware_id)];
                     told(recorder.diagnostics(t, &parts)).map_err(refuse)?;
                 }
@@ -94,6 +93,10 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
                 }
                 let of_now = torques.take().filter(|(torques_s, _)| *torques_s == t_s);
                 let torques_nm = of_now.as_ref().map(|(_, torques_nm)| torques_nm);
+                let recorder = match &mut recorder {
+                    Some(recorder) => recorder,
+                    None => recorder.insert(begin(options, &robot)?),
+                };
                 recorder.sample_with_torques(t, &joints_rad, torques_nm).map_err(refuse)?;
                 (last, fresh) = (t, true);
                 samples += 1;
@@ -101,7 +104,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
             }
             Some(_) => {}
             None => {
-                if std::mem::take(&mut fresh) {
+                if let (true, Some(recorder)) = (std::mem::take(&mut fresh), &mut recorder) {
                     recorder.flush().map_err(refuse)?;
                 }
                 progress.alive();
@@ -118,13 +121,12 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
         }
     }
     progress.clear();
-    let metadata = [("sample_count".to_owned(), samples.to_string())].into();
-    recorder.finish(&metadata, &[]).map_err(refuse)?;
-    if samples == 0 {
-        discard(path);
+    let Some(recorder) = recorder else {
         let what = format!("nothing was recorded: nothing came from {}", options.stream);
         return Err(Failure::Run { what, cause: None });
-    }
+    };
+    let metadata = [("sample_count".to_owned(), samples.to_string())].into();
+    recorder.finish(&metadata, &[]).map_err(refuse)?;
     let left_out = if left_out > 0 { format!(", {left_out} left out") } else { String::new() };
     output::print(&format!(
         "{samples} samples{left_out} over {:.3} s in {}\n",
@@ -133,12 +135,14 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     ))
 }
 
-/// The file, which replaces another one only if it may.
-fn create(options: &Record) -> Result<File, Failure> {
+/// Begins the file.
+fn begin(options: &Record, robot: &Robot) -> Result<Recorder<File>, Failure> {
     let path = &options.output;
-    output::keep_existing("recording", path, options.overwrite)?;
-    File::create(path)
-        .map_err(|error| Failure::run(format!("cannot write {}", path.display()), &error))
+    let what = || format!("cannot write {}", path.display());
+    // Another program may have made one meanwhile.
+    let file = if options.overwrite { File::create(path) } else { File::create_new(path) };
+    let file = file.map_err(|error| Failure::run(what(), &error))?;
+    Recorder::new(file, robot, config(options)).map_err(|error| Failure::run(what(), &error))
 }
 
 /// With the time of the start.
@@ -154,10 +158,4 @@ fn told(written: Result<(), WriteError>) -> Result<(), WriteError> {
         WriteError::NotIncreasing { .. } => Ok(()),
         error => Err(error),
     })
-}
-
-/// Removes an empty recording, which would be in the way of the next one.
-fn discard(path: &Path) {
-    // It may be gone already.
-    let _ = fs::remove_file(path);
 }

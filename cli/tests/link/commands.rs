@@ -192,6 +192,12 @@ fn addresses_are_settings() {
             .stderr(contains("a.mcap exists"));
         rig.iiwasim_alone(&["record", "-o", "a.mcap", "--overwrite", "--seconds", "0.5"]).success();
         let nobody = free_address().to_string();
+        // Nothing is lost when nothing comes.
+        let before = std::fs::read(rig.path("a.mcap")).unwrap();
+        let silent =
+            ["record", "-o", "a.mcap", "--overwrite", "--seconds", "0.5", "--stream", &nobody];
+        rig.iiwasim_alone(&silent).code(1).stderr(contains("nothing was recorded"));
+        assert_eq!(std::fs::read(rig.path("a.mcap")).unwrap(), before);
         rig.iiwasim_alone(&["status", "--drive", &nobody]).code(1).stderr(contains(nobody));
     });
 }

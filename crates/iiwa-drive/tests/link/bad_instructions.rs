@@ -43,6 +43,7 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
             fields_of("set_io"),
         ),
         (json!({"type": "read_sensors"}), vec![kind]),
+        (json!({"type": "list_io"}), vec![Field("/type", Requirement::Required, &[])]),
         (json!({"type": "stop"}), vec![seq]),
     ];
     for (mut good, fields) in instructions {

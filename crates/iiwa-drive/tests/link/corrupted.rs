@@ -88,6 +88,7 @@ pub(crate) fn good_requests() -> Vec<Value> {
             "mode": "t1"}),
         json!({"type": "run_trajectory", "trajectory": trajectory}),
         json!({"type": "read_sensors"}),
+        json!({"type": "list_io"}),
         json!({"type": "get_io", "name": "MediaFlange.UserButton"}),
         json!({"type": "set_io", "name": "MediaFlange.LEDBlue", "value": true}),
         json!({"type": "state"}),

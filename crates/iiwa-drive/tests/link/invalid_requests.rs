@@ -96,7 +96,7 @@ pub(crate) fn invalid_requests() -> Vec<(String, &'static str, &'static str)> {
             "jerk_rel",
         ),
         value(
-            motion(json!({"type": "ptp", "joints_deg": to(1.0), "blend": {"cart_mm": 50}})),
+            motion(json!({"type": "ptp", "joints_deg": to(1.0), "blend": {"fraction": 0.6}})),
             "bad_request",
             "blend",
         ),
