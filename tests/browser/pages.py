@@ -93,7 +93,7 @@ class Pages:
         self.iiwasim("report", "appendix-b.mcap", "measured.mcap", "-o", "compared.html")
         # At ten times the speed: times are the robot's.
         with Rig(self.program, self.folder, "--speed", "10", "--noise", "2e-5") as rig:
-            rig.run(FIXTURES / "ten-motions.json", "-o", "real.mcap", "--move-to-start=100")
+            rig.run(FIXTURES / "ten-motions.json", "-o", "real.mcap", "--overwrite", "--move-to-start=100")
         self.iiwasim("report", "ten-motions.mcap", "real.mcap", "-o", "run.html")
         # The recording holds its program, so that its plan can be beside it.
         self.iiwasim("report", "real.mcap", "-o", "run-alone.html")

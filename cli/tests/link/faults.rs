@@ -14,7 +14,8 @@ use crate::rig::{Process, Rig, wait_for};
 fn assert_works(rig: &Rig) {
     rig.wait_until_ready(&[]);
     let program = rig.slow_program();
-    rig.iiwasim("run", &[program, "--move-to-start=100", "-o", "after.mcap"]).success();
+    rig.iiwasim("run", &[program, "--move-to-start=100", "-o", "after.mcap", "--overwrite"])
+        .success();
     assert!((rig.joint_1().to_degrees() - 60.0).abs() < 1e-3);
 }
 
@@ -31,7 +32,8 @@ fn an_interrupt_stops_the_robot_on_its_path() {
         let rig = Rig::new();
         for options in [&[][..], &["--as-trajectory", "--move-to-start=100"]] {
             let running = rig.slow_program();
-            let running = rig.begin("run", &[options, &[running, "-o", "cut.mcap"]].concat());
+            let running =
+                rig.begin("run", &[options, &[running, "-o", "cut.mcap", "--overwrite"]].concat());
             wait_for("a run", || running.stdout().contains("Cycle time"));
             // After the move to the start, if there is one.
             wait_for("start", || rig.joint_1() < 0.1);
@@ -93,7 +95,7 @@ fn a_killed_cabinet_ends_the_run() {
     in_real_time(|| {
         let mut rig = Rig::new();
         for options in [&[][..], &["--as-trajectory"]] {
-            let running = rig.begin_run(&[&["-o", "cut.mcap"], options].concat());
+            let running = rig.begin_run(&[&["-o", "cut.mcap", "--overwrite"], options].concat());
             let cabinet = rig.cabinet.take().unwrap();
             cabinet.signal("KILL");
             drop(cabinet);
