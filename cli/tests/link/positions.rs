@@ -6,7 +6,11 @@ use iiwa_log::Recording;
 use iiwasim_tests::calm::in_real_time;
 use serde_json::{Value, json};
 
-use crate::{page::Page, rig::Rig, twin::start};
+use crate::{
+    page::Page,
+    rig::Rig,
+    twin::{TO_60, load, program, start},
+};
 
 #[test]
 fn positions_become_a_program() {
@@ -21,6 +25,11 @@ fn positions_become_a_program() {
         page.order("save_position", json!({ "name": "" })).unwrap();
         rig.iiwasim("run", &[rig.slow_program(), "--no-output"]).success();
         page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(1.04));
+        // Where the arm is stretched, no frame leads back to its joints.
+        for (joint, step_deg) in [(2, 30), (4, -45), (6, 40)] {
+            page.order("jog", json!({ "joint": joint, "step_deg": step_deg })).unwrap();
+        }
+        page.wait_for("live", |live| live["joints_rad"][5].as_f64() > Some(0.69));
         page.order("save_position", json!({ "name": "<b>there</b>" })).unwrap();
         page.order("save_position", json!({ "name": "too much" })).unwrap();
         let names = |page: &mut Page, expected: &[&str]| {
@@ -140,11 +149,12 @@ fn a_simulated_robot_is_turned_joint_by_joint() {
                 Err(found) => assert!(!why.is_empty() && found.contains(why), "{found}"),
             }
         }
-        // A robot that runs a program is not turned, nor one that is told to stop.
-        let run = rig.begin("run", &[rig.slow_program(), "--no-output", "--move-to-start"]);
-        page.wait_for("health", |health| health["status"]["state"] != "idle");
-        page.order("jog", json!({ "joint": 1, "step_deg": 1 })).unwrap_err();
+        // While a program runs, no joint is turned.
+        let plan = load(&address, &mut page, &program(TO_60));
+        page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap();
+        let why = page.order("jog", json!({ "joint": 1, "step_deg": 1 })).unwrap_err();
+        assert!(why.contains("a run is under way"), "{why}");
         page.order("stop", json!({})).unwrap();
-        run.end();
+        page.wait_for("run", |run| run["phase"] == "failed");
     });
 }

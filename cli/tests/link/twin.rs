@@ -30,18 +30,18 @@ pub(crate) fn start(rig: &Rig, options: &[&str]) -> (Process, Address) {
 }
 
 /// A program from 0 with these motions.
-fn program(motions: &str) -> Value {
+pub(crate) fn program(motions: &str) -> Value {
     let text = format!(
         r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [{motions}] }}"#
     );
     json!({ "name": "a program.json", "text": text })
 }
 
-const TO_60: &str =
+pub(crate) const TO_60: &str =
     r#"{ "type": "ptp", "joints_deg": [60, 0, 0, 0, 0, 0, 0], "velocity_rel": 0.2 }"#;
 
 /// Loads a program, and returns its plan.
-fn load(address: &Address, page: &mut Page, program: &Value) -> Value {
+pub(crate) fn load(address: &Address, page: &mut Page, program: &Value) -> Value {
     let before = page.wait_for("plan", |_| true)["id"].clone();
     address.load(program).unwrap();
     page.wait_for("plan", |plan| !plan.is_null() && plan["id"] != before)
