@@ -14,13 +14,13 @@ const SCALE: f32 = 2.0;
 
 /// How a picture is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Format {
+enum PictureFormat {
     Svg,
     Png,
     Pdf,
 }
 
-impl Format {
+impl PictureFormat {
     /// That of a file's ending.
     fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
@@ -35,7 +35,7 @@ impl Format {
 
 /// Refuses a file whose ending is not that of a picture.
 pub(crate) fn check(path: &Path) -> Result<(), Failure> {
-    match Format::of(path) {
+    match PictureFormat::of(path) {
         Some(_) => Ok(()),
         None => Err(Failure::input(format!(
             "{}: pictures are written as .svg, .png or .pdf",
@@ -46,8 +46,8 @@ pub(crate) fn check(path: &Path) -> Result<(), Failure> {
 
 /// The content of the file `path` for a drawing in SVG.
 pub(crate) fn content(path: &Path, svg: String) -> Result<Vec<u8>, Failure> {
-    let format = Format::of(path).unwrap_or(Format::Svg);
-    if format == Format::Svg {
+    let format = PictureFormat::of(path).unwrap_or(PictureFormat::Svg);
+    if format == PictureFormat::Svg {
         return Ok(svg.into_bytes());
     }
     let refuse = |what: String| {
@@ -62,7 +62,7 @@ pub(crate) fn content(path: &Path, svg: String) -> Result<Vec<u8>, Failure> {
     };
     options.fontdb_mut().set_sans_serif_family(family);
     let tree = Tree::from_str(&svg, &options).map_err(|error| refuse(error.to_string()))?;
-    if format == Format::Pdf {
+    if format == PictureFormat::Pdf {
         return svg2pdf::to_pdf(&tree, ConversionOptions::default(), PageOptions::default())
             .map_err(|error| refuse(error.to_string()));
     }

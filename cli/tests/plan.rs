@@ -201,7 +201,6 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
     };
     refuses(&blended(r#"{ "fraction": 0.51 }"#), &[line, "motion 1", "0.51"]);
     refuses(&blended(r#"{ "cart_mm": -5 }"#), &[line, "motion 1", "-5"]);
-    refuses(&ptp(r#", "blend": { "fraction": 0.2 }"#), &[line, "motion 1", "last"]);
     let wait = blended(r#"{ "fraction": 0.2 }"#).replace(
         r#"{ "type": "ptp", "joints_deg": [0, 0, 0, 9, 0, 0, 9] }"#,
         r#"{ "type": "wait", "seconds": 1 }"#,
@@ -217,6 +216,27 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
     )
     .replace("[0, 0, 0, 0, 0, 0, 0]", "[-160, 60, 0, 0, 0, 0, 0]");
     refuses(&swing, &[line, "motion 1", "joint A2", "blend"]);
+}
+
+#[test]
+fn a_blend_at_the_end_is_a_warning() {
+    let folder = tempdir().unwrap();
+    let motion = |rest: &str| {
+        program(&format!(r#"{{ "type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 9]{rest} }}"#))
+    };
+    let blended = folder.path().join("blended.json");
+    fs::write(&blended, motion(r#", "blend": { "fraction": 0.2 }"#)).unwrap();
+    let assert = plan(&folder, &blended, &["--no-output", "--json"])
+        .success()
+        .stderr(contains("motion 1 is the last one").and(contains("blended.json").not()));
+    let figures: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    assert_eq!(figures["warnings"].as_array().unwrap().len(), 1, "{figures}");
+    let stopped = folder.path().join("stopped.json");
+    fs::write(&stopped, motion("")).unwrap();
+    let assert = plan(&folder, &stopped, &["--no-output", "--json"]).success().stderr(is_empty());
+    let without: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    assert_eq!(without["cycle_time_s"], figures["cycle_time_s"]);
+    assert!(without["warnings"].as_array().unwrap().is_empty());
 }
 
 #[test]

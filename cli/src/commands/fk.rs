@@ -22,7 +22,7 @@ struct PoseAnswer<'a> {
 
 /// Of one of many poses.
 #[derive(Serialize)]
-struct LineAnswer<'a> {
+struct PoseLine<'a> {
     position_m: [f64; 3],
     rotation: [[f64; 3]; 3],
     frame: &'a ReachedFrame,
@@ -42,7 +42,7 @@ fn many(place: &Workplace, json: bool) -> Result<(), Failure> {
         let (pose, frame) = (place.pose(&joints), place.frame(&joints));
         let line = if json {
             let (position_m, rotation) = (pose.position_m, pose.rotation);
-            output::json_line(&LineAnswer { position_m, rotation, frame: &frame })?
+            output::json_line(&PoseLine { position_m, rotation, frame: &frame })?
         } else {
             let ReachedFrame { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg, e1_deg, status, turn } =
                 frame;

@@ -78,7 +78,7 @@ fn solve(place: &Workplace, options: &Ik, frame: &str) -> Result<Solution, Failu
 
 /// One of many frames.
 #[derive(Default, Serialize)]
-struct LineAnswer {
+struct JointsLine {
     #[serde(skip_serializing_if = "Option::is_none")]
     joints_deg: Option<[f64; 7]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -98,13 +98,13 @@ fn many(place: &Workplace, options: &Ik) -> Result<(), Failure> {
         let frame = serde_json::Value::Object(object).to_string();
         let answer = match solve(place, options, &frame) {
             Ok(Solution { joints_rad, .. }) => {
-                LineAnswer { joints_deg: Some(joints_rad.map(f64::to_degrees)), error: None }
+                JointsLine { joints_deg: Some(joints_rad.map(f64::to_degrees)), error: None }
             }
             Err(failure) => {
                 failed += 1;
                 let error = failure.what();
                 print_note(&format!("standard input, line {number}: {error}\n"));
-                LineAnswer { error: Some(error), ..LineAnswer::default() }
+                JointsLine { error: Some(error), ..JointsLine::default() }
             }
         };
         let line = if options.json { output::json_line(&answer)? } else { csv_line(&answer) };
@@ -118,7 +118,7 @@ fn many(place: &Workplace, options: &Ik) -> Result<(), Failure> {
     }
 }
 
-fn csv_line(answer: &LineAnswer) -> String {
+fn csv_line(answer: &JointsLine) -> String {
     let joints = answer.joints_deg.map_or_else(
         || ",".repeat(6),
         |joints_deg| joints_deg.map(|joint| joint.to_string()).join(","),

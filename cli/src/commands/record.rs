@@ -20,7 +20,7 @@ use crate::{
     progress::Progress,
 };
 
-use diagnostics::Sensors;
+use diagnostics::SensorPoll;
 
 /// How long to wait for the stream before the file is flushed.
 const POLL: Duration = Duration::from_millis(200);
@@ -35,7 +35,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let mut stream = Stream::with_torques(&remote, &options.stream.to_string())
         .map_err(|error| connection::refused(&error))?;
     let client = options.sensors.then(|| connection::client(&options.drive)).transpose()?;
-    let mut sensors = client.map(Sensors::new);
+    let mut sensors = client.map(SensorPoll::new);
     output::catch_interrupts();
     let path = &options.output;
     let refuse =

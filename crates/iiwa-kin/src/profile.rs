@@ -332,7 +332,7 @@ impl Wire {
             (known || differ(values, of_base)).then(|| values.map(|v| unconvert(v, DEG)).to_vec())
         };
         let (limits, of_base) = (robot.limits(), base.limits());
-        let is_symmetric = !differ(&limits.lower_rad.map(|lower| -lower), &limits.upper_rad);
+        let is_symmetric = !self::differ(&limits.lower_rad.map(|lower| -lower), &limits.upper_rad);
         let mm = |value: f64, of_base: f64| {
             differ(&[value], &[of_base]).then(|| unconvert(value, from_mm))
         };

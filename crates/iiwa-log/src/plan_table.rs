@@ -2,10 +2,13 @@
 
 #[cfg(feature = "parquet")]
 mod parquet;
+mod row;
 
 use std::io::{self, Write};
 
 use iiwa_traj::Section;
+
+use row::{PlanRow, names};
 
 /// A table under construction: a row an instant, at a fixed rate, and one for the end.
 ///
@@ -27,33 +30,14 @@ pub struct PlanTable<W: Write> {
     /// Rows so far.
     ticks: u64,
     /// The end of the last section.
-    end: Option<Row>,
-}
-
-/// Times since the start, numbers of motions, and all columns behind them.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    t_s: f64,
-    motion: usize,
-    /// In the order of [`names`].
-    values: [f64; 27],
+    end: Option<PlanRow>,
 }
 
 #[derive(Debug)]
 enum Sheet<W: Write> {
     Csv(W),
     #[cfg(feature = "parquet")]
-    Parquet(Box<parquet::Sheet<W>>),
-}
-
-/// The names of all columns but the first two.
-fn names() -> impl Iterator<Item = String> {
-    let joints = |unit| (1..=7).map(move |joint| format!("joint_{joint}_{unit}"));
-    let tcp = ["x_m", "y_m", "z_m", "a_rad", "b_rad", "c_rad"];
-    ["rad", "rad_s", "rad_s2"]
-        .into_iter()
-        .flat_map(joints)
-        .chain(tcp.map(|name| format!("tcp_{name}")))
+    Parquet(Box<parquet::ParquetSheet<W>>),
 }
 
 impl<W: Write> PlanTable<W> {
@@ -82,7 +66,7 @@ impl<W: Write + Send> PlanTable<W> {
     /// That of the stream.
     #[cfg(feature = "parquet")]
     pub fn parquet(stream: W, rate_hz: f64) -> io::Result<Self> {
-        Ok(Self::new(Sheet::Parquet(Box::new(parquet::Sheet::new(stream)?)), rate_hz))
+        Ok(Self::new(Sheet::Parquet(Box::new(parquet::ParquetSheet::new(stream)?)), rate_hz))
     }
 
     /// Writes a section; they come in order.
@@ -96,10 +80,10 @@ impl<W: Write + Send> PlanTable<W> {
             if t_s >= section.end_s() {
                 break;
             }
-            self.sheet.push(&row(section, t_s))?;
+            self.sheet.push(&PlanRow::at(section, t_s))?;
             self.ticks += 1;
         }
-        self.end = Some(row(section, section.end_s()));
+        self.end = Some(PlanRow::at(section, section.end_s()));
         Ok(())
     }
 
@@ -128,7 +112,7 @@ impl<W: Write + Send> PlanTable<W> {
 }
 
 impl<W: Write + Send> Sheet<W> {
-    fn push(&mut self, row: &Row) -> io::Result<()> {
+    fn push(&mut self, row: &PlanRow) -> io::Result<()> {
         match self {
             Self::Csv(stream) => line(stream, row),
             #[cfg(feature = "parquet")]
@@ -138,21 +122,8 @@ impl<W: Write + Send> Sheet<W> {
 }
 
 /// A line of a CSV file. Its numbers are the shortest texts that give the same numbers.
-fn line(stream: &mut impl Write, row: &Row) -> io::Result<()> {
+fn line(stream: &mut impl Write, row: &PlanRow) -> io::Result<()> {
     write!(stream, "{:?},{}", row.t_s, row.motion)?;
     row.values.iter().try_for_each(|value| write!(stream, ",{value:?}"))?;
     writeln!(stream)
-}
-
-/// The row of an instant.
-fn row(section: &Section, t_s: f64) -> Row {
-    let state = section.at(t_s);
-    let path = section.path();
-    let tcp = path.robot().flange_pose(&state.q).then(path.tcp(state.motion));
-    let mut values = [0.0; 27];
-    let parts: [&[f64]; 5] = [&state.q, &state.dq, &state.ddq, &tcp.position_m, &tcp.abc_rad()];
-    for (value, part) in values.iter_mut().zip(parts.into_iter().flatten()) {
-        *value = *part;
-    }
-    Row { t_s, motion: state.motion.number(), values }
 }

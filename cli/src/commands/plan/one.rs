@@ -73,10 +73,10 @@ fn distinct(options: &Plan, program: &Path, target: Option<&Path>) -> Result<(),
         output::keep_inputs("table", table, read.iter().copied(), "--csv or --parquet")?;
     }
     if let Some(picture) = &options.picture {
-        picture::check(picture)?;
         let trajectory = target.map(|path| ("trajectory", path));
         let others = read.iter().copied().chain(trajectory);
         output::keep_inputs("picture", picture, others, "--picture")?;
+        picture::check(picture)?;
     }
     Ok(())
 }

@@ -9,12 +9,12 @@ use iiwa_log::{Diagnostic, DiagnosticLevel};
 const EVERY: Duration = Duration::from_secs(1);
 
 /// Reads sensors, inputs and outputs now and then.
-pub(super) struct Sensors {
+pub(super) struct SensorPoll {
     client: Client,
     read: Option<Instant>,
 }
 
-impl Sensors {
+impl SensorPoll {
     pub(super) fn new(client: Client) -> Self {
         Self { client, read: None }
     }

@@ -14,23 +14,23 @@ use parquet::{
     schema::types::Type,
 };
 
-use super::{Row, names};
+use super::row::{PlanRow, names};
 /// Rows that are held in memory until they are written as a group, some 25 MB.
 const GROUP: usize = 100_000;
 
 /// A file under construction.
-pub(super) struct Sheet<W: Write> {
+pub(super) struct ParquetSheet<W: Write> {
     writer: SerializedFileWriter<W>,
-    rows: Vec<Row>,
+    rows: Vec<PlanRow>,
 }
 
-impl<W: Write> fmt::Debug for Sheet<W> {
+impl<W: Write> fmt::Debug for ParquetSheet<W> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Sheet").field("rows", &self.rows.len()).finish_non_exhaustive()
+        f.debug_struct("ParquetSheet").field("rows", &self.rows.len()).finish_non_exhaustive()
     }
 }
 
-impl<W: Write + Send> Sheet<W> {
+impl<W: Write + Send> ParquetSheet<W> {
     pub(super) fn new(stream: W) -> io::Result<Self> {
         let field = |name: &str, physical| {
             let column = Type::primitive_type_builder(name, physical);
@@ -51,7 +51,7 @@ impl<W: Write + Send> Sheet<W> {
         Ok(Self { writer: writer.map_err(refused)?, rows: Vec::new() })
     }
 
-    pub(super) fn push(&mut self, row: &Row) -> io::Result<()> {
+    pub(super) fn push(&mut self, row: &PlanRow) -> io::Result<()> {
         self.rows.push(*row);
         if self.rows.len() >= GROUP { self.write_group() } else { Ok(()) }
     }
@@ -69,11 +69,11 @@ impl<W: Write + Send> Sheet<W> {
         let mut index = 0;
         while let Some(mut column) = group.next_column().map_err(refused)? {
             let written = if index == 1 {
-                let number = |row: &Row| i32::try_from(row.motion).unwrap_or(i32::MAX);
+                let number = |row: &PlanRow| i32::try_from(row.motion).unwrap_or(i32::MAX);
                 let motions: Vec<i32> = self.rows.iter().map(number).collect();
                 column.typed::<Int32Type>().write_batch(&motions, None, None)
             } else {
-                let value = |row: &Row| match index {
+                let value = |row: &PlanRow| match index {
                     0 => row.t_s,
                     _ => row.values[index - 2],
                 };

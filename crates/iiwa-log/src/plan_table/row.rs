@@ -1,0 +1,37 @@
+//! A row of the table of a plan.
+
+use iiwa_traj::Section;
+
+/// Time since the start, the motion's number, and all columns behind them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlanRow {
+    pub(super) t_s: f64,
+    pub(super) motion: usize,
+    /// In the order of [`names`].
+    pub(super) values: [f64; 27],
+}
+
+/// The names of all columns but the first two.
+pub(super) fn names() -> impl Iterator<Item = String> {
+    let joints = |unit| (1..=7).map(move |joint| format!("joint_{joint}_{unit}"));
+    let tcp = ["x_m", "y_m", "z_m", "a_rad", "b_rad", "c_rad"];
+    ["rad", "rad_s", "rad_s2"]
+        .into_iter()
+        .flat_map(joints)
+        .chain(tcp.map(|name| format!("tcp_{name}")))
+}
+
+impl PlanRow {
+    /// That of an instant.
+    pub(super) fn at(section: &Section, t_s: f64) -> Self {
+        let state = section.at(t_s);
+        let path = section.path();
+        let tcp = path.robot().flange_pose(&state.q).then(path.tcp(state.motion));
+        let mut values = [0.0; 27];
+        let parts: [&[f64]; 5] = [&state.q, &state.dq, &state.ddq, &tcp.position_m, &tcp.abc_rad()];
+        for (value, part) in values.iter_mut().zip(parts.into_iter().flatten()) {
+            *value = *part;
+        }
+        Self { t_s, motion: state.motion.number(), values }
+    }
+}
