@@ -229,12 +229,12 @@ fn a_blend_at_the_end_is_a_warning() {
     let assert = plan(&folder, &blended, &["--no-output", "--json"])
         .success()
         .stderr(contains("motion 1 is the last one").and(contains("blended.json").not()));
-    let figures: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let figures: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
     assert_eq!(figures["warnings"].as_array().unwrap().len(), 1, "{figures}");
     let stopped = folder.path().join("stopped.json");
     fs::write(&stopped, motion("")).unwrap();
     let assert = plan(&folder, &stopped, &["--no-output", "--json"]).success().stderr(is_empty());
-    let without: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let without: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
     assert_eq!(without["cycle_time_s"], figures["cycle_time_s"]);
     assert!(without["warnings"].as_array().unwrap().is_empty());
 }
