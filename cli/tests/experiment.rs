@@ -43,7 +43,7 @@ fn zone_velocity_writes_what_it_says() {
     iiwasim(&folder, &["experiment", "zone-velocity", "--simulate"])
         .success()
         .stdout("1 program on a virtual robot; report in experiment-zone-velocity/report.md\n")
-        .stderr(is_empty());
+        .stderr(contains("B in experiment-zone-velocity; --no-recordings"));
     assert_eq!(files(&folder), ["experiment-zone-velocity"]);
     let expected = ["figure-29.svg", "programs", "recordings", "report.md"];
     assert_eq!(listed(&folder, "experiment-zone-velocity"), expected);

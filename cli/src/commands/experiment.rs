@@ -117,6 +117,9 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     }
     progress.clear();
     write(&report, text.as_bytes())?;
+    if let Some(size) = folder.size() {
+        print_note(&format!("{size}\n"));
+    }
     let programs = if count == 1 { "program" } else { "programs" };
     output::print(&format!("{count} {programs} {}; report in {}\n", bench.on, report.display()))
 }

@@ -1,11 +1,13 @@
 //! The output folder of an experiment.
 
 use std::{
+    cell::Cell,
     fs,
     path::{Path, PathBuf},
     time::Duration,
 };
 
+use bytesize::ByteSize;
 use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
 use iiwa_log::{DEFAULT_EPOCH, JointLog};
@@ -20,6 +22,8 @@ pub(crate) struct Folder {
     of_robot: bool,
     /// Start of all recordings' times, since 1970.
     epoch: Option<Duration>,
+    /// What was written so far.
+    bytes: Cell<u64>,
 }
 
 impl Folder {
@@ -39,7 +43,7 @@ impl Folder {
             return Err(Failure::input(format!("{} is a file, not a folder", path.display())));
         }
         let (recordings, epoch) = (!options.no_recordings, options.epoch);
-        Ok(Self { path: path.to_owned(), recordings, of_robot, epoch })
+        Ok(Self { path: path.to_owned(), recordings, of_robot, epoch, bytes: Cell::new(0) })
     }
 
     /// Writes a program and its recording.
@@ -63,7 +67,15 @@ impl Folder {
 
     /// Writes a file of the folder.
     pub(crate) fn write(&self, name: &str, content: &[u8]) -> Result<(), Failure> {
+        self.bytes.set(self.bytes.get() + content.len() as u64);
         write(&self.path.join(name), content)
+    }
+
+    /// How large it has become, in words; none without recordings, which is small.
+    pub(crate) fn size(&self) -> Option<String> {
+        let size = ByteSize::b(self.bytes.get()).display().si();
+        let path = self.path.display();
+        self.recordings.then(|| format!("{size} in {path}; --no-recordings leaves most of it out"))
     }
 }
 
