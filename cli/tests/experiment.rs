@@ -10,10 +10,7 @@ use std::{fs, path::Path};
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 use iiwa_program::Program;
-use predicates::{
-    prelude::PredicateBooleanExt,
-    str::{contains, is_empty},
-};
+use predicates::{prelude::PredicateBooleanExt, str::contains};
 use tempfile::{TempDir, tempdir};
 
 use run::{files, iiwasim};
