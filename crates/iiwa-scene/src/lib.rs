@@ -18,10 +18,10 @@
 //! let robot = Robot::lbr_iiwa_7_r800();
 //! let arm = ArmInScene::new(&robot, &scene);
 //!
-//! // Stretched out upwards, the shoulder is nearest to anything: its axis is 340 mm above the table, and
-//! // its radius is 74 mm.
+//! // Stretched out upwards, the upper arm is nearest to anything that it could come nearer to: it begins
+//! // 340 mm above the table.
 //! let clearance = arm.clearance(&[0.0; 7]).expect("there are obstacles");
-//! assert!((clearance.distance_m - 0.266).abs() < 1e-9);
+//! assert!((clearance.distance_m - 0.34).abs() < 1e-6);
 //! assert_eq!(scene.obstacles()[clearance.obstacle].name, "table");
 //!
 //! # let text = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
