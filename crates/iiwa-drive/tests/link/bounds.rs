@@ -3,6 +3,7 @@
 use std::{
     io::Write,
     net::SocketAddr,
+    thread,
     time::{Duration, Instant},
 };
 
