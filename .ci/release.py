@@ -8,7 +8,7 @@
     .ci/release.py --binary FILE                packs what is built already
 
 All are in target/dist, with their checksums: the program, manual pages and completions, licences (those of the crates
-in it as well), programs to begin with. The same sources give the same archive but for the compiler's doing.
+in it as well), programs to begin with. The same binary gives the same archive.
 """
 
 import argparse

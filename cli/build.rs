@@ -17,7 +17,7 @@ fn commit() -> Option<String> {
         let text = String::from_utf8(output.stdout).ok()?;
         output.status.success().then(|| text.trim().to_owned())
     };
-    // A package that lies in somebody else's repository is none of its commits.
+    // Unpacked in another repository, this package has nothing to do with that one's commits.
     if !Path::new("../.ci").exists() {
         return None;
     }

@@ -154,7 +154,7 @@ struct Excerpt {
 }
 
 impl Problem {
-    /// With the line and a mark under the place, in colours that [`print_note`] leaves out where nobody sees them.
+    /// With the line and a mark under the place, in colours, which [`print_note`] strips where standard error is no terminal.
     fn text(&self) -> String {
         let title = Level::ERROR.with_name("Error").primary_title(&self.what);
         let report = match &self.excerpt {

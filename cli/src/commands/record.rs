@@ -152,7 +152,7 @@ fn config(options: &Record) -> RecorderConfig {
     RecorderConfig { file: Config { epoch, ..Config::default() }, ..RecorderConfig::default() }
 }
 
-/// What cannot be told because something was told at the same time is left out.
+/// A message with the stamp of the one before it is left out.
 fn told(written: Result<(), WriteError>) -> Result<(), WriteError> {
     written.or_else(|error| match error {
         WriteError::NotIncreasing { .. } => Ok(()),

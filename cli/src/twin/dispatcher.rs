@@ -141,7 +141,7 @@ impl Dispatcher {
         self.positions.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Plans a program and shows it. Errors are shown on the page; after one, nothing can be sent: nobody is to send the program
+    /// Plans a program and shows it. Errors are shown on the page; after one, nothing can be sent, so that nobody sends the program
     /// before it for the one that was meant.
     pub(super) fn load(&self, name: &str, text: String) -> Result<(), String> {
         let id = {

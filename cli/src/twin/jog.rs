@@ -15,7 +15,7 @@ const LIMIT: Duration = Duration::from_mins(2);
 /// The longest step, in degrees.
 const MAX_STEP_DEG: f64 = 45.0;
 
-/// Turns a joint, 1 to 7, by a step; returns when it has turned, or fails with what is told on the page. `is_stopped` is asked
+/// Turns a joint, 1 to 7, by a step; returns when it has turned. The error is for the page. `is_stopped` is asked
 /// right before the robot moves.
 pub(super) fn jog(
     joint: usize,

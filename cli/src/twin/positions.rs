@@ -59,7 +59,7 @@ pub(super) struct PositionList {
 }
 
 impl PositionList {
-    /// Reads the positions of a robot; none if there is no such file.
+    /// Reads a robot's positions; an empty list if the file does not exist.
     pub(super) fn read(file: &Path, robot: &Robot) -> Result<Self, Failure> {
         let mut list =
             Self { positions: Vec::new(), last_id: 0, robot: robot.clone(), file: file.to_owned() };

@@ -193,7 +193,7 @@ impl Rig {
         let (drive, stream) = (["--drive", &self.instructions], ["--stream", &self.stream]);
         match command {
             "record" => stream.to_vec(),
-            // Not the positions of whoever runs this.
+            // Not the file of the user who runs the tests.
             "twin" => [drive, stream, ["--positions", "positions.json"]].concat(),
             "run" | "experiment" => [drive, stream].concat(),
             _ => drive.to_vec(),

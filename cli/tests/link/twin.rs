@@ -210,7 +210,7 @@ fn nothing_can_be_sent_after_a_broken_file() {
         let send = json!({ "plan": plan["id"], "move_to_start": false });
         let why = page.order("send", send).unwrap_err();
         assert!(why.contains("not the plan that is shown"), "{why}");
-        // What is odd about a program is told.
+        // Warnings are shown.
         let odd = json!({ "name": "odd.json", "text": ODD });
         let plan = load(&address, &mut page, &odd);
         let warnings = plan["warnings"].as_array().unwrap();

@@ -198,7 +198,7 @@ pub struct StateChange {
     /// The outcome of the last run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outcome: Option<Outcome>,
-    /// Whether the robot is a simulated one, to which nobody is near. A robot program on a cabinet never says so.
+    /// Whether the robot is simulated, so that no person is near it. A robot program on a real cabinet never sets it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub simulated: bool,
 }

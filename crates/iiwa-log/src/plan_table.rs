@@ -94,7 +94,7 @@ impl<W: Write + Send> PlanTable<W> {
     /// That of the stream.
     pub fn finish(mut self) -> io::Result<W> {
         if let Some(end) = self.end {
-            // The last row may be the end already, but for rounding.
+            // The last row may already be the end, up to rounding.
             let last = self.ticks.checked_sub(1).map(|tick| tick as f64 / self.rate_hz);
             if last.is_none_or(|last_s| end.t_s - last_s > 1e-9) {
                 self.sheet.push(&end)?;

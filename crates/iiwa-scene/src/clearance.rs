@@ -166,7 +166,7 @@ impl ArmInScene {
     }
 }
 
-/// Whether a part, which only joint 1 moves, is as far from an obstacle at all poses. What touches is told.
+/// Whether a part, which only joint 1 moves, has the same distance from an obstacle at all poses. A part that touches it counts all the same.
 fn is_constant(robot: &Robot, part: &Part, obstacle: &Placed) -> bool {
     /// Angles of joint 1: 5 degrees apart, at which the shoulder moves by less than a centimetre.
     const TURNS: u32 = 72;

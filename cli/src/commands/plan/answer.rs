@@ -12,6 +12,6 @@ pub(super) struct PlanAnswer<'a> {
     #[serde(flatten)]
     pub(super) figures: &'a PlanFigures,
     pub(super) output: Option<String>,
-    /// What is odd about the program.
+    /// Warnings about the program.
     pub(super) warnings: &'a [String],
 }
