@@ -177,9 +177,19 @@ class Browser:
         return base64.b64decode(answer["data"])
 
     def click(self, selector: str) -> None:
-        """Presses the mouse in the middle of an element."""
-        box = self.box(selector)
-        self.press(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        """Presses the mouse in the middle of an element, again if the page moved under the mouse."""
+        told = f"event.target.closest?.({json.dumps(selector)})"
+        for _ in range(10):
+            self.run(
+                "window.wasMet = false;"
+                f"addEventListener('click', event => {{ wasMet ||= !!{told} }}, {{ capture: true, once: true }})"
+            )
+            box = self.box(selector)
+            self.press(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+            # A link may have led to another page, which knows nothing of it.
+            if self.run("window.wasMet") is not False:
+                return
+        raise AssertionError(f"the mouse does not meet {selector}")
 
     def box(self, selector: str) -> dict:
         """Where an element is, after it was brought into view."""

@@ -111,7 +111,8 @@ function writeHealth() {
   for (const button of document.querySelectorAll("td.jog button")) button.disabled = status?.state !== "idle";
   writeIo(io || []);
   for (const part of ["io", "joints"]) $(part).classList.toggle("old", Boolean(live.health.is_old));
-  $("io-old").hidden = !live.health.is_old;
+  // Its place stays: nothing moves under the mouse when a motion begins or ends.
+  $("io-old").style.visibility = live.health.is_old ? "visible" : "hidden";
 }
 
 /** Rows stay as they are as long as the names do: a button must not go away under a finger. */
