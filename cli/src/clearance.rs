@@ -1,16 +1,23 @@
-//! How near a plan comes to a scene.
+//! How near a plan comes to a scene, and the arm to itself.
 
-use iiwa_log::ClearanceRecord;
-use iiwa_scene::{ArmInScene, PlannedClearance};
+use iiwa_log::{ClearanceRecord, PlanFigures, SelfClearanceRecord};
+use iiwa_scene::{ArmInScene, Other, PlannedClearance};
 use iiwa_traj::Section;
 
-/// Least clearance in a section.
-pub(crate) fn nearest(arm: &ArmInScene, section: &Section) -> Option<ClearanceRecord> {
-    let PlannedClearance { clearance, at_s, .. } = arm.clearance_of_section(section)?;
-    Some(ClearanceRecord {
-        distance_mm: 1e3 * clearance.distance_m,
-        link: clearance.link,
-        obstacle: arm.scene().obstacles()[clearance.obstacle].name.clone(),
-        at_s,
-    })
+/// Adds the least clearances in a section to the figures.
+pub(crate) fn add_clearances(figures: &mut PlanFigures, arm: &ArmInScene, section: &Section) {
+    let planned = [arm.clearance_of_section(section), arm.self_clearance_of_section(section)];
+    for PlannedClearance { clearance, at_s, .. } in planned.into_iter().flatten() {
+        let (distance_mm, link) = (1e3 * clearance.distance_m, clearance.link);
+        match clearance.other {
+            Other::Obstacle(_) => {
+                let obstacle = arm.name_of(clearance.other);
+                figures.add_clearance(ClearanceRecord { distance_mm, link, obstacle, at_s });
+            }
+            Other::Link(other_link) => {
+                let nearest = SelfClearanceRecord { distance_mm, link, other_link, at_s };
+                figures.add_self_clearance(nearest);
+            }
+        }
+    }
 }

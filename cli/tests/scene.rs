@@ -57,10 +57,41 @@ fn tells_how_near_the_arm_comes() {
     assert_eq!((&clearance["link"], &clearance["obstacle"]), (&6.into(), &"column".into()));
     assert!((clearance["at_s"].as_f64().unwrap() - 0.96).abs() < 0.01, "{clearance}");
     assert_eq!(clearance.as_object().unwrap().len(), 4);
+    let itself = &figures["self_clearance"];
+    assert!(itself["distance_mm"].as_f64().unwrap() > 30.0, "{itself}");
+    assert_eq!(itself.as_object().unwrap().len(), 4);
 
     let figures = json(plan(&cell, &["ten-motions.json", "--json"]));
-    assert_eq!(figures.get("clearance"), None);
+    assert_eq!((figures.get("clearance"), figures.get("self_clearance")), (None, None));
     plan(&cell, &["ten-motions.json"]).success().stdout(contains("Clearance").not());
+}
+
+/// A long tool that points back along the forearm as the wrist bends.
+#[test]
+fn an_arm_that_touches_itself_meets_no_gate() {
+    let cell = cell();
+    let scene = |length: u32| {
+        format!(
+            r#"{{ "version": 1, "obstacles": [], "tool": [{{ "type": "box",
+                "center_mm": [{}, 0, 20], "size_mm": [{length}, 40, 40] }}] }}"#,
+            length / 2
+        )
+    };
+    let program = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, -60, 0, 0, 0] },
+        "motions": [{ "type": "ptp", "joints_deg": [0, 0, 0, -60, 0, 115, 170] },
+                    { "type": "ptp", "joints_deg": [0, 0, 0, -60, 0, 115, 0] }] }"#;
+    let write = |name: &str, text: &str| fs::write(cell.path().join(name), text).unwrap();
+    write("bend.json", program);
+    write("long.json", &scene(400));
+    write("short.json", &scene(60));
+    let gate = |scene| plan(&cell, &["bend.json", "--scene", scene, "--min-clearance", "0"]);
+    gate("short.json").success().stdout(contains("\nArm from itself "));
+    let refused =
+        gate("long.json").code(3).stdout(contains("\nThe arm touches itself: the tool and link "));
+    let message = stderr(&refused);
+    assert!(message.contains("touches itself: the tool and link "), "{message}");
+    // Without a gate it is told, and no more.
+    plan(&cell, &["bend.json", "--scene", "long.json"]).success();
 }
 
 #[test]

@@ -15,7 +15,7 @@ use iiwa_view::{PlanGates, RunReport, plan_table};
 
 use crate::{
     args::Run,
-    clearance::nearest,
+    clearance::add_clearances,
     connection,
     failure::{Failure, print_note},
     input::{self, ProgramText},
@@ -37,8 +37,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let (plan, mut figures) = plan(&text, &program, &robot)?;
     if let Some(scene) = &scene {
         let arm = ArmInScene::new(&robot, scene);
-        let nearest = plan.sections().iter().filter_map(|section| nearest(&arm, section));
-        nearest.for_each(|nearest| figures.add_clearance(nearest));
+        plan.sections().iter().for_each(|section| add_clearances(&mut figures, &arm, section));
     }
     print_note(&warning_lines(&warnings(&program, plan.path()), None));
 

@@ -8,7 +8,7 @@ use std::{
 
 use iiwa_kin::Joints;
 use iiwa_link::Published;
-use iiwa_view::Nearest;
+use iiwa_view::NearestPlaces;
 use serde::Serialize;
 
 use crate::{failure::Failure, output};
@@ -53,7 +53,8 @@ struct LiveJoints {
     at_ms: f64,
     /// Delay beyond that of the fastest recent message.
     behind_ms: f64,
-    nearest: Option<Nearest>,
+    #[serde(flatten)]
+    nearest: NearestPlaces,
 }
 
 /// Publishes the stream of the drive until an interrupt; reconnects when it breaks off.

@@ -6,7 +6,7 @@ use iiwa_kin::Joints;
 use iiwa_log::{PlanConfig, PlanOptions, PlanSize, write_plan};
 use iiwa_program::{MotionList, Program};
 use iiwa_traj::Trajectory;
-use iiwa_view::{Extent, Nearest, long_duration};
+use iiwa_view::{Extent, NearestPlaces, long_duration};
 use serde::Serialize;
 
 use crate::{failure::Failure, output::Output, warning::warnings};
@@ -60,7 +60,7 @@ impl Planned {
             .map_err(|error| what(Failure::plan(error, name, &text)))?;
         check_size(&plan)?;
         let nearest = setup.nearest_of(&plan);
-        let refused = setup.too_near(nearest.as_ref());
+        let refused = setup.too_near(&nearest);
         let warnings = warnings(&program, plan.path());
 
         let [json, mcap] = setup.new_files(&file_stem(name), [".json", ".mcap"]).map_err(what)?;
@@ -114,7 +114,8 @@ struct PlanForPage<'a, S> {
     cycle_time_s: f64,
     motions: usize,
     start_rad: &'a [f64; 7],
-    nearest: Option<Nearest>,
+    #[serde(flatten)]
+    nearest: NearestPlaces,
     refused: Option<&'a str>,
     /// What is odd about it.
     warnings: &'a [String],

@@ -162,7 +162,7 @@ pub(super) fn motion_to(to_rad: Joints, from_rad: Joints, setup: &Setup) -> Resu
         workcell: Workcell::default(),
     };
     let plan = setup.plan(&program)?;
-    match setup.too_near(setup.nearest_of(&plan).as_ref()) {
+    match setup.too_near(&setup.nearest_of(&plan)) {
         None => Ok(motion),
         Some(why) => Err(why),
     }

@@ -11,9 +11,11 @@ use iiwa_kin::{Joints, Robot};
 use iiwa_link::{Client, Remote, Stream};
 use iiwa_log::PlanOptions;
 use iiwa_program::Program;
-use iiwa_scene::{ArmInScene, ArmMeshes};
+use iiwa_scene::{ArmInScene, ArmMeshes, PlannedClearance};
 use iiwa_traj::Trajectory;
-use iiwa_view::{ArmSource, Extent, Nearest, Page, PageOptions, TwinRobot, TwinSetup};
+use iiwa_view::{
+    ArmSource, Extent, Nearest, NearestPlaces, Page, PageOptions, TwinRobot, TwinSetup,
+};
 use tempfile::TempDir;
 
 use crate::{
@@ -127,17 +129,24 @@ impl Setup {
         Ok(DriveConnection::of([self.client()?, self.client()?], self.stream()?))
     }
 
-    /// Clearance of the arm at these joint positions, in rad; none without a scene.
-    pub(super) fn nearest(&self, joints_rad: &Joints) -> Option<Nearest> {
-        let arm = self.arm.as_ref()?;
-        Some(Nearest::new(arm, &arm.clearance(joints_rad)?, None))
+    /// Clearances of the arm at these joint positions, in rad; none without a scene.
+    pub(super) fn nearest(&self, joints_rad: &Joints) -> NearestPlaces {
+        let Some(arm) = &self.arm else { return NearestPlaces::default() };
+        let nearest = |clearance| Nearest::new(arm, &clearance, None);
+        NearestPlaces {
+            to_scene: arm.clearance(joints_rad).map(nearest),
+            to_itself: arm.self_clearance(joints_rad).map(nearest),
+        }
     }
 
-    /// Least clearance of a planned motion; none without a scene.
-    pub(super) fn nearest_of(&self, plan: &Trajectory) -> Option<Nearest> {
-        let arm = self.arm.as_ref()?;
-        let planned = arm.clearance_of(plan)?;
-        Some(Nearest::new(arm, &planned.clearance, Some(planned.at_s)))
+    /// Least clearances of a planned motion; none without a scene.
+    pub(super) fn nearest_of(&self, plan: &Trajectory) -> NearestPlaces {
+        let Some(arm) = &self.arm else { return NearestPlaces::default() };
+        let nearest = |it: PlannedClearance| Nearest::new(arm, &it.clearance, Some(it.at_s));
+        NearestPlaces {
+            to_scene: arm.clearance_of(plan).map(nearest),
+            to_itself: arm.self_clearance_of(plan).map(nearest),
+        }
     }
 
     /// Plans a program for this robot. Errors are shown on the page.
@@ -159,9 +168,9 @@ impl Setup {
         Ok(Page::read(plan, measured, &how)?)
     }
 
-    /// Why a motion with this clearance is not run, if so. A collision is always a reason.
-    pub(super) fn too_near(&self, nearest: Option<&Nearest>) -> Option<String> {
-        nearest?.too_near(self.min_clearance_mm)
+    /// Why a motion with these clearances is not run, if so. A collision is always a reason.
+    pub(super) fn too_near(&self, nearest: &NearestPlaces) -> Option<String> {
+        nearest.too_near(self.min_clearance_mm)
     }
 
     /// Paths of new files in the folder that share a stem. The first one is created empty, which reserves the

@@ -135,7 +135,7 @@ fn a_program_is_seen_sent_and_replayed() {
 
         // Where it is, and how near.
         let live = page.wait_for("live", |live| live["joints_rad"][0].is_number());
-        assert_eq!(live["nearest"]["obstacle"], "table");
+        assert_eq!(live["nearest"]["other"], "table");
         assert!(live["behind_ms"].as_f64().unwrap() >= 0.0);
         assert!(page.count("live", Duration::from_secs(2)) > 60);
 

@@ -78,7 +78,7 @@ pub use joint_log::{JointLog, JointLogError, Loss, Place, Source};
 pub use plan::{PlanConfig, PlanWriter};
 pub use plan_figures::{
     BlendRecord, CartesianRecord, ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord,
-    PlanFigures, SingularityRecord,
+    PlanFigures, SelfClearanceRecord, SingularityRecord,
 };
 pub use plan_options::PlanOptions;
 pub use plan_record::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};

@@ -36,6 +36,9 @@ pub struct PlanFigures {
     /// How near the arm comes to the scene, if there is one with obstacles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clearance: Option<ClearanceRecord>,
+    /// How near the arm comes to itself, if there is a scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub self_clearance: Option<SelfClearanceRecord>,
     /// The motions of the program, in order.
     pub motions: Vec<MotionRecord>,
     /// The blends between them, in order.
@@ -51,6 +54,19 @@ pub struct ClearanceRecord {
     pub link: usize,
     /// The obstacle's name.
     pub obstacle: String,
+    /// When, in s.
+    pub at_s: f64,
+}
+
+/// Where the arm comes nearest to itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SelfClearanceRecord {
+    /// Distance in mm; 0 if the two links touch.
+    pub distance_mm: f64,
+    /// The link that comes near, 3 to 7, or 8 for the tool.
+    pub link: usize,
+    /// The link that it comes near to, 0 to 5.
+    pub other_link: usize,
     /// When, in s.
     pub at_s: f64,
 }
@@ -201,6 +217,7 @@ impl PlanFigures {
                 .map(|assumption| format!("{}: {}", assumption.what, assumption.basis))
                 .collect(),
             clearance: None,
+            self_clearance: None,
             motions: Vec::new(),
             blends: Vec::new(),
         }
@@ -241,6 +258,14 @@ impl PlanFigures {
         let nearest = self.clearance.as_ref().map(|nearest| nearest.distance_mm);
         if nearest.is_none_or(|distance_mm| clearance.distance_mm < distance_mm) {
             self.clearance = Some(clearance);
+        }
+    }
+
+    /// Adds a clearance of the arm from itself; the first of the smallest ones is kept.
+    pub fn add_self_clearance(&mut self, clearance: SelfClearanceRecord) {
+        let nearest = self.self_clearance.as_ref().map(|nearest| nearest.distance_mm);
+        if nearest.is_none_or(|distance_mm| clearance.distance_mm < distance_mm) {
+            self.self_clearance = Some(clearance);
         }
     }
 

@@ -89,12 +89,12 @@ pub(crate) struct Body<'a> {
     pub(crate) form: Volume<&'a Polyhedron>,
 }
 
-/// All parts of `robot` that count.
+/// All parts of `robot`.
 pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
     let d = robot.dh().map(|row| row.d_m);
     let links = robot.link_shapes();
     let mut parts = Vec::new();
-    for (link, shapes) in links.iter().enumerate().skip(FIRST_LINK) {
+    for (link, shapes) in links.iter().enumerate() {
         for shape in shapes {
             let center = Vector::from(shape.center_m);
             let (form, along) = match shape.solid {
@@ -116,13 +116,12 @@ pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
     parts
 }
 
-/// All parts of `robot` that count, where links are the convex hulls of meshes, in their frames; those of links without
+/// All parts of `robot`, where links are the convex hulls of meshes, in their frames; those of links without
 /// one are as they are without meshes.
 pub(crate) fn mesh_parts(robot: &Robot, hulls: &[Vec<ConvexHull>; 8]) -> Vec<Part> {
     let d = robot.dh().map(|row| row.d_m);
     let plain = parts(robot).into_iter().filter(|part| hulls[part.link].is_empty());
-    let links = hulls.iter().enumerate().skip(FIRST_LINK);
-    let meshed = links.flat_map(|(link, hulls)| {
+    let meshed = hulls.iter().enumerate().flat_map(|(link, hulls)| {
         hulls.iter().map(move |hull| {
             let (hull, center) = Polyhedron::new(hull);
             // No point of a hull is farther from a point or an axis than one of its corners.
@@ -188,13 +187,14 @@ pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
 /// and `own` from the axis that this link turns about.
 fn reaches(d: &Joints, link: usize, mut way: f64, own: f64) -> Joints {
     let mut reach = [0.0; 7];
+    let Some(own_joint) = link.checked_sub(1) else { return reach };
     // The shift d_j runs along the axis of joint j, so that the axis goes through the origin of the next link's frame. From
     // there on it is no farther than along the shifts between.
-    for joint in (0..link - 1).rev() {
+    for joint in (0..own_joint).rev() {
         reach[joint] = way;
         way += d[joint];
     }
-    reach[link - 1] = own;
+    reach[own_joint] = own;
     reach
 }
 
@@ -243,6 +243,11 @@ impl Part {
 }
 
 impl Body<'_> {
+    /// The largest `direction . x` of its points. `direction` may be of any length.
+    pub(crate) fn farthest_along(&self, direction: Vector) -> f64 {
+        -self.nearest_along(-direction)
+    }
+
     /// The smallest `direction . x` of its points. `direction` may be of any length.
     pub(crate) fn nearest_along(&self, direction: Vector) -> f64 {
         let reach = match self.form {

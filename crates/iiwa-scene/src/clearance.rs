@@ -8,25 +8,36 @@ use serde::Serialize;
 use crate::{
     arm::{self, Body, Part},
     arm_meshes::ArmMeshes,
-    distance::{Near, near},
+    distance::{Near, near, near_part},
+    links::{FIRST_LINK, MAY_TOUCH, part_name},
     placed::Placed,
     scene::Scene,
 };
 
-/// The smallest distance between the arm and the obstacles of a scene, and where it is.
+/// The smallest distance between the arm and the obstacles of a scene, or between parts of the arm, and where it is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Clearance {
     /// In m; 0 if they touch or overlap.
     pub distance_m: f64,
-    /// The link that is nearest to an obstacle, 2 to 7, or 8 for the tool.
+    /// The link that is nearest to something, 2 to 7, or 8 for the tool.
     pub link: usize,
-    /// The obstacle that it is nearest to: its place in [`Scene::obstacles`].
-    pub obstacle: usize,
-    /// The nearest point of the arm, in the base frame, in m.
-    pub on_arm_m: [f64; 3],
-    /// The nearest point of the obstacle, in the base frame, in m. Where they touch or overlap it is the
+    /// What it is nearest to.
+    pub other: Other,
+    /// The nearest point of the link, in the base frame, in m.
+    pub on_link_m: [f64; 3],
+    /// The nearest point of the other, in the base frame, in m. Where they touch or overlap it is the
     /// same one: a point of both.
-    pub on_obstacle_m: [f64; 3],
+    pub on_other_m: [f64; 3],
+}
+
+/// What a link is near to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Other {
+    /// An obstacle: its place in [`Scene::obstacles`].
+    Obstacle(usize),
+    /// A link of the arm, 0 to 5, which comes before the other one.
+    Link(usize),
 }
 
 /// An arm in a scene, prepared for clearances.
@@ -34,7 +45,10 @@ pub struct Clearance {
 /// The arm is made of the cylinders and spheres of [`Robot::link_shapes`], and of the scene's tool. Links 0 and 1 do not count: they
 /// turn about their own axis only, so that their distances never change, and the foot may stand on an
 /// obstacle. For the same reason the shoulder does not count next to what it is as far from at all poses, as the column below it,
-/// unless they touch. Neither do pairs that the scene ignores, nor the arm's distances from itself.
+/// unless they touch. Neither do pairs that the scene ignores.
+///
+/// [Of its distances from itself](Self::self_clearance), those of parts count that are three links or more apart, the tool being
+/// the link after the last one: nearer ones cannot touch within the limits of the joints. That is an assumption.
 ///
 /// A clone shares what was prepared: it costs next to nothing.
 #[derive(Clone, Debug)]
@@ -43,12 +57,32 @@ pub struct ArmInScene {
     scene: Arc<Scene>,
     pub(crate) parts: Arc<[Part]>,
     pub(crate) obstacles: Arc<[Placed]>,
-    /// Whether a pair counts, part by part.
+    /// Whether a pair of a part and an obstacle counts, part by part.
     counts: Arc<[bool]>,
+    /// The pairs of parts that count.
+    own_pairs: Arc<[Pair]>,
 }
 
-/// A part of the arm and an obstacle, by their indices.
-pub(crate) type Pair = (usize, usize);
+/// A part of the arm and what it may come near to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pair {
+    pub(crate) part: usize,
+    pub(crate) target: Target,
+}
+
+/// An obstacle or another part, by its index.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Target {
+    Obstacle(usize),
+    Part(usize),
+}
+
+/// Which distances are taken.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Among {
+    Obstacles,
+    OwnParts,
+}
 
 impl ArmInScene {
     /// Prepares `robot` and `scene`.
@@ -71,27 +105,46 @@ impl ArmInScene {
     fn of_parts(robot: &Robot, scene: &Scene, parts: Vec<Part>) -> Self {
         let obstacles: Arc<[Placed]> =
             scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect();
-        let ignored: HashSet<Pair> =
+        let ignored: HashSet<(usize, usize)> =
             scene.ignored().iter().map(|it| (it.link, it.obstacle)).collect();
         let counts = parts.iter().flat_map(|part| {
             let own = |o: usize| {
-                !ignored.contains(&(part.shown, o)) && !is_constant(robot, part, &obstacles[o])
+                part.shown >= FIRST_LINK
+                    && !ignored.contains(&(part.shown, o))
+                    && !is_constant(robot, part, &obstacles[o])
             };
             (0..obstacles.len()).map(own).collect::<Vec<_>>()
         });
         let counts = counts.collect();
+        let may_touch =
+            |part: usize, other: usize| parts[other].shown + MAY_TOUCH <= parts[part].shown;
+        let own_pairs = (0..parts.len()).flat_map(|part| {
+            let others = (0..parts.len()).filter(move |other| may_touch(part, *other));
+            others.map(move |other| Pair { part, target: Target::Part(other) })
+        });
+        let own_pairs = own_pairs.collect();
         Self {
             robot: robot.clone(),
             scene: Arc::new(scene.clone()),
             parts: parts.into(),
             obstacles,
             counts,
+            own_pairs,
         }
     }
 
-    /// Whether the distance of a pair counts.
-    pub(crate) fn counts(&self, (part, obstacle): Pair) -> bool {
-        self.counts[part * self.obstacles.len() + obstacle]
+    /// The pairs whose distances count, part by part.
+    pub(crate) fn pairs(&self, among: Among) -> impl Iterator<Item = Pair> {
+        let (obstacles, own) = match among {
+            Among::Obstacles => (self.obstacles.len(), &[][..]),
+            Among::OwnParts => (0, &*self.own_pairs),
+        };
+        let of_scene = (0..self.parts.len()).flat_map(move |part| {
+            let counting = move |o: &usize| self.counts[part * obstacles + o];
+            let pair = move |o| Pair { part, target: Target::Obstacle(o) };
+            (0..obstacles).filter(counting).map(pair)
+        });
+        of_scene.chain(own.iter().copied())
     }
 
     /// The scene.
@@ -103,11 +156,32 @@ impl ArmInScene {
     /// The clearance at `joints_rad`; none if the scene has no obstacles, or a joint is not finite.
     #[must_use]
     pub fn clearance(&self, joints_rad: &Joints) -> Option<Clearance> {
+        self.clearance_among(Among::Obstacles, joints_rad)
+    }
+
+    /// The smallest distance of two parts of the arm, the tool included, at `joints_rad`; none if a joint is not finite.
+    #[must_use]
+    pub fn self_clearance(&self, joints_rad: &Joints) -> Option<Clearance> {
+        self.clearance_among(Among::OwnParts, joints_rad)
+    }
+
+    fn clearance_among(&self, among: Among, joints_rad: &Joints) -> Option<Clearance> {
         if !joints_rad.iter().all(|q| q.is_finite()) {
             return None;
         }
         let bodies = self.bodies(joints_rad);
-        self.nearest(&bodies, f64::MAX).map(|(pair, near)| self.told(pair, &near))
+        self.nearest(among, &bodies, f64::MAX).map(|(pair, near)| self.told(pair, &near))
+    }
+
+    /// What something near is called: the obstacle's name, or the link.
+    #[must_use]
+    pub fn name_of(&self, other: Other) -> String {
+        match other {
+            Other::Obstacle(o) => {
+                self.scene.obstacles().get(o).map(|it| it.name.clone()).unwrap_or_default()
+            }
+            Other::Link(link) => part_name(link),
+        }
     }
 
     /// The farthest that any point of what counts of the arm moves, at most, in m, while the joints go evenly from one pose to
@@ -127,15 +201,15 @@ impl ArmInScene {
     }
 
     /// The nearest pair of all, if it is nearer than `most`.
-    pub(crate) fn nearest(&self, bodies: &[Body<'_>], most: f64) -> Option<(Pair, Near)> {
-        let mut pairs = Vec::with_capacity(bodies.len() * self.obstacles.len());
-        for (part, body) in bodies.iter().enumerate() {
-            let bound = self.parts[part].bound;
-            let least = |obstacle: &Placed| obstacle.distance(body.center) - bound;
-            let counting = |o: &usize| self.counts((part, *o));
-            let own = (0..self.obstacles.len()).filter(counting);
-            pairs.extend(own.map(|o| (least(&self.obstacles[o]), (part, o))));
-        }
+    pub(crate) fn nearest(
+        &self,
+        among: Among,
+        bodies: &[Body<'_>],
+        most: f64,
+    ) -> Option<(Pair, Near)> {
+        let body = |part: usize| bodies[part];
+        let least = |pair| (self.least(pair, &body(pair.part), body), pair);
+        let mut pairs: Vec<_> = self.pairs(among).map(least).collect();
         // The one that is likely to be nearest first: it rules out most of the others.
         let first = (0..pairs.len()).min_by(|a, b| pairs[*a].0.total_cmp(&pairs[*b].0))?;
         pairs.swap(0, first);
@@ -145,7 +219,7 @@ impl ArmInScene {
             if least >= most {
                 continue;
             }
-            let found = near(&bodies[pair.0], &self.obstacles[pair.1], most);
+            let found = self.near(pair, &body(pair.part), body, most);
             if let Some(found) = found
                 && found.distance < most
             {
@@ -155,13 +229,46 @@ impl ArmInScene {
         best
     }
 
-    pub(crate) fn told(&self, (part, obstacle): Pair, near: &Near) -> Clearance {
+    /// A lower bound of a pair's distance, by the spheres around parts.
+    pub(crate) fn least<'b>(
+        &self,
+        Pair { part, target }: Pair,
+        body: &Body<'_>,
+        bodies: impl Fn(usize) -> Body<'b>,
+    ) -> f64 {
+        let of_center = match target {
+            Target::Obstacle(o) => self.obstacles[o].distance(body.center),
+            Target::Part(other) => {
+                (bodies(other).center - body.center).length() - self.parts[other].bound
+            }
+        };
+        of_center - self.parts[part].bound
+    }
+
+    /// The nearest points of a pair, unless they are certainly farther apart than `most`.
+    pub(crate) fn near<'b>(
+        &self,
+        pair: Pair,
+        body: &Body<'_>,
+        bodies: impl Fn(usize) -> Body<'b>,
+        most: f64,
+    ) -> Option<Near> {
+        match pair.target {
+            Target::Obstacle(o) => near(body, &self.obstacles[o], most),
+            Target::Part(other) => near_part(body, &bodies(other), most),
+        }
+    }
+
+    pub(crate) fn told(&self, Pair { part, target }: Pair, near: &Near) -> Clearance {
         Clearance {
             distance_m: near.distance,
             link: self.parts[part].shown,
-            obstacle,
-            on_arm_m: near.on_arm.into(),
-            on_obstacle_m: near.on_obstacle.into(),
+            other: match target {
+                Target::Obstacle(o) => Other::Obstacle(o),
+                Target::Part(other) => Other::Link(self.parts[other].shown),
+            },
+            on_link_m: near.on_part.into(),
+            on_other_m: near.on_other.into(),
         }
     }
 }

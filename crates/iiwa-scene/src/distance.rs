@@ -1,9 +1,9 @@
-//! How far a part of the arm is from an obstacle.
+//! How far a part of the arm is from an obstacle, or from another part.
 
 use parry3d_f64::{
     math::{Pose, Vector},
     query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex},
-    shape::Cuboid,
+    shape::{Cuboid, SupportMap},
 };
 
 use crate::{
@@ -11,30 +11,58 @@ use crate::{
     placed::{Placed, PlacedBox, PlacedPlane},
 };
 
-/// The nearest points of a part and an obstacle.
+/// The nearest points of a part and something else.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Near {
     /// 0 if they touch or overlap.
     pub(crate) distance: f64,
-    pub(crate) on_arm: Vector,
-    pub(crate) on_obstacle: Vector,
-    /// From the obstacle to the arm, of length 1; it means nothing where they touch.
+    pub(crate) on_part: Vector,
+    pub(crate) on_other: Vector,
+    /// From the other to the part, of length 1; it means nothing where they touch.
     pub(crate) away: Vector,
 }
 
 impl Near {
     /// Two nearest points, or two that touch.
-    fn between(on_arm: Vector, on_obstacle: Vector) -> Self {
-        match (on_arm - on_obstacle).try_normalize() {
-            Some(away) => {
-                Self { distance: (on_arm - on_obstacle).length(), on_arm, on_obstacle, away }
-            }
-            None => Self::touching(on_obstacle),
+    fn between(on_part: Vector, on_other: Vector) -> Self {
+        match (on_part - on_other).try_normalize() {
+            Some(away) => Self { distance: (on_part - on_other).length(), on_part, on_other, away },
+            None => Self::touching(on_other),
         }
     }
 
     fn touching(point: Vector) -> Self {
-        Self { distance: 0.0, on_arm: point, on_obstacle: point, away: Vector::ZERO }
+        Self { distance: 0.0, on_part: point, on_other: point, away: Vector::ZERO }
+    }
+}
+
+/// A convex solid.
+trait Convex: SupportMap {
+    /// The point of it that is nearest to `point`.
+    fn nearest(&self, point: Vector) -> Vector;
+
+    /// The largest `direction . x` of its points.
+    fn farthest_along(&self, direction: Vector) -> f64;
+}
+
+impl Convex for Body<'_> {
+    fn nearest(&self, point: Vector) -> Vector {
+        Body::nearest(self, point)
+    }
+
+    fn farthest_along(&self, direction: Vector) -> f64 {
+        Body::farthest_along(self, direction)
+    }
+}
+
+/// A box in its own frame.
+impl Convex for Cuboid {
+    fn nearest(&self, point: Vector) -> Vector {
+        point.clamp(-self.half_extents, self.half_extents)
+    }
+
+    fn farthest_along(&self, direction: Vector) -> f64 {
+        self.half_extents.dot(direction.abs())
     }
 }
 
@@ -50,83 +78,96 @@ pub(crate) fn near(body: &Body<'_>, obstacle: &Placed, most: f64) -> Option<Near
 }
 
 fn to_plane(body: &Body<'_>, plane: &PlacedPlane) -> Near {
-    use parry3d_f64::shape::SupportMap;
-
-    let on_arm = body.local_support_point(-plane.normal);
-    let height = plane.normal.dot(on_arm) - plane.offset;
+    let on_part = body.local_support_point(-plane.normal);
+    let height = plane.normal.dot(on_part) - plane.offset;
     if height <= 0.0 {
-        return Near::touching(on_arm);
+        return Near::touching(on_part);
     }
-    let on_obstacle = on_arm - height * plane.normal;
-    Near { distance: height, on_arm, on_obstacle, away: plane.normal }
+    let on_other = on_part - height * plane.normal;
+    Near { distance: height, on_part, on_other, away: plane.normal }
 }
 
 fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
-    let on_obstacle = cuboid.in_base_frame(cuboid.nearest(cuboid.in_own_frame(center)));
-    let way = center - on_obstacle;
+    let on_box = cuboid.in_base_frame(cuboid.nearest(cuboid.in_own_frame(center)));
+    let way = center - on_box;
     if way.length() <= radius {
-        return Near::touching(on_obstacle);
+        return Near::touching(on_box);
     }
-    Near::between(center - way.normalize_or_zero() * radius, on_obstacle)
+    Near::between(center - way.normalize_or_zero() * radius, on_box)
 }
 
-/// By the algorithm of Gilbert, Johnson and Keerthi, in the box's frame, and checked.
+/// In the box's frame.
+fn solid_to_box(body: &Body<'_>, cuboid: &PlacedBox, most: f64) -> Option<Near> {
+    let local = body.map(|point| cuboid.in_own_frame(point), |axis| cuboid.turn_back(axis));
+    let shape = Cuboid::new(cuboid.half);
+    let (on_part, on_box) = nearest_points(&local, local.center, &shape, most)?;
+    Some(Near::between(cuboid.in_base_frame(on_part), cuboid.in_base_frame(on_box)))
+}
+
+/// The nearest points of two parts, unless they are certainly farther apart than `most`.
+pub(crate) fn near_part(body: &Body<'_>, other: &Body<'_>, most: f64) -> Option<Near> {
+    let (on_part, on_other) = nearest_points(body, body.center, other, most)?;
+    Some(Near::between(on_part, on_other))
+}
+
+/// By the algorithm of Gilbert, Johnson and Keerthi, and checked. `center` is a point of `body`.
 ///
 /// Where its simplex degenerates, as between parallel faces and axes, parry 0.31 finds overlaps of shapes
 /// that are centimetres apart, and points that are not on them: one of some 500 random pairs.
-fn solid_to_box(body: &Body<'_>, cuboid: &PlacedBox, most: f64) -> Option<Near> {
-    let local = body.map(|point| cuboid.in_own_frame(point), |axis| cuboid.turn_back(axis));
-    let nearest = cuboid.nearest(local.center);
-    let shape = Cuboid::new(cuboid.half);
-    let start = (local.center - nearest).try_normalize().unwrap_or(Vector::X);
+fn nearest_points<A: Convex, B: Convex>(
+    body: &A,
+    center: Vector,
+    other: &B,
+    most: f64,
+) -> Option<(Vector, Vector)> {
+    let nearest = other.nearest(center);
+    let start = (center - nearest).try_normalize().unwrap_or(Vector::X);
     let mut simplex = VoronoiSimplex::new();
-    simplex.reset(CsoPoint::from_shapes(&Pose::IDENTITY, &shape, &local, start));
-    let found = gjk::closest_points(&Pose::IDENTITY, &shape, &local, most, true, &mut simplex);
-    let on_box = match found {
-        GJKResult::NoIntersection(way) if apart(&local, cuboid, way) >= most => return None,
-        GJKResult::ClosestPoints(on_box, ..) => cuboid.nearest(on_box),
+    simplex.reset(CsoPoint::from_shapes(&Pose::IDENTITY, other, body, start));
+    let found = gjk::closest_points(&Pose::IDENTITY, other, body, most, true, &mut simplex);
+    let on_other = match found {
+        GJKResult::NoIntersection(way) if apart(body, other, way) >= most => return None,
+        GJKResult::ClosestPoints(on_other, ..) => other.nearest(on_other),
         _ => nearest,
     };
-    let (on_arm, on_box) = refined(&local, cuboid, on_box);
-    Some(Near::between(cuboid.in_base_frame(on_arm), cuboid.in_base_frame(on_box)))
+    Some(refined(body, other, on_other))
 }
 
-/// How far the two are apart along `way`, of length 1, from the box to the arm: a plane across it is between
+/// How far the two are apart along `way`, of length 1, from the other to the body: a plane across it is between
 /// them if this is above 0. They are never nearer.
-fn apart(local: &Body<'_>, cuboid: &PlacedBox, way: Vector) -> f64 {
-    local.nearest_along(way) - cuboid.half.dot(way.abs())
+fn apart(body: &impl Convex, other: &impl Convex, way: Vector) -> f64 {
+    -body.farthest_along(-way) - other.farthest_along(way)
 }
 
-/// The nearest points on the arm and on the box, from one on the box that is near them; a point of both,
-/// twice, if there is one.
+/// The nearest points on both, from one on the other that is near them; a point of both, twice, if there is one.
 ///
 /// A point that is projected to one and the other in turn gets there. This is a descent by gradients, which
 /// Nesterov's momentum speeds up. It ends when the points are proven to be the nearest.
-fn refined(local: &Body<'_>, cuboid: &PlacedBox, start: Vector) -> (Vector, Vector) {
-    let (mut on_box, mut ahead) = (start, start);
+fn refined(body: &impl Convex, other: &impl Convex, start: Vector) -> (Vector, Vector) {
+    let (mut on_other, mut ahead) = (start, start);
     let mut momentum = 1.0_f64;
     let mut last = f64::MAX;
     for _ in 0..MOST_ROUNDS {
-        let on_arm = local.nearest(on_box);
-        let way = on_arm - on_box;
+        let on_body = body.nearest(on_other);
+        let way = on_body - on_other;
         let length = way.length();
         if length < TOUCHING_M {
             break;
         }
-        if length - apart(local, cuboid, way / length) < EXACT_M {
-            return (on_arm, on_box);
+        if length - apart(body, other, way / length) < EXACT_M {
+            return (on_body, on_other);
         }
         if length > last {
             // Carried too far: from here on anew.
-            (momentum, ahead) = (1.0, on_box);
+            (momentum, ahead) = (1.0, on_other);
         }
         last = length;
-        let next = cuboid.nearest(local.nearest(ahead));
+        let next = other.nearest(body.nearest(ahead));
         let faster = 0.5 + (0.25 + momentum * momentum).sqrt();
-        ahead = next + (momentum - 1.0) / faster * (next - on_box);
-        (momentum, on_box) = (faster, next);
+        ahead = next + (momentum - 1.0) / faster * (next - on_other);
+        (momentum, on_other) = (faster, next);
     }
-    (on_box, on_box)
+    (on_other, on_other)
 }
 
 /// Most rounds. Two of a hundred thousand random pairs need more than a hundred; what is neither proven to
@@ -202,8 +243,8 @@ mod tests {
             let form = Form::Box { center_m: [0.0; 3], size_m, rpy_rad: turns[1] };
             let obstacle = Placed::new(&form);
             let near = near(&body, &obstacle, f64::MAX).unwrap();
-            let off_arm = (body.nearest(near.on_arm) - near.on_arm).length();
-            assert!(obstacle.distance(near.on_obstacle) < 1e-8, "{near:?}");
+            let off_arm = (body.nearest(near.on_part) - near.on_part).length();
+            assert!(obstacle.distance(near.on_other) < 1e-8, "{near:?}");
             if near.distance > 0.0 {
                 apart += 1;
                 let least = body.nearest_along(near.away) - obstacle.farthest_along(near.away);

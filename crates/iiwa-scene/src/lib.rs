@@ -22,7 +22,7 @@
 //! // 340 mm above the table.
 //! let clearance = arm.clearance(&[0.0; 7]).expect("there are obstacles");
 //! assert!((clearance.distance_m - 0.34).abs() < 1e-6);
-//! assert_eq!(scene.obstacles()[clearance.obstacle].name, "table");
+//! assert_eq!(arm.name_of(clearance.other), "table");
 //!
 //! # let text = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
 //! #     "motions": [{ "type": "ptp", "joints_deg": [0, 60, 0, -80, 0, 40, 0] }] }"#;
@@ -30,6 +30,10 @@
 //! let trajectory = Trajectory::plan(&path, Timing::default())?;
 //! let smallest = arm.clearance_of(&trajectory).expect("there are obstacles");
 //! println!("{:.1} mm at {:.3} s", 1e3 * smallest.clearance.distance_m, smallest.at_s);
+//!
+//! // Its links keep clear of each other as well.
+//! let own = arm.self_clearance_of(&trajectory).expect("the arm has links");
+//! assert!(own.clearance.distance_m > 0.1);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -62,7 +66,7 @@ mod tool;
 mod wire;
 
 pub use arm_meshes::{ArmMeshError, ArmMeshes};
-pub use clearance::{ArmInScene, Clearance};
+pub use clearance::{ArmInScene, Clearance, Other};
 pub use fault::Fault;
 pub use hull::{ConvexHull, NotSolid};
 pub use links::{IgnoredPair, part_name};

@@ -1,6 +1,6 @@
 //! Which parts of the arm count, and what they are called.
 
-/// The first link that counts. Links 0 and 1 stand on the table and turn about their own axis only: how
+/// The first link whose distances from obstacles count. Links 0 and 1 stand on the table and turn about their own axis only: how
 /// far they are from anything is the same at all poses.
 pub(crate) const FIRST_LINK: usize = 2;
 
@@ -19,6 +19,11 @@ pub struct IgnoredPair {
     /// The obstacle's place in [`Scene::obstacles`](crate::Scene::obstacles).
     pub obstacle: usize,
 }
+
+/// Two links of the arm that are as many links apart as this, or more, may touch each other: within the limits of joints, links
+/// next to each other and next but one never do. It is an assumption of these limits, and of a tool that does not reach back
+/// to its wrist. The tool counts as the link after the last one.
+pub(crate) const MAY_TOUCH: usize = 3;
 
 /// What a [`Clearance`](crate::Clearance)'s link is called: `link 5`, or `the tool`.
 ///

@@ -7,8 +7,9 @@ use iiwa_program::MotionIndex;
 use iiwa_traj::{Piece, Section, Trajectory};
 
 use crate::{
-    clearance::{ArmInScene, Clearance, Pair},
-    distance::{Near, near},
+    arm::Body,
+    clearance::{Among, ArmInScene, Clearance, Pair, Target},
+    distance::Near,
     span::Span,
 };
 
@@ -41,18 +42,34 @@ impl ArmInScene {
     /// motion in a span rules out that any of the arm comes nearer there.
     #[must_use]
     pub fn clearance_of(&self, trajectory: &Trajectory) -> Option<PlannedClearance> {
-        let mut search = Search::new(self);
-        for section in trajectory.sections() {
-            search.go(section, section.pieces());
-        }
-        search.best
+        self.least_of(Among::Obstacles, trajectory.sections())
     }
 
     /// The smallest clearance of `section`, a part of a trajectory; none if the scene has no obstacles.
     #[must_use]
     pub fn clearance_of_section(&self, section: &Section) -> Option<PlannedClearance> {
-        let mut search = Search::new(self);
-        search.go(section, section.pieces());
+        self.least_of(Among::Obstacles, [section])
+    }
+
+    /// The smallest distance of two parts of the arm in `trajectory`; none if it has no sections.
+    #[must_use]
+    pub fn self_clearance_of(&self, trajectory: &Trajectory) -> Option<PlannedClearance> {
+        self.least_of(Among::OwnParts, trajectory.sections())
+    }
+
+    /// The smallest distance of two parts of the arm in `section`, a part of a trajectory.
+    #[must_use]
+    pub fn self_clearance_of_section(&self, section: &Section) -> Option<PlannedClearance> {
+        self.least_of(Among::OwnParts, [section])
+    }
+
+    fn least_of<'a>(
+        &self,
+        among: Among,
+        sections: impl IntoIterator<Item = &'a Section>,
+    ) -> Option<PlannedClearance> {
+        let mut search = Search::new(self, among);
+        sections.into_iter().for_each(|section| search.go(section, section.pieces()));
         search.best
     }
 
@@ -62,7 +79,7 @@ impl ArmInScene {
     pub fn clearances(&self, section: &Section) -> Vec<PlannedClearance> {
         let motions = section.pieces().chunk_by(|a, b| a.motion == b.motion);
         let nearest = |pieces: &[Piece]| {
-            let mut search = Search::new(self);
+            let mut search = Search::new(self, Among::Obstacles);
             search.go(section, pieces);
             search.best
         };
@@ -73,6 +90,7 @@ impl ArmInScene {
 /// A search for the smallest clearance.
 struct Search<'a> {
     arm: &'a ArmInScene,
+    among: Among,
     best: Option<PlannedClearance>,
     /// The least distance of all, in m: that of the best, but for what cannot be told apart from it.
     least_m: f64,
@@ -90,8 +108,8 @@ struct Place<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(arm: &'a ArmInScene) -> Self {
-        Self { arm, best: None, least_m: f64::MAX, open: Vec::new() }
+    fn new(arm: &'a ArmInScene, among: Among) -> Self {
+        Self { arm, among, best: None, least_m: f64::MAX, open: Vec::new() }
     }
 
     /// Looks for what is nearer than the best so far in `pieces` of `section`.
@@ -112,10 +130,7 @@ impl<'a> Search<'a> {
             }
         }
         for place in pieces.iter().filter_map(moving) {
-            let pairs = (0..self.arm.parts.len())
-                .flat_map(|part| (0..self.arm.obstacles.len()).map(move |o| (part, o)));
-            let counting = pairs.filter(|pair| self.arm.counts(*pair));
-            self.open.extend(counting.map(|pair| (pair, f64::MIN)));
+            self.open.extend(self.arm.pairs(self.among).map(|pair| (pair, f64::MIN)));
             self.span(place, 0.5, 0.5, 0..self.open.len());
             self.open.clear();
         }
@@ -129,7 +144,7 @@ impl<'a> Search<'a> {
     /// Looks at one pose of a piece.
     fn sample(&mut self, piece: &Piece, joints_rad: &[f64; 7], at_s: impl FnOnce() -> f64) {
         let bodies = self.arm.bodies(joints_rad);
-        if let Some((pair, near)) = self.arm.nearest(&bodies, self.best_m() + SAME_M) {
+        if let Some((pair, near)) = self.arm.nearest(self.among, &bodies, self.best_m() + SAME_M) {
             self.found(piece, pair, &near, at_s);
         }
     }
@@ -161,27 +176,40 @@ impl<'a> Search<'a> {
         let arm = self.arm;
         let span = Span::new(&arm.robot, segment, middle, half);
         let first = self.open.len();
+        let at = |part: usize| -> Body<'_> {
+            let part = &arm.parts[part];
+            part.at(&span.poses[part.link])
+        };
         let mut last = None;
         for index in pairs {
             let (pair, least) = self.open[index];
             if least >= self.best_m() - TOLERANCE_M {
                 continue;
             }
-            let part = &arm.parts[pair.0];
-            let obstacle = &arm.obstacles[pair.1];
+            let part = &arm.parts[pair.part];
+            // Obstacles stand as the foot does.
+            let from = match pair.target {
+                Target::Obstacle(_) => 0,
+                Target::Part(other) => arm.parts[other].link,
+            };
             // Pairs of the same part come one after the other.
             let (body, moves) = match last {
-                Some((part, body, moves)) if part == pair.0 => (body, moves),
-                _ => (part.at(&span.poses[part.link]), span.moves(part)),
+                Some((same, body, moves)) if same == (pair.part, from) => (body, moves),
+                _ => (at(pair.part), span.moves(part, from)),
             };
-            last = Some((pair.0, body, moves));
-            let in_sphere = obstacle.distance(body.center) - part.bound - moves.most;
-            if in_sphere >= self.best_m() - TOLERANCE_M {
+            last = Some(((pair.part, from), body, moves));
+            if arm.least(pair, &body, at) - moves.most >= self.best_m() - TOLERANCE_M {
                 continue;
             }
-            let Some(found) = near(&body, obstacle, self.best_m() + moves.most) else { continue };
+            let Some(found) = arm.near(pair, &body, at, self.best_m() + moves.most) else {
+                continue;
+            };
             self.found(piece, pair, &found, || section.time_at(piece, middle));
-            let least = span.least((part, &body), obstacle, moves, &found);
+            let beyond = match pair.target {
+                Target::Obstacle(o) => arm.obstacles[o].farthest_along(found.away),
+                Target::Part(other) => at(other).farthest_along(found.away),
+            };
+            let least = span.least((part, &body), (from, moves), &found, beyond);
             if least < self.best_m() - TOLERANCE_M {
                 self.open.push((pair, least));
             }

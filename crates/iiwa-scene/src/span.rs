@@ -1,4 +1,4 @@
-//! How far the arm can get within a span of a path's segment, and how near to an obstacle at most.
+//! How far the arm can get within a span of a path's segment, and how near to an obstacle or to itself at most.
 //!
 //! About the middle m of the span `[m - h, m + h]`, the joints are at `q(m) + x h dq/ds + e`, with x from -1
 //! to 1 and `|e| <= h^2 / 2 max |d2q/ds2|`. Two bounds follow for a part that is at a distance d at m:
@@ -11,8 +11,13 @@
 //!   one of the span's ends. What is missing is e, and what the arcs of the joints add to their tangents:
 //!   `|d2p / dq_j dq_k|` is at most the reach from the axis of the outer one of the two joints.
 //!
+//! The distance of two links is that of one of them in the frame of the other, in which it is moved by the joints
+//! between the two alone.
+//!
 //! The first bound rules out what is far away, the second one what moves past or along an obstacle: its
 //! error falls with the square of the span, so that an arm that keeps its distance needs few spans.
+
+use std::ops::Sub;
 
 use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_path::Segment;
@@ -21,7 +26,6 @@ use parry3d_f64::math::Vector;
 use crate::{
     arm::{Body, Part},
     distance::Near,
-    placed::Placed,
 };
 
 /// A span of a segment, and the arm in its middle.
@@ -40,6 +44,14 @@ pub(crate) struct Span {
 struct Twist {
     turn: Vector,
     shift: Vector,
+}
+
+impl Sub for Twist {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self { turn: self.turn - other.turn, shift: self.shift - other.shift }
+    }
 }
 
 /// How far a part moves within a span, at most, in m.
@@ -70,11 +82,11 @@ impl Span {
         Self { poses, motion, bend, twists }
     }
 
-    /// How far `part` moves.
-    pub(crate) fn moves(&self, part: &Part) -> Moves {
+    /// How far `part` moves in the frame of the link `from`.
+    pub(crate) fn moves(&self, part: &Part, from: usize) -> Moves {
         let (mut most, mut off_tangent) = (0.0, 0.0);
         let mut inner = 0.0;
-        for j in 0..7 {
+        for j in from..7 {
             let motion = self.motion[j];
             most += motion * part.reach[j];
             // Half of the square of the motion of this joint and, twice, its product with each inner one.
@@ -85,26 +97,26 @@ impl Span {
         Moves { most, off_tangent }
     }
 
-    /// A lower bound of the distance that a part with `moves` keeps from `obstacle`, if they are `near` in
-    /// the middle.
+    /// A lower bound of the distance that a part with `moves` in the frame of the link `from` keeps from something in this
+    /// frame, if they are `near` in the middle; `beyond` is how far that reaches in the direction of [`Near::away`].
     pub(crate) fn least(
         &self,
         (part, body): (&Part, &Body<'_>),
-        obstacle: &Placed,
-        moves: Moves,
+        (from, moves): (usize, Moves),
         near: &Near,
+        beyond: f64,
     ) -> f64 {
         let by_reach = near.distance - moves.most;
         if near.distance == 0.0 {
             return by_reach;
         }
         let away = near.away;
-        let Twist { turn, shift } = self.twists[part.link];
+        let Twist { turn, shift } = self.twists[part.link] - self.twists[from];
         // away . (p + turn x p + shift), as a linear function of p.
         let (change, shift) = (away.cross(turn), away.dot(shift));
         let forth = body.nearest_along(away + change) + shift;
         let back = body.nearest_along(away - change) - shift;
-        let along_tangent = forth.min(back) - obstacle.farthest_along(away);
+        let along_tangent = forth.min(back) - beyond;
         by_reach.max(along_tangent - moves.off_tangent)
     }
 }

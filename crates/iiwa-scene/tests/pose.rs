@@ -8,7 +8,7 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use iiwa_kin::{Along, Joints, Pose, Robot, Shape, Solid};
-use iiwa_scene::{ArmInScene, Form, IgnoredPair, Obstacle, Scene};
+use iiwa_scene::{ArmInScene, Form, IgnoredPair, Obstacle, Other, Scene};
 
 type Point = [f64; 3];
 
@@ -151,16 +151,17 @@ fn a_thousand_poses_are_as_near_as_their_points() {
         let found = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
         if found.distance_m == 0.0 {
             touching += 1;
-            assert_eq!(found.on_arm_m, found.on_obstacle_m);
-            let obstacle = distance(scene.obstacles()[found.obstacle].form);
-            assert!(obstacle(&found.on_obstacle_m) < 1e-8);
+            assert_eq!(found.on_link_m, found.on_other_m);
+            let Other::Obstacle(place) = found.other else { panic!("{found:?}") };
+            let obstacle = distance(scene.obstacles()[place].form);
+            assert!(obstacle(&found.on_other_m) < 1e-8);
             // A box may be all within a link, where no point of the surface is.
             continue;
         }
         let points_m = by_points(&robot, &scene, &q, found.distance_m);
         assert!((found.distance_m - points_m).abs() < 1e-3, "{q:?}: {points_m} m, {found:?}");
         worst_m = worst_m.max((found.distance_m - points_m).abs());
-        let way = std::array::from_fn(|i| found.on_arm_m[i] - found.on_obstacle_m[i]);
+        let way = std::array::from_fn(|i| found.on_link_m[i] - found.on_other_m[i]);
         assert!((length(&way) - found.distance_m).abs() < 1e-9);
         assert!((2..=7).contains(&found.link));
     }
@@ -179,8 +180,8 @@ fn known_distances() {
     let down = [0.0, 0.0, -7.0];
     let ceiling = clearance(Form::Plane { point_m: [3.0, 4.0, 1.5], normal: down });
     assert!((ceiling.distance_m - 0.208).abs() < 1e-12, "{ceiling:?}");
-    assert_eq!((ceiling.link, ceiling.obstacle), (7, 0));
-    assert!((ceiling.on_arm_m[2] - 1.292).abs() < 1e-12 && ceiling.on_obstacle_m[2] == 1.5);
+    assert_eq!((ceiling.link, ceiling.other), (7, Other::Obstacle(0)));
+    assert!((ceiling.on_link_m[2] - 1.292).abs() < 1e-12 && ceiling.on_other_m[2] == 1.5);
     // The long edge of a box that is turned by 45 degrees, at the height of the wrist: link 5 ends there in
     // a ball of 64 mm.
     let size_m = [0.2, 2.0, 0.2];
@@ -234,10 +235,10 @@ fn ignored_pairs_do_not_count() {
     };
     assert!((clearance(&[]).unwrap().distance_m - 0.008).abs() < 1e-12);
     let next = clearance(&[(7, 0)]).unwrap();
-    assert_eq!((next.link, next.obstacle), (6, 0));
+    assert_eq!((next.link, next.other), (6, Other::Obstacle(0)));
     let all: Vec<_> = (2..=7).map(|link| (link, 0)).collect();
     let high = clearance(&all).unwrap();
-    assert_eq!((high.link, high.obstacle), (7, 1));
+    assert_eq!((high.link, high.other), (7, Other::Obstacle(1)));
     assert!((high.distance_m - 0.208).abs() < 1e-12);
     let none: Vec<_> = (2..=7).flat_map(|link| [(link, 0), (link, 1)]).collect();
     assert_eq!(clearance(&none), None);
@@ -251,5 +252,5 @@ fn what_overlaps_touches() {
     let scene = Scene::new(vec![Obstacle { name: "it".to_owned(), form: around }]).unwrap();
     let touching = ArmInScene::new(&robot, &scene).clearance(&[0.0; 7]).unwrap();
     assert_eq!(touching.distance_m, 0.0);
-    assert_eq!(touching.on_arm_m, touching.on_obstacle_m);
+    assert_eq!(touching.on_link_m, touching.on_other_m);
 }

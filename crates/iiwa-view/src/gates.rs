@@ -1,6 +1,6 @@
 //! Gates of a plan: how long it may take, how near the arm may come to obstacles.
 
-use iiwa_log::{ClearanceRecord, PlanFigures};
+use iiwa_log::{ClearanceRecord, PlanFigures, SelfClearanceRecord};
 use iiwa_scene::part_name;
 
 use crate::printable;
@@ -10,7 +10,7 @@ use crate::printable;
 pub struct PlanGates {
     /// Longest cycle time, in s.
     pub max_cycle_time_s: Option<f64>,
-    /// Smallest clearance, in mm. An arm that touches an obstacle does not meet any.
+    /// Smallest clearance, in mm. An arm that touches an obstacle or itself does not meet any.
     pub min_clearance_mm: Option<f64>,
 }
 
@@ -19,7 +19,7 @@ pub struct PlanGates {
 pub struct UnmetGates {
     /// How it takes too long.
     pub too_long: Option<String>,
-    /// How the arm comes too near to an obstacle.
+    /// How the arm comes too near to an obstacle, or touches itself.
     pub too_near: Option<String>,
 }
 
@@ -32,10 +32,10 @@ impl PlanGates {
             .max_cycle_time_s
             .filter(|limit| cycle_time_s > *limit)
             .map(|limit| format!("takes {cycle_time_s:.3} s, more than {limit} s"));
-        let too_near = self
-            .min_clearance_mm
-            .zip(figures.clearance.as_ref())
-            .and_then(|(limit_mm, nearest)| too_near(limit_mm, nearest));
+        let too_near = self.min_clearance_mm.and_then(|limit_mm| {
+            let scene = figures.clearance.as_ref().and_then(|it| too_near(limit_mm, it));
+            scene.or_else(|| figures.self_clearance.as_ref().and_then(touches_itself))
+        });
         UnmetGates { too_long, too_near }
     }
 }
@@ -65,4 +65,11 @@ fn too_near(limit_mm: f64, nearest: &ClearanceRecord) -> Option<String> {
     } else {
         None
     }
+}
+
+/// How the arm touches itself, if it does. Its links are always near each other: no other distance of theirs is a fault.
+fn touches_itself(nearest: &SelfClearanceRecord) -> Option<String> {
+    let SelfClearanceRecord { distance_mm, link, other_link, at_s } = nearest;
+    let [part, other] = [*link, *other_link].map(part_name);
+    (*distance_mm == 0.0).then(|| format!("touches itself: {part} and {other} at {at_s:.3} s"))
 }

@@ -40,7 +40,7 @@ pub use experiment::{
 pub use gates::{PlanGates, UnmetGates};
 pub use identification_report::IdentificationReport;
 pub use import_report::ImportReport;
-pub use nearest::Nearest;
+pub use nearest::{Nearest, NearestPlaces};
 pub use page::ArmSource;
 pub use picture::{PlanPicture, draw_comparison};
 pub use printable::printable;

@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, presets};
-use iiwa_log::{ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord, PlanFigures};
+use iiwa_log::{
+    ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord, PlanFigures, SelfClearanceRecord,
+};
 use iiwa_scene::part_name;
 
 use crate::printable;
@@ -100,6 +102,9 @@ pub fn plan_table(figures: &PlanFigures) -> String {
     if let Some(nearest) = &figures.clearance {
         let _ = writeln!(text, "{}", clearance(nearest));
     }
+    if let Some(nearest) = &figures.self_clearance {
+        let _ = writeln!(text, "{}", self_clearance(nearest));
+    }
     for assumption in &figures.assumptions {
         let _ = writeln!(text, "Assumed, not from a source: {assumption}");
     }
@@ -115,6 +120,17 @@ fn clearance(nearest: &ClearanceRecord) -> String {
         format!("Clearance none: {part} touches {obstacle} at {at_s:.3} s")
     } else {
         format!("Clearance {distance_mm:.1} mm: {part} to {obstacle} at {at_s:.3} s")
+    }
+}
+
+/// How near the arm comes to itself.
+fn self_clearance(nearest: &SelfClearanceRecord) -> String {
+    let SelfClearanceRecord { distance_mm, link, other_link, at_s } = nearest;
+    let [part, other] = [*link, *other_link].map(part_name);
+    if *distance_mm == 0.0 {
+        format!("The arm touches itself: {part} and {other} at {at_s:.3} s")
+    } else {
+        format!("Arm from itself {distance_mm:.1} mm: {part} to {other} at {at_s:.3} s")
     }
 }
 

@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let trajectory = Trajectory::plan(&JointPath::new(&program, &robot)?, Timing::default())?;
     if let Some(nearest) = arm.clearance_of(&trajectory) {
-        let obstacle = &scene.obstacles()[nearest.clearance.obstacle].name;
+        let obstacle = arm.name_of(nearest.clearance.other);
         writeln!(
             out,
             "in motion: {:.1} mm, link {} to {obstacle} at {:.3} s",

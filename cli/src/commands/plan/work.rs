@@ -14,7 +14,7 @@ use iiwa_view::{PlanGates, PlanPicture, long_duration};
 use crate::{
     args::{self, Plan},
     arm_files::ArmFiles,
-    clearance::nearest,
+    clearance::add_clearances,
     failure::Failure,
     input::{self, ProgramText},
     output::{self, Output},
@@ -81,8 +81,8 @@ pub(super) fn write(
     while let Some(section) = planning.next() {
         output::check_interrupt()?;
         let section = section.map_err(|error| refuse(error.into()))?;
-        if let Some(nearest) = arm.as_ref().and_then(|arm| nearest(arm, &section)) {
-            planning.figures_mut().add_clearance(nearest);
+        if let Some(arm) = &arm {
+            add_clearances(planning.figures_mut(), arm, &section);
         }
         if let (Some(writer), Some(output)) = (&mut writer, &output) {
             if planning.size().bytes() > options.max_file_size.as_u64() {

@@ -28,13 +28,13 @@ function surroundings(scene) {
 }
 
 /** A part of the arm and what it is nearest to, in words. */
-function pairText(link, obstacle) {
-  return `${link === 8 ? "the tool" : `link ${link}`} and ${obstacle}`;
+function pairText(link, other) {
+  return `${link === 8 ? "the tool" : `link ${link}`} and ${other}`;
 }
 
 /** What is nearest to the arm, in words. */
-function nearestText({ distance_mm: mm, link, obstacle, at_s }) {
+function nearestText({ distance_mm: mm, link, other, at_s }) {
   const when = at_s === null ? "" : ` at ${number(at_s, 2)} s`;
   const apart = mm > 0 ? `${number(mm, 1)} mm` : "touching";
-  return `${apart}: ${pairText(link, obstacle)}${when}`;
+  return `${apart}: ${pairText(link, other)}${when}`;
 }

@@ -1,4 +1,4 @@
-//! How near the arm is to the obstacles of a scene, over time.
+//! How near the arm is to the obstacles of a scene, or to itself, over time.
 
 use iiwa_kin::Joints;
 use iiwa_scene::{ArmInScene, Clearance};
@@ -36,15 +36,24 @@ pub(crate) struct Clearances {
 struct PairFrom {
     from_s: f64,
     link: usize,
-    obstacle: usize,
+    /// The obstacle's name, or the link's.
+    other: String,
 }
+
+/// The clearance of a pose: [`ArmInScene::clearance`], or [`ArmInScene::self_clearance`].
+pub(crate) type OfPose = fn(&ArmInScene, &Joints) -> Option<Clearance>;
 
 impl Clearances {
     /// Of `arm` at `positions`, and between them, all times later by `shift_s`; none without obstacles or positions.
-    pub(crate) fn new(arm: &ArmInScene, positions: &Samples, shift_s: f64) -> Option<Self> {
+    pub(crate) fn new(
+        arm: &ArmInScene,
+        of_pose: OfPose,
+        positions: &Samples,
+        shift_s: f64,
+    ) -> Option<Self> {
         let Samples { t_s, rows } = positions;
         let step = rows.len().div_ceil(POSES).max(1);
-        let of = |at: usize| arm.clearance(&rows[at]);
+        let of = |at: usize| of_pose(arm, &rows[at]);
         let mut places = (0..rows.len()).step_by(step).collect::<Vec<_>>();
         let last = rows.len().checked_sub(1)?;
         if places.last() != Some(&last) {
@@ -53,15 +62,16 @@ impl Clearances {
         let found = places.par_iter().map(|at| of(*at)).collect::<Vec<_>>();
         let mut samples = Samples::<1>::with_capacity(places.len());
         let mut pairs: Vec<PairFrom> = Vec::new();
+        let mut before = None;
         for (at, clearance) in std::iter::zip(&places, &found) {
             samples.push(t_s[*at], [clearance.map_or(f64::NAN, |it| it.distance_m)]);
-            let Some(Clearance { link, obstacle, .. }) = *clearance else { continue };
-            let is_new = pairs.last().is_none_or(|it| (it.link, it.obstacle) != (link, obstacle));
-            if is_new && pairs.len() < PAIRS {
-                pairs.push(PairFrom { from_s: t_s[*at] + shift_s, link, obstacle });
+            let Some(Clearance { link, other, .. }) = *clearance else { continue };
+            if before.replace((link, other)) != Some((link, other)) && pairs.len() < PAIRS {
+                let other = arm.name_of(other);
+                pairs.push(PairFrom { from_s: t_s[*at] + shift_s, link, other });
             }
         }
-        let (at_s, nearest) = Search::new(arm, positions).least(&places, &found)?;
+        let (at_s, nearest) = Search::new(arm, of_pose, positions).least(&places, &found)?;
         Some(Self {
             distance: Curve::new(&samples, shift_s),
             pairs,
@@ -73,13 +83,14 @@ impl Clearances {
 /// A search for the least clearance, which skips what cannot have it.
 struct Search<'a> {
     arm: &'a ArmInScene,
+    of_pose: OfPose,
     positions: &'a Samples,
     best: Option<(f64, Clearance)>,
     /// The least distance of all, in m: that of the best, but for what cannot be told apart from it.
     least_m: f64,
 }
 
-/// A pose, when it is, and how near it is to an obstacle.
+/// A pose, when it is, and its clearance.
 #[derive(Clone, Copy)]
 struct Known {
     t_s: f64,
@@ -88,8 +99,8 @@ struct Known {
 }
 
 impl<'a> Search<'a> {
-    fn new(arm: &'a ArmInScene, positions: &'a Samples) -> Self {
-        Self { arm, positions, best: None, least_m: f64::MAX }
+    fn new(arm: &'a ArmInScene, of_pose: OfPose, positions: &'a Samples) -> Self {
+        Self { arm, of_pose, positions, best: None, least_m: f64::MAX }
     }
 
     fn best_m(&self) -> f64 {
@@ -113,12 +124,12 @@ impl<'a> Search<'a> {
     }
 
     fn look(&mut self, t_s: f64, q: Joints) -> Option<Known> {
-        let clearance = self.arm.clearance(&q)?;
+        let clearance = (self.of_pose)(self.arm, &q)?;
         self.take(t_s, clearance);
         Some(Known { t_s, q, distance_m: clearance.distance_m })
     }
 
-    /// When the arm is nearest to an obstacle, or first touches one, by the clearances at some places.
+    /// When the arm is nearest to something, or first touches it, by the clearances at some places.
     fn least(mut self, places: &[usize], found: &[Option<Clearance>]) -> Option<(f64, Clearance)> {
         let Samples { t_s, rows } = self.positions;
         for (at, clearance) in std::iter::zip(places, found) {

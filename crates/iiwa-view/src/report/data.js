@@ -14,6 +14,7 @@ for (const arm of report.arms) {
   for (const name of ["position", "velocity", "acceleration", "jerk"]) unpackCurve(arm[name]);
   if (arm.speed) unpackCurve(arm.speed);
   if (arm.clearance) unpackCurve(arm.clearance.distance);
+  if (arm.self_clearance) unpackCurve(arm.self_clearance.distance);
 }
 for (const name of ["tcp_mm", "joints_mrad"]) if (report.compared) unpackCurve(report.compared[name]);
 

@@ -21,7 +21,7 @@ use crate::{
 
 use super::{
     attached,
-    clearance::Clearances,
+    clearance::{Clearances, OfPose},
     curve::{Curve, Samples},
     measured::Measured,
     planned::Planned,
@@ -100,6 +100,9 @@ struct Arm {
     /// In a scene with obstacles.
     #[serde(skip_serializing_if = "Option::is_none")]
     clearance: Option<Clearances>,
+    /// Of the arm from itself, in a scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    self_clearance: Option<Clearances>,
 }
 
 /// The curves of an arm's joints.
@@ -485,9 +488,13 @@ impl Making<'_> {
         let times = |t_s: Option<&f64>| t_s.map_or(0.0, |t_s| t_s + shift_s);
         let (start_s, end_s) = (times(log.t_s.first()), times(log.t_s.last()));
         let role = source.role();
-        let (mut clearance, mut speed) = (None, None);
+        let (mut clearance, mut self_clearance, mut speed) = (None, None, None);
         let mut measure = |position: &Samples, velocity: &Samples| {
-            clearance = self.scene.and_then(|arm| Clearances::new(arm, position, shift_s));
+            let distances = |of_pose: OfPose| {
+                self.scene.and_then(|arm| Clearances::new(arm, of_pose, position, shift_s))
+            };
+            clearance = distances(ArmInScene::clearance);
+            self_clearance = distances(ArmInScene::self_clearance);
             let states = std::iter::zip(position.at_times(&velocity.t_s), &velocity.rows);
             let states = std::iter::zip(&velocity.t_s, states);
             let states = states.map(|(t_s, (q, dq))| (*t_s, q, dq));
@@ -520,6 +527,7 @@ impl Making<'_> {
             curves,
             speed,
             clearance,
+            self_clearance,
         }
     }
 }

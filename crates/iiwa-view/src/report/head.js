@@ -24,11 +24,17 @@ function writeHead() {
     figure(list, "measured", seconds(cycle.real_s));
     figure(list, "off by", `${number(cycle.error_s, 4)} s, ${number(cycle.error_percent, 2)} %`);
   }
-  for (const it of report.arms.filter((arm) => arm.clearance)) {
-    const { nearest } = it.clearance;
+  for (const it of report.arms) {
     const of = second ? `, ${called(it)}` : "";
-    const pair = `${pairText(nearest.link, nearest.obstacle)} at ${number(nearest.at_s, 3)} s`;
-    figure(list, `clearance${of}: ${pair}`, nearest.distance_mm ? `${number(nearest.distance_mm, 1)} mm` : "touching");
+    for (const [title, clearance] of [
+      ["clearance", it.clearance],
+      ["from itself", it.self_clearance],
+    ]) {
+      if (!clearance) continue;
+      const { nearest } = clearance;
+      const pair = `${pairText(nearest.link, nearest.other)} at ${number(nearest.at_s, 3)} s`;
+      figure(list, `${title}${of}: ${pair}`, nearest.distance_mm ? `${number(nearest.distance_mm, 1)} mm` : "touching");
+    }
   }
   for (const note of report.notes) $("notes").append(element("li", note));
   const methods = report.arms.map((it) => {

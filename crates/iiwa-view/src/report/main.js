@@ -34,7 +34,7 @@ function drawScene() {
   }));
   // As the twin shows a plan: where the arm comes nearest, whenever that is.
   const nearest = report.arms.at(-1).clearance?.nearest;
-  scene.show(arms, nearest ? [nearest.on_arm_m, nearest.on_obstacle_m] : null);
+  scene.show(arms, nearest ? [nearest.on_link_m, nearest.on_other_m] : null);
 }
 
 // ---- time

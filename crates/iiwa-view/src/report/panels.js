@@ -89,38 +89,37 @@ function addDeviations() {
   }
 }
 
-/** The arms with obstacles around them; what is told of pairs is of the last of them. */
-const near = report.arms.filter((arm) => arm.clearance);
-
 /** The pair that is nearest at a time. */
-function pairAt(t) {
-  const { pairs } = near.at(-1).clearance;
+function pairAt({ pairs }, t) {
   const starts = pairs.map((pair) => pair.from_s);
   return pairs[Math.max(countUpTo(starts, t) - 1, 0)];
 }
 
-function addClearance() {
+/** The distance of the arm from obstacles or from itself; what is told of pairs is of the last arm. */
+function addClearance(key, title, label) {
+  const arms = report.arms.filter((arm) => arm[key]);
+  if (!arms.length) return;
   $("clearance").hidden = false;
-  const { obstacles } = report.scene;
-  for (const { clearance } of near) {
-    for (const pair of clearance.pairs) pair.text = pairText(pair.link, obstacles[pair.obstacle].name);
-  }
-  const curves = near.map(({ role, clearance }, i) => ({
+  const curves = arms.map(({ role, [key]: clearance }, i) => ({
     ...clearance.distance,
     colour: role === "recording" ? "measured" : "accent",
     factor: 1000,
-    under: near.length > 1 && i === 0,
+    under: arms.length > 1 && i === 0,
   }));
-  const { pairs } = near.at(-1).clearance;
+  const last = arms.at(-1)[key];
+  const pairs = last.pairs.map((pair) => ({ ...pair, text: pairText(pair.link, pair.other) }));
   addChart($("clearances"), {
-    title: element("h3", "Smallest distance of the arm, mm"),
-    label: "Clearance of the arm over time",
+    title: element("h3", title),
+    label,
     height: 146,
     draw: (canvas, colours) => drawClearance(canvas, curves, pairs, state.window, colours),
-    readings: (t) => [
-      ...curves.map((curve, i) => [curve.colour, called(near[i]), `${number(1000 * readingAt(curve, t, 0), 1)} mm`]),
-      ["soft", "", pairAt(t).text],
-    ],
+    readings: (t) => {
+      const pair = pairAt(last, t);
+      return [
+        ...curves.map((curve, i) => [curve.colour, called(arms[i]), `${number(1000 * readingAt(curve, t, 0), 1)} mm`]),
+        ["soft", "", pairText(pair.link, pair.other)],
+      ];
+    },
   });
 }
 
@@ -135,7 +134,8 @@ listChart(
   },
 );
 if (report.compared) addDeviations();
-if (near.length) addClearance();
+addClearance("clearance", "Smallest distance of the arm from obstacles, mm", "Clearance of the arm over time");
+addClearance("self_clearance", "Smallest distance of the arm from itself, mm", "Distance of the arm from itself over time");
 addPoint();
 
 function drawCharts() {

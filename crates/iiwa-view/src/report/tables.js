@@ -55,10 +55,11 @@ function writeNow() {
   $("piece").textContent = piece
     ? `Motion ${piece.motion}, ${words[piece.kind] || piece.kind}${piece.limit ? `; limited by the ${piece.limit.replace("_", " ")}${piece.joint ? ` of A${piece.joint}` : ""}` : ""}`
     : "";
-  if (near.length) {
-    const mm = 1000 * valueAt(near.at(-1).clearance.distance, t, 0, 1);
-    const pair = pairAt(t);
-    $("pair").textContent = `At ${number(t, 3)} s: ${mm > 0 ? `${number(mm, 1)} mm` : "touching"}, ${pair.text}`;
+  const near = report.arms.filter((arm) => arm.clearance).at(-1)?.clearance;
+  if (near) {
+    const mm = 1000 * valueAt(near.distance, t, 0, 1);
+    const pair = pairAt(near, t);
+    $("pair").textContent = `At ${number(t, 3)} s: ${mm > 0 ? `${number(mm, 1)} mm` : "touching"}, ${pairText(pair.link, pair.other)}`;
   }
   for (const { row, motion } of cells.rows) row.classList.toggle("current", Boolean(piece) && piece.motion === motion);
 }

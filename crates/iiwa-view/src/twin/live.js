@@ -86,11 +86,15 @@ function writeJoints(q) {
 }
 
 function writeNearest() {
-  const nearest = live.newest?.nearest;
-  $("nearest").hidden = !nearest;
-  if (!nearest) return;
-  $("nearest").textContent = `Nearest: ${nearestText(nearest)}`;
-  $("nearest").classList.toggle("near", nearest.distance_mm === 0 || nearest.distance_mm < setup.min_clearance_mm);
+  for (const [id, title, nearest, least] of [
+    ["nearest", "Nearest", live.newest?.nearest, setup.min_clearance_mm],
+    ["self-nearest", "From itself", live.newest?.self_nearest, 0],
+  ]) {
+    $(id).hidden = !nearest;
+    if (!nearest) continue;
+    $(id).textContent = `${title}: ${nearestText(nearest)}`;
+    $(id).classList.toggle("near", nearest.distance_mm === 0 || nearest.distance_mm < least);
+  }
 }
 
 function writeHealth() {

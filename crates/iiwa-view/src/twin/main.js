@@ -135,7 +135,7 @@ function drawArms(now = null) {
   const where = live.newest;
   if (where && !isReplay) drawn.push({ q: where.joints_rad, ghost: isStale() ? "settle" : null });
   const nearest = shown.mode === "live" ? where?.nearest : shown.mode === "simulation" ? desk.plan.nearest : null;
-  const gap = nearest ? [nearest.on_arm_m, nearest.on_obstacle_m] : null;
+  const gap = nearest ? [nearest.on_link_m, nearest.on_other_m] : null;
   if (now === null) scene?.show(drawn, gap);
   else scene?.follow(drawn, gap, now);
   $("clock").textContent = arms.length ? `${number(shown.time, 2)} s` : "\u2013";

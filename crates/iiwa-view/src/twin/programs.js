@@ -31,6 +31,14 @@ link.takes.run = (run) => {
 const isRunning = () => Boolean(desk.run) && (desk.run.phase === "running" || desk.run.phase === "to_start");
 const canReplay = () => Boolean(desk.run?.arms && desk.run.arms.length > 1);
 
+/** How near the arm comes to obstacles and to itself. */
+function clearanceTexts({ nearest, self_nearest: own }) {
+  return [
+    ...(nearest ? [`Nearest on its way: ${nearestText(nearest)}.`] : []),
+    ...(own ? [`The arm from itself: ${nearestText(own)}.`] : []),
+  ];
+}
+
 function writePlan() {
   const { plan } = desk;
   $("plan").hidden = !plan;
@@ -39,11 +47,9 @@ function writePlan() {
   figure($("plan-figures"), "program", plan.name);
   figure($("plan-figures"), "cycle time", `${number(plan.cycle_time_s, 3)} s`);
   figure($("plan-figures"), "motions", String(plan.motions));
-  $("plan-nearest").textContent = plan.nearest
-    ? `Nearest on its way: ${nearestText(plan.nearest)}.`
-    : setup.scene
-      ? ""
-      : "There is no scene (--scene): obstacles around the arm are unknown.";
+  $("plan-nearest").textContent = setup.scene
+    ? clearanceTexts(plan).join(" ")
+    : "There is no scene (--scene): obstacles around the arm are unknown.";
   $("plan-refused").hidden = plan.refused === null;
   $("plan-refused").textContent = plan.refused === null ? "" : `It cannot be sent: ${plan.refused}.`;
   $("plan-warnings").replaceChildren(...plan.warnings.map((text) => element("li", `Warning: ${text}`)));
@@ -119,9 +125,9 @@ async function send() {
   const { plan } = desk;
   const lines = [
     `${plan.name}: ${plan.motions} motion${plan.motions === 1 ? "" : "s"}, ${number(plan.cycle_time_s, 3)} s.`,
-    plan.nearest
-      ? `Nearest on its way: ${nearestText(plan.nearest)}.`
-      : "There is no scene: the program has not been checked for collisions.",
+    ...(setup.scene
+      ? clearanceTexts(plan)
+      : ["There is no scene: the program has not been checked for collisions."]),
     ...plan.warnings.map((text) => `Warning: ${text}.`),
     "The robot will move. Keep everyone out of its reach, and the emergency stop at hand.",
   ];
