@@ -155,7 +155,7 @@ fn plans_are_as_near_as_their_samples() {
     let mut random = fastrand::Rng::with_seed(7);
     let limits = robot.limits();
     let hook =
-        ToolForm::Box { center_m: [0.15, 0.0, 0.02], size_m: [0.3, 0.04, 0.04], rpy_rad: [0.0; 3] };
+        ToolForm::Box { center_m: [0.25, 0.0, 0.02], size_m: [0.5, 0.04, 0.04], rpy_rad: [0.0; 3] };
     let (mut by_tool, mut touching) = (0, 0);
     for round in 0..60 {
         let mut pose = || limits.at_shares(&[(); 7].map(|()| 1.9 * (random.f64() - 0.5)));

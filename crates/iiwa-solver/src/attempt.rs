@@ -11,6 +11,7 @@ use crate::{
     cells::has_row_at_end,
     error::SolveError,
     geometry::Places,
+    lanes::dispatch,
     limited_segment::LimitedSegment,
     mesh::{Cell, Mesh, mesh},
     peaks::{SHARES, larger},
@@ -298,7 +299,7 @@ impl Attempt {
         segments: &[LimitedSegment<'_>],
         window: Range<usize>,
     ) -> Vec<ByKind<f64>> {
-        pulp::Arch::new().dispatch(Check { attempt: self, segments, window })
+        dispatch(Check { attempt: self, segments, window })
     }
 
     /// The same in one cell, stretch by stretch if it is slow, or if the speed changes much: then most of the time is

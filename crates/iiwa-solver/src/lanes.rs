@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use pulp::Simd;
+use pulp::{Arch, Scalar, Simd, WithSimd};
 
 /// How many numbers lie side by side: as many as the widest vector register holds.
 pub(crate) const LANES: usize = 8;
@@ -17,6 +17,14 @@ pub(crate) struct Lanes(pub(crate) [f64; LANES]);
 pub(crate) struct Vector<S: Simd> {
     simd: S,
     numbers: S::f64s,
+}
+
+/// Runs `operation` with the widest vector registers of this machine.
+///
+/// Without optimisation, all that is inlined for registers has a place of its own on the stack: 8 MB of it, which is more than a
+/// thread has. There, numbers are taken one by one.
+pub(crate) fn dispatch<T: WithSimd>(operation: T) -> T::Output {
+    if cfg!(unoptimised) { operation.with_simd(Scalar) } else { Arch::new().dispatch(operation) }
 }
 
 /// How many registers the lanes fill.

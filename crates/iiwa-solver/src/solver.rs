@@ -28,6 +28,7 @@ use crate::{
     cells::{LargestDecreases, Start, Sums},
     error::SolveError,
     functionals::{CellState, EndV, EndX, Functional, StartX},
+    lanes::dispatch,
     limited_segment::LimitedSegment,
     mesh::{Cell, Mesh},
     quadratic::Quadratic,
@@ -229,7 +230,7 @@ impl Solver {
         self.mu = mu;
         self.last = InteriorStep::default();
         let start = Start { mu, least: start.slack, kept: start.kept };
-        pulp::Arch::new().dispatch(Restart { solver: self, start });
+        dispatch(Restart { solver: self, start });
         for rest in self.rests.within_mut(&self.window) {
             let s = (1.0 - rest.x(&self.states) / rest.cap).max(start.least);
             let balanced = mu / s;
@@ -242,7 +243,7 @@ impl Solver {
     /// Solves the problem from where it stands, until no more than the share `gap` of the duration is left to be
     /// gained, or `stop` is set.
     pub(crate) fn solve(&mut self, gap: f64, stop: &AtomicBool) -> Result<(), SolveError> {
-        pulp::Arch::new().dispatch(Solve { solver: self, gap, stop })
+        dispatch(Solve { solver: self, gap, stop })
     }
 
     /// Lowers the limits in the cells from `first` on by the factors `by`.
