@@ -151,7 +151,8 @@ pub(crate) struct CabinetFaults {
 /// Run a motion program on the robot, and compare its cycle time with the plan.
 ///
 /// The program is planned first, and the figures are printed. Then the drive runs it, and the measured joint
-/// positions are recorded as MCAP. Ctrl-C stops the robot on its path; the recording until then is kept.
+/// positions are recorded as MCAP, with the torques as `effort` where the controller measures them. Ctrl-C stops the
+/// robot on its path; the recording until then is kept.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Run {

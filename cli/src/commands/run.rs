@@ -79,12 +79,12 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
             (Measured::new(watched.streamed), Some(failure))
         }
     };
-    let log = since_start(&measured);
+    let (log, torques_nm) = since_start(&measured, &watched.torques);
     let written = output.filter(|_| !log.t_s.is_empty());
     let file = match written {
         Some(output) => {
             let epoch = options.epoch.unwrap_or_else(|| began(&log));
-            let recording = recording(&log, epoch, &robot, text.complete())?;
+            let recording = recording(&log, &torques_nm, epoch, &robot, text.complete())?;
             output.write(&recording)?;
             output.complete_always()?;
             target.as_deref()

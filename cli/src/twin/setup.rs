@@ -124,7 +124,9 @@ impl Setup {
 
     /// The connections for a run.
     pub(super) fn connection(&self) -> Result<DriveConnection, Failure> {
-        Ok(DriveConnection::of([self.client()?, self.client()?], self.stream()?))
+        let stream = Stream::with_torques(&self.remote, &self.stream)
+            .map_err(|error| connection::refused(&error))?;
+        Ok(DriveConnection::of([self.client()?, self.client()?], stream))
     }
 
     /// Clearance of the arm at these joint positions, in rad; none without a scene.

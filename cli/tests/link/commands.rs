@@ -6,6 +6,7 @@ use std::{
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
+use iiwa_log::JointSample;
 use iiwasim_tests::{calm::in_real_time, ports::free_address};
 use predicates::{
     prelude::PredicateBooleanExt,
@@ -246,6 +247,7 @@ fn a_program_with_frames_runs() {
             // The tool's y axis is the foot's here, up to its sign: there and back on a straight line.
             assert!(off(0) < 1e-3 && off(2) < 1e-3, "{} {}", off(0), off(2));
             assert!((off(1) - 0.15).abs() < 1e-3, "{}", off(1));
+            torques_are_of_their_samples(&recording.joint_states);
             let cycle_time_s: f64 = recording.metadata["iiwasim"]["cycle_time_s"].parse().unwrap();
             let first = *first_cycle_time_s.get_or_insert(cycle_time_s);
             assert!((cycle_time_s - first).abs() < 0.02, "{cycle_time_s} s, {first} s");
@@ -256,6 +258,26 @@ fn a_program_with_frames_runs() {
         std::fs::write(rig.path("far.json"), far).unwrap();
         rig.iiwasim("run", &["far.json"]).code(2).stderr(contains("motion 1"));
     });
+}
+
+/// Most samples have torques: those of the simulated cabinet, which hold the arm's weight at the sample's positions.
+fn torques_are_of_their_samples(states: &[JointSample]) {
+    let known: Vec<_> = states.iter().filter_map(|it| Some((it.q, it.torques_nm?))).collect();
+    assert!(2 * known.len() > states.len(), "{} of {}", known.len(), states.len());
+    let (_, first) = known[0];
+    for (q, torques_nm) in &known {
+        // A1 is vertical.
+        assert!(torques_nm[0].abs() < 1e-9 && torques_nm[1].abs() > 1.0, "{torques_nm:?}");
+        let same = known.iter().find(|(other, _)| other == q).unwrap();
+        assert_eq!(same.1, *torques_nm, "{q:?}");
+    }
+    // There and back: the arm is where it was, and elsewhere in between.
+    let (_, last) = known[known.len() - 1];
+    let apart = |other: &iiwa_kin::Joints| {
+        first.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    assert!(apart(&last) < 0.02, "{first:?} {last:?}");
+    assert!(known.iter().any(|(_, torques_nm)| apart(torques_nm) > 0.2), "{first:?}");
 }
 
 /// What the drive does not take as motions may still go as a trajectory.

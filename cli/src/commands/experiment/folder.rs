@@ -57,7 +57,7 @@ impl Folder {
         let epoch = self
             .epoch
             .unwrap_or_else(|| if self.of_robot { runner::began(log) } else { DEFAULT_EPOCH });
-        let mcap = runner::recording(log, epoch, robot, &program)?;
+        let mcap = runner::recording(log, &[], epoch, robot, &program)?;
         self.write(&format!("recordings/{name}.mcap"), &mcap)?;
         let mut csv = Vec::new();
         log.write_csv(&mut csv)
