@@ -292,18 +292,16 @@ pub(crate) fn began(log: &JointLog) -> Duration {
     now.saturating_sub(Duration::try_from_secs_f64(last_s).unwrap_or_default())
 }
 
-/// A recording as MCAP, with the torques of its samples as far as there are any, the program that was run and the time
-/// since 1970 at which its times start.
+/// A recording as MCAP, with the torques of its samples as far as there are any, and the program that was run.
 pub(crate) fn recording(
     log: &JointLog,
     torques_nm: &[Option<Joints>],
-    epoch: Duration,
+    file: Config,
     robot: &Robot,
     program: &str,
 ) -> Result<Vec<u8>, Failure> {
     let refuse = |error: iiwa_log::WriteError| Failure::run("cannot write the recording", &error);
     let storage = Cursor::new(Vec::new());
-    let file = Config { epoch, ..Config::default() };
     let config = RecorderConfig { file, ..RecorderConfig::default() };
     let mut recorder = Recorder::new(storage, robot, config).map_err(refuse)?;
     let torques_nm = torques_nm.iter().map(Option::as_ref).chain(iter::repeat(None));

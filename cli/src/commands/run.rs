@@ -7,7 +7,7 @@ use std::{
 
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, message::Run as Measured};
-use iiwa_log::{PlanFigures, PlanOptions};
+use iiwa_log::{Config, PlanFigures, PlanOptions};
 use iiwa_program::Program;
 use iiwa_scene::ArmInScene;
 use iiwa_traj::Trajectory;
@@ -84,7 +84,8 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let file = match written {
         Some(output) => {
             let epoch = options.epoch.unwrap_or_else(|| began(&log));
-            let recording = recording(&log, &torques_nm, epoch, &robot, text.complete())?;
+            let file = Config { epoch, names: options.ros.names(), ..Config::default() };
+            let recording = recording(&log, &torques_nm, file, &robot, text.complete())?;
             output.write(&recording)?;
             output.complete_always()?;
             target.as_deref()

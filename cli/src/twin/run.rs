@@ -15,7 +15,7 @@ use iiwa_link::{
     ClientError,
     message::{DriveState, Run as Measured, Status},
 };
-use iiwa_log::JointLog;
+use iiwa_log::{Config, JointLog};
 use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
 use iiwa_view::{Extent, Page};
 use serde::Serialize;
@@ -204,7 +204,9 @@ fn finish(
             mcap: None,
         };
     }
-    let saved = runner::recording(&log, &torques_nm, runner::began(&log), &setup.robot, &plan.text)
+    let file =
+        Config { epoch: runner::began(&log), names: setup.names.clone(), ..Config::default() };
+    let saved = runner::recording(&log, &torques_nm, file, &setup.robot, &plan.text)
         .and_then(|bytes| save(&bytes, plan, setup));
     let (mcap, unwritten) = match saved {
         Ok((mcap, unwritten)) => (Some(mcap), unwritten),

@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joints, Robot, RosNames};
 use iiwa_link::{Client, Remote, Stream};
 use iiwa_log::PlanOptions;
 use iiwa_program::Program;
@@ -26,6 +26,8 @@ use super::positions::default_file;
 /// The robot, its obstacles, and the connection to its drive.
 pub(crate) struct Setup {
     pub(crate) robot: Robot,
+    /// Of its joints and links, in files and for viewers.
+    pub(crate) names: RosNames,
     /// The robot's name, or its profile's.
     pub(super) robot_name: String,
     arm: Option<ArmInScene>,
@@ -99,6 +101,7 @@ impl Setup {
         Ok(Self {
             positions: positions.unwrap_or_else(|| folder.join("positions.json")),
             robot,
+            names: options.ros.names(),
             meshes,
             robot_name: options.robot.clone(),
             arm,

@@ -115,6 +115,7 @@ fn a_program_runs() {
             .stderr(contains("joint A1 is at 60.000 deg, the program starts at 0.000 deg"))
             .stderr(contains("--move-to-start"));
         let arguments = ["--move-to-start=100", "--as-trajectory", "--json", "-o", "again.mcap"];
+        let arguments = [&arguments[..], &["--ros-names", "lbr_fri_ros2_stack"]].concat();
         let run = rig.iiwasim("run", &[&arguments[..], &[program]].concat()).success();
         let figures: serde_json::Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
         let number = |key: &str| figures[key].as_f64().unwrap();
@@ -141,8 +142,9 @@ fn a_program_runs() {
         assert_eq!(rig.recording("slow.measured-2.mcap").epoch.as_secs(), 1_709_208_000);
         assert!(figures["ended_after_s"].is_null());
         assert_eq!(figures["output"], "again.mcap");
-        let states = rig.recording("again.mcap").joint_states;
-        assert_eq!(number("samples"), states.len() as f64);
+        let recording = rig.recording("again.mcap");
+        assert_eq!(number("samples"), recording.joint_states.len() as f64);
+        assert_eq!(&*recording.tcp_poses[0].frame_id, "lbr_link_0");
         assert!((rig.joint_1().to_degrees() - 60.0).abs() < 1e-3);
     });
 }
@@ -310,10 +312,12 @@ fn no_file_is_written_unless_it_is_asked_for() {
 fn a_recording_lasts_as_long_as_asked() {
     in_real_time(|| {
         let rig = Rig::new();
-        rig.iiwasim("record", &["-o", "r.mcap", "--seconds", "1"])
+        rig.iiwasim("record", &["-o", "r.mcap", "--seconds", "1", "--ros-prefix", "left"])
             .success()
             .stdout(is_match("^[0-9]+ samples over [01].[0-9]+ s in r.mcap\n$").unwrap());
-        let states = rig.recording("r.mcap").joint_states;
+        let recording = rig.recording("r.mcap");
+        assert_eq!(&*recording.tcp_poses[0].frame_id, "left_link_0");
+        let states = recording.joint_states;
         // 200 a second, but for the time that it takes to connect.
         assert!((100..=210).contains(&states.len()), "{} samples", states.len());
         rig.iiwasim("record", &["-o", "r.mcap"]).code(2).stderr(contains("r.mcap exists"));
