@@ -9,6 +9,7 @@ mod link;
 mod model;
 mod plan;
 mod report;
+pub(crate) mod ros;
 mod shell;
 mod twin;
 mod urdf;
@@ -27,6 +28,7 @@ pub(crate) use link::{Cabinet, Drive, Io, IoAction, Keygen, Record, Run, Sensors
 pub(crate) use model::{Fk, Format, Ik, Place, Robot, Schema};
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
+pub(crate) use ros::RosNaming;
 pub(crate) use shell::{Completions, Man};
 pub(crate) use twin::Twin;
 pub(crate) use urdf::Urdf;

@@ -22,6 +22,7 @@ mod progress;
 mod runner;
 mod settings;
 mod start;
+mod torques;
 mod twin;
 mod warning;
 

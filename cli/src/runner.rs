@@ -3,8 +3,8 @@
 use std::{
     collections::BTreeMap,
     io::Cursor,
-    thread,
-    time::{Duration, SystemTime, UNIX_EPOCH},
+    iter, thread,
+    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
 use iiwa_kin::{Joints, Robot};
@@ -25,10 +25,14 @@ use crate::{
     output,
     progress::Progress,
     start::StartOffset,
+    torques::Torques,
 };
 
 /// How long to wait for the stream before the run and the interrupt flag are checked.
 const POLL: Duration = Duration::from_millis(50);
+
+/// How long the stream is read on for the torques of a run's last samples.
+const LAST_TORQUES: Duration = Duration::from_millis(500);
 
 /// The connections to a drive.
 pub(crate) struct DriveConnection {
@@ -55,7 +59,7 @@ impl DriveConnection {
         Ok(Self {
             client: connection::client(drive)?,
             stopper: connection::client(drive)?,
-            stream: Stream::new(&remote, &stream.to_string())
+            stream: Stream::with_torques(&remote, &stream.to_string())
                 .map_err(|error| connection::refused(&error))?,
         })
     }
@@ -83,6 +87,8 @@ pub(crate) struct ExecutedRun {
     pub(crate) result: Result<Measured, ClientError>,
     /// The samples of the stream during the run.
     pub(crate) streamed: Samples,
+    /// The torques of the stream, from before the run on.
+    pub(crate) torques: Torques,
 }
 
 /// What happens during a run.
@@ -137,12 +143,16 @@ pub(crate) fn execute(
             Task::Motions(motions) => client.run_motions(motions, None),
             Task::Trajectory(trajectory) => client.run_trajectory(trajectory, None),
         });
-        let streamed = follow(stopper, stream, || running.is_finished(), to_stop, on_event);
+        let (streamed, mut torques) =
+            follow(stopper, stream, || running.is_finished(), to_stop, on_event);
         let result = running.join().unwrap_or_else(|_| {
             let what = "the thread of the run panicked; please report this".to_owned();
             Err(ClientError::InvalidReply { what })
         });
-        ExecutedRun { result, streamed }
+        if let Some(last_s) = last_stamp(&result) {
+            catch_up(stream, last_s, &mut torques);
+        }
+        ExecutedRun { result, streamed, torques }
     })
 }
 
@@ -153,8 +163,9 @@ fn follow(
     has_ended: impl Fn() -> bool,
     to_stop: impl Fn() -> bool,
     mut on_event: impl FnMut(RunEvent<'_>),
-) -> Samples {
+) -> (Samples, Torques) {
     let mut streamed = Samples::default();
+    let mut torques = Torques::default();
     let mut runs = false;
     while !has_ended() {
         if to_stop() {
@@ -167,6 +178,8 @@ fn follow(
                 streamed.joints_rad.push(joints_rad);
                 on_event(RunEvent::Progress(t_s - streamed.t_s[0]));
             }
+            // The first samples of a run are from before its state is published.
+            Ok(Some(Published::Torques { t_s, measured_nm, .. })) => torques.keep(t_s, measured_nm),
             Ok(Some(Published::State { state, .. })) => runs = state != DriveState::Idle,
             Ok(_) => {}
             Err(error) => {
@@ -175,7 +188,30 @@ fn follow(
             }
         }
     }
-    streamed
+    (streamed, torques)
+}
+
+/// The stamp of a run's last sample.
+fn last_stamp(result: &Result<Measured, ClientError>) -> Option<f64> {
+    let run = match result {
+        Ok(run) => run,
+        Err(ClientError::Refused { run, .. }) => run.as_deref()?,
+        Err(_) => return None,
+    };
+    run.samples.t_s.last().copied()
+}
+
+/// Reads on until the positions of `last_s` arrive, which come after the torques of that time.
+fn catch_up(stream: &mut Stream, last_s: f64, torques: &mut Torques) {
+    let since = Instant::now();
+    while since.elapsed() < LAST_TORQUES {
+        match stream.next(POLL) {
+            Ok(Some(Published::Torques { t_s, measured_nm, .. })) => torques.keep(t_s, measured_nm),
+            Ok(Some(Published::Joints { t_s, .. })) if t_s >= last_s => return,
+            Ok(_) => {}
+            Err(_) => return,
+        }
+    }
 }
 
 /// Why no run can start without [`position`].
@@ -232,8 +268,12 @@ pub(crate) fn go_to_start(
         .map_err(|error| connection::failed("the robot did not move to the start", &error))
 }
 
-/// The samples from the start of a run on, with their times since then; and how long the robot program says that it took.
-pub(crate) fn since_start(measured: &Measured) -> JointLog {
+/// The samples from the start of a run on, with their times since then, and how long the robot program says that it took;
+/// and the torques of each sample, where they are known.
+pub(crate) fn since_start(
+    measured: &Measured,
+    torques: &Torques,
+) -> (JointLog, Vec<Option<Joints>>) {
     let Samples { t_s, joints_rad, .. } = &measured.samples;
     let from_s = measured.start_s.or(t_s.first().copied()).unwrap_or_default();
     // Stamps are rounded sums: the first sample may be just before the start.
@@ -242,7 +282,7 @@ pub(crate) fn since_start(measured: &Measured) -> JointLog {
     let positions = joints_rad.get(first..).unwrap_or_default().to_vec();
     let mut log = JointLog::new(times, positions);
     log.cycle_time_s = measured.cycle_time_s;
-    log
+    (log, torques.at(&t_s[first..]))
 }
 
 /// When the first sample of a log was taken whose last one has just arrived, since 1970.
@@ -252,21 +292,22 @@ pub(crate) fn began(log: &JointLog) -> Duration {
     now.saturating_sub(Duration::try_from_secs_f64(last_s).unwrap_or_default())
 }
 
-/// A recording as MCAP, with the program that was run and the time since 1970 at which its times start.
+/// A recording as MCAP, with the torques of its samples as far as there are any, and the program that was run.
 pub(crate) fn recording(
     log: &JointLog,
-    epoch: Duration,
+    torques_nm: &[Option<Joints>],
+    file: Config,
     robot: &Robot,
     program: &str,
 ) -> Result<Vec<u8>, Failure> {
     let refuse = |error: iiwa_log::WriteError| Failure::run("cannot write the recording", &error);
     let storage = Cursor::new(Vec::new());
-    let file = Config { epoch, ..Config::default() };
     let config = RecorderConfig { file, ..RecorderConfig::default() };
     let mut recorder = Recorder::new(storage, robot, config).map_err(refuse)?;
-    for (t_s, q) in log.t_s.iter().zip(&log.q_rad) {
+    let torques_nm = torques_nm.iter().map(Option::as_ref).chain(iter::repeat(None));
+    for ((t_s, q), torques_nm) in log.t_s.iter().zip(&log.q_rad).zip(torques_nm) {
         let Ok(t) = Duration::try_from_secs_f64(*t_s) else { continue };
-        recorder.sample(t, q).map_err(refuse)?;
+        recorder.sample_with_torques(t, q, torques_nm).map_err(refuse)?;
     }
     let mut metadata = BTreeMap::from([("sample_count".to_owned(), log.t_s.len().to_string())]);
     if let Some(cycle_time_s) = log.cycle_time_s {

@@ -5,12 +5,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use clap::{Arg, Command};
+use clap::{Arg, Command, ValueEnum};
 use iiwa_json::Place;
-use iiwa_kin::Robot;
-use serde::Deserialize;
+use iiwa_kin::{Robot, RosPrefix};
+use serde::{Deserialize, Deserializer, de::Error};
 
-use crate::failure::Failure;
+use crate::{args::ros::RosPackage, failure::Failure};
 
 /// Name of the file.
 const FILE: &str = "iiwasim.toml";
@@ -25,11 +25,12 @@ const ROBOT_VARIABLE: &str = "IIWASIM_ROBOT";
 pub(crate) const HELP: &str = "\
 Defaults:
   iiwasim.toml in this folder, or in the nearest one above, may set robot,
-  scene, drive, stream, key and server_key; paths are relative to it.
-  IIWASIM_CONFIG names another file. IIWASIM_ROBOT, IIWASIM_SCENE,
-  IIWASIM_DRIVE, IIWASIM_STREAM, IIWASIM_KEY and IIWASIM_SERVER_KEY win over
-  the file, options over both. The robot is for programs and commands that
-  name none.";
+  scene, drive, stream, key, server_key, ros_names and ros_prefix; paths are
+  relative to it. IIWASIM_CONFIG names another file. IIWASIM_ROBOT,
+  IIWASIM_SCENE, IIWASIM_DRIVE, IIWASIM_STREAM, IIWASIM_KEY,
+  IIWASIM_SERVER_KEY, IIWASIM_ROS_NAMES and IIWASIM_ROS_PREFIX win over the
+  file, options over both. The robot is for programs and commands that name
+  none.";
 
 /// The content of the file.
 #[derive(Debug, Default, Deserialize)]
@@ -41,6 +42,13 @@ pub(crate) struct Settings {
     stream: Option<String>,
     key: Option<PathBuf>,
     server_key: Option<PathBuf>,
+    ros_names: Option<RosPackage>,
+    #[serde(default, deserialize_with = "ros_prefix")]
+    ros_prefix: Option<RosPrefix>,
+}
+
+fn ros_prefix<'de, D: Deserializer<'de>>(text: D) -> Result<Option<RosPrefix>, D::Error> {
+    String::deserialize(text)?.parse().map(Some).map_err(Error::custom)
 }
 
 impl Settings {
@@ -104,6 +112,8 @@ impl Settings {
                 "key" if is_client => path(&self.key),
                 "server_key" => path(&self.server_key),
                 "scene" => path(&self.scene),
+                "ros_names" => self.ros_names.as_ref().and_then(value_of),
+                "ros_prefix" => self.ros_prefix.as_ref().map(ToString::to_string),
                 _ => None,
             };
             match value {
@@ -117,6 +127,11 @@ impl Settings {
     pub(crate) fn into_robot(self) -> Option<String> {
         self.robot
     }
+}
+
+/// A choice as it is given on the command line.
+fn value_of(choice: &impl ValueEnum) -> Option<String> {
+    Some(choice.to_possible_value()?.get_name().to_owned())
 }
 
 fn has_default(arg: &Arg) -> bool {

@@ -15,6 +15,7 @@ use std::{
 };
 
 use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};
+use iiwa_log::Recording;
 use predicates::{
     prelude::PredicateBooleanExt,
     str::{contains, is_empty},
@@ -40,6 +41,52 @@ fn writes_a_file_and_a_table() {
         .stdout(contains("Cycle time 8.84").and(contains("A6 velocity")))
         .stderr(is_empty());
     assert_eq!(files(&folder), ["appendix-b.mcap"]);
+}
+
+/// The joints of a file for another ROS package are the same.
+#[test]
+fn names_are_those_of_a_ros_package() {
+    let folder = tempdir().unwrap();
+    let program = fixture("waits-and-stops.json");
+    let names = ["--ros-names", "lbr_fri_ros2_stack", "--ros-prefix"];
+    for (file, options) in [
+        ("usual.mcap", &[][..]),
+        ("stated.mcap", &["--ros-names", "iiwa_stack", "--ros-prefix", "iiwa"]),
+        ("left.mcap", &[&names[..], &["left"]].concat()),
+        ("right.mcap", &[&names[..], &["right"]].concat()),
+    ] {
+        plan(&folder, &program, &[&["-o", file], options].concat()).success();
+    }
+    let read = |file: &str| Recording::from_bytes(&fs::read(folder.path().join(file)).unwrap());
+    let [usual, left, right] =
+        ["usual.mcap", "left.mcap", "right.mcap"].map(|file| read(file).unwrap());
+    assert!(
+        fs::read(folder.path().join("usual.mcap")).unwrap()
+            == fs::read(folder.path().join("stated.mcap")).unwrap()
+    );
+    for (other, link) in [(&left, "left_link_0"), (&right, "right_link_0")] {
+        assert_eq!(*other.tcp_poses[0].frame_id, *link);
+        let urdf = other.robot_description.as_deref().unwrap();
+        assert!(urdf.contains(link) && !urdf.contains("iiwa_link"), "{urdf}");
+        assert_eq!(other.joint_states, usual.joint_states);
+        assert_eq!(other.trajectory, usual.trajectory);
+        assert_eq!(other.motions, usual.motions);
+    }
+    iiwasim(&folder, &["compare", "usual.mcap", "left.mcap"])
+        .success()
+        .stdout(contains("off by 0.0000 s, 0.00 %"));
+    iiwasim(&folder, &["report", "left.mcap", "right.mcap", "-o", "report.html"]).success();
+    assert!(fs::metadata(folder.path().join("report.html")).unwrap().len() > 10_000);
+
+    iiwasim(&folder, &[&["robot", "lbr_iiwa_7_r800", "--urdf"], &names[..], &["left"]].concat())
+        .success()
+        .stdout(left.robot_description.unwrap());
+    for bad in ["", "2nd", "left-arm", &"a".repeat(51)] {
+        plan(&folder, &program, &["--ros-prefix", bad])
+            .code(2)
+            .stderr(contains("1 to 50 letters (a to z, A to Z), digits and `_`, a letter first"));
+    }
+    plan(&folder, &program, &["--ros-names", "moveit"]).code(2).stderr(contains("iiwa_stack"));
 }
 
 #[test]

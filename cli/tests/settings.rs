@@ -69,6 +69,35 @@ fn paths_of_settings_are_relative_to_their_file() {
     plan("100").code(3);
 }
 
+/// The names of joints and links in files and URDFs.
+#[test]
+fn names_for_ros_are_settings() {
+    let folder = tempdir().unwrap();
+    let text = "ros_names = \"lbr_fri_ros2_stack\"\nros_prefix = \"left\"\n";
+    fs::write(folder.path().join("iiwasim.toml"), text).unwrap();
+    let urdf = ["robot", "lbr_iiwa_7_r800", "--urdf"];
+    iiwasim(&folder, &urdf).success().stdout(contains("\"left_A1\""));
+    let usual = [&urdf[..], &["--ros-names", "iiwa_stack"]].concat();
+    iiwasim(&folder, &usual).success().stdout(contains("\"left_joint_1\""));
+    cargo_bin_cmd!("iiwasim")
+        .current_dir(&folder)
+        .args(urdf)
+        .env("IIWASIM_ROS_NAMES", "iiwa_stack")
+        .env("IIWASIM_ROS_PREFIX", "right")
+        .assert()
+        .success()
+        .stdout(contains("\"right_joint_1\"").and(contains("left").not()));
+    // What has no such names does not mind.
+    iiwasim(&folder, &["robot", "lbr_iiwa_7_r800"]).success();
+    cargo_bin_cmd!("iiwasim")
+        .current_dir(&folder)
+        .args(urdf)
+        .env("IIWASIM_ROS_PREFIX", "2nd")
+        .assert()
+        .code(2)
+        .stderr(contains("a letter first"));
+}
+
 #[test]
 fn settings_that_are_wrong_are_refused_with_their_place() {
     let folder = tempdir().unwrap();
@@ -77,6 +106,8 @@ fn settings_that_are_wrong_are_refused_with_their_place() {
         ("robot = 7\n", ["iiwasim.toml, line 1, column 9", "string"]),
         ("drive = \"a:1\"\nrobots = \"x\"\n", ["iiwasim.toml, line 2, column 1", "robots"]),
         ("key = \"a.key\"\n", ["iiwasim.toml", "belong together"]),
+        ("ros_names = \"moveit\"\n", ["iiwasim.toml, line 1, column 13", "`iiwa_stack`"]),
+        ("ros_prefix = \"2nd\"\n", ["iiwasim.toml, line 1, column 14", "1 to 50 letters"]),
     ] {
         fs::write(&file, text).unwrap();
         let assert = iiwasim(&folder, &["robot"]).code(2);

@@ -22,7 +22,7 @@ use iiwa_eval::{
     identify::{Recording, identify},
 };
 use iiwa_kin::Robot;
-use iiwa_log::{JointLog, PlanOptions, Recorder, RecorderConfig, write_plan};
+use iiwa_log::{JointLog, PlanConfig, PlanOptions, Recorder, RecorderConfig, write_plan};
 use iiwa_program::Program;
 use iiwasim_benches::{
     Result,
@@ -112,7 +112,7 @@ fn write(minutes: usize, folder: &FilePath) -> Result<()> {
     let program = Program::from_json(&text)?;
     let options = PlanOptions::default();
     let trajectory = options.plan(&program, &robot)?;
-    write_plan(BufWriter::new(create(PLAN)?), &trajectory, &options, &text)?;
+    write_plan(BufWriter::new(create(PLAN)?), &trajectory, &options, PlanConfig::default(), &text)?;
 
     // The fewer periods, the sooner it is written; it makes no difference for what is read.
     let config = RecorderConfig { period: Duration::from_secs(10), ..RecorderConfig::default() };

@@ -6,6 +6,7 @@ use clap::{Args, Subcommand};
 use iiwa_link::{message::IoValue, security::Endpoint};
 
 use super::{
+    RosNaming,
     addresses::{DRIVE, DriveAddress, STREAM, ServerKeys},
     values::{
         at_least_0, epoch, io_value, noise, percent, percent_above_zero, period, seven, speed,
@@ -151,7 +152,8 @@ pub(crate) struct CabinetFaults {
 /// Run a motion program on the robot, and compare its cycle time with the plan.
 ///
 /// The program is planned first, and the figures are printed. Then the drive runs it, and the measured joint
-/// positions are recorded as MCAP. Ctrl-C stops the robot on its path; the recording until then is kept.
+/// positions are recorded as MCAP, with the torques as `effort` where the controller measures them. Ctrl-C stops the
+/// robot on its path; the recording until then is kept.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Run {
@@ -200,6 +202,9 @@ pub(crate) struct Run {
     #[arg(long, value_name = "TIME", value_parser = epoch, conflicts_with = "no_output")]
     pub(crate) epoch: Option<Duration>,
 
+    #[command(flatten)]
+    pub(crate) ros: RosNaming,
+
     /// Built-in model or robot profile, instead of the program's
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
@@ -237,6 +242,9 @@ pub(crate) struct Record {
     /// Start of the time stamps in the file, from 1970 to 2037, as 2020-01-01T00:00:00Z [default: now]
     #[arg(long, value_name = "TIME", value_parser = epoch)]
     pub(crate) epoch: Option<Duration>,
+
+    #[command(flatten)]
+    pub(crate) ros: RosNaming,
 
     /// Built-in model or robot profile, for the link frames in the file
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]

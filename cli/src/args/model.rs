@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::values::{number, seven};
+use super::{
+    RosNaming,
+    values::{number, seven},
+};
 
 /// Forward kinematics: print the pose of the flange, or of a tool's TCP, at given joint angles.
 #[derive(Args, Debug)]
@@ -127,6 +130,9 @@ pub(crate) struct Robot {
     /// Print the model as a URDF with simple shapes
     #[arg(long, requires = "model")]
     pub(crate) urdf: bool,
+
+    #[command(flatten)]
+    pub(crate) ros: RosNaming,
 
     /// Check a URDF of the robot against the model; exit with code 3 if only its limits differ
     #[arg(long, value_name = "FILE.urdf", requires = "model", conflicts_with_all = ["urdf", "json"])]

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
 use super::{
-    Urdf,
+    RosNaming, Urdf,
     values::{at_least_0, epoch, rate},
 };
 
@@ -109,6 +109,9 @@ pub(crate) struct Plan {
     /// Start of the time stamps in the file, from 1970 to 2037, as 2020-01-01T00:00:00Z
     #[arg(long, value_name = "TIME", value_parser = epoch)]
     pub(crate) epoch: Option<Duration>,
+
+    #[command(flatten)]
+    pub(crate) ros: RosNaming,
 
     /// Also print the solver's iterations on standard error, of a single program with --timing jerk. A straight line
     /// takes none

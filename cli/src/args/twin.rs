@@ -6,7 +6,7 @@ use clap::Args;
 use iiwa_link::security::Endpoint;
 
 use super::{
-    Urdf,
+    RosNaming, Urdf,
     addresses::{DriveAddress, STREAM},
     values::at_least_0,
 };
@@ -54,6 +54,9 @@ pub(crate) struct Twin {
     /// a value. There is no token: any program on the machine may look on, 16 at a time
     #[arg(long, value_name = "IP:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
     pub(crate) foxglove: Option<SocketAddr>,
+
+    #[command(flatten)]
+    pub(crate) ros: RosNaming,
 
     /// Built-in model or robot profile
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]

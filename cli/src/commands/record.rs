@@ -149,7 +149,8 @@ fn begin(options: &Record, robot: &Robot) -> Result<Recorder<File>, Failure> {
 fn config(options: &Record) -> RecorderConfig {
     let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH);
     let epoch = options.epoch.unwrap_or_else(now);
-    RecorderConfig { file: Config { epoch, ..Config::default() }, ..RecorderConfig::default() }
+    let file = Config { epoch, names: options.ros.names(), ..Config::default() };
+    RecorderConfig { file, ..RecorderConfig::default() }
 }
 
 /// A message with the stamp of the one before it is left out.

@@ -21,7 +21,8 @@ pub(crate) fn run(options: &args::Robot) -> Result<(), Failure> {
         return output::print(&format!("{}\n", profile.trim_end()));
     }
     if options.urdf {
-        return output::print(&format!("{}\n", robot.to_urdf().trim_end()));
+        let urdf = robot.to_urdf_with_names(&options.ros.names());
+        return output::print(&format!("{}\n", urdf.trim_end()));
     }
     if let Some(path) = &options.check {
         return check(&robot, path, options.tip.as_deref());

@@ -7,7 +7,7 @@ use std::{
 
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, message::Run as Measured};
-use iiwa_log::{PlanFigures, PlanOptions};
+use iiwa_log::{Config, PlanFigures, PlanOptions};
 use iiwa_program::Program;
 use iiwa_scene::ArmInScene;
 use iiwa_traj::Trajectory;
@@ -78,12 +78,13 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
             (Measured::new(watched.streamed), Some(failure))
         }
     };
-    let log = since_start(&measured);
+    let (log, torques_nm) = since_start(&measured, &watched.torques);
     let written = output.filter(|_| !log.t_s.is_empty());
     let file = match written {
         Some(output) => {
             let epoch = options.epoch.unwrap_or_else(|| began(&log));
-            let recording = recording(&log, epoch, &robot, text.complete())?;
+            let file = Config { epoch, names: options.ros.names(), ..Config::default() };
+            let recording = recording(&log, &torques_nm, file, &robot, text.complete())?;
             output.write(&recording)?;
             output.complete_always()?;
             target.as_deref()

@@ -26,7 +26,8 @@ pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     let address =
         listener.local_addr().map_err(|error| Failure::run("cannot serve the page", &error))?;
     let token = Token::new()?;
-    let viewers = options.foxglove.map(|at| Viewers::listen(&setup.robot, at)).transpose()?;
+    let viewers =
+        options.foxglove.map(|at| Viewers::listen(&setup.robot, &setup.names, at)).transpose()?;
     output::catch_interrupts();
     let live = Arc::new(LatestJoints::default());
     let dispatcher = Arc::new(Dispatcher::new(setup.clone(), live.clone())?);

@@ -72,7 +72,9 @@ impl Planned {
         };
         let write_plan = || {
             let file = Output::new(&mcap)?;
-            write_plan(file.stream()?, &plan, &how, &text)
+            let mut config = PlanConfig::default();
+            config.file.names = setup.names.clone();
+            write_plan(file.stream()?, &plan, &how, config, &text)
                 .map_err(|error| file.failure(&error))?
                 .into_inner()
                 .map_err(|error| file.failure(error.error()))?;

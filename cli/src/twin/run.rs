@@ -15,6 +15,7 @@ use iiwa_link::{
     ClientError,
     message::{DriveState, Run as Measured, Status},
 };
+use iiwa_log::{Config, JointLog};
 use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
 use iiwa_view::{Extent, Page};
 use serde::Serialize;
@@ -121,7 +122,7 @@ impl ProgramRun {
         publish(begun(Phase::Running));
         let task = Task::Motions(plan.motions.clone());
         let Some(run) = self.execute(task) else { return failed("stopped") };
-        let ExecutedRun { result, streamed } = run;
+        let ExecutedRun { result, streamed, torques } = run;
         let (measured, error) = match result {
             Ok(measured) => (measured, None),
             Err(ClientError::Refused { refusal, run }) => {
@@ -134,7 +135,8 @@ impl ProgramRun {
                 (Measured::new(streamed), Some(why))
             }
         };
-        finish(&plan, &measured, error, setup)
+        let recorded = runner::since_start(&measured, &torques);
+        finish(&plan, recorded, error, setup)
     }
 
     /// Runs something on the robot; none if a stop was requested before.
@@ -189,16 +191,22 @@ struct RunForPage<'a, S> {
 }
 
 /// Writes the recording, and compares it with the plan.
-fn finish(plan: &Planned, measured: &Measured, error: Option<String>, setup: &Setup) -> RunOutcome {
+fn finish(
+    plan: &Planned,
+    (log, torques_nm): (JointLog, Vec<Option<Joints>>),
+    error: Option<String>,
+    setup: &Setup,
+) -> RunOutcome {
     let phase = if error.is_some() { Phase::Failed } else { Phase::Done };
-    let log = runner::since_start(measured);
     if log.t_s.is_empty() {
         return RunOutcome {
             message: without_recording(plan, phase, error.as_deref()),
             mcap: None,
         };
     }
-    let saved = runner::recording(&log, runner::began(&log), &setup.robot, &plan.text)
+    let file =
+        Config { epoch: runner::began(&log), names: setup.names.clone(), ..Config::default() };
+    let saved = runner::recording(&log, &torques_nm, file, &setup.robot, &plan.text)
         .and_then(|bytes| save(&bytes, plan, setup));
     let (mcap, unwritten) = match saved {
         Ok((mcap, unwritten)) => (Some(mcap), unwritten),
@@ -218,10 +226,7 @@ fn finish(plan: &Planned, measured: &Measured, error: Option<String>, setup: &Se
             phase,
             error: (!errors.is_empty()).then(|| errors.join("; ")).as_deref(),
             // As everywhere: by the joint positions, or else by the robot program's clock.
-            cycle_time_s: page
-                .as_ref()
-                .and_then(Page::measured_cycle_time_s)
-                .or(measured.cycle_time_s),
+            cycle_time_s: page.as_ref().and_then(Page::measured_cycle_time_s).or(log.cycle_time_s),
             sketch: page.as_ref().map(Page::sketch),
         },
     );

@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joints, Robot, RosNames};
 use iiwa_link::{Client, Remote, Stream};
 use iiwa_log::PlanOptions;
 use iiwa_program::Program;
@@ -28,6 +28,8 @@ use super::positions::default_file;
 /// The robot, its obstacles, and the connection to its drive.
 pub(crate) struct Setup {
     pub(crate) robot: Robot,
+    /// Of its joints and links, in files and for viewers.
+    pub(crate) names: RosNames,
     /// The robot's name, or its profile's.
     pub(super) robot_name: String,
     arm: Option<ArmInScene>,
@@ -101,6 +103,7 @@ impl Setup {
         Ok(Self {
             positions: positions.unwrap_or_else(|| folder.join("positions.json")),
             robot,
+            names: options.ros.names(),
             meshes,
             robot_name: options.robot.clone(),
             arm,
@@ -126,7 +129,9 @@ impl Setup {
 
     /// The connections for a run.
     pub(super) fn connection(&self) -> Result<DriveConnection, Failure> {
-        Ok(DriveConnection::of([self.client()?, self.client()?], self.stream()?))
+        let stream = Stream::with_torques(&self.remote, &self.stream)
+            .map_err(|error| connection::refused(&error))?;
+        Ok(DriveConnection::of([self.client()?, self.client()?], stream))
     }
 
     /// Clearances of the arm at these joint positions, in rad; none without a scene.

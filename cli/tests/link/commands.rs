@@ -6,6 +6,7 @@ use std::{
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
+use iiwa_log::JointSample;
 use iiwasim_tests::{calm::in_real_time, ports::free_address};
 use predicates::{
     prelude::PredicateBooleanExt,
@@ -114,6 +115,7 @@ fn a_program_runs() {
             .stderr(contains("joint A1 is at 60.000 deg, the program starts at 0.000 deg"))
             .stderr(contains("--move-to-start"));
         let arguments = ["--move-to-start=100", "--as-trajectory", "--json", "-o", "again.mcap"];
+        let arguments = [&arguments[..], &["--ros-names", "lbr_fri_ros2_stack"]].concat();
         let run = rig.iiwasim("run", &[&arguments[..], &[program]].concat()).success();
         let figures: serde_json::Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
         let number = |key: &str| figures[key].as_f64().unwrap();
@@ -140,8 +142,9 @@ fn a_program_runs() {
         assert_eq!(rig.recording("slow.measured-2.mcap").epoch.as_secs(), 1_709_208_000);
         assert!(figures["ended_after_s"].is_null());
         assert_eq!(figures["output"], "again.mcap");
-        let states = rig.recording("again.mcap").joint_states;
-        assert_eq!(number("samples"), states.len() as f64);
+        let recording = rig.recording("again.mcap");
+        assert_eq!(number("samples"), recording.joint_states.len() as f64);
+        assert_eq!(&*recording.tcp_poses[0].frame_id, "lbr_link_0");
         assert!((rig.joint_1().to_degrees() - 60.0).abs() < 1e-3);
     });
 }
@@ -246,6 +249,7 @@ fn a_program_with_frames_runs() {
             // The tool's y axis is the foot's here, up to its sign: there and back on a straight line.
             assert!(off(0) < 1e-3 && off(2) < 1e-3, "{} {}", off(0), off(2));
             assert!((off(1) - 0.15).abs() < 1e-3, "{}", off(1));
+            torques_are_of_their_samples(&recording.joint_states);
             let cycle_time_s: f64 = recording.metadata["iiwasim"]["cycle_time_s"].parse().unwrap();
             let first = *first_cycle_time_s.get_or_insert(cycle_time_s);
             assert!((cycle_time_s - first).abs() < 0.02, "{cycle_time_s} s, {first} s");
@@ -256,6 +260,26 @@ fn a_program_with_frames_runs() {
         std::fs::write(rig.path("far.json"), far).unwrap();
         rig.iiwasim("run", &["far.json"]).code(2).stderr(contains("motion 1"));
     });
+}
+
+/// Most samples have torques: those of the simulated cabinet, which hold the arm's weight at the sample's positions.
+fn torques_are_of_their_samples(states: &[JointSample]) {
+    let known: Vec<_> = states.iter().filter_map(|it| Some((it.q, it.torques_nm?))).collect();
+    assert!(2 * known.len() > states.len(), "{} of {}", known.len(), states.len());
+    let (_, first) = known[0];
+    for (q, torques_nm) in &known {
+        // A1 is vertical.
+        assert!(torques_nm[0].abs() < 1e-9 && torques_nm[1].abs() > 1.0, "{torques_nm:?}");
+        let same = known.iter().find(|(other, _)| other == q).unwrap();
+        assert_eq!(same.1, *torques_nm, "{q:?}");
+    }
+    // There and back: the arm is where it was, and elsewhere in between.
+    let (_, last) = known[known.len() - 1];
+    let apart = |other: &iiwa_kin::Joints| {
+        first.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    assert!(apart(&last) < 0.02, "{first:?} {last:?}");
+    assert!(known.iter().any(|(_, torques_nm)| apart(torques_nm) > 0.2), "{first:?}");
 }
 
 /// What the drive does not take as motions may still go as a trajectory.
@@ -288,10 +312,12 @@ fn no_file_is_written_unless_it_is_asked_for() {
 fn a_recording_lasts_as_long_as_asked() {
     in_real_time(|| {
         let rig = Rig::new();
-        rig.iiwasim("record", &["-o", "r.mcap", "--seconds", "1"])
+        rig.iiwasim("record", &["-o", "r.mcap", "--seconds", "1", "--ros-prefix", "left"])
             .success()
             .stdout(is_match("^[0-9]+ samples over [01].[0-9]+ s in r.mcap\n$").unwrap());
-        let states = rig.recording("r.mcap").joint_states;
+        let recording = rig.recording("r.mcap");
+        assert_eq!(&*recording.tcp_poses[0].frame_id, "left_link_0");
+        let states = recording.joint_states;
         // 200 a second, but for the time that it takes to connect.
         assert!((100..=210).contains(&states.len()), "{} samples", states.len());
         rig.iiwasim("record", &["-o", "r.mcap"]).code(2).stderr(contains("r.mcap exists"));

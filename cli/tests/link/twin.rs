@@ -115,8 +115,8 @@ fn only_the_page_itself_gets_in() {
 fn a_program_is_seen_sent_and_replayed() {
     in_real_time(|| {
         let rig = Rig::new();
-        let (twin, address) =
-            start(&rig, &["--scene", "scene.json", "-o", "kept", "--io", "MediaFlange.LEDBlue"]);
+        let options = ["--scene", "scene.json", "-o", "kept", "--io", "MediaFlange.LEDBlue"];
+        let (twin, address) = start(&rig, &[&options[..], &["--ros-prefix", "left"]].concat());
         let mut page = address.page();
 
         // How the robot is.
@@ -172,7 +172,12 @@ fn a_program_is_seen_sent_and_replayed() {
         // What is kept.
         let measured = Recording::from_bytes(&address.file("files/measured.mcap")).unwrap();
         assert!((measured.joint_states.last().unwrap().q[0].to_degrees() - 60.0).abs() < 1e-3);
-        Recording::from_bytes(&address.file("files/plan.mcap")).unwrap();
+        let with_torques = measured.joint_states.iter().filter(|it| it.torques_nm.is_some());
+        assert!(2 * with_torques.count() > measured.joint_states.len());
+        let planned = Recording::from_bytes(&address.file("files/plan.mcap")).unwrap();
+        for recording in [measured, planned] {
+            assert_eq!(&*recording.tcp_poses[0].frame_id, "left_link_0");
+        }
         assert_eq!(
             address.file("files/program.json"),
             program(TO_60)["text"].as_str().unwrap().as_bytes()

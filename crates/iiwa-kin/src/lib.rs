@@ -64,7 +64,10 @@ pub use taylor::Taylor;
 pub use turn::Turn;
 pub use unreachable::Unreachable;
 #[cfg(feature = "urdf")]
-pub use urdf::{LimitDifference, Listed, UrdfError, UrdfLink, UrdfMesh, UrdfReport};
+pub use urdf::{
+    BadRosPrefix, LimitDifference, Listed, RosNames, RosPrefix, RosStack, UrdfError, UrdfLink,
+    UrdfMesh, UrdfReport,
+};
 
 /// Positions, or any other quantity, of the seven joints; rad unless the name says otherwise.
 pub type Joints = [f64; 7];

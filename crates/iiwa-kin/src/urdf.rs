@@ -7,12 +7,14 @@ mod inertia;
 mod joint;
 mod meshes;
 mod read;
+mod ros_names;
 mod tag;
 mod write;
 
 pub use check::{LimitDifference, UrdfReport};
 pub use error::{Listed, UrdfError};
 pub use meshes::{UrdfLink, UrdfMesh};
+pub use ros_names::{BadRosPrefix, RosNames, RosPrefix, RosStack};
 
 /// Attributes of a joint's limit: rad, rad, Nm, rad/s.
 const LIMITS: [&str; 4] = ["lower", "upper", "effort", "velocity"];

@@ -11,7 +11,7 @@
 
 use std::time::Instant;
 
-use iiwa_kin::{Joints, Robot, UrdfError, UrdfReport};
+use iiwa_kin::{Joints, Robot, RosNames, RosStack, UrdfError, UrdfReport};
 use nalgebra::{
     Isometry3, Matrix3, Point3, Rotation3, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
 };
@@ -36,34 +36,90 @@ fn poses(robot: &Robot, count: usize) -> Vec<Joints> {
     (0..count).map(|_| robot.limits().upper_rad.map(|limit| 0.999 * limit * random())).collect()
 }
 
-fn link_name(link: usize) -> String {
-    if link == 8 { "iiwa_link_ee".to_owned() } else { format!("iiwa_link_{link}") }
-}
-
-/// Cross-validated: the crate `k`.
-#[test]
-fn k_finds_the_same_poses() {
-    for robot in robots() {
-        let read = urdf_rs::read_from_string(&robot.to_urdf()).unwrap();
-        let chain = k::Chain::<f64>::from(read);
-        for q in poses(&robot, 1000) {
-            chain.set_joint_positions(&q).unwrap();
-            chain.update_transforms();
-            let links = robot.link_poses(&q);
-            assert_eq!(links[8], robot.flange_pose(&q));
-            for (link, expected) in links.iter().enumerate() {
-                let found = chain.find_link(&link_name(link)).unwrap().world_transform().unwrap();
-                let rotation = found.rotation.to_rotation_matrix();
-                for i in 0..3 {
-                    let apart = found.translation.vector[i] - expected.position_m[i];
-                    assert!(apart.abs() < 1e-12, "link {link}: {apart} m");
-                    for c in 0..3 {
-                        let apart = rotation[(i, c)] - expected.rotation[i][c];
-                        assert!(apart.abs() < 1e-12, "link {link}: {apart}");
-                    }
+/// The crate `k` finds the links of a URDF where they are. Cross-validated: the crate `k`.
+fn assert_links_are_found(robot: &Robot, urdf: &str, names: &[String], count: usize) {
+    let chain = k::Chain::<f64>::from(urdf_rs::read_from_string(urdf).unwrap());
+    for q in poses(robot, count) {
+        chain.set_joint_positions(&q).unwrap();
+        chain.update_transforms();
+        let links = robot.link_poses(&q);
+        assert_eq!(links[8], robot.flange_pose(&q));
+        for (link, expected) in names.iter().zip(&links) {
+            let found = chain.find_link(link).unwrap().world_transform().unwrap();
+            let rotation = found.rotation.to_rotation_matrix();
+            for i in 0..3 {
+                let apart = found.translation.vector[i] - expected.position_m[i];
+                assert!(apart.abs() < 1e-12, "{link}: {apart} m");
+                for c in 0..3 {
+                    let apart = rotation[(i, c)] - expected.rotation[i][c];
+                    assert!(apart.abs() < 1e-12, "{link}: {apart}");
                 }
             }
         }
+    }
+}
+
+#[test]
+fn k_finds_the_same_poses() {
+    let links: Vec<_> =
+        (0..8).map(|link| format!("iiwa_link_{link}")).chain(["iiwa_link_ee".to_owned()]).collect();
+    for robot in robots() {
+        assert_links_are_found(&robot, &robot.to_urdf(), &links, 1000);
+    }
+}
+
+/// Names of ROS packages, with their own prefix and with another.
+fn namings() -> [(RosNames, [&'static str; 4]); 4] {
+    let of = |stack, prefix: &str| RosNames::new(stack, Some(prefix.parse().unwrap()));
+    [
+        (RosNames::default(), ["iiwa_joint_1", "iiwa_link_0", "iiwa_joint_ee", "iiwa_link_ee"]),
+        (
+            RosNames::new(RosStack::LbrFriRos2Stack, None),
+            ["lbr_A1", "lbr_link_0", "lbr_joint_ee", "lbr_link_ee"],
+        ),
+        (
+            of(RosStack::LbrFriRos2Stack, "left"),
+            ["left_A1", "left_link_0", "left_joint_ee", "left_link_ee"],
+        ),
+        (of(RosStack::IiwaStack, "R2"), ["R2_joint_1", "R2_link_0", "R2_joint_ee", "R2_link_ee"]),
+    ]
+}
+
+#[test]
+fn other_names_have_the_same_poses() {
+    let robot = Robot::default();
+    for (names, [joint, base, flange_joint, flange]) in namings() {
+        let urdf = robot.to_urdf_with_names(&names);
+        assert_links_are_found(&robot, &urdf, &names.links(), 100);
+        let read = urdf_rs::read_from_string(&urdf).unwrap();
+        let joints: Vec<_> = read.joints.iter().map(|joint| &*joint.name).collect();
+        assert_eq!((joints[0], joints[7]), (joint, flange_joint));
+        let report = robot.check_urdf(&urdf, None).unwrap();
+        assert_eq!((&*report.base, &*report.tip), (base, flange));
+        assert_eq!(report.joints, names.joints());
+        // Nothing but names is different.
+        let other = joints.iter().map(|it| (*it).to_owned()).chain(names.links());
+        let usual = robot.to_urdf();
+        let usual_read = urdf_rs::read_from_string(&usual).unwrap();
+        let usual_names = usual_read.joints.iter().map(|it| it.name.clone());
+        let usual_names = usual_names.chain(RosNames::default().links());
+        let renamed = other.zip(usual_names).fold(urdf, |text, (name, usual)| {
+            text.replace(&format!("\"{name}\""), &format!("\"{usual}\""))
+        });
+        assert_eq!(renamed, usual);
+    }
+}
+
+#[test]
+fn a_prefix_is_what_ros_takes() {
+    let long = "a".repeat(50);
+    for good in ["a", "iiwa", "Left_2", &long] {
+        assert_eq!(good.parse::<iiwa_kin::RosPrefix>().unwrap().to_string(), good);
+    }
+    let longer = "a".repeat(51);
+    for bad in ["", "2nd", "_a", "a-b", "a b", "a/b", "l\u{e4}", "a\"", &longer] {
+        let error = bad.parse::<iiwa_kin::RosPrefix>().unwrap_err().to_string();
+        assert!(error.contains("1 to 50 letters"), "{bad}: {error}");
     }
 }
 

@@ -97,7 +97,7 @@ fn write<W: Write + Seek>(stream: W) -> Result<W, WriteError> {
             writer.motion(t, &motion)?;
         }
         let (q, dq) = state(t.as_secs_f64());
-        writer.joint_state(t, &q, &dq)?;
+        writer.joint_state(t, &q, &dq, None)?;
         let frames: [Frame<'_>; 9] = std::array::from_fn(|i| {
             let angle = if (1..=7).contains(&i) { q[i - 1] } else { 0.0 };
             Frame {

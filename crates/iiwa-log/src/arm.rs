@@ -4,23 +4,10 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::time::Duration;
 
-use iiwa_kin::{Joints, Pose, Robot};
+use iiwa_kin::{Joints, Pose, Robot, RosNames};
 
 use crate::recorded_robot::PROFILE;
 use crate::{Frame, WriteError, Writer};
-
-/// The links' names in messages, from the base to the flange, as in the robot's URDF.
-pub const LINK_NAMES: [&str; 9] = [
-    "iiwa_link_0",
-    "iiwa_link_1",
-    "iiwa_link_2",
-    "iiwa_link_3",
-    "iiwa_link_4",
-    "iiwa_link_5",
-    "iiwa_link_6",
-    "iiwa_link_7",
-    "iiwa_link_ee",
-];
 
 /// A robot with what every message about it needs: its description, and where its links and its flange
 /// are, from the positions of its joints.
@@ -28,6 +15,8 @@ pub const LINK_NAMES: [&str; 9] = [
 pub struct Arm {
     robot: Robot,
     links: [FixedPart; 8],
+    /// Of the links and the flange.
+    names: [String; 9],
     urdf: String,
 }
 
@@ -43,13 +32,20 @@ impl Arm {
     /// What messages about `robot` need.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
+        Self::with_names(robot, &RosNames::default())
+    }
+
+    /// The same with other names of its joints and links.
+    #[must_use]
+    pub fn with_names(robot: &Robot, names: &RosNames) -> Self {
         let dh = robot.dh();
         let links = std::array::from_fn(|link| {
             let before = link.checked_sub(1).map(|before| dh[before]);
             let (d_m, alpha) = before.map_or((0.0, 0.0), |row| (row.d_m, row.alpha_rad));
             FixedPart { d_m, half_twist: (0.5 * alpha).sin_cos() }
         });
-        Self { robot: robot.clone(), links, urdf: robot.to_urdf() }
+        let urdf = robot.to_urdf_with_names(names);
+        Self { robot: robot.clone(), links, names: names.links(), urdf }
     }
 
     /// The robot's description, for `/robot_description`.
@@ -61,13 +57,13 @@ impl Arm {
     /// Each link's frame in the one before it, as in the URDF, for `/tf`: past the shift and the twist
     /// of the joint before, turned by the joint.
     #[must_use]
-    pub fn links(&self, joints_rad: &Joints) -> [Frame<'static>; 8] {
+    pub fn links(&self, joints_rad: &Joints) -> [Frame<'_>; 8] {
         std::array::from_fn(|link| {
             let FixedPart { d_m, half_twist: (sa, ca) } = self.links[link];
             let (st, ct) = joints_rad.get(link).map_or((0.0, 1.0), |theta| (0.5 * theta).sin_cos());
             Frame {
-                parent: LINK_NAMES[link],
-                child: LINK_NAMES[link + 1],
+                parent: &self.names[link],
+                child: &self.names[link + 1],
                 translation_m: [0.0, 0.0, d_m],
                 rotation_xyzw: [sa * ct, -sa * st, ca * st, ca * ct],
             }
@@ -76,11 +72,11 @@ impl Arm {
 
     /// The flange's frame in that of the base, for `/tcp_pose` where the flange is the TCP.
     #[must_use]
-    pub fn flange(&self, joints_rad: &Joints) -> Frame<'static> {
+    pub fn flange(&self, joints_rad: &Joints) -> Frame<'_> {
         let pose = self.robot.flange_pose(joints_rad);
         Frame {
-            parent: LINK_NAMES[0],
-            child: LINK_NAMES[8],
+            parent: &self.names[0],
+            child: &self.names[8],
             translation_m: pose.position_m,
             rotation_xyzw: pose.quaternion_xyzw(),
         }
@@ -113,7 +109,7 @@ impl Arm {
     ) -> Result<(), WriteError> {
         writer.chain(t, &self.links(joints_rad))?;
         let flange = self.robot.flange_pose(joints_rad);
-        let (parent, tcp) = (LINK_NAMES[0], flange.then(tcp));
+        let (parent, tcp) = (&self.names[0], flange.then(tcp));
         writer.tcp_pose(t, parent, tcp.position_m, tcp.quaternion_xyzw())?;
         writer.flange_pose(t, parent, flange.position_m, flange.quaternion_xyzw())
     }

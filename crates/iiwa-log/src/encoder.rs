@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::iter;
 use std::time::Duration;
 
+use iiwa_kin::RosNames;
 use serde::Serialize;
 
 use crate::error::WriteError;
@@ -42,7 +43,7 @@ pub struct Frame<'a> {
 /// # fn main() -> Result<(), iiwa_log::WriteError> {
 /// let mut encoder = Encoder::new(Duration::ZERO)?;
 /// let now = Duration::from_secs(1_700_000_000);
-/// let message = encoder.joint_state(now, &[0.0; 7], &[0.0; 7])?;
+/// let message = encoder.joint_state(now, &[0.0; 7], &[0.0; 7], None)?;
 /// // CDR, little-endian, and the seconds of the stamp.
 /// assert_eq!(message[..4], [0, 1, 0, 0]);
 /// assert_eq!(message[4..8], 1_700_000_000_u32.to_le_bytes());
@@ -52,6 +53,8 @@ pub struct Frame<'a> {
 #[derive(Clone, Debug)]
 pub struct Encoder {
     epoch: Duration,
+    /// What the joints' names begin with.
+    joint_stem: String,
     buffer: Vec<u8>,
     words: Vec<Word>,
     /// Of the last messages on topics that are written again and again.
@@ -70,9 +73,19 @@ impl Encoder {
     ///
     /// [`WriteError::EpochOutOfRange`] for an epoch past 2038.
     pub fn new(epoch: Duration) -> Result<Self, WriteError> {
+        Self::with_names(epoch, &RosNames::default())
+    }
+
+    /// The same with other names of the joints. Names of links are given with each message.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn with_names(epoch: Duration, names: &RosNames) -> Result<Self, WriteError> {
         Time::from_duration(epoch).ok_or(WriteError::EpochOutOfRange { epoch })?;
         Ok(Self {
             epoch,
+            joint_stem: names.joint_stem(),
             buffer: Vec::new(),
             words: Vec::new(),
             joint_state: None,
@@ -84,36 +97,13 @@ impl Encoder {
         })
     }
 
-    /// Positions (rad) and velocities (rad/s) of the seven joints, for `/joint_states`.
+    /// Positions (rad) and velocities (rad/s) of the seven joints, and torques (Nm) as `effort` if there are any, for
+    /// `/joint_states`.
     ///
     /// # Errors
     ///
     /// [`WriteError::StampOutOfRange`] past 2038.
     pub fn joint_state(
-        &mut self,
-        t: Duration,
-        positions: &[f64; 7],
-        velocities: &[f64; 7],
-    ) -> Result<&[u8], WriteError> {
-        self.state(t, positions, velocities, None)
-    }
-
-    /// The same with torques (Nm), as the message's `effort`.
-    ///
-    /// # Errors
-    ///
-    /// As [`joint_state`](Self::joint_state).
-    pub fn joint_state_with_torques(
-        &mut self,
-        t: Duration,
-        positions: &[f64; 7],
-        velocities: &[f64; 7],
-        torques: &[f64; 7],
-    ) -> Result<&[u8], WriteError> {
-        self.state(t, positions, velocities, Some(torques))
-    }
-
-    fn state(
         &mut self,
         t: Duration,
         positions: &[f64; 7],
@@ -129,7 +119,7 @@ impl Encoder {
         let template = up_to_date(template, topic, iter::empty, |buffer, stamp, value| {
             let message = JointState {
                 header: Header { stamp, frame_id: "".into() },
-                name: Names::Iiwa,
+                name: Names::Of(self.joint_stem.as_str().into()),
                 position: Joints::from([value; 7]),
                 velocity: Joints::from([value; 7]),
                 effort: torques.map_or(Joints::EMPTY, |_| Joints::from([value; 7])),
@@ -275,6 +265,11 @@ impl Encoder {
         self.encode(topic, &message)
     }
 
+    /// What the joints' names begin with.
+    pub(crate) fn joint_stem(&self) -> &str {
+        &self.joint_stem
+    }
+
     /// The instant of `t` as a message carries it.
     pub(crate) fn stamp(&self, topic: Topic, t: Duration) -> Result<Time, WriteError> {
         self.epoch.checked_add(t).and_then(Time::from_duration).ok_or(WriteError::StampOutOfRange {
@@ -346,16 +341,18 @@ fn up_to_date<'a, 'n, N: Iterator<Item = &'n str>>(
 
 #[cfg(test)]
 mod tests {
+    use iiwa_kin::RosStack;
+
     use super::*;
 
     #[test]
     fn a_message_does_not_depend_on_the_one_before() {
         let mut encoder = Encoder::new(Duration::from_secs(7)).unwrap();
         let t = Duration::from_millis(1500);
-        let first = encoder.joint_state(t, &[0.5; 7], &[0.25; 7]).unwrap().to_vec();
+        let first = encoder.joint_state(t, &[0.5; 7], &[0.25; 7], None).unwrap().to_vec();
         let urdf = "<robot/>".repeat(1000);
         assert!(encoder.robot_description(&urdf).unwrap().len() > urdf.len());
-        assert_eq!(encoder.joint_state(t, &[0.5; 7], &[0.25; 7]).unwrap(), first);
+        assert_eq!(encoder.joint_state(t, &[0.5; 7], &[0.25; 7], None).unwrap(), first);
 
         let decoded: JointState<'_> = cdr::decode(&first).unwrap();
         assert_eq!(decoded.header.stamp, Time { sec: 8, nanosec: 500_000_000 });
@@ -365,7 +362,8 @@ mod tests {
 
     #[test]
     fn every_message_is_what_a_serializer_makes_of_it() {
-        let mut encoder = Encoder::new(Duration::from_secs(7)).unwrap();
+        let names = RosNames::new(RosStack::LbrFriRos2Stack, None);
+        let mut encoder = Encoder::with_names(Duration::from_secs(7), &names).unwrap();
         let stamp = |t: Duration| Time::from_duration(Duration::from_secs(7) + t).unwrap();
         let value = |k: usize| 0.1 + k as f64;
         let shifted = |t: Duration, k: usize| value(k) + t.as_secs_f64();
@@ -406,12 +404,12 @@ mod tests {
 
             let state = JointState {
                 header: header(""),
-                name: Names::Iiwa,
+                name: Names::Of(names.joint_stem().into()),
                 position: numbers.into(),
                 velocity: [-numbers[0]; 7].into(),
                 effort: Joints::EMPTY,
             };
-            let message = encoder.joint_state(t, &numbers, &[-numbers[0]; 7]).unwrap();
+            let message = encoder.joint_state(t, &numbers, &[-numbers[0]; 7], None).unwrap();
             assert_eq!(message, encoded(&state));
         }
     }

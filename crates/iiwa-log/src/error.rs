@@ -134,7 +134,7 @@ pub enum ReadError {
         /// The place in the list, from 1.
         index: usize,
         /// The name that belongs there.
-        expected: &'static str,
+        expected: String,
         /// The name that is there.
         found: String,
     },

@@ -23,7 +23,7 @@
 //! for tick in 0..=250 {
 //!     let t = Duration::from_millis(4 * tick);
 //!     let angle = t.as_secs_f64();
-//!     writer.joint_state(t, &[angle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], &[1.0; 7])?;
+//!     writer.joint_state(t, &[angle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], &[1.0; 7], None)?;
 //! }
 //! let file = writer.finish()?.into_inner();
 //!
@@ -68,7 +68,7 @@ mod trajectory;
 mod whole_file;
 mod writer;
 
-pub use arm::{Arm, LINK_NAMES};
+pub use arm::Arm;
 pub use compression::Compression;
 pub use diagnostic::{Diagnostic, DiagnosticLevel};
 pub use encoder::{Encoder, Frame};
@@ -93,14 +93,3 @@ pub use storage::Storage;
 pub use topic::Topic;
 pub use trajectory::{TrajectoryMessage, TrajectoryPoint};
 pub use writer::{Config, DEFAULT_EPOCH, Writer};
-
-/// The joints' names in messages, from the base to the flange, as in the robot's URDF.
-pub const JOINT_NAMES: [&str; 7] = [
-    "iiwa_joint_1",
-    "iiwa_joint_2",
-    "iiwa_joint_3",
-    "iiwa_joint_4",
-    "iiwa_joint_5",
-    "iiwa_joint_6",
-    "iiwa_joint_7",
-];

@@ -60,8 +60,8 @@ impl<W: Write> PlanWriter<W> {
     ///
     /// Any [`WriteError`].
     pub fn new(stream: W, robot: &Robot, config: PlanConfig) -> Result<Self, WriteError> {
+        let arm = Arm::with_names(robot, &config.file.names);
         let mut writer = Writer::new(stream, config.file)?;
-        let arm = Arm::new(robot);
         arm.description(&mut writer)?;
         Ok(Self {
             writer,
@@ -143,7 +143,7 @@ impl<W: Write> PlanWriter<W> {
     /// One instant on `/joint_states`, `/tf` and `/tcp_pose`; where there is a tool, on `/flange_pose` as well.
     fn sample(&mut self, state: &State, tcp: Option<&Pose>) -> Result<(), WriteError> {
         let t = duration(state.t_s);
-        self.writer.joint_state(t, &state.q, &state.dq)?;
+        self.writer.joint_state(t, &state.q, &state.dq, None)?;
         match tcp {
             None => self.arm.poses(&mut self.writer, t, &state.q),
             Some(tcp) => self.arm.poses_with_tool(&mut self.writer, t, &state.q, tcp),

@@ -131,10 +131,11 @@ pub fn write_plan<W: Write>(
     stream: W,
     trajectory: &Trajectory,
     options: &PlanOptions,
+    config: PlanConfig,
     program: &str,
 ) -> Result<W, WriteError> {
     let robot = trajectory.path().robot();
-    let mut writer = PlanWriter::new(stream, robot, PlanConfig::default())?;
+    let mut writer = PlanWriter::new(stream, robot, config)?;
     for section in trajectory.sections() {
         writer.section(section)?;
     }

@@ -16,8 +16,7 @@ use crate::ros::{
     JointState, JointTrajectory, Joints, MotionMessage, Names, PoseStamped, Text, Time,
 };
 use crate::{
-    Attachment, Entry, JOINT_NAMES, JointSample, Motion, MotionSample, PoseSample, Topic,
-    TrajectoryPoint, cdr,
+    Attachment, Entry, JointSample, Motion, MotionSample, PoseSample, Topic, TrajectoryPoint, cdr,
 };
 
 /// No record or chunk may be longer: 512 MiB, a trajectory of 2.6 million points. It keeps a
@@ -401,17 +400,13 @@ impl<'a> Body<'a> {
         })
     }
 
-    fn check_names(&self, field: &'static str, names: Names) -> Result<(), ReadError> {
+    fn check_names(&self, field: &'static str, names: Names<'_>) -> Result<(), ReadError> {
         let (topic, t_s) = (self.topic, self.t_s());
         match names {
-            Names::Iiwa => Ok(()),
-            Names::Other { index, found } => Err(ReadError::JointName {
-                topic,
-                t_s,
-                index: index + 1,
-                expected: JOINT_NAMES.get(index).copied().unwrap_or_default(),
-                found,
-            }),
+            Names::Of(_) => Ok(()),
+            Names::Other { index, expected, found } => {
+                Err(ReadError::JointName { topic, t_s, index: index + 1, expected, found })
+            }
             Names::Count(found) => Err(ReadError::JointCount { topic, t_s, field, found }),
         }
     }

@@ -103,7 +103,7 @@ impl<S: Storage> Recorder<S> {
     /// Any [`WriteError`].
     pub fn new(storage: S, robot: &Robot, config: RecorderConfig) -> Result<Self, WriteError> {
         let mut writer = Writer::new(Vec::new(), config.file.clone())?;
-        let arm = Arm::new(robot);
+        let arm = Arm::with_names(robot, &config.file.names);
         arm.description(&mut writer)?;
         end_chunk(&mut writer)?;
         let data = std::mem::take(writer.stream_mut());
@@ -226,12 +226,7 @@ impl<S: Storage> Recorder<S> {
 
     /// Writes a sample, with the poses when it is their turn.
     fn write(&mut self, sample: &Sample, velocity: &Joints) -> Result<(), WriteError> {
-        match &sample.torques_nm {
-            None => self.writer.joint_state(sample.t, &sample.q, velocity)?,
-            Some(torques_nm) => {
-                self.writer.joint_state_with_torques(sample.t, &sample.q, velocity, torques_nm)?;
-            }
-        }
+        self.writer.joint_state(sample.t, &sample.q, velocity, sample.torques_nm.as_ref())?;
         let interval = sample.t.as_nanos() * u128::from(self.config.pose_rate_hz) / 1_000_000_000;
         if self.config.pose_rate_hz > 0 && self.posed != Some(interval) {
             self.posed = Some(interval);

@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde::de::{DeserializeSeed, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::{Diagnostic, JOINT_NAMES};
+use crate::Diagnostic;
 
 /// `builtin_interfaces/msg/Time`, and `Duration` with the same fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,7 +47,7 @@ pub(crate) struct Text<'a> {
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct JointState<'a> {
     pub(crate) header: Header<'a>,
-    pub(crate) name: Names,
+    pub(crate) name: Names<'a>,
     pub(crate) position: Joints,
     pub(crate) velocity: Joints,
     pub(crate) effort: Joints,
@@ -74,12 +74,12 @@ pub(crate) struct TransformStamped<'a> {
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct JointTrajectory<'a> {
     pub(crate) header: Header<'a>,
-    pub(crate) joint_names: Names,
+    pub(crate) joint_names: Names<'a>,
     pub(crate) points: Vec<JointTrajectoryPoint>,
 }
 
 /// `trajectory_msgs/msg/JointTrajectoryPoint`.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct JointTrajectoryPoint {
     pub(crate) positions: Joints,
     pub(crate) velocities: Joints,
@@ -159,49 +159,62 @@ impl<'de> Deserialize<'de> for Joints {
     }
 }
 
-/// A `string[]` that should be [`JOINT_NAMES`]. Keeps the first difference that was found.
+/// What the joints of most files are called, but for their number.
+pub(crate) const USUAL_STEM: &str = "iiwa_joint_";
+
+/// The joints' numbers.
+const NUMBERS: [&str; 7] = ["1", "2", "3", "4", "5", "6", "7"];
+
+/// A `string[]` that should be seven names of joints: the same stem with the numbers 1 to 7. Keeps the first difference
+/// that was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Names {
-    /// The seven names of the iiwa, in order.
-    Iiwa,
+pub(crate) enum Names<'a> {
+    /// Seven names with this stem, in order.
+    Of(Cow<'a, str>),
     /// The name at `index` is another one.
-    Other { index: usize, found: String },
+    Other { index: usize, expected: String, found: String },
     /// More or fewer than seven names, the common ones right.
     Count(usize),
 }
 
-impl Serialize for Names {
+impl Serialize for Names<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(JOINT_NAMES)
+        match self {
+            Self::Of(stem) => {
+                serializer.collect_seq(NUMBERS.map(|number| format!("{stem}{number}")))
+            }
+            Self::Other { .. } | Self::Count(_) => {
+                Err(serde::ser::Error::custom("these are no names of seven joints"))
+            }
+        }
     }
 }
 
-impl<'de> Deserialize<'de> for Names {
+impl<'de> Deserialize<'de> for Names<'_> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct List;
 
         impl<'de> Visitor<'de> for List {
-            type Value = Names;
+            type Value = Names<'static>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a sequence of joint names")
             }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Names, A::Error> {
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+                let mut stem = Cow::Borrowed(USUAL_STEM);
+                let mut other = None;
                 let mut count = 0;
-                let mut names = Names::Iiwa;
                 while let Some(found) =
-                    seq.next_element_seed(Name(JOINT_NAMES.get(count).copied()))?
+                    seq.next_element_seed(Name { index: count, stem: &mut stem })?
                 {
-                    if let (Names::Iiwa, Some(found)) = (&names, found) {
-                        names = Names::Other { index: count, found };
-                    }
+                    other = other.or(found);
                     count += 1;
                 }
-                Ok(if names == Names::Iiwa && count != JOINT_NAMES.len() {
-                    Names::Count(count)
-                } else {
-                    names
+                Ok(match other {
+                    Some(other) => other,
+                    None if count == NUMBERS.len() => Names::Of(stem),
+                    None => Names::Count(count),
                 })
             }
         }
@@ -210,28 +223,55 @@ impl<'de> Deserialize<'de> for Names {
     }
 }
 
-/// Reads one name and gives it back only if it is not the expected one.
-struct Name(Option<&'static str>);
+/// Reads one name and tells only if it is not the expected one. The first one gives the stem.
+struct Name<'a> {
+    index: usize,
+    stem: &'a mut Cow<'static, str>,
+}
 
-impl<'de> DeserializeSeed<'de> for Name {
-    type Value = Option<String>;
+impl<'de> DeserializeSeed<'de> for Name<'_> {
+    type Value = Option<Names<'static>>;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
         deserializer.deserialize_str(self)
     }
 }
 
-impl Visitor<'_> for Name {
-    type Value = Option<String>;
+impl Visitor<'_> for Name<'_> {
+    type Value = Option<Names<'static>>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a joint name")
     }
 
     fn visit_str<E>(self, found: &str) -> Result<Self::Value, E> {
-        Ok(match self.0 {
-            Some(expected) if expected != found => Some(found.to_owned()),
-            _ => None,
-        })
+        let Self { index, stem } = self;
+        let Some(number) = NUMBERS.get(index) else { return Ok(None) };
+        if index == 0
+            && let Some(first) = found.strip_suffix(number).filter(|first| *first != USUAL_STEM)
+        {
+            *stem = Cow::Owned(first.to_owned());
+        }
+        if found.strip_prefix(&**stem) == Some(number) {
+            return Ok(None);
+        }
+        let expected = format!("{stem}{number}");
+        Ok(Some(Names::Other { index, expected, found: found.to_owned() }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use iiwa_kin::RosNames;
+
+    use super::*;
+
+    #[test]
+    fn the_usual_names_are_those_of_the_urdf() {
+        assert_eq!(USUAL_STEM, RosNames::default().joint_stem());
+        assert_eq!(
+            RosNames::default().joints(),
+            NUMBERS.map(|number| format!("{USUAL_STEM}{number}"))
+        );
     }
 }

@@ -4,7 +4,7 @@ use std::iter::{self, zip};
 use std::time::Duration;
 
 use crate::error::WriteError;
-use crate::ros::{Header, JointTrajectory, JointTrajectoryPoint, Joints, Names, Time};
+use crate::ros::{Header, JointTrajectory, JointTrajectoryPoint, Joints, Names, Time, USUAL_STEM};
 use crate::template::{Template, stamp_word};
 use crate::{Topic, cdr};
 
@@ -32,10 +32,11 @@ const BEFORE_BYTES: usize = 4096;
 /// A point takes 200 bytes, so an hour at 250 Hz takes 180 MB.
 #[derive(Clone, Debug)]
 pub struct TrajectoryMessage {
+    /// The head has the usual names until the message is stamped.
     bytes: Vec<u8>,
     /// A point, with the word before it.
     point: Template,
-    count_at: usize,
+    head_bytes: usize,
     count: u32,
     last: Option<Duration>,
 }
@@ -47,19 +48,10 @@ impl TrajectoryMessage {
     ///
     /// None that a caller can cause: [`WriteError::Encode`] if the encoder gives up.
     pub fn new() -> Result<Self, WriteError> {
-        let mut bytes = Vec::new();
-        let empty = JointTrajectory {
-            header: Header { stamp: Time { sec: 0, nanosec: 0 }, frame_id: "".into() },
-            joint_names: Names::Iiwa,
-            points: Vec::new(),
-        };
-        cdr::encode(&mut bytes, &empty)
-            .map_err(|source| WriteError::Encode { topic: Topic::JointTrajectory, source })?;
-        // The number of points is the last field so far.
-        let count_at = bytes.len() - 4;
+        let bytes = head(Time { sec: 0, nanosec: 0 }, USUAL_STEM, 0)?;
+        let head_bytes = bytes.len();
         // Doubles are aligned to 8 in the whole message, and a point begins 4 past a multiple of 8. So the
         // word before it (the count, or nanoseconds) is encoded with it.
-        debug_assert_eq!((count_at - cdr::ENCAPSULATION.len()) % 8, 0);
         let point = Template::new(iter::empty(), |buffer, time_from_start, value| {
             let point = JointTrajectoryPoint {
                 positions: Joints::from([value; 7]),
@@ -71,7 +63,7 @@ impl TrajectoryMessage {
             cdr::append(buffer, &(0_u32, point))
         })
         .map_err(|source| WriteError::Encode { topic: Topic::JointTrajectory, source })?;
-        Ok(Self { bytes, point, count_at, count: 0, last: None })
+        Ok(Self { bytes, point, head_bytes, count: 0, last: None })
     }
 
     /// Makes room for so many points more.
@@ -128,7 +120,6 @@ impl TrajectoryMessage {
 
         self.count = count;
         self.last = Some(t);
-        self.bytes[self.count_at..self.count_at + 4].copy_from_slice(&count.to_le_bytes());
         Ok(())
     }
 
@@ -144,19 +135,41 @@ impl TrajectoryMessage {
         self.count == 0
     }
 
-    /// The size of the message before compression, bytes.
+    /// The size of the message with the names of `iiwa_stack` before compression, bytes.
     #[must_use]
     pub fn len_bytes(&self) -> usize {
         self.bytes.len()
     }
 
-    /// The finished message, stamped.
-    pub(crate) fn stamped(mut self, stamp: Time) -> Vec<u8> {
-        // The stamp is the first field of the body.
-        self.bytes[4..8].copy_from_slice(&stamp.sec.to_le_bytes());
-        self.bytes[8..12].copy_from_slice(&stamp.nanosec.to_le_bytes());
-        self.bytes
+    /// The finished message, stamped, of joints whose names begin with `joint_stem`.
+    pub(crate) fn stamped(mut self, stamp: Time, joint_stem: &str) -> Result<Vec<u8>, WriteError> {
+        let mut head = head(stamp, joint_stem, self.count)?;
+        let mut replaced = self.head_bytes;
+        // Behind a head of this length, the first point begins at a multiple of 8: its first doubles are 4 farther behind
+        // their count. All points after it are where they would be.
+        if !self.is_empty() && (head.len() - cdr::ENCAPSULATION.len()).is_multiple_of(8) {
+            head.extend_from_slice(&self.bytes[replaced..replaced + 4]);
+            head.extend([0; 4]);
+            replaced += 4;
+        }
+        self.bytes.splice(..replaced, head);
+        Ok(self.bytes)
     }
+}
+
+/// What comes before the points: all up to their number.
+fn head(stamp: Time, joint_stem: &str, count: u32) -> Result<Vec<u8>, WriteError> {
+    let mut bytes = Vec::new();
+    let empty = JointTrajectory {
+        header: Header { stamp, frame_id: "".into() },
+        joint_names: Names::Of(joint_stem.into()),
+        points: Vec::new(),
+    };
+    cdr::encode(&mut bytes, &empty)
+        .map_err(|source| WriteError::Encode { topic: Topic::JointTrajectory, source })?;
+    let count_at = bytes.len() - 4;
+    bytes[count_at..].copy_from_slice(&count.to_le_bytes());
+    Ok(bytes)
 }
 
 #[cfg(test)]
@@ -187,15 +200,26 @@ mod tests {
             });
         }
         let stamp = Time { sec: 1_577_836_800, nanosec: 5 };
-        let whole = JointTrajectory {
-            header: Header { stamp, frame_id: "".into() },
-            joint_names: Names::Iiwa,
-            points,
-        };
-        let mut expected = Vec::new();
-        cdr::encode(&mut expected, &whole).unwrap();
-        assert_eq!(message.stamped(stamp), expected);
-        assert_eq!(cdr::decode::<JointTrajectory<'_>>(&expected).unwrap(), whole);
+        let mut ends = [false; 2];
+        // Points are aligned behind names of any length.
+        for stem in [USUAL_STEM, "lbr_A", "right_A", "a_A", "a_joint_", "another_A"] {
+            for (message, points) in
+                [(message.clone(), points.clone()), (TrajectoryMessage::new().unwrap(), Vec::new())]
+            {
+                let whole = JointTrajectory {
+                    header: Header { stamp, frame_id: "".into() },
+                    joint_names: Names::Of(stem.into()),
+                    points,
+                };
+                let mut expected = Vec::new();
+                cdr::encode(&mut expected, &whole).unwrap();
+                ends[usize::from(expected.len().is_multiple_of(8))] = true;
+                assert!(message.stamped(stamp, stem).unwrap() == expected, "{stem}");
+                assert_eq!(cdr::decode::<JointTrajectory<'_>>(&expected).unwrap(), whole);
+            }
+        }
+        // Heads of both alignments were among those without points.
+        assert_eq!(ends, [true; 2]);
     }
 
     #[test]

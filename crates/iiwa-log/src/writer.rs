@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::time::Duration;
 
+use iiwa_kin::RosNames;
 use mcap::records::AttachmentHeader;
 
 use crate::chunk::Chunk;
@@ -28,15 +29,18 @@ pub struct Config {
     pub library: String,
     /// How it is compressed.
     pub compression: Compression,
+    /// The names of joints and links.
+    pub names: RosNames,
 }
 
 impl Default for Config {
-    /// [`DEFAULT_EPOCH`], this crate's name and version, and [`Compression::Small`].
+    /// [`DEFAULT_EPOCH`], this crate's name and version, [`Compression::Small`], and the names of `iiwa_stack`.
     fn default() -> Self {
         Self {
             epoch: DEFAULT_EPOCH,
             library: concat!(env!("CARGO_PKG_NAME"), "/", env!("CARGO_PKG_VERSION")).to_owned(),
             compression: Compression::default(),
+            names: RosNames::default(),
         }
     }
 }
@@ -92,8 +96,8 @@ impl<W: Write> Writer<W> {
     /// [`WriteError::EpochOutOfRange`] for an epoch past 2038, [`WriteError::Mcap`] when the
     /// stream refuses.
     pub fn new(stream: W, config: Config) -> Result<Self, WriteError> {
-        let Config { epoch, library, compression } = config;
-        let encoder = Encoder::new(epoch)?;
+        let Config { epoch, library, compression, names } = config;
+        let encoder = Encoder::with_names(epoch, &names)?;
         let epoch_ns =
             u64::try_from(epoch.as_nanos()).map_err(|_| WriteError::EpochOutOfRange { epoch })?;
         let container = Container::new(stream, library, compression)?;
@@ -101,7 +105,8 @@ impl<W: Write> Writer<W> {
         Ok(Self { encoder, file: File { container, epoch, epoch_ns, channels } })
     }
 
-    /// Writes positions (rad) and velocities (rad/s) of the seven joints to `/joint_states`.
+    /// Writes positions (rad) and velocities (rad/s) of the seven joints, and torques (Nm) as `effort` if there are any, to
+    /// `/joint_states`.
     ///
     /// # Errors
     ///
@@ -111,23 +116,9 @@ impl<W: Write> Writer<W> {
         t: Duration,
         positions: &[f64; 7],
         velocities: &[f64; 7],
+        torques: Option<&[f64; 7]>,
     ) -> Result<(), WriteError> {
-        self.file.write(Topic::JointStates, t, self.encoder.joint_state(t, positions, velocities)?)
-    }
-
-    /// Writes the same with torques (Nm), as the messages' `effort`.
-    ///
-    /// # Errors
-    ///
-    /// As [`joint_state`](Self::joint_state).
-    pub fn joint_state_with_torques(
-        &mut self,
-        t: Duration,
-        positions: &[f64; 7],
-        velocities: &[f64; 7],
-        torques: &[f64; 7],
-    ) -> Result<(), WriteError> {
-        let message = self.encoder.joint_state_with_torques(t, positions, velocities, torques)?;
+        let message = self.encoder.joint_state(t, positions, velocities, torques)?;
         self.file.write(Topic::JointStates, t, message)
     }
 
@@ -207,7 +198,7 @@ impl<W: Write> Writer<W> {
     ) -> Result<(), WriteError> {
         let topic = Topic::JointTrajectory;
         let stamp = self.stamp(topic, t)?;
-        let bytes = message.stamped(stamp);
+        let bytes = message.stamped(stamp, self.encoder.joint_stem())?;
         let (chunk, sequence, time) = self.file.place(topic, t, bytes.len())?;
         chunk.long_message(topic, sequence, time, bytes);
         Ok(())

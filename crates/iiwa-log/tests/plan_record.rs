@@ -23,7 +23,9 @@ fn slow() -> Robot {
 
 fn file(robot: &Robot, options: &PlanOptions) -> Vec<u8> {
     let plan = options.plan(&Program::from_json(TEXT).unwrap(), robot).unwrap();
-    write_plan(Cursor::new(Vec::new()), &plan, options, TEXT).unwrap().into_inner()
+    write_plan(Cursor::new(Vec::new()), &plan, options, PlanConfig::default(), TEXT)
+        .unwrap()
+        .into_inner()
 }
 
 #[test]

@@ -5,7 +5,9 @@
 use std::io::Cursor;
 
 use iiwa_kin::Robot;
-use iiwa_log::{PlanFigures, PlanOptions, PlanRecord, PlanSize, PlanWriter, Recording, write_plan};
+use iiwa_log::{
+    PlanConfig, PlanFigures, PlanOptions, PlanRecord, PlanSize, PlanWriter, Recording, write_plan,
+};
 use iiwa_program::Program;
 use iiwa_traj::Trajectory;
 
@@ -14,7 +16,9 @@ const TEXT: &str = include_str!("../../../fixtures/pick-and-place.json");
 fn planned(text: &str) -> (Trajectory, Vec<u8>) {
     let options = PlanOptions::default();
     let plan = options.plan(&Program::from_json(text).unwrap(), &Robot::default()).unwrap();
-    let file = write_plan(Cursor::new(Vec::new()), &plan, &options, text).unwrap().into_inner();
+    let file = write_plan(Cursor::new(Vec::new()), &plan, &options, PlanConfig::default(), text)
+        .unwrap()
+        .into_inner();
     (plan, file)
 }
 

@@ -19,7 +19,7 @@ use std::{
     time::{Duration, SystemTime, UNIX_EPOCH},
 };
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joints, Robot, RosNames};
 use iiwa_link::message::{IoValue, Sensors, Status};
 use iiwa_log::{Arm, Encoder, Frame, Topic, WriteError};
 use serde::Serialize;
@@ -76,14 +76,14 @@ struct Sample {
 }
 
 impl Viewers {
-    /// Listens at `at` for viewers of `robot`; port 0 takes a free one.
+    /// Listens at `at` for viewers of `robot`, whose joints and links have these names; port 0 takes a free one.
     ///
     /// # Errors
     ///
     /// [`ViewersError`] if the address is not free, or not one of this machine.
-    pub fn listen(robot: &Robot, at: SocketAddr) -> Result<Self, ViewersError> {
-        let mut encoder = Encoder::new(Duration::ZERO).map_err(unencoded)?;
-        let arm = Arm::new(robot);
+    pub fn listen(robot: &Robot, names: &RosNames, at: SocketAddr) -> Result<Self, ViewersError> {
+        let mut encoder = Encoder::with_names(Duration::ZERO, names).map_err(unencoded)?;
+        let arm = Arm::with_names(robot, names);
         let channels = vec![
             ros_channel(JOINT_STATES, Topic::JointStates),
             ros_channel(TF, Topic::Tf),
@@ -142,7 +142,8 @@ impl Viewers {
         let at = nanoseconds(t);
         // Encoded only for topics that have subscribers.
         if audience.has_viewers(JOINT_STATES) {
-            audience.publish(JOINT_STATES, at, encoder.joint_state(t, joints_rad, velocities)?);
+            let state = encoder.joint_state(t, joints_rad, velocities, None)?;
+            audience.publish(JOINT_STATES, at, state);
         }
         if audience.has_viewers(TF) {
             audience.publish(TF, at, encoder.transforms(t, &arm.links(joints_rad))?);

@@ -10,7 +10,7 @@ use std::{
 use bytesize::ByteSize;
 use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
-use iiwa_log::{DEFAULT_EPOCH, JointLog};
+use iiwa_log::{Config, DEFAULT_EPOCH, JointLog};
 
 use crate::{args::Experiment, failure::Failure, output, runner};
 
@@ -57,7 +57,8 @@ impl Folder {
         let epoch = self
             .epoch
             .unwrap_or_else(|| if self.of_robot { runner::began(log) } else { DEFAULT_EPOCH });
-        let mcap = runner::recording(log, epoch, robot, &program)?;
+        let file = Config { epoch, ..Config::default() };
+        let mcap = runner::recording(log, &[], file, robot, &program)?;
         self.write(&format!("recordings/{name}.mcap"), &mcap)?;
         let mut csv = Vec::new();
         log.write_csv(&mut csv)

@@ -69,6 +69,7 @@ pub(super) fn write(
         None => None,
         Some(output) => {
             let mut config = PlanConfig { rate_hz: options.rate, ..PlanConfig::default() };
+            config.file.names = options.ros.names();
             if let Some(epoch) = options.epoch {
                 config.file.epoch = epoch;
             }

@@ -11,7 +11,7 @@ use quick_xml::{
     events::{BytesDecl, BytesText, Event},
 };
 
-use super::{LIMITS, inertia::inertia};
+use super::{LIMITS, RosNames, inertia::inertia};
 use crate::{Along, Robot, Shape, Solid};
 
 /// Writing to it does not fail.
@@ -28,43 +28,59 @@ impl Robot {
     /// Cross-validated: the crate `k` finds the same poses in it.
     #[must_use]
     pub fn to_urdf(&self) -> String {
+        self.to_urdf_with_names(&RosNames::default())
+    }
+
+    /// The same with other names of joints and links. The fixed joint of the flange is `iiwa_joint_ee` with the prefix of
+    /// the names, as `lbr_joint_ee`.
+    #[must_use]
+    pub fn to_urdf_with_names(&self, names: &RosNames) -> String {
         let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
-        let _ = self.write_urdf(&mut xml);
+        let _ = self.write_urdf(&mut xml, names);
         String::from_utf8_lossy(&xml.into_inner()).into_owned()
     }
 
-    fn write_urdf(&self, xml: &mut Xml) -> io::Result<()> {
+    fn write_urdf(&self, xml: &mut Xml, names: &RosNames) -> io::Result<()> {
         const NOTE: &str = " Inertias are estimates: primitive shapes of uniform density. ";
         xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
         element(xml, "robot", &[("name", &self.name())], |xml| {
             xml.write_event(Event::Comment(BytesText::from_escaped(NOTE)))?;
-            for (link, shapes) in self.link_shapes().iter().enumerate() {
-                element(xml, "link", &[("name", &format_args!("iiwa_link_{link}"))], |xml| {
-                    write_inertial(xml, shapes, self.link_mass_kg()[link])?;
+            let (links, joints) = (names.links(), names.joints());
+            let moving = self.link_shapes();
+            for ((shapes, name), mass_kg) in moving.iter().zip(&links).zip(self.link_mass_kg()) {
+                element(xml, "link", &[("name", name)], |xml| {
+                    write_inertial(xml, shapes, *mass_kg)?;
                     shapes.iter().try_for_each(|shape| write_shape(xml, "visual", shape))?;
                     shapes.iter().try_for_each(|shape| write_shape(xml, "collision", shape))
                 })?;
             }
-            empty(xml, "link", &[("name", &"iiwa_link_ee")])?;
-            (0..8).try_for_each(|joint| self.write_joint(xml, joint))
+            empty(xml, "link", &[("name", &links[8])])?;
+            let joints = joints.into_iter().chain([names.flange_joint()]);
+            joints.zip(links.windows(2)).enumerate().try_for_each(|(j, (name, links))| {
+                self.write_joint(xml, j, &name, [&links[0], &links[1]])
+            })
         })?;
         writeln!(xml.get_mut())
     }
 
-    /// Joint `j` from 0: the seven, then the fixed one of the flange.
-    fn write_joint(&self, xml: &mut Xml, j: usize) -> io::Result<()> {
+    /// Joint `j` from 0, between two links: the seven, then the fixed one of the flange.
+    fn write_joint(
+        &self,
+        xml: &mut Xml,
+        j: usize,
+        name: &str,
+        [parent, child]: [&str; 2],
+    ) -> io::Result<()> {
         let dh = self.dh();
         let moves = j < 7;
-        let number = if moves { (j + 1).to_string() } else { "ee".to_owned() };
-        let name = format_args!("iiwa_joint_{number}");
         let kind = if moves { "revolute" } else { "fixed" };
         // From the joint before: its row of the table.
         let (shift_m, twist_rad) =
             j.checked_sub(1).map_or((0.0, 0.0), |before| (dh[before].d_m, dh[before].alpha_rad));
         element(xml, "joint", &[("name", &name), ("type", &kind)], |xml| {
             write_origin(xml, [0.0, 0.0, shift_m], twist_rad)?;
-            empty(xml, "parent", &[("link", &format_args!("iiwa_link_{j}"))])?;
-            empty(xml, "child", &[("link", &format_args!("iiwa_link_{number}"))])?;
+            empty(xml, "parent", &[("link", &parent)])?;
+            empty(xml, "child", &[("link", &child)])?;
             if !moves {
                 return Ok(());
             }

@@ -6,7 +6,18 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use crate::sample::sample;
-use iiwa_log::{DEFAULT_EPOCH, JOINT_NAMES, ReadError, Recording, Topic};
+use iiwa_log::{DEFAULT_EPOCH, ReadError, Recording, Topic};
+
+/// As most files have them.
+const JOINT_NAMES: [&str; 7] = [
+    "iiwa_joint_1",
+    "iiwa_joint_2",
+    "iiwa_joint_3",
+    "iiwa_joint_4",
+    "iiwa_joint_5",
+    "iiwa_joint_6",
+    "iiwa_joint_7",
+];
 use mcap::{Channel, Message, Schema, WriteOptions};
 
 /// A file with one message, of this schema and content.
@@ -104,6 +115,17 @@ fn other_joints_are_named() {
         error.to_string(),
         "/joint_states at 0 s: joint 3 is `lbr_A3`, expected `iiwa_joint_3`"
     );
+    for (at, name, expected) in [
+        (0, "lbr_A1", "joint 2 is `iiwa_joint_2`, expected `lbr_A2`"),
+        (0, "shoulder", "joint 1 is `shoulder`, expected `iiwa_joint_1`"),
+        (0, "iiwa_joint_0", "joint 1 is `iiwa_joint_0`, expected `iiwa_joint_1`"),
+        (6, "iiwa_joint_07", "joint 7 is `iiwa_joint_07`, expected `iiwa_joint_7`"),
+    ] {
+        let mut names = JOINT_NAMES;
+        names[at] = name;
+        let error = read_joint_state(&joint_state(&names, &[0.0; 7], &[0.0; 7])).unwrap_err();
+        assert_eq!(error.to_string(), format!("/joint_states at 0 s: {expected}"));
+    }
 
     let error =
         read_joint_state(&joint_state(&JOINT_NAMES[..6], &[0.0; 6], &[0.0; 6])).unwrap_err();

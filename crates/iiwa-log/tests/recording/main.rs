@@ -8,6 +8,7 @@
 
 mod damage;
 mod kill;
+mod names;
 mod recorder;
 mod round_trip;
 mod sample;

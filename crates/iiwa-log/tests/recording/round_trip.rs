@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use crate::sample::{JOINT_SAMPLES, TICK, point, sample, state};
 use iiwa_log::{
-    Config, DEFAULT_EPOCH, Entry, JOINT_NAMES, Motion, Reader, Recording, Topic, TrajectoryMessage,
-    WriteError, Writer,
+    Config, DEFAULT_EPOCH, Entry, Motion, Reader, Recording, Topic, TrajectoryMessage, WriteError,
+    Writer,
 };
 
 fn writer() -> Writer<Cursor<Vec<u8>>> {
@@ -80,8 +80,8 @@ fn another_epoch_shifts_the_stamps_only() {
     let epoch = Duration::new(1_700_000_000, 123_456_789);
     let config = Config { epoch, ..Config::default() };
     let mut writer = Writer::new(Cursor::new(Vec::new()), config).unwrap();
-    writer.joint_state(Duration::ZERO, &[0.0; 7], &[0.0; 7]).unwrap();
-    writer.joint_state(Duration::from_nanos(1), &[0.0; 7], &[0.0; 7]).unwrap();
+    writer.joint_state(Duration::ZERO, &[0.0; 7], &[0.0; 7], None).unwrap();
+    writer.joint_state(Duration::from_nanos(1), &[0.0; 7], &[0.0; 7], None).unwrap();
     let recording = Recording::read(&*writer.finish().unwrap().into_inner()).unwrap();
     assert_eq!(recording.epoch, epoch);
     assert_eq!(recording.joint_states[1].t_s, 1e-9);
@@ -183,9 +183,9 @@ fn a_long_trajectory_comes_back() {
     assert_eq!(message.len(), 20_000);
     assert!(message.len_bytes() > 4_000_000);
     let mut writer = writer();
-    writer.joint_state(Duration::ZERO, &[0.0; 7], &[0.0; 7]).unwrap();
+    writer.joint_state(Duration::ZERO, &[0.0; 7], &[0.0; 7], None).unwrap();
     writer.joint_trajectory(Duration::ZERO, message).unwrap();
-    writer.joint_state(TICK, &[0.0; 7], &[0.0; 7]).unwrap();
+    writer.joint_state(TICK, &[0.0; 7], &[0.0; 7], None).unwrap();
     let recording = Recording::from_bytes(writer.finish().unwrap().get_ref()).unwrap();
     assert_eq!(recording.trajectory.len(), 20_000);
     assert_eq!(recording.trajectory[19_999], point(19_999));
@@ -195,12 +195,12 @@ fn a_long_trajectory_comes_back() {
 #[test]
 fn time_does_not_run_backwards() {
     let mut writer = writer();
-    writer.joint_state(TICK, &[0.0; 7], &[0.0; 7]).unwrap();
-    let error = writer.joint_state(TICK, &[0.0; 7], &[0.0; 7]).unwrap_err();
+    writer.joint_state(TICK, &[0.0; 7], &[0.0; 7], None).unwrap();
+    let error = writer.joint_state(TICK, &[0.0; 7], &[0.0; 7], None).unwrap_err();
     assert_eq!(error.to_string(), "/joint_states at 4ms after 4ms: stamps must increase");
     // Another topic has its own time, and the file is still good.
     writer.transforms(Duration::ZERO, &[]).unwrap();
-    writer.joint_state(TICK * 2, &[0.0; 7], &[0.0; 7]).unwrap();
+    writer.joint_state(TICK * 2, &[0.0; 7], &[0.0; 7], None).unwrap();
     let recording = Recording::from_bytes(writer.finish().unwrap().get_ref()).unwrap();
     assert_eq!(recording.joint_states.len(), 2);
 }
@@ -237,15 +237,8 @@ fn a_full_disk_is_an_error() {
     let mut result = Ok(());
     for i in 0..1000 {
         let (q, dq) = state(TICK * i);
-        result = result.and_then(|()| writer.joint_state(TICK * i, &q, &dq));
+        result = result.and_then(|()| writer.joint_state(TICK * i, &q, &dq, None));
     }
     let error = result.and_then(|()| writer.finish().map(drop)).unwrap_err();
     assert!(matches!(error, WriteError::Mcap { .. }), "{error}");
-}
-
-#[test]
-fn joints_are_numbered_from_the_base() {
-    for (i, name) in JOINT_NAMES.iter().enumerate() {
-        assert_eq!(*name, format!("iiwa_joint_{}", i + 1));
-    }
 }

@@ -41,7 +41,7 @@ pub(crate) fn sample() -> Vec<u8> {
             writer.motion(t, &Motion { index, kind, limiting_joint, limiting_kind }).unwrap();
         }
         let (q, dq) = state(t);
-        writer.joint_state(t, &q, &dq).unwrap();
+        writer.joint_state(t, &q, &dq, None).unwrap();
         let frames = [("world", "iiwa_link_0"), ("iiwa_link_0", "iiwa_link_1")];
         let frames = frames.map(|(parent, child)| Frame {
             parent,

@@ -11,7 +11,7 @@ use std::{
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joints, Robot, RosNames, RosStack};
 use iiwa_link::message::{DriveState, FriStatus, IoValue, Presence, Sensors, Status};
 use iiwa_log::{Arm, Encoder, Frame, Topic};
 use iiwasim_tests::ports::free_address;
@@ -27,7 +27,11 @@ const ARM_TOPICS: [&str; 3] = ["/joint_states", "/tf", "/tcp_pose"];
 const ALL: usize = 7;
 
 fn listen() -> Viewers {
-    Viewers::listen(&Robot::default(), free_address()).unwrap()
+    listen_with(&RosNames::default())
+}
+
+fn listen_with(names: &RosNames) -> Viewers {
+    Viewers::listen(&Robot::default(), names, free_address()).unwrap()
 }
 
 /// So long after a time of these days.
@@ -93,10 +97,19 @@ fn viewers_find_the_topics_of_a_recording() {
 
 #[test]
 fn samples_arrive_as_they_are_encoded_in_a_recording() {
-    let mut viewers = listen();
+    samples_arrive(&RosNames::default());
+}
+
+#[test]
+fn names_are_those_of_another_ros_package() {
+    samples_arrive(&RosNames::new(RosStack::LbrFriRos2Stack, Some("left".parse().unwrap())));
+}
+
+fn samples_arrive(names: &RosNames) {
+    let mut viewers = listen_with(names);
     let mut viewer = subscriber(&viewers, &ARM_TOPICS);
-    let arm = Arm::new(&Robot::default());
-    let mut encoder = Encoder::new(Duration::ZERO).unwrap();
+    let arm = Arm::with_names(&Robot::default(), names);
+    let mut encoder = Encoder::with_names(Duration::ZERO, names).unwrap();
 
     let (start, span) = (Duration::from_millis(30), Duration::from_millis(250));
     let moved = JOINTS.map(|joint| joint + 0.5);
@@ -106,7 +119,7 @@ fn samples_arrive_as_they_are_encoded_in_a_recording() {
         let t = since_1970(at(t));
         let arrived = viewer.next_on("/joint_states");
         assert_eq!(arrived.time_ns, nanoseconds(t));
-        assert_eq!(arrived.data, encoder.joint_state(t, &joints, &velocities).unwrap());
+        assert_eq!(arrived.data, encoder.joint_state(t, &joints, &velocities, None).unwrap());
         let arrived = viewer.next_on("/tf");
         assert_eq!(arrived.data, encoder.transforms(t, &arm.links(&joints)).unwrap());
         let Frame { parent, translation_m, rotation_xyzw, .. } = arm.flange(&joints);
@@ -123,7 +136,7 @@ fn a_clock_that_is_set_back_does_no_harm() {
     let mut encoder = Encoder::new(Duration::ZERO).unwrap();
     for t in [at(Duration::from_secs(9)), at(Duration::from_secs(2))] {
         viewers.joints(t, &JOINTS).unwrap();
-        let expected = encoder.joint_state(since_1970(t), &JOINTS, &[0.0; 7]).unwrap();
+        let expected = encoder.joint_state(since_1970(t), &JOINTS, &[0.0; 7], None).unwrap();
         assert_eq!(viewer.next_on("/joint_states").data, expected);
     }
 }
@@ -258,7 +271,7 @@ fn the_end_does_not_wait_for_a_viewer_that_does_not_read() {
     let started = Instant::now();
     drop(viewers);
     assert!(started.elapsed() < Duration::from_secs(5), "{:?}", started.elapsed());
-    drop(Viewers::listen(&Robot::default(), address).unwrap());
+    drop(Viewers::listen(&Robot::default(), &RosNames::default(), address).unwrap());
 }
 
 #[test]
@@ -340,7 +353,10 @@ fn a_page_that_speaks_another_protocol_is_refused() {
 fn an_address_in_use_is_reported() {
     let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     let address = taken.local_addr().unwrap();
-    let what = Viewers::listen(&Robot::default(), address).err().unwrap().to_string();
+    let what = Viewers::listen(&Robot::default(), &RosNames::default(), address)
+        .err()
+        .unwrap()
+        .to_string();
     assert!(what.starts_with(&format!("cannot listen for viewers at {address}: ")), "{what}");
 }
 
@@ -352,7 +368,7 @@ fn port_0_takes_a_free_one() {
             eprintln!("left out: there is no {host} here");
             continue;
         }
-        let viewers = Viewers::listen(&Robot::default(), host).unwrap();
+        let viewers = Viewers::listen(&Robot::default(), &RosNames::default(), host).unwrap();
         assert_eq!(viewers.address().ip(), host.ip());
         assert_eq!(Viewer::connect(viewers.address(), ALL).info.name, "iiwasim");
     }
