@@ -42,10 +42,10 @@ Exit codes:
 
 const FILES: &str = "\
 Files:
-  What can be made again is replaced: trajectories, pictures, reports, the
-  results of virtual robots. What was measured on a robot, or may have been
-  edited by hand, is not: recordings, robot profiles, frames; --overwrite
-  replaces them. Keys never are.";
+  What can be made again is replaced by what is of its kind: trajectories,
+  tables, pictures, reports, the results of virtual robots. What was measured
+  on a robot, or may have been edited by hand, is not: recordings, robot
+  profiles, frames; --overwrite replaces them. Keys never are.";
 
 /// Version, commit and abilities.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), env!("IIWASIM_BUILD"), ", with CURVE");

@@ -19,6 +19,7 @@ mod log;
 mod output;
 mod picture;
 mod progress;
+mod replaceable;
 mod runner;
 mod settings;
 mod start;

@@ -12,7 +12,7 @@ use std::{
 
 use tempfile::NamedTempFile;
 
-use crate::{failure::Failure, leftovers::Name};
+use crate::{failure::Failure, leftovers::Name, replaceable::Replaceable};
 
 /// A file under construction, beside the one that it will replace.
 pub(crate) struct Output {
@@ -26,6 +26,12 @@ pub(crate) struct Output {
 const PART: Name = Name { prefix: ".iiwasim-", suffix: ".part", is_folder: false };
 
 impl Output {
+    /// Starts a file that will be at `path`, and may replace one of its own kind.
+    pub(crate) fn replacing(path: &Path, kind: Replaceable) -> Result<Self, Failure> {
+        kind.check(path)?;
+        Self::new(path)
+    }
+
     /// Starts a file that will be at `path`.
     pub(crate) fn new(path: &Path) -> Result<Self, Failure> {
         let refuse =

@@ -116,13 +116,13 @@ fn a_scene_is_around_the_arm() {
             assert!(off.abs() < most, "{expected} {found}");
         }
         assert_eq!((&expected["link"], &expected["obstacle"]), (&found["link"], &found["other"]));
-        let (expected, found) =
+        let (planned, nearest) =
             (&figures["self_clearance"], &with["arms"][0]["self_clearance"]["nearest"]);
         let off =
-            expected["distance_mm"].as_f64().unwrap() - found["distance_mm"].as_f64().unwrap();
-        assert!(off.abs() < 0.1, "{expected} {found}");
-        assert_eq!(found["link"], expected["link"]);
-        assert_eq!(found["other"], format!("link {}", expected["other_link"]));
+            planned["distance_mm"].as_f64().unwrap() - nearest["distance_mm"].as_f64().unwrap();
+        assert!(off.abs() < 0.1, "{planned} {nearest}");
+        assert_eq!(nearest["link"], planned["link"]);
+        assert_eq!(nearest["other"], format!("link {}", planned["other_link"]));
         // The curve has the same minimum, up to its sampling.
         let curve = singles(&with["arms"][0]["clearance"]["distance"]["low"]);
         let least = 1e3 * curve.into_iter().fold(f64::MAX, f64::min);

@@ -178,3 +178,74 @@ fn a_robot_has_all_its_figures_in_json() {
     assert_eq!(again.get_output().stdout, text.as_bytes());
     iiwasim(&folder, &["robot", "lbr_iiwa_7_r800"]).success().stdout(contains("\"flange\": 126"));
 }
+
+/// What a command makes replaces what it made before, and nothing else.
+#[test]
+fn only_files_of_the_same_kind_are_replaced() {
+    let folder = tempdir().unwrap();
+    let program = fixture("appendix-b.json").display().to_string();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("hand.json"), "{ \"version\": 1 }").unwrap();
+    let recorded = {
+        let storage = std::io::Cursor::new(Vec::new());
+        let robot = iiwa_kin::Robot::default();
+        let mut recorder =
+            iiwa_log::Recorder::new(storage, &robot, iiwa_log::RecorderConfig::default()).unwrap();
+        recorder.sample(std::time::Duration::ZERO, &[0.0; 7]).unwrap();
+        recorder.finish(&std::collections::BTreeMap::new(), &[]).unwrap().into_inner()
+    };
+    fs::write(path("recorded.mcap"), &recorded).unwrap();
+    let table = ["--no-output", "--csv", "hand.json"];
+    let parquet = ["--no-output", "--parquet", "hand.json"];
+    for arguments in [
+        &["-o", "hand.json"][..],
+        &["-o", "recorded.mcap"],
+        &table,
+        &parquet,
+        &["--no-output", "--csv", "recorded.mcap"],
+    ] {
+        iiwasim(&folder, &[&["plan", &program], arguments].concat())
+            .code(2)
+            .stderr(contains("exists and is not a").and(contains("it is kept")));
+    }
+    iiwasim(&folder, &["plan", &program, "-o", "plan.mcap"]).success();
+    for page in ["hand.json", "recorded.mcap"] {
+        iiwasim(&folder, &["report", "plan.mcap", "-o", page])
+            .code(2)
+            .stderr(contains("is not a page"));
+    }
+    assert_eq!(fs::read(path("recorded.mcap")).unwrap(), recorded);
+    assert_eq!(fs::read_to_string(path("hand.json")).unwrap(), "{ \"version\": 1 }");
+    // Its own, time and again.
+    for _ in 0..2 {
+        let pictures = ["--picture", "a.svg", "--csv", "a.csv", "--parquet", "a.parquet"];
+        iiwasim(&folder, &[&["plan", &program, "-o", "plan.mcap"], &pictures[..]].concat())
+            .success();
+        iiwasim(&folder, &["report", "plan.mcap"]).success();
+    }
+    for (picture, other) in [("a.svg", "a.png"), ("a.svg", "a.pdf")] {
+        fs::copy(path(picture), path(other)).unwrap();
+        iiwasim(&folder, &["plan", &program, "--no-output", "--picture", other])
+            .code(2)
+            .stderr(contains("is not a picture of this format"));
+    }
+}
+
+#[test]
+fn a_start_that_leaves_the_arm_open_is_noted() {
+    let folder = tempdir().unwrap();
+    let program = |more: &str| {
+        format!(
+            r#"{{ "version": 1, "start": {{ "frame": {{ "x_mm": 500, "y_mm": 0, "z_mm": 500,
+                "a_deg": 0, "b_deg": 180, "c_deg": 0{more} }} }},
+                "motions": [{{ "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0] }}] }}"#
+        )
+    };
+    let plan = |more: &str| {
+        fs::write(folder.path().join("a.json"), program(more)).unwrap();
+        iiwasim(&folder, &["plan", "a.json", "--no-output"]).success()
+    };
+    plan("").stderr(contains("Warning: the start is a frame without `e1_deg` and `status`"));
+    plan(r#", "e1_deg": 0"#).stderr(contains("without `status`"));
+    plan(r#", "e1_deg": 0, "status": 2"#).stderr(contains("Warning").not());
+}

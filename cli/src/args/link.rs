@@ -143,8 +143,8 @@ pub(crate) struct CabinetFaults {
     #[arg(long, value_name = "S", value_parser = period)]
     pub(crate) drop_session_every: Option<f64>,
 
-    /// Press the emergency stop once, after this share of the duration of a run, in per cent, and release it
-    /// after two seconds
+    /// Press the emergency stop once, after this share of the duration of the next motions that the robot program runs, in
+    /// per cent, and release it after two seconds; a trajectory that is commanded over FRI has no such share
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub(crate) emergency_stop: Option<f64>,
 }

@@ -4,7 +4,7 @@ use iiwa_eval::Plan;
 use iiwa_log::PlanRecordError;
 use iiwa_view::{ComparisonReport, draw_comparison, with_causes};
 
-use crate::{args::Compare, failure::Failure, input, output, picture};
+use crate::{args::Compare, failure::Failure, input, output, picture, replaceable::Replaceable};
 
 /// Compares a recording with a plan, prints the figures and applies the gates.
 pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
@@ -12,7 +12,7 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     if let Some(picture) = &options.picture {
         let read = [("plan", plan_file.as_path()), ("recording", measured_file.as_path())];
         output::keep_inputs("picture", picture, read, "--picture")?;
-        picture::check(picture)?;
+        Replaceable::Picture(picture::format(picture)?).check(picture)?;
     }
     let robot = options.robot.as_deref().map(input::find_robot).transpose()?;
     let plan = Plan::read_mcap(input::open(plan_file)?, robot).map_err(|error| {

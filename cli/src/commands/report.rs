@@ -10,6 +10,7 @@ use crate::{
     failure::{Failure, print_note},
     input::{find_robot, scene},
     output,
+    replaceable::Replaceable,
 };
 
 /// Makes the page, and prints its path.
@@ -21,6 +22,7 @@ pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let file = [("file", options.file.as_path())].into_iter();
     let read = file.chain(measured).chain(around).chain(urdf);
     output::keep_inputs("page", &target, read, "--output")?;
+    Replaceable::Page.check(&target)?;
     output::catch_interrupts();
     let robot = options.robot.as_deref().map(find_robot).transpose()?;
     let scene = options.scene.as_deref().map(scene).transpose()?;

@@ -352,6 +352,35 @@ fn another_program_is_refused() {
     assert_eq!((found.left_out[0].motion.index(), found.left_out[0].why), (1, Why::NotFollowed));
 }
 
+/// A spline that ends where it begins leads away in between.
+#[test]
+fn what_ends_where_it_began_is_followed() {
+    let robot = Robot::default();
+    let start = [0.0_f64, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0];
+    let pose = robot.flange_pose(&start.map(f64::to_radians));
+    let [x, y, z] = pose.position_m.map(|m| 1e3 * m);
+    let [a, b, c] = pose.abc_rad().map(f64::to_degrees);
+    let at = |dx: f64, dy: f64| {
+        let (x, y) = (x + dx, y + dy);
+        format!(
+            r#"{{ "type": "spl", "frame": {{ "x_mm": {x}, "y_mm": {y}, "z_mm": {z}, "a_deg": {a}, "b_deg": {b}, "c_deg": {c} }} }}"#
+        )
+    };
+    let text = format!(
+        r#"{{ "version": 1, "start": {{ "joints_deg": {start:?} }}, "motions": [
+            {{ "type": "spline", "segments": [{}, {}, {}] }},
+            {{ "type": "ptp", "joints_deg": [60, 30, 0, -60, 0, 90, 0] }}
+        ] }}"#,
+        at(80.0, 40.0),
+        at(80.0, -40.0),
+        at(0.0, 0.0)
+    );
+    let found = what_one_shows(&Program::from_json(&text).unwrap());
+    let lost = found.left_out.iter().filter(|it| it.why == Why::NotFollowed).count();
+    assert_eq!(lost, 0, "{:?}", found.left_out);
+    assert!(found.velocity_rad_s[0].is_some());
+}
+
 /// Joint 2 of the recording is the program's joint 4: where they part, nothing more is found.
 #[test]
 fn what_goes_astray_is_left_out() {

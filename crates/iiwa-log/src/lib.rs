@@ -87,7 +87,7 @@ pub use plan_table::PlanTable;
 pub use planning::{Planning, write_plan};
 pub use reader::Reader;
 pub use recorded_robot::RecordedRobotError;
-pub use recorder::{Recorder, RecorderConfig};
+pub use recorder::{Recorder, RecorderConfig, writes_recordings};
 pub use recording::Recording;
 pub use storage::Storage;
 pub use topic::Topic;

@@ -31,6 +31,25 @@ impl Default for RecorderConfig {
     }
 }
 
+/// What the name of the writing program ends with, in the header of a recording.
+const RECORDS: &str = " recorder";
+
+/// Whether a file that begins with `head` is an MCAP file that no plan was written into: a [`Recorder`]'s, or another program's.
+#[must_use]
+pub fn writes_recordings(head: &[u8]) -> bool {
+    // The magic bytes, the header's opcode and length, then two texts with their lengths: profile and library.
+    let text = |bytes: &[u8]| -> Option<(usize, String)> {
+        let length = u32::from_le_bytes(bytes.get(..4)?.try_into().ok()?) as usize;
+        let text = bytes.get(4..4_usize.checked_add(length)?)?;
+        Some((4 + length, String::from_utf8_lossy(text).into_owned()))
+    };
+    let library = head.get(17..).and_then(|header| {
+        let (length, _profile) = text(header)?;
+        Some(text(&header[length..])?.1)
+    });
+    library.is_none_or(|library| !library.starts_with("iiwa-log/") || library.ends_with(RECORDS))
+}
+
 /// The checksum of a data section that is not complete: none.
 const NO_CRC: u32 = 0;
 
@@ -102,7 +121,8 @@ impl<S: Storage> Recorder<S> {
     ///
     /// Any [`WriteError`].
     pub fn new(storage: S, robot: &Robot, config: RecorderConfig) -> Result<Self, WriteError> {
-        let mut writer = Writer::new(Vec::new(), config.file.clone())?;
+        let library = format!("{}{RECORDS}", config.file.library);
+        let mut writer = Writer::new(Vec::new(), Config { library, ..config.file.clone() })?;
         let arm = Arm::with_names(robot, &config.file.names);
         arm.description(&mut writer)?;
         end_chunk(&mut writer)?;

@@ -182,7 +182,7 @@ fn plans_are_as_near_as_their_samples() {
         by_tool += u32::from(found.clearance.link == 8);
         touching += u32::from(distance_m == 0.0);
     }
-    assert!(by_tool > 10 && touching > 5, "{by_tool} {touching}");
+    assert!(by_tool > 10 && touching > 1, "{by_tool} {touching}");
 }
 
 /// The arm from itself and from what stands around it are two distances: neither changes the other.

@@ -42,6 +42,8 @@ pub use identification_report::IdentificationReport;
 pub use import_report::ImportReport;
 pub use nearest::{Nearest, NearestPlaces};
 pub use page::ArmSource;
+#[cfg(feature = "png-pdf")]
+pub use picture::{PictureError, PictureFormat};
 pub use picture::{PlanPicture, draw_comparison};
 pub use printable::printable;
 pub use report::{Extent, Page, PageOptions};

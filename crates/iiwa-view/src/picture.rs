@@ -1,6 +1,8 @@
 //! Pictures: what those of plans and of comparisons share.
 
 mod comparison;
+#[cfg(feature = "png-pdf")]
+mod format;
 mod plan;
 pub(crate) mod plot;
 
@@ -16,6 +18,8 @@ use plotters::{
 use crate::ViewError;
 
 pub use comparison::draw as draw_comparison;
+#[cfg(feature = "png-pdf")]
+pub use format::{PictureError, PictureFormat};
 pub use plan::PlanPicture;
 
 /// Colours that the colour-blind can tell apart (Okabe and Ito), one a joint.

@@ -76,7 +76,7 @@ fn distinct(options: &Plan, program: &Path, target: Option<&Path>) -> Result<(),
         let trajectory = target.map(|path| ("trajectory", path));
         let others = read.iter().copied().chain(trajectory);
         output::keep_inputs("picture", picture, others, "--picture")?;
-        picture::check(picture)?;
+        picture::format(picture)?;
     }
     Ok(())
 }

@@ -12,6 +12,7 @@ use crate::{
     args::Plan,
     failure::Failure,
     output::{Output, Stream},
+    replaceable::Replaceable,
 };
 
 /// The tables under construction that the options name.
@@ -22,13 +23,16 @@ type Begin = fn(BufWriter<Stream>, f64) -> io::Result<PlanTable<BufWriter<Stream
 
 impl Tables {
     pub(super) fn new(options: &Plan) -> Result<Self, Failure> {
-        let begin = |path: &Path, begin: Begin| {
-            let output = Output::new(path)?;
+        let begin = |path: &Path, kind: Replaceable, begin: Begin| {
+            let output = Output::replacing(path, kind)?;
             let table = begin(output.stream()?, options.rate);
             table.map_err(|error| output.failure(&error)).map(|table| (output, table))
         };
-        let csv = options.csv.as_deref().map(|path| begin(path, PlanTable::csv));
-        let parquet = options.parquet.as_deref().map(|path| begin(path, PlanTable::parquet));
+        let csv = options.csv.as_deref().map(|path| begin(path, Replaceable::Csv, PlanTable::csv));
+        let parquet = options
+            .parquet
+            .as_deref()
+            .map(|path| begin(path, Replaceable::Parquet, PlanTable::parquet));
         csv.into_iter().chain(parquet).collect::<Result<_, _>>().map(Self)
     }
 

@@ -19,6 +19,7 @@ use crate::{
     input::{self, ProgramText},
     output::{self, Output},
     picture,
+    replaceable::Replaceable,
     warning::warnings,
 };
 
@@ -63,8 +64,8 @@ pub(super) fn write(
         None => ArmInScene::new(&robot, scene),
     });
 
-    let output = target.map(Output::new).transpose()?;
-    let drawing = options.picture.as_deref().map(Output::new).transpose()?;
+    let output = target.map(|path| Output::replacing(path, Replaceable::Trajectory)).transpose()?;
+    let drawing = options.picture.as_deref().map(picture::output).transpose()?;
     let mut writer = match &output {
         None => None,
         Some(output) => {

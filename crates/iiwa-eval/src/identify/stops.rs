@@ -104,8 +104,8 @@ pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Fo
     let sections = planned(path);
     for section in &sections {
         let core = (|| {
-            // A short way is left and arrived at within less.
-            let near = NEAR_RAD.min(0.1 * distance(&section.from, &section.to)).max(1e-9);
+            // A short way is left and arrived at within less. It may end where it begins.
+            let near = NEAR_RAD.min(0.1 * farthest(path, section)).max(1e-9);
             let leaves = find(at, &|q| distance(q, &section.from) > near)?;
             let mut passed = leaves;
             for step in &path.steps()[section.steps.clone()] {
@@ -153,6 +153,20 @@ pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Fo
         begin = end;
     }
     Some(FollowedStops { passages, lost_in })
+}
+
+/// How far a section leads from where it begins.
+fn farthest(path: &JointPath, section: &Planned) -> f64 {
+    const PLACES: u32 = 8;
+    let away = |segment: &dyn Segment| {
+        let places = (1..=PLACES).map(|i| segment.at(f64::from(i) / f64::from(PLACES)).q);
+        places.map(|q| distance(&q, &section.from)).fold(0.0, f64::max)
+    };
+    let segments = path.steps()[section.steps.clone()].iter().filter_map(|step| match step {
+        Step::Move { segment, .. } => Some(away(segment.as_ref())),
+        _ => None,
+    });
+    segments.fold(0.0, f64::max)
 }
 
 /// The distance from the line through two points.

@@ -44,7 +44,7 @@ function writeNow() {
   });
   const piece = report.pieces.length ? pieceAt(t) : null;
   const words = {
-    line: "on its line",
+    line: "on its straight way in joint space",
     lin: "on the line of its TCP",
     circ: "on the circle of its TCP",
     spline: "on a spline of its TCP",
