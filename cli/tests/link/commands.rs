@@ -20,7 +20,9 @@ fn the_robot_tells_of_itself() {
         let rig = Rig::new();
         rig.iiwasim("status", &[])
             .success()
-            .stdout(starts_with("state          idle\njoints           0.000    0.000 "))
+            .stdout(starts_with(
+                "state          idle (a simulated robot)\njoints           0.000    0.000 ",
+            ))
             .stdout(contains("monitoring_ready, quality").and(contains("robot program  connected")))
             .stderr(is_empty());
         let status = rig.json("status", &[]);

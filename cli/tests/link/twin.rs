@@ -125,7 +125,12 @@ fn a_program_is_seen_sent_and_replayed() {
         assert_eq!(health["sensors"]["joint_temperature_c"].as_array().unwrap().len(), 7);
         assert_eq!(
             health["io"],
-            json!([{ "name": "MediaFlange.LEDBlue", "value": false, "error": null }])
+            json!([{
+                "name": "MediaFlange.LEDBlue",
+                "direction": "output",
+                "value": false,
+                "error": null
+            }])
         );
         page.order("set_io", json!({ "name": "MediaFlange.LEDBlue", "value": true })).unwrap();
         page.wait_for("health", |health| health["io"][0]["value"] == true);
