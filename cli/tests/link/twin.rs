@@ -273,7 +273,7 @@ fn what_cannot_be_sent_is_not() {
         // Half of a turn at a millionth of the speed.
         let slow =
             r#"{ "type": "ptp", "joints_deg": [160, 0, 0, 0, 0, 0, 0], "velocity_rel": 1e-6 }"#;
-        not_planned(program(slow), "the program takes 18days");
+        not_planned(program(slow), "the program takes 18 days");
         // Down on the table.
         let down = r#"{ "type": "ptp", "joints_deg": [0, 115, 0, 0, 0, 0, 0] }"#;
         let plan = load(&address, &mut page, &program(down));
