@@ -1,13 +1,13 @@
 //! Connections to a drive, and their failures.
 
-use std::io;
+use std::{error::Error, io};
 
 use iiwa_link::{
     Client, ClientError, LinkError, Remote, Server,
     message::Code,
-    security::{ClientSecurity, SecurityError, ServerSecurity},
+    security::{ClientSecurity, ConnectionRefusal, SecurityError, ServerSecurity},
 };
-use iiwa_view::with_causes;
+use iiwa_view::{printable, with_causes};
 
 use crate::{
     args::{ClientKeys, DriveAddress, ServerKeys},
@@ -50,8 +50,31 @@ pub(crate) fn refused(error: &LinkError) -> Failure {
         LinkError::Security(cause) => {
             Failure::input(format!("{}{}", with_causes(cause), hint(error)))
         }
-        error => Failure::run("cannot connect", error),
+        error => {
+            let explained = format!("{}{}", with_causes(error), hint(error));
+            Failure::run("cannot connect", &io::Error::other(explained))
+        }
     }
+}
+
+/// A server that did not start; `options` are those that choose its addresses.
+pub(crate) fn not_started(error: &LinkError, options: &str) -> Failure {
+    match error {
+        LinkError::Bind { source, .. } | LinkError::Udp { source, .. } => {
+            not_listening(error, source, options)
+        }
+        error => refused(error),
+    }
+}
+
+/// An address at which nothing can be served; `options` choose another one.
+pub(crate) fn not_listening(error: &dyn Error, cause: &io::Error, options: &str) -> Failure {
+    let hint = if cause.kind() == io::ErrorKind::AddrInUse {
+        format!("; another program listens there: end it, or choose another port with {options}")
+    } else {
+        String::new()
+    };
+    Failure::Run { what: printable(&format!("{}{hint}", with_causes(error))), cause: None }
 }
 
 /// A request that failed.
@@ -63,7 +86,9 @@ pub(crate) fn failed(what: &str, error: &ClientError) -> Failure {
             Failure::input(format!("{what}: {refusal}"))
         }
         ClientError::Link(error) => refused(error),
-        ClientError::Unreachable { .. } => Failure::run(what, &io::Error::other(explained(error))),
+        ClientError::Unreachable { .. } | ClientError::Unauthorized { .. } => {
+            Failure::run(what, &io::Error::other(explained(error)))
+        }
         error => Failure::run(what, error),
     }
 }
@@ -72,7 +97,17 @@ pub(crate) fn failed(what: &str, error: &ClientError) -> Failure {
 pub(crate) fn explained(error: &ClientError) -> String {
     match error {
         ClientError::Unreachable { .. } => format!("{error}; is `iiwasim drive` running there?"),
+        ClientError::Unauthorized { what, .. } => format!("{error}{}", one_side(what)),
         error => error.to_string(),
+    }
+}
+
+/// Options that give keys to both sides, if that is why the drive refused.
+fn one_side(reason: &str) -> &'static str {
+    if reason == ConnectionRefusal::KeysOnOneSide.reason() {
+        "; a client has --key and --server-key, a drive --key and --allow"
+    } else {
+        ""
     }
 }
 
@@ -90,6 +125,7 @@ fn hint(error: &LinkError) -> &'static str {
         LinkError::Security(SecurityError::NoClientKeys { .. }) => {
             ". Put the clients' .pub files there, which `iiwasim keygen` makes"
         }
+        LinkError::Unauthorized { what, .. } => one_side(what),
         LinkError::ControllerAddress { .. } => "; give the controller's address with --cabinet",
         LinkError::FriNeedsKeys { .. } => "; give them with --key and --allow",
         _ => "",

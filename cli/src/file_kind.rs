@@ -20,7 +20,9 @@ impl JsonKind {
     pub(crate) fn of(text: &str) -> Option<Self> {
         let object: Map<String, Value> = serde_json::from_str(text).ok()?;
         let has = |key| object.contains_key(key);
-        if is_program_object(&object) || object.keys().all(|key| key == "version") {
+        if is_program_object(&object)
+            || object.keys().all(|key| key == "version" || key == "$schema")
+        {
             None
         } else if has("obstacles") || object.get("tool").is_some_and(Value::is_array) {
             Some(Self::Scene)

@@ -1,5 +1,6 @@
 //! Where the TCP is, and where frames are, in the workcell of a program.
 
+use iiwa_json::excerpt;
 use iiwa_kin::{Joints, Pose, Redundancy, Robot};
 use iiwa_program::{Target, TargetRef, Workcell};
 use serde::Serialize;
@@ -48,16 +49,25 @@ impl Workplace {
         pose
     }
 
-    /// A frame to go to, as JSON or by its name in the program; and where the flange is then, in the foot.
-    pub(crate) fn target(&self, text: &str) -> Result<(Target, Pose), Failure> {
-        let target = if text.trim_start().starts_with('{') || self.place.program.is_none() {
-            let target = Target::from_json(text)
-                .map_err(|error| Failure::in_text(&error.what(), error.place(), "--frame", text))?;
-            TargetRef::Given(target)
-        } else {
-            TargetRef::Named(text.to_owned())
-        };
-        let found = self.workcell.target(&target, self.place.base.as_deref());
+    /// The frame of `--frame`, as JSON or by its name in the program.
+    pub(crate) fn frame_named(&self, text: &str) -> Result<TargetRef, Failure> {
+        if text.trim_start().starts_with('{') {
+            return Target::from_json(text)
+                .map(TargetRef::Given)
+                .map_err(|error| Failure::in_text(&error.what(), error.place(), "--frame", text));
+        }
+        if self.place.program.is_none() {
+            return Err(Failure::input(format!(
+                "--frame: `{}` is no JSON object; the name of a frame needs --program, the file that has it",
+                excerpt(text)
+            )));
+        }
+        Ok(TargetRef::Named(text.to_owned()))
+    }
+
+    /// A frame to go to, and where the flange is then, in the foot.
+    pub(crate) fn target(&self, target: &TargetRef) -> Result<(Target, Pose), Failure> {
+        let found = self.workcell.target(target, self.place.base.as_deref());
         let (target, pose) = found.map_err(|fault| Failure::input(fault.to_string()))?;
         let flange = match self.tcp {
             Pose::IDENTITY => pose,

@@ -6,7 +6,8 @@ use serde_json::{Map, Value};
 
 use crate::failure::Failure;
 
-/// The objects of standard input, each with its line's number. Of a table, the names of the columns are the keys.
+/// The objects of standard input, each with its line's number, or why a line is none. Of a table, the names of the
+/// columns are the keys.
 pub(crate) struct Objects {
     lines: io::Lines<StdinLock<'static>>,
     number: usize,
@@ -25,9 +26,6 @@ impl Objects {
         }
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let Some(header) = &self.header else {
-            if fields.iter().any(|name| name.parse::<f64>().is_ok()) {
-                return Err("the first line has to name the columns".to_owned());
-            }
             self.header = Some(fields.into_iter().map(str::to_owned).collect());
             return Ok(None);
         };
@@ -49,7 +47,7 @@ impl Objects {
 }
 
 impl Iterator for Objects {
-    type Item = Result<(usize, Map<String, Value>), Failure>;
+    type Item = Result<(usize, Result<Map<String, Value>, String>), Failure>;
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
@@ -66,16 +64,30 @@ impl Iterator for Objects {
             if line.is_empty() {
                 continue;
             }
+            // No line of such a table can be read.
+            let is_number = |name: &str| name.trim().parse::<f64>().is_ok();
+            if self.header.is_none() && !line.starts_with('{') && line.split(',').any(is_number) {
+                let what = "the first line has to name the columns";
+                let place = format!("standard input, line {}", self.number);
+                return Some(Err(Failure::input(format!("{place}: {what}"))));
+            }
             match self.object(line) {
                 Ok(None) => {}
-                Ok(Some(object)) => return Some(Ok((self.number, object))),
-                Err(what) => {
-                    let place = format!("standard input, line {}", self.number);
-                    return Some(Err(Failure::input(format!("{place}: {what}"))));
-                }
+                Ok(Some(object)) => return Some(Ok((self.number, Ok(object)))),
+                Err(what) => return Some(Ok((self.number, Err(what)))),
             }
         }
     }
+}
+
+/// A number of a table: without digits that are noise, and no negative zero.
+pub(crate) fn rounded(value: f64) -> f64 {
+    (value * 1e12).round() / 1e12 + 0.0
+}
+
+/// A text in a table.
+pub(crate) fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
 }
 
 /// The joints of an object in rad: `joints_deg` or `joints_rad`, or a key a joint, as `joint_1_deg`.

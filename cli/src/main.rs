@@ -22,8 +22,6 @@ mod progress;
 mod replaceable;
 mod runner;
 mod settings;
-mod start;
-mod torques;
 mod twin;
 mod warning;
 

@@ -9,7 +9,8 @@ use std::{
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
-    Client, ClientError, LinkError, MAX_POINTS, Published, Stream, TimedJoints,
+    Client, ClientError, LinkError, MAX_POINTS, Published, StartOffset, Stream, TimedJoints,
+    Torques,
     message::{Code, DriveState, FriStatus, Refusal, Run as Measured, Samples, Status},
     security::Endpoint,
 };
@@ -24,8 +25,6 @@ use crate::{
     failure::{Failure, print_note},
     output,
     progress::Progress,
-    start::StartOffset,
-    torques::Torques,
 };
 
 /// How long to wait for the stream before the run and the interrupt flag are checked.

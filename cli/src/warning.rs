@@ -1,43 +1,8 @@
-//! What is odd about a program that can be planned.
+//! Warnings on standard error.
 
 use std::fmt::Write as _;
 
-use iiwa_path::{JointPath, TurnContradiction};
-use iiwa_program::{Program, Start};
 use iiwa_view::printable;
-
-/// What is odd about a program with this path: a start that leaves open how the arm stands, targets whose turn is not that of
-/// the joints there, and splines in which the TCP stops.
-pub(crate) fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
-    let turns = TurnContradiction::all(program, path.robot()).unwrap_or_default();
-    let stops = path.stops_in_splines().into_iter().map(|(motion, count)| {
-        let often = if count == 1 { "once".to_owned() } else { format!("{count} times") };
-        format!(
-            "motion {motion}: the TCP stops {often} within the spline, where direction, curvature, turn or E1 of two lines or \
-             circles do not go on; a segment `spl` between them makes them"
-        )
-    });
-    let end = program.blend_at_the_end().map(|motion| {
-        format!("motion {motion} is the last one: its blend has nothing to blend into, and the arm stops")
-    });
-    let turns = turns.iter().map(ToString::to_string);
-    open_start(program).into_iter().chain(turns).chain(stops).chain(end).collect()
-}
-
-/// What the frame that a program starts at does not say.
-fn open_start(program: &Program) -> Option<String> {
-    let Start::Frame(target) = &program.start else { return None };
-    let (target, _) = program.workcell.target(target, None).ok()?;
-    let open = [("e1_deg", target.e1_rad.is_none()), ("status", target.status.is_none())];
-    let open: Vec<_> =
-        open.iter().filter(|(_, is_open)| *is_open).map(|(key, _)| format!("`{key}`")).collect();
-    (!open.is_empty()).then(|| {
-        format!(
-            "the start is a frame without {}: E1 is taken as 0, the status as 2; the arm may stand another way",
-            open.join(" and ")
-        )
-    })
-}
 
 /// Warnings as they are reported on standard error; of one of many programs, with its name.
 pub(crate) fn warning_lines(warnings: &[String], program: Option<&str>) -> String {

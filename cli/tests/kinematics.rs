@@ -90,9 +90,12 @@ fn what_cannot_be_reached_is_refused_with_the_reason() {
     let far = r#"{ "x_mm": 1600, "y_mm": 0, "z_mm": 340, "a_deg": 0, "b_deg": 90, "c_deg": 0 }"#;
     // Stretched out, the arm ends at 952 mm.
     refuses(&with(far), &["648.000 mm too short"]);
-    refuses(&["--frame", DOWN], &["E1", "--e1-deg"]);
+    refuses(&["--frame", DOWN], &["E1, the position of joint A3, is not given", "--e1-deg"]);
+    refuses(&["--frame", "pick"], &["`pick` is no JSON object", "needs --program"]);
+    let whole = ["--frame", DOWN, "--e1-deg", "0", "--status", "1.5"];
+    refuses(&whole, &["`1.5` is not a whole number"]);
     refuses(&["--frame", DOWN, "--e1-deg", "0"], &["status", "--near"]);
-    refuses(&["--frame", DOWN, "--e1-deg", "0", "--status", "8"], &["8 is not in 0..8"]);
+    refuses(&["--frame", DOWN, "--e1-deg", "0", "--status", "8"], &["the range is 0 to 7"]);
     refuses(
         &["--frame", DOWN, "--e1-deg", "171", "--status", "2"],
         &["joint A3 is at 171 deg", "within their limits at E1", "deg"],

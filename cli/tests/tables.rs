@@ -105,7 +105,10 @@ fn poses_go_through_in_lines() {
     let poses = from_stdin(&["fk", "--stdin"], joints).success();
     let poses = String::from_utf8(poses.get_output().stdout.clone()).unwrap();
     assert_eq!(poses.lines().count(), 3, "{poses}");
-    assert!(poses.starts_with("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,e1_deg,status,turn\n"), "{poses}");
+    assert!(
+        poses.starts_with("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,e1_deg,status,turn,error\n"),
+        "{poses}"
+    );
     let back = from_stdin(&["ik", "--stdin"], &poses).success();
     let back = String::from_utf8(back.get_output().stdout.clone()).unwrap();
     let numbers = |line: &str| -> Vec<f64> {
@@ -131,8 +134,35 @@ fn poses_go_through_in_lines() {
     assert!(lines[1]["error"].as_str().unwrap().contains("mm"), "{stdout}");
     found.stderr(contains("line 2").and(contains("1 of 2 frames")));
 
+    // Joints that cannot be do not stop the others either; what fk prints is what ik reads.
+    let joints = "{\"joints_deg\": [0,30,0,-60,0,90,0]}\n{\"joints_deg\": [200,0,0,0,0,0,0]}\n\
+                  {\"joints_deg\": [10,20,30,-40,50,60,70]}\n";
+    let poses = from_stdin(&["fk", "--stdin", "--json"], joints).code(3);
+    let poses = String::from_utf8(poses.get_output().stdout.clone()).unwrap();
+    let back = from_stdin(&["ik", "--stdin", "--json"], &poses).code(3);
+    let stderr = String::from_utf8_lossy(&back.get_output().stderr).into_owned();
+    assert!(stderr.contains("standard input, line 2: unknown key `error`"), "{stderr}");
+    assert!(!stderr.contains("--frame"), "{stderr}");
+    let back = String::from_utf8(back.get_output().stdout.clone()).unwrap();
+    for (asked, found) in joints.lines().zip(back.lines()).step_by(2) {
+        let [asked, found] =
+            [asked, found].map(|line| serde_json::from_str::<Value>(line).unwrap());
+        for j in 0..7 {
+            let [asked, found] =
+                [&asked, &found].map(|object| object["joints_deg"][j].as_f64().unwrap());
+            assert!((asked - found).abs() < 1e-9, "{back}");
+        }
+    }
+    // A number is printed without the noise of its last digits.
+    let table = from_stdin(&["fk", "--stdin"], "{\"joints_deg\": [0,30,0,-60,0,90,0]}\n").success();
+    let table = String::from_utf8(table.get_output().stdout.clone()).unwrap();
+    let row = table.lines().nth(1).unwrap();
+    assert!(row.split(',').all(|field| field != "-0" && field.len() < 18), "{row}");
+
+    from_stdin(&["fk", "--stdin"], "1,2,3\n")
+        .code(2)
+        .stderr(contains("line 1: the first line has to name the columns"));
     for (text, reason) in [
-        ("1,2,3\n", "line 1: the first line has to name the columns"),
         ("joint_1_deg,joint_2_deg\n1,2\n", "line 2: there are 2 numbers, and seven joints"),
         ("joint_1_deg\n1,2\n", "line 2: 2 fields, and 1 columns"),
         ("joint_1_deg\nx\n", "line 2: joint_1_deg: `x` is not a number"),
@@ -141,7 +171,7 @@ fn poses_go_through_in_lines() {
         ("{\"joints\": 1}\n", "line 1: there is no `joints_deg`"),
         ("{\n", "line 1: "),
     ] {
-        let refused = from_stdin(&["fk", "--stdin"], text).code(2);
+        let refused = from_stdin(&["fk", "--stdin"], text).code(3);
         let stderr = String::from_utf8_lossy(&refused.get_output().stderr).replace("\n  │", "");
         assert!(stderr.contains(reason), "{text:?}: no {reason:?} in {stderr}");
     }

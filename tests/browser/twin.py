@@ -274,6 +274,9 @@ def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
 def joints_are_turned(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
     browser.until("live.health.status.state === 'idle' && document.body.classList.contains('simulated')")
+    assert browser.run("getComputedStyle(document.getElementById('simulated')).display") != "none"
+    # The table of the joints fits into its column.
+    assert browser.run("document.querySelector('aside').scrollWidth <= document.querySelector('aside').clientWidth")
     joint = "live.newest.joints_rad[2] * DEG"
     before = browser.run(joint)
     browser.run("document.getElementById('jog-step').value = '7'")

@@ -7,7 +7,7 @@ use iiwa_link::security::Endpoint;
 
 use super::{
     addresses::{ClientKeys, STREAM},
-    values::{epoch, noise, percent_above_zero, sampling_rate},
+    values::{epoch, noise, percent_above_zero, sampling_rate, whole},
 };
 
 /// Repeat an experiment of the thesis (Larsen 2019), or do one of our own, on the robot or on a virtual one.
@@ -87,7 +87,7 @@ pub(crate) struct Experiment {
 
     /// Number of poses of `limits` (20), points of `settle` (200) or paths of `cycle-time` (5); the numbers in
     /// brackets are the default and the maximum
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=200))]
+    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 200>)]
     pub(crate) count: Option<u16>,
 
     /// Let the arm move to the start of each program, at this share of the velocity limits, in per cent, 10

@@ -10,6 +10,7 @@ use super::{
     addresses::{DRIVE, DriveAddress, STREAM, ServerKeys},
     values::{
         at_least_0, epoch, io_value, noise, percent, percent_above_zero, period, seven, speed,
+        whole,
     },
 };
 
@@ -81,11 +82,11 @@ pub(crate) struct Drive {
 #[derive(Args, Debug)]
 pub(crate) struct Cabinet {
     /// Period of FRI messages, in ms: 1 to 10 to command the robot, up to 100 to monitor it
-    #[arg(long, value_name = "MS", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
+    #[arg(long, value_name = "MS", default_value_t = 5, value_parser = whole::<u32, 1, 100>)]
     pub(crate) period: u32,
 
     /// Number of messages for each answer of the drive
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32, 1, 10>)]
     pub(crate) receive_multiplier: u32,
 
     /// Speed of the robot's clock relative to real time, 0.01 to 100
@@ -132,7 +133,7 @@ pub(crate) struct CabinetFaults {
     pub(crate) packet_loss: f64,
 
     /// Delay of FRI messages, in cycles
-    #[arg(long, value_name = "CYCLES", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100))]
+    #[arg(long, value_name = "CYCLES", default_value_t = 0, value_parser = whole::<u32, 0, 100>)]
     pub(crate) delay: u32,
 
     /// Block FRI for a second, with this period, in s

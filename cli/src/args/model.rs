@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::{
     RosNaming,
-    values::{number, seven},
+    values::{number, seven, whole},
 };
 
 /// Forward kinematics: print the pose of the flange, or of a tool's TCP, at given joint angles.
@@ -93,7 +93,7 @@ pub(crate) struct Ik {
 
     /// Which of the eight ways of the arm, in place of the frame's: 1 if the wrist is behind A1, plus 2 if A4 is
     /// negative, plus 4 if A6 is
-    #[arg(long, value_name = "0-7", value_parser = clap::value_parser!(u8).range(0..8))]
+    #[arg(long, value_name = "0-7", value_parser = whole::<u8, 0, 7>)]
     pub(crate) status: Option<u8>,
 
     /// Joints A1 to A7 in degrees; E1 and status are theirs where not given

@@ -8,7 +8,7 @@ use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
 use super::{
     RosNaming, Urdf,
-    values::{at_least_0, epoch, rate},
+    values::{at_least_0, epoch, rate, whole},
 };
 
 /// Options that few need.
@@ -50,7 +50,7 @@ pub(crate) struct Plan {
     pub(crate) json: bool,
 
     /// Number of programs planned in parallel, 1 to 1024 [default: one a core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 1024>)]
     pub(crate) jobs: Option<u16>,
 
     /// Limits that the motion keeps: velocity within 0.1 %, acceleration within 0.2 %, jerk within 2 %
@@ -66,7 +66,7 @@ pub(crate) struct Plan {
     pub(crate) blend_search: Search,
 
     /// Samples a blend for --timing acceleration, 2 to 100000; more samples are more exact and slower
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=100_000), help_heading = METHOD)]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u32, 2, 100_000>, help_heading = METHOD)]
     pub(crate) samples: u32,
 
     /// Also write the trajectory as a table, of a single program: time, motion, joint positions, velocities and

@@ -16,6 +16,17 @@ fn within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     if inside { Ok(value) } else { Err(format!("the range is {low} to {high}{unit}")) }
 }
 
+/// A whole number, with its range.
+pub(super) fn whole<T: TryFrom<i64>, const LOW: i64, const HIGH: i64>(
+    text: &str,
+) -> Result<T, String> {
+    let value: i64 = text.trim().parse().map_err(|_| format!("`{text}` is not a whole number"))?;
+    let inside = Some(value).filter(|value| (LOW..=HIGH).contains(value));
+    inside
+        .and_then(|value| T::try_from(value).ok())
+        .ok_or_else(|| format!("the range is {LOW} to {HIGH}"))
+}
+
 /// A time, a distance or a gate's limit.
 pub(super) fn at_least_0(text: &str) -> Result<f64, String> {
     let value = number(text)?;

@@ -35,7 +35,8 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     config.faults.emergency_stop_at = faults.emergency_stop.map(|percent| percent / 100.0);
     output::catch_interrupts();
     log::start();
-    let cabinet = Cabinet::start(config, &server).map_err(|error| connection::refused(&error))?;
+    let cabinet = Cabinet::start(config, &server)
+        .map_err(|error| connection::not_started(&error, "--instructions or --state"))?;
     print_note(&format!(
         "Simulated cabinet: instructions at {}, state at {}, FRI every {} ms to UDP {}. Ctrl-C ends it.\n",
         cabinet.instructions(),

@@ -33,8 +33,8 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
     config.cabinet_state = at(host, options.cabinet_state);
     output::catch_interrupts();
     log::start();
-    let drive =
-        Drive::start(config, &clients, &cabinet).map_err(|error| connection::refused(&error))?;
+    let drive = Drive::start(config, &clients, &cabinet)
+        .map_err(|error| connection::not_started(&error, "--instructions, --stream or --fri"))?;
     print_note(&format!(
         "iiwaDrive: requests at {}, stream at {}, FRI at UDP {}, cabinet {host}. Ctrl-C ends it.\n",
         drive.instructions(),

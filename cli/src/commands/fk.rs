@@ -2,13 +2,14 @@
 
 use std::fmt::Write as _;
 
+use iiwa_kin::Pose;
 use serde::Serialize;
 
 use crate::{
     args::Fk,
-    failure::Failure,
+    failure::{Failure, print_note},
     frame::{ReachedFrame, Workplace},
-    lines::{Objects, joints_rad},
+    lines::{Objects, joints_rad, quoted, rounded},
     output,
 };
 
@@ -22,37 +23,60 @@ struct PoseAnswer<'a> {
 
 /// Of one of many poses.
 #[derive(Serialize)]
-struct PoseLine<'a> {
-    position_m: [f64; 3],
-    rotation: [[f64; 3]; 3],
-    frame: &'a ReachedFrame,
+#[serde(untagged)]
+enum PoseLine {
+    Pose { position_m: [f64; 3], rotation: [[f64; 3]; 3], frame: ReachedFrame },
+    Error { error: String },
 }
 
-/// Prints the poses of all joints on standard input.
+/// Prints the poses of all joints on standard input; joints that cannot be do not stop the others.
 fn many(place: &Workplace, json: bool) -> Result<(), Failure> {
     if !json {
-        output::print("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,e1_deg,status,turn\n")?;
+        output::print("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,e1_deg,status,turn,error\n")?;
     }
+    let (mut lines, mut failed) = (0_usize, 0_usize);
     for object in Objects::on_stdin() {
         let (number, object) = object?;
-        let refuse = |what| Failure::input(format!("standard input, line {number}: {what}"));
-        let joints = joints_rad(&object).map_err(refuse)?;
-        let limits = place.robot.limits();
-        limits.check(&joints).map_err(|outside| refuse(outside.to_string()))?;
-        let (pose, frame) = (place.pose(&joints), place.frame(&joints));
-        let line = if json {
-            let (position_m, rotation) = (pose.position_m, pose.rotation);
-            output::json_line(&PoseLine { position_m, rotation, frame: &frame })?
-        } else {
-            let ReachedFrame { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg, e1_deg, status, turn } =
-                frame;
-            format!("{x_mm},{y_mm},{z_mm},{a_deg},{b_deg},{c_deg},{e1_deg},{status},{turn}\n")
+        lines += 1;
+        let joints = object.and_then(|object| joints_rad(&object)).and_then(|joints| {
+            let limits = place.robot.limits();
+            limits.check(&joints).map(|()| joints).map_err(|outside| outside.to_string())
+        });
+        let answer = match joints {
+            Ok(joints) => {
+                let (Pose { position_m, rotation }, frame) =
+                    (place.pose(&joints), place.frame(&joints));
+                PoseLine::Pose { position_m, rotation, frame }
+            }
+            Err(error) => {
+                failed += 1;
+                let note = Failure::input(format!("standard input, line {number}: {error}"));
+                print_note(&format!("{}\n", note.what()));
+                PoseLine::Error { error }
+            }
         };
+        let line = if json { output::json_line(&answer)? } else { csv_line(&answer) };
         if !output::print_if_read(&line)? {
             break;
         }
     }
-    Ok(())
+    match failed {
+        0 => Ok(()),
+        failed => Err(Failure::Gate(format!("{failed} of {lines} lines have no pose"))),
+    }
+}
+
+fn csv_line(answer: &PoseLine) -> String {
+    match answer {
+        PoseLine::Pose { frame, .. } => {
+            let ReachedFrame { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg, e1_deg, status, turn } =
+                *frame;
+            let numbers = [x_mm, y_mm, z_mm, a_deg, b_deg, c_deg, e1_deg];
+            let numbers = numbers.map(|number| rounded(number).to_string()).join(",");
+            format!("{numbers},{status},{turn},\n")
+        }
+        PoseLine::Error { error } => format!("{}{}\n", ",".repeat(9), quoted(error)),
+    }
 }
 
 /// Prints the pose of the flange, or of a TCP.

@@ -3,13 +3,15 @@
 use std::fmt::Write as _;
 
 use iiwa_kin::{Joints, Singularity, Status, Turn};
+use iiwa_program::{Target, TargetRef};
 use serde::Serialize;
+use serde_json::{Map, Value};
 
 use crate::{
     args::Ik,
     failure::{Failure, print_note},
     frame::{ReachedFrame, Workplace},
-    lines::Objects,
+    lines::{Objects, quoted, rounded},
     output,
 };
 
@@ -39,7 +41,8 @@ pub(crate) fn run(options: &Ik) -> Result<(), Failure> {
     if options.stdin {
         return many(&place, options);
     }
-    let Solution { joints_rad, allowed_rad, turn } = solve(&place, options, &options.frame)?;
+    let Solution { joints_rad, allowed_rad, turn } =
+        solve(&place, options, &place.frame_named(&options.frame)?)?;
     check_turn(turn, &joints_rad);
     print(&place, &joints_rad, &allowed_rad, options.json)
 }
@@ -53,14 +56,14 @@ struct Solution {
     turn: Option<Turn>,
 }
 
-fn solve(place: &Workplace, options: &Ik, frame: &str) -> Result<Solution, Failure> {
+fn solve(place: &Workplace, options: &Ik, frame: &TargetRef) -> Result<Solution, Failure> {
     let robot = &place.robot;
     let (target, flange) = place.target(frame)?;
     let near = options.near.map(|joints_deg| joints_deg.map(f64::to_radians));
     let near = near.map(|joints_rad| robot.redundancy(&joints_rad));
     let e1_rad = options.e1_deg.map(f64::to_radians).or(target.e1_rad);
     let e1_rad = e1_rad.or(near.map(|near| near.e1_rad)).ok_or_else(|| {
-        missing("E1, the position of joint A3", "--e1-deg, by `e1_deg` in the frame")
+        missing("E1, the position of joint A3,", "--e1-deg, by `e1_deg` in the frame")
     })?;
     let status = options.status.and_then(Status::new).or(target.status);
     let status = status
@@ -95,8 +98,10 @@ fn many(place: &Workplace, options: &Ik) -> Result<(), Failure> {
     for object in Objects::on_stdin() {
         let (number, object) = object?;
         frames += 1;
-        let frame = serde_json::Value::Object(object).to_string();
-        let answer = match solve(place, options, &frame) {
+        let found = object
+            .map_err(Failure::input)
+            .and_then(|object| solve(place, options, &frame_of(object)?));
+        let answer = match found {
             Ok(Solution { joints_rad, .. }) => {
                 JointsLine { joints_deg: Some(joints_rad.map(f64::to_degrees)), error: None }
             }
@@ -118,13 +123,21 @@ fn many(place: &Workplace, options: &Ik) -> Result<(), Failure> {
     }
 }
 
+/// The frame of an object: itself, or its key `frame`, where `fk` has it.
+fn frame_of(mut object: Map<String, Value>) -> Result<TargetRef, Failure> {
+    let frame = object.remove("frame").filter(Value::is_object);
+    let text = frame.unwrap_or(Value::Object(object)).to_string();
+    // The line is all that can be told of the place.
+    let frame = Target::from_json(&text).map_err(|error| Failure::input(error.what()))?;
+    Ok(TargetRef::Given(frame))
+}
+
 fn csv_line(answer: &JointsLine) -> String {
     let joints = answer.joints_deg.map_or_else(
         || ",".repeat(6),
-        |joints_deg| joints_deg.map(|joint| joint.to_string()).join(","),
+        |joints_deg| joints_deg.map(|joint| rounded(joint).to_string()).join(","),
     );
-    let error = answer.error.as_ref().map(|error| format!("\"{}\"", error.replace('"', "\"\"")));
-    format!("{joints},{}\n", error.unwrap_or_default())
+    format!("{joints},{}\n", answer.error.as_deref().map(quoted).unwrap_or_default())
 }
 
 fn missing(what: &str, how: &str) -> Failure {

@@ -122,8 +122,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     }
     progress.clear();
     let Some(recorder) = recorder else {
-        let what = format!("nothing was recorded: nothing came from {}", options.stream);
-        return Err(Failure::Run { what, cause: None });
+        return Err(nothing_came(options));
     };
     let metadata = [("sample_count".to_owned(), samples.to_string())].into();
     recorder.finish(&metadata, &[]).map_err(refuse)?;
@@ -133,6 +132,13 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
         last.as_secs_f64(),
         path.display()
     ))
+}
+
+fn nothing_came(options: &Record) -> Failure {
+    let at = &options.stream;
+    let what =
+        format!("nothing was recorded: nothing came from {at}; is `iiwasim drive` running there?");
+    Failure::Run { what, cause: None }
 }
 
 /// Begins the file.

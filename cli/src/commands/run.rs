@@ -8,6 +8,7 @@ use std::{
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, message::Run as Measured};
 use iiwa_log::{Config, PlanFigures, PlanOptions};
+use iiwa_path::warnings;
 use iiwa_program::Program;
 use iiwa_scene::ArmInScene;
 use iiwa_traj::Trajectory;
@@ -25,7 +26,7 @@ use crate::{
         DriveConnection, Task, began, execute_with_progress, go_to_start, hint, recording, sampled,
         since_start,
     },
-    warning::{warning_lines, warnings},
+    warning::warning_lines,
 };
 
 /// Runs a program on the robot.

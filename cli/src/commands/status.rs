@@ -72,7 +72,8 @@ fn degrees(joints_rad: &[f64; 7]) -> String {
 }
 
 fn text(status: &Answer) -> String {
-    let mut text = format!("state          {}\n", status.state);
+    let simulated = if status.simulated { " (a simulated robot)" } else { "" };
+    let mut text = format!("state          {}{simulated}\n", status.state);
     match (status.joints_rad, status.t_s) {
         (Some(joints), Some(t_s)) => {
             let _ = writeln!(text, "joints        {}, at {t_s:.3} s", degrees(&joints));

@@ -1,13 +1,13 @@
 //! `iiwasim twin`.
 
 use std::{
-    net::{Ipv4Addr, TcpListener},
+    net::{Ipv4Addr, SocketAddr, TcpListener},
     sync::{Arc, Mutex},
     thread,
 };
 
 use crate::{
-    args,
+    args, connection,
     failure::{Failure, print_note},
     output,
     twin::{
@@ -15,6 +15,16 @@ use crate::{
         watch_health,
     },
 };
+
+/// A server for Foxglove and Lichtblick.
+fn viewers_at(setup: &Setup, at: SocketAddr) -> Result<Viewers, Failure> {
+    Viewers::listen(&setup.robot, &setup.names, at).map_err(|error| {
+        match error.cause.downcast_ref() {
+            Some(cause) => connection::not_listening(&error, cause, "--foxglove=IP:PORT"),
+            None => error.into(),
+        }
+    })
+}
 
 /// Follows the robot and serves its page until an interrupt.
 pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
@@ -26,8 +36,7 @@ pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     let address =
         listener.local_addr().map_err(|error| Failure::run("cannot serve the page", &error))?;
     let token = Token::new()?;
-    let viewers =
-        options.foxglove.map(|at| Viewers::listen(&setup.robot, &setup.names, at)).transpose()?;
+    let viewers = options.foxglove.map(|at| viewers_at(&setup, at)).transpose()?;
     output::catch_interrupts();
     let live = Arc::new(LatestJoints::default());
     let dispatcher = Arc::new(Dispatcher::new(setup.clone(), live.clone())?);

@@ -1,6 +1,7 @@
 //! State of the drive and the robot: status, sensors, inputs and outputs.
 
 use std::{
+    collections::BTreeMap,
     sync::Mutex,
     thread,
     time::{Duration, Instant, SystemTime},
@@ -8,7 +9,7 @@ use std::{
 
 use iiwa_link::{
     Client, ClientError,
-    message::{Code, DriveState, IoValue, Sensors, Status},
+    message::{Code, Direction, DriveState, IoValue, Sensors, Signal, Status},
 };
 use serde::Serialize;
 
@@ -36,12 +37,17 @@ pub(crate) struct Health {
     /// Whether sensors, inputs and outputs were read before the current motion: during one, the robot program
     /// answers no requests.
     is_old: bool,
+    /// Directions of inputs and outputs by name, once the robot program was asked for them.
+    #[serde(skip)]
+    directions: Option<BTreeMap<String, Direction>>,
 }
 
 /// An input or output.
 #[derive(Debug, Serialize)]
 struct NamedIo {
     name: String,
+    /// If the robot program tells it.
+    direction: Option<Direction>,
     value: Option<IoValue>,
     /// Why there is no value, if so.
     error: Option<String>,
@@ -90,6 +96,20 @@ impl Health {
             Err(ClientError::Refused { .. }) => self.sensors = None,
             Err(error) => return self.clear(&error),
         }
+        if self.directions.is_none() {
+            self.directions = match client.list_io() {
+                Ok(signals) => {
+                    let direction = |Signal { name, direction, .. }| (name, direction);
+                    Some(signals.into_iter().map(direction).collect())
+                }
+                Err(error) if busy(&error) => return,
+                // A robot program may not know all of its signals.
+                Err(ClientError::Refused { .. }) => Some(BTreeMap::new()),
+                Err(error) => return self.clear(&error),
+            };
+        }
+        let direction =
+            |name: &String| self.directions.as_ref().and_then(|of| of.get(name)).copied();
         let mut all = Vec::with_capacity(names.len());
         for name in names {
             let (value, error) = match client.get_io(name) {
@@ -99,7 +119,7 @@ impl Health {
                 // The next request would time out, too.
                 Err(error) => return self.clear(&error),
             };
-            all.push(NamedIo { name: name.clone(), value, error });
+            all.push(NamedIo { name: name.clone(), direction: direction(name), value, error });
         }
         self.io = all;
     }

@@ -4,12 +4,13 @@ use std::{fs, path::PathBuf};
 
 use iiwa_kin::Joints;
 use iiwa_log::{PlanConfig, PlanOptions, PlanSize, write_plan};
+use iiwa_path::warnings;
 use iiwa_program::{MotionList, Program};
 use iiwa_traj::Trajectory;
 use iiwa_view::{Extent, NearestPlaces, long_duration};
 use serde::Serialize;
 
-use crate::{failure::Failure, output::Output, warning::warnings};
+use crate::{failure::Failure, output::Output};
 
 use super::{
     Setup,

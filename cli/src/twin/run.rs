@@ -12,7 +12,7 @@ use std::{
 
 use iiwa_kin::Joints;
 use iiwa_link::{
-    ClientError,
+    ClientError, StartOffset,
     message::{DriveState, Run as Measured, Status},
 };
 use iiwa_log::{Config, JointLog};
@@ -24,7 +24,6 @@ use crate::{
     failure::Failure,
     output::Output,
     runner::{self, DriveConnection, ExecutedRun, Task},
-    start::StartOffset,
 };
 
 use super::{

@@ -21,7 +21,9 @@ fn the_robot_tells_of_itself() {
         let rig = Rig::new();
         rig.iiwasim("status", &[])
             .success()
-            .stdout(starts_with("state          idle\njoints           0.000    0.000 "))
+            .stdout(starts_with(
+                "state          idle (a simulated robot)\njoints           0.000    0.000 ",
+            ))
             .stdout(contains("monitoring_ready, quality").and(contains("robot program  connected")))
             .stderr(is_empty());
         let status = rig.json("status", &[]);
@@ -348,9 +350,10 @@ fn without_a_drive_it_is_said_soon() {
         rig.iiwasim("status", &[]).code(1).stdout(is_empty()).stderr(nobody());
         rig.iiwasim("run", &[rig.slow_program()]).code(1).stderr(nobody());
         assert!(!rig.path("slow.measured.mcap").exists());
-        rig.iiwasim("record", &["-o", "r.mcap", "--seconds", "0.5"])
-            .code(1)
-            .stderr(contains("nothing was recorded: nothing came from tcp://127.0.0.1:"));
+        rig.iiwasim("record", &["-o", "r.mcap", "--seconds", "0.5"]).code(1).stderr(
+            contains("nothing was recorded: nothing came from tcp://127.0.0.1:")
+                .and(contains("is `iiwasim drive` running there?")),
+        );
         assert!(!rig.path("r.mcap").exists());
         assert!(begin.elapsed() < Duration::from_secs(15), "{:?}", begin.elapsed());
     });
@@ -430,8 +433,13 @@ fn a_taken_address_is_named() {
         let rig = Rig::parts();
         let taken = TcpListener::bind("127.0.0.1:0").unwrap();
         let at = taken.local_addr().unwrap().to_string();
-        let ended = rig.start(&["drive", "--instructions", &at]).end().code(1);
-        assert!(ended.stderr.contains(&at), "{}", ended.stderr);
+        for command in ["drive", "cabinet"] {
+            let arguments = [command, "--instructions", &at, "--fri", &rig.fri];
+            let ended = rig.start(&arguments).end().code(1);
+            let said = format!("Error: cannot listen at tcp://{at}: ");
+            assert!(ended.stderr.contains(&said), "{}", ended.stderr);
+            assert!(ended.stderr.contains("another port with --instruct"), "{}", ended.stderr);
+        }
     });
 }
 

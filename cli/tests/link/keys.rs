@@ -28,7 +28,7 @@ const STRANGERS: [(&str, &[&str], &str); 3] = [
     (
         "a key that is not on the list",
         &["--key", "keys/mallory.key", "--server-key", "keys/drive.pub"],
-        "refused the connection: its key is not on the drive's list",
+        "refused the connection: the client's key is not on the drive's list",
     ),
     (
         "a wrong server key",

@@ -125,7 +125,12 @@ fn a_program_is_seen_sent_and_replayed() {
         assert_eq!(health["sensors"]["joint_temperature_c"].as_array().unwrap().len(), 7);
         assert_eq!(
             health["io"],
-            json!([{ "name": "MediaFlange.LEDBlue", "value": false, "error": null }])
+            json!([{
+                "name": "MediaFlange.LEDBlue",
+                "direction": "output",
+                "value": false,
+                "error": null
+            }])
         );
         page.order("set_io", json!({ "name": "MediaFlange.LEDBlue", "value": true })).unwrap();
         page.wait_for("health", |health| health["io"][0]["value"] == true);
@@ -273,7 +278,7 @@ fn what_cannot_be_sent_is_not() {
         // Half of a turn at a millionth of the speed.
         let slow =
             r#"{ "type": "ptp", "joints_deg": [160, 0, 0, 0, 0, 0, 0], "velocity_rel": 1e-6 }"#;
-        not_planned(program(slow), "the program takes 18days");
+        not_planned(program(slow), "the program takes 18 days");
         // Down on the table.
         let down = r#"{ "type": "ptp", "joints_deg": [0, 115, 0, 0, 0, 0, 0] }"#;
         let plan = load(&address, &mut page, &program(down));

@@ -73,8 +73,8 @@ fn refused(drive: &Drive, remote: &Remote) -> [String; 2] {
     [asked, refused_by_stream(drive, remote)]
 }
 
-const NOT_ALLOWED: &str = "its key is not on the drive's list";
-const ONE_SIDE: &str = "one side has keys and the other one has none";
+const NOT_ALLOWED: &str = "the client's key is not on the drive's list";
+const ONE_SIDE: &str = "one side has keys and the other one has none: both need them, or neither";
 const CLOSED: &str = "the drive closed the connection; is the drive's public key the right one?";
 
 #[test]

@@ -24,6 +24,11 @@ use crate::{Joint, Joints, Lengths, Limits, Robot, robot::MAX_LENGTH_M};
 #[serde(deny_unknown_fields)]
 #[schemars(title = "iiwasim robot profile", rename = "RobotProfile")]
 struct Wire {
+    /// Where the JSON Schema of this format is, for editors; nothing else uses it.
+    #[serde(default, rename = "$schema", deserialize_with = "given", skip_serializing)]
+    #[schemars(with = "String")]
+    #[expect(dead_code, reason = "it is for editors")]
+    schema: Option<String>,
     /// Version of this format.
     #[schemars(extend("const" = VERSION))]
     version: u64,
@@ -339,6 +344,7 @@ impl Wire {
         let (l, b) = (robot.lengths(), base.lengths());
         let known_masses = base.assumes("masses") && !robot.assumes("masses");
         Self {
+            schema: None,
             version: VERSION,
             base: Some(base.name.clone()),
             name: (robot.name != base.name).then(|| robot.name.clone()),

@@ -318,7 +318,9 @@ fn a_flange_has_a_length() {
 fn the_schema_has_every_key() {
     let schema = Robot::profile_schema();
     let keys = schema["properties"].as_object().unwrap();
-    assert_eq!(keys.len(), 14);
+    assert_eq!(keys.len(), 15);
+    let named = r#"{ "$schema": "profile.schema.json", "version": 1 }"#;
+    assert_eq!(Robot::from_profile(named).unwrap(), Robot::default());
     assert_eq!(schema["additionalProperties"], false);
     assert_eq!(schema["required"], serde_json::json!(["version"]));
     assert_eq!(keys["version"]["const"], 1);

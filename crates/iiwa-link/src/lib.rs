@@ -41,16 +41,20 @@ pub mod message;
 pub mod robot_program;
 pub mod security;
 pub mod socket;
+mod start_offset;
 mod stream;
 pub mod threads;
 mod timed_joints;
+mod torques;
 pub mod transport;
 
 pub use client::{Client, ClientError};
 pub use error::LinkError;
 pub use socket::{Remote, Server};
+pub use start_offset::StartOffset;
 pub use stream::{Published, Stream};
 pub use timed_joints::{MARGINS, MAX_POINTS, MAX_STEP_S, START_TOLERANCE_RAD, TimedJoints};
+pub use torques::Torques;
 
 /// Default TCP port of a drive for requests.
 pub const INSTRUCTIONS_PORT: u16 = 5560;

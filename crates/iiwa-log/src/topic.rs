@@ -8,14 +8,16 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Topic {
-    /// `/joint_states`, `sensor_msgs/msg/JointState`: positions in rad, velocities in rad/s.
+    /// `/joint_states`, `sensor_msgs/msg/JointState`: positions in rad, velocities in rad/s; in recordings, efforts are
+    /// the torques in Nm where the controller measures them.
     JointStates,
-    /// `/tf`, `tf2_msgs/msg/TFMessage`: the pose of every link in its parent.
+    /// `/tf`, `tf2_msgs/msg/TFMessage`: the pose of every link in its parent; in recordings at most
+    /// [`pose_rate_hz`](crate::RecorderConfig::pose_rate_hz) times a second, like `/tcp_pose`.
     Tf,
     /// `/robot_description`, `std_msgs/msg/String`: the URDF of the robot.
     RobotDescription,
     /// `/tcp_pose`, `geometry_msgs/msg/PoseStamped`: the pose of the TCP that moves; of the flange if there is no
-    /// tool.
+    /// tool, and in recordings, which do not know the tool.
     TcpPose,
     /// `/joint_trajectory`, `trajectory_msgs/msg/JointTrajectory`: the whole trajectory.
     JointTrajectory,

@@ -132,6 +132,8 @@ fn unknown_names() {
     check("\"velocity_rel\"", "\"velocity\"", (6, 64), "\"velocity\"", what);
     let what = "unknown key `robots`; did you mean `robot`?";
     check("\"start\"", "\"robots\": [], \"start\"", (3, 3), "\"robots\"", what);
+    let what = "expected a string, found `1`";
+    check("\"version\"", "\"$schema\": 1, \"version\"", (2, 14), "1", what);
     let what = "unknown key `joints`, expected one of `joints_rad`, `joints_deg`, `frame`";
     check("\"joints_deg\"", "\"joints\"", (3, 14), "\"joints\"", what);
     let what = "motion 3: unknown key `second`; did you mean `seconds`?";
@@ -186,7 +188,7 @@ fn joints_that_are_not_seven_numbers() {
     check("[0, 30,", "[0, [30],", (5, 40), "[", &format!("{number} a list"));
     check("[0, 30,", "[0, null,", (5, 40), "null", &format!("{number} null"));
 
-    let none = "the joints are missing: give `joints_deg` or `joints_rad`";
+    let none = "the target is missing: give `joints_deg`, `joints_rad` or `frame`";
     let both = "give either `joints_deg` or `joints_rad`, not both";
     check(
         "{ \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }",

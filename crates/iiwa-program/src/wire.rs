@@ -131,6 +131,10 @@ impl Program {
 #[serde(deny_unknown_fields)]
 #[schemars(title = "iiwasim motion program", rename = "Program")]
 struct ProgramWire<'a> {
+    /// Where the JSON Schema of this format is, for editors; nothing else uses it.
+    #[serde(default, rename = "$schema")]
+    #[expect(dead_code, reason = "it is for editors")]
+    schema: Option<String>,
     /// Version of this format.
     #[schemars(extend("const" = 1))]
     version: u64,

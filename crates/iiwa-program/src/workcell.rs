@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use iiwa_json::excerpt;
+use iiwa_json::{excerpt, meant};
 use iiwa_kin::Pose;
 
 use crate::{
@@ -78,7 +78,7 @@ pub struct Base {
 #[non_exhaustive]
 pub enum NameFault {
     /// There is no such tool, TCP, base or frame.
-    #[error("there is no {kind} `{}`{}", excerpt(.name), listed(.known))]
+    #[error("there is no {kind} `{}`{}", excerpt(.name), instead(.name, .known))]
     Unknown {
         /// What it should have been: `tool`, `base` or `frame`.
         kind: &'static str,
@@ -93,6 +93,17 @@ pub enum NameFault {
         /// The base.
         name: String,
     },
+}
+
+/// What may be meant in place of `name`: the one that is like it, or all.
+fn instead(name: &str, names: &[String]) -> String {
+    /// No slip of the pen lengthens a name by more.
+    const MOST_LETTERS: usize = 100;
+    let short = names.iter().map(String::as_str).filter(|name| name.len() <= MOST_LETTERS);
+    match meant(name, short) {
+        Some(meant) => format!("; did you mean `{}`?", excerpt(meant)),
+        None => listed(names),
+    }
 }
 
 fn listed(names: &[String]) -> String {
@@ -114,7 +125,8 @@ fn listed(names: &[String]) -> String {
         count if count < names.len() => ", ...",
         _ => "",
     };
-    format!("; there are {}{more}", shown.join(", "))
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    format!("; there {verb} {}{more}", shown.join(", "))
 }
 
 /// The name of the bare flange among tools.

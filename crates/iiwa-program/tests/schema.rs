@@ -5,7 +5,7 @@
 
 use std::{fs, path::Path};
 
-use iiwa_program::Program;
+use iiwa_program::{Program, Workcell};
 use jsonschema::Validator;
 use serde_json::{Value, json};
 
@@ -42,6 +42,18 @@ fn takes_all_fixtures() {
         }
         Program::from_json(&program.to_string()).unwrap();
     }
+}
+
+/// Editors bind a schema to a file by this key.
+#[test]
+fn files_may_name_their_schema() {
+    let program = json!({ "$schema": "program.schema.json", "version": 1,
+        "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }, "motions": [{ "type": "wait", "seconds": 1 }] });
+    schema().validate(&program).unwrap();
+    Program::from_json(&program.to_string()).unwrap();
+    let cell = json!({ "$schema": "frames.schema.json", "version": 1 });
+    assert!(jsonschema::is_valid(&Workcell::schema(), &cell));
+    assert!(Workcell::from_json(&cell.to_string()).unwrap().is_empty());
 }
 
 /// A program with another value at a pointer.

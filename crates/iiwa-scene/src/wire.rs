@@ -110,6 +110,10 @@ const KNOWN_TYPES: [&str; 2] = ["box", "plane"];
 #[serde(deny_unknown_fields)]
 #[schemars(title = "iiwasim scene", rename = "Scene")]
 struct SceneWire<'a> {
+    /// Where the JSON Schema of this format is, for editors; nothing else uses it.
+    #[serde(default, rename = "$schema")]
+    #[expect(dead_code, reason = "it is for editors")]
+    schema: Option<String>,
     /// Version of this format.
     #[schemars(extend("const" = 1))]
     version: u64,

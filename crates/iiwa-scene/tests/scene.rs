@@ -14,6 +14,8 @@ const GOOD: &str = r#"{ "version": 1, "obstacles": [
 
 #[test]
 fn reads_boxes_and_planes() {
+    let named = GOOD.replace("\"version\"", "\"$schema\": \"scene.schema.json\", \"version\"");
+    assert_eq!(Scene::from_json(&named).unwrap(), Scene::from_json(GOOD).unwrap());
     let scene = Scene::from_json(GOOD).unwrap();
     let [table, floor] = scene.obstacles() else { panic!("{scene:?}") };
     assert_eq!((table.name.as_str(), floor.name.as_str()), ("table", "floor"));

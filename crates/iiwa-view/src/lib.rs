@@ -26,6 +26,7 @@ mod printable;
 mod report;
 mod robot_sheet;
 mod run_report;
+mod signed;
 mod summary;
 mod table;
 mod twin;

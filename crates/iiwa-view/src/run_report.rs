@@ -6,6 +6,8 @@ use iiwa_eval::{Plan, compare};
 use iiwa_log::JointLog;
 use serde::Serialize;
 
+use crate::signed::signed;
+
 /// How a run went beside its plan. As JSON, this is the object of `iiwasim run --json`.
 ///
 /// The measured cycle time is that of `iiwasim compare` and of the report: from departure to arrival as the joint
@@ -63,7 +65,9 @@ impl RunReport {
             let _ = writeln!(
                 text,
                 "Measured   {measured_s:.3} s, planned {planned_s:.3} s: the plan is off by \
-                 {error_s:+.3} s, {percent:+.2} %"
+                 {} s, {} %",
+                signed(error_s, 3),
+                signed(percent, 2)
             );
         }
         if let Some(stated_s) = self.robot_program_cycle_time_s {

@@ -25,13 +25,14 @@
 //! | `plan` (default) | `json`, `program`, `path`, `solver`, `traj` | motion programs, paths, time-optimal trajectories |
 //! | `scene` | `scene` | obstacles and clearances |
 //! | `sunrise` | `sunrise` | frames and tools of Sunrise projects |
-//! | `log` | `log` | trajectories and recordings as MCAP files |
+//! | `log` | `log` | trajectories and recordings as MCAP files, trajectories as tables in CSV and Parquet too |
 //! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
 //! | `fri` | `fri` | KUKA's Fast Robot Interface |
 //! | `link` | `link` | the client of a drive |
 //! | `drive` | `drive` | the drive |
 //! | `cabinet` | `cabinet` | a simulated controller for it |
 //! | `view` | `view` | pages, pictures and reports as text |
+//! | `viewers` | `viewers` | the robot live in Foxglove and Lichtblick |
 //! | `full` | all | |
 //!
 //! Units are SI and radians unless a name ends in another one.

@@ -5,7 +5,7 @@ use std::path::Path;
 use bytesize::ByteSize;
 use iiwa_kin::Robot;
 use iiwa_log::{PlanConfig, PlanFigures, PlanOptions, PlanWriter, Planning};
-use iiwa_path::PathOptions;
+use iiwa_path::{PathOptions, warnings};
 use iiwa_program::Program;
 use iiwa_scene::{ArmInScene, Scene};
 use iiwa_traj::{JerkOptions, SweepOptions, Timing};
@@ -20,7 +20,6 @@ use crate::{
     output::{self, Output},
     picture,
     replaceable::Replaceable,
-    warning::warnings,
 };
 
 use super::tables::Tables;

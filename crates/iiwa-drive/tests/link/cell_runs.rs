@@ -140,6 +140,7 @@ fn a_stopped_line_stays_a_line() {
 
 /// Requests that are refused before anything moves: what is changed, the code, and a text in the message.
 #[test]
+#[expect(clippy::too_many_lines, reason = "a table of cases")]
 fn what_cannot_be_planned_is_refused() {
     let rig = bent_rig();
     let socket = RequestSocket::new(&rig.drive_config.instructions);
@@ -151,9 +152,14 @@ fn what_cannot_be_planned_is_refused() {
             "/tool",
             json!("griper"),
             "bad_request",
-            "there is no tool `griper`; there are `gripper`, `gripper/finger`, at line 1, column",
+            "there is no tool `griper`; did you mean `gripper`?, at line 1, column",
         ),
-        ("/tool", json!("gripper/tip"), "bad_request", "there is no tool `gripper/tip`"),
+        (
+            "/tool",
+            json!("gripper/tip"),
+            "bad_request",
+            "there is no tool `gripper/tip`; there are `gripper`, `gripper/finger`, at line 1, column",
+        ),
         ("/tool", json!(long), "bad_request", "xxx..."),
         ("/tool", json!("\u{1b}[2J"), "bad_request", "`\\u{1b}[2J`"),
         ("/tool", json!(1), "bad_request", "column"),
@@ -161,7 +167,7 @@ fn what_cannot_be_planned_is_refused() {
             "/base",
             json!("shelf"),
             "bad_request",
-            "there is no base `shelf`; there are `table`, at line 1, column",
+            "there is no base `shelf`; there is `table`, at line 1, column",
         ),
         ("/mode", json!("t3"), "bad_request", "unknown value `t3`"),
         ("/tools/gripper/tcp/z_mm", json!("120"), "bad_request", "column"),
@@ -179,7 +185,7 @@ fn what_cannot_be_planned_is_refused() {
             "/motions/0/frame",
             json!("peck"),
             "bad_request",
-            "motion 1: there is no frame `peck`; there are `pick`, `place`, `via`, at line 1, column",
+            "motion 1: there is no frame `peck`; did you mean `pick`?, at line 1, column",
         ),
         ("/motions/2/aux", json!("vea"), "bad_request", "motion 3: there is no frame `vea`"),
         (

@@ -18,8 +18,10 @@ impl ConnectionRefusal {
     #[must_use]
     pub fn reason(self) -> &'static str {
         match self {
-            Self::NotAllowed => "its key is not on the drive's list",
-            Self::KeysOnOneSide => "one side has keys and the other one has none",
+            Self::NotAllowed => "the client's key is not on the drive's list",
+            Self::KeysOnOneSide => {
+                "one side has keys and the other one has none: both need them, or neither"
+            }
             Self::Closed => {
                 "the drive closed the connection; is the drive's public key the right one?"
             }

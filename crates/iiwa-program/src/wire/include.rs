@@ -20,6 +20,10 @@ use crate::{program::Program, workcell::Workcell};
 #[serde(deny_unknown_fields)]
 #[schemars(title = "iiwasim frames", rename = "Frames")]
 struct FramesWire {
+    /// Where the JSON Schema of this format is, for editors; nothing else uses it.
+    #[serde(default, rename = "$schema", skip_serializing)]
+    #[expect(dead_code, reason = "it is for editors")]
+    schema: Option<String>,
     /// Version of this format.
     #[schemars(extend("const" = 1))]
     version: u64,
@@ -80,6 +84,7 @@ impl Workcell {
     #[must_use]
     pub fn to_json(&self) -> String {
         let wire = FramesWire {
+            schema: None,
             version: VERSION,
             tools: self.tools.iter().map(|(name, tool)| (name.clone(), tool.into())).collect(),
             bases: self.bases.iter().map(|(name, base)| (name.clone(), base.into())).collect(),

@@ -178,7 +178,7 @@ pub(super) fn joints_of(rad: Option<Joints>, deg: Option<Joints>) -> Result<Join
     match (rad, deg) {
         (Some(rad), None) => Ok(rad),
         (None, Some(deg)) => Ok(deg.map(f64::to_radians)),
-        (None, None) => Err("the joints are missing: give `joints_deg` or `joints_rad`"),
+        (None, None) => Err("the target is missing: give `joints_deg`, `joints_rad` or `frame`"),
         (Some(_), Some(_)) => Err("give either `joints_deg` or `joints_rad`, not both"),
     }
 }

@@ -137,10 +137,10 @@ function writeIo(io) {
       }),
     );
   }
-  io.forEach(({ value, error }, i) => {
+  io.forEach(({ direction, value, error }, i) => {
     const row = body.children[i];
     row.children[1].textContent = error || (value === true ? "on" : value === false ? "off" : String(value));
-    row.querySelector("button").hidden = typeof value !== "boolean";
+    row.querySelector("button").hidden = typeof value !== "boolean" || direction === "input";
   });
 }
 
@@ -149,7 +149,7 @@ async function switchIo(name) {
   if (!io || typeof io.value !== "boolean") return;
   const sure = await confirmed(
     `Switch ${name} ${io.value ? "off" : "on"}?`,
-    ["The robot takes it for outputs only."],
+    io.direction ? [] : ["The robot takes it for outputs only."],
     "Switch it",
   );
   if (sure) await ask("io-said", "set_io", { name, value: !io.value });

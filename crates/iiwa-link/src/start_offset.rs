@@ -2,11 +2,12 @@
 
 use std::fmt;
 
+use crate::START_TOLERANCE_RAD;
 use iiwa_kin::Joints;
-use iiwa_link::START_TOLERANCE_RAD;
 
 /// The joint that is farthest from the start of a program.
-pub(crate) struct StartOffset {
+#[derive(Clone, Copy, Debug)]
+pub struct StartOffset {
     /// Index from 0.
     joint: usize,
     at_rad: f64,
@@ -14,18 +15,23 @@ pub(crate) struct StartOffset {
 }
 
 impl StartOffset {
-    pub(crate) fn new(joints_rad: &Joints, start_rad: &Joints) -> Self {
+    /// Of a robot at `joints_rad` from the start of a program.
+    #[must_use]
+    pub fn new(joints_rad: &Joints, start_rad: &Joints) -> Self {
         let off = |j: &usize| (joints_rad[*j] - start_rad[*j]).abs();
         let joint = (0..7).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
         Self { joint, at_rad: joints_rad[joint], start_rad: start_rad[joint] }
     }
 
-    pub(crate) fn rad(&self) -> f64 {
+    /// How far that joint is, in rad.
+    #[must_use]
+    pub fn rad(&self) -> f64 {
         (self.at_rad - self.start_rad).abs()
     }
 
-    /// Whether a drive accepts the program.
-    pub(crate) fn is_within_tolerance(&self) -> bool {
+    /// Whether a drive accepts the program: up to [`START_TOLERANCE_RAD`].
+    #[must_use]
+    pub fn is_within_tolerance(&self) -> bool {
         self.rad() <= START_TOLERANCE_RAD
     }
 }

@@ -9,16 +9,17 @@ use iiwa_kin::Joints;
 /// The drive publishes torques and positions with the stamp that it keeps with the samples of a run: one number, so that
 /// nothing has to be near.
 #[derive(Debug, Default)]
-pub(crate) struct Torques(HashMap<u64, Joints>);
+pub struct Torques(HashMap<u64, Joints>);
 
 impl Torques {
     /// Keeps torques in Nm, by their stamp in s.
-    pub(crate) fn keep(&mut self, t_s: f64, measured_nm: Joints) {
+    pub fn keep(&mut self, t_s: f64, measured_nm: Joints) {
         self.0.insert(t_s.to_bits(), measured_nm);
     }
 
     /// Those of each stamp, where there are any.
-    pub(crate) fn at(&self, t_s: &[f64]) -> Vec<Option<Joints>> {
+    #[must_use]
+    pub fn at(&self, t_s: &[f64]) -> Vec<Option<Joints>> {
         t_s.iter().map(|t_s| self.0.get(&t_s.to_bits()).copied()).collect()
     }
 }
