@@ -82,8 +82,8 @@ pub(crate) struct Ik {
     )]
     pub(crate) frame: String,
 
-    /// Read many frames from standard input: a table with these keys as columns, or a JSON object a line. Prints a table
-    /// with a row each, or with --json an object a line
+    /// Read many frames from standard input: a table with these keys as columns, or a JSON object a line, also one as
+    /// `iiwasim fk --json` prints it. Prints a table with a row each, or with --json an object a line
     #[arg(long, conflicts_with = "frame")]
     pub(crate) stdin: bool,
 

@@ -125,6 +125,10 @@ fn many(place: &Workplace, options: &Ik) -> Result<(), Failure> {
 
 /// The frame of an object: itself, or its key `frame`, where `fk` has it.
 fn frame_of(mut object: Map<String, Value>) -> Result<TargetRef, Failure> {
+    // What fk prints in place of a pose.
+    if let Some(Value::String(error)) = object.get("error") {
+        return Err(Failure::input(error));
+    }
     let frame = object.remove("frame").filter(Value::is_object);
     let text = frame.unwrap_or(Value::Object(object)).to_string();
     // The line is all that can be told of the place.
