@@ -135,7 +135,11 @@ listChart(
 );
 if (report.compared) addDeviations();
 addClearance("clearance", "Smallest distance of the arm from obstacles, mm", "Clearance of the arm over time");
-addClearance("self_clearance", "Smallest distance of the arm from itself, mm", "Distance of the arm from itself over time");
+addClearance(
+  "self_clearance",
+  "Smallest distance of the arm from itself, mm",
+  "Distance of the arm from itself over time",
+);
 addPoint();
 
 function drawCharts() {

@@ -59,7 +59,8 @@ function writeNow() {
   if (near) {
     const mm = 1000 * valueAt(near.distance, t, 0, 1);
     const pair = pairAt(near, t);
-    $("pair").textContent = `At ${number(t, 3)} s: ${mm > 0 ? `${number(mm, 1)} mm` : "touching"}, ${pairText(pair.link, pair.other)}`;
+    $("pair").textContent =
+      `At ${number(t, 3)} s: ${mm > 0 ? `${number(mm, 1)} mm` : "touching"}, ${pairText(pair.link, pair.other)}`;
   }
   for (const { row, motion } of cells.rows) row.classList.toggle("current", Boolean(piece) && piece.motion === motion);
 }

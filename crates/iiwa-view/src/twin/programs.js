@@ -125,9 +125,7 @@ async function send() {
   const { plan } = desk;
   const lines = [
     `${plan.name}: ${plan.motions} motion${plan.motions === 1 ? "" : "s"}, ${number(plan.cycle_time_s, 3)} s.`,
-    ...(setup.scene
-      ? clearanceTexts(plan)
-      : ["There is no scene: the program has not been checked for collisions."]),
+    ...(setup.scene ? clearanceTexts(plan) : ["There is no scene: the program has not been checked for collisions."]),
     ...plan.warnings.map((text) => `Warning: ${text}.`),
     "The robot will move. Keep everyone out of its reach, and the emergency stop at hand.",
   ];
