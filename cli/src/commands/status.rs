@@ -7,7 +7,7 @@ use std::{
 
 use iiwa_link::{
     Published, Stream,
-    message::{DriveState, Presence, Status as Answer},
+    message::{DriveState, FriStatus, Presence, Status as Answer},
 };
 use iiwa_view::printable;
 
@@ -73,10 +73,12 @@ fn degrees(joints_rad: &[f64; 7]) -> String {
 
 fn text(status: &Answer) -> String {
     let simulated = if status.simulated { " (a simulated robot)" } else { "" };
-    let mut text = format!("state          {}{simulated}\n", status.state);
+    let stopped = if status.fri.safety_stop { ", a safety stop is active" } else { "" };
+    let mut text = format!("state          {}{stopped}{simulated}\n", status.state);
     match (status.joints_rad, status.t_s) {
         (Some(joints), Some(t_s)) => {
-            let _ = writeln!(text, "joints        {}, at {t_s:.3} s", degrees(&joints));
+            let last = if status.fri.session == FriStatus::SILENT { "last " } else { "" };
+            let _ = writeln!(text, "joints        {}, {last}at {t_s:.3} s", degrees(&joints));
         }
         _ => text.push_str("joints         unknown: nothing was received from the controller\n"),
     }

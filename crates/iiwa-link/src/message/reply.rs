@@ -122,6 +122,9 @@ pub struct FriStatus {
     pub lost: u64,
     /// Number of messages that arrived after a later one.
     pub late: u64,
+    /// Whether the safety controller demands a stop, as while the emergency stop is pressed.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub safety_stop: bool,
 }
 
 impl FriStatus {

@@ -102,7 +102,7 @@ function writeHealth() {
   $("state").replaceChildren();
   const known = (value) => (value === undefined || value === null ? "\u2013" : String(value).replaceAll("_", " "));
   const fri = status ? status.fri : {};
-  figure($("state"), "robot", known(status?.state));
+  figure($("state"), "robot", fri.safety_stop ? `${known(status.state)}, safety stop` : known(status?.state));
   figure($("state"), "FRI session", known(fri.session));
   figure($("state"), "FRI quality", known(fri.quality));
   figure($("state"), "messages lost, late", status ? `${fri.lost}, ${fri.late}` : "\u2013");

@@ -152,6 +152,7 @@ impl<C> Dispatcher<C> {
         );
         fri.lost = self.observation.map_or(0, |it| it.lost);
         fri.late = self.observation.map_or(0, |it| it.late);
+        fri.safety_stop = fresh.is_some_and(|it| it.safety != Safety::Normal);
         let mut status = Status::new(state, fri);
         status.joints_rad = self.observation.map(|it| it.joints_rad);
         status.t_s = self.observation.map(|it| it.t_s);

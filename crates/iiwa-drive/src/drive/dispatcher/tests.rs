@@ -56,6 +56,10 @@ impl DispatcherScene {
     }
 
     fn observe(&mut self) {
+        self.observe_with(Safety::Normal);
+    }
+
+    fn observe_with(&mut self, safety: Safety) {
         let observation = Observation {
             t_s: 2.0,
             clock_ahead_s: 0.0,
@@ -63,7 +67,7 @@ impl DispatcherScene {
             torques_nm: None,
             session: SessionState::MonitoringReady,
             quality: Quality::Excellent,
-            safety: Safety::Normal,
+            safety,
             lost: 0,
             late: 0,
             at: self.now,
@@ -164,6 +168,19 @@ impl DispatcherScene {
 
 fn stop() -> Value {
     json!({"type": "stop"})
+}
+
+#[test]
+fn a_safety_stop_is_told() {
+    let mut scene = DispatcherScene::new();
+    let mut is_told = |safety| {
+        scene.observe_with(safety);
+        scene.dispatcher.status(scene.now).fri.safety_stop
+    };
+    assert_eq!(
+        [Safety::Normal, Safety::Stop1, Safety::Normal].map(&mut is_told),
+        [false, true, false]
+    );
 }
 
 #[test]
