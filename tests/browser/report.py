@@ -332,11 +332,15 @@ def a_run_is_beside_its_plan(browser: Browser, pages: Pages) -> None:
 def a_scene_is_shown(browser: Browser, pages: Pages) -> None:
     desk(browser)
     browser.open(pages.page("scene"), "#t=0.5")
-    told = json.loads(
+    planned = json.loads(
         pages.iiwasim("plan", str(FIXTURES / "ten-motions.json"), "--scene", "cage.json", "--no-output", "--json")
-    )["clearance"]
+    )
+    told, itself = planned["clearance"], planned["self_clearance"]
     figures = browser.run("document.getElementById('figures').textContent")
     assert f"{told['distance_mm']:.1f} mm" in figures and f"and {told['obstacle']}" in figures, figures
+    assert f"from itself: {'the tool' if itself['link'] == 8 else 'link ' + str(itself['link'])}" in figures, figures
+    assert f"{itself['distance_mm']:.1f} mm" in figures, figures
+    assert browser.run("document.querySelectorAll('#clearances canvas').length") == 2
     # What is written is the clearance where the arm is.
     for t in (0.0, 0.96, 3.3, 6.0):
         seek(browser, t)
@@ -371,7 +375,7 @@ def a_scene_is_shown(browser: Browser, pages: Pages) -> None:
             browser.frames()
             assert browser.run("document.documentElement.scrollWidth") <= 390, name
             pages.keep(browser, f"{name}-{scheme}-phone")
-    assert browser.run("near.length") == 2
+    assert browser.run("report.arms.filter(it => it.clearance && it.self_clearance).length") == 2
     assert "clearance, measured" in browser.run("document.getElementById('figures').textContent")
     browser.scheme("light")
     browser.open(pages.page("scene"))
