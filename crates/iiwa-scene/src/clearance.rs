@@ -48,7 +48,8 @@ pub enum Other {
 /// unless they touch. Neither do pairs that the scene ignores.
 ///
 /// [Of its distances from itself](Self::self_clearance), those of parts count that are three links or more apart, the tool being
-/// the link after the last one: nearer ones cannot touch within the limits of the joints. That is an assumption.
+/// the link after the last one: nearer ones cannot touch within the limits of the joints. That is an assumption. Pairs of parts
+/// that are as far apart at all poses do not count there, either.
 ///
 /// A clone shares what was prepared: it costs next to nothing.
 #[derive(Clone, Debug)]
@@ -116,8 +117,10 @@ impl ArmInScene {
             (0..obstacles.len()).map(own).collect::<Vec<_>>()
         });
         let counts = counts.collect();
-        let may_touch =
-            |part: usize, other: usize| parts[other].shown + MAY_TOUCH <= parts[part].shown;
+        let may_touch = |part: usize, other: usize| {
+            parts[other].shown + MAY_TOUCH <= parts[part].shown
+                && !is_rigid(robot, &parts[part], &parts[other])
+        };
         let own_pairs = (0..parts.len()).flat_map(|part| {
             let others = (0..parts.len()).filter(move |other| may_touch(part, *other));
             others.map(move |other| Pair { part, target: Target::Part(other) })
@@ -271,6 +274,25 @@ impl ArmInScene {
             on_other_m: near.on_other.into(),
         }
     }
+}
+
+/// Whether two parts of the arm have the same distance at all poses, as what turns about a ball's middle has. Parts that touch
+/// count all the same.
+fn is_rigid(robot: &Robot, part: &Part, other: &Part) -> bool {
+    /// Poses all over the joints' ranges. Two of them tell nearly all pairs.
+    const POSES: u32 = 16;
+    /// Error of two distances, in m.
+    const SAME_M: f64 = 1e-6;
+    let distance = |pose: u32| {
+        // Shares of a Kronecker sequence: of roots of primes, which have no common period.
+        let shares = [2.0_f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0]
+            .map(|prime| 2.0 * (f64::from(pose) * prime.sqrt()).fract() - 1.0);
+        let poses = robot.link_poses(&robot.limits().at_shares(&shares));
+        let [body, near] = [part, other].map(|it| it.at(&poses[it.link]));
+        near_part(&body, &near, f64::MAX).map_or(0.0, |near| near.distance)
+    };
+    let first = distance(1);
+    first > 0.0 && (2..=POSES).all(|pose| (distance(pose) - first).abs() < SAME_M)
 }
 
 /// Whether a part, which only joint 1 moves, has the same distance from an obstacle at all poses. A part that touches it counts all the same.

@@ -72,7 +72,23 @@ fn distance(shape: &Shape, point: &Point3<f64>) -> f64 {
     }
 }
 
-/// The least distance of links that are three or more apart.
+/// Whether a ball is as far from another shape at all poses: its middle is at rest in the other's frame.
+fn is_rigid(robot: &Robot, [(link, a), (other, b)]: [(usize, &Shape); 2]) -> bool {
+    let at = |k: u32| {
+        let poses = robot
+            .link_poses(&[0.31, -0.7, 1.1, 0.9, -1.3, 0.8, 2.0].map(|q| q * f64::from(k) / 4.0));
+        let a_in_b =
+            (isometry(&poses[other]) * frame(b)).inv_mul(&(isometry(&poses[link]) * frame(a)));
+        match (size(a).1, size(b).1) {
+            (None, _) => distance(b, &(a_in_b * Point3::origin())),
+            (_, None) => distance(a, &(a_in_b.inverse() * Point3::origin())),
+            _ => f64::from(k),
+        }
+    };
+    (1..4).all(|k| (at(k) - at(0)).abs() < 1e-9)
+}
+
+/// The least distance of links that are three or more apart, of what moves to each other.
 fn by_points(robot: &Robot, q: &Joints) -> f64 {
     let shapes = robot.link_shapes();
     let poses = robot.link_poses(q);
@@ -82,6 +98,9 @@ fn by_points(robot: &Robot, q: &Joints) -> f64 {
             for (a, b) in
                 shapes[link].iter().flat_map(|a| shapes[other].iter().map(move |b| (a, b)))
             {
+                if is_rigid(robot, [(link, a), (other, b)]) {
+                    continue;
+                }
                 let [to_a, to_b] =
                     [(link, a), (other, b)].map(|(l, it)| isometry(&poses[l]) * frame(it));
                 let a_in_b = to_b.inv_mul(&to_a);
