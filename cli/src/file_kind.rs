@@ -4,9 +4,11 @@ use iiwa_kin::Robot;
 use iiwa_program::Workcell;
 use serde_json::{Map, Value};
 
-/// JSON files that are not programs.
+/// Kinds of JSON files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum JsonKind {
+    /// A motion program.
+    Program,
     /// A robot profile.
     Profile,
     /// A scene.
@@ -16,13 +18,13 @@ pub(crate) enum JsonKind {
 }
 
 impl JsonKind {
-    /// The kind of a text that is no program; none if it may be one, or is of no kind that is known.
+    /// The kind of a text; none if that cannot be told.
     pub(crate) fn of(text: &str) -> Option<Self> {
         let object: Map<String, Value> = serde_json::from_str(text).ok()?;
         let has = |key| object.contains_key(key);
-        if is_program_object(&object)
-            || object.keys().all(|key| key == "version" || key == "$schema")
-        {
+        if ["start", "motions"].into_iter().any(has) {
+            Some(Self::Program)
+        } else if object.keys().all(|key| key == "version" || key == "$schema") {
             None
         } else if has("obstacles") || object.get("tool").is_some_and(Value::is_array) {
             Some(Self::Scene)
@@ -35,25 +37,18 @@ impl JsonKind {
         }
     }
 
-    /// A hint for a user who gave the file as a program.
-    pub(crate) fn hint(self) -> &'static str {
-        match self {
-            Self::Profile => "is a robot profile, not a program: it belongs to --robot",
-            Self::Scene => "is a scene, not a program: it belongs to --scene",
+    /// What to tell a user who gave a file of this kind in place of a `wanted` one.
+    pub(crate) fn hint(self, wanted: &str) -> String {
+        let (own, place) = match self {
+            Self::Program => ("motion program", ""),
+            Self::Profile => ("robot profile", ": it belongs to --robot"),
+            Self::Scene => ("scene", ": it belongs to --scene"),
             Self::Frames => {
-                "is a file of tools, bases and frames, not a program: programs name it under `include`"
+                ("file of tools, bases and frames", ": programs name it under `include`")
             }
-        }
+        };
+        format!("is a {own}, not a {wanted}{place}")
     }
-}
-
-/// Whether a text that cannot be read was meant to be a program.
-pub(crate) fn is_program(text: &str) -> bool {
-    serde_json::from_str(text).is_ok_and(|object| is_program_object(&object))
-}
-
-fn is_program_object(object: &Map<String, Value>) -> bool {
-    ["start", "motions"].iter().any(|key| object.contains_key(*key))
 }
 
 /// What bytes are that are no text, if that can be told.

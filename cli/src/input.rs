@@ -17,7 +17,7 @@ use iiwa_view::with_causes;
 
 use crate::{
     failure::Failure,
-    file_kind::{JsonKind, binary_hint, is_program},
+    file_kind::{JsonKind, binary_hint},
 };
 
 /// A file's name and text.
@@ -93,7 +93,7 @@ pub(crate) fn workcell(path: &Path, robot: Option<&str>) -> Result<(Workcell, Ro
         Ok(workcell) => {
             return Ok((workcell, robot.map_or_else(default_robot, find_robot)?));
         }
-        Err(error) if !is_program(&text.text) => {
+        Err(error) if JsonKind::of(&text.text) != Some(JsonKind::Program) => {
             return Err(Failure::in_text(&error.what(), error.place(), &text.name, &text.text));
         }
         Err(_) => {}
@@ -118,12 +118,13 @@ fn program_of(
         }
         error => Failure::in_text(&error.what(), error.place(), &name, &text),
     };
-    if program.is_err()
-        && let Some(kind) = JsonKind::of(&text)
-    {
-        return Err(Failure::input(format!("{name} {}", kind.hint())));
-    }
-    let program = program.map_err(refuse)?;
+    let program = match program {
+        Ok(program) => program,
+        Err(error) => {
+            return Err(other_kind(&name, &text, JsonKind::Program, "program")
+                .unwrap_or_else(|| refuse(error)));
+        }
+    };
     let merged = file.map(|file| Program::merged_json(&text, &file)).transpose().map_err(refuse)?;
     let robot = match (robot, &program.robot) {
         (Some(name), _) => find_robot(name)?,
@@ -133,6 +134,12 @@ fn program_of(
         }
     };
     Ok((ProgramText { name, text, merged }, program, robot))
+}
+
+/// The failure of a file that is of another kind than the one that it was given as, if that can be told.
+fn other_kind(name: &str, text: &str, own: JsonKind, wanted: &str) -> Option<Failure> {
+    let kind = JsonKind::of(text).filter(|kind| *kind != own)?;
+    Some(Failure::input(format!("{name} {}", kind.hint(wanted))))
 }
 
 /// The robot of the profile that a program, read from `path` with this name and text, names.
@@ -224,8 +231,10 @@ fn beside(from: &Path, name: &str, endings: &[&str]) -> Result<PathBuf, NotBesid
 /// Reads a scene with the meshes that it names.
 pub(crate) fn scene(path: &Path) -> Result<Scene, Failure> {
     let Text { name, text } = Text::read(path)?;
-    Scene::from_json_with(&text, |name| mesh(path, name))
-        .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))
+    Scene::from_json_with(&text, |name| mesh(path, name)).map_err(|error| {
+        other_kind(&name, &text, JsonKind::Scene, "scene")
+            .unwrap_or_else(|| Failure::in_text(&error.what(), error.place(), &name, &text))
+    })
 }
 
 /// Reads the file of a mesh that the scene at `path` names; the error says why it cannot be read.
@@ -271,8 +280,10 @@ pub(crate) fn find_robot(name: &str) -> Result<Robot, Failure> {
 
 /// The robot of a profile.
 fn robot_of(Text { name, text }: &Text) -> Result<Robot, Failure> {
-    Robot::from_profile(text)
-        .map_err(|error| Failure::in_text(&error.what(), error.place(), name, text))
+    Robot::from_profile(text).map_err(|error| {
+        other_kind(name, text, JsonKind::Profile, "robot profile")
+            .unwrap_or_else(|| Failure::in_text(&error.what(), error.place(), name, text))
+    })
 }
 
 fn unknown_robot(name: &str, path: &Path) -> String {

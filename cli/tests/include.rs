@@ -171,10 +171,20 @@ fn what_is_no_program_is_called_what_it_is() {
         fs::write(folder.path().join(name), text).unwrap();
         iiwasim(&folder, &["plan", name, "--no-output"]).code(2).stderr(contains(what));
     }
-    iiwasim(&folder, &["plan", "program.json", "-o", "plan.mcap"]).success();
-    iiwasim(&folder, &["plan", "plan.mcap", "--no-output"])
+    // And the other way round.
+    for (option, what) in [
+        ("--scene", "program.json is a motion program, not a scene"),
+        ("--robot", "program.json is a motion program, not a robot profile"),
+    ] {
+        iiwasim(&folder, &["plan", "program.json", "--no-output", option, "program.json"])
+            .code(2)
+            .stderr(contains(what));
+    }
+    iiwasim(&folder, &["plan", "program.json", "--no-output", "--robot", "scene.json"])
         .code(2)
-        .stderr(contains("an MCAP file"));
+        .stderr(contains("is a scene, not a robot profile: it belongs to --scene"));
+    iiwasim(&folder, &["plan", "program.json", "-o", "plan.mcap"]).success();
+    iiwasim(&folder, &["plan", "plan.mcap"]).code(2).stderr(contains("an MCAP file"));
 }
 
 #[test]

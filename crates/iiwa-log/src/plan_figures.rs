@@ -88,7 +88,7 @@ pub struct MotionRecord {
     pub limited_by: Option<LimitRecord>,
     /// All limits that bind, with their shares of the time.
     pub limits: Vec<LimitShareRecord>,
-    /// Of a motion to a frame, what there is to say of its TCP.
+    /// What there is to say of the TCP of a motion to a frame, or of a program with a tool.
     #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
     pub cartesian: Option<CartesianRecord>,
 }

@@ -67,7 +67,7 @@ pub struct MotionFigures {
     pub limited_by: Option<Limit>,
     /// All limits that it is at, the one for the longest time first.
     pub limits: Vec<LimitShare>,
-    /// The figures of the TCP, if the motion's target is a frame.
+    /// The figures of the TCP, if the motion's target is a frame or the program has a tool.
     pub cartesian: Option<CartesianFigures>,
 }
 
@@ -123,8 +123,7 @@ impl Section {
                     peak_velocity_rel,
                     limited_by: first.kind.moves().then(|| usage.limit()),
                     limits: usage.shares(moving_s),
-                    cartesian: motion_type
-                        .is_cartesian()
+                    cartesian: (motion_type.is_cartesian() || self.path.has_tools())
                         .then(|| self.cartesian_figures(pieces))
                         .flatten(),
                 }

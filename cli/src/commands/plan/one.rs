@@ -33,10 +33,10 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
         }
         log::trace();
     }
+    let input = input::program(program, options.robot.as_deref())?;
     let target = output_path(options, program);
     distinct(options, program, target.as_deref())?;
     let scene = scene(options)?;
-    let input = input::program(program, options.robot.as_deref())?;
     output::catch_interrupts();
     let mut progress = Progress::of_program();
     let show = |share| progress.show_share(share);

@@ -73,7 +73,8 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
 
 /// Whether it is a robot profile, a scene or a file to include.
 fn is_other(path: &Path) -> bool {
-    fs::read_to_string(path).is_ok_and(|text| JsonKind::of(&text).is_some())
+    fs::read_to_string(path)
+        .is_ok_and(|text| JsonKind::of(&text).is_some_and(|kind| kind != JsonKind::Program))
 }
 
 /// Refuses a program that is given twice.
