@@ -86,7 +86,7 @@ fn a_program_runs() {
             .stdout(contains("Cycle time 3.198 s").and(contains("A1 velocity")))
             .stdout(
                 is_match(
-                    "Measured   3\\.(19|20)[0-9] s, planned 3.198 s: the plan is off by [-+]0.00",
+                    "Measured   3\\.(19|20)[0-9] s, planned 3.198 s: the plan is off by [-+]?0.00",
                 )
                 .unwrap(),
             )
