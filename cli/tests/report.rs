@@ -134,7 +134,9 @@ fn a_scene_is_around_the_arm() {
         );
         // All else is as without it.
         with.as_object_mut().unwrap().remove("scene");
-        with["arms"][0].as_object_mut().unwrap().remove("clearance");
+        for distance in ["clearance", "self_clearance"] {
+            with["arms"][0].as_object_mut().unwrap().remove(distance);
+        }
         assert_eq!(with, without);
     }
     let over = ["report", "plan.mcap", "--scene", "scene.json", "-o", "scene.json"];

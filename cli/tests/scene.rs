@@ -165,7 +165,8 @@ fn refuses_what_is_no_scene() {
     refused(&["ten-motions.json", "--min-clearance", "5"], &["--scene"]);
     refused(&["ten-motions.json", "--scene", "cage.json", "--min-clearance=-1"], &["negative"]);
     refused(&["ten-motions.json", "--scene", "none.json"], &["cannot read none.json"]);
-    refused(&["ten-motions.json", "--scene", "ten-motions.json"], &["line 3", "unknown key"]);
+    let program = ["ten-motions.json", "--scene", "ten-motions.json"];
+    refused(&program, &["is a motion program, not a scene"]);
     let wrong = "{ \"version\": 1, \"obstacles\": [\n  { \"name\": \"a\", \"type\": \"box\", \
                  \"center_mm\": [0, 0, 0], \"size_mm\": [1, 0, 1] } ] }";
     fs::write(cell.path().join("wrong.json"), wrong).unwrap();
