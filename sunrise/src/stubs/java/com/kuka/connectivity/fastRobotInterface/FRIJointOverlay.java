@@ -1,0 +1,14 @@
+package com.kuka.connectivity.fastRobotInterface;
+
+import com.kuka.roboticsAPI.motionModel.IMotionOverlay;
+
+/** A stub of ours: see src/stubs/README.md. */
+public class FRIJointOverlay implements IMotionOverlay {
+    public FRIJointOverlay(FRISession session, ClientCommandMode mode) {
+    }
+
+    @Override
+    public String toString() {
+        return "overlay";
+    }
+}

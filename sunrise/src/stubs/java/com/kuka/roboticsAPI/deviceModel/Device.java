@@ -1,0 +1,6 @@
+package com.kuka.roboticsAPI.deviceModel;
+
+/** A stub of ours: see src/stubs/README.md. */
+public interface Device {
+    String getName();
+}

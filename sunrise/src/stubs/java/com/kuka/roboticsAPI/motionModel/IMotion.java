@@ -1,0 +1,5 @@
+package com.kuka.roboticsAPI.motionModel;
+
+/** A stub of ours: see src/stubs/README.md. */
+public interface IMotion {
+}

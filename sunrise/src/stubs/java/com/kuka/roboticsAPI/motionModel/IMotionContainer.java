@@ -1,0 +1,12 @@
+package com.kuka.roboticsAPI.motionModel;
+
+/** A stub of ours: see src/stubs/README.md. */
+public interface IMotionContainer {
+    void cancel();
+
+    boolean isFinished();
+
+    boolean hasError();
+
+    String getErrorMessage();
+}
