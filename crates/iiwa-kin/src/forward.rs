@@ -55,6 +55,15 @@ impl Frame {
         }
     }
 
+    /// From link `j` + 1, turned, to the frame of the next one before its turn.
+    #[inline(always)]
+    pub(crate) fn step(&mut self, j: usize, d: &[f64; 4]) {
+        if j.is_multiple_of(2) {
+            self.advance(d[j / 2]);
+        }
+        self.twist(TWIST_QUARTERS[j]);
+    }
+
     #[inline(always)]
     pub(crate) fn pose(&self) -> Pose {
         Pose {
@@ -206,10 +215,7 @@ impl Robot {
         for j in 0..7 {
             frame.turn(s[j], c[j]);
             poses[j + 1] = frame.pose();
-            if j % 2 == 0 {
-                frame.advance(d[j / 2]);
-            }
-            frame.twist(TWIST_QUARTERS[j]);
+            frame.step(j, &d);
         }
         poses[8] = frame.pose();
         poses

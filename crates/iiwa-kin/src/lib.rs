@@ -1,5 +1,5 @@
-//! Kinematics of the KUKA LBR iiwa: robot models, forward and inverse kinematics, Jacobian, URDF in and out.
-//! It knows nothing of motion.
+//! Kinematics and dynamics of the KUKA LBR iiwa: robot models, forward and inverse kinematics, Jacobian, joint torques,
+//! URDF in and out. It knows nothing of motion.
 //!
 //! ```
 //! use iiwa_kin::Robot;
@@ -20,21 +20,32 @@
 
 mod batch;
 mod dh;
+mod dynamics;
+mod dynamics_batch;
 mod forward;
 mod forward_moving;
+mod friction;
+mod inertials;
 mod inverse;
 mod inverse_point;
 mod joint;
 mod limits;
+mod links;
+mod load;
+mod moments;
+mod mount;
 mod moving_pose;
+mod newton_euler;
 mod number;
 mod pose;
 #[cfg(feature = "profile")]
 mod profile;
 mod reachable;
 mod redundancy;
+mod rigid_body;
 mod robot;
 pub mod rotation;
+mod shape_inertia;
 mod shapes;
 mod singularity;
 mod status;
@@ -47,15 +58,20 @@ mod urdf;
 pub mod vector;
 
 pub use dh::DhRow;
+pub use dynamics::{Dynamics, PathTorques};
+pub use friction::Friction;
 pub use inverse_point::FlangePoint;
 pub use joint::Joint;
 pub use limits::{Limits, OutsideRange};
+pub use load::Load;
+pub use mount::Mount;
 pub use moving_pose::MovingPose;
 pub use number::Number;
 pub use pose::Pose;
 #[cfg(feature = "profile")]
 pub use profile::ProfileError;
 pub use redundancy::Redundancy;
+pub use rigid_body::RigidBody;
 pub use robot::{Assumption, BadLength, Lengths, Robot};
 pub use shapes::{Along, Shape, Solid};
 pub use singularity::{SingularPart, Singularity};

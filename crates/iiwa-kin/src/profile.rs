@@ -2,10 +2,12 @@
 
 mod bounds;
 mod error;
+mod links;
+mod units;
 
 use iiwa_json::{
     Object, Place,
-    Step::{self, Index, Key},
+    Step::{Index, Key},
     Unread, locate, problem, read_version,
 };
 use schemars::JsonSchema;
@@ -17,6 +19,10 @@ use self::bounds::{
     VELOCITIES, VERSION,
 };
 pub use self::error::ProfileError;
+use self::{
+    links::{FrictionWire, LinkWire, bodies, check_flange_mass, check_masses, written},
+    units::{DEG, SAME, checked, differ, from_mm, kappa, list, unconvert, within},
+};
 use crate::{Joint, Joints, Lengths, Limits, Robot, robot::MAX_LENGTH_M};
 
 /// A robot model for iiwasim: a built-in model and what is different from it.
@@ -72,10 +78,23 @@ struct Wire {
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_NUMBER)))]
     torque_limit_nm: Option<Vec<f64>>,
-    /// Masses of link 0 (the base) to link 7, in kg.
+    /// Masses of link 0 (the base) to link 7, in kg. Without `links`, the links are simple shapes of these masses.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 8), extend("items" = positive(MAX_NUMBER)))]
     link_mass_kg: Option<Vec<f64>>,
+    /// Links 1 to 7 as bodies, each in the frame that the URDF has for it: z is the joint's axis, the origin is in the base,
+    /// twice in the shoulder, twice in the elbow and twice in the wrist.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<LinkWire>", length(equal = 7))]
+    links: Option<Vec<Object<LinkWire>>>,
+    /// What the flange weighs beyond link 7, as a media flange does, in kg: a point on axis 7, 13 mm behind its face.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("minimum" = 0, "maximum" = MAX_NUMBER))]
+    flange_mass_kg: Option<f64>,
+    /// Friction of the joints behind their gears; none when left out.
+    #[serde(default, deserialize_with = "given_object", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "FrictionWire")]
+    friction: Option<FrictionWire>,
     /// kappa of the blends as a polynomial of the angle gamma in degrees: the constant, the factors of
     /// gamma and of gamma^2.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
@@ -275,10 +294,7 @@ impl Wire {
         if let Some(ranges) = &self.position_range_deg {
             self.set_ranges(text, ranges, limits)?;
         }
-        if let Some(numbers) = &self.link_mass_kg {
-            robot.link_mass_kg = list(text, MASSES, numbers, MAX_NUMBER, SAME)?;
-            robot.drop_assumption("masses");
-        }
+        robot = self.set_links(text, robot)?;
         if let Some(numbers) = &self.blend_kappa {
             robot.blend_kappa = kappa(text, KAPPA, numbers)?;
         }
@@ -294,6 +310,28 @@ impl Wire {
         }
         if self.jerk_limit_deg_s3.is_some() {
             robot.drop_assumption("jerk");
+        }
+        Ok(robot)
+    }
+
+    /// Takes over what is given of links, flange and friction.
+    fn set_links(&self, text: &str, mut robot: Robot) -> Result<Robot, ProfileError> {
+        let masses = self.link_mass_kg.as_deref();
+        let masses = masses.map(|masses| list(text, MASSES, masses, MAX_NUMBER, SAME));
+        let masses = masses.transpose()?;
+        if let Some(masses) = masses {
+            robot = robot.with_link_mass_kg(masses);
+        }
+        if let Some(links) = &self.links {
+            let links = bodies(text, links)?;
+            masses.map_or(Ok(()), |masses| check_masses(text, &masses, &links))?;
+            robot = robot.with_links(links);
+        }
+        if let Some(found) = self.flange_mass_kg {
+            robot.flange_mass_kg = check_flange_mass(text, found)?;
+        }
+        if let Some(friction) = &self.friction {
+            robot.friction = friction.friction(text)?;
         }
         Ok(robot)
     }
@@ -337,12 +375,12 @@ impl Wire {
             (known || differ(values, of_base)).then(|| values.map(|v| unconvert(v, DEG)).to_vec())
         };
         let (limits, of_base) = (robot.limits(), base.limits());
-        let is_symmetric = !self::differ(&limits.lower_rad.map(|lower| -lower), &limits.upper_rad);
+        let is_symmetric = !units::differ(&limits.lower_rad.map(|lower| -lower), &limits.upper_rad);
         let mm = |value: f64, of_base: f64| {
             differ(&[value], &[of_base]).then(|| unconvert(value, from_mm))
         };
         let (l, b) = (robot.lengths(), base.lengths());
-        let known_masses = base.assumes("masses") && !robot.assumes("masses");
+        let (link_mass_kg, links) = written(robot, base, differ);
         Self {
             schema: None,
             version: VERSION,
@@ -370,8 +408,11 @@ impl Wire {
             jerk_limit_deg_s3: deg(&limits.jerk_rad_s3, &of_base.jerk_rad_s3, "jerk"),
             torque_limit_nm: differ(&limits.torque_nm, &of_base.torque_nm)
                 .then(|| limits.torque_nm.to_vec()),
-            link_mass_kg: (known_masses || differ(&robot.link_mass_kg, &base.link_mass_kg))
-                .then(|| robot.link_mass_kg.to_vec()),
+            link_mass_kg,
+            links,
+            flange_mass_kg: differ(&[robot.flange_mass_kg], &[base.flange_mass_kg])
+                .then_some(robot.flange_mass_kg),
+            friction: FrictionWire::of(&robot.friction, &base.friction, differ),
             blend_kappa: differ(&robot.blend_kappa, &base.blend_kappa)
                 .then(|| robot.blend_kappa.to_vec()),
             tcp_blend_kappa: differ(robot.tcp_blend_kappa(), &robot.blend_kappa)
@@ -396,6 +437,9 @@ impl Wire {
                 self.jerk_limit_deg_s3.is_some(),
                 self.torque_limit_nm.is_some(),
                 self.link_mass_kg.is_some(),
+                self.links.is_some(),
+                self.flange_mass_kg.is_some(),
+                self.friction.is_some(),
                 self.blend_kappa.is_some(),
                 self.tcp_blend_kappa.is_some(),
                 self.settle_time_s.is_some(),
@@ -426,108 +470,4 @@ impl Lengths {
     fn all(&mut self) -> [&mut f64; 4] {
         [&mut self.base_m, &mut self.upper_arm_m, &mut self.forearm_m, &mut self.flange_m]
     }
-}
-
-/// From a profile's unit to SI.
-type ToSi = fn(f64) -> f64;
-
-const DEG: ToSi = f64::to_radians;
-const SAME: ToSi = |value| value;
-
-fn from_mm(mm: f64) -> f64 {
-    mm / 1e3
-}
-
-/// Whether any bit differs.
-fn differ(a: &[f64], b: &[f64]) -> bool {
-    a.iter().map(|v| v.to_bits()).ne(b.iter().map(|v| v.to_bits()))
-}
-
-fn list<const N: usize>(
-    text: &str,
-    key: &'static str,
-    numbers: &[f64],
-    max: f64,
-    to_si: ToSi,
-) -> Result<[f64; N], ProfileError> {
-    if numbers.len() != N {
-        let at = locate(text, &[Key(key)]);
-        return Err(ProfileError::Count { at, key, found: numbers.len(), expected: N });
-    }
-    let mut values = [0.0; N];
-    for (index, value) in values.iter_mut().enumerate() {
-        let what = || {
-            if key == MASSES {
-                format!("{key}: link {index}")
-            } else {
-                format!("{key}: joint A{}", index + 1)
-            }
-        };
-        *value = checked(text, &[Key(key), Index(index)], numbers[index], max, what, to_si)?;
-    }
-    Ok(values)
-}
-
-/// Coefficients of kappa.
-fn kappa(text: &str, key: &'static str, numbers: &[f64]) -> Result<[f64; 3], ProfileError> {
-    let found = numbers.len();
-    let coefficients = numbers.try_into().map_err(|_| {
-        let at = locate(text, &[Key(key)]);
-        ProfileError::Count { at, key, found, expected: 3 }
-    })?;
-    for (index, &found) in numbers.iter().enumerate() {
-        let what = || format!("{key}: number {}", index + 1);
-        within(text, &[Key(key), Index(index)], found, KAPPA_RANGE, what)?;
-    }
-    Ok(coefficients)
-}
-
-fn checked(
-    text: &str,
-    path: &[Step<'_>],
-    found: f64,
-    max: f64,
-    what: impl Fn() -> String,
-    to_si: ToSi,
-) -> Result<f64, ProfileError> {
-    let value = to_si(found);
-    // Not so small either that it loses digits on the way to SI.
-    if value.is_normal() && found > 0.0 && found <= max {
-        Ok(value)
-    } else {
-        Err(ProfileError::Number { at: locate(text, path), what: what(), found, max })
-    }
-}
-
-fn within(
-    text: &str,
-    path: &[Step<'_>],
-    found: f64,
-    [min, max]: [f64; 2],
-    what: impl Fn() -> String,
-) -> Result<(), ProfileError> {
-    if (min..=max).contains(&found) {
-        Ok(())
-    } else {
-        Err(ProfileError::Range { at: locate(text, path), what: what(), found, min, max })
-    }
-}
-
-/// A number that `to_si` turns into `value`, with few digits if such a one does; the closest if
-/// none does.
-fn unconvert(value: f64, to_si: ToSi) -> f64 {
-    let near = value / to_si(1.0);
-    let rounded = (12..=16).filter_map(|digits| format!("{near:.digits$e}").parse::<f64>().ok());
-    let around = [near, near.next_down(), near.next_up()];
-    let mut best = near;
-    for candidate in rounded.chain(around) {
-        let error = (to_si(candidate) - value).abs();
-        if error == 0.0 {
-            return candidate;
-        }
-        if error < (to_si(best) - value).abs() {
-            best = candidate;
-        }
-    }
-    best
 }

@@ -2,7 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::{DhRow, Joints, Limits};
+use crate::{
+    DhRow, Friction, Joints, Limits, RigidBody,
+    inertials::{IIWA_7, IIWA_7_BASE_KG, IIWA_14, IIWA_14_BASE_KG, Links},
+};
 
 /// Twists `alpha_1` to `alpha_7` of the LBR iiwa, in quarter turns (Larsen 2019, Table 1).
 pub(crate) const TWIST_QUARTERS: [i8; 7] = [-1, 1, 1, -1, -1, 1, 0];
@@ -47,7 +50,10 @@ pub struct Robot {
     pub(crate) name: String,
     pub(crate) lengths: Lengths,
     pub(crate) limits: Limits,
-    pub(crate) link_mass_kg: [f64; 8],
+    pub(crate) base_mass_kg: f64,
+    pub(crate) links: Links,
+    pub(crate) flange_mass_kg: f64,
+    pub(crate) friction: Friction,
     pub(crate) blend_kappa: [f64; 3],
     /// None if it is `blend_kappa`.
     tcp_blend_kappa: Option<[f64; 3]>,
@@ -80,7 +86,7 @@ impl Robot {
     /// LBR iiwa 7 R800 with the media flange "Touch".
     ///
     /// Lengths and speeds: Larsen 2019, Tables 1 and 2; accelerations: Table 2; jerks: the means of
-    /// Table 5; positions and torques: KUKA data sheet; masses: the CAD model of `lbr_description`.
+    /// Table 5; positions and torques: KUKA data sheet; links: the CAD model of `lbr_description`.
     #[must_use]
     pub fn lbr_iiwa_7_r800() -> Self {
         Self {
@@ -99,21 +105,24 @@ impl Robot {
                 jerk_rad_s3: rad(IIWA_7_JERK_DEG_S3),
                 torque_nm: [176.0, 176.0, 110.0, 110.0, 110.0, 40.0, 40.0],
             },
-            link_mass_kg: IIWA_7_MASS_KG,
+            base_mass_kg: IIWA_7_BASE_KG,
+            links: Links::Known(Box::new(IIWA_7)),
+            flange_mass_kg: 0.0,
+            friction: Friction::default(),
             blend_kappa: KAPPA,
             tcp_blend_kappa: None,
             settle_time_s: SETTLE_TIME_S,
             assumptions: vec![Assumption {
                 what: "masses".to_owned(),
-                basis: "a CAD estimate; published models differ by tens of percent".to_owned(),
+                basis: MASSES_BASIS.to_owned(),
             }],
         }
     }
 
     /// LBR iiwa 14 R820 with the media flange "Touch".
     ///
-    /// Lengths, positions, speeds and torques: KUKA data sheet. Accelerations, jerks and masses are
-    /// assumptions, see [`Robot::assumptions`].
+    /// Lengths, positions, speeds and torques: KUKA data sheet; links: the CAD model of `lbr_description`. Accelerations,
+    /// jerks and masses are assumptions, see [`Robot::assumptions`].
     #[must_use]
     pub fn lbr_iiwa_14_r820() -> Self {
         let velocity_deg_s = [85.0, 85.0, 100.0, 75.0, 130.0, 135.0, 135.0];
@@ -133,7 +142,10 @@ impl Robot {
                 torque_nm: [320.0, 320.0, 176.0, 176.0, 110.0, 40.0, 40.0],
                 ..small.limits
             },
-            link_mass_kg: IIWA_7_MASS_KG.map(|m| m * IIWA_14_WEIGHT_KG / IIWA_7_WEIGHT_KG),
+            base_mass_kg: IIWA_14_BASE_KG,
+            links: Links::Known(Box::new(IIWA_14)),
+            flange_mass_kg: small.flange_mass_kg,
+            friction: small.friction,
             blend_kappa: small.blend_kappa,
             tcp_blend_kappa: small.tcp_blend_kappa,
             settle_time_s: small.settle_time_s,
@@ -146,10 +158,7 @@ impl Robot {
                     what: "jerk".to_owned(),
                     basis: "the LBR iiwa 7's ratio of jerk to acceleration".to_owned(),
                 },
-                Assumption {
-                    what: "masses".to_owned(),
-                    basis: "the LBR iiwa 7's CAD estimate, scaled by the weights".to_owned(),
-                },
+                Assumption { what: "masses".to_owned(), basis: MASSES_BASIS.to_owned() },
             ],
         }
     }
@@ -226,6 +235,40 @@ impl Robot {
         self
     }
 
+    /// The same robot with other links 1 to 7, in the frames of [`Robot::link_poses`]; their masses are no assumption any
+    /// more.
+    #[must_use]
+    pub fn with_links(mut self, links: [RigidBody; 7]) -> Self {
+        self.links = Links::Known(Box::new(links));
+        self.drop_assumption("masses");
+        self
+    }
+
+    /// The same robot with these masses of link 0 (the base) to link 7, in kg, above 0, and the inertia of simple shapes.
+    /// They are no assumption any more.
+    #[must_use]
+    pub fn with_link_mass_kg(mut self, link_mass_kg: [f64; 8]) -> Self {
+        let [foot, links @ ..] = link_mass_kg;
+        self.base_mass_kg = foot;
+        self.links = Links::Masses(links);
+        self.drop_assumption("masses");
+        self
+    }
+
+    /// The same robot with another [mass of the flange](Self::flange_mass_kg), in kg.
+    #[must_use]
+    pub fn with_flange_mass_kg(mut self, flange_mass_kg: f64) -> Self {
+        self.flange_mass_kg = flange_mass_kg;
+        self
+    }
+
+    /// The same robot with other friction.
+    #[must_use]
+    pub fn with_friction(mut self, friction: Friction) -> Self {
+        self.friction = friction;
+        self
+    }
+
     /// The model's name.
     #[must_use]
     pub fn name(&self) -> &str {
@@ -244,10 +287,17 @@ impl Robot {
         &self.limits
     }
 
-    /// Masses of link 0 (the base) to link 7, in kg.
+    /// What the flange weighs beyond link 7, in kg, as a media flange does: 0 unless a profile says so. It counts as a
+    /// point on axis 7, 13 mm behind the flange's face.
     #[must_use]
-    pub fn link_mass_kg(&self) -> &[f64; 8] {
-        &self.link_mass_kg
+    pub fn flange_mass_kg(&self) -> f64 {
+        self.flange_mass_kg
+    }
+
+    /// Friction of the joints: none unless a profile has some.
+    #[must_use]
+    pub fn friction(&self) -> &Friction {
+        &self.friction
     }
 
     /// kappa of the robot's blends (Larsen 2019, Eq. 39) at the angle gamma between the two directions,
@@ -356,16 +406,15 @@ const KAPPA: [f64; 3] = [-3.974_264_71, 0.006_260_16, 0.000_284_72];
 /// Larsen 2019, section 2.4.2; Table 6 of Appendix C has a mean of 0.0496 s.
 const SETTLE_TIME_S: f64 = 0.05;
 
-/// Means of Larsen 2019, Table 5.
 /// Positions at which both models end, to either side.
 const POSITION_DEG: Joints = [170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0];
+
+/// Means of Larsen 2019, Table 5.
 const IIWA_7_JERK_DEG_S3: Joints =
     [10_384.86, 7_757.85, 9_986.65, 9_700.18, 19_406.08, 32_260.39, 33_028.15];
 
-/// CAD masses of links 0 to 7 in the public `lbr_description` (Apache-2.0).
-const IIWA_7_MASS_KG: [f64; 8] = [4.856, 3.394, 4.032, 3.394, 4.032, 1.529, 2.404, 0.259];
-const IIWA_7_WEIGHT_KG: f64 = 23.9;
-const IIWA_14_WEIGHT_KG: f64 = 29.9;
+/// Where the masses are from.
+const MASSES_BASIS: &str = "a CAD estimate; published models differ by tens of percent";
 
 /// Ratio of measured acceleration to catalogue speed on every joint of the LBR iiwa 7, in 1/s
 /// (Larsen 2019, Tables 2 and 4).

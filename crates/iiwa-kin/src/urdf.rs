@@ -3,7 +3,6 @@
 mod chain;
 mod check;
 mod error;
-mod inertia;
 mod joint;
 mod meshes;
 mod read;

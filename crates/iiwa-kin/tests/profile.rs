@@ -118,6 +118,81 @@ fn ranges_need_not_be_symmetric() {
     }
 }
 
+/// Seven links of a profile; those of the built-in model, with other numbers in the first.
+fn links(first: &str) -> String {
+    let body = |mass: f64| {
+        format!(
+            r#"{{ "mass_kg": {mass}, "center_mm": [0, -30.5, 270], "inertia_kg_m2": [0.02, 0, 0, 0.02, 0.004, 0.01] }}"#
+        )
+    };
+    let rest = (2..8).map(|number| body(f64::from(number))).collect::<Vec<_>>().join(", ");
+    let first = if first.is_empty() { body(1.0) } else { first.to_owned() };
+    format!("[{first}, {rest}]")
+}
+
+#[test]
+fn links_are_bodies() {
+    let text = |keys: &str| format!(r#"{{ "version": 1, {keys} }}"#);
+    let given = links("");
+    let robot = Robot::from_profile(&text(&format!(r#""links": {given}"#))).unwrap();
+    assert_eq!(robot.links()[0].center_m, [0.0, -0.0305, 0.27]);
+    assert_eq!(robot.links()[6].inertia_kg_m2, [0.02, 0.0, 0.0, 0.02, 0.004, 0.01]);
+    assert_eq!(robot.link_mass_kg(), [4.856, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+    assert!(!robot.assumes("masses"));
+    assert!(!robot.to_profile().contains("link_mass_kg"));
+    assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
+    assert_eq!(Robot::from_profile(&robot.to_full_profile()).unwrap(), robot);
+
+    // With the mass of the foot.
+    let both = format!(r#""link_mass_kg": [9, 1, 2.001, 3, 4, 5, 6, 7], "links": {given}"#);
+    let heavy = Robot::from_profile(&text(&both)).unwrap();
+    assert_eq!(heavy.link_mass_kg(), [9.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+    assert_eq!(heavy.links(), robot.links());
+    assert_eq!(Robot::from_profile(&heavy.to_profile()).unwrap(), heavy);
+
+    for (keys, what) in [
+        (
+            both.replace("2.001", "2.01"),
+            "link_mass_kg: link 2 is 2.01, and 2.0 in links; keep one of the keys".to_owned(),
+        ),
+        (r#""links": []"#.to_owned(), "links has 0 entries; write 7, links 1 to 7".to_owned()),
+        (
+            format!(r#""links": {}"#, given.replacen("0.02,", "-0.02,", 1)),
+            "links: the inertia of link 1 is that of no body: about some axis it is negative".to_owned(),
+        ),
+        (
+            format!(r#""links": {}"#, given.replacen(": 1,", ": 0,", 1)),
+            "links: mass_kg of link 1 is 0.0; it must be above 0 and at most 1000000000.0".to_owned(),
+        ),
+        (
+            format!(r#""links": {}"#, given.replacen("270", "27000", 1)),
+            "links: number 3 of center_mm of link 1 is 27000.0; it must be at least -10000.0 and at most 10000.0"
+                .to_owned(),
+        ),
+        (r#""flange_mass_kg": -1"#.to_owned(),
+         "flange_mass_kg is -1.0; it must be at least 0.0 and at most 1000000000.0".to_owned()),
+        (r#""friction": { "coulomb_nm": [0, 0, -0.1, 0, 0, 0, 0] }"#.to_owned(),
+         "friction: coulomb_nm of joint A3 is -0.1; it must be at least 0.0 and at most 1000000000.0".to_owned()),
+    ] {
+        assert_eq!(refused(&text(&keys)).what(), what);
+    }
+}
+
+/// Profiles that are older than `links` keep their meaning.
+#[test]
+fn masses_alone_are_those_of_shapes() {
+    let masses = r#"{ "version": 1, "link_mass_kg": [4.856, 3.394, 4.032, 3.394, 4.032, 1.529, 2.404, 0.259] }"#;
+    let robot = Robot::from_profile(masses).unwrap();
+    let [first, ..] = robot.links();
+    assert!((first.center_m[2] - 0.272_699_876).abs() < 1e-9);
+    assert!((first.inertia_kg_m2[0] - 0.022_793_768_053).abs() < 1e-12);
+    // They follow the lengths.
+    let short = robot.clone().with_flange_m(0.126).unwrap();
+    assert_ne!(short.links()[6], robot.links()[6]);
+    assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
+    assert_eq!(Robot::from_profile(&robot.to_full_profile()).unwrap(), robot);
+}
+
 #[test]
 fn what_is_given_is_no_assumption() {
     let read = |key: &str, numbers: &str| {
@@ -318,7 +393,7 @@ fn a_flange_has_a_length() {
 fn the_schema_has_every_key() {
     let schema = Robot::profile_schema();
     let keys = schema["properties"].as_object().unwrap();
-    assert_eq!(keys.len(), 15);
+    assert_eq!(keys.len(), 18);
     let named = r#"{ "$schema": "profile.schema.json", "version": 1 }"#;
     assert_eq!(Robot::from_profile(named).unwrap(), Robot::default());
     assert_eq!(schema["additionalProperties"], false);
@@ -354,6 +429,9 @@ prop_compose! {
         kappa in numbers::<3>(100.0),
         tcp_kappa in numbers::<3>(100.0),
         settle in prop::option::of(0.001..=10.0_f64),
+        links in numbers::<70>(1.0),
+        flange_mass in prop::option::of(0.0..3.0_f64),
+        friction in numbers::<14>(5.0),
     ) -> serde_json::Value {
         let mut profile = serde_json::json!({
             "version": 1,
@@ -367,7 +445,17 @@ prop_compose! {
             "acceleration_limit_deg_s2": acceleration,
             "jerk_limit_deg_s3": jerk,
             "torque_limit_nm": torque,
-            "link_mass_kg": mass,
+            "link_mass_kg": mass.filter(|_| links.is_none()),
+            "links": links.map(|links| links.chunks(10).map(|l| serde_json::json!({
+                "mass_kg": l[0],
+                "center_mm": [l[1] * 1e3, l[2] * -1e3, l[3] * 1e2],
+                // A third of each of the others off the diagonal at most.
+                "inertia_kg_m2": [1.0 + l[4], 0.3 * l[5], -0.3 * l[6], 1.0 + l[7], 0.3 * l[8], 1.0 + l[9]],
+            })).collect::<Vec<_>>()),
+            "flange_mass_kg": flange_mass,
+            "friction": friction.map(|f| serde_json::json!({
+                "viscous_nm_s_rad": f[..7], "coulomb_nm": f[7..],
+            })),
             "blend_kappa": kappa,
             "tcp_blend_kappa": tcp_kappa,
             "settle_time_s": settle,

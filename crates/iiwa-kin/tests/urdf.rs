@@ -139,6 +139,11 @@ fn numbers_read_back_exactly() {
         for (link, mass) in read.links.iter().zip(robot.link_mass_kg()) {
             assert_eq!(link.inertial.mass.value.to_bits(), mass.to_bits());
         }
+        for (link, body) in read.links[1..].iter().zip(robot.links()) {
+            let i = &link.inertial.inertia;
+            assert_eq!(*link.inertial.origin.xyz, body.center_m);
+            assert_eq!([i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz], body.inertia_kg_m2);
+        }
     }
 }
 

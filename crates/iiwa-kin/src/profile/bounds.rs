@@ -3,7 +3,7 @@
 /// The version of the profile format that this library reads and writes.
 pub(super) const VERSION: u64 = 1;
 
-/// Longest profile that is read, in bytes; a full one has about two thousand.
+/// Longest profile that is read, in bytes; a full one has about four thousand.
 pub(super) const MAX_BYTES: usize = 1 << 20;
 
 /// Largest number of a profile whose key has no closer bound, in the key's unit.
@@ -19,6 +19,11 @@ pub(super) const ACCELERATIONS: &str = "acceleration_limit_deg_s2";
 pub(super) const JERKS: &str = "jerk_limit_deg_s3";
 pub(super) const TORQUES: &str = "torque_limit_nm";
 pub(super) const MASSES: &str = "link_mass_kg";
+pub(super) const LINKS: &str = "links";
+pub(super) const FLANGE_MASS: &str = "flange_mass_kg";
+pub(super) const FRICTION: &str = "friction";
+pub(super) const VISCOUS: &str = "viscous_nm_s_rad";
+pub(super) const COULOMB: &str = "coulomb_nm";
 pub(super) const KAPPA: &str = "blend_kappa";
 pub(super) const TCP_KAPPA: &str = "tcp_blend_kappa";
 pub(super) const SETTLE: &str = "settle_time_s";
@@ -34,3 +39,6 @@ pub(super) const KAPPA_RANGE: [f64; 2] = [-100.0, 100.0];
 
 /// Times to settle, in s.
 pub(super) const SETTLE_RANGE_S: [f64; 2] = [0.001, 10.0];
+
+/// By which share the masses of `link_mass_kg` may differ from those of `links`: they are rounded.
+pub(super) const SAME_MASS: f64 = 1e-3;

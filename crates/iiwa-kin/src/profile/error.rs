@@ -2,7 +2,7 @@
 
 use iiwa_json::Place;
 
-use super::bounds::{KAPPA, MASSES, MAX_BYTES, MAX_NAME, RANGES, VERSION};
+use super::bounds::{KAPPA, LINKS, MASSES, MAX_BYTES, MAX_NAME, RANGES, VERSION};
 use crate::Robot;
 
 /// Why a text is no robot profile.
@@ -52,8 +52,11 @@ pub enum ProfileError {
         /// The name found.
         found: String,
     },
-    /// A list has too many or too few numbers.
-    #[error("{key} has {found} numbers; write {expected}, {}, at {at}", owner(.key))]
+    /// A list has too many or too few entries.
+    #[error(
+        "{key} has {found} {}; write {expected}, {}, at {at}",
+        if *.key == LINKS { "entries" } else { "numbers" }, owner(.key)
+    )]
     Count {
         /// Where.
         at: Place,
@@ -71,6 +74,30 @@ pub enum ProfileError {
         at: Place,
         /// The keys.
         keys: [&'static str; 2],
+    },
+    /// The inertia of a link is that of no body.
+    #[error(
+        "{LINKS}: the inertia of link {link} is that of no body: about some axis it is negative, at {at}"
+    )]
+    Inertia {
+        /// Where.
+        at: Place,
+        /// The link, from 1.
+        link: usize,
+    },
+    /// A mass that is given twice is not the same.
+    #[error(
+        "{MASSES}: link {link} is {found:?}, and {of_links:?} in {LINKS}; keep one of the keys, at {at}"
+    )]
+    Masses {
+        /// Where.
+        at: Place,
+        /// The link, from 1.
+        link: usize,
+        /// Its mass in `link_mass_kg`, in kg.
+        found: f64,
+        /// Its mass in `links`, in kg.
+        of_links: f64,
     },
     /// A number is outside its range.
     #[error("{what} is {found:?}; it must be at least {min:?} and at most {max:?}, at {at}")]
@@ -112,6 +139,8 @@ impl ProfileError {
             | Self::Name { at, .. }
             | Self::Count { at, .. }
             | Self::Both { at, .. }
+            | Self::Inertia { at, .. }
+            | Self::Masses { at, .. }
             | Self::Range { at, .. }
             | Self::Number { at, .. } => at,
         }
@@ -127,6 +156,7 @@ impl ProfileError {
 /// What the numbers of the list `key` belong to.
 fn owner(key: &str) -> &'static str {
     match key {
+        LINKS => "links 1 to 7",
         MASSES => "one for each link, the base included",
         KAPPA => "the constant first, then the factors of gamma and gamma^2",
         RANGES => "one pair for each joint",

@@ -11,8 +11,8 @@ use quick_xml::{
     events::{BytesDecl, BytesText, Event},
 };
 
-use super::{LIMITS, RosNames, inertia::inertia};
-use crate::{Along, Robot, Shape, Solid};
+use super::{LIMITS, RosNames};
+use crate::{Along, RigidBody, Robot, Shape, Solid, inertials::Links, shape_inertia};
 
 /// Writing to it does not fail.
 type Xml = Writer<Vec<u8>>;
@@ -22,8 +22,8 @@ impl Robot {
     /// `iiwa_joint_1` to `iiwa_joint_7` and `iiwa_joint_ee`; m, rad, kg, Nm.
     ///
     /// The links' frames are those of [`Robot::link_poses`]. The shapes are cylinders and spheres,
-    /// so that the text needs no mesh files. Each link has its mass; centre and inertia are
-    /// estimates, those of its shapes at uniform density.
+    /// so that the text needs no mesh files. Inertias are those of [`Robot::links`], the last one with the mass of the
+    /// flange; that of the foot is an estimate, its shapes at uniform density.
     ///
     /// Cross-validated: the crate `k` finds the same poses in it.
     #[must_use]
@@ -41,15 +41,16 @@ impl Robot {
     }
 
     fn write_urdf(&self, xml: &mut Xml, names: &RosNames) -> io::Result<()> {
-        const NOTE: &str = " Inertias are estimates: primitive shapes of uniform density. ";
         xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
         element(xml, "robot", &[("name", &self.name())], |xml| {
-            xml.write_event(Event::Comment(BytesText::from_escaped(NOTE)))?;
+            xml.write_event(Event::Comment(BytesText::from_escaped(self.inertias_note())))?;
             let (links, joints) = (names.links(), names.joints());
-            let moving = self.link_shapes();
-            for ((shapes, name), mass_kg) in moving.iter().zip(&links).zip(self.link_mass_kg()) {
+            let shapes = self.link_shapes();
+            let foot = shape_inertia::body(&shapes[0], self.base_mass_kg);
+            let bodies = [foot].into_iter().chain(self.carried_links());
+            for ((shapes, name), body) in shapes.iter().zip(&links).zip(bodies) {
                 element(xml, "link", &[("name", name)], |xml| {
-                    write_inertial(xml, shapes, *mass_kg)?;
+                    write_inertial(xml, &body)?;
                     shapes.iter().try_for_each(|shape| write_shape(xml, "visual", shape))?;
                     shapes.iter().try_for_each(|shape| write_shape(xml, "collision", shape))
                 })?;
@@ -61,6 +62,15 @@ impl Robot {
             })
         })?;
         writeln!(xml.get_mut())
+    }
+
+    fn inertias_note(&self) -> &'static str {
+        match self.links {
+            Links::Known(_) => {
+                " The foot's inertia is an estimate: primitive shapes of uniform density. "
+            }
+            Links::Masses(_) => " Inertias are estimates: primitive shapes of uniform density. ",
+        }
     }
 
     /// Joint `j` from 0, between two links: the seven, then the fixed one of the flange.
@@ -114,19 +124,15 @@ fn write_shape(xml: &mut Xml, role: &str, shape: &Shape) -> io::Result<()> {
     })
 }
 
-fn write_inertial(xml: &mut Xml, shapes: &[Shape], mass_kg: f64) -> io::Result<()> {
-    let (center, inertia) = inertia(shapes, mass_kg);
+/// Attributes of an inertia, in the order of [`RigidBody`].
+const INERTIA: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
+
+fn write_inertial(xml: &mut Xml, body: &RigidBody) -> io::Result<()> {
     element(xml, "inertial", &[], |xml| {
-        write_origin(xml, center.into(), 0.0)?;
-        empty(xml, "mass", &[("value", &mass_kg)])?;
-        let tensor: [(&str, &dyn Display); 6] = [
-            ("ixx", &inertia[(0, 0)]),
-            ("ixy", &inertia[(0, 1)]),
-            ("ixz", &inertia[(0, 2)]),
-            ("iyy", &inertia[(1, 1)]),
-            ("iyz", &inertia[(1, 2)]),
-            ("izz", &inertia[(2, 2)]),
-        ];
+        write_origin(xml, body.center_m, 0.0)?;
+        empty(xml, "mass", &[("value", &body.mass_kg)])?;
+        let tensor: [_; 6] =
+            std::array::from_fn(|i| (INERTIA[i], &body.inertia_kg_m2[i] as &dyn Display));
         empty(xml, "inertia", &tensor)
     })
 }

@@ -1,10 +1,10 @@
-//! Inertia of shapes.
+//! Inertia of shapes, for links of which only the mass is known.
 
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{Along, Shape, Solid};
+use crate::{Along, RigidBody, Shape, Solid};
 
 impl Shape {
     /// Volume in m^3.
@@ -31,9 +31,8 @@ impl Shape {
     }
 }
 
-/// Centre of `shapes`, in m, and their inertia tensor about it, in kg m^2, at uniform density; where
-/// two of them overlap, both count.
-pub(super) fn inertia(shapes: &[Shape], mass_kg: f64) -> (Vector3<f64>, Matrix3<f64>) {
+/// A body of `shapes` at uniform density; where two of them overlap, both count.
+pub(crate) fn body(shapes: &[Shape], mass_kg: f64) -> RigidBody {
     let volume: f64 = shapes.iter().map(Shape::volume).sum();
     let share = |shape: &Shape| shape.volume() / volume;
     let center = shapes
@@ -46,5 +45,7 @@ pub(super) fn inertia(shapes: &[Shape], mass_kg: f64) -> (Vector3<f64>, Matrix3<
         let own = Matrix3::from_diagonal(&Vector3::from(shape.inertia_per_kg()));
         inertia += (own + steiner) * (share(shape) * mass_kg);
     }
-    (center, inertia)
+    let inertia_kg_m2 =
+        [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|place| inertia[place]);
+    RigidBody { mass_kg, center_m: center.into(), inertia_kg_m2 }
 }

@@ -1,0 +1,75 @@
+//! What hangs on the flange.
+
+use std::str::FromStr;
+
+use crate::{
+    Pose, RigidBody,
+    rotation::{product, transposed},
+};
+
+/// A load at the flange.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Mass, in kg.
+    pub mass_kg: f64,
+    /// Centre of mass in the flange's frame, in mm.
+    pub center_mm: [f64; 3],
+    /// Principal moments of inertia about the centre, in kg m^2.
+    pub inertia_kg_m2: [f64; 3],
+    /// Orientation of the principal axes in the flange's frame: a, b, c in rad.
+    pub abc_rad: [f64; 3],
+}
+
+/// Of `KG` or `KG,X,Y,Z`: the mass, and where its centre is, in mm.
+impl FromStr for Load {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (mass_kg, center_mm) = match numbers(text)?[..] {
+            [mass_kg] => (mass_kg, [0.0; 3]),
+            [mass_kg, x, y, z] => (mass_kg, [x, y, z]),
+            _ => {
+                return Err(
+                    "it takes a mass in kg, or that and x, y, z of its centre in mm".to_owned()
+                );
+            }
+        };
+        if mass_kg < 0.0 {
+            return Err("the mass cannot be negative".to_owned());
+        }
+        Ok(Self { mass_kg, center_mm, ..Self::default() })
+    }
+}
+
+/// Finite numbers with commas between them.
+pub(crate) fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    let number = |field: &str| {
+        let value = field.trim().parse().ok().filter(|value: &f64| value.is_finite());
+        value.ok_or_else(|| format!("`{field}` is not a number"))
+    };
+    text.split(',').map(number).collect()
+}
+
+impl Load {
+    /// The load as a body in the flange's frame.
+    ///
+    /// ```
+    /// use iiwa_kin::Load;
+    ///
+    /// let quarter_turn = [std::f64::consts::FRAC_PI_2, 0.0, 0.0];
+    /// let load = Load { mass_kg: 2.0, inertia_kg_m2: [0.1, 0.2, 0.3], abc_rad: quarter_turn, ..Load::default() };
+    /// let [xx, _, _, yy, _, zz] = load.body().inertia_kg_m2;
+    /// assert!((xx - 0.2).abs() < 1e-15 && (yy - 0.1).abs() < 1e-15 && (zz - 0.3).abs() < 1e-15);
+    /// ```
+    #[must_use]
+    pub fn body(&self) -> RigidBody {
+        let axes = Pose::from_xyz_abc([0.0; 3], self.abc_rad).rotation;
+        let scaled = axes.map(|row| std::array::from_fn(|k| row[k] * self.inertia_kg_m2[k]));
+        let i = product(&scaled, &transposed(&axes));
+        RigidBody {
+            mass_kg: self.mass_kg,
+            center_m: self.center_mm.map(|mm| mm / 1e3),
+            inertia_kg_m2: [i[0][0], i[0][1], i[0][2], i[1][1], i[1][2], i[2][2]],
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! Numbers of profiles: their units, and what they may be.
+
+use iiwa_json::{
+    Step::{self, Index, Key},
+    locate,
+};
+
+use super::{
+    bounds::{KAPPA_RANGE, MASSES},
+    error::ProfileError,
+};
+
+/// From a profile's unit to SI.
+pub(super) type ToSi = fn(f64) -> f64;
+
+pub(super) const DEG: ToSi = f64::to_radians;
+pub(super) const SAME: ToSi = |value| value;
+
+pub(super) fn from_mm(mm: f64) -> f64 {
+    mm / 1e3
+}
+
+/// Whether any bit differs.
+pub(super) fn differ(a: &[f64], b: &[f64]) -> bool {
+    a.iter().map(|v| v.to_bits()).ne(b.iter().map(|v| v.to_bits()))
+}
+
+pub(super) fn list<const N: usize>(
+    text: &str,
+    key: &'static str,
+    numbers: &[f64],
+    max: f64,
+    to_si: ToSi,
+) -> Result<[f64; N], ProfileError> {
+    if numbers.len() != N {
+        let at = locate(text, &[Key(key)]);
+        return Err(ProfileError::Count { at, key, found: numbers.len(), expected: N });
+    }
+    let mut values = [0.0; N];
+    for (index, value) in values.iter_mut().enumerate() {
+        let what = || {
+            if key == MASSES {
+                format!("{key}: link {index}")
+            } else {
+                format!("{key}: joint A{}", index + 1)
+            }
+        };
+        *value = checked(text, &[Key(key), Index(index)], numbers[index], max, what, to_si)?;
+    }
+    Ok(values)
+}
+
+/// Coefficients of kappa.
+pub(super) fn kappa(
+    text: &str,
+    key: &'static str,
+    numbers: &[f64],
+) -> Result<[f64; 3], ProfileError> {
+    let found = numbers.len();
+    let coefficients = numbers.try_into().map_err(|_| {
+        let at = locate(text, &[Key(key)]);
+        ProfileError::Count { at, key, found, expected: 3 }
+    })?;
+    for (index, &found) in numbers.iter().enumerate() {
+        let what = || format!("{key}: number {}", index + 1);
+        within(text, &[Key(key), Index(index)], found, KAPPA_RANGE, what)?;
+    }
+    Ok(coefficients)
+}
+
+pub(super) fn checked(
+    text: &str,
+    path: &[Step<'_>],
+    found: f64,
+    max: f64,
+    what: impl Fn() -> String,
+    to_si: ToSi,
+) -> Result<f64, ProfileError> {
+    let value = to_si(found);
+    // Not so small either that it loses digits on the way to SI.
+    if value.is_normal() && found > 0.0 && found <= max {
+        Ok(value)
+    } else {
+        Err(ProfileError::Number { at: locate(text, path), what: what(), found, max })
+    }
+}
+
+pub(super) fn within(
+    text: &str,
+    path: &[Step<'_>],
+    found: f64,
+    [min, max]: [f64; 2],
+    what: impl Fn() -> String,
+) -> Result<(), ProfileError> {
+    if (min..=max).contains(&found) {
+        Ok(())
+    } else {
+        Err(ProfileError::Range { at: locate(text, path), what: what(), found, min, max })
+    }
+}
+
+/// A number that `to_si` turns into `value`, with few digits if such a one does; the closest if
+/// none does.
+pub(super) fn unconvert(value: f64, to_si: ToSi) -> f64 {
+    let near = value / to_si(1.0);
+    let rounded = (12..=16).filter_map(|digits| format!("{near:.digits$e}").parse::<f64>().ok());
+    let around = [near, near.next_down(), near.next_up()];
+    let mut best = near;
+    for candidate in rounded.chain(around) {
+        let error = (to_si(candidate) - value).abs();
+        if error == 0.0 {
+            return candidate;
+        }
+        if error < (to_si(best) - value).abs() {
+            best = candidate;
+        }
+    }
+    best
+}
