@@ -48,8 +48,15 @@ pub(crate) fn steps(
         None => None,
     };
     for (motion, entry) in program.entries().take(range.end).skip(range.start) {
-        if let Motion::Wait { seconds } = entry {
-            steps.push(Step::Wait { motion, seconds: *seconds });
+        let rest_s = match entry {
+            // Whether the arm stops before the blend, and for how long it stands, is for who knows its time.
+            Motion::Wait { overlap: 1.., .. } if steps.end_in_blend() => continue,
+            Motion::Wait { overlap: 1.., .. } | Motion::Load(_) => Some(0.0),
+            Motion::Wait { overlap: 0, seconds } => Some(*seconds),
+            Motion::Ptp(_) | Motion::Cartesian(_) => None,
+        };
+        if let Some(seconds) = rest_s {
+            steps.push(Step::Wait { motion, seconds });
             continue;
         }
         let Some(leg) = legs.get(motion.index()) else { continue };
@@ -57,7 +64,7 @@ pub(crate) fn steps(
         steps.push_leg(motion, &leg, rest.as_ref(), corner.as_ref())?;
         match &corner {
             Some(RoundedCorner::InJoints(corner)) => {
-                steps.push_blend(motion, corner, options.blend_shape)?;
+                steps.push_blend([motion, corners.next(motion)], corner, options.blend_shape)?;
             }
             Some(RoundedCorner::Curved(corner, _)) => {
                 let CurvedCorner { image, gamma_deg, .. } = corner;
@@ -65,7 +72,7 @@ pub(crate) fn steps(
                 let blend = Some(Corner { motion, gamma_deg: *gamma_deg });
                 let segment = Arc::new(image.clone());
                 steps.push(Step::Move {
-                    motion: motion.next(),
+                    motion: corners.next(motion),
                     segment,
                     blend,
                     limits: corner.limits.clone(),
@@ -147,6 +154,13 @@ impl RoundedCorner {
 }
 
 impl Corners<'_> {
+    /// What follows a motion: a wait that overlaps it does not.
+    fn next(&self, motion: MotionIndex) -> MotionIndex {
+        let after = self.program.motions.iter().skip(motion.index() + 1);
+        let waits = after.take_while(|entry| entry.is_overlapping_wait()).count();
+        MotionIndex::new(motion.index() + 1 + waits)
+    }
+
     /// The corner at the target of a motion; none if the arm stops there.
     fn at_end_of(&self, index: usize) -> Result<Option<RoundedCorner>, Fault> {
         let motion = MotionIndex::new(index);
@@ -154,9 +168,11 @@ impl Corners<'_> {
         let size = match &self.program.motions[index] {
             Motion::Ptp(ptp) => ptp.blend.map(PathBlend::from),
             Motion::Cartesian(own) => own.blend,
-            Motion::Wait { .. } => None,
+            Motion::Wait { .. } | Motion::Load(_) => None,
         };
-        let (Some(size), Some(next)) = (size, self.legs.get(index + 1)) else { return Ok(None) };
+        let (Some(size), Some(next)) = (size, self.legs.get(self.next(motion).index())) else {
+            return Ok(None);
+        };
         // The TCP that is blended away is that which the first of both moves.
         let tcp_m = self.tcps.as_ref().map_or([0.0; 3], |tcps| tcps[index].position_m);
         if leg.paths.is_empty() && next.paths.is_empty() {
@@ -201,6 +217,10 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
+    fn end_in_blend(&self) -> bool {
+        matches!(self.steps.last(), Some(Step::Move { blend: Some(_), .. }))
+    }
+
     fn push(&mut self, step: Step) {
         self.steps.push(match (step, &self.supervised) {
             (Step::Move { motion, segment, blend, limits }, Some(tcps)) => {
@@ -303,7 +323,7 @@ impl Builder<'_> {
 
     fn push_blend(
         &mut self,
-        motion: MotionIndex,
+        [motion, next]: [MotionIndex; 2],
         corner: &JointCorner,
         shape: BlendShape,
     ) -> Result<(), Fault> {
@@ -330,7 +350,7 @@ impl Builder<'_> {
             return Ok(());
         }
         let blend = Some(Corner { motion, gamma_deg });
-        self.push(Step::Move { motion: motion.next(), segment, blend, limits: None });
+        self.push(Step::Move { motion: next, segment, blend, limits: None });
         Ok(())
     }
 

@@ -34,6 +34,7 @@
 
 mod along_inverse;
 mod builder;
+mod carried;
 mod cartesian;
 mod circle;
 mod continuity;
@@ -44,6 +45,7 @@ mod join;
 mod joint_spline;
 mod line;
 mod options;
+mod overlapping_wait;
 mod path;
 mod path_motion;
 mod planar_graph;
@@ -66,6 +68,7 @@ pub use grid::{Grid, GridNode};
 pub use join::JoinError;
 pub use line::Line;
 pub use options::{BlendShape, PathOptions};
+pub use overlapping_wait::OverlappingWait;
 pub use path::{JointPath, ReplacedSteps};
 pub use planar_graph::{PLACES, PlanarGraph};
 pub use polynomial::{KAPPA_MIN_ACCELERATION, PolynomialBlend};

@@ -1,20 +1,22 @@
 //! The path of a motion program.
 
+mod standing;
 mod update;
 
 use std::sync::Arc;
 
-use iiwa_kin::{Joints, Pose, Robot};
+use iiwa_kin::{Dynamics, Joints, Load, Mount, Pose, Robot};
 
 use crate::{
     builder::steps,
+    carried::Carried,
     join::{JoinError, check_joins},
     options::PathOptions,
     path_motion::{PathMotion, has_tools, path_motions},
     segment::Segment,
     step::{Corner, Step},
 };
-use iiwa_program::{Fault, MotionIndex, MotionLimits, MotionType, Program};
+use iiwa_program::{Fault, MotionIndex, MotionLimits, MotionType, Program, Sources};
 
 pub use update::ReplacedSteps;
 
@@ -23,14 +25,14 @@ pub use update::ReplacedSteps;
 /// ```
 /// use iiwa_kin::Robot;
 /// use iiwa_path::JointPath;
-/// use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+/// use iiwa_program::{Blend, Motion, Program, Ptp, Start, Sources, Workcell};
 ///
 /// let corner = Ptp::to([0.5, 0.3, 0.0, -1.0, 0.0, 0.7, 0.0]).blend(Blend::Fraction(0.25));
 /// let end = Ptp::to([0.0, 0.6, 0.0, -1.2, 0.0, 0.4, 0.0]);
 /// let program = Program {
 ///     robot: None,
 ///     start: Start::Joints([0.0; 7]),
-///     motions: vec![Motion::Ptp(corner), Motion::Ptp(end)], workcell: Workcell::default(),
+///     motions: vec![Motion::Ptp(corner), Motion::Ptp(end)], workcell: Workcell::default(), sources: Sources::default(),
 /// };
 /// let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
 /// assert_eq!(path.blends().count(), 1);
@@ -47,6 +49,7 @@ pub struct JointPath {
     /// None if there are neither tools nor frames.
     motions: Arc<Vec<PathMotion>>,
     has_tools: bool,
+    carried: Arc<Carried>,
 }
 
 impl JointPath {
@@ -86,6 +89,7 @@ impl JointPath {
             ),
             has_tools: has_tools(&motions),
             motions: Arc::new(motions),
+            carried: Arc::new(Carried::new(program)),
             robot,
             steps: Arc::new(steps),
         })
@@ -129,6 +133,7 @@ impl JointPath {
             limits: Arc::new(limits),
             motions: Arc::default(),
             has_tools: false,
+            carried: Arc::default(),
         })
     }
 
@@ -209,6 +214,65 @@ impl JointPath {
     #[must_use]
     pub fn tcp(&self, motion: MotionIndex) -> &Pose {
         self.motions.get(motion.index()).map_or(&Pose::IDENTITY, |motion| &motion.tcp)
+    }
+
+    /// What hangs on the flange during a motion, if anything does: [`Program::loads`].
+    #[must_use]
+    pub fn load(&self, motion: MotionIndex) -> Option<&Load> {
+        self.carried.load(motion)
+    }
+
+    /// How the robot's foot stands.
+    #[must_use]
+    pub fn mount(&self) -> &Mount {
+        self.carried.mount()
+    }
+
+    /// The robot as it stands, with what hangs on its flange during a motion.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::{MotionIndex, Program};
+    ///
+    /// let program = Program::from_json(r#"{
+    ///     "version": 1,
+    ///     "mount": { "rpy_deg": [180, 0, 0] },
+    ///     "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+    ///     "motions": [
+    ///         { "type": "ptp", "joints_deg": [0, 50, 0, -60, 0, 90, 0] },
+    ///         { "type": "load", "load": { "mass_kg": 3 } }
+    ///     ]
+    /// }"#)?;
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let q = path.start_rad();
+    /// let [empty, loaded] = [0, 1].map(|motion| path.dynamics(MotionIndex::new(motion)).gravity_torques(q)[1]);
+    /// assert!(empty > 0.0 && loaded > empty);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn dynamics(&self, motion: MotionIndex) -> Dynamics {
+        let empty = self.robot.dynamics().with_mount(self.mount());
+        self.load(motion).map_or(empty, |load| empty.with_load(load))
+    }
+
+    /// Where the motions of the program come from, as far as that is known.
+    #[must_use]
+    pub fn sources(&self) -> &Sources {
+        self.carried.sources()
+    }
+
+    /// The limit of torques, as a share of the robot's, if the program limits them.
+    #[must_use]
+    pub fn torque_limit_rel(&self) -> Option<f64> {
+        self.carried.torque_limit_rel()
+    }
+
+    /// The largest torque of each joint, either way, in Nm, if the program limits torques.
+    #[must_use]
+    pub fn torque_limits_nm(&self) -> Option<Joints> {
+        let share = self.torque_limit_rel()?;
+        Some(self.robot.limits().torque_nm.map(|limit| share * limit))
     }
 
     /// Whether any motion moves another TCP than the flange.

@@ -73,6 +73,21 @@ impl<M: TimedMotion> Playback<M> {
         self.motion.at(self.at_s)
     }
 
+    /// The motion.
+    pub fn motion(&self) -> &M {
+        &self.motion
+    }
+
+    /// How fast time goes by along the motion, and the derivative of that, in 1/s: 1 and 0 unless it stops.
+    pub fn time_rate(&self) -> (f64, f64) {
+        let Some(PathStop { lasted_s, duration_s, .. }) = self.stop_on_path else {
+            return (1.0, 0.0);
+        };
+        let x = lasted_s / duration_s;
+        let rest = 1.0 - x;
+        (1.0 - x.powi(3) * (10.0 - 15.0 * x + 6.0 * x * x), -30.0 * (x * rest).powi(2) / duration_s)
+    }
+
     /// Whether the arm is at rest, at the end of the motion or before.
     pub fn is_over(&self) -> bool {
         let is_stopped = self

@@ -46,6 +46,17 @@ impl Step {
     pub fn moves(&self) -> bool {
         matches!(self, Self::Move { .. })
     }
+
+    /// The motion that it belongs to: in a blend the following one.
+    #[must_use]
+    pub fn motion(&self) -> MotionIndex {
+        match self {
+            Self::Move { motion, .. }
+            | Self::Corner { motion }
+            | Self::Settle { motion }
+            | Self::Wait { motion, .. } => *motion,
+        }
+    }
 }
 
 /// What a blend rounds off.

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use iiwa_json::Place;
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
-use iiwa_program::{Motion, MotionIndex, Program, ProgramError, Ptp, Start, Workcell};
+use iiwa_program::{Motion, MotionIndex, Program, ProgramError, Ptp, Sources, Start, Workcell};
 
 const GOOD: &str = r#"{
   "version": 1,
@@ -125,7 +125,7 @@ fn a_byte_too_many_or_too_few() {
 #[test]
 fn unknown_names() {
     let ptp = "one of `type`, `joints_rad`, `joints_deg`, `frame`, `tool`, `base`, `velocity_rel`, \
-               `acceleration_rel`, `jerk_rel`, `blend`";
+               `acceleration_rel`, `jerk_rel`, `blend`, `source`";
     let what = format!("motion 2: unknown key `speed`, expected {ptp}");
     check("\"velocity_rel\"", "\"speed\"", (6, 64), "\"speed\"", &what);
     let what = "motion 2: unknown key `velocity`; did you mean `velocity_rel`?";
@@ -144,7 +144,7 @@ fn unknown_names() {
 
     let what = "motion 3: unknown type `Wait`; did you mean `wait`?";
     check("\"wait\"", "\"Wait\"", (7, 15), "\"Wait\"", what);
-    let known = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` and `wait` are known";
+    let known = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl`, `wait` and `load` are known";
     let what = format!("motion 3: unknown type `fly`; {known}");
     check("\"wait\"", "\"fly\"", (7, 15), "\"fly\"", &what);
     let what = format!("motion 3: it has no `type`; {known}");
@@ -294,6 +294,7 @@ fn not_a_number_in_a_program_made_in_code() {
             start: Start::Joints([0.0; 7]),
             motions,
             workcell: Workcell::default(),
+            sources: Sources::default(),
         };
         let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
         let expected =

@@ -5,7 +5,7 @@
 
 use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_path::{BlendSearch, BlendShape, Continuity, JointPath, PathOptions, Segment, Step};
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use proptest::prelude::*;
 
 const SHAPES: [BlendShape; 6] = [
@@ -45,6 +45,7 @@ fn path(shape: BlendShape, start: Joints, motions: Vec<Ptp>) -> JointPath {
         start: Start::Joints(start),
         motions,
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
     JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
@@ -323,6 +324,7 @@ fn a_sphere_that_is_crossed_twice_within_one_step() {
             start: Start::Joints(other),
             motions,
             workcell: Workcell::default(),
+            sources: Sources::default(),
         };
         let options = PathOptions { blend_search, ..PathOptions::default() };
         let path = JointPath::with_options(&program, &robot, options).unwrap();

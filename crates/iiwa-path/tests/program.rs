@@ -7,7 +7,9 @@ use std::f64::consts::PI;
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{JointPath, Step};
-use iiwa_program::{Blend, Motion, MotionIndex, MotionList, Program, Ptp, Start, Workcell};
+use iiwa_program::{
+    Blend, Motion, MotionIndex, MotionList, Program, Ptp, Sources, Start, Workcell,
+};
 use proptest::prelude::*;
 
 fn read(motions: &str) -> Program {
@@ -30,6 +32,7 @@ fn corner(blend: Option<Blend>) -> JointPath {
         start: Start::Joints([0.0; 7]),
         motions: vec![Motion::Ptp(first), Motion::Ptp(second)],
         workcell: Workcell::default(),
+        sources: Sources::default(),
     })
 }
 
@@ -66,7 +69,7 @@ fn any_blend() -> impl Strategy<Value = Option<Blend>> {
 
 fn any_motion() -> impl Strategy<Value = Motion> {
     prop_oneof![
-        1 => (0.0..86_400.0_f64).prop_map(|seconds| Motion::Wait { seconds }),
+        1 => (0.0..86_400.0_f64).prop_map(|seconds| Motion::Wait { seconds, overlap: 0 }),
         4 => (any_joints(), any_share(), any_share(), any_share(), any_blend()).prop_map(
             |(target_rad, velocity_rel, acceleration_rel, jerk_rel, blend)| {
                 Motion::Ptp(Ptp { target_rad, velocity_rel, acceleration_rel, jerk_rel, blend })
@@ -91,6 +94,7 @@ fn any_program() -> impl Strategy<Value = Program> {
                 start: Start::Joints(start_rad),
                 motions,
                 workcell: Workcell::default(),
+                sources: Sources::default(),
             }
         },
     )
@@ -212,6 +216,7 @@ fn a_repeated_target_only_settles() {
             start: Start::Joints([0.0; 7]),
             motions,
             workcell: Workcell::default(),
+            sources: Sources::default(),
         });
         assert_eq!(path.blends().count(), 0);
         let kinds: Vec<_> = path
@@ -251,6 +256,31 @@ fn a_wait_stands_after_settling() {
             Step::Wait { motion: MotionIndex::new(3), seconds: 2.5 }
         ])
     );
+}
+
+/// A change of the load is a wait of no time, after which the arm carries something else.
+#[test]
+fn a_change_of_the_load_takes_no_time() {
+    let motions = |between: &str| {
+        format!(
+            r#"{{ "type": "ptp", "joints_rad": [1, 0, 0, 0, 0, 0, 0] }}, {between},
+               {{ "type": "ptp", "joints_rad": [0, 0, 0, 0, 0, 0, 0] }}"#
+        )
+    };
+    let waits = path(&read(&motions(r#"{ "type": "wait", "seconds": 0 }"#)));
+    let picks = r#"{ "type": "load", "load": { "mass_kg": 2, "center_mm": [0, 0, 50] } }"#;
+    let picks = path(&read(&motions(picks)));
+    assert_eq!(shown(picks.steps()), shown(waits.steps()));
+    let masses = [0, 1, 2].map(|i| picks.load(MotionIndex::new(i)).map(|load| load.mass_kg));
+    assert_eq!(masses, [None, Some(2.0), Some(2.0)]);
+    assert_eq!(waits.load(MotionIndex::new(2)), None);
+    let held = |motion| {
+        picks
+            .dynamics(MotionIndex::new(motion))
+            .gravity_torques(&[0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])[1]
+    };
+    let lever_m = (0.8 + 0.152 + 0.05) * 1.0_f64.sin();
+    assert!((held(2) - held(0) + 2.0 * 9.81 * lever_m).abs() < 1e-9);
 }
 
 #[test]

@@ -29,10 +29,10 @@ fn a_motion_moves_the_tcp_of_its_tool() {
     assert_eq!(tcps_mm(&of, program.motions.len()), expected);
 
     // A wait keeps the TCP of the motion before it.
-    program.motions.insert(7, Motion::Wait { seconds: 1.0 });
+    program.motions.insert(7, Motion::Wait { seconds: 1.0, overlap: 0 });
     expected.insert(7, left);
     assert_eq!(tcps_mm(&path(&program), program.motions.len()), expected);
-    program.motions.insert(0, Motion::Wait { seconds: 1.0 });
+    program.motions.insert(0, Motion::Wait { seconds: 1.0, overlap: 0 });
     expected.insert(0, tool);
     assert_eq!(tcps_mm(&path(&program), program.motions.len()), expected);
 }

@@ -5,7 +5,7 @@
 
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, PathOptions};
-use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Load, Motion, MotionIndex, Program, Ptp, Sources, Start, Workcell};
 use proptest::prelude::*;
 
 fn motion() -> impl Strategy<Value = Motion> {
@@ -23,7 +23,10 @@ fn motion() -> impl Strategy<Value = Motion> {
         5 => (target, blend, 0.1..1.0_f64).prop_map(|(target, blend, velocity)| {
             Motion::Ptp(Ptp { blend, ..Ptp::to(target).velocity(velocity) })
         }),
-        1 => (0.0..2.0_f64).prop_map(|seconds| Motion::Wait { seconds }),
+        1 => (0.0..2.0_f64).prop_map(|seconds| Motion::Wait { seconds, overlap: 0 }),
+        1 => prop::option::of(0.0..9.0_f64).prop_map(|mass| {
+            Motion::Load(mass.map(|mass_kg| Load { mass_kg, ..Load::default() }))
+        }),
     ]
 }
 
@@ -46,7 +49,7 @@ proptest! {
     ) {
         let robot = Robot::default();
         let options = PathOptions::default();
-        let mut program = Program { robot: None, start: Start::Joints([0.0; 7]), motions: cleaned(motions), workcell: Workcell::default() };
+        let mut program = Program { robot: None, start: Start::Joints([0.0; 7]), motions: cleaned(motions), workcell: Workcell::default(), sources: Sources::default() };
         let mut path = JointPath::new(&program, &robot).unwrap();
         for (index, motion) in changes {
             let index = index % program.motions.len();
@@ -56,6 +59,9 @@ proptest! {
                 (Ok(new), Ok(replaced)) => {
                     prop_assert_eq!(format!("{:?}", path.steps()), format!("{:?}", new.steps()));
                     prop_assert_eq!(path.limits(), new.limits());
+                    for index in (0..program.motions.len()).map(MotionIndex::new) {
+                        prop_assert_eq!(path.load(index), new.load(index));
+                    }
                     let kept = |path: &JointPath, range: &std::ops::Range<usize>| {
                         let steps = path.steps();
                         format!("{:?} {:?}", &steps[..range.start], &steps[range.end..])
@@ -89,6 +95,7 @@ fn replaces_little_of_a_long_path() {
         start: Start::Joints([0.0; 7]),
         motions,
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let mut path = JointPath::new(&program, &Robot::default()).unwrap();
     let Motion::Ptp(ptp) = &mut program.motions[50] else { panic!() };

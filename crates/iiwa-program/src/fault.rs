@@ -8,6 +8,7 @@ use crate::{
     cartesian_fault::CartesianFault,
     limit_kind::{LimitKind, percent},
     motion_index::MotionIndex,
+    workcell::{MAX_TORQUE_LIMIT, MIN_TORQUE_LIMIT},
 };
 
 /// Something in a motion program that cannot be planned.
@@ -55,6 +56,29 @@ pub enum Fault {
         /// What it may be, in s.
         max_s: f64,
     },
+    /// A wait overlaps more motions than it may.
+    #[error("motion {motion}: a wait that overlaps {found} motions; it may overlap at most {max}")]
+    Overlap {
+        /// The wait.
+        motion: MotionIndex,
+        /// How many motions it is to overlap.
+        found: usize,
+        /// How many it may overlap.
+        max: usize,
+    },
+    /// A wait overlaps more motions than there are since the arm was to stand.
+    #[error(
+        "motion {motion}: the wait is to overlap {}, and {} before it; a plain wait or a change of the load \
+         before it stops the arm", motions(*.found), there_are(*.before)
+    )]
+    NothingToOverlap {
+        /// The wait.
+        motion: MotionIndex,
+        /// How many motions it is to overlap.
+        found: usize,
+        /// How many there are.
+        before: usize,
+    },
     /// A blend's size is out of range.
     #[error("motion {motion}: {}", blend_range(*.blend))]
     Blend {
@@ -70,6 +94,31 @@ pub enum Fault {
     BlendBeforeWait {
         /// The motion.
         motion: MotionIndex,
+    },
+    /// A motion before a change of the load has a blend.
+    #[error(
+        "motion {motion} is followed by a change of the load, for which the arm stands; remove its blend"
+    )]
+    BlendBeforeLoad {
+        /// The motion.
+        motion: MotionIndex,
+    },
+    /// A load is that of no body.
+    #[error(
+        "motion {motion}: the load is that of no body; mass and moments of inertia must be 0 or more"
+    )]
+    Load {
+        /// The motion.
+        motion: MotionIndex,
+    },
+    /// A limit of torques is next to nothing, far beyond what a robot bears, or not a number.
+    #[error(
+        "a limit of {} % of the robot's torques; it must be from {} to {} %",
+        1e2 * .found, 1e2 * MIN_TORQUE_LIMIT, 1e2 * MAX_TORQUE_LIMIT
+    )]
+    TorqueLimit {
+        /// What it is, as a share of the robot's limits.
+        found: f64,
     },
     /// A motion to a frame, or the start at one, cannot be planned.
     #[error("{}: {fault}", place_name(*.motion))]
@@ -102,8 +151,13 @@ impl Fault {
             Self::NoMotions
             | Self::Share { .. }
             | Self::Wait { .. }
+            | Self::Overlap { .. }
+            | Self::NothingToOverlap { .. }
             | Self::Blend { .. }
-            | Self::BlendBeforeWait { .. } => false,
+            | Self::BlendBeforeWait { .. }
+            | Self::BlendBeforeLoad { .. }
+            | Self::Load { .. }
+            | Self::TorqueLimit { .. } => false,
         }
     }
 
@@ -114,6 +168,7 @@ impl Fault {
         let motions = Key("motions");
         match self {
             Self::NoMotions => locate(text, &[motions]),
+            Self::TorqueLimit { .. } => locate(text, &[Key("limit_torque_percent")]),
             Self::Cartesian { motion, key, fault } => {
                 let mut path = match motion {
                     Some(motion) => vec![motions, Index(motion.index()), Key(key)],
@@ -147,8 +202,19 @@ impl Fault {
             Self::Wait { motion, .. } => {
                 locate(text, &[motions, Index(motion.index()), Key("seconds")])
             }
+            Self::Overlap { motion, .. } | Self::NothingToOverlap { motion, .. } => {
+                let owner = [motions, Index(motion.index())];
+                // It is under one of two keys: the longer way down is the right one.
+                ["overlap", "overlap_motions"]
+                    .map(|key| locate(text, &[owner.as_slice(), &[Key(key)]].concat()))
+                    .into_iter()
+                    .min_by_key(|place| place.span.len())
+                    .unwrap_or_else(|| locate(text, &owner))
+            }
+            Self::Load { motion } => locate(text, &[motions, Index(motion.index()), Key("load")]),
             Self::Blend { motion, .. }
             | Self::BlendBeforeWait { motion }
+            | Self::BlendBeforeLoad { motion }
             | Self::BlendOutside { motion, .. } => {
                 locate(text, &[motions, Index(motion.index()), Key("blend")])
             }
@@ -158,6 +224,18 @@ impl Fault {
 
 fn place_name(motion: Option<MotionIndex>) -> String {
     motion.map_or_else(|| "the start pose".to_owned(), |motion| format!("motion {motion}"))
+}
+
+fn motions(count: usize) -> String {
+    if count == 1 { "a motion".to_owned() } else { format!("{count} motions") }
+}
+
+fn there_are(count: usize) -> String {
+    match count {
+        0 => "there is none".to_owned(),
+        1 => "there is one".to_owned(),
+        _ => format!("there are {count}"),
+    }
 }
 
 fn blend_range(blend: Blend) -> String {

@@ -29,6 +29,7 @@ mod fault;
 mod frame;
 mod joints_at;
 mod limit_kind;
+mod loads;
 mod motion_index;
 mod motion_limits;
 mod motion_list;
@@ -37,6 +38,7 @@ mod placed_frame;
 mod program;
 mod program_builder;
 mod segment_limits;
+mod source;
 mod target;
 mod tcps;
 mod tool_limits;
@@ -51,16 +53,21 @@ pub use cartesian_motion::{
 };
 pub use fault::Fault;
 pub use frame::Frame;
+pub use iiwa_kin::{Load, Mount};
 pub use limit_kind::{ByKind, LimitKind};
 pub use motion_index::MotionIndex;
 pub use motion_limits::MotionLimits;
 pub use motion_list::MotionList;
 pub use motion_type::MotionType;
 pub use placed_frame::PlacedFrame;
-pub use program::{Motion, Program, Ptp, Start};
+pub use program::{MAX_OVERLAP, Motion, Program, Ptp, Start};
 pub use program_builder::ProgramBuilder;
 pub use segment_limits::SegmentLimits;
+pub use source::{Source, Sources};
 pub use target::{Target, TargetRef};
 pub use tool_limits::ToolLimits;
 pub use wire::ProgramError;
-pub use workcell::{Base, Load, NameFault, OperatingMode, T1_SPEED_M_S, Tool, Workcell};
+pub use workcell::{
+    Base, MAX_TORQUE_LIMIT, MIN_TORQUE_LIMIT, NameFault, OperatingMode, T1_SPEED_M_S, Tool,
+    Workcell,
+};

@@ -51,7 +51,9 @@ impl MotionLimits {
             Motion::Cartesian(own) => {
                 Self::of_shares(robot, |kind| &own.shares[kind], own.tool_limits, mode)
             }
-            Motion::Wait { .. } => Self::of_shares(robot, |_| &[1.0; 7], ToolLimits::NONE, mode),
+            Motion::Wait { .. } | Motion::Load(_) => {
+                Self::of_shares(robot, |_| &[1.0; 7], ToolLimits::NONE, mode)
+            }
         }
     }
 

@@ -4,6 +4,7 @@ use iiwa_kin::Joints;
 
 use crate::{
     program::{Motion, Program, Start},
+    source::Sources,
     workcell::Workcell,
 };
 
@@ -24,27 +25,29 @@ pub struct MotionList {
     pub motions: Vec<Motion>,
     /// Tools, bases and frames that the motions name.
     pub workcell: Workcell,
+    /// Where they come from, as far as that is known.
+    pub sources: Sources,
 }
 
 impl MotionList {
     /// The program of these motions, for the default robot, from where the arm has these joints, in rad.
     #[must_use]
     pub fn starting_at(self, start_rad: Joints) -> Program {
-        let Self { motions, workcell } = self;
-        Program { robot: None, start: Start::Joints(start_rad), motions, workcell }
+        let Self { motions, workcell, sources } = self;
+        Program { robot: None, start: Start::Joints(start_rad), motions, workcell, sources }
     }
 }
 
 /// What it does, without where it starts and on which robot.
 impl From<Program> for MotionList {
-    fn from(Program { motions, workcell, .. }: Program) -> Self {
-        Self { motions, workcell }
+    fn from(Program { motions, workcell, sources, .. }: Program) -> Self {
+        Self { motions, workcell, sources }
     }
 }
 
 /// Motions that use no tool, no base and no frame by its name.
 impl From<Vec<Motion>> for MotionList {
     fn from(motions: Vec<Motion>) -> Self {
-        Self { motions, workcell: Workcell::default() }
+        Self { motions, workcell: Workcell::default(), sources: Sources::default() }
     }
 }

@@ -23,10 +23,12 @@ pub enum MotionType {
     Spl,
     /// A wait.
     Wait,
+    /// A change of the load.
+    Load,
 }
 
 impl MotionType {
-    /// Its name in programs: `ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` or `wait`.
+    /// Its name in programs: `ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl`, `wait` or `load`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -37,6 +39,7 @@ impl MotionType {
             Self::Spline => "spline",
             Self::Spl => "spl",
             Self::Wait => "wait",
+            Self::Load => "load",
         }
     }
 
@@ -44,14 +47,14 @@ impl MotionType {
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         let tcp = [Self::Lin, Self::LinRel, Self::Circ, Self::Spline, Self::Spl];
-        let mut all = [Self::Ptp, Self::Wait].into_iter().chain(tcp);
+        let mut all = [Self::Ptp, Self::Wait, Self::Load].into_iter().chain(tcp);
         all.find(|motion| motion.name() == name)
     }
 
     /// Whether its target is a frame of the TCP.
     #[must_use]
     pub fn is_cartesian(self) -> bool {
-        !matches!(self, Self::Ptp | Self::Wait)
+        !matches!(self, Self::Ptp | Self::Wait | Self::Load)
     }
 }
 
@@ -62,6 +65,7 @@ impl Motion {
         match self {
             Self::Ptp(_) => MotionType::Ptp,
             Self::Wait { .. } => MotionType::Wait,
+            Self::Load(_) => MotionType::Load,
             Self::Cartesian(own) => match own.course {
                 Course::Ptp { .. } => MotionType::PtpToFrame,
                 Course::Lin { .. } => MotionType::Lin,

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use iiwa_kin::{Joint, Joints, Limits};
+use iiwa_kin::{Joint, Joints, Limits, Load};
 
 use crate::{
     blend::Blend,
@@ -10,8 +10,9 @@ use crate::{
     fault::Fault,
     limit_kind::{LimitKind, MIN_SHARE, is_share},
     motion_index::MotionIndex,
+    source::Sources,
     target::TargetRef,
-    workcell::Workcell,
+    workcell::{MAX_TORQUE_LIMIT, MIN_TORQUE_LIMIT, Workcell},
 };
 
 /// A motion program (version 1).
@@ -27,6 +28,8 @@ pub struct Program {
     pub motions: Vec<Motion>,
     /// Tools, bases and frames that the motions name.
     pub workcell: Workcell,
+    /// Where the motions come from, as far as that is known.
+    pub sources: Sources,
 }
 
 /// Where the arm stands before the first motion.
@@ -57,17 +60,38 @@ impl Start {
 
 /// One entry of a program's list of motions.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "nearly all motions are of the large kind")]
 pub enum Motion {
     /// A point-to-point motion: a straight line in joint space.
     Ptp(Ptp),
     /// A motion to a frame: from point to point, or along a path of the TCP.
     Cartesian(Box<CartesianMotion>),
-    /// The arm stands still.
+    /// The program waits.
     Wait {
         /// For how long, in s.
         seconds: f64,
+        /// How many motions before it the wait overlaps. 0: the arm stands for so long. From 1 on, the time runs from the
+        /// instant at which the motion that is so many before begins, motions that move being counted, or from the end of
+        /// the wait before this one if that is later. What comes after the wait is not known before its end: until then it
+        /// neither begins nor is blended into.
+        overlap: usize,
     },
+    /// Where the arm stands, what hangs on its flange changes: all of it from here on, the tool with what it holds, or
+    /// again the tool's own load. It takes no time.
+    Load(Option<Load>),
+}
+
+impl Motion {
+    /// Whether the arm moves.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        matches!(self, Self::Ptp(_) | Self::Cartesian(_))
+    }
+
+    /// Whether it is a wait during which the arm may move.
+    #[must_use]
+    pub fn is_overlapping_wait(&self) -> bool {
+        matches!(self, Self::Wait { overlap: 1.., .. })
+    }
 }
 
 /// A point-to-point motion.
@@ -168,6 +192,11 @@ impl Program {
         if self.motions.is_empty() {
             return Err(Fault::NoMotions);
         }
+        if let Some(found) = self.workcell.torque_limit_rel
+            && !(MIN_TORQUE_LIMIT..=MAX_TORQUE_LIMIT).contains(&found)
+        {
+            return Err(Fault::TorqueLimit { found });
+        }
         self.entries().try_for_each(|(motion, entry)| self.check_entry(motion, entry))
     }
 
@@ -175,11 +204,29 @@ impl Program {
         match entry {
             Motion::Ptp(ptp) => self.check_ptp(motion, ptp),
             Motion::Cartesian(own) => self.check_cartesian(motion, own),
-            Motion::Wait { seconds } if !(0.0..=MAX_WAIT_S).contains(seconds) => {
+            Motion::Wait { seconds, .. } if !(0.0..=MAX_WAIT_S).contains(seconds) => {
                 Err(Fault::Wait { motion, found: *seconds, max_s: MAX_WAIT_S })
             }
-            Motion::Wait { .. } => Ok(()),
+            Motion::Wait { overlap, .. } => self.check_overlap(motion, *overlap),
+            Motion::Load(Some(load)) if !load.body().is_possible() => Err(Fault::Load { motion }),
+            Motion::Load(_) => Ok(()),
         }
+    }
+
+    /// That there are so many motions before a wait, from which on the arm does not have to stand.
+    fn check_overlap(&self, motion: MotionIndex, found: usize) -> Result<(), Fault> {
+        if found > MAX_OVERLAP {
+            return Err(Fault::Overlap { motion, found, max: MAX_OVERLAP });
+        }
+        let before = self.motions.iter().take(motion.index()).rev();
+        let is_standing =
+            |entry: &&Motion| matches!(entry, Motion::Wait { overlap: 0, .. } | Motion::Load(_));
+        let moves = before.take_while(|entry| !is_standing(entry)).filter(|entry| entry.moves());
+        let before = moves.take(found).count();
+        if before < found {
+            return Err(Fault::NothingToOverlap { motion, found, before });
+        }
+        Ok(())
     }
 
     /// What [`check`](Self::check) says of the motions in `range`.
@@ -241,10 +288,13 @@ impl Program {
         if blend.has_effect() { self.check_what_follows(motion) } else { Ok(()) }
     }
 
-    /// That no wait is to be blended into. What is after the last motion is not known: there, the arm stops.
+    /// That nothing is to be blended into which needs a stop. What is after the last motion is not known: there, the arm stops.
     fn check_what_follows(&self, motion: MotionIndex) -> Result<(), Fault> {
-        match self.motions.get(motion.index() + 1) {
+        // A wait that overlaps the motion does not ask it to stop.
+        let mut next = self.motions.iter().skip(motion.index() + 1);
+        match next.find(|entry| !entry.is_overlapping_wait()) {
             Some(Motion::Wait { .. }) => Err(Fault::BlendBeforeWait { motion }),
+            Some(Motion::Load(_)) => Err(Fault::BlendBeforeLoad { motion }),
             None | Some(Motion::Ptp(_) | Motion::Cartesian(_)) => Ok(()),
         }
     }
@@ -252,12 +302,13 @@ impl Program {
     /// The last motion, if it has a blend, which has nothing to blend into: the arm stops there.
     #[must_use]
     pub fn blend_at_the_end(&self) -> Option<MotionIndex> {
-        let blends = match self.motions.last()? {
+        let last = self.motions.iter().rposition(|entry| !entry.is_overlapping_wait())?;
+        let blends = match self.motions.get(last)? {
             Motion::Ptp(ptp) => ptp.blend.is_some_and(Blend::has_effect),
             Motion::Cartesian(own) => own.blend.is_some(),
-            Motion::Wait { .. } => false,
+            Motion::Wait { .. } | Motion::Load(_) => false,
         };
-        blends.then(|| MotionIndex::new(self.motions.len() - 1))
+        blends.then(|| MotionIndex::new(last))
     }
 }
 
@@ -279,6 +330,9 @@ fn check_shares<'a>(
 
 /// A wait above a day is a slip of the pen, and would fill a disk with samples.
 const MAX_WAIT_S: f64 = 24.0 * 3600.0;
+
+/// How many motions a wait may overlap at most.
+pub const MAX_OVERLAP: usize = 1000;
 
 fn check_joints(
     motion: Option<MotionIndex>,

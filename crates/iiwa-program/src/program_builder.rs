@@ -5,6 +5,7 @@ use iiwa_kin::Joints;
 use crate::{
     blend::Blend,
     program::{Motion, Program, Ptp},
+    source::Sources,
     workcell::Workcell,
 };
 
@@ -45,6 +46,7 @@ impl Program {
                 start: start_rad.into(),
                 motions: Vec::new(),
                 workcell: Workcell::default(),
+                sources: Sources::default(),
             },
         }
     }
@@ -69,7 +71,7 @@ impl ProgramBuilder {
 
     /// Adds a wait, in s.
     pub fn wait_s(self, seconds: f64) -> Self {
-        self.motion(Motion::Wait { seconds })
+        self.motion(Motion::Wait { seconds, overlap: 0 })
     }
 
     /// Adds any motion.

@@ -10,7 +10,7 @@ use crate::{
 
 impl Program {
     /// The TCP that each motion moves, in the flange's frame: that of its tool, and the program's where it has none of
-    /// its own; of a wait that of the motion before.
+    /// its own; of a wait or a change of the load that of the motion before.
     ///
     /// # Errors
     ///
@@ -20,10 +20,10 @@ impl Program {
         let tcps = self.entries().map(|(motion, entry)| {
             let tool = match entry {
                 Motion::Cartesian(own) => own.tool.as_deref(),
-                Motion::Ptp(_) | Motion::Wait { .. } => None,
+                Motion::Ptp(_) | Motion::Wait { .. } | Motion::Load(_) => None,
             };
             let tcp = match (entry, before) {
-                (Motion::Wait { .. }, Some(tcp)) => tcp,
+                (Motion::Wait { .. } | Motion::Load(_), Some(tcp)) => tcp,
                 _ => self.workcell.tcp(tool).map_err(|fault| Fault::Cartesian {
                     motion: Some(motion),
                     key: "tool",

@@ -12,26 +12,33 @@ mod motion_list;
 mod motions;
 mod ptp;
 mod share;
+mod source;
 mod spline;
 mod target;
+mod wait;
 mod workcell;
 
 use std::collections::BTreeMap;
 
-use iiwa_json::{Step, locate, object, read_version};
+use iiwa_json::{Step, locate, object, object_or_null, read_version};
 use iiwa_kin::Joints;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
-use crate::program::{Motion, Program, Start};
+use crate::{
+    program::{Program, Start},
+    source::Sources,
+    workcell::Workcell,
+};
 use by_name::{by_name, word_or_null};
 use error::VERSION;
+use exact::exact_percent;
 use frames::{BaseWire, TargetRefWire, TargetWire, ToolWire};
 use include::{included, no_files};
-use motions::{MotionWire, checked};
+use motions::{MotionWire, checked, motions_out};
 use ptp::{joints_of, seven};
-use workcell::{ModeWire, WorkcellOut, WorkcellWire};
+use workcell::{ModeWire, MountWire, WorkcellOut, WorkcellWire};
 
 pub use error::ProgramError;
 
@@ -85,15 +92,25 @@ impl Program {
         let start = wire.start.start().map_err(|what| ProgramError::Json {
             what: format!("the start pose: {what}"),
             motion: None,
+            made_from: None,
             place: locate(text, &[Step::Key("start")]),
         })?;
-        let ProgramWire { tools, bases, frames, tool, base, mode, .. } = wire;
-        let own = WorkcellWire { tools, bases, frames, tool, base, mode }.workcell(text)?;
+        let ProgramWire { tools, bases, frames, tool, base, mode, mount, .. } = wire;
+        let named =
+            WorkcellWire { tools, bases, frames, tool, base, mode, mount }.workcell(text)?;
+        let torque_limit_rel = wire.limit_torque_percent.map(|percent| percent / 100.0);
+        let own = Workcell { torque_limit_rel, ..named };
         let workcell = match wire.include {
             Some(name) => included(text, &name, read)?.updated_with(own),
             None => own,
         };
-        let program = Program { robot: wire.robot, start, motions: Vec::new(), workcell };
+        let program = Program {
+            robot: wire.robot,
+            start,
+            motions: Vec::new(),
+            workcell,
+            sources: Sources::default(),
+        };
         checked(text, program, &wire.motions)
     }
 
@@ -113,7 +130,8 @@ impl Program {
             robot: self.robot.as_deref(),
             start: StartWire::from(&self.start),
             workcell: WorkcellOut::from(&self.workcell),
-            motions: &self.motions,
+            limit_torque_percent: self.workcell.torque_limit_rel.map(exact_percent),
+            motions: motions_out(&self.motions, &self.sources),
         };
         // Only a map with keys that are no strings could fail.
         serde_json::to_string_pretty(&wire).unwrap_or_default()
@@ -165,6 +183,13 @@ struct ProgramWire<'a> {
     /// The operating mode of the controller.
     #[serde(default, deserialize_with = "word_or_null")]
     mode: Option<ModeWire>,
+    /// How the robot's foot stands.
+    #[serde(default, deserialize_with = "object_or_null")]
+    mount: Option<MountWire>,
+    /// Limits the torques of the joints to this percentage of the robot's, and so the speed where they need more.
+    #[serde(default)]
+    #[schemars(range(min = 1.0, max = 1000.0))]
+    limit_torque_percent: Option<f64>,
     /// What it does, in order.
     #[serde(borrow)]
     #[schemars(with = "Vec<MotionWire>", length(min = 1))]
@@ -179,7 +204,9 @@ struct ProgramOut<'a> {
     start: StartWire,
     #[serde(flatten)]
     workcell: WorkcellOut<'a>,
-    motions: &'a [Motion],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limit_torque_percent: Option<f64>,
+    motions: Vec<MotionWire>,
 }
 
 /// The start pose: `joints_deg`, `joints_rad` or a `frame`.

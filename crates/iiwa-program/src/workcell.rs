@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use iiwa_json::{excerpt, meant};
-use iiwa_kin::Pose;
+use iiwa_kin::{Load, Mount, Pose};
 
 use crate::{
     frame::Frame,
@@ -25,7 +25,18 @@ pub struct Workcell {
     pub base: Option<String>,
     /// The controller's operating mode.
     pub mode: OperatingMode,
+    /// How the robot's foot stands.
+    pub mount: Mount,
+    /// The largest torque of the joints, either way, as a share of the robot's limits; torques limit nothing if absent.
+    /// From [`MIN_TORQUE_LIMIT`] to [`MAX_TORQUE_LIMIT`].
+    pub torque_limit_rel: Option<f64>,
 }
+
+/// The least share of the robot's torques that may be a limit.
+pub const MIN_TORQUE_LIMIT: f64 = 0.01;
+
+/// The largest share of the robot's torques that may be a limit: catalogues state less than gears bear for moments.
+pub const MAX_TORQUE_LIMIT: f64 = 10.0;
 
 /// The operating mode of the robot's controller, as far as it changes motions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,21 +58,8 @@ pub struct Tool {
     pub tcp: Frame,
     /// Further TCPs by name, in the flange's frame.
     pub tips: BTreeMap<String, Frame>,
-    /// What it weighs, if that is known.
+    /// What hangs on the flange with it, if that is known.
     pub load: Option<Load>,
-}
-
-/// A load at the flange.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Load {
-    /// Mass, in kg.
-    pub mass_kg: f64,
-    /// Centre of mass in the flange's frame, in mm.
-    pub center_mm: [f64; 3],
-    /// Principal moments of inertia about the centre, in kg m^2.
-    pub inertia_kg_m2: [f64; 3],
-    /// Orientation of the principal axes in the flange's frame: a, b, c in rad.
-    pub abc_rad: [f64; 3],
 }
 
 /// A frame in which others are given.
@@ -208,18 +206,27 @@ impl Workcell {
         Ok((target, base.then(&target.frame.pose())))
     }
 
-    /// All of this, and of `own`, which wins where both have a name; which tool and base are in use, `own` says.
+    /// All of this, and of `own`, which wins where both have a name; `own` says which tool and base are in use, and how the
+    /// robot stands.
     #[must_use]
     pub fn updated_with(mut self, own: Self) -> Self {
         self.tools.extend(own.tools);
         self.bases.extend(own.bases);
         self.frames.extend(own.frames);
-        Self { tool: own.tool, base: own.base, mode: own.mode, ..self }
+        Self {
+            tool: own.tool,
+            base: own.base,
+            mode: own.mode,
+            mount: own.mount,
+            torque_limit_rel: own.torque_limit_rel,
+            ..self
+        }
     }
 
-    /// Whether nothing is named.
+    /// Whether nothing is named, and the mode is the usual one.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        *self == Self::default()
+        let Self { mount, torque_limit_rel, .. } = *self;
+        *self == Self { mount, torque_limit_rel, ..Self::default() }
     }
 }

@@ -202,3 +202,34 @@ fn refuses_what_the_reader_refuses_of_frames() {
         assert!(!schema.is_valid(&bad), "the schema takes {bad}");
     }
 }
+
+#[test]
+fn refuses_what_the_reader_refuses_of_loads() {
+    let schema = schema();
+    let load =
+        json!({ "mass_kg": 3, "center_mm": [0, 0, 60], "inertia_kg_m2": [0.01, 0.01, 0.01] });
+    let good = json!({
+        "version": 1,
+        "mount": { "rpy_deg": [0, 90, 0] },
+        "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+        "motions": [{ "type": "load", "load": load }, { "type": "load", "load": null }]
+    });
+    assert!(schema.is_valid(&good));
+    Program::from_json(&good.to_string()).unwrap();
+    let at = |pointer: &str, value: Value| with(&good, pointer, value);
+    for bad in [
+        without(&good, "/motions/0/load"),
+        without(&good, "/motions/0/load/mass_kg"),
+        without(&good, "/mount/rpy_deg"),
+        at("/motions/0/load/mass_kg", json!(-1)),
+        at("/motions/0/load/center_mm", json!([0, 0])),
+        at("/motions/0/load/weight", json!(1)),
+        at("/motions/0/load", json!("gripper")),
+        at("/motions/0/seconds", json!(1)),
+        at("/mount/rpy_deg", json!([0, 90])),
+        at("/mount", json!("wall")),
+    ] {
+        assert!(Program::from_json(&bad.to_string()).is_err(), "the reader takes {bad}");
+        assert!(!schema.is_valid(&bad), "the schema takes {bad}");
+    }
+}

@@ -5,16 +5,20 @@
 
 use std::{ops::Range, sync::atomic::AtomicBool};
 
+use iiwa_kin::Joints;
 use iiwa_program::{ByKind, LimitKind};
 
 use crate::{
+    cell::Cell,
+    cell_torques::{Parabola, interpolated},
     cells::has_row_at_end,
     error::SolveError,
     geometry::Places,
     lanes::dispatch,
     limited_segment::LimitedSegment,
-    mesh::{Cell, Mesh, mesh},
-    peaks::{SHARES, larger},
+    lowering::Lowering,
+    mesh::{Mesh, mesh},
+    peaks::{Peak, SHARES, larger},
     settings::{AttemptSettings, RefinementSettings, SETTINGS, WarmStart, WindowSettings},
     solver::Solver,
     window::Window,
@@ -39,6 +43,25 @@ struct Lowered {
     cells: Vec<usize>,
     excess: f64,
 }
+
+/// The largest shares of the limits in a cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct CellShares {
+    of: ByKind<f64>,
+    torque: f64,
+    /// The largest share of what gravity leaves of a limit of torque.
+    of_room: f64,
+}
+
+/// The shares of the limits that a cell may reach.
+#[derive(Clone, Copy)]
+struct Allowed {
+    of: ByKind<f64>,
+    torque: f64,
+}
+
+const TOLERANCE: Allowed =
+    Allowed { of: REFINEMENT.tolerance, torque: REFINEMENT.torque.tolerance };
 
 impl Lowered {
     fn add(&mut self, other: Self) {
@@ -125,7 +148,8 @@ impl Attempt {
         match self.solve(SETTINGS.interior_point.first_gap, stop) {
             Ok(()) => {
                 // Where limits will be exceeded is seen long before the end.
-                let early = self.lower(segments, REFINEMENT.early, whole.clone(), &[]);
+                let allowed = Allowed { of: REFINEMENT.early, torque: REFINEMENT.torque.early };
+                let early = self.lower(segments, allowed, whole.clone(), &[]);
                 if early.excess > REFINEMENT.abrupt {
                     self.solver.restart(REFINEMENT.far);
                 }
@@ -144,7 +168,7 @@ impl Attempt {
         for _ in 0..REFINEMENT.rounds {
             let mut lowered = Lowered::default();
             for window in windows {
-                lowered.add(self.lower(segments, REFINEMENT.tolerance, window, &before));
+                lowered.add(self.lower(segments, TOLERANCE, window, &before));
             }
             if lowered.cells.is_empty() {
                 return Ok(());
@@ -240,13 +264,18 @@ impl Attempt {
     fn time_scale(&self, segments: &[LimitedSegment<'_>]) -> f64 {
         let mut largest = ByKind::from_fn(|_| 1.0);
         largest[LimitKind::Jerk] = self.solver.rest_jerk();
+        let mut torque = 1.0;
         for shares in self.largest_shares(segments, 0..self.mesh.cells.len()) {
-            raise(&mut largest, &shares);
+            raise(&mut largest, &shares.of);
+            // What goes with speed and acceleration goes with the square of the time scale.
+            torque =
+                larger(torque, if shares.torque > TOLERANCE.torque { shares.of_room } else { 1.0 });
         }
         let slower = |(kind, share): (LimitKind, f64)| {
             (share / REFINEMENT.tolerance[kind]).powf(1.0 / f64::from(kind.order()))
         };
-        largest.into_iter().map(slower).fold(larger(1.0, self.solver.continuity_defect()), larger)
+        let others = larger(torque.sqrt(), self.solver.continuity_defect());
+        largest.into_iter().map(slower).fold(larger(1.0, others), larger)
     }
 
     /// Lowers the limits of the cells in `window` that exceed them by more than the shares `allowed`. Of those that
@@ -254,7 +283,7 @@ impl Attempt {
     fn lower(
         &mut self,
         segments: &[LimitedSegment<'_>],
-        allowed: ByKind<f64>,
+        allowed: Allowed,
         window: Range<usize>,
         before: &[usize],
     ) -> Lowered {
@@ -265,16 +294,21 @@ impl Attempt {
             .into_iter()
             .zip(first..)
             .map(|(shares, cell)| {
-                let by = ByKind::from_fn(|kind| {
-                    let share = shares[kind];
-                    if share > allowed[kind] || share.is_nan() {
+                let mut by_share = |share: f64, allowed: f64, by: f64| {
+                    if share > allowed || share.is_nan() {
                         lowered.excess = lowered.excess.max(share);
-                        REFINEMENT.target[kind] / share
+                        by
                     } else {
                         1.0
                     }
+                };
+                let of = ByKind::from_fn(|kind| {
+                    let share = shares.of[kind];
+                    by_share(share, allowed.of[kind], REFINEMENT.target[kind] / share)
                 });
-                if by.values().any(|by| *by != 1.0) {
+                let target = REFINEMENT.torque.target / shares.of_room;
+                let by = Lowering { of, torque: by_share(shares.torque, allowed.torque, target) };
+                if !by.is_none() {
                     lowered.cells.push(cell);
                 }
                 by
@@ -282,9 +316,10 @@ impl Attempt {
             .collect();
         for cell in lowered.cells.iter().filter(|cell| before.binary_search(cell).is_ok()) {
             if let [own, next, ..] = &mut by[cell - first..] {
-                for (kind, next) in next.iter_mut().filter(|(kind, _)| !has_row_at_end(*kind)) {
-                    *next = next.min(own[kind]);
+                for (kind, next) in next.of.iter_mut().filter(|(kind, _)| !has_row_at_end(*kind)) {
+                    *next = next.min(own.of[kind]);
                 }
+                next.torque = next.torque.min(own.torque);
             }
         }
         if !lowered.cells.is_empty() {
@@ -298,14 +333,14 @@ impl Attempt {
         &self,
         segments: &[LimitedSegment<'_>],
         window: Range<usize>,
-    ) -> Vec<ByKind<f64>> {
+    ) -> Vec<CellShares> {
         dispatch(Check { attempt: self, segments, window })
     }
 
     /// The same in one cell, stretch by stretch if it is slow, or if the speed changes much: then most of the time is
     /// spent next to one end.
     #[inline(always)]
-    fn largest_shares_in(&self, k: usize, segments: &[LimitedSegment<'_>]) -> ByKind<f64> {
+    fn largest_shares_in(&self, k: usize, segments: &[LimitedSegment<'_>]) -> CellShares {
         let cell = &self.mesh.cells[k];
         let segment = &segments[cell.segment];
         let [start, end] = [0.0, 1.0].map(|f| self.solver.at(k, f)[0]);
@@ -313,19 +348,59 @@ impl Attempt {
         let stretches = larger(self.slowness(segment, k), REFINEMENT.doublings * doublings);
         let stretches = stretches.ceil().clamp(1.0, REFINEMENT.stretches);
         if stretches == 1.0 {
-            return segment
-                .largest_shares(&self.mesh.geometry[k], &self.rates_along(k, [0.0, 1.0]));
+            let rates = &self.rates_along(k, [0.0, 1.0]);
+            let of = segment.largest_shares(&self.mesh.geometry[k], rates);
+            let [torque, of_room] = self.largest_torques(k, [0.0, 1.0], rates);
+            return CellShares { of, torque, of_room };
         }
-        let mut largest = ByKind::default();
+        let mut largest = CellShares::default();
         let mut from = 0.0;
         while from < stretches {
             let stretch = [from / stretches, (from + 1.0) / stretches];
             let geometry = cell.geometry(segments, stretch);
-            let shares = segment.largest_shares(&geometry, &self.rates_along(k, stretch));
-            raise(&mut largest, &shares);
+            let rates = &self.rates_along(k, stretch);
+            raise(&mut largest.of, &segment.largest_shares(&geometry, rates));
+            let [torque, of_room] = self.largest_torques(k, stretch, rates);
+            largest.torque = larger(largest.torque, torque);
+            largest.of_room = larger(largest.of_room, of_room);
             from += 1.0;
         }
         largest
+    }
+
+    /// The largest share of a limit of torque in the stretch between two shares of a cell, and the largest share of what
+    /// gravity leaves of one; 0 if torques are not limited. With the rates of sigma at [`SHARES`] of the stretch.
+    #[inline(always)]
+    fn largest_torques(&self, k: usize, [from, to]: [f64; 2], rates: &[Places; 3]) -> [f64; 2] {
+        let Some(places) = self.mesh.torques.of(k) else { return [0.0; 2] };
+        let [speeds, accelerations, _] = rates;
+        let (mut torque, mut of_room) = (Peak::default(), Peak::default());
+        let near = self.mesh.torques.near(k);
+        for j in (0..7).filter(|j| near[*j]) {
+            let acceleration = Parabola::through(places, |at| at.acceleration[j]);
+            let speed = Parabola::through(places, |at| at.speed[j]);
+            let gravity = Parabola::through(places, |at| at.gravity[j]);
+            let (mut shares, mut shares_of_room) = (Places::default(), Places::default());
+            for i in 0..SHARES.len() {
+                let f = from + SHARES[i] * (to - from);
+                let moving =
+                    acceleration.at(f) * accelerations[i] + speed.at(f) * speeds[i] * speeds[i];
+                let gravity = gravity.at(f);
+                let room = if moving > 0.0 { 1.0 - gravity } else { 1.0 + gravity };
+                shares[i] = moving + gravity;
+                shares_of_room[i] = moving / room;
+            }
+            torque.add(&shares);
+            of_room.add(&shares_of_room);
+        }
+        [torque.get(), of_room.get()]
+    }
+
+    /// The torques at the share `f` of a cell as shares of their limits, if it has any, if all is `time_scale` times slower.
+    pub(crate) fn torque_shares(&self, k: usize, f: f64, time_scale: f64) -> Option<Joints> {
+        let places = self.mesh.torques.of(k)?;
+        let [speed, acceleration, _] = self.rates(k, f);
+        Some(interpolated(places, f).at(speed / time_scale, acceleration / time_scale.powi(2)))
     }
 
     /// Speed, acceleration and jerk of sigma at [`SHARES`] of the stretch between two shares of a cell.
@@ -363,7 +438,7 @@ struct Check<'a, 'b> {
 }
 
 impl pulp::WithSimd for Check<'_, '_> {
-    type Output = Vec<ByKind<f64>>;
+    type Output = Vec<CellShares>;
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {

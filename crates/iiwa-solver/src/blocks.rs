@@ -7,6 +7,7 @@ use crate::{
     lanes::LANES,
     limited_segment::LimitedSegment,
     mesh::Mesh,
+    torque_block::{TorqueBlock, torque_blocks},
 };
 
 /// Blocks of cells: with one row of each kind at a place on lines, with two to eight in curves.
@@ -19,6 +20,8 @@ pub(crate) struct Blocks {
     pub(crate) five: Vec<CellBlock<5>>,
     pub(crate) seven: Vec<CellBlock<7>>,
     pub(crate) eight: Vec<CellBlock<8>>,
+    /// The limits of torque, if there are any: they come after all others, to which they add.
+    pub(crate) torques: Vec<TorqueBlock>,
 }
 
 /// Does the same with every block of some [`Blocks`] that has a cell in the window.
@@ -32,6 +35,7 @@ macro_rules! for_each_block {
         for_each_block!(@ window, $block => $do; &mut blocks.five);
         for_each_block!(@ window, $block => $do; &mut blocks.seven);
         for_each_block!(@ window, $block => $do; &mut blocks.eight);
+        for_each_block!(@ window, $block => $do; &mut blocks.torques);
     }};
     (@ $window:ident, $block:ident => $do:expr; $list:expr) => {
         for $block in $list {
@@ -75,6 +79,7 @@ impl Blocks {
             five: blocks(segments, mesh, &five),
             seven: blocks(segments, mesh, &seven),
             eight: blocks(segments, mesh, &eight),
+            torques: torque_blocks(mesh),
         }
     }
 
@@ -90,6 +95,12 @@ impl Blocks {
             + of(&self.five, window)
             + of(&self.seven, window)
             + of(&self.eight, window)
+            + self
+                .torques
+                .iter()
+                .filter(|block| block.is_in(window))
+                .map(TorqueBlock::sides)
+                .sum::<usize>()
     }
 }
 

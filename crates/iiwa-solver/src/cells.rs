@@ -14,11 +14,12 @@
 use std::ops::Range;
 
 use iiwa_path::Coordinates;
-use iiwa_program::{ByKind, LimitKind};
+use iiwa_program::LimitKind;
 use pulp::Simd;
 
 use crate::{
     acceleration_rows::AccelerationRows,
+    cell::Cell,
     functionals::{
         CellState, ControlV, EndV, EndW, EndX, MiddleV, MiddleW, MiddleX, SecondControlX, StartV,
         StartW, StartX, ThirdControlX,
@@ -28,10 +29,11 @@ use crate::{
     lanes::{LANES, Lanes, Vector, registers},
     limited_segment::LimitedSegment,
     limiting_joints::LimitingJoints,
-    mesh::{Cell, Mesh},
+    lowering::Lowering,
+    mesh::Mesh,
     quadratic::{Quadratic, Terms},
     settings::InteriorPointSettings,
-    slack_pair::{Decreases, InteriorStart, InteriorStep, InteriorSteps},
+    slack_pair::{Decreases, InteriorStart, InteriorStep, InteriorSteps, Start},
     velocity_rows::VelocityRows,
 };
 
@@ -52,15 +54,6 @@ pub(crate) struct LargestDecreases {
     pub(crate) slack: f64,
     pub(crate) dual: f64,
     pub(crate) x: f64,
-}
-
-/// Where slacks and duals start: their products, the least slack as a share of its bound, and the factor by which
-/// a dual may be off what balances with its slack.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Start {
-    pub(crate) mu: f64,
-    pub(crate) least: f64,
-    pub(crate) kept: f64,
 }
 
 /// Eight cells with at most `J` rows of each kind at a place; with one, they are on lines.
@@ -222,12 +215,12 @@ impl<const J: usize> CellBlock<J> {
         }
     }
 
-    /// Lowers the limits in the cells from `first` on by the factors `by`.
-    pub(crate) fn lower(&mut self, first: usize, by: &[ByKind<f64>]) {
+    /// Lowers the limits in the cells from `first` on.
+    pub(crate) fn lower(&mut self, first: usize, by: &[Lowering]) {
         for (lane, cell) in self.cells.into_iter().enumerate() {
             let by = cell.checked_sub(first).and_then(|k| by.get(k));
             let Some(by) = by else { continue };
-            let [velocity, acceleration, jerk] = by.into_array();
+            let [velocity, acceleration, jerk] = by.of.into_array();
             self.velocities.iter_mut().for_each(|rows| rows.scale(lane, velocity));
             self.accelerations.iter_mut().for_each(|rows| rows.scale(lane, acceleration));
             self.jerks.iter_mut().for_each(|rows| rows.scale(lane, jerk));
@@ -245,13 +238,7 @@ impl<const J: usize> CellBlock<J> {
         let lanes = self.gather(states);
         for register in 0..registers::<S>() {
             let y = &lanes.map(|lanes| lanes.load(simd, register));
-            let start = &InteriorStart {
-                simd,
-                register,
-                mu: Vector::splat(simd, start.mu),
-                least: Vector::splat(simd, start.least),
-                kept: start.kept,
-            };
+            let start = &InteriorStart::new(simd, register, start);
             let [first, second, third] = &mut self.velocities;
             first.start::<StartX, S>(start, y);
             second.start::<SecondControlX, S>(start, y);

@@ -5,7 +5,7 @@
 //! the part across the path jumps. With s as the parameter the part along the path would jump as
 //! well: the solver would have to make the speed's own second derivative jump against it.
 
-use iiwa_kin::{Joints, vector};
+use iiwa_kin::{Joints, PathTorques, vector};
 use iiwa_path::{Coordinates, PlanarGraph, Segment, ToolCoordinate};
 use iiwa_program::{ByKind, LimitKind, MotionLimits};
 
@@ -14,6 +14,7 @@ use crate::{
     limiting_joints::LimitingJoints,
     peaks::Peak,
     swept::SweptNode,
+    torque_limits::TorqueLimits,
 };
 
 /// A segment and its limits, as the solver sees them.
@@ -42,7 +43,12 @@ pub struct LimitedSegment<'a> {
     slope: f64,
     /// The coordinates that can be at their limits.
     pub(crate) limiting: ByKind<LimitingJoints>,
+    /// The limits of torque, if there are any.
+    torque: Option<&'a TorqueLimits>,
 }
+
+/// From this share of its limit on, the torque of a joint has rows.
+const NEAR_TORQUE_LIMIT: f64 = 0.97;
 
 impl<'a> LimitedSegment<'a> {
     /// The segment under its limits, with the acceleration-limited stamps to start from, at least two.
@@ -88,6 +94,7 @@ impl<'a> LimitedSegment<'a> {
             limiting: ByKind::from_fn(|_| {
                 if tool.is_some() { LimitingJoints::ALL } else { LimitingJoints::JOINTS }
             }),
+            torque: None,
         };
         if let Some(graph) = segment.graph {
             // Perpendicular to each other: in a near turn-back, both would point almost the same way.
@@ -107,6 +114,80 @@ impl<'a> LimitedSegment<'a> {
             });
         }
         Some(segment)
+    }
+
+    /// The segment under limits of torque, too. They change along straight segments as well.
+    #[must_use]
+    pub fn with_torque_limits(self, limits: &'a TorqueLimits) -> Self {
+        Self { torque: Some(limits), ..self }
+    }
+
+    /// Whether torques are limited.
+    #[must_use]
+    pub fn limits_torque(&self) -> bool {
+        self.torque.is_some()
+    }
+
+    /// What the torques at some sigma (rad) are made of, as shares of their limits: by the second derivative of sigma
+    /// (rad/s^2), by the square of the first, and by neither. Empty if torques are not limited.
+    #[must_use]
+    pub fn torque_shares(&self, sigma: &[f64]) -> Vec<PathTorques> {
+        let Some(limits) = self.torque else { return Vec::new() };
+        let [mut q, mut first, mut second] = [(); 3].map(|()| Vec::with_capacity(sigma.len()));
+        for sigma in sigma {
+            let s = self.s(*sigma).clamp(0.0, 1.0);
+            let [dq, ddq, _] = self.derivatives(s);
+            q.push(self.shape.at(s).q);
+            first.push(joints(&dq));
+            second.push(joints(&ddq));
+        }
+        limits.shares(&q, &first, &second)
+    }
+
+    /// The joints whose torque can come near to its limit at a place with these derivatives, at any speed and
+    /// acceleration that the other limits allow.
+    pub(crate) fn near_torque_limits(
+        &self,
+        [dq, ddq, _]: &SigmaDerivatives,
+        torques: &PathTorques,
+    ) -> [bool; 7] {
+        let [velocity, acceleration] =
+            [LimitKind::Velocity, LimitKind::Acceleration].map(|kind| &self.limits[kind]);
+        let x = largest_multiple(dq, velocity).powi(2);
+        let u = (0..8)
+            .map(|j| (acceleration[j] + ddq[j].abs() * x) / dq[j].abs())
+            .fold(f64::INFINITY, |least, u| if u < least { u } else { least });
+        std::array::from_fn(|j| {
+            let moving = torques.acceleration[j].abs() * u + torques.speed[j].abs() * x;
+            let most = moving + torques.gravity[j].abs();
+            // Where nothing else limits the speed, either.
+            most >= NEAR_TORQUE_LIMIT || most.is_nan()
+        })
+    }
+
+    /// The largest acceleration of sigma (rad/s^2) that torques leave at a stop at `s`, either way.
+    fn torque_acceleration(&self, s: f64) -> f64 {
+        let Some(PathTorques { acceleration, gravity, .. }) =
+            self.torque_shares(&[s * self.length]).first().copied()
+        else {
+            return f64::INFINITY;
+        };
+        (0..7)
+            .map(|j| (1.0 - gravity[j].abs()) / acceleration[j].abs())
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The largest x that torques leave at `sigma`, where the second derivative of sigma is `u` times x.
+    pub(crate) fn torque_cap(&self, sigma: f64, u: f64) -> f64 {
+        let Some(torques) = self.torque_shares(&[sigma]).first().copied() else {
+            return f64::INFINITY;
+        };
+        (0..7)
+            .map(|j| {
+                let by_x = torques.acceleration[j] * u + torques.speed[j];
+                (1.0 - torques.gravity[j].copysign(torques.gravity[j] * by_x)) / by_x.abs()
+            })
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// Whether it is straight, and only joints are limited.
@@ -231,6 +312,7 @@ impl<'a> LimitedSegment<'a> {
     /// For how long jerk builds up acceleration at `s`, in s: until it, or speed, is at its limit.
     pub(crate) fn build_up_s(&self, s: f64) -> f64 {
         let [speed, acceleration, jerk] = self.straight(s);
+        let acceleration = acceleration.min(self.torque_acceleration(s));
         (acceleration / jerk).min((speed / jerk).sqrt())
     }
 
@@ -363,6 +445,11 @@ pub(crate) fn largest_share(derivative: &Coordinates, inverse: &Coordinates) -> 
 /// The largest multiple of `direction` within the limits.
 fn largest_multiple(direction: &Coordinates, limits: &Coordinates) -> f64 {
     std::iter::zip(direction, limits).map(|(d, limit)| limit / d.abs()).fold(f64::MAX, f64::min)
+}
+
+/// The values of the joints alone.
+fn joints(of: &Coordinates) -> Joints {
+    std::array::from_fn(|j| of[j])
 }
 
 /// Values of the joints, and that of the tool.

@@ -7,25 +7,11 @@
 use std::ops::Range;
 
 use crate::{
-    geometry::Geometry, limited_segment::LimitedSegment, peaks::SHARES, settings::MeshSettings,
-    swept::SweptNode,
+    cell::Cell, cell_torques::CellTorques, geometry::Geometry, limited_segment::LimitedSegment,
+    settings::MeshSettings, swept::SweptNode,
 };
 
 const SETTINGS: MeshSettings = crate::settings::SETTINGS.mesh;
-
-/// An interval of a segment's sigma on which x is a cubic.
-#[derive(Clone, Copy, Debug)]
-#[non_exhaustive]
-pub struct Cell {
-    /// Which segment it belongs to.
-    pub segment: usize,
-    /// sigma within the segment at its start, in rad.
-    pub from: f64,
-    /// Its length, in rad.
-    pub length: f64,
-    /// x = (dsigma/dt)^2 of the acceleration-limited stamps at its start.
-    pub(crate) x: f64,
-}
 
 /// The cells of a window.
 #[derive(Clone, Debug)]
@@ -39,19 +25,8 @@ pub struct Mesh {
     pub to_rest: Option<Cell>,
     /// The curve at [`SHARES`] of the cells between.
     pub(crate) geometry: Vec<Geometry>,
-}
-
-impl Cell {
-    /// The curve at [`SHARES`] of the cell's stretch between two shares of it.
-    #[inline(always)]
-    pub(crate) fn geometry(
-        &self,
-        segments: &[LimitedSegment<'_>],
-        [from, to]: [f64; 2],
-    ) -> Geometry {
-        let share = |f: f64| from + f * (to - from);
-        segments[self.segment].geometry(&SHARES.map(|f| self.from + share(f) * self.length))
-    }
+    /// The torques in them, where these are limited.
+    pub(crate) torques: CellTorques,
 }
 
 impl MeshSettings {
@@ -70,8 +45,14 @@ impl MeshSettings {
             rest: self.rest * per,
             rest_growth: self.rest_growth * per,
             rest_bend: self.rest_bend * per,
+            torque_rad: self.torque_rad * per,
             ..self
         }
+    }
+
+    /// The longest cell of a segment on which limits change, in rad.
+    fn most(&self, segment: &LimitedSegment<'_>) -> f64 {
+        if segment.limits_torque() { self.torque_rad } else { f64::INFINITY }
     }
 }
 
@@ -187,13 +168,15 @@ pub(crate) fn mesh(
         let to_rest = rest(backwards, 1.0);
         let end_size = |neighbour: Option<&LimitedSegment<'_>>| {
             let of = |segment: &LimitedSegment<'_>| {
-                segment.length * if segment.is_line() { sizes.line } else { sizes.blend_end }
+                let size = if segment.is_line() { sizes.line } else { sizes.blend_end };
+                (size * segment.length).min(sizes.most(segment))
             };
             of(segment).min(neighbour.map_or(f64::INFINITY, of))
         };
         let at_start = end_size(index.checked_sub(1).map(|before| &segments[before]));
         let at_end = end_size(segments.get(index + 1));
-        let most = segment.length * if segment.is_line() { sizes.line } else { sizes.blend };
+        let size = if segment.is_line() { sizes.line } else { sizes.blend };
+        let most = (size * segment.length).min(sizes.most(segment));
         // Never to be reached; without it, one fault in the stamps would mean cells without end.
         let least = 1e-3 * [from_rest, to_rest].iter().flatten().fold(most, |a, b| a.min(*b));
         let least = least.min(at_start).min(at_end);
@@ -238,8 +221,9 @@ pub(crate) fn mesh(
     }
     let to_rest = if ends_at_rest { cells.pop() } else { None };
     let from_rest = if starts_at_rest { Some(cells.remove(0)) } else { None };
-    let geometry = cells.iter().map(|cell| cell.geometry(segments, [0.0, 1.0])).collect();
-    (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest, geometry })
+    let geometry: Vec<_> = cells.iter().map(|cell| cell.geometry(segments, [0.0, 1.0])).collect();
+    let torques = CellTorques::new(segments, &cells, &geometry);
+    (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest, geometry, torques })
 }
 
 /// Least size at a cell's end, as a share of that at its start, for which the cell is made as short as that at once.
@@ -300,7 +284,7 @@ fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
             let build_up_s = segment.build_up_s(segment.s(node.p * segment.length));
             switches.push(Switch { t_s: node.t_s, build_up_s });
         };
-        if segment.is_line() {
+        if segment.is_line() && !segment.limits_torque() {
             segment.swept.iter().for_each(add);
             continue;
         }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{functionals::CellState, limited_segment::LimitedSegment, mesh::Cell, riccati};
+use crate::{cell::Cell, functionals::CellState, limited_segment::LimitedSegment, riccati};
 
 /// A cell that touches rest, seen from its other end.
 #[derive(Clone, Copy, Debug)]
@@ -11,7 +11,7 @@ pub(crate) struct Rest {
     /// The cell next to it, and the row of x where they meet.
     pub(crate) cell: usize,
     pub(crate) row: CellState,
-    /// Largest x there that jerk allows.
+    /// Largest x there that jerk and torques allow.
     pub(crate) cap: f64,
     pub(crate) slack: ScalarSlackPair,
 }
@@ -60,8 +60,14 @@ impl Rest {
     ) -> Self {
         let [_, _, jerk] = segment.straight(s);
         let length = rest.length;
-        // sigma = j t^3 / 6 and x = (j t^2 / 2)^2.
-        let cap = (4.5 * length * length * jerk).powf(2.0 / 3.0);
+        // sigma = j t^3 / 6 and x = (j t^2 / 2)^2, so that j t is two thirds of x over sigma.
+        let u = 2.0 / (3.0 * length);
+        let by_torque = if s == 0.0 {
+            segment.torque_cap(rest.from + length, u)
+        } else {
+            segment.torque_cap(rest.from, -u)
+        };
+        let cap = (4.5 * length * length * jerk).powf(2.0 / 3.0).min(by_torque);
         Self { length, cell, row, cap, slack: ScalarSlackPair::default() }
     }
 

@@ -10,6 +10,15 @@ use crate::{
 
 const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
+/// Where slacks and duals start: their products, the least slack as a share of its bound, and the factor by which
+/// a dual may be off what balances with its slack.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start {
+    pub(crate) mu: f64,
+    pub(crate) least: f64,
+    pub(crate) kept: f64,
+}
+
 /// A step: mu, and the primal and dual step lengths in (0, 1].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct InteriorStep {
@@ -55,6 +64,14 @@ pub(crate) struct InteriorStart<S: Simd> {
     pub(crate) least: Vector<S>,
     /// How many times smaller or larger a dual may be than mu over its slack; 1 starts it anew.
     pub(crate) kept: f64,
+}
+
+impl<S: Simd> InteriorStart<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, register: usize, Start { mu, least, kept }: Start) -> Self {
+        let [mu, least] = [mu, least].map(|value| Vector::splat(simd, value));
+        Self { simd, register, mu, least, kept }
+    }
 }
 
 /// Slack and dual of one bound of a row.

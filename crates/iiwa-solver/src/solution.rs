@@ -2,6 +2,8 @@
 
 use std::sync::atomic::AtomicBool;
 
+use iiwa_kin::Joints;
+
 use crate::{
     attempt::Attempt,
     error::SolveError,
@@ -68,6 +70,12 @@ impl Solution {
     #[must_use]
     pub fn rates(&self, cell: usize, f: f64) -> [f64; 3] {
         self.0.rates(cell, f)
+    }
+
+    /// The torques there as shares of their limits, with its slowing down; none if the cell's segment has no limits of them.
+    #[must_use]
+    pub fn torque_shares(&self, cell: usize, f: f64) -> Option<Joints> {
+        self.0.torque_shares(cell, f, self.time_scale())
     }
 
     /// x and its derivative by sigma where a segment starts: an [entry](Window::entry). None if it starts at rest.

@@ -20,22 +20,23 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use iiwa_program::ByKind;
 use pulp::Simd;
 
 use crate::{
     blocks::{Blocks, for_each_block},
-    cells::{LargestDecreases, Start, Sums},
+    cell::Cell,
+    cells::{LargestDecreases, Sums},
     error::SolveError,
     functionals::{CellState, EndV, EndX, Functional, StartX},
     lanes::dispatch,
     limited_segment::LimitedSegment,
-    mesh::{Cell, Mesh},
+    lowering::Lowering,
+    mesh::Mesh,
     quadratic::Quadratic,
     rests::{Rest, Rests, ScalarSlackPair},
     riccati::{self, Chain, Gain, NotConvex},
     settings::{InteriorPointSettings, WarmStart},
-    slack_pair::InteriorStep,
+    slack_pair::{InteriorStep, Start},
 };
 
 /// The problem of one section, and where its solution stands.
@@ -246,8 +247,8 @@ impl Solver {
         dispatch(Solve { solver: self, gap, stop })
     }
 
-    /// Lowers the limits in the cells from `first` on by the factors `by`.
-    pub(crate) fn lower(&mut self, first: usize, by: &[ByKind<f64>]) {
+    /// Lowers the limits in the cells from `first` on.
+    pub(crate) fn lower(&mut self, first: usize, by: &[Lowering]) {
         let cells = &(first..first + by.len());
         for_each_block!(&mut self.blocks, cells, block => block.lower(first, by));
     }
@@ -381,8 +382,13 @@ impl Solver {
             let aim = SETTINGS.centring.iter().find(|(length, _)| least >= *length);
             let aim = aim.map_or(1.0, |(_, aim)| *aim);
             self.mu = (aim * sums.gap / limits).max(SETTINGS.least_mu * gap * duration_s / limits);
-            if self.gap < gap && sums.residual < SETTINGS.residual && primal > SETTINGS.last_step {
-                return Ok(());
+            if self.gap < gap && sums.residual < SETTINGS.residual {
+                // With limits of torque, the last steps may be short although there is nothing left to be gained.
+                let is_closer = self.gap < SETTINGS.closer * gap
+                    && sums.residual < SETTINGS.closer * SETTINGS.residual;
+                if primal > SETTINGS.last_step || is_closer && !self.blocks.torques.is_empty() {
+                    return Ok(());
+                }
             }
             stalled = if least < short { stalled + 1 } else { 0 };
             if stalled > most_stalled {
@@ -397,6 +403,10 @@ impl Solver {
         let mu = self.mu;
         let steps = [self.last, InteriorStep { mu, ..InteriorStep::default() }];
         let mut sums = Sums::default();
+        if !self.blocks.torques.is_empty() {
+            // They add to what the others write, and slivers have no others.
+            self.quadratics[self.window.clone()].fill(Quadratic::default());
+        }
         for_each_block!(&mut self.blocks, &self.window, block => {
             block.assemble(simd, &self.states, steps, &mut self.quadratics, &mut sums);
         });

@@ -34,7 +34,7 @@ pub enum PlanError {
 /// ```
 /// use iiwa_kin::Robot;
 /// use iiwa_path::PathOptions;
-/// use iiwa_program::{Start, Workcell, Motion, Program, Ptp};
+/// use iiwa_program::{Start, Sources, Workcell, Motion, Program, Ptp};
 /// use iiwa_traj::{Timing, plan_all};
 ///
 /// // By which elbow does the arm come to the other side soonest?
@@ -44,7 +44,7 @@ pub enum PlanError {
 ///     motions: vec![
 ///         Motion::Ptp(Ptp::to([0.0, 0.3, 0.0, elbow_rad, 0.0, 0.7, 0.0])),
 ///         Motion::Ptp(Ptp::to([-0.5, 0.3, 0.0, -1.4, 0.0, 0.7, 0.0])),
-///     ], workcell: Workcell::default(),
+///     ], workcell: Workcell::default(), sources: Sources::default(),
 /// };
 /// let programs = [-2.0, -1.2, 0.0, 9.0].map(by_way_of);
 /// let plans = plan_all(

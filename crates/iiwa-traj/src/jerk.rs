@@ -10,7 +10,7 @@ mod stamps;
 use std::{ops::Range, sync::atomic::AtomicBool};
 
 use iiwa_path::Step;
-use iiwa_solver::{LimitedSegment, SolveError, SweptNode, Window};
+use iiwa_solver::{LimitedSegment, SolveError, SweptNode, TorqueLimits, Window};
 
 use crate::{
     node::Node,
@@ -20,14 +20,16 @@ use crate::{
 use stamps::Stamper;
 pub(crate) use stamps::{SegmentStamps, Stamps};
 
-/// Replaces the acceleration-limited stamps of `section` by jerk-limited ones, unless `stop` is set.
+/// Replaces the acceleration-limited stamps of `section` by jerk-limited ones, unless `stop` is set. With `torques`, limits
+/// of each of its pieces, these are kept as well.
 pub(crate) fn limit(
     section: &mut Section,
+    torques: &[TorqueLimits],
     options: JerkOptions,
     stop: &AtomicBool,
 ) -> Result<(), TimingError> {
     if !section.pieces.is_empty() {
-        let all = Pieces { range: 0..section.pieces.len(), ends: [None; 2] };
+        let all = Pieces { range: 0..section.pieces.len(), ends: [None; 2], torques };
         let stamped = stamps(section, &all, options, stop)?;
         section.stamp(stamped);
     }
@@ -35,17 +37,19 @@ pub(crate) fn limit(
 }
 
 /// Pieces of a section, at least one.
-pub(crate) struct Pieces {
+pub(crate) struct Pieces<'a> {
     pub(crate) range: Range<usize>,
     /// Where they begin and end: the square of the speed along the path (rad^2/s^2) and its derivative by the way
     /// (rad/s^2); none at rest.
     pub(crate) ends: [Option<[f64; 2]>; 2],
+    /// The limits of torque of each piece of the section; empty if torques are not limited.
+    pub(crate) torques: &'a [TorqueLimits],
 }
 
 /// The jerk-limited stamps of some `pieces` of `section`, in place of its acceleration-limited ones, which it loses.
 pub(crate) fn stamps(
     section: &mut Section,
-    pieces: &Pieces,
+    pieces: &Pieces<'_>,
     options: JerkOptions,
     stop: &AtomicBool,
 ) -> Result<Stamps, TimingError> {
@@ -56,7 +60,7 @@ pub(crate) fn stamps(
         .map(|Node { t_s, p, rate, u, .. }| SweptNode { t_s, p, rate, u })
         .collect();
     let mut segments = Vec::with_capacity(section.pieces.len());
-    for piece in &section.pieces {
+    for (i, piece) in section.pieces.iter().enumerate() {
         let Step::Move { segment, blend, .. } = &path.steps()[piece.step] else { continue };
         let limits = path.limits_of(piece.step);
         let swept = &swept[piece.nodes.clone()];
@@ -64,9 +68,13 @@ pub(crate) fn stamps(
             let motion = blend.map_or(piece.motion, |corner| corner.motion);
             return Err(TimingError::CurvatureJumps { motion });
         };
-        segments.push(segment);
+        segments.push(match pieces.torques.get(i) {
+            Some(torques) => segment.with_torque_limits(torques),
+            None => segment,
+        });
     }
     let closed_form = match (segments.as_slice(), pieces.ends) {
+        _ if !pieces.torques.is_empty() => None,
         ([line], [None, None]) if line.is_line() && !options.general => {
             Some(closed_form::line(line))
         }

@@ -11,20 +11,27 @@ use iiwa_program::LimitKind;
 /// use iiwa_kin::Joint;
 /// use iiwa_traj::{Limit, LimitKind, Limited};
 ///
-/// let limit = |of| Limit { of, kind: LimitKind::Velocity };
+/// let limit = |of| Limit::Motion { of, kind: LimitKind::Velocity };
 /// assert_eq!(limit(Limited::Joint(Joint::A4)).to_string(), "A4 velocity");
 /// assert_eq!(limit(Limited::Way).to_string(), "cart velocity");
 /// assert_eq!(limit(Limited::Turn).name(), "orientation_velocity");
+/// assert_eq!(Limit::Torque(Joint::A2).to_string(), "A2 torque");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limit {
-    /// What is limited.
-    pub of: Limited,
-    /// Which of its limits.
-    pub kind: LimitKind,
+#[non_exhaustive]
+pub enum Limit {
+    /// A limit of velocity, acceleration or jerk.
+    Motion {
+        /// What is limited.
+        of: Limited,
+        /// Which of its limits.
+        kind: LimitKind,
+    },
+    /// The torque of a joint.
+    Torque(Joint),
 }
 
-/// What has limits.
+/// What has limits of its motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Limited {
@@ -50,17 +57,21 @@ impl Limit {
     /// The joint, if it is one of a joint.
     #[must_use]
     pub fn joint(&self) -> Option<Joint> {
-        match self.of {
-            Limited::Joint(joint) => Some(joint),
-            Limited::Way | Limited::Turn => None,
+        match self {
+            Self::Torque(joint) | Self::Motion { of: Limited::Joint(joint), .. } => Some(*joint),
+            Self::Motion { of: Limited::Way | Limited::Turn, .. } => None,
         }
     }
 
     /// Its name in files, without the joint: `velocity`, `acceleration` or `jerk`, after `cart_` or `orientation_` where
-    /// it is one of the TCP.
+    /// it is one of the TCP; or `torque`.
     #[must_use]
     pub fn name(&self) -> &'static str {
-        match (self.of, self.kind) {
+        let (of, kind) = match *self {
+            Self::Torque(_) => return "torque",
+            Self::Motion { of, kind } => (of, kind),
+        };
+        match (of, kind) {
             (Limited::Joint(_), kind) => kind.name(),
             (Limited::Way, LimitKind::Velocity) => "cart_velocity",
             (Limited::Way, LimitKind::Acceleration) => "cart_acceleration",
@@ -74,21 +85,11 @@ impl Limit {
 
 impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { of, kind } = self;
-        match of {
-            Limited::Joint(joint) => write!(f, "{joint} {kind}"),
-            Limited::Way => write!(f, "cart {kind}"),
-            Limited::Turn => write!(f, "orientation {kind}"),
-        }
-    }
-}
-
-impl fmt::Display for Limited {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Joint(joint) => write!(f, "joint {joint}"),
-            Self::Way => f.write_str("the TCP along its way"),
-            Self::Turn => f.write_str("the turn of the TCP"),
+            Self::Torque(joint) => write!(f, "{joint} torque"),
+            Self::Motion { of: Limited::Joint(joint), kind } => write!(f, "{joint} {kind}"),
+            Self::Motion { of: Limited::Way, kind } => write!(f, "cart {kind}"),
+            Self::Motion { of: Limited::Turn, kind } => write!(f, "orientation {kind}"),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! How close a piece comes to its limits, and for how long it is at each.
 
-use iiwa_kin::Joint;
+use iiwa_kin::{Joint, Joints, PathTorques};
 use iiwa_path::ToolCoordinate;
 use iiwa_program::{ByKind, LimitKind};
 
@@ -16,9 +16,31 @@ const SATURATED: f64 = 0.995;
 /// Largest value over limit that is taken for rounding.
 pub(crate) const TOLERANCE: f64 = 1e-6;
 
+/// From this share on, a joint is at its limit of torque: the solver comes less close to it, since it changes along the way.
+const SATURATED_TORQUE: f64 = 0.985;
+
 /// What is used of the limits of each kind.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LimitUsage(ByKind<Shares>);
+pub(crate) struct LimitUsage {
+    of: ByKind<Shares>,
+    torque: TorqueShares,
+}
+
+/// For each joint, the largest share of its limit of torque, and the time at it in s; 0 where torques are not limited.
+#[derive(Clone, Copy, Debug, Default)]
+struct TorqueShares {
+    peak: Joints,
+    time_s: Joints,
+}
+
+impl TorqueShares {
+    fn merge(&mut self, other: &Self) {
+        for j in 0..7 {
+            self.peak[j] = self.peak[j].max(other.peak[j]);
+            self.time_s[j] += other.time_s[j];
+        }
+    }
+}
 
 /// For each joint and, last, the tool, the largest share of its limit, and the time at it in s.
 #[derive(Clone, Copy, Debug, Default)]
@@ -101,9 +123,25 @@ impl LimitUsage {
                 accelerations[0][j] = greater(acceleration, last);
                 accelerations[1][j] = lesser(acceleration, last);
             }
-            self.0[LimitKind::Velocity].add(&speeds[0], &speeds[1], dt);
-            self.0[LimitKind::Acceleration].add(&accelerations[0], &accelerations[1], dt);
+            self.of[LimitKind::Velocity].add(&speeds[0], &speeds[1], dt);
+            self.of[LimitKind::Acceleration].add(&accelerations[0], &accelerations[1], dt);
             (from, start) = (to, *end);
+        }
+    }
+
+    /// Adds the intervals between `nodes`, where `torques` are what these are made of there, over their limits; nothing if
+    /// torques are not limited.
+    pub(crate) fn add_torques(&mut self, nodes: &[Node], torques: &[PathTorques]) {
+        for (pair, torques) in nodes.windows(2).zip(torques.windows(2)) {
+            let [start, end] = [
+                torques[0].at(pair[0].rate, pair[0].u[0]),
+                torques[1].at(pair[1].rate, pair[0].u[1]),
+            ];
+            // The lesser of both ends holds for the time; the peaks are those of either.
+            let least = std::array::from_fn(|j| lesser(start[j].abs(), end[j].abs()));
+            self.torques(&least, pair[1].t_s - pair[0].t_s);
+            self.torques(&start, 0.0);
+            self.torques(&end, 0.0);
         }
     }
 
@@ -112,14 +150,25 @@ impl LimitUsage {
     pub(crate) fn sample(&mut self, shares: &ByKind<[f64; 8]>, dt: f64) {
         for (kind, shares) in shares {
             let shares = &shares.map(f64::abs);
-            self.0[kind].add(shares, shares, dt);
+            self.of[kind].add(shares, shares, dt);
+        }
+    }
+
+    /// Adds the shares of the limits of torque that hold for `dt`.
+    #[inline(always)]
+    pub(crate) fn torques(&mut self, shares: &Joints, dt: f64) {
+        let TorqueShares { peak, time_s } = &mut self.torque;
+        for j in 0..7 {
+            let share = shares[j].abs();
+            peak[j] = greater(peak[j], share);
+            time_s[j] += if share >= SATURATED_TORQUE { dt } else { 0.0 };
         }
     }
 
     /// The same, with what is used of the limits of the `tool` as that of its way or of its turn.
     pub(crate) fn told_apart(mut self, tool: Option<&ToolCoordinate>) -> Self {
         let Some(tool) = tool else { return self };
-        for (_, shares) in self.0.iter_mut().filter(|(kind, _)| tool.is_of_turn(*kind)) {
+        for (_, shares) in self.of.iter_mut().filter(|(kind, _)| tool.is_of_turn(*kind)) {
             shares.turn_peak = std::mem::take(&mut shares.peak[TOOL]);
             shares.turn_time_s = std::mem::take(&mut shares.time_s[TOOL]);
         }
@@ -127,42 +176,59 @@ impl LimitUsage {
     }
 
     pub(crate) fn merge(&mut self, other: &Self) {
-        for (kind, shares) in &mut self.0 {
-            shares.merge(&other.0[kind]);
+        for (kind, shares) in &mut self.of {
+            shares.merge(&other.of[kind]);
         }
+        self.torque.merge(&other.torque);
     }
 
-    /// The largest share of any limit, and which one it is.
+    /// The largest share of any limit of velocity, acceleration or jerk, and which one it is.
     pub(crate) fn worst(&self) -> (Limit, f64) {
         self.largest(Shares::peaks)
+    }
+
+    /// The largest share of a limit of torque, and of which; 0 if torques are not limited.
+    pub(crate) fn largest_torque(&self) -> (Limit, f64) {
+        largest_torque(&self.torque.peak)
     }
 
     /// The limit that is kept for the longest time, or else the one that is come closest to.
     pub(crate) fn limit(&self) -> Limit {
         let (limit, time_s) = self.largest(Shares::times_s);
-        if time_s > 0.0 { limit } else { self.worst().0 }
+        let (of_torque, at_torque_s) = largest_torque(&self.torque.time_s);
+        if at_torque_s > time_s {
+            return of_torque;
+        }
+        if time_s > 0.0 {
+            return limit;
+        }
+        let (limit, share) = self.worst();
+        let (of_torque, torque) = largest_torque(&self.torque.peak);
+        if torque > share { of_torque } else { limit }
     }
 
     /// The largest share of a limit of speed, where `full` are the limits, of which `own` are shares.
     #[inline(always)]
     pub(crate) fn peak_velocity_rel(&self, own: &[f64; 7], full: &[f64; 7]) -> f64 {
-        (0..7).map(|j| self.0[LimitKind::Velocity].peak[j] * own[j] / full[j]).fold(0.0, f64::max)
+        (0..7).map(|j| self.of[LimitKind::Velocity].peak[j] * own[j] / full[j]).fold(0.0, f64::max)
     }
 
     /// The limits that are kept, with their shares of `total_s`, the largest first.
     pub(crate) fn shares(&self, total_s: f64) -> Vec<LimitShare> {
+        let at =
+            |limit: Limit, time_s: f64| LimitShare { limit, share: (time_s / total_s).min(1.0) };
         let mut shares: Vec<_> = self
-            .0
+            .of
             .iter()
             .flat_map(|(kind, shares)| {
                 // A wait is at none, and may take no time.
                 let kept = shares.times_s().filter(|(_, time_s)| *time_s > 0.0);
-                kept.map(move |(of, time_s)| LimitShare {
-                    limit: Limit { of, kind },
-                    share: (time_s / total_s).min(1.0),
-                })
+                kept.map(move |(of, time_s)| at(Limit::Motion { of, kind }, time_s))
             })
             .collect();
+        let torques = Joint::ALL.into_iter().zip(self.torque.time_s);
+        let kept = torques.filter(|(_, time_s)| *time_s > 0.0);
+        shares.extend(kept.map(|(joint, time_s)| at(Limit::Torque(joint), time_s)));
         shares.sort_by(|a, b| b.share.total_cmp(&a.share));
         shares
     }
@@ -171,14 +237,25 @@ impl LimitUsage {
         &self,
         values: impl Fn(&Shares) -> V,
     ) -> (Limit, f64) {
-        let mut best = (Limit { of: Limited::Joint(Joint::A1), kind: LimitKind::Velocity }, 0.0);
-        for (kind, shares) in &self.0 {
+        let first = Limited::Joint(Joint::A1);
+        let mut best = (Limit::Motion { of: first, kind: LimitKind::Velocity }, 0.0);
+        for (kind, shares) in &self.of {
             for (of, value) in values(shares) {
                 if value > best.1 {
-                    best = (Limit { of, kind }, value);
+                    best = (Limit::Motion { of, kind }, value);
                 }
             }
         }
         best
     }
+}
+
+/// The largest of the values of the joints' torques, and of which it is.
+fn largest_torque(values: &Joints) -> (Limit, f64) {
+    Joint::ALL.into_iter().zip(*values).fold(
+        (Limit::Torque(Joint::A1), 0.0),
+        |best, (joint, value)| {
+            if value > best.1 { (Limit::Torque(joint), value) } else { best }
+        },
+    )
 }

@@ -1,16 +1,36 @@
 //! Finds the stamps of a path, one section at a time.
 
-use std::sync::{Arc, atomic::AtomicBool};
+use std::{
+    ops::Range,
+    sync::{Arc, atomic::AtomicBool},
+};
 
 use iiwa_kin::Joints;
 use iiwa_path::{JointPath, Step};
+use iiwa_solver::TorqueLimits;
 
 use crate::{
     jerk,
+    known_in_time::{is_early, needed_s},
+    late_blend::LateBlend,
+    program_clock::ProgramClock,
     section::Section,
     section_sweep::{Moves, SAMPLES_BEFORE_JERK, Scratch, sweep_moves},
     timing::{JerkOptions, Timing, TimingError},
+    torque_limits::{check_holding, largest_torque, torque_limits},
 };
+
+/// Share of a limit of torque that may be reached without a second look.
+const TORQUE_TOLERANCE: f64 = 1.005;
+
+/// Share of a limit of torque from which on, under limits of acceleration, one is likely to be exceeded under limits of jerk.
+const LIKELY: f64 = 1.03;
+
+/// Share of a limit of torque below which none holds the arm back.
+const AT_LIMIT: f64 = 0.985;
+
+/// The largest share of a limit of torque that is handed out.
+const MOST_TORQUE: f64 = 1.01;
 
 /// Plans a path section by section: an iterator that needs memory for one of them only.
 ///
@@ -42,7 +62,11 @@ pub struct Planner {
     step: usize,
     time_s: f64,
     rest_rad: Joints,
-    scratch: Scratch,
+    /// When motions after waits that overlap others are known.
+    clock: ProgramClock,
+    scratch: Scratch<1>,
+    /// What a section is planned in whose torques have to be limited.
+    torque_scratch: Option<Scratch<2>>,
     /// Whether it is to stop.
     stop: Arc<AtomicBool>,
 }
@@ -61,7 +85,9 @@ impl Planner {
             step: 0,
             time_s: 0.0,
             rest_rad: *path.start_rad(),
+            clock: ProgramClock::default(),
             scratch: Scratch::new(samples),
+            torque_scratch: None,
             stop: Arc::default(),
         }
     }
@@ -72,10 +98,11 @@ impl Planner {
         &self.path
     }
 
-    /// Begins again, with `path`, in the memory that it has.
-    pub(crate) fn restart(&mut self, path: &JointPath) {
+    /// Begins again, with `path`, in the memory that it has: sooner than a new one, where many programs are planned.
+    pub fn restart(&mut self, path: &JointPath) {
         (self.path, self.rest_rad) = (path.clone(), *path.start_rad());
         (self.step, self.time_s) = (0, 0.0);
+        self.clock = ProgramClock::default();
     }
 
     /// Ends in [`TimingError::Interrupted`] soon after `stop` is set, in the middle of a section as well.
@@ -92,42 +119,244 @@ impl Planner {
     }
 }
 
+impl Planner {
+    /// Plans the moves of `section`, which has no pieces yet.
+    ///
+    /// Where torques are limited, first without: most motions need no more, and these are to be as they are without limits of
+    /// torques.
+    fn plan_moves(
+        &mut self,
+        steps: Range<usize>,
+        section: &mut Section,
+    ) -> Result<(), TimingError> {
+        let Some(torques) = torque_limits(&self.path, steps.clone()) else {
+            self.plan_without_torques(steps, section)?;
+            return Ok(());
+        };
+        let first = steps.start;
+        let jumps = self.jerk.is_none();
+        let largest =
+            |section: &Section, jumps: bool| largest_torque(section, first, &torques, jumps);
+        let without = Moves { steps: steps.clone(), ends: [None; 2], torques: &[] };
+        sweep_moves(&without, &mut self.scratch, &self.stop, section)?;
+        let needs = match self.jerk {
+            // Where accelerations jump, torques are larger than with limits of jerk.
+            Some(options) if largest(section, true) < LIKELY => {
+                jerk::limit(section, &[], options, &self.stop)?;
+                largest(section, jumps)
+            }
+            _ => largest(section, true),
+        };
+        if needs <= TORQUE_TOLERANCE {
+            return Ok(());
+        }
+        let mut limited = section.clone();
+        self.plan_with_torques(&torques, steps.clone(), &mut limited)?;
+        let reached =
+            limited.pieces.iter().map(|piece| (piece.motion, piece.usage.largest_torque()));
+        let reached = reached.max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
+        let Some((motion, (limit, ratio))) = reached else { return Ok(()) };
+        if ratio < AT_LIMIT && self.jerk.is_some() {
+            // None of them held it back: without them, it is what it would be if they were not limited.
+            self.plan_without_torques(steps, section)?;
+            if largest(section, jumps) <= TORQUE_TOLERANCE {
+                return Ok(());
+            }
+        }
+        if ratio.is_nan() || ratio > MOST_TORQUE {
+            return Err(TimingError::LimitExceeded { motion, limit, ratio });
+        }
+        *section = limited;
+        Ok(())
+    }
+
+    fn plan_without_torques(
+        &mut self,
+        steps: Range<usize>,
+        section: &mut Section,
+    ) -> Result<(), TimingError> {
+        section.pieces.clear();
+        section.nodes.clear();
+        let moves = Moves { steps, ends: [None; 2], torques: &[] };
+        sweep_moves(&moves, &mut self.scratch, &self.stop, section)?;
+        match self.jerk {
+            Some(options) => jerk::limit(section, &[], options, &self.stop),
+            None => Ok(()),
+        }
+    }
+
+    fn plan_with_torques(
+        &mut self,
+        torques: &[TorqueLimits],
+        steps: Range<usize>,
+        section: &mut Section,
+    ) -> Result<(), TimingError> {
+        section.pieces.clear();
+        section.nodes.clear();
+        let moves = Moves { steps, ends: [None; 2], torques };
+        let intervals = self.scratch.intervals();
+        let scratch = self.torque_scratch.get_or_insert_with(|| Scratch::new(intervals));
+        sweep_moves(&moves, scratch, &self.stop, section)?;
+        match self.jerk {
+            Some(options) => jerk::limit(section, torques, options, &self.stop),
+            None => Ok(()),
+        }
+    }
+}
+
 impl Iterator for Planner {
     type Item = Result<Section, TimingError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let steps = self.path.steps();
-        let first = self.step;
-        let rest = first + steps[first..].iter().take_while(|step| step.moves()).count();
-        let end = rest + steps[rest..].iter().take_while(|step| !step.moves()).count();
-        if first == end {
+        if self.step == self.path.steps().len() {
             return None;
         }
-        self.step = end;
-        let mut section = Section {
-            path: self.path.clone(),
-            start_s: self.time_s,
-            rest_rad: match steps[first..rest].last() {
-                Some(Step::Move { segment, .. }) => segment.at(1.0).q,
-                _ => self.rest_rad,
-            },
-            pieces: Vec::with_capacity(end - first),
-            nodes: Vec::new(),
-        };
-        let moves = Moves { steps: first..rest, ends: [None; 2] };
-        let mut result = sweep_moves(&moves, &mut self.scratch, &self.stop, &mut section);
-        if let Some(options) = self.jerk {
-            result = result.and_then(|()| jerk::limit(&mut section, options, &self.stop));
+        let planned = self.plan_section();
+        if planned.is_err() {
+            self.step = self.path.steps().len();
         }
-        if let Err(error) = result {
-            self.step = steps.len();
-            return Some(Err(error));
+        Some(planned)
+    }
+}
+
+impl Planner {
+    /// Plans the moves up to the next stop, and what the arm does there.
+    fn plan_section(&mut self) -> Result<Section, TimingError> {
+        let first = self.step;
+        if first == 0 {
+            check_holding(&self.path)?;
+        }
+        let overlaps = !self.path.overlapping_waits().is_empty();
+        let moves =
+            first + self.path.steps()[first..].iter().take_while(|step| step.moves()).count();
+        let (mut section, rest) = if overlaps {
+            self.plan_what_is_known(first..moves)?
+        } else {
+            (self.plan_to(first..moves)?, moves)
+        };
+        let steps = &self.path.steps()[rest..];
+        let end = rest + steps.iter().take_while(|step| !step.moves()).count();
+        if overlaps {
+            self.set_standing(rest..end, section.end_s());
+            section.path = self.path.clone();
         }
         for step in rest..end {
             section.rest(step);
         }
+        self.step = end;
         self.time_s = section.end_s();
         self.rest_rad = section.rest_rad;
-        Some(Ok(section))
+        Ok(section)
+    }
+
+    /// The section of these moves, without the rest after them.
+    fn plan_to(&mut self, moves: Range<usize>) -> Result<Section, TimingError> {
+        let mut section = Section {
+            path: self.path.clone(),
+            start_s: self.time_s,
+            rest_rad: match self.path.steps()[moves.clone()].last() {
+                Some(Step::Move { segment, .. }) => segment.at(1.0).q,
+                _ => self.rest_rad,
+            },
+            pieces: Vec::with_capacity(moves.len() + 1),
+            nodes: Vec::new(),
+            late_blend: None,
+        };
+        self.plan_moves(moves, &mut section)?;
+        Ok(section)
+    }
+
+    /// The section of these moves and the step at which it ends, as far as each of its motions is known in time for the blend into it; then the arm stops
+    /// before that blend.
+    ///
+    /// What is far ahead has nothing to do with it. To plan it again and again would take time that grows with the square
+    /// of the moves: as long as all is in time, each plan goes twice as far as the one before.
+    fn plan_what_is_known(&mut self, moves: Range<usize>) -> Result<(Section, usize), TimingError> {
+        /// Blends that are planned beyond what is known to be in time, at least.
+        const AHEAD: usize = 2;
+        let delays = |step: &usize| {
+            self.path.waits_before_blend(*step).iter().any(|wait| wait.seconds > 0.0)
+        };
+        // The arm has stopped before the first one, if that is a blend.
+        let blends: Vec<usize> = (moves.start + 1..moves.end).filter(delays).collect();
+        let mut in_time = 0;
+        loop {
+            let end = blends.get(in_time + in_time.max(AHEAD)).copied().unwrap_or(moves.end);
+            let section = self.plan_to(moves.start..end)?;
+            self.clock.note(&section);
+            while let Some(blend) = blends.get(in_time).copied().filter(|blend| *blend < end) {
+                let known_s = self.clock.known_s(self.path.waits_before_blend(blend));
+                if let Some(mut stopped) = self.stopped_before(blend, known_s, &section)? {
+                    // Before the stop, motions may begin some nanoseconds earlier or later than without it.
+                    self.clock.note(&stopped);
+                    let known_s = self.clock.known_s(self.path.waits_before_blend(blend));
+                    if let Some(late) = &mut stopped.late_blend {
+                        late.known_s = known_s;
+                    }
+                    self.path.stop_before_blend(blend);
+                    return Ok((stopped, blend));
+                }
+                self.clock.go_through(known_s);
+                in_time += 1;
+            }
+            if end == moves.end {
+                return Ok((section, end));
+            }
+        }
+    }
+
+    /// Part of `section`, which goes on through the step `blend`, if the arm has to stop there since it is `known_s` until
+    /// what comes then is known.
+    fn stopped_before(
+        &mut self,
+        blend: usize,
+        known_s: f64,
+        section: &Section,
+    ) -> Result<Option<Section>, TimingError> {
+        let Some(piece) = section.pieces.iter().position(|piece| piece.step == blend) else {
+            return Ok(None);
+        };
+        if is_early(section, piece, known_s) {
+            return Ok(None);
+        }
+        let first = section.pieces[0].step;
+        let mut stopped = self.plan_to(first..blend)?;
+        let needed_s = needed_s(section, &stopped);
+        if known_s <= needed_s {
+            return Ok(None);
+        }
+        if let Step::Move { blend: Some(corner), .. } = &self.path.steps()[blend] {
+            stopped.late_blend = Some(LateBlend { after_motion: corner.motion, known_s, needed_s });
+        }
+        Ok(Some(stopped))
+    }
+
+    /// Finds how long the arm stands for waits that overlap motions, where it has stopped at `end_s`.
+    fn set_standing(&mut self, rests: Range<usize>, mut end_s: f64) {
+        let waits = self.path.overlapping_waits();
+        let mut found = Vec::with_capacity(rests.len());
+        for step in &self.path.steps()[rests.clone()] {
+            let seconds = match step {
+                Step::Settle { motion } => {
+                    self.clock.note_still(*motion, end_s);
+                    self.path.robot().settle_time_s()
+                }
+                Step::Wait { motion, seconds } => {
+                    let wait = waits.partition_point(|wait| wait.motion < *motion);
+                    match waits.get(wait..).unwrap_or_default() {
+                        [wait, ..] if wait.motion == *motion => {
+                            let known_s = self.clock.known_s(std::slice::from_ref(wait));
+                            self.clock.go_through(known_s);
+                            (known_s - end_s).max(0.0)
+                        }
+                        _ => *seconds,
+                    }
+                }
+                _ => 0.0,
+            };
+            end_s += seconds;
+            found.push(seconds);
+        }
+        self.path.set_standing(rests.start, &found);
     }
 }

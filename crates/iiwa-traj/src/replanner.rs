@@ -14,7 +14,8 @@ use crate::{
     node::Node,
     section::{Piece, Section},
     section_sweep::{Moves, SAMPLES_BEFORE_JERK, Scratch, sweep_moves},
-    timing::{JerkOptions, TimingError},
+    timing::{JerkOptions, Timing, TimingError},
+    torque_limits::{check_holding, torque_limits},
     trajectory::Trajectory,
 };
 
@@ -22,7 +23,8 @@ use crate::{
 /// from the change stays as it was, so that the time does not depend on the length of the program.
 ///
 /// The fastest way through a program is local: a target that moves changes its own lines and blends much, those next to
-/// them by some microseconds, and all others not at all (docs/solver.md has figures).
+/// them by some microseconds, and all others not at all (docs/solver.md has figures). A program in which waits overlap motions
+/// is planned anew from its first motion to its last.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -59,7 +61,9 @@ pub struct Replanner {
     options: JerkOptions,
     /// One for each step of the path.
     plans: Vec<StepPlan>,
-    scratch: Scratch,
+    scratch: Scratch<1>,
+    /// The plan of a program in which waits overlap motions: what one of these needs may delay all that follows.
+    whole: Option<Trajectory>,
 }
 
 /// How a step of the path is gone through.
@@ -98,8 +102,13 @@ impl Replanner {
             options,
             plans: vec![StepPlan::default(); steps],
             scratch: Scratch::new(SAMPLES_BEFORE_JERK),
+            whole: None,
         };
-        replanner.plan(0..steps, 0)?;
+        if replanner.path.overlapping_waits().is_empty() {
+            replanner.plan(0..steps, 0)?;
+        } else {
+            replanner.plan_whole()?;
+        }
         Ok(replanner)
     }
 
@@ -112,13 +121,16 @@ impl Replanner {
     /// The path as it is now.
     #[must_use]
     pub fn path(&self) -> &JointPath {
-        &self.path
+        self.whole.as_ref().map_or(&self.path, Trajectory::path)
     }
 
     /// From the start to the end of the last settling, in s.
     #[must_use]
     pub fn cycle_time_s(&self) -> f64 {
-        self.plans.iter().map(|plan| plan.duration_s).sum()
+        match &self.whole {
+            Some(whole) => whole.cycle_time_s(),
+            None => self.plans.iter().map(|plan| plan.duration_s).sum(),
+        }
     }
 
     /// Puts `new` in the place of a motion: with another target, other limits or another blend, or a wait.
@@ -143,6 +155,14 @@ impl Replanner {
                 return Err(fault.into());
             }
         };
+        if self.whole.is_some() || !self.path.overlapping_waits().is_empty() {
+            if let Err(error) = self.plan_whole() {
+                self.program.motions[motion.index()] = old;
+                self.path.update(&self.program, self.path_options, motion)?;
+                return Err(error.into());
+            }
+            return Ok(());
+        }
         let blank = replaced.after.clone().map(|_| StepPlan::default());
         let before: Vec<_> = self.plans.splice(replaced.before, blank).collect();
         // The outermost lines of a change in shape are longer or shorter at their inner ends only; one with other limits
@@ -161,6 +181,9 @@ impl Replanner {
     /// The whole trajectory: in time that goes with its length.
     #[must_use]
     pub fn trajectory(&self) -> Trajectory {
+        if let Some(whole) = &self.whole {
+            return whole.clone();
+        }
         let mut sections = Vec::new();
         let mut section = self.section(0.0);
         for (step, plan) in self.plans.iter().enumerate() {
@@ -187,12 +210,20 @@ impl Replanner {
             rest_rad: *self.path.start_rad(),
             pieces: Vec::new(),
             nodes: Vec::new(),
+            late_blend: None,
         }
+    }
+
+    /// Plans all of it anew. If there is an error, the plan is as before.
+    fn plan_whole(&mut self) -> Result<(), TimingError> {
+        self.whole = Some(Trajectory::plan(&self.path, Timing::Jerk(self.options))?);
+        Ok(())
     }
 
     /// Plans the steps in `changed` and at least `around` steps on either side. If there is an error, all plans are as
     /// before.
     fn plan(&mut self, changed: Range<usize>, around: usize) -> Result<(), TimingError> {
+        check_holding(&self.path)?;
         let mut found = Vec::new();
         let mut step = changed.start;
         if changed.is_empty() && self.moves(step) {
@@ -275,11 +306,18 @@ impl Replanner {
         let swept = self.around(window, BEFORE);
         let ends = [swept.start, swept.end].map(|step| self.state(step).map(|[square, _]| square));
         let mut section = self.section(0.0);
-        let moves = Moves { steps: swept.clone(), ends };
-        sweep_moves(&moves, &mut self.scratch, &stop, &mut section)?;
+        let torques = torque_limits(&self.path, swept.clone()).unwrap_or_default();
+        let moves = Moves { steps: swept.clone(), ends, torques: &torques };
+        if torques.is_empty() {
+            sweep_moves(&moves, &mut self.scratch, &stop, &mut section)?;
+        } else {
+            let mut scratch = Scratch::<2>::new(SAMPLES_BEFORE_JERK);
+            sweep_moves(&moves, &mut scratch, &stop, &mut section)?;
+        }
         let pieces = Pieces {
             range: window.start - swept.start..window.end - swept.start,
             ends: [window.start, window.end].map(|step| self.state(step)),
+            torques: &torques,
         };
         Ok(StepPlan::of(jerk::stamps(&mut section, &pieces, self.options, &stop)?))
     }

@@ -8,6 +8,7 @@ use iiwa_program::{MotionIndex, MotionType};
 
 use crate::{
     interval::{self, Progress},
+    late_blend::LateBlend,
     limit::Limit,
     limit_usage::LimitUsage,
     node::Node,
@@ -26,6 +27,8 @@ pub struct Section {
     pub(crate) rest_rad: Joints,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) nodes: Vec<Node>,
+    /// The blend after it that was not known in time.
+    pub(crate) late_blend: Option<LateBlend>,
 }
 
 /// A line, a path of the TCP, a blend or a rest.
@@ -150,6 +153,12 @@ impl Section {
         self.pieces.last().map_or(self.start_s, |piece| piece.end_s)
     }
 
+    /// The blend before which the arm stops at the section's end, since what it leads into was not known in time.
+    #[must_use]
+    pub fn late_blend(&self) -> Option<&LateBlend> {
+        self.late_blend.as_ref()
+    }
+
     /// Its pieces, in order.
     #[must_use]
     pub fn pieces(&self) -> &[Piece] {
@@ -237,6 +246,15 @@ impl Section {
         }
         let p =
             self.segment(piece).map_or(s, |segment| segment.sigma(s)[0] / segment.sigma(1.0)[0]);
+        self.passing(piece, p)[0]
+    }
+
+    /// When the arm is at a share of a piece's sigma, in s, and dp/dt there, in 1/s.
+    pub(crate) fn passing(&self, piece: &Piece, p: f64) -> [f64; 2] {
+        let nodes = self.nodes(piece);
+        if nodes.len() < 2 {
+            return [piece.start_s, 0.0];
+        }
         let node = nodes.partition_point(|node| node.p <= p).clamp(1, nodes.len() - 1) - 1;
         let (from, to) = (&nodes[node], &nodes[node + 1]);
         // p never falls: its time is between two that are halved until numbers end.
@@ -250,7 +268,7 @@ impl Section {
                 most = dt;
             }
         }
-        self.start_s + from.t_s + most
+        [self.start_s + from.t_s + most, interval::progress(most, from, to).rate]
     }
 
     /// What the arm does at each node of the section, and at the start and end of each rest.
@@ -287,6 +305,34 @@ impl Section {
             });
             inner.chain(end)
         })
+    }
+
+    /// What the arm does at `shares` of short spans that a piece in motion is made of, and how long they take, in s. In none
+    /// of them does the arm go on by more than `most_rad` along the path.
+    pub(crate) fn spans_of<const N: usize>(
+        &self,
+        piece: &Piece,
+        shares: &[f64; N],
+        most_rad: f64,
+    ) -> impl Iterator<Item = (f64, [State; N])> {
+        self.segment(piece).into_iter().flat_map(move |segment| {
+            // Along sigma, no joint turns by much more than it.
+            let length_rad = segment.sigma_length_rad();
+            self.nodes(piece).windows(2).flat_map(move |pair| {
+                let (from, to) = (&pair[0], &pair[1]);
+                let start_s = self.start_s + from.t_s;
+                let at = move |dt_s: f64| self.state(start_s + dt_s, piece, segment, from, to);
+                let spans = (from.dp * length_rad / most_rad).ceil().max(1.0);
+                let step_s = from.dt_s / spans;
+                let starts = (0_u32..).map(f64::from).take_while(move |k| *k < spans);
+                starts.map(move |k| (step_s, shares.map(|share| at((k + share) * step_s))))
+            })
+        })
+    }
+
+    /// What the arm does in a piece at rest.
+    pub(crate) fn resting_in(&self, piece: &Piece) -> State {
+        self.resting(piece.start_s, piece.motion, piece.step)
     }
 
     /// Adds the step at `step`, if the arm stands there for some time.

@@ -5,14 +5,14 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use iiwa_kin::Joints;
-use iiwa_path::{Grid, GridNode, JointPath, Segment, Step, ToolCoordinate};
+use iiwa_kin::{Joints, PathTorques};
+use iiwa_path::{Derivatives, Grid, GridNode, JointPath, Segment, Step, ToolCoordinate};
 use iiwa_program::{LimitKind, MotionIndex};
+use iiwa_solver::TorqueLimits;
 use pulp::Simd;
 
 use crate::{
     interval,
-    limit::Limit,
     limit_usage::{LimitUsage, TOLERANCE},
     line_limits::LineLimits,
     node::Node,
@@ -21,20 +21,25 @@ use crate::{
     timing::TimingError,
 };
 
-/// Memory that is used again for each section.
+/// Memory that is used again for each section. With two rows of lines (`R`), torques are limited, too.
 #[derive(Debug)]
-pub(crate) struct Scratch {
+pub(crate) struct Scratch<const R: usize> {
     grid: Grid,
     /// The nodes of all segments.
     samples: Vec<Sample>,
     /// What the way backwards found out about curves, for the way forwards.
-    curves: Vec<CurveSamples>,
+    curves: Vec<CurveSamples<R>>,
 }
 
-impl Scratch {
+impl<const R: usize> Scratch<R> {
     /// For grids of `intervals` intervals.
     pub(crate) fn new(intervals: usize) -> Self {
         Self { grid: Grid::new(intervals), samples: Vec::new(), curves: Vec::new() }
+    }
+
+    /// How many intervals its grids have.
+    pub(crate) fn intervals(&self) -> usize {
+        self.grid.intervals()
     }
 }
 
@@ -43,13 +48,15 @@ const KEPT_NODES: usize = 6_500;
 
 /// The derivatives at the nodes of one curve, and what the limits leave there.
 #[derive(Debug, Default)]
-struct CurveSamples {
+struct CurveSamples<const R: usize> {
     /// Place of the segment among the path's steps.
     step: Option<usize>,
     grid: Vec<GridNode>,
     dq: Vec<[f64; 8]>,
     ddq: Vec<[f64; 8]>,
-    bounds: Vec<Bounds>,
+    /// None where torques are not limited.
+    torques: Vec<PathTorques>,
+    bounds: Vec<Bounds<R>>,
 }
 
 /// Intervals a blend of the acceleration-limited stamps from which jerk-limited ones are sought.
@@ -59,17 +66,20 @@ pub(crate) const SAMPLES_BEFORE_JERK: usize = 32;
 const ROUNDS: usize = 30;
 
 /// Moves that follow each other without a stop.
-pub(crate) struct Moves {
+pub(crate) struct Moves<'a> {
     /// Their places among the path's steps.
     pub(crate) steps: Range<usize>,
     /// Squares of the speeds along the path, |dq/dt|, with which they begin and end, in rad^2/s^2; none at rest.
     pub(crate) ends: [Option<f64>; 2],
+    /// The limits of torque of each of the steps; empty if torques are not limited.
+    pub(crate) torques: &'a [TorqueLimits],
 }
 
-/// Plans `moves` and adds them to `section`, as pieces that keep the limits of velocity and acceleration.
-pub(crate) fn sweep_moves(
-    moves: &Moves,
-    scratch: &mut Scratch,
+/// Plans `moves` and adds them to `section`, as pieces that keep the limits of velocity and acceleration and, if they have
+/// any, of torque.
+pub(crate) fn sweep_moves<const R: usize>(
+    moves: &Moves<'_>,
+    scratch: &mut Scratch<R>,
     stop: &AtomicBool,
     section: &mut Section,
 ) -> Result<(), TimingError> {
@@ -81,30 +91,35 @@ pub(crate) fn sweep_moves(
 ///
 /// Not a closure: those reach the function with vector instructions by way of a shim that is not
 /// inlined into it, and so stay without them.
-struct WidestSweep<'a> {
-    moves: &'a Moves,
-    scratch: &'a mut Scratch,
+struct WidestSweep<'a, const R: usize> {
+    moves: &'a Moves<'a>,
+    scratch: &'a mut Scratch<R>,
     stop: &'a AtomicBool,
     section: &'a mut Section,
 }
 
-impl pulp::WithSimd for WidestSweep<'_> {
+impl<const R: usize> pulp::WithSimd for WidestSweep<'_, R> {
     type Output = Result<(), TimingError>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let WidestSweep { moves, scratch, stop, section } = self;
         let path = &section.path.clone();
-        SectionSweep { simd, path, scratch, stop }.moves(moves, section)
+        let Moves { ref steps, torques, .. } = *moves;
+        SectionSweep { simd, path, scratch, stop, first_step: steps.start, torques }
+            .moves(moves, section)
     }
 }
 
 /// What one section is planned with.
-struct SectionSweep<'a, S> {
+struct SectionSweep<'a, S, const R: usize> {
     simd: S,
     path: &'a JointPath,
-    scratch: &'a mut Scratch,
+    scratch: &'a mut Scratch<R>,
     stop: &'a AtomicBool,
+    /// The step that the first of `torques` is of.
+    first_step: usize,
+    torques: &'a [TorqueLimits],
 }
 
 /// A segment and its limits, in the form that the sweep takes.
@@ -118,6 +133,7 @@ struct SweepSegment<'a> {
     /// The coordinate of the tool, if it is limited, and what scales it as `scale` does the joints.
     tool: Option<(ToolCoordinate, f64)>,
     line: Option<LineLimits>,
+    torques: Option<&'a TorqueLimits>,
 }
 
 /// What stands for the limit of the tool's acceleration where there is none, over that of its speed, in 1/s: so high that
@@ -135,14 +151,29 @@ impl SweepSegment<'_> {
             [dq[7], ddq[7]] = derivatives.map(|derivative| derivative * scale);
         }
     }
+
+    /// What the torques at the `nodes` of a grid are made of by p, over their limits.
+    fn torque_shares(&self, nodes: &[GridNode], torques: &mut Vec<PathTorques>) {
+        torques.clear();
+        let Some(limits) = self.torques else { return };
+        let [mut q, mut first, mut second] = [(); 3].map(|()| Vec::with_capacity(nodes.len()));
+        for node in nodes {
+            let Derivatives { q: joints, dq, ddq, .. } = self.shape.at_share(node.p);
+            q.push(joints);
+            first.push(dq);
+            second.push(ddq);
+        }
+        *torques = limits.shares(&q, &first, &second);
+    }
 }
 
-impl<'a, S: Simd> SectionSweep<'a, S> {
+impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
     #[inline(always)]
     fn segment(&self, step: usize) -> Option<SweepSegment<'a>> {
         let path: &'a JointPath = self.path;
         let Step::Move { motion, segment, .. } = &path.steps()[step] else { return None };
         let limits = path.limits_of(step);
+        let torques = self.torques.get(step - self.first_step);
         let [speed, acceleration] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
         let mut velocity = [0.0; 8];
         for j in 0..7 {
@@ -163,10 +194,12 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
             scale: acceleration.map(|a| 1.0 / a),
             velocity,
             tool,
-            line: (segment.is_straight() && tool.is_none()).then(|| {
+            // Along a line, torques change.
+            line: (segment.is_straight() && tool.is_none() && torques.is_none()).then(|| {
                 let direction = segment.at(0.0).dq;
                 LineLimits::new(&direction, speed, acceleration)
             }),
+            torques,
         })
     }
 
@@ -186,7 +219,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
 
     /// Plans `moves` and adds them to `section`.
     #[inline(always)]
-    fn moves(&mut self, moves: &Moves, section: &mut Section) -> Result<(), TimingError> {
+    fn moves(&mut self, moves: &Moves<'_>, section: &mut Section) -> Result<(), TimingError> {
         let steps = &moves.steps;
         let total = steps
             .clone()
@@ -218,7 +251,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
     #[inline(always)]
     fn sweep(
         &mut self,
-        Moves { steps, ends: [start, end] }: &Moves,
+        Moves { steps, ends: [start, end], .. }: &Moves<'_>,
         again: bool,
         samples: &mut [Sample],
         section: &mut Section,
@@ -309,7 +342,7 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
         &'n mut self,
         segment: &'n SweepSegment<'_>,
         step: usize,
-    ) -> (Nodes<'n, S>, &'n mut [Bounds]) {
+    ) -> (Nodes<'n, S>, &'n mut [Bounds<R>]) {
         let Scratch { grid, curves, .. } = &mut *self.scratch;
         let nodes = segment.shape.grid_intervals(grid) + 1;
         // Of blended lines, every second step is a curve: the places in between stay empty.
@@ -323,15 +356,19 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
             curve.dq.resize(nodes, [0.0; 8]);
             curve.ddq.resize(nodes, [0.0; 8]);
             curve.bounds.resize(nodes, Bounds::default());
-            let CurveSamples { dq, ddq, bounds, .. } = curve;
+            let CurveSamples { dq, ddq, .. } = curve;
             curve.grid.clear();
             curve.grid.extend_from_slice(&segment.shape.grid_nodes(grid));
             segment.shape.grid_derivatives(grid, &segment.scale, dq, ddq);
             segment.tool_derivatives(&curve.grid, dq, ddq);
-            sweep::bounds(self.simd, dq, ddq, &segment.velocity, &curve.grid, bounds);
+            segment.torque_shares(&curve.grid, &mut curve.torques);
+            let CurveSamples { grid, dq, ddq, bounds, torques, .. } = curve;
+            let velocity = &segment.velocity;
+            sweep::bounds(Nodes { simd: self.simd, dq, ddq, velocity, grid, torques }, bounds);
         }
-        let CurveSamples { grid, dq, ddq, bounds, .. } = curve;
-        (Nodes { simd: self.simd, dq, ddq, velocity: &segment.velocity, grid }, bounds)
+        let CurveSamples { grid, dq, ddq, bounds, torques, .. } = curve;
+        let velocity = &segment.velocity;
+        (Nodes { simd: self.simd, dq, ddq, velocity, grid, torques }, bounds)
     }
 
     /// Checks the nodes from `first_node` on against the limits and makes them a piece.
@@ -357,17 +394,18 @@ impl<'a, S: Simd> SectionSweep<'a, S> {
                 usage.add(pair, &[row; 2], &[[0.0; 8]; 2], &segment.velocity);
             }
         } else {
-            let (Nodes { dq, ddq, .. }, _) = self.curve(segment, step);
+            let (Nodes { dq, ddq, torques, .. }, _) = self.curve(segment, step);
             usage.add(nodes, dq, ddq, &segment.velocity);
+            usage.add_torques(nodes, torques);
         }
         let motion = segment.motion;
         if !end_s.is_finite() {
             return Err(TimingError::Stuck { motion });
         }
         let tool = segment.tool.map(|(tool, _)| tool);
-        let (Limit { of, kind }, ratio) = usage.told_apart(tool.as_ref()).worst();
+        let (limit, ratio) = usage.told_apart(tool.as_ref()).worst();
         if ratio > 1.0 + TOLERANCE {
-            return Err(TimingError::LimitExceeded { motion, of, kind, ratio });
+            return Err(TimingError::LimitExceeded { motion, limit, ratio });
         }
         let times_s = [nodes[0].t_s, end_s];
         let nodes = first_node..section.nodes.len();
@@ -430,10 +468,10 @@ mod tests {
                 .unwrap()
                 .unwrap();
 
-        let mut scratch = Scratch::new(100);
+        let mut scratch = Scratch::<1>::new(100);
         let mut section = Section { pieces: Vec::new(), nodes: Vec::new(), ..widest.clone() };
         let sweep = WidestSweep {
-            moves: &Moves { steps: 0..7, ends: [None; 2] },
+            moves: &Moves { steps: 0..7, ends: [None; 2], torques: &[] },
             scratch: &mut scratch,
             stop: &AtomicBool::new(false),
             section: &mut section,

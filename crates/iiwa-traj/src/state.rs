@@ -8,12 +8,12 @@ use iiwa_program::MotionIndex;
 /// ```
 /// use iiwa_kin::Robot;
 /// use iiwa_path::JointPath;
-/// use iiwa_program::{Start, Workcell, Motion, Program, Ptp};
+/// use iiwa_program::{Start, Sources, Workcell, Motion, Program, Ptp};
 /// use iiwa_traj::{Timing, Trajectory};
 ///
 /// let target = [0.5, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0];
 /// let program =
-///     Program { robot: None, start: Start::Joints([0.0; 7]), motions: vec![Motion::Ptp(Ptp::to(target))], workcell: Workcell::default() };
+///     Program { robot: None, start: Start::Joints([0.0; 7]), motions: vec![Motion::Ptp(Ptp::to(target))], workcell: Workcell::default(), sources: Sources::default() };
 /// let path = JointPath::new(&program, &Robot::default())?;
 /// let trajectory = Trajectory::plan(&path, Timing::default())?;
 /// // Jerk-limited timing begins with the jerk of the joint that limits it.

@@ -28,6 +28,7 @@ mod bounds;
 #[cfg(test)]
 mod tests;
 
+use iiwa_kin::{Joints, PathTorques};
 use iiwa_path::GridNode;
 use pulp::Simd;
 
@@ -36,6 +37,9 @@ use bounds::{Row, UNLIMITED, largest};
 
 /// Share of a limit of acceleration, or of squared speed, by which an interval may exceed it between its ends.
 const SWING: f64 = 0.0017;
+
+/// The same of a limit of torque.
+const TORQUE_SWING: f64 = 0.004;
 
 /// Share by which it may half-way without being looked at closely.
 const NEAR: f64 = 0.0013;
@@ -57,15 +61,15 @@ const SAME: f64 = 1e-12;
 
 /// An interval between two nodes.
 #[derive(Clone, Copy)]
-struct Interval<'a> {
+struct Interval<'a, const R: usize> {
     h: f64,
     /// Whether u has to be the same at both ends.
     even: bool,
-    start: &'a Bounds,
-    end: &'a Bounds,
+    start: &'a Bounds<R>,
+    end: &'a Bounds<R>,
 }
 
-impl Interval<'_> {
+impl<const R: usize> Interval<'_, R> {
     /// Largest x at the start, not above `x`, from which something up to `end` is reached.
     ///
     /// The room between the smallest and the largest x reached is a concave function of x, and there
@@ -115,10 +119,12 @@ impl Interval<'_> {
     #[inline(never)]
     fn reachable(&self, x: f64, cap: f64) -> (f64, f64) {
         let (mut brake, mut most) = (UNLIMITED, UNLIMITED);
-        for j in 0..8 {
-            let Bounds { fall, rise, below, above, .. } = self.start;
-            brake = lesser(brake, fall[j] * x + below[j]);
-            most = lesser(most, rise[j] * x + above[j]);
+        let Bounds { fall, rise, below, above, .. } = self.start;
+        let lines = [fall, rise, below, above].map(|lines| lines.as_flattened());
+        for j in 0..8 * R {
+            let [fall, rise, below, above] = lines.map(|line| line[j]);
+            brake = lesser(brake, fall * x + below);
+            most = lesser(most, rise * x + above);
         }
         let least = -brake;
         // With u the same at both ends, each end's band has to hold it alone, over both halves.
@@ -128,15 +134,18 @@ impl Interval<'_> {
         } else {
             (self.h, x + self.h * least, x + self.h * most, 0.0, cap)
         };
-        for j in 0..8 {
+        let Bounds { fall, rise, below, above, .. } = self.end;
+        let lines = [fall, rise, below, above].map(|lines| lines.as_flattened());
+        for j in 0..8 * R {
+            let [fall, rise, below, above] = lines.map(|line| line[j]);
             // y - h (rise y + above) <= drive.
-            let factor = 1.0 - h * self.end.rise[j];
+            let factor = 1.0 - h * rise;
             if factor > 1e-9 {
-                high = high.min((drive + h * self.end.above[j]) / factor);
+                high = high.min((drive + h * above) / factor);
             }
             // y + h (fall y + below) >= brake.
-            let factor = 1.0 + h * self.end.fall[j];
-            let least = brake - h * self.end.below[j];
+            let factor = 1.0 + h * fall;
+            let least = brake - h * below;
             if factor > 1e-9 {
                 low = low.max(least / factor);
             } else if factor < -1e-9 {
@@ -168,37 +177,35 @@ impl Default for Sample {
     }
 }
 
-/// What the limits leave at each node of a segment: fills `bounds`.
-///
-/// `dq` and `ddq` hold the derivatives at the nodes over the acceleration limits; `velocity` the
-/// acceleration limits over the velocity limits, in 1/s.
+/// What the limits leave at each node of a segment: fills `bounds`, which have two rows of lines where torques are limited.
 #[inline(always)]
-pub(crate) fn bounds<S: Simd>(
-    simd: S,
-    dq: &[Row],
-    ddq: &[Row],
-    velocity: &Row,
-    grid: &[GridNode],
-    bounds: &mut [Bounds],
+pub(crate) fn bounds<S: Simd, const R: usize>(
+    Nodes { simd, dq, ddq, velocity, grid, torques }: Nodes<'_, S>,
+    bounds: &mut [Bounds<R>],
 ) {
     let mut before = 0.0;
-    let nodes = dq.iter().zip(ddq).zip(grid).zip(bounds);
+    let nodes = dq.iter().zip(ddq).zip(grid).zip(&mut *bounds);
     for (((dq, ddq), node), bounds) in nodes {
         // After the last node nothing follows.
         let after = if node.p < 1.0 { node.step } else { 0.0 };
         bounds.set(simd, dq, ddq, velocity, greater(before, after));
         before = after;
     }
+    bounds.iter_mut().zip(torques).for_each(|(bounds, torques)| bounds.set_torques(torques));
 }
 
 /// Lowers the limits in `bounds` to the shares that earlier sweeps found.
-pub(crate) fn lower(bounds: &mut [Bounds], samples: &[Sample]) {
+pub(crate) fn lower<const R: usize>(bounds: &mut [Bounds<R>], samples: &[Sample]) {
     for (bounds, sample) in bounds.iter_mut().zip(samples) {
         bounds.lower(sample.share);
     }
 }
 
-/// The nodes of a segment, as [`backward`] and [`sweep_until_valid`] take them; all slices are as long.
+/// The nodes of a segment, as [`bounds`], [`backward`] and [`sweep_until_valid`] take them; all slices are as long.
+///
+/// `dq` and `ddq` hold the derivatives at the nodes over the acceleration limits; `velocity` the
+/// acceleration limits over the velocity limits, in 1/s; `torques` what the torques are made of by p, over their limits, or
+/// nothing where they are not limited.
 #[derive(Clone, Copy)]
 pub(crate) struct Nodes<'a, S> {
     pub(crate) simd: S,
@@ -206,14 +213,15 @@ pub(crate) struct Nodes<'a, S> {
     pub(crate) ddq: &'a [Row],
     pub(crate) velocity: &'a Row,
     pub(crate) grid: &'a [GridNode],
+    pub(crate) torques: &'a [PathTorques],
 }
 
 /// Sets the `x` of `samples` to the largest at each node from which all that follows can be kept,
 /// given the largest x at the last node.
 #[inline(always)]
-pub(crate) fn backward<S: Simd>(
+pub(crate) fn backward<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
-    bounds: &[Bounds],
+    bounds: &[Bounds<R>],
     end: f64,
     samples: &mut [Sample],
 ) {
@@ -228,9 +236,9 @@ pub(crate) fn backward<S: Simd>(
 /// Lowers the `x` of `samples` to what can be kept, backwards from the node `last`, until before `first` there is
 /// nothing to lower. Returns the node at which it ends.
 #[inline(always)]
-fn lower_x<S: Simd>(
+fn lower_x<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
-    bounds: &[Bounds],
+    bounds: &[Bounds<R>],
     [first, last]: [usize; 2],
     samples: &mut [Sample],
 ) -> usize {
@@ -312,9 +320,9 @@ fn lower_x<S: Simd>(
 /// Where a joint exceeds a limit within an interval, that is tightened: less of the limits is left there, or u
 /// has to be the same at both ends. Returns the first and the last one for which that has to be swept again.
 #[inline(always)]
-fn forward<S: Simd>(
+fn forward<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
-    bounds: &[Bounds],
+    bounds: &[Bounds<R>],
     [first, last]: [usize; 2],
     samples: &mut [Sample],
 ) -> Option<[usize; 2]> {
@@ -395,13 +403,13 @@ impl<S: Simd> Nodes<'_, S> {
     /// The same nodes, of which the compiler then knows that there are `count`.
     #[inline(always)]
     fn first(self, count: usize) -> Self {
-        let Self { simd, dq, ddq, velocity, grid } = self;
+        let Self { simd, dq, ddq, velocity, grid, torques } = self;
         let rows = ..count;
-        Self { simd, dq: &dq[rows], ddq: &ddq[rows], velocity, grid: &grid[rows] }
+        Self { simd, dq: &dq[rows], ddq: &ddq[rows], velocity, grid: &grid[rows], torques }
     }
 
-    /// The largest share of an acceleration limit or squared share of a velocity limit half-way through interval
-    /// `i`.
+    /// The largest share of a limit of acceleration or torque, or squared share of a velocity limit, half-way through
+    /// interval `i`.
     #[inline(always)]
     fn half_way(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> f64 {
         let Self { simd, dq, ddq, velocity, .. } = *self;
@@ -416,10 +424,30 @@ impl<S: Simd> Nodes<'_, S> {
             acceleration = simd.max_f64s(acceleration, simd.abs_f64s(a));
             square = simd.max_f64s(square, v);
         }
-        simd.reduce_max_f64s(simd.max_f64s(acceleration, square))
+        let worst = simd.reduce_max_f64s(simd.max_f64s(acceleration, square));
+        if self.torques.is_empty() { worst } else { greater(worst, self.torque(i, &place, 0.5)) }
     }
 
-    /// The largest share of an acceleration limit, and squared share of a velocity limit, in the inner
+    /// The largest share of a limit of torque at a `place`, the share `t`, of interval `i`. Above what is let pass, it is
+    /// the share of what gravity leaves of the limit, which is what tightening lowers.
+    fn torque(&self, i: usize, place: &Place, t: f64) -> f64 {
+        let [from, to] = [&self.torques[i], &self.torques[i + 1]];
+        let mut worst = 0.0;
+        for j in 0..7 {
+            let at = |of: fn(&PathTorques) -> &Joints| of(from)[j] + t * (of(to)[j] - of(from)[j]);
+            let gravity = at(|torques| &torques.gravity);
+            let moving = at(|torques| &torques.acceleration) * place.u
+                + at(|torques| &torques.speed) * place.x;
+            let share = (moving + gravity).abs();
+            let room = 1.0 - gravity.copysign(gravity * moving);
+            let measure =
+                if share <= 1.0 + TORQUE_SWING { lesser(share, 1.0) } else { moving.abs() / room };
+            worst = greater(worst, measure);
+        }
+        worst
+    }
+
+    /// The largest share of a limit of acceleration or torque, and squared share of a velocity limit, in the inner
     /// quarters of interval `i`.
     #[inline(always)]
     fn worst(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> [f64; 2] {
@@ -439,7 +467,14 @@ impl<S: Simd> Nodes<'_, S> {
             acceleration = simd.max_f64s(acceleration, peak(simd, [a.0, b.0, c.0]));
             square = simd.max_f64s(square, peak(simd, [a.1, b.1, c.1]));
         }
-        [simd.reduce_max_f64s(acceleration), simd.reduce_max_f64s(square)]
+        let [mut acceleration, square] =
+            [simd.reduce_max_f64s(acceleration), simd.reduce_max_f64s(square)];
+        if !self.torques.is_empty() {
+            for (place, t) in places.iter().zip([0.25, 0.5, 0.75]) {
+                acceleration = greater(acceleration, self.torque(i, place, t));
+            }
+        }
+        [acceleration, square]
     }
 }
 
@@ -512,9 +547,9 @@ fn mix<S: Simd>(simd: S, weights: [f64; 4], values: [S::f64s; 4]) -> S::f64s {
 /// Sweeps forwards until no interval of the segment has to be tightened, and backwards in between.
 /// False if that makes what came before the segment too fast: then all has to be swept again.
 #[inline(always)]
-pub(crate) fn sweep_until_valid<S: Simd>(
+pub(crate) fn sweep_until_valid<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
-    bounds: &mut [Bounds],
+    bounds: &mut [Bounds<R>],
     start: f64,
     samples: &mut [Sample],
 ) -> bool {

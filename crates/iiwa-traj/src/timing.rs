@@ -1,8 +1,9 @@
 //! What limits the stamps.
 
-use iiwa_program::{LimitKind, MotionIndex};
+use iiwa_kin::Joint;
+use iiwa_program::MotionIndex;
 
-use crate::limit::Limited;
+use crate::limit::Limit;
 
 /// The limits that a trajectory keeps, and how its stamps are found.
 ///
@@ -93,18 +94,36 @@ impl Default for JerkOptions {
 pub enum TimingError {
     /// The stamps that were found do not keep the limits. A trajectory is never handed out then.
     #[error(
-        "motion {motion}: the stamps found for it take {of} to {ratio} times its {kind} limit; \
+        "motion {motion}: the stamps found for it reach {ratio} times the limit of {limit}; \
          this is a fault of the planner, please report the program"
     )]
     LimitExceeded {
         /// The motion.
         motion: MotionIndex,
-        /// What exceeds its limit.
-        of: Limited,
-        /// Which limit.
-        kind: LimitKind,
+        /// What is exceeded.
+        limit: Limit,
         /// Value over limit.
         ratio: f64,
+    },
+    /// A joint cannot hold the arm with its load within the limit of torques: no motion is slow enough.
+    #[error(
+        "motion {motion}: {joint} cannot hold the arm with its load there: it takes {:.1} Nm to stand still{}, of the {:.1} Nm \
+         that it may exert; raise the limit of torques, or choose a lighter load or poses nearer to the base",
+        .holding_nm.abs(),
+        if *.friction_nm > 0.0 { format!(", and {friction_nm:.1} Nm of friction") } else { String::new() },
+        .limit_nm
+    )]
+    CannotHold {
+        /// The motion, on the way of which it is.
+        motion: MotionIndex,
+        /// The joint.
+        joint: Joint,
+        /// The torque that it takes, with its sign, in Nm.
+        holding_nm: f64,
+        /// What friction takes on top, in Nm.
+        friction_nm: f64,
+        /// The most that the joint may exert, in Nm.
+        limit_nm: f64,
     },
     /// A blend of this shape starts and ends with a jump in curvature, at which jerk would be infinite.
     #[error(

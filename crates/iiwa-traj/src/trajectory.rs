@@ -6,6 +6,7 @@ use iiwa_program::MotionIndex;
 
 use crate::{
     figures::{BlendFigures, MotionFigures, Totals},
+    late_blend::LateBlend,
     planner::Planner,
     section::Section,
     state::State,
@@ -34,11 +35,31 @@ impl Trajectory {
         Self::by(&mut Planner::new(path, timing))
     }
 
-    /// That of all sections of a planner, which has not begun yet.
-    pub(crate) fn by(planner: &mut Planner) -> Result<Self, TimingError> {
-        let path = planner.path().clone();
+    /// That of all sections of a planner that has not begun yet: one that can be interrupted.
+    ///
+    /// ```
+    /// use std::sync::{Arc, atomic::AtomicBool};
+    ///
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::Program;
+    /// use iiwa_traj::{Planner, Timing, TimingError, Trajectory};
+    ///
+    /// let program = Program::from_deg([0.0; 7]).ptp_deg([30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let stop = Arc::new(AtomicBool::new(true));
+    /// let mut planner = Planner::new(&path, Timing::default()).interrupted_by(stop);
+    /// assert_eq!(Trajectory::by(&mut planner).err(), Some(TimingError::Interrupted));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`plan`](Self::plan), and [`TimingError::Interrupted`].
+    pub fn by(planner: &mut Planner) -> Result<Self, TimingError> {
         let sections = planner.collect::<Result<_, _>>()?;
-        Ok(Self::from_sections(path, sections))
+        // With the stops before late blends.
+        Ok(Self::from_sections(planner.path().clone(), sections))
     }
 
     /// That of some sections, in order.
@@ -161,7 +182,8 @@ impl Trajectory {
     pub fn samples(&self, rate_hz: f64) -> impl Iterator<Item = State> {
         let end_s = self.cycle_time_s();
         let stamps = (0_u64..).map(move |i| i as f64 / rate_hz);
-        stamps.take_while(move |t_s| *t_s < end_s).chain([end_s]).map(|t_s| self.at(t_s))
+        let at = |t_s| State { t_s, ..self.at(t_s) };
+        stamps.take_while(move |t_s| *t_s < end_s).chain([end_s]).map(at)
     }
 
     /// The figures of all entries of the program's list of motions, in order.
@@ -212,6 +234,32 @@ impl Trajectory {
     #[must_use]
     pub fn blends(&self) -> Vec<BlendFigures> {
         self.sections.iter().flat_map(Section::blends).collect()
+    }
+}
+
+impl Trajectory {
+    /// The blends before which the arm stops, since the motions after them are not known in time, in order.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::{Blend, Motion, Program};
+    /// use iiwa_traj::{Timing, Trajectory};
+    ///
+    /// let program = Program::from_deg([0.0; 7])
+    ///     .ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0])
+    ///     .blend(Blend::Fraction(0.3))
+    ///     .motion(Motion::Wait { seconds: 3.0, overlap: 1 })
+    ///     .ptp_deg([40.0, 30.0, 0.0, -30.0, 0.0, 0.0, 0.0])
+    ///     .build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let trajectory = Trajectory::plan(&path, Timing::default())?;
+    /// let late: Vec<_> = trajectory.late_blends().collect();
+    /// assert_eq!((late.len(), late[0].after_motion.number(), late[0].known_s), (1, 1, 3.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn late_blends(&self) -> impl Iterator<Item = &LateBlend> {
+        self.sections.iter().filter_map(Section::late_blend)
     }
 }
 

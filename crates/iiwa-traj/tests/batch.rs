@@ -2,7 +2,7 @@
 
 use iiwa_kin::{Joint, Robot};
 use iiwa_path::{BlendShape, JointPath, PathOptions};
-use iiwa_program::{Blend, Fault, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Fault, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{PlanError, State, SweepOptions, Timing, Trajectory, plan_all};
 use rayon::ThreadPoolBuilder;
 
@@ -20,12 +20,13 @@ fn programs(count: u32) -> Vec<Program> {
                 ptp.blend = Some(Blend::Fraction(0.3));
             }
         }
-        motions.push(Motion::Wait { seconds: f64::from(k) });
+        motions.push(Motion::Wait { seconds: f64::from(k), overlap: 0 });
         Program {
             robot: None,
             start: Start::Joints([0.0; 7]),
             motions,
             workcell: Workcell::default(),
+            sources: Sources::default(),
         }
     };
     (0..count).map(program).collect()

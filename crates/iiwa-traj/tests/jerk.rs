@@ -5,7 +5,7 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
-use iiwa_program::{Blend, LimitKind, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, LimitKind, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{State, SweepOptions, Timing, TimingError, Trajectory};
 use proptest::{
     prelude::*,
@@ -43,6 +43,7 @@ fn program(start_rad: Joints, mut motions: Vec<Ptp>) -> Program {
         start: Start::Joints(start_rad),
         motions: motions.into_iter().map(Motion::Ptp).collect(),
         workcell: Workcell::default(),
+        sources: Sources::default(),
     }
 }
 
@@ -135,7 +136,8 @@ fn scale_does_not_matter() {
             });
             scaled.start = Start::Joints(times(*scaled.start.joints_rad().unwrap()));
             let change = motion_time_s(&scaled) / before - 1.0;
-            assert!(change.abs() < 1e-6, "{change:e} at {scale} times the size: {program:?}");
+            // A share of the solver's gap, 3e-5: how sums are rounded depends on the machine's vector registers.
+            assert!(change.abs() < 1e-5, "{change:e} at {scale} times the size: {program:?}");
             largest = largest.max(change.abs());
         }
     }

@@ -5,7 +5,7 @@
 
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, playback::*};
-use iiwa_program::{Blend, Motion as Entry, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion as Entry, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 fn planned() -> Trajectory {
@@ -23,6 +23,7 @@ fn planned() -> Trajectory {
         start: Start::Joints([0.0; 7]),
         motions,
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let path = JointPath::new(&program, &Robot::default()).unwrap();
     Trajectory::plan(&path, Timing::default()).unwrap()

@@ -2,11 +2,11 @@
 
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
-use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 fn wait(seconds: f64) -> Motion {
-    Motion::Wait { seconds }
+    Motion::Wait { seconds, overlap: 0 }
 }
 
 #[test]
@@ -27,6 +27,7 @@ fn a_wait_of_no_time_has_no_stamp() {
         start: Start::Joints([0.0; 7]),
         motions,
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let path = JointPath::new(&program, &Robot::default()).unwrap();
     let plan = Trajectory::plan(&path, Timing::default()).unwrap();
@@ -48,6 +49,7 @@ fn a_program_may_take_no_time_at_all() {
         start: Start::Joints([0.1; 7]),
         motions: vec![wait(0.0)],
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let path = JointPath::new(&program, &Robot::default()).unwrap();
     let plan = Trajectory::plan(&path, Timing::default()).unwrap();

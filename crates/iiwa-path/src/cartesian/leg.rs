@@ -26,14 +26,14 @@ pub(crate) struct Leg {
     pub(crate) paths: Vec<TcpPath>,
 }
 
-/// The motions in order, each from where the one before ends; none for waits.
+/// The motions in order, each from where the one before ends; none for those that stand.
 pub(crate) fn legs(program: &Program, robot: &Arc<Robot>) -> Result<Vec<Option<Leg>>, Fault> {
     let mut at_rad = program.start_rad(robot)?;
     let mut legs = Vec::with_capacity(program.motions.len());
     for (motion, entry) in program.entries() {
         let leg = match entry {
             Motion::Ptp(ptp) => Some(Leg { ends_rad: [at_rad, ptp.target_rad], paths: Vec::new() }),
-            Motion::Wait { .. } => None,
+            Motion::Wait { .. } | Motion::Load(_) => None,
             Motion::Cartesian(own) => {
                 Some(leg(program, robot, &at_rad, own).map_err(|(key, fault)| {
                     Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) }

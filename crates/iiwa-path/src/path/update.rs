@@ -5,6 +5,7 @@ use std::{ops::Range, sync::Arc};
 use super::JointPath;
 use crate::{
     builder::steps,
+    carried::Carried,
     options::PathOptions,
     path_motion::{has_tools, path_motions},
     segment::Segment,
@@ -35,11 +36,14 @@ impl JointPath {
         motion: MotionIndex,
     ) -> Result<ReplacedSteps, Fault> {
         // Where a motion to a frame starts settles how it ends, and with it all that follows.
-        let range = if program.has_frames() {
-            0..program.motions.len()
-        } else {
-            affected(&program.motions, motion.index())
-        };
+        // And waits that overlap motions have to do with all of these.
+        let overlaps = |program: &Program| program.motions.iter().any(Motion::is_overlapping_wait);
+        let range =
+            if program.has_frames() || overlaps(program) || !self.overlapping_waits().is_empty() {
+                0..program.motions.len()
+            } else {
+                affected(&program.motions, motion.index())
+            };
         program.check_motions(range.clone(), self.robot.limits())?;
         let before = self.steps_of(&range);
         let mut new = steps(program, &self.robot, options, range)?;
@@ -66,6 +70,7 @@ impl JointPath {
         new.drain(..first);
         let after = replaced.start..replaced.start + new.len();
 
+        self.carried = Arc::new(Carried::new(program));
         self.has_tools = has_tools(&motions);
         self.motions = Arc::new(motions);
         Arc::make_mut(&mut self.limits)[motion.index()] = limits;

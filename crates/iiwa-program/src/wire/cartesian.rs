@@ -54,10 +54,19 @@ macro_rules! path_wire {
                     default, deserialize_with = "crate::wire::cartesian::blend", skip_serializing_if = "Option::is_none"
                 )]
                 blend: Option<PathBlendWire>,
+                /// What it was made from.
+                #[serde(
+                    default, deserialize_with = "iiwa_json::object_or_null", skip_serializing_if = "Option::is_none"
+                )]
+                source: Option<crate::wire::source::SourceWire>,
             }
         }
 
         impl $name {
+            pub(super) fn source_mut(&mut self) -> &mut Option<crate::wire::source::SourceWire> {
+                &mut self.source
+            }
+
             /// The motion on a `course`.
             fn on(self, course: Course) -> Motion {
                 let limits = self.limits();

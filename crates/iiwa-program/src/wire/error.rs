@@ -2,7 +2,11 @@
 
 use iiwa_json::{Place, Unread, element_at, excerpt, problem};
 
-use crate::{fault::Fault, motion_index::MotionIndex};
+use crate::{
+    fault::Fault,
+    motion_index::MotionIndex,
+    source::{Source, Sources},
+};
 
 /// The version of the program format that this library reads.
 pub(super) const VERSION: u64 = 1;
@@ -12,12 +16,14 @@ pub(super) const VERSION: u64 = 1;
 #[non_exhaustive]
 pub enum ProgramError {
     /// The text is not JSON, or not the JSON that is asked for.
-    #[error("{}{what}, at {place}", motion_prefix(*.motion))]
+    #[error("{}{what}, at {place}", motion_prefix(*.motion, .made_from.as_ref()))]
     Json {
         /// What was found, and what was expected.
         what: String,
         /// The motion, if it is in one.
         motion: Option<MotionIndex>,
+        /// What the motion was made from, if that is known.
+        made_from: Option<Source>,
         /// Where.
         place: Place,
     },
@@ -52,10 +58,12 @@ pub enum ProgramError {
         place: Place,
     },
     /// The program is well-formed and asks for something impossible.
-    #[error("{fault}, at {place}")]
+    #[error("{}, at {place}", .sources.in_message(&.fault.to_string()))]
     Fault {
         /// What is wrong.
         fault: Fault,
+        /// What the motions were made from, as far as that is known.
+        sources: Sources,
         /// Where.
         place: Place,
     },
@@ -78,7 +86,9 @@ impl ProgramError {
     #[must_use]
     pub fn what(&self) -> String {
         match self {
-            Self::Json { what, motion, .. } => format!("{}{what}", motion_prefix(*motion)),
+            Self::Json { what, motion, made_from, .. } => {
+                format!("{}{what}", motion_prefix(*motion, made_from.as_ref()))
+            }
             Self::Version { found, .. } => {
                 format!("this is a program of version {found}; version {VERSION} is understood")
             }
@@ -86,7 +96,15 @@ impl ProgramError {
                 format!("cannot include `{}`: {what}", excerpt(name))
             }
             Self::Included { name, error, .. } => format!("`{}`: {error}", excerpt(name)),
-            Self::Fault { fault, .. } => fault.to_string(),
+            Self::Fault { fault, sources, .. } => sources.in_message(&fault.to_string()),
+        }
+    }
+
+    /// The same of a motion that was made from this.
+    pub(super) fn with_source(self, made_from: Option<Source>) -> Self {
+        match self {
+            Self::Json { what, motion, place, .. } => Self::Json { what, motion, made_from, place },
+            other => other,
         }
     }
 
@@ -99,8 +117,12 @@ impl ProgramError {
     }
 }
 
-fn motion_prefix(motion: Option<MotionIndex>) -> String {
-    motion.map_or_else(String::new, |motion| format!("motion {motion}: "))
+fn motion_prefix(motion: Option<MotionIndex>, source: Option<&Source>) -> String {
+    match (motion, source) {
+        (None, _) => String::new(),
+        (Some(motion), None) => format!("motion {motion}: "),
+        (Some(motion), Some(source)) => format!("motion {motion} ({source}): "),
+    }
 }
 
 /// What is wrong with a part of a text that is not read.
@@ -114,5 +136,5 @@ pub(super) fn json_error(
     // What is no JSON at all is found before the text is taken apart.
     let motion =
         motion.or_else(|| element_at(text, "motions", place.span.start).map(MotionIndex::new));
-    ProgramError::Json { what: problem(error), motion, place }
+    ProgramError::Json { what: problem(error), motion, made_from: None, place }
 }

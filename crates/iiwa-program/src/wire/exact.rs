@@ -16,3 +16,8 @@ pub(super) fn exact_deg(rad: f64) -> f64 {
 pub(super) fn exact_mm(m: f64) -> f64 {
     exact(m, 1e3 * m, |mm| 1e-3 * mm)
 }
+
+/// A share, in per cent.
+pub(super) fn exact_percent(share: f64) -> f64 {
+    exact(share, 100.0 * share, |percent| percent / 100.0)
+}

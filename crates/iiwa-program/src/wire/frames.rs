@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, fmt};
 
 use iiwa_json::{excerpt, numbers, object, object_or_null};
-use iiwa_kin::Status;
+use iiwa_kin::{Load, Status};
 use schemars::JsonSchema;
 use serde::{
     Deserialize, Deserializer, Serialize,
@@ -15,7 +15,7 @@ use super::{by_name::by_name, exact::exact_deg};
 use crate::{
     frame::Frame,
     target::{Target, TargetRef},
-    workcell::{Base, FLANGE, Load, ROBOT, Tool, Workcell},
+    workcell::{Base, FLANGE, ROBOT, Tool, Workcell},
 };
 
 /// The TCP itself, as what an offset is given in.
@@ -276,7 +276,7 @@ pub(super) struct ToolWire {
     /// Further TCPs by name, in the flange's frame.
     #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     tips: BTreeMap<String, PoseWire>,
-    /// What it weighs.
+    /// What hangs on the flange with it.
     #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
     load: Option<LoadWire>,
 }
@@ -316,12 +316,7 @@ impl ToolWire {
         };
         let load = self.load.map(|load| {
             if load.mass_kg >= 0.0 {
-                Ok(Load {
-                    mass_kg: load.mass_kg,
-                    center_mm: load.center_mm,
-                    inertia_kg_m2: load.inertia_kg_m2,
-                    abc_rad: load.abc_deg.map(f64::to_radians),
-                })
+                Ok(Load::from(load))
             } else {
                 Err(format!("mass_kg is {}; it must be 0 or more", load.mass_kg))
             }
@@ -340,12 +335,29 @@ impl From<&Tool> for ToolWire {
         Self {
             tcp: (&tool.tcp).into(),
             tips: tool.tips.iter().map(tip).collect(),
-            load: tool.load.map(|load| LoadWire {
-                mass_kg: load.mass_kg,
-                center_mm: load.center_mm,
-                inertia_kg_m2: load.inertia_kg_m2,
-                abc_deg: load.abc_rad.map(exact_deg),
-            }),
+            load: tool.load.as_ref().map(LoadWire::from),
+        }
+    }
+}
+
+impl From<LoadWire> for Load {
+    fn from(wire: LoadWire) -> Self {
+        Self {
+            mass_kg: wire.mass_kg,
+            center_mm: wire.center_mm,
+            inertia_kg_m2: wire.inertia_kg_m2,
+            abc_rad: wire.abc_deg.map(f64::to_radians),
+        }
+    }
+}
+
+impl From<&Load> for LoadWire {
+    fn from(load: &Load) -> Self {
+        Self {
+            mass_kg: load.mass_kg,
+            center_mm: load.center_mm,
+            inertia_kg_m2: load.inertia_kg_m2,
+            abc_deg: load.abc_rad.map(exact_deg),
         }
     }
 }

@@ -66,6 +66,7 @@ impl Workcell {
                             "these are frames of version {found}; version {VERSION} is understood"
                         ),
                         motion: None,
+                        made_from: None,
                         place,
                     },
                     error @ Unread::Json(_) => ProgramError::unread(text, error),
@@ -74,7 +75,7 @@ impl Workcell {
         if wire.include.is_some() {
             let what = "a file that is included includes no other".to_owned();
             let place = locate(text, &[Step::Key("include")]);
-            return Err(ProgramError::Json { what, motion: None, place });
+            return Err(ProgramError::Json { what, motion: None, made_from: None, place });
         }
         named(text, wire.tools, wire.bases, wire.frames)
     }

@@ -6,13 +6,13 @@ use serde_json::value::RawValue;
 
 use super::{
     error::{ProgramError, json_error},
-    motions::checked,
+    motions::{MotionWire, checked, motions_out},
     workcell::{WorkcellOut, WorkcellWire},
 };
-use crate::{motion_list::MotionList, program::Motion};
+use crate::{motion_list::MotionList, source::Sources};
 
 impl MotionList {
-    /// Reads `motions` of a JSON object, and `tools`, `bases`, `frames`, `tool`, `base` and `mode` if they are there, all
+    /// Reads `motions` of a JSON object, and `tools`, `bases`, `frames`, `tool`, `base`, `mode` and `mount` if they are there, all
     /// written as in a program, and checks all that can be checked without a robot. Other keys of the object are passed
     /// over.
     ///
@@ -36,12 +36,13 @@ impl MotionList {
         let workcell = wire.workcell(text)?;
         let in_use =
             [("tool", workcell.tcp(None).map(drop)), ("base", workcell.base(None).map(drop))];
-        let list = Self { motions: Vec::new(), workcell };
+        let list = Self { motions: Vec::new(), workcell, sources: Sources::default() };
         let list = checked(text, list.starting_at([0.0; 7]), &motions).map(Self::from)?;
         for (key, found) in in_use {
             found.map_err(|fault| ProgramError::Json {
                 what: fault.to_string(),
                 motion: None,
+                made_from: None,
                 place: locate(text, &[Step::Key(key)]),
             })?;
         }
@@ -54,11 +55,12 @@ impl Serialize for MotionList {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]
         struct MotionListOut<'a> {
-            motions: &'a [Motion],
+            motions: Vec<MotionWire>,
             #[serde(flatten)]
             workcell: WorkcellOut<'a>,
         }
-        let Self { motions, workcell } = self;
+        let Self { motions, workcell, sources } = self;
+        let motions = motions_out(motions, sources);
         MotionListOut { motions, workcell: workcell.into() }.serialize(serializer)
     }
 }

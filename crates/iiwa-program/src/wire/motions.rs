@@ -1,6 +1,6 @@
 //! Motions in JSON.
 
-use iiwa_json::{Object, Step, are_known, locate, tag, unknown};
+use iiwa_json::{Object, Step, are_known, locate, object_or_null, tag, unknown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::value::RawValue;
@@ -8,13 +8,17 @@ use serde_json::value::RawValue;
 use super::{
     cartesian::{CircWire, LinRelWire, LinWire},
     error::{ProgramError, json_error},
+    frames::LoadWire,
     ptp::PtpWire,
+    source::{SourceWire, source_in},
     spline::{SplWire, SplineWire, WrongSegment},
+    wait::WaitWire,
 };
 use crate::{
     cartesian_motion::{Course, SegmentCourse, SplineSegment},
     motion_index::MotionIndex,
     program::{Motion, Program},
+    source::{Source, Sources},
 };
 
 /// As in a program, joints in rad.
@@ -30,63 +34,74 @@ pub(super) fn checked(
     program: Program,
     motions: &[&RawValue],
 ) -> Result<Program, ProgramError> {
-    let motions = motions.iter().enumerate().map(|(index, raw)| motion(text, index, raw.get()));
-    let program = Program { motions: motions.collect::<Result<_, _>>()?, ..program };
+    let mut read = Vec::with_capacity(motions.len());
+    let mut sources = Sources::default();
+    for (index, raw) in motions.iter().enumerate() {
+        let (motion, source) = motion(text, index, raw.get())
+            .map_err(|error| error.with_source(source_in(raw.get())))?;
+        read.push(motion);
+        if let Some(source) = source {
+            sources.insert(MotionIndex::new(index), source);
+        }
+    }
+    let program = Program { motions: read, sources, ..program };
     match program.check_numbers() {
         Ok(()) => Ok(program),
-        Err(fault) => Err(ProgramError::Fault { place: fault.place_in(text), fault }),
+        Err(fault) => {
+            let place = fault.place_in(text);
+            Err(ProgramError::Fault { fault, sources: program.sources, place })
+        }
     }
 }
 
-fn motion(text: &str, index: usize, raw: &str) -> Result<Motion, ProgramError> {
+fn motion(text: &str, index: usize, raw: &str) -> Result<(Motion, Option<Source>), ProgramError> {
     let motion = Some(MotionIndex::new(index));
     let fail = |error: serde_json::Error| json_error(text, raw, motion, &error);
-    let wrong = |what: String, key: Option<&str>| {
-        let path = [Step::Key("motions"), Step::Index(index)].into_iter().chain(key.map(Step::Key));
-        let place = locate(text, &path.collect::<Vec<_>>());
-        ProgramError::Json { what, motion, place }
+    let wrong = |what: String, path: &[Step<'_>]| {
+        let path = [&[Step::Key("motions"), Step::Index(index)], path].concat();
+        ProgramError::Json { what, motion, made_from: None, place: locate(text, &path) }
     };
-    match tag(raw).map_err(fail)?.as_deref() {
-        Some("ptp") => {
-            let Object(wire) = serde_json::from_str::<Object<PtpWire>>(raw).map_err(fail)?;
-            wire.motion().map_err(|what| wrong(what, None))
+    let at_key = |(key, what): (&str, String)| wrong(what, &[Step::Key(key)]);
+    let mut wire = match tag(raw).map_err(fail)?.as_deref() {
+        Some("ptp") => object(raw).map(MotionWire::Ptp),
+        Some("lin") => object(raw).map(MotionWire::Lin),
+        Some("lin_rel") => object(raw).map(MotionWire::LinRel),
+        Some("circ") => object(raw).map(MotionWire::Circ),
+        Some("spl") => object(raw).map(MotionWire::Spl),
+        Some("spline") => object(raw).map(MotionWire::Spline),
+        Some("wait") => object(raw).map(MotionWire::Wait),
+        Some("load") => object(raw).map(MotionWire::Load),
+        Some(other) => {
+            return Err(wrong(unknown("type", other, &KNOWN_TYPES), &[Step::Key("type")]));
         }
-        Some("lin") => {
-            let Object(wire) = serde_json::from_str::<Object<LinWire>>(raw).map_err(fail)?;
-            wire.motion().map_err(|(key, what)| wrong(what, Some(key)))
-        }
-        Some("lin_rel") => {
-            let Object(wire) = serde_json::from_str::<Object<LinRelWire>>(raw).map_err(fail)?;
-            wire.motion().map_err(|(key, what)| wrong(what, Some(key)))
-        }
-        Some("circ") => {
-            let Object(wire) = serde_json::from_str::<Object<CircWire>>(raw).map_err(fail)?;
-            wire.motion().map_err(|(key, what)| wrong(what, Some(key)))
-        }
-        Some("spl") => {
-            let Object(wire) = serde_json::from_str::<Object<SplWire>>(raw).map_err(fail)?;
-            wire.motion().map_err(|(key, what)| wrong(what, Some(key)))
-        }
-        Some("spline") => {
-            let Object(wire) = serde_json::from_str::<Object<SplineWire>>(raw).map_err(fail)?;
-            wire.motion().map_err(|WrongSegment { index: segment, key, what }| {
-                let path = [Step::Key("motions"), Step::Index(index), Step::Key("segments")];
-                let path = [&path[..], &[Step::Index(segment), Step::Key(key)]].concat();
-                let what = format!("segment {}: {what}", segment + 1);
-                ProgramError::Json { what, motion, place: locate(text, &path) }
-            })
-        }
-        Some("wait") => {
-            let Object(wire) = serde_json::from_str::<Object<WaitWire>>(raw).map_err(fail)?;
-            Ok(Motion::Wait { seconds: wire.seconds })
-        }
-        Some(other) => Err(wrong(unknown("type", other, &KNOWN_TYPES), Some("type"))),
-        None => Err(wrong(format!("it has no `type`; {}", are_known(&KNOWN_TYPES)), None)),
+        None => return Err(wrong(format!("it has no `type`; {}", are_known(&KNOWN_TYPES)), &[])),
     }
+    .map_err(fail)?;
+    let source = wire.source_mut().take().map(SourceWire::source).transpose();
+    let source = source.map_err(|what| wrong(what.to_owned(), &[Step::Key("source")]))?;
+    let motion = match wire {
+        MotionWire::Ptp(wire) => wire.motion().map_err(|what| wrong(what, &[])),
+        MotionWire::Spline(wire) => wire.motion().map_err(|WrongSegment { index, key, what }| {
+            let path = [Step::Key("segments"), Step::Index(index), Step::Key(key)];
+            wrong(format!("segment {}: {what}", index + 1), &path)
+        }),
+        MotionWire::Lin(wire) => wire.motion().map_err(at_key),
+        MotionWire::LinRel(wire) => wire.motion().map_err(at_key),
+        MotionWire::Circ(wire) => wire.motion().map_err(at_key),
+        MotionWire::Spl(wire) => wire.motion().map_err(at_key),
+        MotionWire::Wait(wire) => wire.motion().map_err(at_key),
+        MotionWire::Load(wire) => Ok(Motion::Load(wire.load.map(Into::into))),
+    };
+    Ok((motion?, source))
+}
+
+/// Reads an object.
+fn object<'a, T: Deserialize<'a>>(raw: &'a str) -> Result<T, serde_json::Error> {
+    serde_json::from_str::<Object<T>>(raw).map(|Object(wire)| wire)
 }
 
 /// The types of motions.
-const KNOWN_TYPES: [&str; 7] = ["ptp", "lin", "lin_rel", "circ", "spline", "spl", "wait"];
+const KNOWN_TYPES: [&str; 8] = ["ptp", "lin", "lin_rel", "circ", "spline", "spl", "wait", "load"];
 
 /// One entry of the list of motions.
 #[derive(Serialize, JsonSchema)]
@@ -100,32 +115,67 @@ pub(super) enum MotionWire {
     Spline(SplineWire),
     Spl(SplWire),
     Wait(WaitWire),
+    Load(LoadStepWire),
+}
+
+impl MotionWire {
+    /// As in a program, with what it was made from.
+    pub(super) fn new(motion: &Motion, source: Option<&Source>) -> Self {
+        let mut wire = Self::from(motion);
+        *wire.source_mut() = source.map(SourceWire::from);
+        wire
+    }
+
+    fn source_mut(&mut self) -> &mut Option<SourceWire> {
+        match self {
+            Self::Ptp(wire) => &mut wire.source,
+            Self::Lin(wire) => wire.source_mut(),
+            Self::LinRel(wire) => wire.source_mut(),
+            Self::Circ(wire) => wire.source_mut(),
+            Self::Spline(wire) => wire.source_mut(),
+            Self::Spl(wire) => wire.source_mut(),
+            Self::Wait(wire) => &mut wire.source,
+            Self::Load(wire) => &mut wire.source,
+        }
+    }
+}
+
+/// The motions as in a program, with what they were made from.
+pub(super) fn motions_out(motions: &[Motion], sources: &Sources) -> Vec<MotionWire> {
+    let motions = (0..).map(MotionIndex::new).zip(motions);
+    motions.map(|(index, motion)| MotionWire::new(motion, sources.of(index))).collect()
 }
 
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[schemars(inline)]
-enum WaitTag {
-    #[serde(rename = "wait")]
-    Wait,
+enum LoadTag {
+    #[serde(rename = "load")]
+    Load,
 }
 
-/// The arm stands still.
+/// Where the arm stands, what hangs on its flange changes. It takes no time.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(rename = "Wait")]
-pub(super) struct WaitWire {
-    r#type: WaitTag,
-    /// For how long, in s: at most a day.
-    #[schemars(range(min = 0, max = 86_400))]
-    seconds: f64,
+#[schemars(rename = "LoadStep", extend("required" = ["type", "load"]))]
+pub(super) struct LoadStepWire {
+    r#type: LoadTag,
+    /// All that hangs on the flange from here on, the tool with what it holds; null for the tool's own load again.
+    #[serde(deserialize_with = "object_or_null")]
+    load: Option<LoadWire>,
+    /// What it was made from.
+    #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
+    source: Option<SourceWire>,
 }
 
 impl From<&Motion> for MotionWire {
     fn from(motion: &Motion) -> Self {
         match motion {
-            Motion::Wait { seconds } => {
-                Self::Wait(WaitWire { r#type: WaitTag::Wait, seconds: *seconds })
-            }
+            Motion::Load(load) => Self::Load(LoadStepWire {
+                r#type: LoadTag::Load,
+                load: load.as_ref().map(LoadWire::from),
+                source: None,
+            }),
+            Motion::Wait { seconds, overlap } => Self::Wait(WaitWire::new(*seconds, *overlap)),
             Motion::Ptp(ptp) => {
                 let shares = [ptp.velocity_rel, ptp.acceleration_rel, ptp.jerk_rel];
                 Self::Ptp(PtpWire::to_joints(&ptp.target_rad, shares, ptp.blend))

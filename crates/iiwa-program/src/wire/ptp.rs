@@ -1,11 +1,11 @@
 //! Point-to-point motions in programs.
 
-use iiwa_json::{numbers, object_or_null_like};
+use iiwa_json::{numbers, object_or_null, object_or_null_like};
 use iiwa_kin::Joints;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
-use super::{frames::TargetRefWire, share::Share};
+use super::{frames::TargetRefWire, share::Share, source::SourceWire};
 use crate::{
     blend::Blend,
     cartesian_motion::{CartesianMotion, Course, PathBlend},
@@ -61,6 +61,9 @@ pub(super) struct PtpWire {
     /// How the target is blended away; without it the arm stops there.
     #[serde(default, deserialize_with = "blend", skip_serializing_if = "Option::is_none")]
     blend: Option<BlendWire>,
+    /// What it was made from.
+    #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
+    pub(super) source: Option<SourceWire>,
 }
 
 fn blend<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<BlendWire>, D::Error> {
@@ -164,6 +167,7 @@ impl PtpWire {
             velocity_rel: Share::from(velocity),
             acceleration_rel: Share::from(acceleration),
             jerk_rel: Share::from(jerk),
+            source: None,
             blend: blend.map(|blend| match blend {
                 Blend::Fraction(b) => BlendWire::Fraction(b),
                 Blend::SunriseRel(x) => BlendWire::SunriseRel(x),

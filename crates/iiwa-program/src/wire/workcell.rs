@@ -2,13 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use iiwa_json::{Step, excerpt, locate};
+use iiwa_json::{Step, excerpt, locate, numbers, object_or_null};
+use iiwa_kin::Mount;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{
     by_name::{by_name, word_or_null},
     error::ProgramError,
+    exact::exact_deg,
     frames::{BaseWire, TargetWire, ToolWire, workcell},
 };
 use crate::workcell::{OperatingMode, Workcell};
@@ -28,14 +30,17 @@ pub(super) struct WorkcellWire {
     pub(super) base: Option<String>,
     #[serde(default, deserialize_with = "word_or_null")]
     pub(super) mode: Option<ModeWire>,
+    #[serde(default, deserialize_with = "object_or_null")]
+    pub(super) mount: Option<MountWire>,
 }
 
 impl WorkcellWire {
     /// What the keys of `text` say.
     pub(super) fn workcell(self, text: &str) -> Result<Workcell, ProgramError> {
-        let Self { tools, bases, frames, tool, base, mode } = self;
+        let Self { tools, bases, frames, tool, base, mode, mount } = self;
         let mode = mode.map_or_else(OperatingMode::default, OperatingMode::from);
-        Ok(Workcell { tool, base, mode, ..named(text, tools, bases, frames)? })
+        let mount = mount.map_or_else(Mount::default, Mount::from);
+        Ok(Workcell { tool, base, mode, mount, ..named(text, tools, bases, frames)? })
     }
 }
 
@@ -49,6 +54,7 @@ pub(super) fn named(
     workcell(tools, bases, frames).map_err(|(list, name, what)| ProgramError::Json {
         what: format!("`{}`: {what}", excerpt(&name)),
         motion: None,
+        made_from: None,
         place: locate(text, &[Step::Key(list), Step::Key(&name)]),
     })
 }
@@ -68,6 +74,8 @@ pub(super) struct WorkcellOut<'a> {
     base: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     mode: Option<ModeWire>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mount: Option<MountWire>,
 }
 
 impl<'a> From<&'a Workcell> for WorkcellOut<'a> {
@@ -82,6 +90,7 @@ impl<'a> From<&'a Workcell> for WorkcellOut<'a> {
             tool: workcell.tool.as_deref(),
             base: workcell.base.as_deref(),
             mode: ModeWire::of(workcell.mode),
+            mount: (workcell.mount != Mount::default()).then(|| workcell.mount.into()),
         }
     }
 }
@@ -107,5 +116,31 @@ impl ModeWire {
 impl From<ModeWire> for OperatingMode {
     fn from(ModeWire::T1: ModeWire) -> Self {
         Self::T1
+    }
+}
+
+/// How the robot's foot stands in the world, whose z axis points up; on the floor if absent.
+#[derive(Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Mount")]
+pub(super) struct MountWire {
+    /// Roll, pitch and yaw, in degrees, R = Rz(yaw) Ry(pitch) Rx(roll): 180, 0, 0 is at the ceiling.
+    #[serde(deserialize_with = "three")]
+    rpy_deg: [f64; 3],
+}
+
+fn three<'de, D: Deserializer<'de>>(reader: D) -> Result<[f64; 3], D::Error> {
+    numbers(reader, "three angles, roll, pitch and yaw")
+}
+
+impl From<MountWire> for Mount {
+    fn from(wire: MountWire) -> Self {
+        Self::from_rpy_deg(wire.rpy_deg)
+    }
+}
+
+impl From<Mount> for MountWire {
+    fn from(mount: Mount) -> Self {
+        Self { rpy_deg: mount.rpy_rad.map(exact_deg) }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use iiwa_kin::{Joints, PathTorques};
 use iiwa_path::PLACES;
 use iiwa_solver::{Cell, Geometry, LimitedSegment, Mesh, Solution, Window};
 
@@ -84,12 +85,26 @@ impl Stamper {
         }
     }
 
+    /// Adds shares of the limits of torque that hold for `dt`.
+    fn torques(&mut self, shares: Option<Joints>, dt: f64) {
+        if let (Some(stamps), Some(shares)) = (self.stamps.segments.last_mut(), shares) {
+            stamps.usage.torques(&shares, dt);
+        }
+    }
+
     /// Adds a cell that touches rest, in which jerk is constant.
     fn rest(&mut self, segment: &LimitedSegment<'_>, cell: &Cell, seconds: f64) {
         let jerk = 6.0 * cell.length / seconds.powi(3);
         let half = [0.125 * jerk * seconds * seconds, 0.5 * jerk * seconds, jerk];
         let geometry = segment.geometry(&[cell.from; PLACES]);
-        self.usage(segment, (&geometry, 0), half, seconds * self.time_scale);
+        let dt = seconds * self.time_scale;
+        self.usage(segment, (&geometry, 0), half, dt);
+        let torques = segment.torque_shares(&[cell.from]);
+        let [speed, acceleration, _] = half;
+        let at = |torques: &PathTorques| {
+            torques.at(speed / self.time_scale, acceleration / self.time_scale.powi(2))
+        };
+        self.torques(torques.first().map(at), dt);
     }
 
     /// Begins the next segment, unless it has begun.
@@ -143,6 +158,7 @@ impl Stamper {
                 let way = [cell.from + from * cell.length, (to - from) * cell.length];
                 self.node(segment, way, [self.t_s, dt], [x, dx]);
                 self.usage(segment, (&geometry, place), solution.rates(k, middle), dt);
+                self.torques(solution.torque_shares(k, middle), dt);
                 self.t_s = later(self.start_s, self.t_s, dt);
             }
             if cells.get(k + 1).is_none_or(|next| next.segment != cell.segment) {

@@ -1,20 +1,28 @@
 //! What the limits leave at one node of the sweep: straight lines in x.
 
+use iiwa_kin::PathTorques;
 use pulp::Simd;
 
 pub(super) type Row = [f64; 8];
 
+/// A number for each line: of the joints and the tool by their accelerations and, in a second row, of the joints by their
+/// torques, where these are limited.
+pub(super) type Lines<const R: usize> = [Row; R];
+
 /// Above any x or u that a limit leaves.
 pub(super) const UNLIMITED: f64 = 1e30;
 
-/// What the limits leave at one node: x at most `cap`, and for each joint u from
+/// Share of a limit of torque that acceleration along the path takes, by p in s^2, below which it is rounding.
+const LEAST_INERTIA: f64 = 1e-12;
+
+/// What the limits leave at one node: x at most `cap`, and for each line u from
 /// `-(fall x + below)` to `rise x + above`.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Bounds {
-    pub(super) fall: Row,
-    pub(super) rise: Row,
-    pub(super) below: Row,
-    pub(super) above: Row,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds<const R: usize> {
+    pub(super) fall: Lines<R>,
+    pub(super) rise: Lines<R>,
+    pub(super) below: Lines<R>,
+    pub(super) above: Lines<R>,
     /// Largest x at which no joint is too fast.
     pub(super) cap: f64,
     /// The largest |q''| of any joint.
@@ -23,16 +31,23 @@ pub(crate) struct Bounds {
     pub(super) share: f64,
 }
 
-impl Bounds {
+impl<const R: usize> Default for Bounds<R> {
+    fn default() -> Self {
+        let none = [[0.0; 8]; R];
+        Self { fall: none, rise: none, below: none, above: none, cap: 0.0, bend: 0.0, share: 0.0 }
+    }
+}
+
+impl<const R: usize> Bounds<R> {
     /// `velocity` holds the acceleration limits over the velocity limits, in 1/s.
     #[inline(always)]
     pub(super) fn set<S: Simd>(&mut self, simd: S, dq: &Row, ddq: &Row, velocity: &Row, h: f64) {
         let row = |row| S::as_simd_f64s(row).0;
         let (dq, ddq, velocity) = (row(dq), row(ddq), row(velocity));
-        let fall = S::as_mut_simd_f64s(&mut self.fall).0;
-        let rise = S::as_mut_simd_f64s(&mut self.rise).0;
-        let below = S::as_mut_simd_f64s(&mut self.below).0;
-        let above = S::as_mut_simd_f64s(&mut self.above).0;
+        let fall = S::as_mut_simd_f64s(&mut self.fall[0]).0;
+        let rise = S::as_mut_simd_f64s(&mut self.rise[0]).0;
+        let below = S::as_mut_simd_f64s(&mut self.below[0]).0;
+        let above = S::as_mut_simd_f64s(&mut self.above[0]).0;
         let [zero, one, tiny, near, beside] =
             [0.0, 1.0, 1.0 / UNLIMITED, 0.5 * h, 1.25 * h].map(|value| simd.splat_f64s(value));
         let (mut fastest, mut bent) = (zero, zero);
@@ -62,12 +77,34 @@ impl Bounds {
         self.share = 1.0;
     }
 
-    /// Leaves only a share of the acceleration limits.
+    /// Sets the lines of torques, after the others, from the shares of the limits that `torques` are made of, by p.
+    pub(super) fn set_torques(&mut self, torques: &PathTorques) {
+        let PathTorques { acceleration, speed, gravity } = torques;
+        // The tool has none.
+        let (mut fall, mut rise) = ([0.0; 8], [0.0; 8]);
+        let (mut below, mut above) = ([UNLIMITED; 8], [UNLIMITED; 8]);
+        for j in 0..7 {
+            let m = acceleration[j];
+            let inverse = 1.0 / m.abs().max(LEAST_INERTIA);
+            let by_x = speed[j].copysign(speed[j] * m) * inverse;
+            let gravity = gravity[j].copysign(gravity[j] * m);
+            (fall[j], rise[j]) = (by_x, -by_x);
+            (below[j], above[j]) = ((1.0 + gravity) * inverse, (1.0 - gravity) * inverse);
+            self.bend = greater(self.bend, speed[j].abs());
+        }
+        self.fall[R - 1] = fall;
+        self.rise[R - 1] = rise;
+        self.below[R - 1] = below;
+        self.above[R - 1] = above;
+    }
+
+    /// Leaves only a share of the acceleration limits, and of what gravity leaves of those of torque.
     pub(super) fn lower(&mut self, share: f64) {
         if share != self.share {
             let factor = share / self.share;
-            self.below = self.below.map(|below| factor * below);
-            self.above = self.above.map(|above| factor * above);
+            for offset in self.below.iter_mut().chain(&mut self.above).flatten() {
+                *offset *= factor;
+            }
             self.share = share;
         }
     }
@@ -94,7 +131,9 @@ impl Bounds {
         const STEPS: usize = 64;
         for _ in 0..STEPS {
             let [j, k] = *pair;
-            let root = (self.above[j] + self.below[k]) / -(self.rise[j] + self.fall[k]);
+            let at = |lines: &Lines<R>, line: usize| lines.as_flattened()[line];
+            let root = (at(&self.above, j) + at(&self.below, k))
+                / -(at(&self.rise, j) + at(&self.fall, k));
             if root > 0.0 && root < x {
                 x = root;
             }
@@ -115,10 +154,16 @@ impl Bounds {
     }
 }
 
+/// The lines in vector registers.
+#[inline(always)]
+fn flat<S: Simd, const R: usize>(lines: &Lines<R>) -> &[S::f64s] {
+    S::as_simd_f64s(lines.as_flattened()).0
+}
+
 /// The lowest of the lines `slope x + offset` at `x`.
 #[inline(always)]
-fn lowest<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row) -> f64 {
-    let (slopes, offsets) = (S::as_simd_f64s(slopes).0, S::as_simd_f64s(offsets).0);
+fn lowest<S: Simd, const R: usize>(simd: S, slopes: &Lines<R>, x: f64, offsets: &Lines<R>) -> f64 {
+    let (slopes, offsets) = (flat::<S, R>(slopes), flat::<S, R>(offsets));
     let x = simd.splat_f64s(x);
     let mut lowest = simd.mul_add_e_f64s(slopes[0], x, offsets[0]);
     for k in 1..slopes.len() {
@@ -133,8 +178,14 @@ fn lowest<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row) -> f64 {
 /// which most often is the one of the last node, the processor goes on with its line alone while it
 /// compares all of them.
 #[inline(always)]
-fn lowest_by<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, line: &mut usize) -> f64 {
-    let (slope, offset) = (slopes[*line], offsets[*line]);
+fn lowest_by<S: Simd, const R: usize>(
+    simd: S,
+    slopes: &Lines<R>,
+    x: f64,
+    offsets: &Lines<R>,
+    line: &mut usize,
+) -> f64 {
+    let (slope, offset) = (slopes.as_flattened()[*line], offsets.as_flattened()[*line]);
     // Rounded as in `lowest`.
     let likely = if S::IS_SCALAR { slope * x + offset } else { slope.mul_add(x, offset) };
     let lowest = lowest(simd, slopes, x, offsets);
@@ -151,9 +202,9 @@ fn lowest_by<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, line: &mut u
 /// there, the same unless x is `cap`; afterwards it holds those that are. Whichever line is taken to
 /// limit x, x comes out too large or right, as in Newton's method.
 #[inline(always)]
-pub(super) fn largest<S: Simd>(
+pub(super) fn largest<S: Simd, const R: usize>(
     simd: S,
-    [slopes, offsets]: [&Row; 2],
+    [slopes, offsets]: [&Lines<R>; 2],
     h: f64,
     c: f64,
     cap: f64,
@@ -165,8 +216,8 @@ pub(super) fn largest<S: Simd>(
     for _ in 0..STEPS {
         let limiting = lines[0];
         // A factor of no more than zero leaves x free.
-        let inverse = 1.0 / greater(1.0 - h * slopes[limiting], 1e-9);
-        let x = lesser((c + h * offsets[limiting]) * inverse, cap);
+        let inverse = 1.0 / greater(1.0 - h * slopes.as_flattened()[limiting], 1e-9);
+        let x = lesser((c + h * offsets.as_flattened()[limiting]) * inverse, cap);
         let lowest = lowest_by(simd, slopes, x, offsets, &mut lines[1]);
         found = (x, lowest);
         if lines[1] == limiting || x - h * lowest <= c {
@@ -177,16 +228,23 @@ pub(super) fn largest<S: Simd>(
     found
 }
 
-const PLACES: Row = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+const PLACES: [f64; 16] =
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
 /// The first of the lines that are `lowest` at `x`.
 #[inline(always)]
-fn place<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, lowest: f64) -> usize {
-    let (slopes, offsets) = (S::as_simd_f64s(slopes).0, S::as_simd_f64s(offsets).0);
+fn place<S: Simd, const R: usize>(
+    simd: S,
+    slopes: &Lines<R>,
+    x: f64,
+    offsets: &Lines<R>,
+    lowest: f64,
+) -> usize {
+    let (slopes, offsets) = (flat::<S, R>(slopes), flat::<S, R>(offsets));
     let (x, lowest) = (simd.splat_f64s(x), simd.splat_f64s(lowest));
-    let none = simd.splat_f64s(8.0);
+    let none = simd.splat_f64s((8 * R) as f64);
     let mut first = none;
-    for (k, places) in S::as_simd_f64s(&PLACES).0.iter().enumerate() {
+    for (k, places) in S::as_simd_f64s(&PLACES).0.iter().enumerate().take(slopes.len()) {
         let value = simd.mul_add_e_f64s(slopes[k], x, offsets[k]);
         let is_lowest = simd.less_than_or_equal_f64s(value, lowest);
         first = simd.min_f64s(first, simd.select_f64s(is_lowest, *places, none));
@@ -194,10 +252,10 @@ fn place<S: Simd>(simd: S, slopes: &Row, x: f64, offsets: &Row, lowest: f64) -> 
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "it is one of the places, or 8"
+        reason = "it is one of the places, or as many as there are"
     )]
     let first = simd.reduce_min_f64s(first) as usize;
-    first % 8
+    first % (8 * R)
 }
 
 /// The lesser of two numbers, in one instruction.

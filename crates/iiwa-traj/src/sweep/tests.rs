@@ -3,24 +3,24 @@
 use super::*;
 
 /// Nodes at which each joint has a lower and an upper limit of its own: u is at most `(upper - c x) / m`.
-fn node(random: &mut fastrand::Rng) -> Bounds {
-    let unlimited = [UNLIMITED; 8];
+fn node(random: &mut fastrand::Rng) -> Bounds<1> {
+    let unlimited = [[UNLIMITED; 8]];
     let mut bounds =
         Bounds { cap: UNLIMITED, below: unlimited, above: unlimited, ..Bounds::default() };
     for j in 0..7 {
         let (m, c) = (0.1 + random.f64(), 2.0 * random.f64() - 1.0);
         let [lower, upper] = [0.2 + random.f64(), 0.2 + random.f64()];
-        (bounds.rise[j], bounds.above[j]) = (-c / m, upper / m);
-        (bounds.fall[j], bounds.below[j]) = (c / m, lower / m);
+        (bounds.rise[0][j], bounds.above[0][j]) = (-c / m, upper / m);
+        (bounds.fall[0][j], bounds.below[0][j]) = (c / m, lower / m);
     }
     bounds
 }
 
 /// Smallest and largest u at `x`, joint by joint.
-fn band(bounds: &Bounds, x: f64) -> [f64; 2] {
+fn band(bounds: &Bounds<1>, x: f64) -> [f64; 2] {
     (0..7).fold([f64::NEG_INFINITY, f64::INFINITY], |[least, most], j| {
-        let low = -(bounds.fall[j] * x + bounds.below[j]);
-        [least.max(low), most.min(bounds.rise[j] * x + bounds.above[j])]
+        let low = -(bounds.fall[0][j] * x + bounds.below[0][j]);
+        [least.max(low), most.min(bounds.rise[0][j] * x + bounds.above[0][j])]
     })
 }
 
@@ -32,7 +32,7 @@ fn tried() -> impl DoubleEndedIterator<Item = f64> {
 }
 
 /// Whether u at both ends, apart or the same, takes x from `x` to `y`.
-fn reaches(interval: &Interval<'_>, x: f64, y: f64) -> bool {
+fn reaches(interval: &Interval<'_, 1>, x: f64, y: f64) -> bool {
     let (start, end) = (band(interval.start, x), band(interval.end, y));
     let sum = (y - x) / interval.h;
     if interval.even {
@@ -70,7 +70,7 @@ fn what_is_reached_in_an_interval() {
         let [start, end] = [node(&mut random), node(&mut random)];
         let (h, even) = (0.05 + 0.3 * random.f64(), round % 2 == 0);
         let interval = Interval { h, even, start: &start, end: &end };
-        let possible = |node: &Bounds| node.possible(pulp::Scalar::new(), 4.0, &mut [0; 2]);
+        let possible = |node: &Bounds<1>| node.possible(pulp::Scalar::new(), 4.0, &mut [0; 2]);
         let (x, cap) = (random.f64() * possible(&start), possible(&end));
         let (low, high) = interval.reachable(x, cap);
         let mut reached = tried().filter(|y| *y <= cap && reaches(&interval, x, *y));
@@ -103,8 +103,8 @@ fn a_share_of_both_sides() {
     bounds.lower(0.5);
     for j in 0..8 {
         assert_eq!(
-            [bounds.below[j], bounds.above[j]],
-            [before.below[j], before.above[j]].map(|v| 0.5 * v)
+            [bounds.below[0][j], bounds.above[0][j]],
+            [before.below[0][j], before.above[0][j]].map(|v| 0.5 * v)
         );
     }
 }

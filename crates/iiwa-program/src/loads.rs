@@ -1,0 +1,67 @@
+//! What hangs on the flange during the motions.
+
+use iiwa_kin::Load;
+
+use crate::{
+    program::{Motion, Program},
+    workcell::Workcell,
+};
+
+impl Workcell {
+    /// The load of a tool, by its name `TOOL` or `TOOL/TIP`; of the tool in use if there is none, or if that one has none.
+    #[must_use]
+    pub fn load(&self, name: Option<&str>) -> Option<&Load> {
+        let of = |name: &str| {
+            let tool = name.split_once('/').map_or(name, |(tool, _)| tool);
+            self.tools.get(tool)?.load.as_ref()
+        };
+        name.and_then(of).or_else(|| of(self.tool.as_deref()?))
+    }
+}
+
+impl Program {
+    /// All that hangs on the flange during each motion, in order.
+    ///
+    /// After a change of the load that is what was picked up; else the load of the motion's tool or, where it has none, of
+    /// the tool in use. During a wait it is what it was before.
+    ///
+    /// ```
+    /// use iiwa_program::Program;
+    ///
+    /// let program = Program::from_json(r#"{
+    ///     "version": 1,
+    ///     "tools": { "gripper": { "tcp": { "z_mm": 120 }, "load": { "mass_kg": 1.2 } } },
+    ///     "tool": "gripper",
+    ///     "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+    ///     "motions": [
+    ///         { "type": "lin_rel", "offset": { "z_mm": -50 } },
+    ///         { "type": "load", "load": { "mass_kg": 4.2, "center_mm": [0, 0, 90] } },
+    ///         { "type": "lin_rel", "offset": { "z_mm": 50 } },
+    ///         { "type": "load", "load": null },
+    ///         { "type": "wait", "seconds": 1 }
+    ///     ]
+    /// }"#)?;
+    /// let masses: Vec<f64> = program.loads().iter().flatten().map(|load| load.mass_kg).collect();
+    /// assert_eq!(masses, [1.2, 4.2, 4.2, 1.2, 1.2]);
+    /// # Ok::<(), iiwa_program::ProgramError>(())
+    /// ```
+    #[must_use]
+    pub fn loads(&self) -> Vec<Option<Load>> {
+        let of_tool = |name| self.workcell.load(name).copied();
+        let (mut picked_up, mut carried) = (None, of_tool(None));
+        let loads = self.motions.iter().map(|motion| {
+            let tool = match motion {
+                Motion::Wait { .. } => return carried,
+                Motion::Load(load) => {
+                    picked_up = *load;
+                    None
+                }
+                Motion::Ptp(_) => None,
+                Motion::Cartesian(own) => own.tool.as_deref(),
+            };
+            carried = picked_up.or_else(|| of_tool(tool));
+            carried
+        });
+        loads.collect()
+    }
+}

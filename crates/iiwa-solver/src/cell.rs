@@ -1,0 +1,30 @@
+//! A cell of a mesh.
+
+use crate::{geometry::Geometry, limited_segment::LimitedSegment, peaks::SHARES};
+
+/// An interval of a segment's sigma on which x is a cubic.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct Cell {
+    /// Which segment it belongs to.
+    pub segment: usize,
+    /// sigma within the segment at its start, in rad.
+    pub from: f64,
+    /// Its length, in rad.
+    pub length: f64,
+    /// x = (dsigma/dt)^2 of the acceleration-limited stamps at its start.
+    pub(crate) x: f64,
+}
+
+impl Cell {
+    /// The curve at [`SHARES`] of the cell's stretch between two shares of it.
+    #[inline(always)]
+    pub(crate) fn geometry(
+        &self,
+        segments: &[LimitedSegment<'_>],
+        [from, to]: [f64; 2],
+    ) -> Geometry {
+        let share = |f: f64| from + f * (to - from);
+        segments[self.segment].geometry(&SHARES.map(|f| self.from + share(f) * self.length))
+    }
+}

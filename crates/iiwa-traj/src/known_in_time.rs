@@ -1,0 +1,73 @@
+//! By when the arm has to know the motion that it blends into.
+//!
+//! KUKA does not publish it. It is assumed to be the last instant at which the arm can still stop where the blend begins:
+//! the one at which the plan that stops there begins to be slower than the one that goes on.
+
+use iiwa_path::{JointPath, Segment};
+use iiwa_program::LimitKind;
+
+use crate::section::{Piece, Section};
+
+/// By which share the speeds of two plans may differ where both do the same: of limits of jerk, some milliseconds.
+const SAME_SPEED: f64 = 2e-3;
+
+/// Into how many parts the intervals between nodes are taken apart.
+const PARTS: u32 = 8;
+
+/// The bound on a line holds for it, times this on curves, along which the joints' shares of the speed change.
+const ON_CURVES: f64 = 4.0;
+
+/// When `going_on` has to be decided for at the latest, in s: where `stopping`, along the beginning of the same path,
+/// begins to slow down for its end.
+pub(crate) fn needed_s(going_on: &Section, stopping: &Section) -> f64 {
+    for piece in stopping.pieces().iter().rev() {
+        let Some(same) = going_on.pieces().iter().find(|other| other.step == piece.step) else {
+            continue;
+        };
+        for pair in stopping.nodes(piece).windows(2).rev() {
+            for part in (0..PARTS).rev() {
+                let p = pair[0].p + pair[0].dp * f64::from(part) / f64::from(PARTS);
+                let [_, slow] = stopping.passing(piece, p);
+                let [time_s, fast] = going_on.passing(same, p);
+                if slow >= fast * (1.0 - SAME_SPEED) {
+                    return time_s;
+                }
+            }
+        }
+    }
+    going_on.start_s()
+}
+
+/// Whether at `known_s` so much is left until `section` is at its `piece`, a blend, that the arm does not yet have to slow
+/// down to stop before it. False if that cannot be told without a plan.
+pub(crate) fn is_early(section: &Section, piece: usize, known_s: f64) -> bool {
+    let (Some(blend), Some(before)) =
+        (section.pieces().get(piece), piece.checked_sub(1).and_then(|i| section.pieces().get(i)))
+    else {
+        return false;
+    };
+    let Some(braking_s) = braking_bound_s(section.path(), before) else { return false };
+    let is_line = section.segment(before).is_some_and(Segment::is_straight);
+    let bound_s = if is_line { braking_s } else { ON_CURVES * braking_s };
+    let latest_s = blend.start_s - bound_s;
+    // What is before the line may have other limits.
+    known_s <= latest_s && before.start_s <= latest_s
+}
+
+/// How long it takes at most to stop on a line, whatever the speed and the acceleration at first, in s. None where limits of
+/// the TCP's acceleration or of torques hold.
+fn braking_bound_s(path: &JointPath, piece: &Piece) -> Option<f64> {
+    let limits = path.limits_of(piece.step);
+    let tool = limits.tool();
+    let is_free = [&tool.way, &tool.turn].iter().all(|limits| {
+        limits[LimitKind::Acceleration].is_infinite() && limits[LimitKind::Jerk].is_infinite()
+    });
+    if !is_free || path.torque_limit_rel().is_some() {
+        return None;
+    }
+    let [velocity, acceleration, jerk] = LimitKind::ALL.map(|kind| limits.of(kind));
+    // Along the line, each limit is that of one joint: the longest time of any is a bound.
+    let longest =
+        |a: &[f64; 7], b: &[f64; 7]| a.iter().zip(b).map(|(a, b)| a / b).fold(0.0, f64::max);
+    Some(longest(velocity, acceleration) + 2.0 * longest(acceleration, jerk))
+}

@@ -1,0 +1,233 @@
+//! Torques of the joints along a trajectory, and the work that they do.
+
+use iiwa_kin::{Dynamics, Joints};
+use iiwa_program::MotionIndex;
+
+use crate::{
+    section::{Piece, Section},
+    state::State,
+    trajectory::Trajectory,
+};
+
+/// Torques of the joints at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointTorques {
+    /// All of them, with friction as far as the robot has any, in Nm.
+    pub torque_nm: Joints,
+    /// What of it holds the arm and its load against gravity, in Nm.
+    pub gravity_nm: Joints,
+}
+
+/// The torques of one entry of the program's list of motions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionTorques {
+    /// Its place in the program.
+    pub motion: MotionIndex,
+    /// The largest torque of each joint, with its sign, in Nm.
+    pub peak_nm: Joints,
+    /// Its size as a share of the robot's limit.
+    pub peak_rel: Joints,
+    /// When it is reached, in s from the start of the program.
+    pub peak_at_s: Joints,
+    /// The largest torque that each joint would need to stand still somewhere on the way, with its sign, in Nm.
+    pub static_nm: Joints,
+}
+
+/// The torques of a whole trajectory, or of its sections so far.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TorqueFigures {
+    /// Those of the motions, in the order and number of [`Trajectory::motions`].
+    pub motions: Vec<MotionTorques>,
+    /// Work that each joint does, in J.
+    pub positive_work_j: Joints,
+    /// Work that is done on each joint, in J: 0 or less.
+    pub negative_work_j: Joints,
+    /// The most that joints give at once, in W; what others of them take back at the time is not counted against it.
+    pub peak_power_w: f64,
+    /// When, in s from the start of the program.
+    pub peak_power_at_s: f64,
+}
+
+/// Lobatto's rule with four points, which has both ends among them: where torques jump, their largest values are there.
+const SHARES: [f64; 4] = [0.0, 0.276_393_202_250_021, 0.723_606_797_749_979, 1.0];
+const WEIGHTS: [f64; 4] = [1.0 / 12.0, 5.0 / 12.0, 5.0 / 12.0, 1.0 / 12.0];
+
+/// No joint turns by more between two instants that torques are computed at, in rad.
+const MOST_RAD: f64 = 0.05;
+
+impl Trajectory {
+    /// The torques at `t_s`, with what hangs on the flange then and as the robot stands.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::Program;
+    /// use iiwa_traj::{Timing, Trajectory};
+    ///
+    /// let program = Program::from_deg([0.0, 90.0, 0.0, 0.0, 0.0, 0.0, 0.0]).wait_s(1.0).build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let torques = Trajectory::plan(&path, Timing::default())?.torques_at(0.5);
+    /// assert!((torques.torque_nm[1] + 65.3).abs() < 0.05);
+    /// let at_rest = |j: usize| (torques.torque_nm[j] - torques.gravity_nm[j]).abs() < 1e-12;
+    /// assert!((0..7).all(at_rest));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn torques_at(&self, t_s: f64) -> JointTorques {
+        self.torques_of(&self.at(t_s))
+    }
+
+    /// The torques in a state of this trajectory, as [`samples`](Self::samples) and [`states`](Self::states) give them.
+    #[must_use]
+    pub fn torques_of(&self, state: &State) -> JointTorques {
+        let dynamics = self.path().dynamics(state.motion);
+        JointTorques {
+            torque_nm: exerted(&dynamics, state),
+            gravity_nm: dynamics.gravity_torques(&state.q),
+        }
+    }
+
+    /// The largest torques of all motions, and the work that the joints do.
+    ///
+    /// They are found at all nodes and at instants between. The work is what the energy of arm and load grows by and, with
+    /// friction, what it takes away.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::Program;
+    /// use iiwa_traj::{Timing, Trajectory};
+    ///
+    /// let up = [0.0; 7];
+    /// let program = Program::from_deg([0.0, 90.0, 0.0, 0.0, 0.0, 0.0, 0.0]).ptp_deg(up).build();
+    /// let robot = Robot::default();
+    /// let path = JointPath::new(&program, &robot)?;
+    /// let figures = Trajectory::plan(&path, Timing::default())?.torques();
+    /// let lifted: f64 = figures.positive_work_j.iter().chain(&figures.negative_work_j).sum();
+    /// let height = |q| robot.dynamics().potential_energy_j(q);
+    /// assert!((lifted - (height(&up) - height(path.start_rad()))).abs() < 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn torques(&self) -> TorqueFigures {
+        let mut figures = TorqueFigures::default();
+        self.sections().iter().for_each(|section| figures.add(section));
+        figures
+    }
+}
+
+impl Section {
+    /// What the joints exert in a state of this section, with friction as far as the robot has any, in Nm.
+    #[must_use]
+    pub fn torque_nm(&self, state: &State) -> Joints {
+        exerted(&self.path().dynamics(state.motion), state)
+    }
+}
+
+/// What the joints exert in a state, friction included, in Nm.
+fn exerted(dynamics: &Dynamics, state: &State) -> Joints {
+    let rigid = dynamics.torques(&state.q, &state.dq, &state.ddq);
+    let friction = dynamics.friction().torques_nm(&state.dq);
+    std::array::from_fn(|j| rigid[j] + friction[j])
+}
+
+/// Instants of a motion, with what they count for in an integral by time, in s.
+#[derive(Default)]
+struct Samples {
+    t_s: Vec<f64>,
+    weight_s: Vec<f64>,
+    velocity: Vec<Joints>,
+    torque: Vec<Joints>,
+    /// Gravity torques at the same places and at rest; the ends of spans are left out, since gravity torques do not jump.
+    gravity: Vec<Joints>,
+}
+
+impl Samples {
+    fn of(section: &Section, pieces: &[Piece], dynamics: &Dynamics) -> Self {
+        let (mut samples, mut q, mut ddq) = (Self::default(), Vec::new(), Vec::new());
+        let mut held = Vec::new();
+        let mut add = |state: &State, weight_s: f64| {
+            samples.t_s.push(state.t_s);
+            samples.weight_s.push(weight_s);
+            samples.velocity.push(state.dq);
+            q.push(state.q);
+            ddq.push(state.ddq);
+        };
+        for piece in pieces {
+            for (duration_s, states) in section.spans_of(piece, &SHARES, MOST_RAD) {
+                held.extend(states[..3].iter().map(|state| state.q));
+                for (state, weight) in states.iter().zip(WEIGHTS) {
+                    add(state, weight * duration_s);
+                }
+            }
+            if !piece.kind.moves() {
+                let state = section.resting_in(piece);
+                held.push(state.q);
+                add(&state, 0.0);
+            }
+        }
+        held.extend(q.last());
+        let zeros = vec![[0.0; 7]; held.len()];
+        samples.torque = vec![[0.0; 7]; q.len()];
+        samples.gravity.clone_from(&zeros);
+        dynamics.torques_batch(&q, &samples.velocity, &ddq, &mut samples.torque);
+        dynamics.torques_batch(&held, &zeros, &zeros, &mut samples.gravity);
+        for (torque, velocity) in samples.torque.iter_mut().zip(&samples.velocity) {
+            let friction = dynamics.friction().torques_nm(velocity);
+            *torque = std::array::from_fn(|j| torque[j] + friction[j]);
+        }
+        samples
+    }
+
+    fn largest(&self, motion: MotionIndex, limits_nm: &Joints) -> MotionTorques {
+        let zero = [0.0_f64; 7];
+        let (mut peak_nm, mut peak_at_s, mut static_nm) = (zero, zero, zero);
+        for (torque, t_s) in self.torque.iter().zip(&self.t_s) {
+            for j in 0..7 {
+                if torque[j].abs() > peak_nm[j].abs() {
+                    (peak_nm[j], peak_at_s[j]) = (torque[j], *t_s);
+                }
+            }
+        }
+        for gravity in &self.gravity {
+            for j in 0..7 {
+                if gravity[j].abs() > static_nm[j].abs() {
+                    static_nm[j] = gravity[j];
+                }
+            }
+        }
+        let peak_rel = std::array::from_fn(|j| peak_nm[j].abs() / limits_nm[j]);
+        MotionTorques { motion, peak_nm, peak_rel, peak_at_s, static_nm }
+    }
+}
+
+impl TorqueFigures {
+    /// Adds the next section of the trajectory. A motion that stops on its way has figures in each of its sections.
+    pub fn add(&mut self, section: &Section) {
+        let limits = &section.path().robot().limits().torque_nm;
+        for pieces in section.pieces().chunk_by(|a, b| a.motion == b.motion) {
+            let motion = pieces[0].motion;
+            let samples = Samples::of(section, pieces, &section.path().dynamics(motion));
+            self.add_work(&samples);
+            self.motions.push(samples.largest(motion, limits));
+        }
+    }
+
+    fn add_work(&mut self, samples: &Samples) {
+        let moving = samples.torque.iter().zip(&samples.velocity);
+        for ((torque, velocity), (t_s, weight_s)) in
+            moving.zip(samples.t_s.iter().zip(&samples.weight_s))
+        {
+            let mut all_w = 0.0;
+            for j in 0..7 {
+                let power_w = torque[j] * velocity[j];
+                self.positive_work_j[j] += weight_s * power_w.max(0.0);
+                self.negative_work_j[j] += weight_s * power_w.min(0.0);
+                all_w += power_w.max(0.0);
+            }
+            if all_w > self.peak_power_w {
+                (self.peak_power_w, self.peak_power_at_s) = (all_w, *t_s);
+            }
+        }
+    }
+}
