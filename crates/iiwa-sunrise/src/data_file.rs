@@ -10,6 +10,10 @@ pub struct DataFile {
     pub frames: Vec<WorldFrame>,
     /// The templates of tools.
     pub tools: Vec<ToolTemplate>,
+    /// The templates of workpieces: tools that are attached to others.
+    pub workpieces: Vec<ToolTemplate>,
+    /// The values that the operator may change.
+    pub process_data: Vec<ProcessData>,
     /// What was passed over, by kinds.
     pub not_taken: Vec<NotTaken>,
 }
@@ -75,6 +79,23 @@ pub struct ToolFrame {
     pub frame: Frame,
     /// Those that are given in it.
     pub children: Vec<Self>,
+}
+
+/// A value that the operator may change, and for which applications ask.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ProcessData {
+    /// By which applications ask for it.
+    pub id: String,
+    /// Its class in Java: `java.lang.Double`, `Integer`, `Boolean` or `String`.
+    pub data_type: String,
+    /// What it is until the operator changes it.
+    pub default_value: Option<String>,
+    /// What the operator has made of it.
+    pub value: Option<String>,
+    /// The least that it may be.
+    pub min: Option<String>,
+    /// The most that it may be.
+    pub max: Option<String>,
 }
 
 /// A kind of entry that programs have no use for, or that cannot be read.

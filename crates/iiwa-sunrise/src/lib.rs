@@ -23,19 +23,33 @@
 //! ```
 //!
 //! [`DataFile`] holds what the file says, [`ImportedCell`] what programs can use of it, and under which names.
+//!
+//! [`ExportedProject`] is the way back: a motion program as an application in Java, with its frames and tools.
 
+mod answers;
 mod cell;
 mod check;
 mod data_file;
 mod element;
 mod error;
+mod export;
 mod names;
+mod project;
+mod project_folder;
+mod question;
 mod read;
+mod write;
 
+pub use answers::{AnswerValue, Answers, AnswersError};
 pub use cell::{ImportedCell, ImportedFrame, ImportedTool, TcpChange};
 pub use check::{FrameCheck, Verdict};
 pub use data_file::{
-    DataFile, NotTaken, TaughtRedundancy, Teaching, ToolFrame, ToolTemplate, WorldFrame,
+    DataFile, NotTaken, ProcessData, TaughtRedundancy, Teaching, ToolFrame, ToolTemplate,
+    WorldFrame,
 };
 pub use error::DataFileError;
+pub use export::{ExportError, ExportNotice, ExportOptions, ExportedProject};
+pub use iiwa_java::{SourceError, SourceFault};
 pub use names::Renamed;
+pub use project::{Project, ProjectData, ProjectError, SourceFile};
+pub use question::{Question, QuestionKind};

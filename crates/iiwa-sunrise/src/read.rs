@@ -7,7 +7,8 @@ use iiwa_program::{Frame, Load};
 
 use crate::{
     data_file::{
-        DataFile, NotTaken, TaughtRedundancy, Teaching, ToolFrame, ToolTemplate, WorldFrame,
+        DataFile, NotTaken, ProcessData, TaughtRedundancy, Teaching, ToolFrame, ToolTemplate,
+        WorldFrame,
     },
     element::Element,
     error::DataFileError,
@@ -48,10 +49,15 @@ impl DataFile {
                     for element in &part.children {
                         match element.name.as_str() {
                             "toolTemplate" => file.tools.push(tool(element, &mut rest)?),
-                            "workpieceTemplate" => rest.add(
-                                "workpieceTemplate",
-                                "where a workpiece is attached, and when, is up to the program",
-                            ),
+                            "workpieceTemplate" => {
+                                rest.add(
+                                    "workpieceTemplate",
+                                    "where a workpiece is attached, and when, is up to the program",
+                                );
+                                // Cells have no use for it: only who asks for it misses what cannot be read.
+                                let workpiece = tool(element, &mut Rest::default());
+                                file.workpieces.extend(workpiece.ok());
+                            }
                             other => rest.unknown(other),
                         }
                     }
@@ -61,6 +67,7 @@ impl DataFile {
                         match element.name.as_str() {
                             "processData" => {
                                 rest.add("processData", "a value that the application asks for");
+                                file.process_data.extend(process_data(element));
                             }
                             other => rest.unknown(other),
                         }
@@ -72,6 +79,19 @@ impl DataFile {
         file.not_taken = rest.kinds();
         Ok(file)
     }
+}
+
+/// A value of the operator's; none if it has no id by which to ask for it.
+fn process_data(element: &Element<'_>) -> Option<ProcessData> {
+    let text = |key| element.attribute(key).map(str::to_owned);
+    Some(ProcessData {
+        id: text("id")?,
+        data_type: text("dataType").unwrap_or_default(),
+        default_value: text("defaultValue"),
+        value: text("value"),
+        min: text("min"),
+        max: text("max"),
+    })
 }
 
 /// What is passed over, with the reasons.

@@ -345,6 +345,28 @@ fn what_is_passed_over_is_counted() {
 }
 
 #[test]
+fn workpieces_and_process_data_are_kept_for_who_asks() {
+    let workpiece =
+        gripper().replace("toolTemplate", "workpieceTemplate").replace("Gripper", "Box");
+    let broken = "<workpieceTemplate><frames><frame/></frames></workpieceTemplate>";
+    let text = file("", &(workpiece + broken)).replace(
+        "</RoboticsAPIData>",
+        "<processDataContainer>\
+         <processData dataType=\"java.lang.Double\" defaultValue=\"0.5\" id=\"speed\" min=\"0.1\" value=\"0.3\"/>\
+         <processData/></processDataContainer></RoboticsAPIData>",
+    );
+    let file = DataFile::from_xml(&text).unwrap();
+    // One without a name is nothing to ask for, and no reason to refuse the frames.
+    let [workpiece] = file.workpieces.as_slice() else { panic!("{:?}", file.workpieces) };
+    assert_eq!((workpiece.name.as_str(), workpiece.frames.len()), ("Box", 2));
+    assert_eq!(workpiece.load.map(|load| load.mass_kg), Some(1.25));
+    let [data] = file.process_data.as_slice() else { panic!("{:?}", file.process_data) };
+    let found = (data.id.as_str(), data.value.as_deref(), data.min.as_deref(), data.max.as_deref());
+    assert_eq!(found, ("speed", Some("0.3"), Some("0.1"), None));
+    assert!(ImportedCell::new(&file).workcell.tools.is_empty());
+}
+
+#[test]
 fn a_status_that_there_is_not_is_left_out() {
     let text = project().replacen("StatusParameter\" value=\"", "StatusParameter\" value=\"9", 1);
     let file = DataFile::from_xml(&text).unwrap();

@@ -1,0 +1,243 @@
+//! From an application of a project to the motion program that it runs.
+
+use std::{rc::Rc, thread};
+
+use iiwa_java::{ClassId, Classes, Machine, Note, Place, Refusal, Stop};
+use iiwa_kin::{Joints, Robot};
+use iiwa_program::{Motion, Program, Source};
+use iiwa_sunrise::{Answers, DataFile, ExportedProject, Project, ProjectData, Question};
+
+use crate::{
+    applications::Application,
+    import_error::{ImportError, RefusedImport},
+    import_note::ImportNote,
+    station::{Station, StationSetup},
+    station_host::StationHost,
+};
+
+/// How an application is imported.
+#[derive(Clone, Debug, Default)]
+pub struct ImportOptions {
+    /// The robot that runs it; if absent, the built-in model that the project's process data name
+    /// ([`ExportedProject::ROBOT_ID`]), or else the LBR iiwa 7 R800.
+    pub robot: Option<Robot>,
+    /// What the program calls the robot that is given; the program's default if absent.
+    pub robot_name: Option<String>,
+    /// Where the arm stands when it begins, in rad; if absent, where the project's process data say
+    /// ([`ExportedProject::START_ID`]), or else with all joints at 0.
+    pub start_rad: Option<Joints>,
+    /// What it is answered where it asks.
+    pub answers: Answers,
+}
+
+/// An application as a motion program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Import {
+    /// The application.
+    pub application: Application,
+    /// The program that it runs; its motions have their places in the sources.
+    pub program: Program,
+    /// What is not as the sources have it.
+    pub notes: Vec<ImportNote>,
+    /// What it asked, and how it was answered.
+    pub questions: Vec<Question>,
+}
+
+/// Bytes of stack for the evaluation, which is bounded by the depth of calls and of expressions; only what is used takes
+/// memory.
+const STACK: usize = 256 << 20;
+
+/// Runs an application of a project without a robot, and gives the program of its motions. It may be named with or without its
+/// package, and not at all if the project has one only.
+///
+/// ```
+/// use iiwa_application::{ImportOptions, import};
+/// use iiwa_sunrise::Project;
+///
+/// let project = Project::from_texts([("src/Wave.java", r#"
+///     import static com.kuka.roboticsAPI.motionModel.BasicMotions.*;
+///     public class Wave extends RoboticsAPIApplication {
+///         @Inject private LBR lbr;
+///         public void run() {
+///             for (int i = 1; i <= 2; i++) {
+///                 lbr.move(ptp(0, 0, 0, Math.toRadians(-45 * i), 0, 0, 0).setJointVelocityRel(0.5));
+///             }
+///         }
+///     }"#)])?;
+/// let import = import(&project, None, &ImportOptions::default())?;
+/// assert_eq!(import.program.motions.len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// If there is no such application, if a file that it needs cannot be used, or if what it does cannot be known before it runs:
+/// then with the place, the reason, and what was understood up to there.
+pub fn import(
+    project: &Project,
+    name: Option<&str>,
+    options: &ImportOptions,
+) -> Result<Import, ImportError> {
+    let data_file = data_file(project)?;
+    let run = || import_here(project, name, options, data_file);
+    thread::scope(|scope| {
+        let thread = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run);
+        match thread.map(thread::ScopedJoinHandle::join) {
+            Ok(Ok(result)) => result,
+            Ok(Err(panic)) => std::panic::resume_unwind(panic),
+            Err(error) => Err(ImportError::Thread(error.to_string())),
+        }
+    })
+}
+
+fn data_file(project: &Project) -> Result<DataFile, ImportError> {
+    match project.data() {
+        ProjectData::Found { path, text } => DataFile::from_xml(text)
+            .map_err(|fault| ImportError::DataFile { path: path.clone(), fault }),
+        ProjectData::Several(paths) => Err(ImportError::SeveralDataFiles(paths.clone())),
+        ProjectData::Unreadable { path, reason } => {
+            Err(ImportError::UnreadableDataFile { path: path.clone(), reason: reason.clone() })
+        }
+        // There is none.
+        _ => Ok(DataFile::default()),
+    }
+}
+
+fn import_here(
+    project: &Project,
+    name: Option<&str>,
+    options: &ImportOptions,
+    data_file: DataFile,
+) -> Result<Import, ImportError> {
+    let classes = project.classes();
+    let (id, application) = find(project, &classes, name)?;
+    let (robot, robot_name) = match &options.robot {
+        Some(robot) => (robot.clone(), options.robot_name.clone()),
+        None => stated_robot(&data_file),
+    };
+    let start_rad = options.start_rad.or_else(|| stated_start(&data_file)).unwrap_or_default();
+    let station = Rc::new(StationHost::new(Station::new(StationSetup {
+        robot,
+        robot_name,
+        data_file,
+        start_rad,
+        answers: options.answers.clone(),
+    })));
+    let here = Place { file: application.file.as_str().into(), line: application.line };
+    let mut machine = Machine::new(classes, station.clone(), here);
+    // As the controller does.
+    let end = machine.run_class(id, &["initialize", "run"]);
+    let notes = machine.notes.iter().map(note).collect();
+    let refusal = match end {
+        Ok(()) | Err(Stop::Ended) => None,
+        Err(Stop::Refused(refusal)) => Some(*refusal),
+        Err(Stop::Thrown(thrown)) => {
+            let class = thrown.classes.first().map_or("Exception", |class| class);
+            let reason = format!("an exception ends the application: {class}, {}", thrown.message);
+            Some(Refusal { reason, place: thrown.place.clone() })
+        }
+    };
+    drop(machine);
+    let Some(station) = Rc::into_inner(station) else {
+        return Err(ImportError::Thread("its station is still in use".to_owned()));
+    };
+    let (program, places, questions) = station.into_station().finish();
+    let program = with_sources(program, &places);
+    match refusal {
+        None if program.motions.iter().any(Motion::moves) => {
+            Ok(Import { application, program, notes, questions })
+        }
+        None => Err(ImportError::NoMotions { application: Box::new(application) }),
+        Some(Refusal { reason, place }) => {
+            let lacks = matches!(project.data(), ProjectData::Absent)
+                && reason.contains("the data file has no");
+            let absent = if lacks { "; the project has no RoboticsAPI.data.xml" } else { "" };
+            Err(ImportError::Refused(Box::new(RefusedImport {
+                application,
+                source: source(&place),
+                reason: reason + absent,
+                understood: program,
+                notes,
+                questions,
+            })))
+        }
+    }
+}
+
+/// The value of process data.
+fn stated<'d>(data_file: &'d DataFile, id: &str) -> Option<&'d str> {
+    let own = data_file.process_data.iter().find(|own| own.id == id)?;
+    own.value.as_deref().or(own.default_value.as_deref())
+}
+
+/// The robot that an exported project is for.
+fn stated_robot(data_file: &DataFile) -> (Robot, Option<String>) {
+    let name = stated(data_file, ExportedProject::ROBOT_ID);
+    let found = name.and_then(|name| Some((Robot::built_in(name)?, Some(name.to_owned()))));
+    found.unwrap_or_default()
+}
+
+/// Where the arm stands when an exported project begins.
+fn stated_start(data_file: &DataFile) -> Option<Joints> {
+    let numbers = stated(data_file, ExportedProject::START_ID)?.split_whitespace();
+    let numbers: Vec<f64> = numbers.map(str::parse).collect::<Result<_, _>>().ok()?;
+    numbers.try_into().ok()
+}
+
+/// The application of this name, or the only one.
+fn find(
+    project: &Project,
+    classes: &Classes,
+    name: Option<&str>,
+) -> Result<(ClassId, Application), ImportError> {
+    let all = Application::with_classes(classes);
+    let Some(name) = name else {
+        let mut left = all.into_iter();
+        return match (left.next(), left.next()) {
+            (Some(only), None) => Ok(only),
+            (None, _) => Err(no_application(project)),
+            (Some(first), Some(second)) => {
+                let all = [first, second].into_iter().chain(left).map(|(_, own)| own);
+                Err(ImportError::Several { known: all.collect() })
+            }
+        };
+    };
+    let is_it = |own: &Application| own.name == name || own.qualified_name == name;
+    let mut found = all.iter().filter(|(_, own)| is_it(own));
+    match (found.next(), found.next()) {
+        (Some(only), None) => Ok(only.clone()),
+        (Some(_), Some(_)) => {
+            let several = all.into_iter().map(|(_, own)| own).filter(is_it);
+            Err(ImportError::Several { known: several.collect() })
+        }
+        (None, _) => match classes.faulty(name) {
+            Some(fault) => Err(ImportError::Source(fault.clone())),
+            None if all.is_empty() => Err(no_application(project)),
+            None => Err(ImportError::Unknown {
+                name: name.to_owned(),
+                known: all.into_iter().map(|(_, own)| own).collect(),
+            }),
+        },
+    }
+}
+
+/// The error for a project without applications; a file that cannot be read may be the reason.
+fn no_application(project: &Project) -> ImportError {
+    match project.files().iter().find_map(|file| file.error()) {
+        Some(error) => ImportError::Source(error.clone()),
+        None => ImportError::NoApplications { files: project.files().len() },
+    }
+}
+
+fn with_sources(program: Program, places: &[Place]) -> Program {
+    let sources = (0..).map(iiwa_program::MotionIndex::new).zip(places.iter().map(source));
+    Program { sources: sources.collect(), ..program }
+}
+
+fn source(place: &Place) -> Source {
+    Source { file: place.file.to_string(), line: place.line }
+}
+
+fn note(note: &Note) -> ImportNote {
+    ImportNote { text: note.text.clone(), source: source(&note.place) }
+}

@@ -1,0 +1,90 @@
+//! Why an application is not imported.
+
+use iiwa_program::{Program, Source};
+use iiwa_sunrise::{DataFileError, Question, SourceError};
+
+use crate::{applications::Application, import_note::ImportNote};
+
+/// Why an application is not imported.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImportError {
+    /// The project has none.
+    #[error(
+        "there is no application in the project's {files} Java files: none of their classes extends RoboticsAPIApplication"
+    )]
+    NoApplications {
+        /// How many files were read.
+        files: usize,
+    },
+    /// The project has several, and it is not said which.
+    #[error("the project has several applications: {}; name one of them", names(.known))]
+    Several {
+        /// Those that there are.
+        known: Vec<Application>,
+    },
+    /// There is none of this name.
+    #[error("the project has no application `{name}`; it has {}", names(.known))]
+    Unknown {
+        /// The name.
+        name: String,
+        /// Those that there are.
+        known: Vec<Application>,
+    },
+    /// A source file that is needed cannot be used.
+    #[error(transparent)]
+    Source(SourceError),
+    /// The data file cannot be used.
+    #[error("{path}: {fault}")]
+    DataFile {
+        /// The file, from the project's folder on.
+        path: String,
+        /// What is wrong with it.
+        fault: DataFileError,
+    },
+    /// There are several data files, and so perhaps several projects.
+    #[error("there are several data files: {}; name the folder of one project", .0.join(", "))]
+    SeveralDataFiles(Vec<String>),
+    /// The data file cannot be read.
+    #[error("{path} cannot be read: {reason}")]
+    UnreadableDataFile {
+        /// The file, from the project's folder on.
+        path: String,
+        /// Why.
+        reason: String,
+    },
+    /// The application ends without a motion.
+    #[error("{}:{}: {} moves nothing", .application.file, .application.line, .application.name)]
+    NoMotions {
+        /// The application.
+        application: Box<Application>,
+    },
+    /// What it does cannot be known before it runs.
+    #[error("{}: {}", .0.source, .0.reason)]
+    Refused(Box<RefusedImport>),
+    /// The system gives no thread for the evaluation.
+    #[error("the evaluation cannot begin: {0}")]
+    Thread(String),
+}
+
+/// An application that cannot be planned ahead, as far as it was understood.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RefusedImport {
+    /// The application.
+    pub application: Application,
+    /// Where the evaluation ended.
+    pub source: Source,
+    /// Why: a sentence without its capital and its full stop.
+    pub reason: String,
+    /// The motions up to there.
+    pub understood: Program,
+    /// What is not as the sources have it.
+    pub notes: Vec<ImportNote>,
+    /// What it asked up to there, and how it was answered.
+    pub questions: Vec<Question>,
+}
+
+fn names(applications: &[Application]) -> String {
+    let names: Vec<_> = applications.iter().map(|own| own.name.as_str()).collect();
+    names.join(", ")
+}

@@ -1,0 +1,49 @@
+//! Applications of KUKA Sunrise projects as motion programs.
+//!
+//! [`import`] evaluates an application's Java without a robot: KUKA's classes are those of a station that knows where the arm
+//! stands, what hangs on it, and what it was told to do; that becomes the program, each motion with its line. What the
+//! application asks is answered by [`ImportOptions`]. What cannot be known before it runs is an [`ImportError`] with place and
+//! reason.
+
+mod application_api;
+mod applications;
+mod arguments;
+mod arrival;
+mod body;
+mod dialogs;
+mod enum_constant;
+mod finish;
+mod flange_load;
+mod frame_value;
+mod frames_api;
+mod import;
+mod import_error;
+mod import_note;
+mod inputs;
+mod joints_api;
+mod library_api;
+mod motion_setters;
+mod motion_value;
+mod motions;
+mod moves;
+mod opaque_api;
+mod process_data;
+mod robot_api;
+#[cfg(test)]
+mod robot_api_tests;
+mod robot_value;
+mod robotics;
+mod schedule;
+mod spot;
+mod station;
+mod station_host;
+mod station_text;
+#[cfg(test)]
+mod test_station;
+mod tools_api;
+mod waits;
+
+pub use applications::Application;
+pub use import::{Import, ImportOptions, import};
+pub use import_error::{ImportError, RefusedImport};
+pub use import_note::ImportNote;

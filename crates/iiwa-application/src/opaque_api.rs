@@ -1,0 +1,148 @@
+//! Objects whose inside does not change what is planned: the application's data, dialogs and log, controllers, conditions,
+//! control modes.
+
+use iiwa_java::{Stop, Value};
+
+use crate::{
+    arguments::first_unknown,
+    robot_value::{Opaque, RobotValue, robot},
+    robotics::Robotics,
+    spot::Spot,
+};
+
+/// Beginnings of the names of methods that give the object itself back, if they give anything.
+const FLUENT: [&str; 9] =
+    ["set", "add", "enable", "disable", "parametrize", "with", "remove", "register", "publish"];
+
+impl Robotics<'_> {
+    /// A method of an opaque object.
+    pub(crate) fn call_opaque(
+        &mut self,
+        opaque: &std::rc::Rc<Opaque>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        match &*opaque.class {
+            "IApplicationData" => return self.call_application_data(name, arguments),
+            "IApplicationUI" => {
+                return match name {
+                    "displayModalDialog" => self.ask(arguments),
+                    _ => Ok(robot(RobotValue::opaque("UserInterface"))),
+                };
+            }
+            "ITaskLogger" | "UserInterface" | "IObserver" => return Ok(Value::Null),
+            "IApplicationControl" => {
+                return match (name, arguments) {
+                    ("setApplicationOverride" | "clipApplicationOverride", [share]) => {
+                        self.set_override(share)
+                    }
+                    ("getApplicationOverride" | "getEffectiveOverride", []) => {
+                        let share = self.station.speed_override.as_ref();
+                        Ok(Value::Double(share.map_or(1.0, |(share, _)| *share)))
+                    }
+                    _ => Ok(Value::Null),
+                };
+            }
+            "IContext" | "Controller" => return Ok(self.call_controller(name, arguments)),
+            "IObserverManager" => {
+                self.note("what an observer does when its condition comes true is not evaluated");
+                return Ok(robot(RobotValue::opaque("IObserver")));
+            }
+            "ICondition" => {
+                return Ok(match name {
+                    "and" | "or" | "xor" | "invert" | "onePressed" => {
+                        robot(RobotValue::Opaque(opaque.clone()))
+                    }
+                    _ => self.unknown("a measured force"),
+                });
+            }
+            "FRISession" if name == "await" => {
+                self.note("a session of FRI is planned as if it were there at once");
+                return Ok(Value::Null);
+            }
+            "Thread" => {
+                return self.call_thread(name, arguments);
+            }
+            _ => {}
+        }
+        if let Some(gives) = &opaque.gives {
+            return Ok(self.unknown(gives.to_string()));
+        }
+        if FLUENT.iter().any(|begin| name.starts_with(begin)) {
+            return Ok(robot(RobotValue::Opaque(opaque.clone())));
+        }
+        if let Some(unknown) = first_unknown(arguments) {
+            return Ok(Value::Unknown(unknown));
+        }
+        Ok(self.not_known(&format!("{}.{name}", opaque.class)))
+    }
+
+    fn call_application_data(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+        match (name, arguments) {
+            ("getFrame" | "tryGetFrame", [Value::Text(path)]) => {
+                let path = path.to_string();
+                self.tree_frame(&path)
+            }
+            ("getFrame" | "tryGetFrame", [Value::Unknown(unknown)]) => {
+                Ok(Value::Unknown(unknown.clone()))
+            }
+            ("getProcessData", [id]) => self.process_data(id),
+            ("createFromTemplate", [template]) => self.body_of_template(template),
+            _ => Ok(self.not_known(&format!("IApplicationData.{name}"))),
+        }
+    }
+
+    fn call_controller(&mut self, name: &str, arguments: &[Value]) -> Value {
+        let arm = robot(RobotValue::Robot);
+        let controller = robot(RobotValue::opaque("Controller"));
+        match (name, arguments) {
+            ("getDefaultController" | "getController", _) => controller,
+            ("getControllers", []) => Value::list(vec![controller]),
+            ("getDevices", []) => Value::list(vec![arm]),
+            ("getDeviceFromType" | "getDevice", [.., Value::ForeignClass(class)])
+                if !class.contains("LBR") && !class.contains("Robot") =>
+            {
+                let class = class.to_string();
+                self.unknown(format!("the device `{class}`"))
+            }
+            ("getDeviceFromType" | "getDevice" | "getRobot", _) => arm,
+            _ if FLUENT.iter().any(|begin| name.starts_with(begin)) => Value::Null,
+            _ => self.not_known(&format!("Controller.{name}")),
+        }
+    }
+
+    /// A method of a thread, a timer or an executor.
+    pub(crate) fn call_thread(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+        match (name, arguments) {
+            ("start" | "run" | "submit" | "execute" | "schedule" | "scheduleAtFixedRate", _) => self.refuse(
+                "a thread is started: what it does to the arm, and when, is not known ahead; call it from the application \
+                 itself, or leave it out",
+            ),
+            ("sleep", [amount]) => self.sleep_ms(amount),
+            ("join" | "interrupt" | "shutdown" | "shutdownNow" | "setDaemon" | "setName", _) => {
+                Ok(Value::Null)
+            }
+            ("isInterrupted" | "interrupted", _) => Ok(Value::Boolean(false)),
+            _ => Ok(self.unknown("what a thread does")),
+        }
+    }
+
+    /// The objects of the API that an application gets by its own methods or by injection, by their class.
+    pub(crate) fn service(class: &str) -> Option<Value> {
+        let class = match class {
+            "LBR" | "LBRMed" | "Robot" | "AbstractRobot" | "RobotDevice" => {
+                return Some(robot(RobotValue::Robot));
+            }
+            "World" => return Some(robot(RobotValue::Spot(Spot::World))),
+            "IApplicationData" | "ApplicationData" | "IPersistenceEngine" => "IApplicationData",
+            "IApplicationUI" | "ApplicationUI" | "ITaskUI" => "IApplicationUI",
+            "ITaskLogger" | "ILogger" | "Logger" => "ITaskLogger",
+            "IApplicationControl" => "IApplicationControl",
+            "IContext" | "ApplicationContext" | "RoboticsAPIContext" => "IContext",
+            "Controller" | "SunriseController" => "Controller",
+            "IObserverManager" | "ObserverManager" => "IObserverManager",
+            _ => return None,
+        };
+        Some(robot(RobotValue::opaque(class)))
+    }
+}

@@ -1,0 +1,169 @@
+//! The motions and waits that an application commands, in order.
+
+use iiwa_java::Place;
+use iiwa_kin::Load;
+use iiwa_program::Motion;
+
+/// The motions and waits of an application so far.
+#[derive(Debug, Default)]
+pub(crate) struct Schedule {
+    entries: Vec<Entry>,
+    /// How many motions were sent since the program last knew the arm to stand.
+    under_way: usize,
+    /// How many motions were sent in all.
+    sent: usize,
+}
+
+#[derive(Debug)]
+struct Entry {
+    motion: Motion,
+    place: Place,
+    /// Whether the program knows the arm to stand at its end.
+    is_awaited: bool,
+}
+
+impl Schedule {
+    /// Adds a motion that the program does not wait for.
+    pub(crate) fn send(&mut self, motion: Motion, place: Place) {
+        self.entries.push(Entry { motion, place, is_awaited: false });
+        self.under_way += 1;
+        self.sent += 1;
+    }
+
+    /// How many motions were sent so far.
+    pub(crate) fn sent(&self) -> usize {
+        self.sent
+    }
+
+    /// How many motions were sent since the program last knew the arm to stand.
+    pub(crate) fn under_way(&self) -> usize {
+        self.under_way
+    }
+
+    /// Whether the arm may still be moving.
+    pub(crate) fn is_under_way(&self) -> bool {
+        self.under_way > 0
+    }
+
+    /// The program waits until the arm stands.
+    pub(crate) fn await_all(&mut self) {
+        // What was awaited before is not looked for again.
+        if std::mem::take(&mut self.under_way) == 0 {
+            return;
+        }
+        if let Some(last) = self.entries.iter_mut().rev().find(|entry| moves(&entry.motion)) {
+            last.is_awaited = true;
+        }
+    }
+
+    /// The program waits for so many seconds, while the arm moves on.
+    pub(crate) fn wait(&mut self, seconds: f64, place: Place) {
+        let motion = Motion::Wait { seconds, overlap: self.under_way };
+        self.entries.push(Entry { motion, place, is_awaited: true });
+    }
+
+    /// What hangs on the flange changes. Of several changes without anything between them, the last one counts.
+    pub(crate) fn load(&mut self, load: Option<Load>, place: Place) {
+        self.await_all();
+        if let Some(Entry { motion: Motion::Load(_), .. }) = self.entries.last() {
+            self.entries.pop();
+        }
+        self.entries.push(Entry { motion: Motion::Load(load), place, is_awaited: true });
+    }
+
+    /// All, with blends only where a motion follows that is known in time, and without changes of the load that nothing
+    /// comes after.
+    pub(crate) fn finish(mut self) -> Vec<(Motion, Place)> {
+        while let Some(Entry { motion: Motion::Load(_), .. }) = self.entries.last() {
+            self.entries.pop();
+        }
+        let mut is_followed = false;
+        for entry in self.entries.iter_mut().rev() {
+            match &mut entry.motion {
+                Motion::Wait { overlap: 1.., .. } => continue,
+                Motion::Wait { .. } | Motion::Load(_) => {
+                    is_followed = false;
+                    continue;
+                }
+                Motion::Ptp(ptp) if entry.is_awaited || !is_followed => ptp.blend = None,
+                Motion::Cartesian(own) if entry.is_awaited || !is_followed => own.blend = None,
+                Motion::Ptp(_) | Motion::Cartesian(_) => {}
+            }
+            is_followed = true;
+        }
+        self.entries.into_iter().map(|entry| (entry.motion, entry.place)).collect()
+    }
+}
+
+fn moves(motion: &Motion) -> bool {
+    matches!(motion, Motion::Ptp(_) | Motion::Cartesian(_))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::rc::Rc;
+
+    use iiwa_program::{Blend, Ptp};
+
+    use super::*;
+
+    fn place(line: u32) -> Place {
+        Place { file: Rc::from("src/A.java"), line }
+    }
+
+    fn blended() -> Motion {
+        Motion::Ptp(Ptp::to([0.1; 7]).blend(Blend::CartMm(20.0)))
+    }
+
+    fn has_blend(entry: &(Motion, Place)) -> bool {
+        matches!(&entry.0, Motion::Ptp(Ptp { blend: Some(_), .. }))
+    }
+
+    #[test]
+    fn blends_need_a_follower_that_is_known() {
+        let mut schedule = Schedule::default();
+        schedule.send(blended(), place(1));
+        schedule.wait(0.2, place(2));
+        schedule.send(blended(), place(3));
+        schedule.await_all();
+        schedule.send(blended(), place(4));
+        schedule.load(None, place(5));
+        schedule.send(blended(), place(6));
+        let entries = schedule.finish();
+        let blends: Vec<bool> = entries.iter().map(has_blend).collect();
+        assert_eq!(blends, [true, false, false, false, false, false]);
+        assert_eq!(entries[1].0, Motion::Wait { seconds: 0.2, overlap: 1 });
+    }
+
+    #[test]
+    fn a_wait_overlaps_all_that_is_under_way() {
+        let mut schedule = Schedule::default();
+        schedule.wait(1.0, place(1));
+        schedule.send(blended(), place(2));
+        schedule.send(blended(), place(3));
+        schedule.wait(0.7, place(4));
+        schedule.await_all();
+        schedule.wait(0.3, place(5));
+        let overlaps: Vec<usize> = schedule
+            .finish()
+            .iter()
+            .filter_map(|(motion, _)| match motion {
+                Motion::Wait { overlap, .. } => Some(*overlap),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(overlaps, [0, 2, 0]);
+    }
+
+    #[test]
+    fn only_the_last_of_several_loads_counts() {
+        let mut schedule = Schedule::default();
+        schedule.send(blended(), place(1));
+        schedule.load(Some(Load { mass_kg: 1.0, ..Load::default() }), place(2));
+        schedule.load(None, place(3));
+        schedule.send(blended(), place(4));
+        schedule.load(None, place(5));
+        let lines: Vec<u32> = schedule.finish().iter().map(|(_, place)| place.line).collect();
+        assert_eq!(lines, [1, 3, 4]);
+    }
+}

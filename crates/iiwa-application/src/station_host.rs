@@ -1,0 +1,164 @@
+//! The station as the host of an evaluation.
+
+use std::{cell::RefCell, rc::Rc};
+
+use iiwa_java::{Host, HostValue, Machine, Object, Stop, Value};
+
+use crate::{robot_value::RobotValue, robotics::Robotics, station::Station};
+
+/// The station that applications are run in.
+pub(crate) struct StationHost(RefCell<Station>);
+
+/// Methods, of any class, that move the arm, make it wait, or change its load.
+const ACTING: [&str; 11] = [
+    "move",
+    "moveAsync",
+    "attachTo",
+    "detach",
+    "milliSleep",
+    "nanoSleep",
+    "sleep",
+    "await",
+    "awaitFileAvailable",
+    "setDestination",
+    "setHomePosition",
+];
+
+/// Those whose receiver must be known.
+const ON_RECEIVERS: [&str; 4] = ["move", "moveAsync", "attachTo", "detach"];
+
+impl StationHost {
+    pub(crate) fn new(station: Station) -> Self {
+        Self(RefCell::new(station))
+    }
+
+    /// The station as it is now.
+    pub(crate) fn into_station(self) -> Station {
+        self.0.into_inner()
+    }
+
+    fn with<T>(
+        &self,
+        machine: &mut Machine,
+        call: impl FnOnce(&mut Robotics<'_>) -> Result<T, Stop>,
+    ) -> Result<T, Stop> {
+        match self.0.try_borrow_mut() {
+            Ok(mut station) => call(&mut Robotics { machine, station: &mut station }),
+            // The API calls no methods of the project that could call it.
+            Err(_) => machine.refuse("a method of KUKA's is called within another"),
+        }
+    }
+}
+
+/// A value that came from here.
+fn own(value: &Rc<dyn HostValue>) -> Option<&RobotValue> {
+    let value: &dyn std::any::Any = &**value;
+    value.downcast_ref()
+}
+
+impl Host for StationHost {
+    fn acting(&self) -> &'static [&'static str] {
+        &ACTING
+    }
+
+    fn acting_on_receivers(&self) -> &'static [&'static str] {
+        &ON_RECEIVERS
+    }
+
+    fn acts(&self) -> &'static str {
+        "the arm moves or waits"
+    }
+
+    fn call(
+        &self,
+        machine: &mut Machine,
+        receiver: &Rc<dyn HostValue>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        match own(receiver) {
+            Some(receiver) => {
+                self.with(machine, |robotics| robotics.call_robot(receiver, name, arguments))
+            }
+            None => Ok(machine.unknown(format!("the result of `{name}`"))),
+        }
+    }
+
+    fn field(
+        &self,
+        machine: &mut Machine,
+        receiver: &Rc<dyn HostValue>,
+        name: &str,
+    ) -> Result<Value, Stop> {
+        match own(receiver) {
+            Some(receiver) => self.with(machine, |robotics| robotics.robot_field(receiver, name)),
+            None => Ok(machine.unknown(format!("the field `{name}`"))),
+        }
+    }
+
+    fn call_static(
+        &self,
+        machine: &mut Machine,
+        class: &str,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        self.with(machine, |robotics| robotics.robot_static(class, name, arguments))
+    }
+
+    fn construct(
+        &self,
+        machine: &mut Machine,
+        class: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        self.with(machine, |robotics| robotics.robot_new(class, arguments))
+    }
+
+    fn constant(
+        &self,
+        machine: &mut Machine,
+        class: &str,
+        name: &str,
+    ) -> Result<Option<Value>, Stop> {
+        self.with(machine, |robotics| robotics.robot_constant(class, name))
+    }
+
+    fn injected(
+        &self,
+        machine: &mut Machine,
+        class: &str,
+        named: Option<&str>,
+        field: &str,
+    ) -> Result<Option<Value>, Stop> {
+        self.with(machine, |robotics| robotics.robot_injected(class, named, field))
+    }
+
+    fn inherited(
+        &self,
+        machine: &mut Machine,
+        object: &Rc<Object>,
+        base: &str,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        self.with(machine, |robotics| robotics.robot_inherited(object, base, name, arguments))
+    }
+
+    fn constructed(
+        &self,
+        machine: &mut Machine,
+        object: &Rc<Object>,
+        base: &str,
+        arguments: &[Value],
+    ) -> Result<(), Stop> {
+        self.with(machine, |robotics| robotics.robot_constructed(object, base, arguments))
+    }
+
+    fn text(&self, value: &Rc<dyn HostValue>) -> String {
+        match (own(value), self.0.try_borrow()) {
+            (Some(value), Ok(station)) => station.robot_text(value),
+            _ => value.class().to_owned(),
+        }
+    }
+}

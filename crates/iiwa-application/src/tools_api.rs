@@ -1,0 +1,322 @@
+//! Tools, workpieces and their frames: what they move, and what they are attached to.
+
+use iiwa_java::{HostValue, Stop, Value};
+use iiwa_json::meant;
+use iiwa_program::Frame;
+
+use crate::{
+    arguments::robot_value,
+    body::Body,
+    frame_value::inverse,
+    robot_value::{RobotValue, robot},
+    robotics::Robotics,
+    spot::Spot,
+};
+
+/// The longest chain of attached objects: following it recursively uses stack.
+const MAX_ATTACHED: usize = 100;
+
+impl Robotics<'_> {
+    /// A method of a frame of an object, or of a tool or workpiece itself.
+    pub(crate) fn call_spot(
+        &mut self,
+        spot: Spot,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        match (name, arguments) {
+            ("move" | "moveAsync", _) => self.move_by(spot, name == "moveAsync", arguments),
+            ("attachTo", [to, ..]) => self.attach(spot, to, arguments.get(1)),
+            ("detach", _) => {
+                self.detach(spot)?;
+                Ok(Value::Null)
+            }
+            ("getFrame" | "getChild" | "createFrame", [path, ..]) => self.frame_within(spot, path),
+            ("getRootFrame", []) => Ok(robot(RobotValue::Spot(match spot.body() {
+                Some(body) => Spot::Root(body),
+                None => spot,
+            }))),
+            ("getDefaultMotionFrame", []) => {
+                Ok(robot(RobotValue::Spot(self.station.default_frame(spot))))
+            }
+            ("setDefaultMotionFrame", [frame]) => {
+                self.set_default_frame(spot, frame);
+                Ok(Value::Null)
+            }
+            ("getName", []) => Ok(Value::text(self.own_name(spot))),
+            ("getPath", []) => Ok(Value::text(self.station.own_path(spot))),
+            ("getParent", []) => Ok(self.parent_spot(spot)),
+            ("getChildren", []) => {
+                let children = self.children(spot).into_iter().map(RobotValue::Spot);
+                Ok(Value::list(children.map(robot).collect()))
+            }
+            ("isReadyToMove" | "isAttached", _) => {
+                let attached = self.station.in_flange(spot).is_some();
+                Ok(Value::Boolean(attached))
+            }
+            ("getLoadData", []) => Ok(robot(RobotValue::opaque("LoadData"))),
+            ("equals", [other]) => {
+                let other = robot_value(other);
+                Ok(Value::Boolean(
+                    other.is_some_and(|other| RobotValue::Spot(spot).is_same(&other)),
+                ))
+            }
+            ("changeFramePosition" | "setAdditionalParameter", _) => self.refuse(format!(
+                "`{name}` changes a frame of the data file, which cannot be planned yet"
+            )),
+            _ => match self.spot_frame(spot) {
+                Some(frame) => self.frame_method(&frame, name, arguments),
+                None => Ok(self.not_known(&format!("ObjectFrame.{name}"))),
+            },
+        }
+    }
+
+    /// Sends motions: `move(motion)` and `moveAsync(motion, ...)`.
+    pub(crate) fn move_by(
+        &mut self,
+        mover: Spot,
+        is_async: bool,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        match arguments {
+            [Value::Unknown(unknown), ..] => self.refuse_unknown("this motion", unknown),
+            [Value::Null, ..] => self.throw("NullPointerException", "the motion is null"),
+            [motion, ..] => {
+                if let Some(RobotValue::Motion(motion)) = robot_value(motion) {
+                    return self.send(mover, &motion, is_async);
+                }
+                let what = motion.kind();
+                self.refuse(format!("{what} is no motion that can be planned"))
+            }
+            [] => self.throw("IllegalArgumentException", "a motion is missing"),
+        }
+    }
+
+    fn attach(&mut self, spot: Spot, to: &Value, offset: Option<&Value>) -> Result<Value, Stop> {
+        let Some(body) = spot.body() else {
+            let what = self.spot_name(spot);
+            return self
+                .refuse(format!("{what} is attached, and only tools and workpieces can be"));
+        };
+        let to = match robot_value(to) {
+            Some(RobotValue::Robot) => Spot::Flange,
+            Some(RobotValue::Spot(to)) => to,
+            _ => match to {
+                Value::Unknown(unknown) => {
+                    return self.refuse_unknown("what this tool is attached to", unknown);
+                }
+                Value::Null => return self.throw("NullPointerException", "it is attached to null"),
+                _ => {
+                    let what = to.kind();
+                    return self.refuse(format!(
+                        "a tool is attached to {what}, which is no frame of an object"
+                    ));
+                }
+            },
+        };
+        if self.station.attached_deep(to) > MAX_ATTACHED {
+            return self
+                .refuse(format!("more than {MAX_ATTACHED} things are attached to one another"));
+        }
+        if self.station.hangs_on(to, body) {
+            return self.refuse("a tool is attached to itself, by way of others or not");
+        }
+        // The frame of it that is attached lies on the other one.
+        let own = match spot {
+            Spot::Of(_, frame) => {
+                let frame = self.station.bodies.get(body).and_then(|body| body.frames.get(frame));
+                frame.map_or(Frame::default(), |frame| inverse(&frame.frame))
+            }
+            _ => Frame::default(),
+        };
+        let frame = match offset {
+            None => own,
+            Some(Value::Unknown(unknown)) => {
+                return self.refuse_unknown("how this tool is attached", unknown);
+            }
+            Some(offset) => match robot_value(offset) {
+                Some(RobotValue::Transformation(offset)) => crate::frame_value::then(&offset, &own),
+                _ => return self.refuse("how this tool is attached is not known"),
+            },
+        };
+        if let Some(body) = self.station.bodies.get_mut(body) {
+            body.attached = Some((to, frame));
+        }
+        self.load_changed()?;
+        Ok(Value::Null)
+    }
+
+    fn detach(&mut self, spot: Spot) -> Result<(), Stop> {
+        let body = spot.body().and_then(|body| self.station.bodies.get_mut(body));
+        if let Some(body) = body {
+            body.attached = None;
+            self.load_changed()?;
+        }
+        Ok(())
+    }
+
+    /// A frame by its path within another, or of a tool or workpiece.
+    fn frame_within(&mut self, spot: Spot, path: &Value) -> Result<Value, Stop> {
+        let path = match path {
+            Value::Text(path) => path.to_string(),
+            Value::Unknown(unknown) => return Ok(Value::Unknown(unknown.clone())),
+            _ => return Ok(self.not_known("getFrame")),
+        };
+        let found = match spot {
+            Spot::Root(index) => {
+                let body = self.station.bodies.get(index);
+                body.and_then(|body| body.frame(&path)).map(|frame| Spot::Of(index, frame))
+            }
+            Spot::Of(index, own) => {
+                let body = self.station.bodies.get(index);
+                let above = body.and_then(|body| body.frames.get(own)).map(|own| own.path.clone());
+                let below =
+                    format!("{}/{}", above.unwrap_or_default(), path.trim_start_matches('/'));
+                body.and_then(|body| body.frame(&below).or_else(|| body.frame(&path)))
+                    .map(|frame| Spot::Of(index, frame))
+            }
+            Spot::Tree(index) => {
+                let above = self.station.tree.get(index).map(|own| own.path.clone());
+                let below =
+                    format!("{}/{}", above.unwrap_or_default(), path.trim_start_matches('/'));
+                self.station.tree_frame(&below).map(Spot::Tree)
+            }
+            Spot::World => return self.tree_frame(&path),
+            Spot::Flange => None,
+        };
+        if let Some(found) = found {
+            return Ok(robot(RobotValue::Spot(found)));
+        }
+        let known: Vec<String> = match spot.body().and_then(|body| self.station.bodies.get(body)) {
+            Some(body) => body.frames.iter().map(|frame| frame.path.clone()).collect(),
+            None => {
+                self.children(spot).into_iter().map(|child| self.station.own_path(child)).collect()
+            }
+        };
+        let what = self.spot_name(spot);
+        self.refuse(format!("{what} has no frame `{path}`{}", instead(&path, &known)))
+    }
+
+    /// A frame of the data file, by its path.
+    pub(crate) fn tree_frame(&mut self, path: &str) -> Result<Value, Stop> {
+        if let Some(found) = self.station.tree_frame(path) {
+            return Ok(robot(RobotValue::Spot(Spot::Tree(found))));
+        }
+        let known: Vec<String> = self.station.tree.iter().map(|frame| frame.path.clone()).collect();
+        self.refuse(format!("the data file has no frame `{path}`{}", instead(path, &known)))
+    }
+
+    /// A new tool or workpiece from a template.
+    pub(crate) fn body_of_template(&mut self, name: &Value) -> Result<Value, Stop> {
+        let name = match name {
+            Value::Text(name) => name.to_string(),
+            Value::Unknown(unknown) => {
+                return self.refuse_unknown("the name of this template", unknown);
+            }
+            _ => return self.refuse("a template is named by a string"),
+        };
+        let Some(template) = self.template(&name) else {
+            let known: Vec<String> =
+                self.station.templates.iter().map(|template| template.name.clone()).collect();
+            return self.refuse(format!(
+                "the data file has no template `{name}`{}",
+                instead(&name, &known)
+            ));
+        };
+        let made = self.station.made(&template);
+        Ok(robot(RobotValue::Spot(Spot::Root(made))))
+    }
+
+    pub(crate) fn template(&self, name: &str) -> Option<Body> {
+        self.station.templates.iter().find(|template| template.name == name).cloned()
+    }
+
+    /// The tool or workpiece of a template that is injected: the same each time.
+    pub(crate) fn injected_body(&mut self, name: &str, is_workpiece: bool) -> Value {
+        let known = self.station.injected.get(name).copied();
+        let made = known.unwrap_or_else(|| {
+            let template = self.template(name).unwrap_or_else(|| Body::bare(name, is_workpiece));
+            self.station.made(&template)
+        });
+        self.station.injected.insert(name.to_owned(), made);
+        robot(RobotValue::Spot(Spot::Root(made)))
+    }
+
+    fn own_name(&self, spot: Spot) -> String {
+        let path = self.station.own_path(spot);
+        path.rsplit('/').next().unwrap_or_default().to_owned()
+    }
+
+    fn parent_spot(&self, spot: Spot) -> Value {
+        let parent = match spot {
+            Spot::World => return Value::Null,
+            Spot::Flange => Spot::World,
+            Spot::Tree(index) => {
+                let parent = self.station.tree.get(index).and_then(|frame| frame.parent);
+                parent.map_or(Spot::World, Spot::Tree)
+            }
+            Spot::Of(index, _) => Spot::Root(index),
+            Spot::Root(index) => {
+                match self.station.bodies.get(index).and_then(|body| body.attached) {
+                    Some((at, _)) => at,
+                    None => return Value::Null,
+                }
+            }
+        };
+        robot(RobotValue::Spot(parent))
+    }
+
+    /// The frames that are given in one of the data file.
+    fn children(&self, spot: Spot) -> Vec<Spot> {
+        let parent = match spot {
+            Spot::World => None,
+            Spot::Tree(index) => Some(index),
+            _ => return Vec::new(),
+        };
+        let tree = self.station.tree.iter().enumerate();
+        tree.filter(|(_, frame)| frame.parent == parent)
+            .map(|(index, _)| Spot::Tree(index))
+            .collect()
+    }
+
+    /// `new Tool(name, ...)` and `new Workpiece(name, ...)`: from the template of that name, or bare.
+    pub(crate) fn new_body(&mut self, is_workpiece: bool, arguments: &[Value]) -> Value {
+        let name = match arguments.first() {
+            Some(Value::Text(name)) => name.to_string(),
+            _ => if is_workpiece { "Workpiece" } else { "Tool" }.to_owned(),
+        };
+        let body = self.template(&name).unwrap_or_else(|| Body::bare(&name, is_workpiece));
+        if arguments.len() > 1 && body.load.is_none() {
+            self.note(format!("what `{name}` weighs by its constructor is left out of the plan"));
+        }
+        let made = self.station.made(&body);
+        robot(RobotValue::Spot(Spot::Root(made)))
+    }
+
+    fn set_default_frame(&mut self, spot: Spot, frame: &Value) {
+        if let (Some(own), Some(RobotValue::Spot(frame))) = (spot.body(), robot_value(frame))
+            && let Some(body) = self.station.bodies.get_mut(own)
+        {
+            body.default = match frame {
+                Spot::Of(of, index) if of == own => Some(index),
+                _ => None,
+            };
+        }
+    }
+}
+
+/// What may be meant in place of `name`.
+fn instead(name: &str, known: &[String]) -> String {
+    /// More would hide the message.
+    const MOST: usize = 8;
+    if let Some(meant) = meant(name, known.iter().map(String::as_str)) {
+        return format!("; did you mean `{meant}`?");
+    }
+    let shown: Vec<String> = known.iter().take(MOST).map(|name| format!("`{name}`")).collect();
+    let more = if known.len() > MOST { ", ..." } else { "" };
+    match shown.len() {
+        0 => "; it has none".to_owned(),
+        1 => format!("; there is {}", shown.concat()),
+        _ => format!("; there are {}{more}", shown.join(", ")),
+    }
+}

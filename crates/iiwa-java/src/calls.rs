@@ -1,0 +1,480 @@
+//! Calls of methods.
+
+use std::{rc::Rc, sync::Arc};
+
+use crate::{
+    class_id::ClassId,
+    classes::simple,
+    flow::Flow,
+    java_state::{Activation, MAX_DEPTH},
+    machine::Machine,
+    place::Place,
+    stop::Stop,
+    syntax::{Expression, ExpressionKind, Method, TypeName},
+    value::{Array, Object, Value},
+};
+
+impl Machine {
+    /// A call as it stands in the program.
+    pub(crate) fn call(
+        &mut self,
+        expression: &Expression,
+        on: Option<&Expression>,
+        name: &str,
+        arguments: &[Expression],
+    ) -> Result<Value, Stop> {
+        let receiver = on.map(|on| self.evaluated(on)).transpose()?;
+        let arguments = self.evaluated_all(arguments)?;
+        self.here.line = expression.line;
+        let place = self.here.clone();
+        let result = match (on.map(|on| &on.kind), receiver) {
+            (Some(ExpressionKind::Super), Some(Value::Object(object))) => {
+                self.call_above(&object, name, &arguments)
+            }
+            (_, Some(receiver)) => self.call_on(&receiver, name, &arguments),
+            (_, None) => self.call_by_name(name, &arguments),
+        };
+        self.here = place;
+        result
+    }
+
+    /// `name(...)`: of this object or class, of those around it, or imported.
+    fn call_by_name(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+        let Some(activation) = self.java.activation() else {
+            return self.refuse(format!("the method `{name}` is not known"));
+        };
+        let mut this = activation.this.clone();
+        let mut class = Some(activation.class);
+        while let Some(id) = class {
+            let start = this.as_ref().map_or(id, |object| {
+                if self.java.classes.is_a(object.class, id) { object.class } else { id }
+            });
+            if let Some((owner, method)) = self.method(start, name, arguments) {
+                let this = this.filter(|_| !method.is_static);
+                return self.run(owner, this, &method, arguments);
+            }
+            if let Some(object) = &this
+                && let Some(base) = self.java.classes.foreign_parent(object.class)
+            {
+                let base = base.to_owned();
+                let object = Rc::clone(object);
+                if let Some(value) = self.of_object(&object, name, arguments)? {
+                    return Ok(value);
+                }
+                if let Some(value) =
+                    Rc::clone(&self.host).inherited(self, &object, &base, name, arguments)?
+                {
+                    return Ok(value);
+                }
+            }
+            class = self.java.classes.known(id).outer;
+            this = this.and_then(|object| match &object.outer {
+                Some(Value::Object(outer)) => Some(Rc::clone(outer)),
+                _ => None,
+            });
+        }
+        let class = self.java.activation().map_or(ClassId(0), |own| own.class);
+        for import in self.java.classes.static_imports(name, class) {
+            if let Some(id) = self.java.classes.by_qualified_name(&import) {
+                if let Some((owner, method)) = self.method(id, name, arguments) {
+                    return self.run(owner, None, &method, arguments);
+                }
+            } else if let Some(value) = self.foreign_static(simple(&import), name, arguments)? {
+                return Ok(value);
+            }
+        }
+        self.opaque(
+            &format!("`{name}()`, which no source of the project declares"),
+            name,
+            arguments,
+        )
+    }
+
+    /// A method of the class above the one in which the call stands.
+    fn call_above(
+        &mut self,
+        object: &Rc<Object>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        let class = self.java.activation().map_or(object.class, |own| own.class);
+        if let Some(parent) = self.java.classes.parent(class)
+            && let Some((owner, method)) = self.method(parent, name, arguments)
+        {
+            return self.run(owner, Some(Rc::clone(object)), &method, arguments);
+        }
+        if let Some(base) = self.java.classes.foreign_parent(class).map(str::to_owned)
+            && let Some(value) =
+                Rc::clone(&self.host).inherited(self, object, &base, name, arguments)?
+        {
+            return Ok(value);
+        }
+        match self.of_object(object, name, arguments)? {
+            Some(value) => Ok(value),
+            // `super.initialize()`, `super.dispose()` and the like of KUKA's classes do nothing that is planned.
+            None => Ok(Value::Null),
+        }
+    }
+
+    /// `receiver.name(...)`.
+    pub(crate) fn call_on(
+        &mut self,
+        receiver: &Value,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        match receiver {
+            Value::Object(object) => self.call_on_object(object, name, arguments),
+            Value::Class(id) => {
+                if let Some((owner, method)) = self.method(*id, name, arguments) {
+                    return self.run(owner, None, &method, arguments);
+                }
+                self.of_class(*id, name, arguments)
+            }
+            Value::ForeignClass(class) => {
+                let class = Rc::clone(class);
+                match self.foreign_static(&class, name, arguments)? {
+                    Some(value) => Ok(value),
+                    None => self.opaque(
+                        &format!("the result of `{class}.{name}`, of a library without source"),
+                        name,
+                        arguments,
+                    ),
+                }
+            }
+            Value::Host(value) => {
+                let (host, value) = (Rc::clone(&self.host), Rc::clone(value));
+                host.call(self, &value, name, arguments)
+            }
+            Value::Unknown(unknown) => {
+                if self.host.acting_on_receivers().contains(&name) {
+                    let unknown = Rc::clone(unknown);
+                    return self.refuse_unknown(&format!("what `{name}` is called on"), &unknown);
+                }
+                self.may_act_with(name, arguments);
+                Ok(receiver.clone())
+            }
+            Value::Null => {
+                self.throw("NullPointerException", format!("`{name}` is called on null"))
+            }
+            _ => self.call_library(receiver, name, arguments),
+        }
+    }
+
+    /// A method of an object of the project.
+    pub(crate) fn call_on_object(
+        &mut self,
+        object: &Rc<Object>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        if let Some((owner, method)) = self.method(object.class, name, arguments)
+            && method.body.is_some()
+        {
+            let this = (!method.is_static).then(|| Rc::clone(object));
+            return self.run(owner, this, &method, arguments);
+        }
+        if let Some(value) = self.of_object(object, name, arguments)? {
+            return Ok(value);
+        }
+        let base = self.java.classes.foreign_parent(object.class).map(str::to_owned);
+        if let Some(base) = &base
+            && let Some(value) =
+                Rc::clone(&self.host).inherited(self, object, base, name, arguments)?
+        {
+            return Ok(value);
+        }
+        let class = self.java.classes.known(object.class).class.name.clone();
+        self.opaque(
+            &format!("the result of `{class}.{name}`, which no source of the project declares"),
+            name,
+            arguments,
+        )
+    }
+
+    /// What every object, constant or exception has.
+    fn of_object(
+        &mut self,
+        object: &Rc<Object>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        let this = Value::Object(Rc::clone(object));
+        Ok(Some(match (name, arguments) {
+            ("getClass", []) => Value::Class(object.class),
+            ("equals", [other]) => match other {
+                Value::Unknown(_) => other.clone(),
+                _ => Value::Boolean(this.is_same(other)),
+            },
+            ("toString" | "name", []) if object.constant.is_some() => {
+                let name = object.constant.as_ref().map_or("", |(name, _)| name);
+                Value::text(name)
+            }
+            ("toString", []) => Value::text(&self.java.classes.known(object.class).class.name),
+            ("ordinal", []) if object.constant.is_some() => {
+                Value::Int(object.constant.as_ref().map_or(0, |(_, ordinal)| *ordinal))
+            }
+            ("getDeclaringClass", []) if object.constant.is_some() => Value::Class(object.class),
+            ("compareTo", [Value::Object(other)]) => match (&object.constant, &other.constant) {
+                (Some((_, own)), Some((_, other))) => Value::Int(own - other),
+                _ => return Ok(None),
+            },
+            ("hashCode", []) => self.unknown("a hash code"),
+            ("getMessage" | "getLocalizedMessage", []) => {
+                let message = object.message.borrow().clone();
+                return Ok(message);
+            }
+            ("printStackTrace" | "notify" | "notifyAll", _) => Value::Null,
+            _ => return Ok(None),
+        }))
+    }
+
+    /// What a class itself has.
+    fn of_class(&mut self, id: ClassId, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+        let class = Arc::clone(&self.java.classes.known(id).class);
+        match (name, arguments) {
+            ("values", []) if class.kind == crate::syntax::ClassKind::Enum => {
+                self.initialize(id)?;
+                let constants = self.java.constants.get(&id).cloned().unwrap_or_default();
+                Ok(Value::array(&class.name, constants))
+            }
+            ("valueOf", [Value::Text(text)]) => match self.static_field(id, text)? {
+                Some(value) => Ok(value),
+                None => self.throw(
+                    "IllegalArgumentException",
+                    format!("the enum {} has no constant {text}", class.name),
+                ),
+            },
+            ("getSimpleName", []) => Ok(Value::text(&class.name)),
+            ("getName" | "getCanonicalName", []) => {
+                let package = self.java.classes.package(id);
+                let dot = if package.is_empty() { "" } else { "." };
+                Ok(Value::text(format!("{package}{dot}{}", class.name)))
+            }
+            ("isInstance", [Value::Object(object)]) => {
+                Ok(Value::Boolean(self.java.classes.is_a(object.class, id)))
+            }
+            _ => {
+                if let Some(base) = self.java.classes.foreign_parent(id).map(str::to_owned)
+                    && let Some(value) = self.foreign_static(&base, name, arguments)?
+                {
+                    return Ok(value);
+                }
+                self.opaque(
+                    &format!("the result of `{}.{name}`, which no source declares", class.name),
+                    name,
+                    arguments,
+                )
+            }
+        }
+    }
+
+    /// What something that is not looked into gives.
+    fn opaque(&mut self, what: &str, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+        if self.host.acting_on_receivers().contains(&name) {
+            return self.refuse(format!("the motion depends on {what}"));
+        }
+        self.may_act_with(name, arguments);
+        Ok(self.unknown(what))
+    }
+
+    /// Notes that something that is not looked into could act.
+    pub(crate) fn may_act_with(&mut self, name: &str, arguments: &[Value]) {
+        let may_act = |value: &Value| matches!(value, Value::Host(own) if own.can_act());
+        if arguments.iter().any(may_act) {
+            self.note(format!(
+                "`{name}` gets what can act, and its source is not in the project: what it does with it is left out"
+            ));
+        }
+    }
+
+    /// The method that is meant, and the class in which it stands.
+    pub(crate) fn method(
+        &self,
+        id: ClassId,
+        name: &str,
+        arguments: &[Value],
+    ) -> Option<(ClassId, Arc<Method>)> {
+        let mut best: Option<(u32, ClassId, Arc<Method>)> = None;
+        for (owner, method) in self.java.classes.methods(id, name) {
+            let Some(fit) = self.fit(owner, &method, arguments) else { continue };
+            // Among equal fits, the nearest method with a body wins.
+            let is_better = best.as_ref().is_none_or(|(other, _, found)| {
+                fit > *other || (fit == *other && found.body.is_none() && method.body.is_some())
+            });
+            if is_better {
+                best = Some((fit, owner, method));
+            }
+        }
+        best.map(|(_, owner, method)| (owner, method))
+    }
+
+    /// How well arguments fit parameters; none if they do not.
+    pub(crate) fn fit(&self, owner: ClassId, method: &Method, arguments: &[Value]) -> Option<u32> {
+        let parameters = &method.parameters;
+        let all = |arguments: &[Value]| {
+            let pairs = arguments.iter().zip(parameters);
+            let fits = pairs.map(|(value, own)| self.fits(owner, value, &own.type_name));
+            fits.sum::<Option<u32>>()
+        };
+        if arguments.len() == parameters.len()
+            && let Some(fit) = all(arguments)
+        {
+            return Some(1000 + fit);
+        }
+        let fixed = parameters.len().checked_sub(1).filter(|_| method.is_variadic)?;
+        let (first, others) = arguments.split_at_checked(fixed)?;
+        let last = &parameters.get(fixed)?.type_name;
+        let element = TypeName { dimensions: last.dimensions.checked_sub(1)?, ..last.clone() };
+        let rest = others.iter().map(|value| self.fits(owner, value, &element));
+        Some(all(first)? + rest.sum::<Option<u32>>()?)
+    }
+
+    fn fits(&self, owner: ClassId, value: &Value, wanted: &TypeName) -> Option<u32> {
+        if wanted.dimensions > 0 {
+            return match value {
+                Value::Array(array) if array.element.dimensions + 1 == wanted.dimensions => Some(9),
+                Value::Null | Value::Unknown(_) => Some(3),
+                _ => None,
+            };
+        }
+        let name = simple(&wanted.name);
+        let rank = |order: &[&str]| {
+            let place = order.iter().position(|own| *own == name);
+            place.and_then(|place| u32::try_from(9 - place.min(8)).ok())
+        };
+        let is_primitive = matches!(
+            name,
+            "boolean" | "char" | "byte" | "short" | "int" | "long" | "float" | "double"
+        );
+        match value {
+            Value::Unknown(_) => Some(3),
+            Value::Null => (!is_primitive).then_some(3),
+            Value::Boolean(_) => rank(&["boolean", "Boolean", "Object"]),
+            Value::Char(_) => {
+                rank(&["char", "int", "long", "float", "double", "Character", "Object"])
+            }
+            Value::Int(_) => rank(&[
+                "int", "long", "float", "double", "Integer", "Number", "Object", "short", "byte",
+            ]),
+            Value::Long(_) => rank(&["long", "float", "double", "Long", "Number", "Object"]),
+            Value::Float(_) => rank(&["float", "double", "Float", "Number", "Object"]),
+            Value::Double(_) => rank(&["double", "Double", "Number", "Object"]),
+            Value::Text(_) => rank(&["String", "CharSequence", "Object", "Comparable"]),
+            Value::Object(object) => match self.java.classes.find(&wanted.name, owner) {
+                Some(id) => {
+                    let parents = self.java.classes.with_parents(object.class);
+                    let place = parents.iter().position(|parent| *parent == id)?;
+                    u32::try_from(9 - place.min(7)).ok()
+                }
+                None if is_primitive || name == "String" => None,
+                None => Some(1),
+            },
+            Value::Array(_) => (name == "Object").then_some(2),
+            _ if is_primitive || name == "String" => None,
+            Value::Host(own) => Some(match self.java.classes.find(&wanted.name, owner) {
+                Some(_) => return None,
+                None if own.class() == name => 8,
+                None => 2,
+            }),
+            _ => match self.java.classes.find(&wanted.name, owner) {
+                Some(_) => None,
+                None => Some(2),
+            },
+        }
+    }
+
+    /// Runs a method.
+    pub(crate) fn run(
+        &mut self,
+        owner: ClassId,
+        this: Option<Rc<Object>>,
+        method: &Arc<Method>,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        if method.is_static {
+            self.initialize(owner)?;
+        }
+        let Some(body) = &method.body else {
+            let class = self.java.classes.known(owner).class.name.clone();
+            return self.opaque(
+                &format!("the result of `{class}.{}`, which has no body", method.name),
+                &method.name,
+                arguments,
+            );
+        };
+        let from = self.enter(owner, this, method, arguments)?;
+        let flow = self.block(body);
+        self.leave(from, &flow);
+        match flow? {
+            Flow::Return(value) => Ok(value.converted_to(&method.returns)),
+            _ => Ok(Value::Null),
+        }
+    }
+
+    /// Begins a method: its parameters are local variables.
+    pub(crate) fn enter(
+        &mut self,
+        owner: ClassId,
+        this: Option<Rc<Object>>,
+        method: &Method,
+        arguments: &[Value],
+    ) -> Result<Place, Stop> {
+        let from = self.activate(owner, this, &method.name, method.line)?;
+        let mut arguments = arguments.to_vec();
+        if method.is_variadic
+            && let Some(fixed) = method.parameters.len().checked_sub(1)
+            && let Some(last) = method.parameters.get(fixed)
+        {
+            let is_array = arguments.len() == method.parameters.len()
+                && self.fits(owner, &arguments[fixed], &last.type_name).is_some()
+                && !matches!(arguments[fixed], Value::Unknown(_));
+            if !is_array && arguments.len() >= fixed {
+                let dimensions = last.type_name.dimensions.saturating_sub(1);
+                let element = TypeName { name: last.type_name.name.clone(), dimensions };
+                let others = arguments.split_off(fixed);
+                let others: Vec<_> =
+                    others.into_iter().map(|own| own.converted_to(&element)).collect();
+                let values = std::cell::RefCell::new(others);
+                arguments.push(Value::Array(Rc::new(Array { element, values })));
+            }
+        }
+        for (parameter, value) in method.parameters.iter().zip(arguments) {
+            self.java.declare(&parameter.name, Some(&parameter.type_name), value);
+        }
+        Ok(from)
+    }
+
+    /// Begins a piece of a class, of this name if it is a method. Gives where it came from.
+    pub(crate) fn activate(
+        &mut self,
+        class: ClassId,
+        this: Option<Rc<Object>>,
+        method: &str,
+        line: u32,
+    ) -> Result<Place, Stop> {
+        if self.java.activations.len() >= MAX_DEPTH {
+            return self.refuse(format!(
+                "`{method}` is called more than {MAX_DEPTH} calls deep: a recursion may have no end"
+            ));
+        }
+        let from = self.here.clone();
+        self.java.activations.push(Activation {
+            class,
+            this,
+            locals: Vec::new(),
+            method: method.to_owned(),
+            outside_loop: 0,
+        });
+        self.here = Place { file: Rc::clone(&self.java.classes.known(class).file), line };
+        Ok(from)
+    }
+
+    /// Ends it. What stops the whole stays where it was.
+    pub(crate) fn leave<T>(&mut self, from: Place, result: &Result<T, Stop>) {
+        self.java.activations.pop();
+        if result.is_ok() {
+            self.here = from;
+        }
+    }
+}

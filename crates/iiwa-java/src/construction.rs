@@ -1,0 +1,378 @@
+//! How objects come about: constructors, first values of fields, what is injected.
+
+use std::{cell::RefCell, collections::HashMap, rc::Rc, sync::Arc};
+
+use crate::{
+    class_id::ClassId,
+    classes::simple,
+    java_state::MAX_STEPS,
+    machine::Machine,
+    place::Place,
+    stop::Stop,
+    syntax::{
+        Annotation, Class, ClassKind, Expression, ExpressionKind, Field, Member, Method,
+        StatementKind, TypeName,
+    },
+    value::{Object, Value},
+    variables::fields,
+};
+
+impl Machine {
+    /// `new Name(...)`.
+    pub(crate) fn new_object(
+        &mut self,
+        expression: &Expression,
+        type_name: &TypeName,
+        arguments: &[Expression],
+        body: Option<&Arc<Class>>,
+    ) -> Result<Value, Stop> {
+        let arguments = self.evaluated_all(arguments)?;
+        self.here.line = expression.line;
+        let Some(within) = self.java.activation().map(|own| own.class) else {
+            return self.refuse("an object is made outside of a class");
+        };
+        let class = match body {
+            Some(body) => Some(self.java.classes.in_method(body, within)),
+            None => match self.variable_class(&type_name.name) {
+                Some(local) => Some(local),
+                None => self.java.classes.find(&type_name.name, within),
+            },
+        };
+        let Some(class) = class else {
+            let simple = simple(&type_name.name);
+            return if let Some(value) = self.foreign_new(simple, &arguments)? {
+                Ok(value)
+            } else {
+                self.may_act_with(simple, &arguments);
+                Ok(self.unknown(format!("a `{simple}`, of a library without source")))
+            };
+        };
+        let captured = self.captured(class, body.is_some());
+        self.construct(class, &arguments, captured)
+    }
+
+    /// A class that is declared in this method.
+    fn variable_class(&self, name: &str) -> Option<ClassId> {
+        let locals = &self.java.activation()?.locals;
+        let local = locals.iter().rev().find(|local| local.name == name)?;
+        match &local.value {
+            Value::Class(id) => Some(*id),
+            _ => None,
+        }
+    }
+
+    /// What a class that stands in a method sees of it.
+    fn captured(&self, class: ClassId, is_anonymous: bool) -> HashMap<String, Value> {
+        let Some(activation) = self.java.activation() else { return HashMap::new() };
+        let is_local =
+            is_anonymous || self.java.classes.known(class).outer == Some(activation.class);
+        let mut seen = HashMap::new();
+        if is_local {
+            if let Some(this) = &activation.this {
+                seen.extend(this.captured.clone());
+            }
+            let locals = activation.locals.iter();
+            seen.extend(locals.map(|local| (local.name.clone(), local.value.clone())));
+        }
+        seen
+    }
+
+    /// A new object of a class of the project.
+    pub(crate) fn construct(
+        &mut self,
+        class: ClassId,
+        arguments: &[Value],
+        captured: HashMap<String, Value>,
+    ) -> Result<Value, Stop> {
+        if let Some(again) = self.java.classes.cycle(class) {
+            let [own, again] =
+                [class, again].map(|id| self.java.classes.known(id).class.name.clone());
+            return self.refuse(format!("the class {own} inherits from itself, by way of {again}"));
+        }
+        let declaration = Arc::clone(&self.java.classes.known(class).class);
+        if declaration.is_abstract || declaration.kind == ClassKind::Interface {
+            return self
+                .refuse(format!("{} is abstract: no object of it can be made", declaration.name));
+        }
+        self.initialize(class)?;
+        let object = self.bare(class, captured, None);
+        self.constructed(&object, class, arguments)?;
+        Ok(Value::Object(object))
+    }
+
+    /// An object whose constructors have not been run.
+    fn bare(
+        &mut self,
+        class: ClassId,
+        captured: HashMap<String, Value>,
+        constant: Option<(Rc<str>, i32)>,
+    ) -> Rc<Object> {
+        let this = self.java.activation().and_then(|own| own.this.clone());
+        // The object around it is that of the class in which it stands, or of one that inherits it.
+        let outer = self.java.classes.known(class).outer.and_then(|outer| {
+            let mut around = this;
+            while let Some(object) = around {
+                if self.java.classes.is_a(object.class, outer) {
+                    return Some(Value::Object(object));
+                }
+                around = match &object.outer {
+                    Some(Value::Object(outer)) => Some(Rc::clone(outer)),
+                    _ => None,
+                };
+            }
+            None
+        });
+        let object = Rc::new(Object {
+            class,
+            fields: RefCell::default(),
+            outer,
+            captured,
+            constant,
+            inherited: RefCell::default(),
+            message: RefCell::default(),
+        });
+        self.java.objects.push(Rc::downgrade(&object));
+        object
+    }
+
+    /// Runs the constructor of a class on an object, after those above it.
+    fn constructed(
+        &mut self,
+        object: &Rc<Object>,
+        class: ClassId,
+        arguments: &[Value],
+    ) -> Result<(), Stop> {
+        let declaration = Arc::clone(&self.java.classes.known(class).class);
+        let constructors = &declaration.constructors;
+        let fitting = constructors
+            .iter()
+            .filter_map(|own| self.fit(class, own, arguments).map(|fit| (fit, Arc::clone(own))));
+        let best = fitting.max_by_key(|(fit, _)| *fit).map(|(_, constructor)| constructor);
+        let Some(constructor) = best else {
+            if constructors.is_empty() {
+                // An anonymous class hands its arguments on.
+                self.constructed_above(object, class, arguments)?;
+                return self.first_values(object, class);
+            }
+            return self.refuse(format!(
+                "{} has no constructor for these {} arguments",
+                declaration.name,
+                arguments.len()
+            ));
+        };
+        let from = self.enter(class, Some(Rc::clone(object)), &constructor, arguments)?;
+        let result = self.in_constructor(object, class, &constructor);
+        self.leave(from, &result);
+        result
+    }
+
+    fn in_constructor(
+        &mut self,
+        object: &Rc<Object>,
+        class: ClassId,
+        constructor: &Method,
+    ) -> Result<(), Stop> {
+        let body = constructor.body.as_deref().unwrap_or_default();
+        let first = body.first().and_then(|statement| match &statement.kind {
+            StatementKind::Expression(call) => match &call.kind {
+                ExpressionKind::ThisCall(own) => Some((true, own, call.line)),
+                ExpressionKind::SuperCall(own) => Some((false, own, call.line)),
+                _ => None,
+            },
+            _ => None,
+        });
+        let rest = if let Some((is_own, arguments, line)) = first {
+            self.here.line = line;
+            let arguments = self.evaluated_all(arguments)?;
+            if is_own {
+                self.constructed(object, class, &arguments)?;
+            } else {
+                self.constructed_above(object, class, &arguments)?;
+                self.first_values(object, class)?;
+            }
+            body.get(1..).unwrap_or_default()
+        } else {
+            self.constructed_above(object, class, &[])?;
+            self.first_values(object, class)?;
+            body
+        };
+        self.block(rest).map(|_| ())
+    }
+
+    fn constructed_above(
+        &mut self,
+        object: &Rc<Object>,
+        class: ClassId,
+        arguments: &[Value],
+    ) -> Result<(), Stop> {
+        if let Some(parent) = self.java.classes.parent(class) {
+            if self.java.classes.known(parent).class.kind == ClassKind::Interface {
+                return Ok(());
+            }
+            self.initialize(parent)?;
+            return self.constructed(object, parent, arguments);
+        }
+        let Some(base) = self.java.classes.foreign_parent(class).map(str::to_owned) else {
+            return Ok(());
+        };
+        if base.ends_with("Exception") || base.ends_with("Error") {
+            *object.message.borrow_mut() = arguments.first().cloned();
+            return Ok(());
+        }
+        Rc::clone(&self.host).constructed(self, object, &base, arguments)
+    }
+
+    /// Gives the fields of a class their first values, in order.
+    fn first_values(&mut self, object: &Rc<Object>, class: ClassId) -> Result<(), Stop> {
+        let declaration = Arc::clone(&self.java.classes.known(class).class);
+        let own = fields(&declaration.members).filter(|field| !field.is_static);
+        for field in own {
+            let default = Value::default_of(&field.type_name);
+            object.fields.borrow_mut().insert((class, field.name.clone()), default);
+        }
+        let from = self.activate(class, Some(Rc::clone(object)), "", declaration.line)?;
+        let result = declaration.members.iter().try_for_each(|member| match member {
+            Member::Field(field) if !field.is_static => self.first_value(object, class, field),
+            Member::Initializer { is_static: false, body } => self.block(body).map(|_| ()),
+            _ => Ok(()),
+        });
+        self.leave(from, &result);
+        result
+    }
+
+    fn first_value(
+        &mut self,
+        object: &Rc<Object>,
+        class: ClassId,
+        field: &Field,
+    ) -> Result<(), Stop> {
+        self.here.line = field.line;
+        let value = match &field.initial {
+            Some(initial) => self.initial_value(initial, &field.type_name)?,
+            None if is_injected(&field.annotations) => {
+                let named = named(&field.annotations);
+                self.injected(class, &field.type_name, named, &field.name)?
+            }
+            None => return Ok(()),
+        };
+        object.fields.borrow_mut().insert((class, field.name.clone()), value);
+        Ok(())
+    }
+
+    /// What the controller puts into a field or a parameter.
+    fn injected(
+        &mut self,
+        class: ClassId,
+        type_name: &TypeName,
+        named: Option<&str>,
+        field: &str,
+    ) -> Result<Value, Stop> {
+        if let Some(own) = self.java.classes.find(&type_name.name, class) {
+            return self.injected_object(own);
+        }
+        let simple = simple(&type_name.name);
+        match Rc::clone(&self.host).injected(self, simple, named, field)? {
+            Some(value) => Ok(value),
+            None => Ok(self.unknown(format!("a `{simple}`, of a library without source"))),
+        }
+    }
+
+    /// An object as the controller makes it: with the constructor that is marked for it.
+    pub(crate) fn injected_object(&mut self, class: ClassId) -> Result<Value, Stop> {
+        // Classes may be injected into each other.
+        self.java.steps += 100;
+        if self.java.steps > MAX_STEPS {
+            return self.refuse("objects are injected into each other without an end");
+        }
+        let declaration = Arc::clone(&self.java.classes.known(class).class);
+        let marked = declaration.constructors.iter().find(|own| is_injected(&own.annotations));
+        let constructor = marked.or(declaration.constructors.first());
+        let mut arguments = Vec::new();
+        for parameter in constructor.iter().flat_map(|own| &own.parameters) {
+            arguments.push(self.injected(class, &parameter.type_name, None, &parameter.name)?);
+        }
+        self.construct(class, &arguments, HashMap::new())
+    }
+
+    /// Gives the static fields of a class, and the constants of an enum, their first values, once.
+    pub(crate) fn initialize(&mut self, class: ClassId) -> Result<(), Stop> {
+        if !self.java.initialized.insert(class) {
+            return Ok(());
+        }
+        if let Some(parent) = self.java.classes.parent(class) {
+            self.initialize(parent)?;
+        }
+        let declaration = Arc::clone(&self.java.classes.known(class).class);
+        for field in fields(&declaration.members).filter(|field| field.is_static) {
+            let default = Value::default_of(&field.type_name);
+            self.java.statics.insert((class, field.name.clone()), default);
+        }
+        let from = self.activate(class, None, "", declaration.line)?;
+        let result = self.static_values(class, &declaration);
+        self.leave(from, &result);
+        result
+    }
+
+    fn static_values(&mut self, class: ClassId, declaration: &Class) -> Result<(), Stop> {
+        for (ordinal, constant) in (0..).zip(&declaration.constants) {
+            self.here.line = constant.line;
+            let arguments = self.evaluated_all(&constant.arguments)?;
+            let own = match &constant.body {
+                Some(body) => self.java.classes.in_method(body, class),
+                None => class,
+            };
+            let named = Some((Rc::from(constant.name.as_str()), ordinal));
+            let object = self.bare(own, HashMap::new(), named);
+            self.constructed(&object, class, &arguments)?;
+            if own != class {
+                self.first_values(&object, own)?;
+            }
+            let value = Value::Object(object);
+            self.java.statics.insert((class, constant.name.clone()), value.clone());
+            self.java.constants.entry(class).or_default().push(value);
+        }
+        for member in &declaration.members {
+            match member {
+                Member::Field(field) if field.is_static => {
+                    self.here.line = field.line;
+                    if let Some(initial) = &field.initial {
+                        let value = self.initial_value(initial, &field.type_name)?;
+                        self.java.statics.insert((class, field.name.clone()), value);
+                    }
+                }
+                Member::Initializer { is_static: true, body } => {
+                    self.block(body)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes an object of a class, with what is injected, and runs these methods of it, which take nothing.
+    ///
+    /// # Errors
+    ///
+    /// An exception that nothing catches, or that the evaluation ends before they do.
+    pub fn run_class(&mut self, class: ClassId, methods: &[&str]) -> Result<(), Stop> {
+        let file = Rc::clone(&self.java.classes.known(class).file);
+        let line = self.java.classes.known(class).class.line;
+        self.here = Place { file, line };
+        let Value::Object(object) = self.injected_object(class)? else { return Ok(()) };
+        for name in methods {
+            if let Some((owner, method)) = self.method(class, name, &[]) {
+                self.run(owner, Some(Rc::clone(&object)), &method, &[])?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn is_injected(annotations: &[Annotation]) -> bool {
+    annotations.iter().any(|own| own.name == "Inject")
+}
+
+/// By `@Named("name")`.
+fn named(annotations: &[Annotation]) -> Option<&str> {
+    annotations.iter().find(|own| own.name == "Named")?.value.as_deref()
+}

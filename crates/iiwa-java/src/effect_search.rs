@@ -1,0 +1,266 @@
+//! The search for what a piece of a program would do, without running it: what depends on something unknown may be passed over
+//! only where it does not act.
+
+use crate::{
+    effects::Effects,
+    machine::Machine,
+    syntax::{Class, Expression, ExpressionKind, Member, Statement, StatementKind},
+};
+
+/// Beginnings of the names of methods that change what they are called on.
+const CHANGING: [&str; 8] = ["add", "put", "remove", "clear", "set", "push", "pop", "append"];
+
+/// What is being looked at, and what was found.
+struct Search<'m> {
+    machine: &'m mut Machine,
+    found: Effects,
+    /// Loops, and switches, around what is looked at, within the piece.
+    loops: usize,
+    breakable: usize,
+}
+
+impl Machine {
+    /// What statements do.
+    pub(crate) fn effects_of<'s>(
+        &mut self,
+        statements: impl IntoIterator<Item = &'s Statement>,
+    ) -> Effects {
+        let mut search =
+            Search { machine: self, found: Effects::default(), loops: 0, breakable: 0 };
+        for statement in statements {
+            search.statement(statement);
+        }
+        search.found
+    }
+
+    /// What an expression does.
+    pub(crate) fn effects_of_expression(&mut self, expression: &Expression) -> Effects {
+        let mut search =
+            Search { machine: self, found: Effects::default(), loops: 0, breakable: 0 };
+        search.expression(expression);
+        search.found
+    }
+
+    /// What any of the project's methods or constructors of this name does.
+    pub(crate) fn effects_of_method(&mut self, name: &str) -> Effects {
+        if let Some(known) = self.java.effects.get(name) {
+            return known.clone();
+        }
+        // Where methods call each other in a circle, nothing new is found the second time.
+        self.java.effects.insert(name.to_owned(), Effects::default());
+        let classes: Vec<_> = {
+            let classes = &self.java.classes;
+            classes.ids().map(|id| std::sync::Arc::clone(&classes.known(id).class)).collect()
+        };
+        let mut found = Effects::default();
+        for class in classes {
+            for method in class.methods.iter().chain(&class.constructors) {
+                if let (true, Some(body)) = (method.name == name, &method.body) {
+                    found.add(&self.effects_of(body));
+                }
+            }
+        }
+        (found.leaves, found.continues) = (false, false);
+        self.java.effects.insert(name.to_owned(), found.clone());
+        found
+    }
+}
+
+impl Search<'_> {
+    fn statements(&mut self, statements: &[Statement]) {
+        for statement in statements {
+            self.statement(statement);
+        }
+    }
+
+    fn statement(&mut self, statement: &Statement) {
+        match &statement.kind {
+            StatementKind::Block(body) | StatementKind::Synchronized { body } => {
+                self.statements(body);
+            }
+            StatementKind::Local { variables, .. } => {
+                variables.iter().filter_map(|own| own.initial.as_ref()).for_each(|value| {
+                    self.expression(value);
+                });
+            }
+            StatementKind::Expression(value) => self.expression(value),
+            StatementKind::If { condition, then, otherwise } => {
+                self.expression(condition);
+                self.statement(then);
+                if let Some(own) = otherwise {
+                    self.statement(own);
+                }
+            }
+            StatementKind::While { condition, body }
+            | StatementKind::DoWhile { body, condition } => {
+                self.expression(condition);
+                self.in_loop(body);
+            }
+            StatementKind::For { initial, condition, update, body } => {
+                self.statements(initial);
+                condition.iter().chain(update).for_each(|own| self.expression(own));
+                self.in_loop(body);
+            }
+            StatementKind::ForEach { iterable, body, .. } => {
+                self.expression(iterable);
+                self.in_loop(body);
+            }
+            StatementKind::Switch { value, groups } => {
+                self.expression(value);
+                self.breakable += 1;
+                for group in groups {
+                    self.statements(&group.body);
+                }
+                self.breakable -= 1;
+            }
+            StatementKind::Break(label) => {
+                self.found.leaves |= label.is_some() || self.loops + self.breakable == 0;
+            }
+            StatementKind::Continue(label) => {
+                self.found.leaves |= label.is_some();
+                self.found.continues |= self.loops == 0;
+            }
+            StatementKind::Return(value) => {
+                if let Some(own) = value {
+                    self.expression(own);
+                }
+                self.found.leaves = true;
+            }
+            StatementKind::Throw(value) => {
+                self.expression(value);
+                self.found.leaves = true;
+            }
+            StatementKind::Try { resources, body, catches, finally } => {
+                self.statements(resources);
+                self.statements(body);
+                for own in catches {
+                    self.statements(&own.body);
+                }
+                if let Some(own) = finally {
+                    self.statements(own);
+                }
+            }
+            StatementKind::Labelled { body, .. } => self.statement(body),
+            StatementKind::LocalClass(_)
+            | StatementKind::Assert
+            | StatementKind::Empty
+            | StatementKind::Unsupported(_) => {}
+        }
+    }
+
+    fn in_loop(&mut self, body: &Statement) {
+        self.loops += 1;
+        self.statement(body);
+        self.loops -= 1;
+    }
+
+    fn expressions(&mut self, expressions: &[Expression]) {
+        for expression in expressions {
+            self.expression(expression);
+        }
+    }
+
+    fn expression(&mut self, expression: &Expression) {
+        match &expression.kind {
+            ExpressionKind::Call { on, name, arguments } => {
+                if let Some(on) = on {
+                    self.expression(on);
+                    if CHANGING.iter().any(|beginning| name.starts_with(beginning)) {
+                        self.found.changes.extend(base_name(on).map(str::to_owned));
+                    }
+                }
+                self.expressions(arguments);
+                self.called(name);
+            }
+            ExpressionKind::New { type_name, arguments, body } => {
+                self.expressions(arguments);
+                self.called(crate::classes::simple(&type_name.name));
+                if let Some(class) = body {
+                    self.initializers(class);
+                }
+            }
+            ExpressionKind::Assign { target, value, .. } => {
+                self.expression(value);
+                self.assigned(target);
+            }
+            ExpressionKind::Step { target, .. } => self.assigned(target),
+            ExpressionKind::Field { of, .. } => self.expression(of),
+            ExpressionKind::ThisCall(values)
+            | ExpressionKind::SuperCall(values)
+            | ExpressionKind::Array(values) => self.expressions(values),
+            ExpressionKind::NewArray { lengths, values, .. } => {
+                self.expressions(lengths);
+                if let Some(own) = values {
+                    self.expressions(own);
+                }
+            }
+            ExpressionKind::Index { of, index } => {
+                self.expression(of);
+                self.expression(index);
+            }
+            ExpressionKind::Unary { value, .. }
+            | ExpressionKind::Cast { value, .. }
+            | ExpressionKind::InstanceOf { value, .. } => self.expression(value),
+            ExpressionKind::Binary { left, right, .. } => {
+                self.expression(left);
+                self.expression(right);
+            }
+            ExpressionKind::Conditional { condition, then, otherwise } => {
+                self.expression(condition);
+                self.expression(then);
+                self.expression(otherwise);
+            }
+            ExpressionKind::Literal(_)
+            | ExpressionKind::Name(_)
+            | ExpressionKind::This
+            | ExpressionKind::Super
+            | ExpressionKind::ClassLiteral(_)
+            | ExpressionKind::Unsupported(_) => {}
+        }
+    }
+
+    fn initializers(&mut self, class: &Class) {
+        for member in &class.members {
+            match member {
+                Member::Field(field) => field.initial.iter().for_each(|own| self.expression(own)),
+                Member::Initializer { body, .. } => self.statements(body),
+            }
+        }
+    }
+
+    fn called(&mut self, name: &str) {
+        if self.machine.host.acting().contains(&name) {
+            self.found.acts = true;
+            return;
+        }
+        let own = self.machine.effects_of_method(name);
+        self.found.add(&own);
+    }
+
+    fn assigned(&mut self, target: &Expression) {
+        match &target.kind {
+            ExpressionKind::Name(name) => {
+                self.found.assigns.insert(name.clone());
+            }
+            ExpressionKind::Field { of, name } => {
+                self.expression(of);
+                self.found.assigns.insert(name.clone());
+            }
+            ExpressionKind::Index { of, index } => {
+                self.expression(index);
+                self.found.changes.extend(base_name(of).map(str::to_owned));
+            }
+            _ => self.expression(target),
+        }
+    }
+}
+
+/// The variable or field by which something is reached.
+fn base_name(expression: &Expression) -> Option<&str> {
+    match &expression.kind {
+        ExpressionKind::Name(name) | ExpressionKind::Field { name, .. } => Some(name),
+        ExpressionKind::Index { of, .. } => base_name(of),
+        ExpressionKind::Call { on: Some(on), .. } => base_name(on),
+        _ => None,
+    }
+}

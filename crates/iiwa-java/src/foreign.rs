@@ -1,0 +1,196 @@
+//! Classes that are not of the project: those of Java, those of KUKA, and libraries without source.
+
+use std::{cell::RefCell, rc::Rc};
+
+use crate::{
+    machine::Machine,
+    stop::Stop,
+    value::{Map, MapOrder, Thrown, Value},
+};
+
+impl Machine {
+    /// `Class.name`; none if it is not known.
+    pub(crate) fn foreign_constant(
+        &mut self,
+        class: &str,
+        name: &str,
+    ) -> Result<Option<Value>, Stop> {
+        let value = match (class, name) {
+            ("Math", "PI") => Value::Double(std::f64::consts::PI),
+            ("Math", "E") => Value::Double(std::f64::consts::E),
+            ("Integer", "MAX_VALUE") => Value::Int(i32::MAX),
+            ("Integer", "MIN_VALUE") => Value::Int(i32::MIN),
+            ("Long", "MAX_VALUE") => Value::Long(i64::MAX),
+            ("Long", "MIN_VALUE") => Value::Long(i64::MIN),
+            ("Double", "MAX_VALUE") => Value::Double(f64::MAX),
+            // The smallest above 0.
+            ("Double", "MIN_VALUE") => Value::Double(f64::from_bits(1)),
+            ("Double", "NaN") => Value::Double(f64::NAN),
+            ("Double", "POSITIVE_INFINITY") => Value::Double(f64::INFINITY),
+            ("Double", "NEGATIVE_INFINITY") => Value::Double(f64::NEG_INFINITY),
+            ("Boolean", "TRUE") => Value::Boolean(true),
+            ("Boolean", "FALSE") => Value::Boolean(false),
+            ("System", "out" | "err") => Value::ForeignClass(Rc::from("PrintStream")),
+            _ => return Rc::clone(&self.host).constant(self, class, name),
+        };
+        Ok(Some(value))
+    }
+
+    /// `Class.name(...)`; none if it is not known.
+    pub(crate) fn foreign_static(
+        &mut self,
+        class: &str,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        self.check_usable(class)?;
+        let own = match class {
+            "Math" | "StrictMath" => self.math(name, arguments)?,
+            "Integer" | "Long" | "Double" | "Float" | "Boolean" | "Character" | "Short"
+            | "Byte" => self.of_box(class, name, arguments)?,
+            "String" => self.of_string_class(name, arguments)?,
+            "Arrays" | "Collections" | "List" | "Objects" => {
+                self.of_collections(class, name, arguments)?
+            }
+            "PrintStream" => Some(Value::Null),
+            "System" => self.of_system(name, arguments)?,
+            _ => None,
+        };
+        match own {
+            Some(value) => Ok(Some(value)),
+            None => Rc::clone(&self.host).call_static(self, class, name, arguments),
+        }
+    }
+
+    /// `new Class(...)`; none if it is not known.
+    pub(crate) fn foreign_new(
+        &mut self,
+        class: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        self.check_usable(class)?;
+        let first = arguments.first();
+        let value = match class {
+            "ArrayList"
+            | "LinkedList"
+            | "Vector"
+            | "Stack"
+            | "ArrayDeque"
+            | "CopyOnWriteArrayList"
+            | "ConcurrentLinkedQueue"
+            | "LinkedBlockingQueue" => {
+                Value::list(first.and_then(Value::elements).unwrap_or_default())
+            }
+            "HashSet" | "TreeSet" | "LinkedHashSet" => {
+                // In the order of insertion; where another order would show, see `iterated`.
+                let mut values: Vec<Value> = Vec::new();
+                for value in first.and_then(Value::elements).unwrap_or_default() {
+                    if !values.iter().any(|other| other.is_same(&value)) {
+                        values.push(value);
+                    }
+                }
+                Value::Map(Rc::new(RefCell::new(Map {
+                    entries: values.into_iter().map(|value| (value, Value::Null)).collect(),
+                    order: order_of(class),
+                    is_set: true,
+                })))
+            }
+            "HashMap" | "LinkedHashMap" | "TreeMap" | "Hashtable" | "ConcurrentHashMap"
+            | "EnumMap" => {
+                let entries = match first {
+                    Some(Value::Map(other)) => other.borrow().entries.clone(),
+                    _ => Vec::new(),
+                };
+                let order = order_of(class);
+                Value::Map(Rc::new(RefCell::new(Map { entries, order, is_set: false })))
+            }
+            "StringBuilder" | "StringBuffer" => {
+                let text = match first {
+                    Some(Value::Text(text)) => text.to_string(),
+                    _ => String::new(),
+                };
+                Value::Builder(Rc::new(RefCell::new(text)))
+            }
+            "String" => match first {
+                None => Value::text(""),
+                Some(Value::Text(text)) => Value::Text(Rc::clone(text)),
+                _ => return Ok(None),
+            },
+            "Integer" | "Double" | "Long" | "Boolean" | "Float" => {
+                return self.of_box(class, "valueOf", arguments);
+            }
+            "Object" => self.unknown("an `Object`"),
+            "AtomicInteger" | "AtomicBoolean" | "AtomicLong" | "AtomicReference" => {
+                let default = match class {
+                    "AtomicBoolean" => Value::Boolean(false),
+                    "AtomicReference" => Value::Null,
+                    "AtomicLong" => Value::Long(0),
+                    _ => Value::Int(0),
+                };
+                Value::Cell(Rc::new(RefCell::new(first.cloned().unwrap_or(default))))
+            }
+            _ if class.ends_with("Exception") || class.ends_with("Error") => {
+                let message = match first {
+                    Some(value @ Value::Text(_)) => self.text_of(value)?.unwrap_or_default(),
+                    _ => String::new(),
+                };
+                let place = self.here.clone();
+                Value::Exception(Rc::new(Thrown {
+                    classes: vec![Rc::from(class)],
+                    value: Value::Null,
+                    message,
+                    place,
+                }))
+            }
+            _ => return Rc::clone(&self.host).construct(self, class, arguments),
+        };
+        Ok(Some(value))
+    }
+
+    /// Refuses a class of the project whose file cannot be used.
+    fn check_usable(&self, class: &str) -> Result<(), Stop> {
+        match self.java.classes.faulty(class) {
+            Some(error) => self.refuse(format!("the class {class} cannot be used: {error}")),
+            None => Ok(()),
+        }
+    }
+
+    fn of_system(&mut self, name: &str, arguments: &[Value]) -> Result<Option<Value>, Stop> {
+        Ok(Some(match (name, arguments) {
+            ("currentTimeMillis" | "nanoTime", []) => self.unknown("the controller's clock"),
+            ("lineSeparator", []) => Value::text("\n"),
+            ("gc", []) => Value::Null,
+            ("getProperty" | "getenv", _) => self.unknown("the controller's environment"),
+            ("exit", _) => return self.refuse("`System.exit` ends the controller's Java"),
+            (
+                "arraycopy",
+                [Value::Array(from), from_index, Value::Array(to), to_index, Value::Int(count)],
+            ) => {
+                let count = usize::try_from(*count).unwrap_or(0);
+                for step in 0..count {
+                    let offset = Value::Int(i32::try_from(step).unwrap_or(i32::MAX));
+                    let [a, b] = [from_index, to_index].map(|start| {
+                        start.integer().unwrap_or(-1).saturating_add(offset.integer().unwrap_or(0))
+                    });
+                    let a = self.index(&Value::Long(a), from.values.borrow().len())?;
+                    let b = self.index(&Value::Long(b), to.values.borrow().len())?;
+                    let value = from.values.borrow().get(a).cloned();
+                    if let (Some(value), Some(place)) = (value, to.values.borrow_mut().get_mut(b)) {
+                        *place = value;
+                    }
+                }
+                self.java.changes += 1;
+                Value::Null
+            }
+            _ => return Ok(None),
+        }))
+    }
+}
+
+fn order_of(class: &str) -> MapOrder {
+    match class {
+        "LinkedHashMap" | "LinkedHashSet" => MapOrder::Linked,
+        "TreeMap" | "TreeSet" | "EnumMap" => MapOrder::Sorted,
+        _ => MapOrder::Hashed,
+    }
+}

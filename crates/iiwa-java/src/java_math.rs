@@ -1,0 +1,176 @@
+//! `Math`, and the classes of numbers.
+
+use crate::{machine::Machine, stop::Stop, syntax::TypeName, value::Value};
+
+impl Machine {
+    /// `Math.name(...)`; none if it is not known.
+    pub(crate) fn math(&mut self, name: &str, arguments: &[Value]) -> Result<Option<Value>, Stop> {
+        if name == "random" {
+            return Ok(Some(self.unknown("a random number")));
+        }
+        if let Some(unknown) = arguments.iter().find(|value| value.unknown().is_some()) {
+            return Ok(Some(unknown.clone()));
+        }
+        let numbers: Option<Vec<f64>> = arguments.iter().map(Value::number).collect();
+        let Some(numbers) = numbers else { return Ok(None) };
+        let result = match (name, numbers.as_slice()) {
+            ("abs", [_]) => return self.absolute(arguments).map(Some),
+            ("max" | "min", [a, b]) => {
+                let is_whole = arguments.iter().all(|value| value.integer().is_some());
+                let (a, b) = (*a, *b);
+                let takes_first = if name == "max" { a >= b } else { a <= b };
+                if is_whole {
+                    let value = arguments[usize::from(!takes_first)].clone();
+                    let wide = arguments.iter().any(|value| matches!(value, Value::Long(_)));
+                    let wanted = if wide { "long" } else { "int" };
+                    return Ok(Some(value.converted_to(&primitive(wanted))));
+                }
+                if a.is_nan() || b.is_nan() {
+                    f64::NAN
+                } else if takes_first {
+                    a
+                } else {
+                    b
+                }
+            }
+            ("round", [a]) => {
+                #[expect(clippy::cast_possible_truncation, reason = "saturates, as in Java")]
+                let rounded = (a + 0.5).floor() as i64;
+                let is_float = matches!(arguments, [Value::Float(_)]);
+                let value = Value::Long(rounded);
+                return Ok(Some(if is_float { value.cast_to(&primitive("int")) } else { value }));
+            }
+            // By multiplication with a constant, as newer versions of Java do, the result may differ in the last bit.
+            ("toRadians", [a]) => a / 180.0 * std::f64::consts::PI,
+            ("toDegrees", [a]) => a * 180.0 / std::f64::consts::PI,
+            ("sin", [a]) => a.sin(),
+            ("cos", [a]) => a.cos(),
+            ("tan", [a]) => a.tan(),
+            ("asin", [a]) => a.asin(),
+            ("acos", [a]) => a.acos(),
+            ("atan", [a]) => a.atan(),
+            ("atan2", [a, b]) => a.atan2(*b),
+            ("sinh", [a]) => a.sinh(),
+            ("cosh", [a]) => a.cosh(),
+            ("tanh", [a]) => a.tanh(),
+            ("sqrt", [a]) => a.sqrt(),
+            ("cbrt", [a]) => a.cbrt(),
+            ("pow", [a, b]) => a.powf(*b),
+            ("exp", [a]) => a.exp(),
+            ("log", [a]) => a.ln(),
+            ("log10", [a]) => a.log10(),
+            ("hypot", [a, b]) => a.hypot(*b),
+            ("floor", [a]) => a.floor(),
+            ("ceil", [a]) => a.ceil(),
+            ("rint", [a]) => a.round_ties_even(),
+            ("signum", [a]) => {
+                if *a == 0.0 || a.is_nan() {
+                    *a
+                } else {
+                    a.signum()
+                }
+            }
+            ("floorMod" | "floorDiv", [_, _]) => {
+                let (Some(a), Some(b)) = (arguments[0].integer(), arguments[1].integer()) else {
+                    return Ok(None);
+                };
+                if b == 0 {
+                    return self.throw("ArithmeticException", "/ by zero");
+                }
+                let modulo = a.wrapping_rem(b);
+                let differs = modulo != 0 && (modulo < 0) != (b < 0);
+                let value = match (name, differs) {
+                    ("floorMod", true) => modulo.wrapping_add(b),
+                    ("floorMod", false) => modulo,
+                    (_, true) => a.wrapping_div(b) - 1,
+                    (_, false) => a.wrapping_div(b),
+                };
+                let wide = arguments.iter().any(|value| matches!(value, Value::Long(_)));
+                let wanted = if wide { "long" } else { "int" };
+                return Ok(Some(Value::Long(value).cast_to(&primitive(wanted))));
+            }
+            _ => return Ok(None),
+        };
+        Ok(Some(Value::Double(result)))
+    }
+
+    fn absolute(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
+        Ok(match arguments {
+            [Value::Int(value)] => Value::Int(value.wrapping_abs()),
+            [Value::Long(value)] => Value::Long(value.wrapping_abs()),
+            [Value::Float(value)] => Value::Float(value.abs()),
+            [value] => Value::Double(value.number().unwrap_or_default().abs()),
+            _ => return self.refuse("`Math.abs` has one argument"),
+        })
+    }
+
+    /// `Integer.name(...)` and the like; none if it is not known.
+    pub(crate) fn of_box(
+        &mut self,
+        class: &str,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        let unboxed = match class {
+            "Integer" => "int",
+            "Character" => "char",
+            "Long" => "long",
+            "Double" => "double",
+            "Float" => "float",
+            "Short" => "short",
+            "Byte" => "byte",
+            _ => "boolean",
+        };
+        Ok(Some(match (name, arguments) {
+            (_, [unknown @ Value::Unknown(_), ..]) => unknown.clone(),
+            (
+                "valueOf" | "parseInt" | "parseLong" | "parseDouble" | "parseFloat"
+                | "parseBoolean" | "parseShort",
+                [Value::Text(text)],
+            ) => return self.parsed(unboxed, text).map(Some),
+            ("valueOf", [value]) => value.clone().cast_to(&primitive(unboxed)),
+            ("toString", [value]) => {
+                let text = self.text_of(value)?;
+                text.map_or_else(Value::Unknown, Value::text)
+            }
+            ("compare", [a, b]) => {
+                let (Some(a), Some(b)) = (a.number(), b.number()) else { return Ok(None) };
+                Value::Int(a.total_cmp(&b) as i32)
+            }
+            ("isNaN", [value]) => Value::Boolean(value.number().is_some_and(f64::is_nan)),
+            ("toHexString", [Value::Int(value)]) => Value::text(format!("{value:x}")),
+            ("toBinaryString", [Value::Int(value)]) => Value::text(format!("{value:b}")),
+            ("isDigit", [Value::Char(code)]) => Value::Boolean(letter(*code).is_numeric()),
+            ("isLetter", [Value::Char(code)]) => Value::Boolean(letter(*code).is_alphabetic()),
+            ("getNumericValue", [Value::Char(code)]) => {
+                let digit = letter(*code).to_digit(36);
+                Value::Int(digit.and_then(|digit| i32::try_from(digit).ok()).unwrap_or(-1))
+            }
+            _ => return Ok(None),
+        }))
+    }
+
+    fn parsed(&mut self, wanted: &str, text: &str) -> Result<Value, Stop> {
+        let value = match wanted {
+            "boolean" => Some(Value::Boolean(text.eq_ignore_ascii_case("true"))),
+            "double" => {
+                text.trim().trim_end_matches(['d', 'D', 'f', 'F']).parse().ok().map(Value::Double)
+            }
+            "float" => text.trim().trim_end_matches(['f', 'F']).parse().ok().map(Value::Float),
+            "long" => text.parse().ok().map(Value::Long),
+            _ => text.parse().ok().map(Value::Int),
+        };
+        match value {
+            Some(value) => Ok(value),
+            None => self.throw("NumberFormatException", format!("For input string: \"{text}\"")),
+        }
+    }
+}
+
+pub(crate) fn primitive(name: &str) -> TypeName {
+    TypeName { name: name.to_owned(), dimensions: 0 }
+}
+
+fn letter(code: u16) -> char {
+    char::from_u32(u32::from(code)).unwrap_or('\u{fffd}')
+}

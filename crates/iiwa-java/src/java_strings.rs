@@ -1,0 +1,199 @@
+//! Strings and their builders.
+
+use std::rc::Rc;
+
+use crate::{machine::Machine, stop::Stop, value::Value};
+
+/// Letters of a string: more would fill memory, and no program has them.
+pub(crate) const MAX_LETTERS: usize = 1_000_000;
+
+impl Machine {
+    /// `String.name(...)`; none if it is not known.
+    pub(crate) fn of_string_class(
+        &mut self,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        Ok(Some(match (name, arguments) {
+            ("valueOf" | "copyValueOf", [value]) => {
+                let text = self.text_of(value)?;
+                text.map_or_else(Value::Unknown, Value::text)
+            }
+            ("format", [Value::Text(format), rest @ ..]) => {
+                let format = Rc::clone(format);
+                // The arguments may be given as an array.
+                let values = match rest {
+                    [Value::Array(array)] => array.values.borrow().clone(),
+                    _ => rest.to_vec(),
+                };
+                return self.formatted(&format, &values).map(Some);
+            }
+            // With a locale first.
+            ("format", [_, Value::Text(format), rest @ ..]) => {
+                let format = Rc::clone(format);
+                return self.formatted(&format, rest).map(Some);
+            }
+            ("join", [Value::Text(between), rest @ ..]) => {
+                let values = match rest {
+                    [only] => only.elements().unwrap_or_else(|| rest.to_vec()),
+                    _ => rest.to_vec(),
+                };
+                let mut texts = Vec::new();
+                for value in &values {
+                    match self.text_of(value)? {
+                        Ok(text) => texts.push(text),
+                        Err(unknown) => return Ok(Some(Value::Unknown(unknown))),
+                    }
+                }
+                Value::text(texts.join(between))
+            }
+            _ => return Ok(None),
+        }))
+    }
+
+    /// A method of a string; none if it is not known. Places are those of UTF-16, as in Java.
+    pub(crate) fn of_string(
+        &mut self,
+        text: &Rc<str>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        let units = || text.encode_utf16().collect::<Vec<u16>>();
+        let count = |length: usize| Value::Int(i32::try_from(length).unwrap_or(i32::MAX));
+        Ok(Some(match (name, arguments) {
+            ("length", []) => count(text.encode_utf16().count()),
+            ("isEmpty", []) => Value::Boolean(text.is_empty()),
+            ("toString" | "intern", []) => Value::Text(Rc::clone(text)),
+            ("trim" | "strip", []) => Value::text(text.trim()),
+            ("toUpperCase", _) => Value::text(text.to_uppercase()),
+            ("toLowerCase", _) => Value::text(text.to_lowercase()),
+            ("hashCode", []) => {
+                let hash = text
+                    .encode_utf16()
+                    .fold(0_i32, |hash, unit| hash.wrapping_mul(31).wrapping_add(i32::from(unit)));
+                Value::Int(hash)
+            }
+            ("equals", [Value::Text(other)]) => Value::Boolean(text == other),
+            ("equals", [_]) => Value::Boolean(false),
+            ("equalsIgnoreCase", [Value::Text(other)]) => {
+                Value::Boolean(text.to_lowercase() == other.to_lowercase())
+            }
+            ("compareTo", [Value::Text(other)]) => Value::Int(text.cmp(other) as i32),
+            ("contains", [Value::Text(other)]) => Value::Boolean(text.contains(&**other)),
+            ("startsWith", [Value::Text(other)]) => Value::Boolean(text.starts_with(&**other)),
+            ("endsWith", [Value::Text(other)]) => Value::Boolean(text.ends_with(&**other)),
+            ("concat", [Value::Text(other)]) => Value::text(format!("{text}{other}")),
+            ("indexOf" | "lastIndexOf", [what]) => {
+                let what = match what {
+                    Value::Text(what) => what.to_string(),
+                    Value::Char(code) => String::from_utf16_lossy(&[*code]),
+                    _ => return Ok(None),
+                };
+                let found = if name == "indexOf" { text.find(&what) } else { text.rfind(&what) };
+                found.map_or(Value::Int(-1), |bytes| count(text[..bytes].encode_utf16().count()))
+            }
+            ("charAt", [index]) => {
+                let units = units();
+                let index = self.index(index, units.len())?;
+                Value::Char(units.get(index).copied().unwrap_or_default())
+            }
+            ("substring", [begin]) => return self.substring(&units(), begin, None).map(Some),
+            ("substring", [begin, end]) => {
+                return self.substring(&units(), begin, Some(end)).map(Some);
+            }
+            ("toCharArray", []) => {
+                Value::array("char", text.encode_utf16().map(Value::Char).collect())
+            }
+            ("replace", [Value::Text(from), Value::Text(to)]) => {
+                if from.is_empty() {
+                    return Ok(None);
+                }
+                let replaced = text.replace(&**from, to);
+                if replaced.len() > MAX_LETTERS {
+                    return self.refuse("a string is longer than a million letters");
+                }
+                Value::text(replaced)
+            }
+            ("replace", [Value::Char(from), Value::Char(to)]) => {
+                let [from, to] = [from, to].map(|code| String::from_utf16_lossy(&[*code]));
+                Value::text(text.replace(&from, &to))
+            }
+            ("split", [Value::Text(by)]) => self.split(text, by),
+            _ => return Ok(None),
+        }))
+    }
+
+    fn substring(
+        &mut self,
+        units: &[u16],
+        begin: &Value,
+        end: Option<&Value>,
+    ) -> Result<Value, Stop> {
+        let begin = self.index(begin, units.len() + 1)?;
+        let end = match end {
+            Some(end) => self.index(end, units.len() + 1)?,
+            None => units.len(),
+        };
+        match units.get(begin..end) {
+            Some(part) => Ok(Value::text(String::from_utf16_lossy(part))),
+            None => self.throw(
+                "StringIndexOutOfBoundsException",
+                format!("begin {begin}, end {end}, length {}", units.len()),
+            ),
+        }
+    }
+
+    /// `split` by a text; by other regular expressions it is not known.
+    fn split(&self, text: &str, by: &str) -> Value {
+        let literal = by.strip_prefix('\\').filter(|rest| rest.chars().count() == 1).unwrap_or(by);
+        let is_literal = literal.len() < by.len()
+            || !by
+                .contains(['.', '$', '|', '(', ')', '[', ']', '{', '}', '^', '?', '*', '+', '\\']);
+        if !is_literal || literal.is_empty() {
+            return self.unknown(format!("a string that is split by the expression {by:?}"));
+        }
+        let mut parts: Vec<_> = text.split(literal).collect();
+        // Empty ones at the end are left out.
+        while parts.len() > 1 && parts.last().is_some_and(|part| part.is_empty()) {
+            parts.pop();
+        }
+        Value::array("String", parts.into_iter().map(Value::text).collect())
+    }
+
+    /// A method of a builder; none if it is not known.
+    pub(crate) fn of_builder(
+        &mut self,
+        receiver: &Value,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        let Value::Builder(builder) = receiver else { return Ok(None) };
+        match (name, arguments) {
+            ("append", [value]) => {
+                let text = match self.text_of(value)? {
+                    Ok(text) => text,
+                    Err(unknown) => return Ok(Some(Value::Unknown(unknown))),
+                };
+                if builder.borrow().len() + text.len() > MAX_LETTERS {
+                    return self.refuse("a string is longer than a million letters");
+                }
+                self.java.changes += 1;
+                builder.borrow_mut().push_str(&text);
+                Ok(Some(receiver.clone()))
+            }
+            ("setLength", [Value::Int(0)]) => {
+                builder.borrow_mut().clear();
+                Ok(Some(Value::Null))
+            }
+            ("reverse", []) => {
+                let reversed: String = builder.borrow().chars().rev().collect();
+                *builder.borrow_mut() = reversed;
+                Ok(Some(receiver.clone()))
+            }
+            _ => {
+                let text = Rc::from(builder.borrow().as_str());
+                self.of_string(&text, name, arguments)
+            }
+        }
+    }
+}

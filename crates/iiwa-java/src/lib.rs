@@ -1,0 +1,52 @@
+//! Java of robot programs, read and evaluated without the robot.
+//!
+//! [`read()`] turns a source file into a [`Unit`], [`Classes`] know what the names of a project's classes mean, and a [`Machine`]
+//! evaluates them: fields, locals, methods, inheritance, arrays, collections, loops, exceptions. What it cannot know, as the
+//! time of day, is an unknown [`Value`] with a reason; it matters only where what the program does depends on it. Classes that
+//! are neither of the project nor of Java's own library are those of a [`Host`], which says what it is to act, too. Steps, depth
+//! and memory are bounded.
+//!
+//! It is no Java for general use: no threads, no reflection, no lambda expressions.
+
+mod calls;
+mod class_id;
+mod classes;
+mod construction;
+mod conversion;
+mod effect_search;
+mod effects;
+mod expressions;
+mod flow;
+mod foreign;
+mod host_value;
+mod java_collections;
+mod java_math;
+mod java_state;
+mod java_strings;
+mod loops;
+mod machine;
+mod operators;
+mod place;
+mod read;
+mod source_error;
+mod source_text;
+mod statements;
+mod stop;
+mod syntax;
+mod text;
+mod unknown;
+mod value;
+mod variables;
+
+pub use class_id::ClassId;
+pub use classes::{ClassName, Classes};
+pub use host_value::HostValue;
+pub use machine::{Host, Machine, Note};
+pub use place::Place;
+pub use read::read;
+pub use source_error::{SourceError, SourceFault};
+pub use source_text::decode;
+pub use stop::{Refusal, Stop};
+pub use syntax::Unit;
+pub use unknown::Unknown;
+pub use value::{Array, Map, MapOrder, Object, Thrown, Value};

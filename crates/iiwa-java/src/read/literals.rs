@@ -1,0 +1,156 @@
+//! Literals and their values.
+
+use java_lang::{Span, ast};
+
+use super::{fault::Fault, reader::Reader};
+use crate::syntax::{ExpressionKind, Literal};
+
+impl Reader<'_> {
+    pub(super) fn literal(&self, literal: &ast::Lit) -> Result<ExpressionKind, Fault> {
+        let value = match literal {
+            ast::Lit::Int(number) => self.integer(number, false)?,
+            ast::Lit::Float(number) => {
+                let Some(value) = self.float(number.span)? else {
+                    let what = "a hexadecimal number with an exponent";
+                    return Ok(ExpressionKind::Unsupported(what.to_owned()));
+                };
+                value
+            }
+            ast::Lit::Bool(value) => Literal::Boolean(value.value),
+            ast::Lit::Char(value) => self.character(value.span)?,
+            ast::Lit::Str(value) if self.source(value.span).starts_with("\"\"\"") => {
+                return Ok(ExpressionKind::Unsupported("a text block".to_owned()));
+            }
+            ast::Lit::Str(value) => {
+                let units = self.units(value.span)?;
+                Literal::String(String::from_utf16_lossy(&units))
+            }
+            ast::Lit::Null(_) => Literal::Null,
+        };
+        Ok(ExpressionKind::Literal(value))
+    }
+
+    /// An `int` or a `long`; the least of them have their sign before them.
+    pub(super) fn integer(
+        &self,
+        number: &ast::IntLit,
+        is_negative: bool,
+    ) -> Result<Literal, Fault> {
+        let written = self.source(number.span);
+        let fault =
+            |what: &str| Fault::syntax(self.start(number.span), format!("{written}: {what}"));
+        let digits = written.replace('_', "");
+        let (digits, is_long) = match digits.strip_suffix(['l', 'L']) {
+            Some(digits) => (digits, true),
+            None => (digits.as_str(), false),
+        };
+        let lower = digits.to_ascii_lowercase();
+        let (digits, radix) = if let Some(digits) = lower.strip_prefix("0x") {
+            (digits, 16)
+        } else if let Some(digits) = lower.strip_prefix("0b") {
+            (digits, 2)
+        } else if let Some(digits) = lower.strip_prefix('0').filter(|digits| !digits.is_empty()) {
+            (digits, 8)
+        } else {
+            (lower.as_str(), 10)
+        };
+        if digits.is_empty() || !digits.chars().all(|digit| digit.is_digit(radix)) {
+            return Err(fault("a whole number is expected"));
+        }
+        let magnitude = u64::from_str_radix(digits, radix).ok();
+        // Other than decimal numbers say every bit, that of the sign among them.
+        let is_decimal = radix == 10;
+        if is_long {
+            let most = i64::MAX.unsigned_abs() + u64::from(is_negative);
+            let value = magnitude.filter(|value| !is_decimal || *value <= most);
+            let value =
+                value.ok_or_else(|| fault("this is more than a `long` holds"))?.cast_signed();
+            return Ok(Literal::Long(if is_negative { value.wrapping_neg() } else { value }));
+        }
+        let most = i32::MAX.unsigned_abs() + u32::from(is_negative);
+        let value = magnitude.and_then(|value| u32::try_from(value).ok());
+        let value = value.filter(|value| !is_decimal || *value <= most);
+        let value = value.ok_or_else(|| fault("this is more than an `int` holds"))?.cast_signed();
+        Ok(Literal::Int(if is_negative { value.wrapping_neg() } else { value }))
+    }
+
+    /// A `float` or a `double`; none if it is written in base 16.
+    fn float(&self, span: Span) -> Result<Option<Literal>, Fault> {
+        let written = self.source(span);
+        let digits = written.replace('_', "");
+        if digits.starts_with("0x") || digits.starts_with("0X") {
+            return Ok(None);
+        }
+        let fault = |what: &str| Fault::syntax(self.start(span), format!("{written}: {what}"));
+        if let Some(digits) = digits.strip_suffix(['f', 'F']) {
+            let value: f32 = digits.parse().map_err(|_| fault("a number is expected"))?;
+            if !value.is_finite() {
+                return Err(fault("this is more than a `float` holds"));
+            }
+            return Ok(Some(Literal::Float(value)));
+        }
+        let digits = digits.strip_suffix(['d', 'D']).unwrap_or(&digits);
+        let value: f64 = digits.parse().map_err(|_| fault("a number is expected"))?;
+        if !value.is_finite() {
+            return Err(fault("this is more than a `double` holds"));
+        }
+        Ok(Some(Literal::Double(value)))
+    }
+
+    fn character(&self, span: Span) -> Result<Literal, Fault> {
+        match self.units(span)?[..] {
+            [unit] => Ok(Literal::Char(unit)),
+            _ => {
+                Err(Fault::syntax(self.start(span), "one character is expected between the quotes"))
+            }
+        }
+    }
+
+    /// What is between quotes, in UTF-16 as Java has it.
+    fn units(&self, span: Span) -> Result<Vec<u16>, Fault> {
+        let written = self.source(span);
+        let inner = written.get(1..written.len().saturating_sub(1)).unwrap_or("");
+        let mut units = Vec::with_capacity(inner.len());
+        let mut rest = inner.chars();
+        let mut buffer = [0; 2];
+        while let Some(character) = rest.next() {
+            if character != '\\' {
+                units.extend_from_slice(character.encode_utf16(&mut buffer));
+                continue;
+            }
+            let at = self.start(span) + written.len() - 2 - rest.as_str().len();
+            let unknown =
+                || Fault::syntax(at, "`\\` is followed by no character that it may escape");
+            let escaped = rest.next().ok_or_else(unknown)?;
+            units.push(match escaped {
+                'b' => 8,
+                't' => 9,
+                'n' => 10,
+                'f' => 12,
+                'r' => 13,
+                's' => 32,
+                '"' => 34,
+                '\'' => 39,
+                '\\' => 92,
+                'u' => {
+                    let digits = rest.as_str().trim_start_matches('u');
+                    let code =
+                        digits.get(..4).filter(|code| code.chars().all(|c| c.is_ascii_hexdigit()));
+                    let code = code.ok_or_else(unknown)?;
+                    rest = digits[4..].chars();
+                    u16::from_str_radix(code, 16).map_err(|_| unknown())?
+                }
+                '0'..='7' => {
+                    // Three digits if the first is at most 3, else two.
+                    let most = if escaped <= '3' { 2 } else { 1 };
+                    let digits: String =
+                        rest.as_str().chars().take(most).take_while(|c| c.is_digit(8)).collect();
+                    rest = rest.as_str()[digits.len()..].chars();
+                    u16::from_str_radix(&format!("{escaped}{digits}"), 8).map_err(|_| unknown())?
+                }
+                _ => return Err(unknown()),
+            });
+        }
+        Ok(units)
+    }
+}

@@ -1,0 +1,205 @@
+//! A file as tokens: what bounds and places need to know before the parser runs.
+
+use std::ops::Range;
+
+use super::fault::Fault;
+use crate::source_error::SourceFault;
+
+/// Robot programs stay a hundred times below.
+pub(super) const MOST_TOKENS: usize = 500_000;
+
+/// Symbols of more than one character, the longest first.
+const LONG_SYMBOLS: [&str; 25] = [
+    ">>>=", ">>>", ">>=", "<<=", "...", "<<", ">>", "<=", ">=", "==", "!=", "&&", "||", "++", "--",
+    "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^=", "->", "::",
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A name or a keyword.
+    Word,
+    Number,
+    Text,
+    Char,
+    Open,
+    Close,
+    Symbol,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Token {
+    pub(super) start: usize,
+    pub(super) end: usize,
+    pub(super) kind: Kind,
+}
+
+/// The tokens of a text, in order.
+pub(super) struct Tokens<'t> {
+    text: &'t str,
+    pub(super) list: Vec<Token>,
+    /// Of bytes that mean nothing: comments, and what an editor put at the end.
+    pub(super) comments: Vec<Range<usize>>,
+}
+
+impl<'t> Tokens<'t> {
+    /// # Errors
+    ///
+    /// If a text or a comment does not end, if a character means nothing in Java, or if there are too many tokens.
+    pub(super) fn scan(text: &'t str) -> Result<Self, Fault> {
+        let mut tokens = Self { text, list: Vec::new(), comments: Vec::new() };
+        let mut at = 0;
+        while let Some(first) = text[at..].chars().next() {
+            let rest = &text[at..];
+            // Ctrl-Z is the end of a file for old editors.
+            let is_end_mark = first == '\u{1a}' && rest.len() == 1;
+            if first.is_whitespace() {
+                at += first.len_utf8();
+            } else if rest.starts_with("//") || rest.starts_with("/*") || is_end_mark {
+                let length = if is_end_mark { 1 } else { comment(rest, at)? };
+                tokens.comments.push(at..at + length);
+                at += length;
+            } else {
+                let (kind, length) = token(rest, first, at)?;
+                tokens.list.push(Token { start: at, end: at + length, kind });
+                at += length;
+            }
+            if tokens.list.len() + tokens.comments.len() > MOST_TOKENS {
+                return Err(Fault { at, what: SourceFault::TooManyTokens { most: MOST_TOKENS } });
+            }
+        }
+        Ok(tokens)
+    }
+
+    /// What the token says; nothing behind the last.
+    pub(super) fn text(&self, index: usize) -> &'t str {
+        self.list.get(index).map_or("", |token| &self.text[token.start..token.end])
+    }
+
+    /// What the token before says; nothing before the first.
+    pub(super) fn text_before(&self, index: usize) -> &'t str {
+        index.checked_sub(1).map_or("", |index| self.text(index))
+    }
+
+    pub(super) fn kind(&self, index: usize) -> Option<Kind> {
+        self.list.get(index).map(|token| token.kind)
+    }
+
+    pub(super) fn kind_before(&self, index: usize) -> Option<Kind> {
+        self.kind(index.checked_sub(1)?)
+    }
+
+    /// The number of the first token that begins at this byte or behind it.
+    pub(super) fn from(&self, offset: usize) -> usize {
+        self.list.partition_point(|token| token.start < offset)
+    }
+
+    /// Where the token begins; behind the last, where the text ends.
+    pub(super) fn start(&self, index: usize) -> usize {
+        self.list.get(index).map_or(self.text.len(), |token| token.start)
+    }
+
+    /// The line of a token, from 1.
+    pub(super) fn line(&self, index: usize) -> usize {
+        self.text[..self.start(index)].matches('\n').count() + 1
+    }
+
+    /// Where the token before ends.
+    pub(super) fn end_before(&self, index: usize) -> usize {
+        index.checked_sub(1).and_then(|index| self.list.get(index)).map_or(0, |token| token.end)
+    }
+}
+
+/// Whether an expression, rather than an operator, comes after this word.
+pub(super) fn begins_expression(word: &str) -> bool {
+    matches!(word, "return" | "case" | "throw" | "assert" | "else" | "do" | "yield")
+}
+
+fn comment(rest: &str, at: usize) -> Result<usize, Fault> {
+    if rest.starts_with("//") {
+        return Ok(rest.find('\n').unwrap_or(rest.len()));
+    }
+    let end = rest[2..]
+        .find("*/")
+        .ok_or_else(|| Fault::syntax(at, "this comment does not end: `*/` is expected after it"))?;
+    Ok(end + 4)
+}
+
+fn token(rest: &str, first: char, at: usize) -> Result<(Kind, usize), Fault> {
+    let second = rest[first.len_utf8()..].chars().next();
+    Ok(match first {
+        '"' if rest.starts_with("\"\"\"") => (Kind::Text, block(rest, at)?),
+        '"' | '\'' => {
+            let kind = if first == '"' { Kind::Text } else { Kind::Char };
+            (kind, quoted(rest, first, at)?)
+        }
+        '(' | '[' | '{' => (Kind::Open, 1),
+        ')' | ']' | '}' => (Kind::Close, 1),
+        _ if first.is_ascii_digit() => (Kind::Number, number(rest)),
+        '.' if second.is_some_and(|second| second.is_ascii_digit()) => (Kind::Number, number(rest)),
+        _ if begins_word(first) => {
+            let end = rest.find(|c: char| !(begins_word(c) || c.is_numeric()));
+            (Kind::Word, end.unwrap_or(rest.len()))
+        }
+        _ if "+-*/%&|^!~<>=?:;,.@".contains(first) => {
+            let long = LONG_SYMBOLS.iter().find(|symbol| rest.starts_with(**symbol));
+            (Kind::Symbol, long.map_or(1, |symbol| symbol.len()))
+        }
+        '\\' => {
+            let what = "`\\` has a meaning within texts only; write the character that is meant";
+            return Err(Fault::syntax(at, what));
+        }
+        _ => {
+            let what = format!("`{}` has no meaning in Java", first.escape_debug());
+            return Err(Fault::syntax(at, what));
+        }
+    })
+}
+
+fn begins_word(character: char) -> bool {
+    character.is_alphabetic() || character == '_' || character == '$'
+}
+
+/// How far a text or a character goes, with its quotes.
+fn quoted(rest: &str, quote: char, at: usize) -> Result<usize, Fault> {
+    let mut characters = rest.char_indices().skip(1);
+    while let Some((offset, character)) = characters.next() {
+        match character {
+            '\n' | '\r' => break,
+            // What is escaped ends neither the text nor, by that, its line.
+            '\\' if characters.next().is_none_or(|(_, escaped)| escaped == '\n') => break,
+            _ if character == quote => return Ok(offset + 1),
+            _ => {}
+        }
+    }
+    let what = format!("this text does not end on its line: `{quote}` is expected");
+    Err(Fault::syntax(at, what))
+}
+
+/// How far a text block goes, with its quotes.
+fn block(rest: &str, at: usize) -> Result<usize, Fault> {
+    let mut from = 3;
+    while let Some(found) = rest[from..].find(['"', '\\']) {
+        let quote = from + found;
+        if rest[quote..].starts_with("\"\"\"") {
+            return Ok(quote + 3);
+        }
+        let escaped = rest[quote..].starts_with('\\');
+        from = quote + 1;
+        if escaped {
+            from += rest[from..].chars().next().map_or(0, char::len_utf8);
+        }
+    }
+    Err(Fault::syntax(at, "this text block does not end: `\"\"\"` is expected after it"))
+}
+
+fn number(rest: &str) -> usize {
+    let is_hexadecimal = rest.starts_with("0x") || rest.starts_with("0X");
+    let mut before = ' ';
+    let end = rest.find(|character: char| {
+        let exponent = if is_hexadecimal { ['p', 'P'] } else { ['e', 'E'] };
+        let is_sign = matches!(character, '+' | '-') && exponent.contains(&before);
+        before = character;
+        !(character.is_ascii_alphanumeric() || matches!(character, '_' | '.') || is_sign)
+    });
+    end.unwrap_or(rest.len())
+}

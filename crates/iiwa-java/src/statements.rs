@@ -1,0 +1,367 @@
+//! Statements, one after the other.
+
+use std::rc::Rc;
+
+use crate::{
+    flow::Flow,
+    java_state::MAX_STEPS,
+    machine::Machine,
+    stop::Stop,
+    syntax::{
+        Catch, Expression, ExpressionKind, Literal, Statement, StatementKind, SwitchGroup, TypeName,
+    },
+    unknown::Unknown,
+    value::{Thrown, Value},
+};
+
+/// What a condition is, or what it depends on.
+pub(crate) type Condition = Result<bool, Rc<Unknown>>;
+
+impl Machine {
+    /// Statements in a scope of their own.
+    pub(crate) fn block(&mut self, statements: &[Statement]) -> Result<Flow, Stop> {
+        let outside = self.local_count();
+        let flow = self.statements(statements);
+        self.forget_locals(outside);
+        flow
+    }
+
+    fn statements(&mut self, statements: &[Statement]) -> Result<Flow, Stop> {
+        for statement in statements {
+            match self.statement(statement)? {
+                Flow::Next => {}
+                other => return Ok(other),
+            }
+        }
+        Ok(Flow::Next)
+    }
+
+    pub(crate) fn local_count(&self) -> usize {
+        self.java.activation().map_or(0, |activation| activation.locals.len())
+    }
+
+    pub(crate) fn forget_locals(&mut self, outside: usize) {
+        if let Some(locals) = self.java.locals_mut() {
+            locals.truncate(outside);
+        }
+    }
+
+    pub(crate) fn statement(&mut self, statement: &Statement) -> Result<Flow, Stop> {
+        self.here.line = statement.line;
+        self.java.steps += 1;
+        if self.java.steps > MAX_STEPS {
+            return self
+                .refuse("the application takes more than 100 000 steps: a loop may have no end");
+        }
+        self.deeper(|machine| machine.run_statement(statement))
+    }
+
+    fn run_statement(&mut self, statement: &Statement) -> Result<Flow, Stop> {
+        match &statement.kind {
+            StatementKind::Block(body) | StatementKind::Synchronized { body } => self.block(body),
+            StatementKind::Local { type_name, variables } => {
+                for variable in variables {
+                    let dimensions = type_name.dimensions + variable.dimensions;
+                    let type_name = TypeName { name: type_name.name.clone(), dimensions };
+                    let value = match &variable.initial {
+                        Some(initial) => self.initial_value(initial, &type_name)?,
+                        None => Value::default_of(&type_name),
+                    };
+                    self.java.declare(&variable.name, Some(&type_name), value);
+                }
+                Ok(Flow::Next)
+            }
+            // Found where its name is used.
+            StatementKind::LocalClass(class) => {
+                if let Some(outer) = self.java.activation().map(|own| own.class) {
+                    let id = self.java.classes.in_method(class, outer);
+                    self.java.declare(&class.name, None, Value::Class(id));
+                }
+                Ok(Flow::Next)
+            }
+            StatementKind::Expression(value) => self.evaluated(value).map(|_| Flow::Next),
+            StatementKind::If { condition, then, otherwise } => {
+                let line = self.here.line;
+                match self.condition(condition)? {
+                    Ok(true) => self.scoped(then),
+                    Ok(false) => otherwise.as_ref().map_or(Ok(Flow::Next), |own| self.scoped(own)),
+                    Err(unknown) => {
+                        self.here.line = line;
+                        let branches = std::iter::once(&**then).chain(otherwise.as_deref());
+                        self.passed_over(branches, "branch", &unknown)
+                    }
+                }
+            }
+            StatementKind::While { .. }
+            | StatementKind::DoWhile { .. }
+            | StatementKind::For { .. }
+            | StatementKind::ForEach { .. } => self.repeated(statement, None),
+            StatementKind::Labelled { label, body } => match self.labelled(body, label)? {
+                Flow::Break(Some(own)) if own == *label => Ok(Flow::Next),
+                other => Ok(other),
+            },
+            StatementKind::Switch { value, groups } => self.switch(statement, value, groups),
+            StatementKind::Break(label) => Ok(Flow::Break(label.clone())),
+            StatementKind::Continue(label) => Ok(Flow::Continue(label.clone())),
+            StatementKind::Return(value) => {
+                let value = value.as_ref().map_or(Ok(Value::Null), |own| self.evaluated(own))?;
+                Ok(Flow::Return(value))
+            }
+            StatementKind::Throw(value) => {
+                let value = self.evaluated(value)?;
+                self.here.line = statement.line;
+                self.thrown(value)
+            }
+            StatementKind::Try { resources, body, catches, finally } => {
+                let outside = self.local_count();
+                let result = self.tried(resources, body, catches);
+                self.forget_locals(outside);
+                self.finally(result, finally.as_deref())
+            }
+            StatementKind::Assert | StatementKind::Empty => Ok(Flow::Next),
+            StatementKind::Unsupported(what) => self.refuse(format!("{what} cannot be evaluated")),
+        }
+    }
+
+    fn labelled(&mut self, body: &Statement, label: &str) -> Result<Flow, Stop> {
+        match &body.kind {
+            StatementKind::While { .. }
+            | StatementKind::DoWhile { .. }
+            | StatementKind::For { .. }
+            | StatementKind::ForEach { .. } => self.repeated(body, Some(label)),
+            _ => self.statement(body),
+        }
+    }
+
+    /// A statement in a scope of its own.
+    pub(crate) fn scoped(&mut self, statement: &Statement) -> Result<Flow, Stop> {
+        let outside = self.local_count();
+        let flow = self.statement(statement);
+        self.forget_locals(outside);
+        flow
+    }
+
+    pub(crate) fn condition(&mut self, condition: &Expression) -> Result<Condition, Stop> {
+        match self.evaluated(condition)? {
+            Value::Boolean(value) => Ok(Ok(value)),
+            Value::Unknown(unknown) => Ok(Err(unknown)),
+            Value::Null => self.throw("NullPointerException", "a condition is null"),
+            other => self.refuse(format!("a condition is {}", other.kind())),
+        }
+    }
+
+    /// Passes over what depends on something unknown, so that what it may change is unknown as well; refused where it would
+    /// act.
+    pub(crate) fn passed_over<'s>(
+        &mut self,
+        statements: impl IntoIterator<Item = &'s Statement>,
+        what: &str,
+        unknown: &Rc<Unknown>,
+    ) -> Result<Flow, Stop> {
+        let acts = self.host.acts();
+        let mut effects = self.effects_of(statements);
+        if effects.acts {
+            return self.refuse_unknown(
+                &format!("whether this {what}, in which {acts}, is taken"),
+                unknown,
+            );
+        }
+        if !effects.leaves && !effects.continues {
+            self.forget_values(&effects, unknown);
+            return Ok(Flow::Next);
+        }
+        // Whether the rest of the method is run is not known: it must not act either.
+        let method = self.java.activation().map(|own| own.method.clone()).unwrap_or_default();
+        effects = self.effects_of_method(&method);
+        if effects.acts || method.is_empty() {
+            return self.refuse_unknown(
+                &format!("whether this {what} leaves what is around it, where {acts},"),
+                unknown,
+            );
+        }
+        self.forget_values(&effects, unknown);
+        Ok(Flow::Return(Value::Unknown(Rc::clone(unknown))))
+    }
+
+    fn switch(
+        &mut self,
+        statement: &Statement,
+        value: &Expression,
+        groups: &[SwitchGroup],
+    ) -> Result<Flow, Stop> {
+        let value = self.evaluated(value)?;
+        if let Value::Unknown(unknown) = &value {
+            self.here.line = statement.line;
+            return self.passed_over(std::iter::once(statement), "switch", unknown);
+        }
+        if let Value::Null = value {
+            return self.throw("NullPointerException", "the value of a switch is null");
+        }
+        let Some(first) = self.matching_group(&value, groups)? else { return Ok(Flow::Next) };
+        let outside = self.local_count();
+        let mut flow = Flow::Next;
+        for group in &groups[first..] {
+            flow = self.statements(&group.body)?;
+            if !matches!(flow, Flow::Next) || !group.falls_through {
+                break;
+            }
+        }
+        self.forget_locals(outside);
+        Ok(if matches!(flow, Flow::Break(None)) { Flow::Next } else { flow })
+    }
+
+    fn matching_group(
+        &mut self,
+        value: &Value,
+        groups: &[SwitchGroup],
+    ) -> Result<Option<usize>, Stop> {
+        let mut default = None;
+        for (index, group) in groups.iter().enumerate() {
+            for label in &group.labels {
+                let Some(label) = label else {
+                    default = Some(index);
+                    continue;
+                };
+                let is_it = match (value, &label.kind) {
+                    // Constants of an enum are named without it.
+                    (Value::Object(object), ExpressionKind::Name(name))
+                        if object.constant.is_some() =>
+                    {
+                        object.constant.as_ref().is_some_and(|(own, _)| **own == **name)
+                    }
+                    (Value::Host(constant), ExpressionKind::Name(name)) => {
+                        self.host.text(constant) == *name
+                    }
+                    _ => {
+                        let label = self.evaluated(label)?;
+                        value.is_same(&label)
+                    }
+                };
+                if is_it {
+                    return Ok(Some(index));
+                }
+            }
+        }
+        Ok(default)
+    }
+
+    fn tried(
+        &mut self,
+        resources: &[Statement],
+        body: &[Statement],
+        catches: &[Catch],
+    ) -> Result<Flow, Stop> {
+        let depth = self.java.activations.len();
+        let file = Rc::clone(&self.here.file);
+        let inner = self.local_count();
+        let result = match self.statements(resources) {
+            Ok(Flow::Next) => self.statements(body),
+            other => other,
+        };
+        let Err(Stop::Thrown(thrown)) = result else { return result };
+        // The methods that it left are over.
+        self.java.activations.truncate(depth);
+        self.here.file = file;
+        self.forget_locals(inner);
+        for catch in catches {
+            if catch.types.iter().any(|own| self.catches(&own.name, &thrown)) {
+                self.java.declare(&catch.name, None, value_of(&thrown));
+                return self.statements(&catch.body);
+            }
+        }
+        Err(Stop::Thrown(thrown))
+    }
+
+    /// Runs what has to be run however it ended.
+    fn finally(
+        &mut self,
+        result: Result<Flow, Stop>,
+        finally: Option<&[Statement]>,
+    ) -> Result<Flow, Stop> {
+        let Some(finally) = finally else { return result };
+        if matches!(result, Err(Stop::Refused(_) | Stop::Ended)) {
+            return result;
+        }
+        match self.block(finally)? {
+            Flow::Next => result,
+            other => Ok(other),
+        }
+    }
+
+    fn thrown<T>(&mut self, value: Value) -> Result<T, Stop> {
+        let place = self.here.clone();
+        let thrown = match value {
+            Value::Exception(thrown) => thrown,
+            Value::Unknown(unknown) => {
+                return self.refuse_unknown("the exception that is thrown here", &unknown);
+            }
+            Value::Object(object) => {
+                let classes = &self.java.classes;
+                let foreign = classes.foreign_parent(object.class).unwrap_or("Exception");
+                let text = object.message.borrow().clone();
+                let message = match text {
+                    Some(Value::Text(text)) => text.to_string(),
+                    _ => classes.known(object.class).class.name.clone(),
+                };
+                Rc::new(Thrown {
+                    classes: vec![Rc::from(foreign)],
+                    value: Value::Object(object),
+                    message,
+                    place,
+                })
+            }
+            Value::Null => return self.throw("NullPointerException", "what is thrown is null"),
+            other => return self.refuse(format!("{} is thrown", other.kind())),
+        };
+        Err(Stop::Thrown(thrown))
+    }
+
+    /// Whether a `catch` of this type takes an exception.
+    fn catches(&self, name: &str, thrown: &Thrown) -> bool {
+        /// Those that are no `RuntimeException`s.
+        const CHECKED: [&str; 8] = [
+            "Exception",
+            "IOException",
+            "InterruptedException",
+            "TimeoutException",
+            "ExecutionException",
+            "FileNotFoundException",
+            "ClassNotFoundException",
+            "UnknownHostException",
+        ];
+        let class = thrown.classes.first().map_or("Exception", |class| class);
+        let own = match &thrown.value {
+            Value::Object(object) => Some(object.class),
+            _ => None,
+        };
+        let simple = crate::classes::simple(name);
+        let known = self.java.activation().and_then(|own| self.java.classes.find(name, own.class));
+        if let (Some(own), Some(known)) = (own, known) {
+            return self.java.classes.is_a(own, known);
+        }
+        match simple {
+            "Throwable" => true,
+            "Exception" => !class.ends_with("Error"),
+            "RuntimeException" => !class.ends_with("Error") && !CHECKED.contains(&class),
+            "IndexOutOfBoundsException" => class.ends_with("IndexOutOfBoundsException"),
+            "IllegalArgumentException" => {
+                matches!(class, "IllegalArgumentException" | "NumberFormatException")
+            }
+            _ => simple == class,
+        }
+    }
+
+    /// Whether it is true whatever the program does.
+    pub(crate) fn is_always_true(condition: Option<&Expression>) -> bool {
+        condition
+            .is_none_or(|own| matches!(own.kind, ExpressionKind::Literal(Literal::Boolean(true))))
+    }
+}
+
+/// What a `catch` gets.
+fn value_of(thrown: &Rc<Thrown>) -> Value {
+    match &thrown.value {
+        Value::Object(object) => Value::Object(Rc::clone(object)),
+        _ => Value::Exception(Rc::clone(thrown)),
+    }
+}

@@ -1,0 +1,346 @@
+//! The syntax of Java, as far as robot programs use it.
+
+use std::sync::Arc;
+
+/// A source file.
+#[derive(Debug, Default)]
+pub struct Unit {
+    /// Its package, as `a.b`; empty if it names none.
+    pub(crate) package: String,
+    pub(crate) imports: Vec<Import>,
+    pub(crate) classes: Vec<Arc<Class>>,
+}
+
+/// `import a.b.C;`, `import static a.b.C.d;`, `import a.b.*;`.
+#[derive(Debug)]
+pub(crate) struct Import {
+    /// `a.b.C`; for all of a package or class, the name before `.*`.
+    pub(crate) path: String,
+    pub(crate) is_static: bool,
+    pub(crate) is_all: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ClassKind {
+    Class,
+    Interface,
+    Enum,
+}
+
+/// A class, an interface or an enum.
+#[derive(Debug)]
+pub(crate) struct Class {
+    pub(crate) name: String,
+    pub(crate) kind: ClassKind,
+    pub(crate) line: u32,
+    pub(crate) is_abstract: bool,
+    pub(crate) extends: Option<TypeName>,
+    /// What it implements; what an interface extends.
+    pub(crate) implements: Vec<TypeName>,
+    /// Of an enum.
+    pub(crate) constants: Vec<Constant>,
+    /// Fields and initialisers in order.
+    pub(crate) members: Vec<Member>,
+    pub(crate) methods: Vec<Arc<Method>>,
+    pub(crate) constructors: Vec<Arc<Method>>,
+    /// Classes within it.
+    pub(crate) classes: Vec<Arc<Class>>,
+}
+
+/// A constant of an enum.
+#[derive(Debug)]
+pub(crate) struct Constant {
+    pub(crate) name: String,
+    pub(crate) line: u32,
+    pub(crate) arguments: Vec<Expression>,
+    /// The body that it has of its own.
+    pub(crate) body: Option<Arc<Class>>,
+}
+
+#[derive(Debug)]
+pub(crate) enum Member {
+    Field(Field),
+    Initializer { is_static: bool, body: Vec<Statement> },
+}
+
+/// A field; `int a = 1, b;` is two.
+#[derive(Debug)]
+pub(crate) struct Field {
+    pub(crate) name: String,
+    pub(crate) type_name: TypeName,
+    pub(crate) line: u32,
+    /// Those of an interface are static.
+    pub(crate) is_static: bool,
+    pub(crate) annotations: Vec<Annotation>,
+    pub(crate) initial: Option<Expression>,
+}
+
+/// `@Name`, `@Name("value")`; other arguments are left out.
+#[derive(Debug)]
+pub(crate) struct Annotation {
+    /// Without a package.
+    pub(crate) name: String,
+    pub(crate) value: Option<String>,
+}
+
+/// A method or a constructor.
+#[derive(Debug)]
+pub(crate) struct Method {
+    /// That of the class, for constructors.
+    pub(crate) name: String,
+    pub(crate) line: u32,
+    pub(crate) is_static: bool,
+    pub(crate) annotations: Vec<Annotation>,
+    pub(crate) parameters: Vec<Parameter>,
+    /// Whether the last parameter takes any number of arguments; its type has one dimension more than is written.
+    pub(crate) is_variadic: bool,
+    /// `void` if nothing is returned.
+    pub(crate) returns: TypeName,
+    /// None if it is abstract or native.
+    pub(crate) body: Option<Vec<Statement>>,
+}
+
+#[derive(Debug)]
+pub(crate) struct Parameter {
+    pub(crate) name: String,
+    pub(crate) type_name: TypeName,
+}
+
+/// A type, without its type arguments.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct TypeName {
+    /// As written: `int`, `Frame`, `a.b.C`, `Outer.Inner`.
+    pub(crate) name: String,
+    /// Of an array.
+    pub(crate) dimensions: usize,
+}
+
+#[derive(Debug)]
+pub(crate) struct Statement {
+    pub(crate) line: u32,
+    pub(crate) kind: StatementKind,
+}
+
+#[derive(Debug)]
+pub(crate) enum StatementKind {
+    Block(Vec<Statement>),
+    Local {
+        type_name: TypeName,
+        variables: Vec<Variable>,
+    },
+    LocalClass(Arc<Class>),
+    Expression(Expression),
+    If {
+        condition: Expression,
+        then: Box<Statement>,
+        otherwise: Option<Box<Statement>>,
+    },
+    While {
+        condition: Expression,
+        body: Box<Statement>,
+    },
+    DoWhile {
+        body: Box<Statement>,
+        condition: Expression,
+    },
+    For {
+        /// A declaration, or expressions.
+        initial: Vec<Statement>,
+        condition: Option<Expression>,
+        update: Vec<Expression>,
+        body: Box<Statement>,
+    },
+    ForEach {
+        name: String,
+        iterable: Expression,
+        body: Box<Statement>,
+    },
+    Switch {
+        value: Expression,
+        groups: Vec<SwitchGroup>,
+    },
+    Break(Option<String>),
+    Continue(Option<String>),
+    Return(Option<Expression>),
+    Throw(Expression),
+    Try {
+        /// Declarations, or expressions.
+        resources: Vec<Statement>,
+        body: Vec<Statement>,
+        catches: Vec<Catch>,
+        finally: Option<Vec<Statement>>,
+    },
+    Labelled {
+        label: String,
+        body: Box<Statement>,
+    },
+    Synchronized {
+        body: Vec<Statement>,
+    },
+    Assert,
+    Empty,
+    /// What it is, with its article: "a yield statement".
+    Unsupported(String),
+}
+
+/// A local variable of a declaration.
+#[derive(Debug)]
+pub(crate) struct Variable {
+    pub(crate) name: String,
+    /// `[]` behind the name, beyond those of the type.
+    pub(crate) dimensions: usize,
+    pub(crate) initial: Option<Expression>,
+}
+
+/// `case 1: case 2: ...`.
+#[derive(Debug)]
+pub(crate) struct SwitchGroup {
+    /// None is `default`.
+    pub(crate) labels: Vec<Option<Expression>>,
+    pub(crate) body: Vec<Statement>,
+    /// Whether it goes on into the next group: false for those with `->`.
+    pub(crate) falls_through: bool,
+}
+
+#[derive(Debug)]
+pub(crate) struct Catch {
+    pub(crate) types: Vec<TypeName>,
+    pub(crate) name: String,
+    pub(crate) body: Vec<Statement>,
+}
+
+#[derive(Debug)]
+pub(crate) struct Expression {
+    /// Where it begins; of a call or an access to a field, where its name stands.
+    pub(crate) line: u32,
+    pub(crate) kind: ExpressionKind,
+}
+
+#[derive(Debug)]
+pub(crate) enum ExpressionKind {
+    Literal(Literal),
+    /// A single name: of a local variable, a field or a class.
+    Name(String),
+    Field {
+        of: Box<Expression>,
+        name: String,
+    },
+    Call {
+        on: Option<Box<Expression>>,
+        name: String,
+        arguments: Vec<Expression>,
+    },
+    /// `this(...)` in a constructor.
+    ThisCall(Vec<Expression>),
+    /// `super(...)` in a constructor.
+    SuperCall(Vec<Expression>),
+    New {
+        type_name: TypeName,
+        arguments: Vec<Expression>,
+        /// Of an anonymous class.
+        body: Option<Arc<Class>>,
+    },
+    /// `new int[2][]`, `new int[] {1, 2}`.
+    NewArray {
+        /// With all dimensions.
+        type_name: TypeName,
+        /// Those that are given.
+        lengths: Vec<Expression>,
+        values: Option<Vec<Expression>>,
+    },
+    /// `{1, 2}` where an array is declared, or within another.
+    Array(Vec<Expression>),
+    Index {
+        of: Box<Expression>,
+        index: Box<Expression>,
+    },
+    Unary {
+        operator: UnaryOperator,
+        value: Box<Expression>,
+    },
+    /// `++a`, `a--`.
+    Step {
+        target: Box<Expression>,
+        is_increment: bool,
+        is_prefix: bool,
+    },
+    Binary {
+        operator: BinaryOperator,
+        left: Box<Expression>,
+        right: Box<Expression>,
+    },
+    /// `a = b`, `a += b`.
+    Assign {
+        operator: Option<BinaryOperator>,
+        target: Box<Expression>,
+        value: Box<Expression>,
+    },
+    Conditional {
+        condition: Box<Expression>,
+        then: Box<Expression>,
+        otherwise: Box<Expression>,
+    },
+    Cast {
+        type_name: TypeName,
+        value: Box<Expression>,
+    },
+    InstanceOf {
+        value: Box<Expression>,
+        type_name: TypeName,
+    },
+    This,
+    /// `super` before a method or field.
+    Super,
+    /// `Name.class`.
+    ClassLiteral(TypeName),
+    /// What it is, with its article: "a lambda expression".
+    Unsupported(String),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Literal {
+    Null,
+    Boolean(bool),
+    Char(u16),
+    Int(i32),
+    Long(i64),
+    Float(f32),
+    Double(f64),
+    String(String),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum UnaryOperator {
+    Plus,
+    Minus,
+    Not,
+    /// `~`.
+    Complement,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BinaryOperator {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Remainder,
+    ShiftLeft,
+    ShiftRight,
+    /// `>>>`.
+    ShiftRightUnsigned,
+    Less,
+    LessOrEqual,
+    Greater,
+    GreaterOrEqual,
+    Equal,
+    NotEqual,
+    /// `&`, of bits or without short circuit.
+    And,
+    Xor,
+    Or,
+    /// `&&`.
+    AndAlso,
+    /// `||`.
+    OrElse,
+}

@@ -1,0 +1,247 @@
+//! Values of Java, as the evaluator has them.
+
+use std::{cell::RefCell, collections::HashMap, rc::Rc};
+
+use crate::{
+    class_id::ClassId, host_value::HostValue, place::Place, syntax::TypeName, unknown::Unknown,
+};
+
+/// A value; copies of arrays, collections and objects are the same array, collection or object, as in Java.
+#[derive(Clone, Debug)]
+pub enum Value {
+    /// `null`.
+    Null,
+    /// A `boolean`.
+    Boolean(bool),
+    /// A `char`, a unit of UTF-16.
+    Char(u16),
+    /// A `byte`, `short` or `int`.
+    Int(i32),
+    /// A `long`.
+    Long(i64),
+    /// A `float`.
+    Float(f32),
+    /// A `double`.
+    Double(f64),
+    /// A `String`.
+    Text(Rc<str>),
+    /// An array.
+    Array(Rc<Array>),
+    /// Any `java.util` list, stack or queue.
+    List(Rc<RefCell<Vec<Value>>>),
+    /// Any `java.util` map or set.
+    Map(Rc<RefCell<Map>>),
+    /// Where an iteration stands: what is left, from the last one on.
+    Iterator(Rc<RefCell<Vec<Value>>>),
+    /// An `AtomicInteger` or the like.
+    Cell(Rc<RefCell<Value>>),
+    /// A `StringBuilder` or `StringBuffer`.
+    Builder(Rc<RefCell<String>>),
+    /// Of a class of the project.
+    Object(Rc<Object>),
+    /// An exception of Java's or KUKA's.
+    Exception(Rc<Thrown>),
+    /// A class of the project.
+    Class(ClassId),
+    /// A class of KUKA's or of Java, by its simple name.
+    ForeignClass(Rc<str>),
+    /// Of a class of the host.
+    Host(Rc<dyn HostValue>),
+    /// What cannot be known before the program runs.
+    Unknown(Rc<Unknown>),
+}
+
+/// An array and the type of its elements.
+#[derive(Debug)]
+pub struct Array {
+    pub(crate) element: TypeName,
+    /// Its elements.
+    pub values: RefCell<Vec<Value>>,
+}
+
+/// A map or a set; entries are in the order in which they were put in.
+#[derive(Debug, Default)]
+pub struct Map {
+    /// Keys and values; of a set, the keys alone count.
+    pub entries: Vec<(Value, Value)>,
+    /// Whether it is one of `java.util` that keeps this order, or sorts.
+    pub order: MapOrder,
+    /// Whether it is a set: its keys are the elements.
+    pub is_set: bool,
+}
+
+/// An object, or a constant of an enum.
+#[derive(Debug)]
+pub struct Object {
+    pub(crate) class: ClassId,
+    /// Its fields by the class that declares them and their names.
+    pub(crate) fields: RefCell<HashMap<(ClassId, String), Value>>,
+    /// The object within which it was made, of an inner class.
+    pub(crate) outer: Option<Value>,
+    /// The local variables that an anonymous or local class sees.
+    pub(crate) captured: HashMap<String, Value>,
+    /// Its name and place, if it is a constant of an enum.
+    pub(crate) constant: Option<(Rc<str>, i32)>,
+    /// What its class inherits from one that is not of the project: the name of a group of inputs and outputs, say.
+    pub inherited: RefCell<Option<Value>>,
+    /// Its message, if it is an exception.
+    pub(crate) message: RefCell<Option<Value>>,
+}
+
+/// An exception of Java.
+#[derive(Debug)]
+pub struct Thrown {
+    /// Its class and those above it that are not of the project, by their simple names, from it upwards.
+    pub classes: Vec<Rc<str>>,
+    /// It, if its class is of the project; else its message or null.
+    pub value: Value,
+    /// What it says.
+    pub message: String,
+    /// Where it was thrown.
+    pub place: Place,
+}
+
+/// The order in which a map is iterated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MapOrder {
+    /// By hashes of its keys, as in a `HashMap`.
+    #[default]
+    Hashed,
+    /// As put in.
+    Linked,
+    /// By its keys.
+    Sorted,
+}
+
+impl Object {
+    /// One whose class is none of a project's, for tests of a host alone.
+    #[must_use]
+    pub fn detached() -> Self {
+        Self {
+            class: ClassId(usize::MAX),
+            fields: RefCell::default(),
+            outer: None,
+            captured: HashMap::new(),
+            constant: None,
+            inherited: RefCell::default(),
+            message: RefCell::default(),
+        }
+    }
+}
+
+impl Value {
+    /// A `String`.
+    pub fn text(text: impl AsRef<str>) -> Self {
+        Self::Text(Rc::from(text.as_ref()))
+    }
+
+    /// A list.
+    #[must_use]
+    pub fn list(values: Vec<Self>) -> Self {
+        Self::List(Rc::new(RefCell::new(values)))
+    }
+
+    /// An array of objects of this type.
+    #[must_use]
+    pub fn array(element: &str, values: Vec<Self>) -> Self {
+        let element = TypeName { name: element.to_owned(), dimensions: 0 };
+        Self::Array(Rc::new(Array { element, values: RefCell::new(values) }))
+    }
+
+    /// As a number, with what Java widens to it; none if it is no number.
+    #[must_use]
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Char(code) => Some(f64::from(*code)),
+            Self::Int(value) => Some(f64::from(*value)),
+            #[expect(clippy::cast_precision_loss, reason = "as Java does")]
+            Self::Long(value) => Some(*value as f64),
+            Self::Float(value) => Some(f64::from(*value)),
+            Self::Double(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// As a whole number; none if it is of another type.
+    #[must_use]
+    pub fn integer(&self) -> Option<i64> {
+        match self {
+            Self::Char(code) => Some(i64::from(*code)),
+            Self::Int(value) => Some(i64::from(*value)),
+            Self::Long(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// What cannot be known, if it is that.
+    #[must_use]
+    pub fn unknown(&self) -> Option<&Rc<Unknown>> {
+        match self {
+            Self::Unknown(unknown) => Some(unknown),
+            _ => None,
+        }
+    }
+
+    /// The elements of an array or a collection.
+    #[must_use]
+    pub fn elements(&self) -> Option<Vec<Self>> {
+        match self {
+            Self::Array(array) => Some(array.values.borrow().clone()),
+            Self::List(list) => Some(list.borrow().clone()),
+            _ => None,
+        }
+    }
+
+    /// `==` of Java, but for strings, which are compared by their text: equal literals are the same object there.
+    #[must_use]
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Null, Self::Null) => true,
+            (Self::Boolean(a), Self::Boolean(b)) => a == b,
+            (Self::Text(a), Self::Text(b)) | (Self::ForeignClass(a), Self::ForeignClass(b)) => {
+                a == b
+            }
+            (Self::Array(a), Self::Array(b)) => Rc::ptr_eq(a, b),
+            (Self::List(a), Self::List(b)) | (Self::Iterator(a), Self::Iterator(b)) => {
+                Rc::ptr_eq(a, b)
+            }
+            (Self::Map(a), Self::Map(b)) => Rc::ptr_eq(a, b),
+            (Self::Builder(a), Self::Builder(b)) => Rc::ptr_eq(a, b),
+            (Self::Cell(a), Self::Cell(b)) => Rc::ptr_eq(a, b),
+            (Self::Object(a), Self::Object(b)) => Rc::ptr_eq(a, b),
+            (Self::Exception(a), Self::Exception(b)) => Rc::ptr_eq(a, b),
+            (Self::Class(a), Self::Class(b)) => a == b,
+            (Self::Host(a), Self::Host(b)) => a.is_same(&**b),
+            (a, b) => match (a.integer(), b.integer()) {
+                (Some(a), Some(b)) => a == b,
+                #[expect(clippy::float_cmp, reason = "as Java does")]
+                _ => a.number().zip(b.number()).is_some_and(|(a, b)| a == b),
+            },
+        }
+    }
+
+    /// What it is, with its article, for messages.
+    #[must_use]
+    pub fn kind(&self) -> String {
+        match self {
+            Self::Null => "null".to_owned(),
+            Self::Boolean(_) => "a boolean".to_owned(),
+            Self::Char(_) => "a character".to_owned(),
+            Self::Int(_) | Self::Long(_) | Self::Float(_) | Self::Double(_) => {
+                "a number".to_owned()
+            }
+            Self::Text(_) => "a string".to_owned(),
+            Self::Array(_) => "an array".to_owned(),
+            Self::List(_) => "a list".to_owned(),
+            Self::Map(_) => "a map".to_owned(),
+            Self::Iterator(_) => "an iterator".to_owned(),
+            Self::Cell(_) => "an atomic value".to_owned(),
+            Self::Builder(_) => "a StringBuilder".to_owned(),
+            Self::Object(_) => "an object of the project".to_owned(),
+            Self::Exception(_) => "an exception".to_owned(),
+            Self::Class(_) | Self::ForeignClass(_) => "a class".to_owned(),
+            Self::Host(value) => value.kind().to_owned(),
+            Self::Unknown(unknown) => unknown.to_string(),
+        }
+    }
+}

@@ -1,0 +1,401 @@
+//! Variables and fields: what their names mean, and how they get other values.
+
+use std::rc::Rc;
+
+use crate::{
+    class_id::ClassId,
+    classes::simple,
+    effects::Effects,
+    machine::Machine,
+    stop::Stop,
+    syntax::{Expression, ExpressionKind, Field, Member, TypeName},
+    unknown::Unknown,
+    value::{Object, Value},
+};
+
+/// Where a value is kept.
+pub(crate) enum Slot {
+    /// A local variable, by its place among those of the method.
+    Local(usize),
+    /// A field of an object.
+    Field(Rc<Object>, ClassId, String),
+    Static(ClassId, String),
+    Element(Rc<crate::value::Array>, usize),
+    /// Of something that is not known, or of a library: what is put there is lost.
+    Elsewhere,
+}
+
+impl Machine {
+    /// What a single name stands for.
+    pub(crate) fn named(&mut self, name: &str) -> Result<Value, Stop> {
+        if let Some(value) = self.variable(name)? {
+            return Ok(value);
+        }
+        let Some(class) = self.java.activation().map(|own| own.class) else {
+            return self.refuse(format!("`{name}` is not known"));
+        };
+        if let Some(id) = self.java.classes.find(name, class) {
+            return Ok(Value::Class(id));
+        }
+        for import in self.java.classes.static_imports(name, class) {
+            if let Some(id) = self.java.classes.by_qualified_name(&import) {
+                if let Some(value) = self.static_field(id, name)? {
+                    return Ok(value);
+                }
+            } else if let Some(value) = self.foreign_constant(simple(&import), name)? {
+                return Ok(value);
+            }
+        }
+        if name.starts_with(|letter: char| letter.is_uppercase()) {
+            return Ok(Value::ForeignClass(Rc::from(name)));
+        }
+        Ok(self.unknown(format!("`{name}`, which no source of the project declares")))
+    }
+
+    /// A local variable, or a field of this object or of one around it; none if there is none of this name.
+    pub(crate) fn variable(&mut self, name: &str) -> Result<Option<Value>, Stop> {
+        let Some(activation) = self.java.activation() else { return Ok(None) };
+        if let Some(local) = activation.locals.iter().rev().find(|local| local.name == name) {
+            return Ok(Some(local.value.clone()));
+        }
+        let mut around = activation.this.clone();
+        let mut class = Some(activation.class);
+        while let Some(id) = class {
+            if let Some(object) = &around {
+                if let Some(value) = object.captured.get(name) {
+                    return Ok(Some(value.clone()));
+                }
+                if let Some(value) = self.field_of(object, id, name) {
+                    return Ok(Some(value));
+                }
+            }
+            if let Some(value) = self.static_field(id, name)? {
+                return Ok(Some(value));
+            }
+            class = self.java.classes.known(id).outer;
+            around = around.and_then(|object| match &object.outer {
+                Some(Value::Object(outer)) => Some(Rc::clone(outer)),
+                _ => None,
+            });
+        }
+        Ok(None)
+    }
+
+    /// A field of an object, as the class `from` sees it.
+    pub(crate) fn field_of(&self, object: &Rc<Object>, from: ClassId, name: &str) -> Option<Value> {
+        self.owner_of(object, from, name)
+            .and_then(|owner| object.fields.borrow().get(&(owner, name.to_owned())).cloned())
+    }
+
+    /// The class that declares the field that is meant.
+    fn owner_of(&self, object: &Rc<Object>, from: ClassId, name: &str) -> Option<ClassId> {
+        let classes = &self.java.classes;
+        let start = if classes.is_a(object.class, from) { from } else { object.class };
+        let fields = object.fields.borrow();
+        let has = |id: &ClassId| fields.contains_key(&(*id, name.to_owned()));
+        let above = classes.with_parents(start).into_iter().find(has);
+        above.or_else(|| classes.with_parents(object.class).into_iter().find(has))
+    }
+
+    /// A static field of a class or of one above it.
+    pub(crate) fn static_field(&mut self, id: ClassId, name: &str) -> Result<Option<Value>, Stop> {
+        match self.static_owner(id, name) {
+            Some(owner) => {
+                self.initialize(owner)?;
+                Ok(self.java.statics.get(&(owner, name.to_owned())).cloned())
+            }
+            None => Ok(None),
+        }
+    }
+
+    fn static_owner(&self, id: ClassId, name: &str) -> Option<ClassId> {
+        let classes = &self.java.classes;
+        classes.with_parents(id).into_iter().find(|id| {
+            let class = &classes.known(*id).class;
+            class.constants.iter().any(|constant| constant.name == name)
+                || static_fields(&class.members).any(|field| field.name == name)
+        })
+    }
+
+    /// The member `name` of a value.
+    pub(crate) fn member(&mut self, of: &Value, name: &str) -> Result<Value, Stop> {
+        match of {
+            Value::Object(object) => {
+                let from = self.java.activation().map_or(object.class, |own| own.class);
+                if let Some(value) = self.field_of(object, from, name) {
+                    return Ok(value);
+                }
+                if let Some(value) = self.static_field(object.class, name)? {
+                    return Ok(value);
+                }
+                Ok(self.unknown(format!(
+                    "the field `{name}`, which no source of the project declares"
+                )))
+            }
+            Value::Class(id) => self.class_member(*id, name),
+            Value::ForeignClass(class) => match self.foreign_constant(class, name)? {
+                Some(value) => Ok(value),
+                None if name.starts_with(|letter: char| letter.is_uppercase())
+                    && !name.chars().all(|c| c.is_uppercase() || c == '_' || c.is_numeric()) =>
+                {
+                    Ok(Value::ForeignClass(Rc::from(name)))
+                }
+                None => Ok(self.unknown(format!("`{class}.{name}`, of a library without source"))),
+            },
+            Value::Array(array) if name == "length" => {
+                let length = i32::try_from(array.values.borrow().len());
+                Ok(Value::Int(length.unwrap_or(i32::MAX)))
+            }
+            Value::Host(value) => {
+                let (host, value) = (Rc::clone(&self.host), Rc::clone(value));
+                host.field(self, &value, name)
+            }
+            Value::Unknown(_) => Ok(of.clone()),
+            Value::Null => {
+                self.throw("NullPointerException", format!("the field `{name}` of null is used"))
+            }
+            other => self.refuse(format!("{} has no field `{name}`", other.kind())),
+        }
+    }
+
+    fn class_member(&mut self, id: ClassId, name: &str) -> Result<Value, Stop> {
+        if name == "this" {
+            return Ok(self.this_within(id));
+        }
+        if let Some(value) = self.static_field(id, name)? {
+            return Ok(value);
+        }
+        if let Some(inner) = self.java.classes.find(name, id) {
+            Ok(Value::Class(inner))
+        } else {
+            let class = self.java.classes.known(id).class.name.clone();
+            if let Some(parent) = self.java.classes.foreign_parent(id).map(str::to_owned)
+                && let Some(value) = self.foreign_constant(&parent, name)?
+            {
+                return Ok(value);
+            }
+            self.refuse(format!("the class {class} has no static field `{name}`"))
+        }
+    }
+
+    /// The object of the class `id` that is run, or within which that stands.
+    pub(crate) fn this_within(&self, id: ClassId) -> Value {
+        let mut around = self.java.activation().and_then(|own| own.this.clone());
+        while let Some(object) = around {
+            if self.java.classes.is_a(object.class, id) {
+                return Value::Object(object);
+            }
+            around = match &object.outer {
+                Some(Value::Object(outer)) => Some(Rc::clone(outer)),
+                _ => None,
+            };
+        }
+        Value::Null
+    }
+
+    /// Where an expression keeps its value.
+    pub(crate) fn slot(&mut self, target: &Expression) -> Result<Slot, Stop> {
+        match &target.kind {
+            ExpressionKind::Name(name) => self.slot_of_name(name),
+            ExpressionKind::Field { of, name } => {
+                let of = self.evaluated(of)?;
+                self.here.line = target.line;
+                match of {
+                    Value::Object(object) => {
+                        let from = self.java.activation().map_or(object.class, |own| own.class);
+                        Ok(match self.owner_of(&object, from, name) {
+                            Some(owner) => Slot::Field(object, owner, name.clone()),
+                            None => self.static_slot(object.class, name)?,
+                        })
+                    }
+                    Value::Class(id) => self.static_slot(id, name),
+                    Value::Null => self.throw(
+                        "NullPointerException",
+                        format!("the field `{name}` of null is assigned"),
+                    ),
+                    _ => Ok(Slot::Elsewhere),
+                }
+            }
+            ExpressionKind::Index { of, index } => {
+                let of = self.evaluated(of)?;
+                let index = self.evaluated(index)?;
+                self.here.line = target.line;
+                match (of, &index) {
+                    (Value::Array(array), Value::Unknown(unknown)) => {
+                        // Any of them may be it.
+                        let unknown = Value::Unknown(Rc::clone(unknown));
+                        array.values.borrow_mut().fill(unknown);
+                        Ok(Slot::Elsewhere)
+                    }
+                    (Value::Array(array), _) => {
+                        let index = self.index(&index, array.values.borrow().len())?;
+                        Ok(Slot::Element(array, index))
+                    }
+                    (Value::Null, _) => {
+                        self.throw("NullPointerException", "an element of null is assigned")
+                    }
+                    _ => Ok(Slot::Elsewhere),
+                }
+            }
+            _ => self.refuse("a value is assigned to what is no variable"),
+        }
+    }
+
+    fn static_slot(&mut self, id: ClassId, name: &str) -> Result<Slot, Stop> {
+        let Some(owner) = self.static_owner(id, name) else { return Ok(Slot::Elsewhere) };
+        self.initialize(owner)?;
+        Ok(Slot::Static(owner, name.to_owned()))
+    }
+
+    fn slot_of_name(&mut self, name: &str) -> Result<Slot, Stop> {
+        let Some(activation) = self.java.activation() else { return Ok(Slot::Elsewhere) };
+        if let Some(index) = activation.locals.iter().rposition(|local| local.name == name) {
+            return Ok(Slot::Local(index));
+        }
+        let mut around = activation.this.clone();
+        let mut class = Some(activation.class);
+        while let Some(id) = class {
+            if let Some(object) = &around
+                && let Some(owner) = self.owner_of(object, id, name)
+            {
+                return Ok(Slot::Field(Rc::clone(object), owner, name.to_owned()));
+            }
+            if self.static_owner(id, name).is_some() {
+                return self.static_slot(id, name);
+            }
+            class = self.java.classes.known(id).outer;
+            around = around.and_then(|object| match &object.outer {
+                Some(Value::Object(outer)) => Some(Rc::clone(outer)),
+                _ => None,
+            });
+        }
+        Ok(Slot::Elsewhere)
+    }
+
+    /// What is kept there.
+    pub(crate) fn kept(&mut self, slot: &Slot) -> Value {
+        let found = match slot {
+            Slot::Local(index) => {
+                let locals = self.java.activation().map(|own| &own.locals);
+                locals.and_then(|own| own.get(*index)).map(|local| local.value.clone())
+            }
+            Slot::Field(object, owner, name) => {
+                object.fields.borrow().get(&(*owner, name.clone())).cloned()
+            }
+            Slot::Static(owner, name) => self.java.statics.get(&(*owner, name.clone())).cloned(),
+            Slot::Element(array, index) => array.values.borrow().get(*index).cloned(),
+            Slot::Elsewhere => None,
+        };
+        found.unwrap_or_else(|| self.unknown("a field of a library without source"))
+    }
+
+    /// Puts a value there, as the type of the variable has it, and gives what is there now.
+    pub(crate) fn keep(&mut self, slot: &Slot, value: Value) -> Value {
+        let old = self.kept(slot);
+        let value = match self.type_of(slot) {
+            Some(wanted) => value.converted_to(&wanted),
+            None => value,
+        };
+        let lasts = match slot {
+            Slot::Local(index) => {
+                self.java.activation().is_some_and(|own| *index < own.outside_loop)
+            }
+            Slot::Elsewhere => false,
+            _ => true,
+        };
+        if lasts && !old.is_same(&value) {
+            self.java.changes += 1;
+        }
+        match slot {
+            Slot::Local(index) => {
+                if let Some(local) = self.java.locals_mut().and_then(|own| own.get_mut(*index)) {
+                    local.value = value.clone();
+                }
+            }
+            Slot::Field(object, owner, name) => {
+                object.fields.borrow_mut().insert((*owner, name.clone()), value.clone());
+            }
+            Slot::Static(owner, name) => {
+                self.java.statics.insert((*owner, name.clone()), value.clone());
+            }
+            Slot::Element(array, index) => {
+                if let Some(element) = array.values.borrow_mut().get_mut(*index) {
+                    *element = value.clone();
+                }
+            }
+            Slot::Elsewhere => {}
+        }
+        value
+    }
+
+    fn type_of(&self, slot: &Slot) -> Option<TypeName> {
+        let field = |owner: &ClassId, name: &str| {
+            let members = &self.java.classes.known(*owner).class.members;
+            let found = fields(members).find(|field| field.name == name);
+            found.map(|field| field.type_name.clone())
+        };
+        match slot {
+            Slot::Local(index) => {
+                let local = self.java.activation()?.locals.get(*index)?;
+                local.type_name.clone()
+            }
+            Slot::Field(_, owner, name) | Slot::Static(owner, name) => field(owner, name),
+            Slot::Element(array, _) => Some(array.element.clone()),
+            Slot::Elsewhere => None,
+        }
+    }
+
+    /// An index into `length` elements.
+    pub(crate) fn index(&mut self, index: &Value, length: usize) -> Result<usize, Stop> {
+        let Some(index) = index.integer() else {
+            return self.refuse(format!("an index is {}", index.kind()));
+        };
+        match usize::try_from(index) {
+            Ok(index) if index < length => Ok(index),
+            _ => self.throw(
+                "ArrayIndexOutOfBoundsException",
+                format!("the index {index} is outside of {length} elements"),
+            ),
+        }
+    }
+
+    /// Makes unknown what `effects` may change.
+    pub(crate) fn forget_values(&mut self, effects: &Effects, unknown: &Rc<Unknown>) {
+        self.java.changes += u64::from(!effects.assigns.is_empty() || !effects.changes.is_empty());
+        let forgotten = |name: &str, old: &Value| {
+            let holds_others =
+                matches!(old, Value::List(_) | Value::Map(_) | Value::Array(_) | Value::Builder(_))
+                    || matches!(old, Value::Host(value) if value.is_mutable());
+            effects.assigns.contains(name) || (holds_others && effects.changes.contains(name))
+        };
+        for local in self.java.activations.iter_mut().flat_map(|own| &mut own.locals) {
+            if forgotten(&local.name, &local.value) {
+                local.value = Value::Unknown(Rc::clone(unknown));
+            }
+        }
+        for ((_, name), value) in &mut self.java.statics {
+            if forgotten(name, value) {
+                *value = Value::Unknown(Rc::clone(unknown));
+            }
+        }
+        self.java.objects.retain(|object| object.strong_count() > 0);
+        for object in self.java.objects.iter().filter_map(std::rc::Weak::upgrade) {
+            for ((_, name), value) in object.fields.borrow_mut().iter_mut() {
+                if forgotten(name, value) {
+                    *value = Value::Unknown(Rc::clone(unknown));
+                }
+            }
+        }
+    }
+}
+
+pub(crate) fn fields(members: &[Member]) -> impl Iterator<Item = &Field> {
+    members.iter().filter_map(|member| match member {
+        Member::Field(field) => Some(field),
+        Member::Initializer { .. } => None,
+    })
+}
+
+fn static_fields(members: &[Member]) -> impl Iterator<Item = &Field> {
+    fields(members).filter(|field| field.is_static)
+}

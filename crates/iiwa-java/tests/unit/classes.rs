@@ -1,0 +1,93 @@
+//! Files, classes and their members.
+
+use super::{shown, unit};
+
+#[track_caller]
+fn is(written: &str, expected: &str) {
+    let shown: Vec<String> =
+        unit(written).classes.iter().map(|class| shown::class(class)).collect();
+    assert_eq!(shown.join(" "), expected, "{written}");
+}
+
+#[test]
+fn heads_of_files() {
+    let read = unit(
+        "package a.b;\nimport c.D;\nimport e.f.*;\nimport static g.H.i;\nimport static j.K.*;\n",
+    );
+    assert_eq!(read.package, "a.b");
+    let imports = read.imports.iter().map(|i| (i.path.as_str(), i.is_static, i.is_all));
+    let expected =
+        [("c.D", false, false), ("e.f", false, true), ("g.H.i", true, false), ("j.K", true, true)];
+    assert_eq!(imports.collect::<Vec<_>>(), expected);
+    assert!(read.classes.is_empty());
+}
+
+#[test]
+fn files_without_a_type() {
+    for text in [
+        "",
+        "\n",
+        "// nothing",
+        "/* nothing */",
+        "package a;",
+        ";",
+        "@interface A { }",
+        "record A(int b) { }",
+        "module a.b { requires c; }",
+        "\u{1a}",
+    ] {
+        assert!(unit(text).classes.is_empty(), "{text:?}");
+    }
+}
+
+#[test]
+fn kinds_of_classes() {
+    is("class A { }", "<class A extends - implements []>");
+    is(
+        "public final class A<T extends B<T>> extends c.D<E> implements F, G<H> { }",
+        "<class A extends c.D implements [F G]>",
+    );
+    is("abstract class A { }", "<abstract class A extends - implements []>");
+    is(
+        "@Tag interface A extends B, C { int D = 1; void e(); default int f() { return 1; } static void g() { } class H { } }",
+        "<abstract interface A extends - implements [B C], static int D=1, void e() -, int f() {return 1;}, static void g() {}, \
+         <class H extends - implements []>>",
+    );
+    is(
+        "enum A implements B { C, D(1) { int e() { return 2; } }, ; int f; A() { } A(int f) { this.f = f; } int e() { return 1; } }",
+        "<enum A extends - implements [B], C(), D(1)<class  extends - implements [], int e() {return 2;}>, int f=-, \
+         int e() {return 1;}, new void A() {}, new void A(int f) {(this.f = f);}>",
+    );
+    is(
+        "class A { } class B { } interface C { } enum D { }",
+        "<class A extends - implements []> <class B extends - implements []> \
+         <abstract interface C extends - implements []> <enum D extends - implements []>",
+    );
+}
+
+#[test]
+fn members() {
+    is(
+        "class A { private int a; static final double[] B = {1, 2}, C[] = null; { a = 1; } static { b(); } }",
+        "<class A extends - implements [], int a=-, static double[] B={1 2}, static double[][] C=null, {(a = 1);}, static {b();}>",
+    );
+    is(
+        "class A { @Inject @Named(\"Gripper\") private Tool t; @a.Named(value = \"x\") Tool u; @Tag(1) @Tags({\"a\"}) int v; }",
+        "<class A extends - implements [], @Inject=- @Named=Gripper Tool t=-, @Named=x Tool u=-, @Tag=- @Tags=- int v=->",
+    );
+    is(
+        "class A { @Override public void a() throws B, C { } protected static <T> T[] b(final int c, T... d) { return d; } abstract int e(); native void f(); int g()[] { return h; } }",
+        "<class A extends - implements [], @Override void a() {}, static T[] b(int c T[] d...) {return d;}, int e() -, \
+         void f() -, int[] g() {return h;}>",
+    );
+    is(
+        "class A { A() { super(1, b); c(); } A(int d[]) { this(); } <T> A(T e) { f.super(); } A(A this, int g) { } }",
+        "<class A extends - implements [], new void A() {super(1 b); c();}, new void A(int[] d) {this();}, \
+         new void A(T e) {<a `super(...)` of an outer object>;}, new void A(int g) {}>",
+    );
+    is(
+        "class A { class B { static class C { } } enum D { E } interface F { } record G(int h) { } @interface I { } ; }",
+        "<class A extends - implements [], <class B extends - implements [], <class C extends - implements []>>, \
+         <enum D extends - implements [], E()>, <abstract interface F extends - implements []>>",
+    );
+}

@@ -1,0 +1,112 @@
+//! What is wrong with a text, and where, in plain words.
+
+use super::{fault, read};
+use crate::source_error::SourceFault;
+
+/// The place, and the words.
+#[track_caller]
+fn is(text: &str, expected: &str) {
+    assert_eq!(fault(text).to_string(), format!("A.java:{expected}"), "{text}");
+}
+
+#[track_caller]
+fn is_in_method(statements: &str, expected: &str) {
+    is(&format!("class A {{ void a() {{\n{statements}\n}} }}"), expected);
+}
+
+#[test]
+fn of_characters_texts_and_comments() {
+    is("class A {\n  int # }", "2:7: `#` has no meaning in Java");
+    is(
+        "class A { int \\u0061; }",
+        "1:15: `\\` has a meaning within texts only; write the character that is meant",
+    );
+    is(
+        "class A { String a = \"b;\n}",
+        "1:22: this text does not end on its line: `\"` is expected",
+    );
+    is("class A { char a = 'b;\n}", "1:20: this text does not end on its line: `'` is expected");
+    is(
+        "class A { String a = \"b\\\n\"; }",
+        "1:22: this text does not end on its line: `\"` is expected",
+    );
+    is("class A {\n/* }", "2:1: this comment does not end: `*/` is expected after it");
+    is(
+        "class A { String a = \"\"\"\n\"\"",
+        "1:22: this text block does not end: `\"\"\"` is expected after it",
+    );
+    is("\u{e4}\u{e4} \u{fffd}", "1:4: `\u{fffd}` has no meaning in Java");
+    is(
+        "class A { String a = \"\\q\"; }",
+        "1:23: `\\` is followed by no character that it may escape",
+    );
+}
+
+#[test]
+fn of_brackets() {
+    is("class A {\n  void a() {\n}", "1:9: this `{` is not closed: `}` is expected");
+    is("class A { } }", "1:13: `}` closes nothing");
+    is(
+        "class A { void a() {\n b(c[1); } }",
+        "2:7: `]` is expected, which closes the `[` of line 2, not `)`",
+    );
+}
+
+#[test]
+fn of_declarations() {
+    is("klass A { }", "1:8: `;` is expected");
+    is("class { }", "1:7: a name is expected, not `{`");
+    is("class A { run() { } }", "1:11: `run` lacks the type that it returns, or `void`");
+    is("class A { void a(int) { } }", "1:21: the name of a parameter is expected");
+    is("void a() { }", "1:1: a class is expected: what is here is outside of any");
+    is("class A { int a = 1 int b; }", "1:20: `;` is expected");
+    is("class A { int if; }", "1:15: a method or a field is expected, not `if`");
+    is(
+        "class A { }\nimport b.C;",
+        "2:1: this is no Java: import declarations must precede all type declarations and members",
+    );
+}
+
+#[test]
+fn of_statements() {
+    is_in_method("a(b)\nc();", "2:5: `;` is expected");
+    is_in_method("a(1, );", "2:6: a value is expected, not `)`");
+    is_in_method("a..b();", "2:3: a name is expected, not `.`");
+    is_in_method("if a { }", "2:4: `(` is expected, not `a`");
+    is_in_method("a.if;", "2:3: a name is expected, not `if`");
+    is_in_method("try { }", "2:7: `catch` or `finally` is expected after this `}`");
+    is_in_method("a.;", "2:3: a name is expected, not `;`");
+    is_in_method(
+        "switch (a) { case 1 -> b(); c(); }",
+        "2:21: one statement is expected behind `->`",
+    );
+    is_in_method("switch (a) { b(); }", "2:14: `}` is expected, not `b`");
+    is_in_method("new A { };", "2:6: `(` is expected behind the class of a new object");
+    is_in_method("int a = b[];", "2:10: a name is expected, not `[`");
+    is_in_method("a = new int[];", "2:5: an array needs either its lengths or its values");
+    is_in_method("a = new int[][3];", "2:5: an array has its lengths in its first brackets");
+}
+
+#[test]
+fn within_what_the_parser_gives_up() {
+    is_in_method("int a = 3 + ;", "2:13: a value is expected, not `;`");
+    is_in_method("int a = 1, b = ;", "2:16: a value is expected, not `;`");
+    is_in_method("Frame a = b(1 2);", "2:15: `)` is expected, not `2`");
+    is_in_method("List<A> a = b(1) c;", "2:17: `;` is expected");
+    is_in_method("for (A a : b) {\n c(1 2);\n}", "3:6: `)` is expected, not `2`");
+    is_in_method("for (A a : b +) { }", "2:15: a value is expected, not `)`");
+    is_in_method("class B {\nvoid c() {\nint d = ;\n} }", "4:9: a value is expected, not `;`");
+    is_in_method("for (int i = ; i < 2; i++) { }", "2:14: a value is expected, not `;`");
+    is_in_method("try (A a = ) { }", "2:12: a value is expected, not `)`");
+    is_in_method("try { } finally {\n b(1 2);\n}\nc();", "3:6: `)` is expected, not `2`");
+    is_in_method(
+        "A a = new A() {\nvoid b() {\nfor (C c : d) {\nint e = f(,);\n} } };",
+        "5:11: `)` is expected, not `,`",
+    );
+}
+
+#[test]
+fn of_the_file_as_a_whole() {
+    let error = read("A.java", "class A {\n\0 }").expect_err("a byte of 0");
+    assert_eq!((error.line, error.column, error.fault), (2, 1, SourceFault::Binary));
+}

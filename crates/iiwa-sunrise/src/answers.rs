@@ -1,0 +1,159 @@
+//! Answers to what applications ask for.
+
+use std::{collections::BTreeMap, fmt};
+
+use iiwa_json::Place;
+use serde::Deserialize;
+
+/// Answers to the questions of an application: its dialogs, inputs and process data.
+///
+/// ```
+/// use iiwa_sunrise::{AnswerValue, Answers};
+///
+/// let answers = Answers::from_toml(r#"
+///     [answers]
+///     "Which part?" = 1
+///     "Once more?" = [0, 0, 1]
+///     [inputs]
+///     "Gripper.Closed" = true
+///     [data]
+///     velocity = 0.25
+/// "#)?;
+/// assert_eq!(answers.dialogs["Once more?"], [0, 0, 1]);
+/// assert_eq!(answers.inputs["Gripper.Closed"], AnswerValue::Boolean(true));
+/// # Ok::<(), iiwa_sunrise::AnswersError>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Answers {
+    /// Numbers of buttons, from 0, by the text of the dialog or a part of it that no other has. Of several, each answers the
+    /// dialog once, and the last one from then on.
+    pub dialogs: BTreeMap<String, Vec<usize>>,
+    /// Values of inputs, by `Group.Name`.
+    pub inputs: BTreeMap<String, AnswerValue>,
+    /// Process data, by id.
+    pub data: BTreeMap<String, AnswerValue>,
+}
+
+/// A value that is given as an answer.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum AnswerValue {
+    /// Yes or no.
+    Boolean(bool),
+    /// A whole number.
+    Integer(i64),
+    /// Any other number.
+    Number(f64),
+    /// A text.
+    Text(String),
+}
+
+impl AnswerValue {
+    /// What a text says: `true` and `false`, whole numbers and others; all else is a text.
+    ///
+    /// ```
+    /// use iiwa_sunrise::AnswerValue;
+    ///
+    /// assert_eq!(AnswerValue::of_text("12"), AnswerValue::Integer(12));
+    /// assert_eq!(AnswerValue::of_text("left"), AnswerValue::Text("left".to_owned()));
+    /// ```
+    #[must_use]
+    pub fn of_text(text: &str) -> Self {
+        let number = || text.parse().ok().filter(|number: &f64| number.is_finite());
+        match text {
+            "true" => Self::Boolean(true),
+            "false" => Self::Boolean(false),
+            _ => (text.parse().ok().map(Self::Integer))
+                .or_else(|| number().map(Self::Number))
+                .unwrap_or_else(|| Self::Text(text.to_owned())),
+        }
+    }
+}
+
+impl fmt::Display for AnswerValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Boolean(value) => value.fmt(f),
+            Self::Integer(value) => value.fmt(f),
+            Self::Number(value) => value.fmt(f),
+            Self::Text(text) => text.fmt(f),
+        }
+    }
+}
+
+/// Why a text is no file of answers.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what}, at {at}")]
+pub struct AnswersError {
+    /// What is wrong.
+    pub what: String,
+    /// Where in the text.
+    pub at: Place,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AnswersWire {
+    #[serde(default)]
+    answers: BTreeMap<String, ButtonsWire>,
+    #[serde(default)]
+    inputs: BTreeMap<String, AnswerValue>,
+    #[serde(default)]
+    data: BTreeMap<String, AnswerValue>,
+}
+
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "an answer is the number of a button, from 0, or a list of such numbers"
+)]
+enum ButtonsWire {
+    One(usize),
+    Each(Vec<usize>),
+}
+
+impl Answers {
+    /// Reads answers from TOML: `[answers]` to dialogs, `[inputs]` and `[data]`.
+    ///
+    /// # Errors
+    ///
+    /// If the text is no TOML, or has another key or a value of another type; the error says where.
+    pub fn from_toml(text: &str) -> Result<Self, AnswersError> {
+        let wire: AnswersWire = toml::from_str(text).map_err(|error| AnswersError {
+            what: error.message().lines().collect::<Vec<_>>().join("; "),
+            at: Place::of_span(text, error.span().unwrap_or_default()),
+        })?;
+        let numbers = |buttons| match buttons {
+            ButtonsWire::One(number) => vec![number],
+            ButtonsWire::Each(numbers) => numbers,
+        };
+        let dialogs = wire.answers.into_iter().map(|(text, buttons)| (text, numbers(buttons)));
+        Ok(Self { dialogs: dialogs.collect(), inputs: wire.inputs, data: wire.data })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unknown_keys_are_errors_with_their_place() {
+        let error = Answers::from_toml("[answers]\n\"Go?\" = 0\n\n[input]\n\"A.B\" = true\n").err();
+        let place = error.as_ref().map(|error| (error.at.line, error.at.column));
+        assert_eq!(place, Some((4, 2)));
+        let text = error.map(|error| error.to_string()).unwrap_or_default();
+        assert!(text.contains("unknown field `input`"), "{text}");
+    }
+
+    #[test]
+    fn a_button_is_a_number() {
+        let error = Answers::from_toml("[answers]\n\"Go?\" = true\n").err();
+        let text = error.map(|error| error.to_string()).unwrap_or_default();
+        assert!(text.contains("the number of a button") && text.contains("line 2"), "{text}");
+    }
+
+    #[test]
+    fn a_file_may_be_empty() {
+        assert_eq!(Answers::from_toml("# nothing\n"), Ok(Answers::default()));
+    }
+}

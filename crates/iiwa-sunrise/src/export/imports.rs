@@ -1,0 +1,44 @@
+//! What an exported class imports.
+
+use std::{collections::BTreeSet, fmt::Write as _};
+
+/// The classes, and the methods of `BasicMotions`, that a class uses.
+#[derive(Default)]
+pub(super) struct ExportedImports {
+    basic_motions: BTreeSet<&'static str>,
+    classes: BTreeSet<&'static str>,
+}
+
+impl ExportedImports {
+    /// Of a method of `BasicMotions`.
+    pub(super) fn basic_motion(&mut self, method: &'static str) {
+        self.basic_motions.insert(method);
+    }
+
+    /// Of a class, by its whole name.
+    pub(super) fn class(&mut self, name: &'static str) {
+        self.classes.insert(name);
+    }
+
+    /// As a class begins with them.
+    pub(super) fn text(&self) -> String {
+        let mut text = String::new();
+        for method in &self.basic_motions {
+            let _ = writeln!(
+                text,
+                "import static com.kuka.roboticsAPI.motionModel.BasicMotions.{method};"
+            );
+        }
+        let (java, others): (Vec<&str>, Vec<&str>) =
+            self.classes.iter().partition(|name| name.starts_with("java"));
+        for group in [java, others] {
+            if !text.is_empty() && !group.is_empty() {
+                text.push('\n');
+            }
+            for name in group {
+                let _ = writeln!(text, "import {name};");
+            }
+        }
+        text
+    }
+}

@@ -1,0 +1,108 @@
+//! Values as Java writes them.
+
+use std::fmt::Write as _;
+
+/// A number that Java reads back to the last bit.
+pub(super) fn number(value: f64) -> String {
+    format!("{value:?}")
+}
+
+/// An angle in rad: in degrees where a short number of them is converted to the same bits, as `Math.toRadians` of Java 9 and
+/// Rust do.
+pub(super) fn angle(rad: f64) -> String {
+    match short_degrees(rad) {
+        Some(deg) if deg != 0.0 => format!("Math.toRadians({})", number(deg)),
+        _ => number(rad),
+    }
+}
+
+/// The number of degrees that is converted to the same bits, or nearly.
+pub(super) fn degrees(rad: f64) -> f64 {
+    let about = rad.to_degrees();
+    let near = [about, about.next_up(), about.next_down()];
+    let exact = || near.into_iter().find(|deg| deg.to_radians() == rad);
+    short_degrees(rad).or_else(exact).unwrap_or(about)
+}
+
+/// A number of degrees that somebody may have typed and that is converted to the same bits.
+fn short_degrees(rad: f64) -> Option<f64> {
+    const MOST_DECIMALS: i32 = 6;
+    let deg = rad.to_degrees();
+    (0..=MOST_DECIMALS)
+        .map(|decimals| {
+            let scale = 10_f64.powi(decimals);
+            (deg * scale).round() / scale
+        })
+        .find(|deg| deg.to_radians() == rad)
+}
+
+/// A length in m, or one over a power of s, in mm: the number that a program's reader makes the same bits of, if there is
+/// one.
+pub(super) fn millimetres(metres: f64) -> String {
+    let about = 1e3 * metres;
+    let near = [about, about.next_up(), about.next_down()];
+    number(near.into_iter().find(|mm| 1e-3 * mm == metres).unwrap_or(about))
+}
+
+/// A string, in characters that any encoding of the file has.
+pub(super) fn text(text: &str) -> String {
+    let mut literal = "\"".to_owned();
+    for unit in text.encode_utf16() {
+        match unit {
+            0x22 | 0x5c => literal.extend(['\\', char::from(unit.to_le_bytes()[0])]),
+            0x20..=0x7e => literal.push(char::from(unit.to_le_bytes()[0])),
+            0x09 => literal.push_str("\\t"),
+            0x0a => literal.push_str("\\n"),
+            0x0d => literal.push_str("\\r"),
+            _ => {
+                let _ = write!(literal, "\\u{unit:04x}");
+            }
+        }
+    }
+    literal.push('"');
+    literal
+}
+
+/// A text within a comment: nothing that ends it, and no escapes, which Java reads even there.
+pub(super) fn comment(text: &str) -> String {
+    let plain = |c: char| match c {
+        '\\' => '/',
+        ' '..='~' => c,
+        _ => '?',
+    };
+    text.chars().map(plain).collect::<String>().replace("*/", "* /")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_in_degrees_where_these_are_the_same_bits() {
+        for deg in [-170.0, -27.5, 0.125, 42.0, 87.8, 90.0, 114.0] {
+            assert_eq!(angle(f64::to_radians(deg)), format!("Math.toRadians({deg:?})"));
+        }
+        assert_eq!(angle(-0.337_023), "-0.337023");
+        assert_eq!(angle(0.0), "0.0");
+        assert_eq!(angle(-0.0), "-0.0");
+        // One bit off.
+        let near = 30_f64.to_radians().next_up();
+        assert_eq!(angle(near).parse(), Ok(near));
+    }
+
+    #[test]
+    fn strings_have_no_characters_that_an_encoding_may_lack() {
+        assert_eq!(text("Käfig \"2\"\\\n"), r#""K\u00e4fig \"2\"\\\n""#);
+        assert_eq!(text("\u{1f916}"), r#""\ud83e\udd16""#);
+        assert_eq!(comment("a\\u002a/ */ ü"), "a/u002a/ * / ?");
+    }
+
+    #[test]
+    fn lengths_are_read_back() {
+        for mm in [0.1, 0.3, 17.0, 250.0, 1234.567] {
+            let metres = 1e-3 * mm;
+            let written: f64 = millimetres(metres).parse().unwrap();
+            assert_eq!(1e-3 * written, metres);
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! What is attached to the flange during each motion.
+
+use iiwa_program::{Load, Motion, Program, Workcell};
+
+/// Something at the flange: a tool, or a tool with what it holds.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct AtFlange<'p> {
+    /// The tool; none is a load at the bare flange.
+    pub(super) tool: Option<&'p str>,
+    /// All that hangs on the flange with it, if that is not the tool's own load.
+    pub(super) load: Option<Load>,
+}
+
+/// What is attached at each entry of a program, in order; that of a wait is what was there before.
+pub(super) struct AttachedTools<'p>(Vec<Vec<AtFlange<'p>>>);
+
+impl<'p> AttachedTools<'p> {
+    pub(super) fn new(program: &'p Program) -> Self {
+        let workcell = &program.workcell;
+        let loads = program.loads();
+        let tool_of = |index: usize| match program.motions.get(index)? {
+            Motion::Ptp(_) => Some(workcell.tool.as_deref()),
+            Motion::Cartesian(own) => Some(own.tool.as_deref().or(workcell.tool.as_deref())),
+            _ => None,
+        };
+        // The tool of the next motion: it is at hand when the load changes.
+        let mut tool = workcell.tool.as_deref();
+        let mut tools = vec![tool; program.motions.len()];
+        for index in (0..program.motions.len()).rev() {
+            tool = tool_of(index).unwrap_or(tool);
+            tools[index] = tool;
+        }
+        let mut before: Option<Vec<AtFlange<'p>>> = None;
+        let mut all = Vec::with_capacity(tools.len());
+        for (index, motion) in program.motions.iter().enumerate() {
+            let is_wait = matches!(motion, Motion::Wait { .. });
+            let needed = || attached(workcell, tools[index].and_then(tool_part), loads[index]);
+            let now = match before {
+                Some(before) if is_wait || serves(workcell, &before, &needed()) => before,
+                _ => needed(),
+            };
+            all.push(now.clone());
+            before = Some(now);
+        }
+        Self(all)
+    }
+
+    /// At an entry.
+    pub(super) fn at(&self, index: usize) -> &[AtFlange<'p>] {
+        self.0.get(index).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// Whether what is at the flange holds all that is needed, and nothing else that counts.
+fn serves(workcell: &Workcell, held: &[AtFlange<'_>], needed: &[AtFlange<'_>]) -> bool {
+    let is_weightless = |it: &AtFlange<'_>| {
+        let tool = it.tool.and_then(|tool| workcell.tools.get(tool));
+        it.load.is_none() && tool.is_some_and(|tool| tool.load.is_none())
+    };
+    needed.iter().all(|it| held.contains(it))
+        && held.iter().all(|it| needed.contains(it) || is_weightless(it))
+}
+
+/// The tool of `TOOL` or `TOOL/TIP`; none is the bare flange.
+pub(super) fn tool_part(name: &str) -> Option<&str> {
+    let tool = name.split_once('/').map_or(name, |(tool, _)| tool);
+    (tool != "flange").then_some(tool)
+}
+
+/// What has to be at the flange for a motion of `tool` with all of this load.
+fn attached<'p>(
+    workcell: &'p Workcell,
+    tool: Option<&'p str>,
+    load: Option<Load>,
+) -> Vec<AtFlange<'p>> {
+    let own_load = |name: &str| workcell.tools.get(name).and_then(|tool| tool.load);
+    let of = |tool| AtFlange { tool: Some(tool), load: None };
+    let in_use = workcell.tool.as_deref().and_then(tool_part);
+    let by_that_in_use = || in_use.filter(|in_use| own_load(in_use) == load);
+    match tool {
+        Some(tool) if own_load(tool) == load => vec![of(tool)],
+        // A tool that was not weighed, beside the one in use.
+        Some(tool) if own_load(tool).is_none() => match by_that_in_use() {
+            Some(in_use) => vec![of(in_use), of(tool)],
+            None => vec![AtFlange { tool: Some(tool), load }],
+        },
+        Some(tool) => vec![AtFlange { tool: Some(tool), load }],
+        None => match (by_that_in_use(), in_use, load) {
+            (Some(in_use), ..) => vec![of(in_use)],
+            (None, _, None) => Vec::new(),
+            (None, tool, load) => vec![AtFlange { tool, load }],
+        },
+    }
+}

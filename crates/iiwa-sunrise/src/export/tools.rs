@@ -1,0 +1,118 @@
+//! The tools of a program as templates and variables.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use iiwa_program::{Load, NameFault, Program, Tool, Workcell};
+
+use crate::data_file::ToolTemplate;
+
+use super::{
+    cell::{ExportedTool, free, plain},
+    identifier::VariableNames,
+    literal::text,
+    loads::{AtFlange, tool_part},
+};
+
+/// The tools of a program, and what of them is in use.
+pub(super) struct ExportedTools<'p> {
+    workcell: &'p Workcell,
+    templates: BTreeMap<&'p str, ExportedTool>,
+    /// Names of templates that are taken.
+    taken: BTreeSet<String>,
+    variables: VariableNames,
+    /// What has been attached, in the order in which it is first.
+    used: Vec<UsedTool<'p>>,
+}
+
+/// Something that is attached to the flange.
+struct UsedTool<'p> {
+    what: AtFlange<'p>,
+    variable: String,
+    template: String,
+}
+
+impl<'p> ExportedTools<'p> {
+    pub(super) fn new(program: &'p Program) -> Self {
+        let workcell = &program.workcell;
+        let mut taken = BTreeSet::new();
+        let mut templates = BTreeMap::new();
+        for (name, tool) in &workcell.tools {
+            let called = free(&plain(name), |name| taken.contains(name));
+            taken.insert(called.clone());
+            templates.insert(name.as_str(), ExportedTool::new(called, tool));
+        }
+        let variables = VariableNames::besides(&["lbr", "sent"]);
+        Self { workcell, templates, taken, variables, used: Vec::new() }
+    }
+
+    /// The variable of something that is attached.
+    pub(super) fn variable(&mut self, what: &AtFlange<'p>) -> String {
+        if let Some(known) = self.used.iter().find(|used| used.what == *what) {
+            return known.variable.clone();
+        }
+        let own = what.tool.and_then(|tool| self.templates.get(tool));
+        let template = match (own, what.load) {
+            (Some(own), None) => own.name.clone(),
+            (own, _) => {
+                // As a person would call it who has to tell it from the tool.
+                let name =
+                    own.map_or_else(|| "Load".to_owned(), |own| format!("{}_Loaded", own.name));
+                let name = free(&name, |name| self.taken.contains(name));
+                self.taken.insert(name.clone());
+                name
+            }
+        };
+        let variable = self.variables.give(&template);
+        let used = UsedTool { what: what.clone(), variable: variable.clone(), template };
+        self.used.push(used);
+        variable
+    }
+
+    /// The point that a motion moves, `TOOL` or `TOOL/TIP`, as an expression; `attached` is at the flange.
+    pub(super) fn point(
+        &mut self,
+        tool: Option<&'p str>,
+        attached: &[AtFlange<'p>],
+    ) -> Result<String, NameFault> {
+        // That it is there.
+        self.workcell.tcp(tool)?;
+        let name = tool.or(self.workcell.tool.as_deref());
+        let Some((name, part)) = name.and_then(|name| Some((name, tool_part(name)?))) else {
+            return Ok("lbr".to_owned());
+        };
+        let holder = attached.iter().find(|it| it.tool == Some(part)).cloned();
+        let variable = self.variable(&holder.unwrap_or(AtFlange { tool: Some(part), load: None }));
+        let frame = self.templates.get(part).and_then(|template| match name.split_once('/') {
+            Some((_, tip)) => template.tips.get(tip),
+            None => Some(&template.tcp),
+        });
+        let path = format!("/{}", frame.map_or("", String::as_str));
+        Ok(format!("{variable}.getFrame({})", text(&path)))
+    }
+
+    /// The variables with the names of their templates.
+    pub(super) fn used(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.used.iter().map(|used| (used.variable.as_str(), used.template.as_str()))
+    }
+
+    /// All templates: those of the program's tools, and those with what tools hold.
+    pub(super) fn templates(&self) -> Vec<ToolTemplate> {
+        let tool = |name: &str| self.workcell.tools.get(name);
+        let own = self.templates.iter().map(|(name, template)| {
+            template.with_load(&template.name, tool(name).and_then(|tool| tool.load))
+        });
+        let loaded = self.used.iter().filter(|used| used.what.load.is_some()).map(|used| {
+            let AtFlange { tool, load } = &used.what;
+            match tool.and_then(|tool| self.templates.get(tool)) {
+                Some(template) => template.with_load(&used.template, *load),
+                None => bare(&used.template, *load),
+            }
+        });
+        own.chain(loaded).collect()
+    }
+}
+
+/// The template of what hangs on the bare flange.
+fn bare(name: &str, load: Option<Load>) -> ToolTemplate {
+    ExportedTool::new(name.to_owned(), &Tool::default()).with_load(name, load)
+}

@@ -1,0 +1,259 @@
+//! The sources of a Sunrise project.
+
+use std::{
+    fs,
+    io::{self, Read},
+    path::{Path, PathBuf},
+};
+
+use iiwa_java::{Classes, SourceError, SourceFault, Unit, decode};
+
+use crate::project_folder::{self, DATA_FILE, FolderFault, MOST_FILES, MOST_FOLDERS};
+
+/// Of a file.
+const MOST_BYTES: u64 = 10_000_000;
+/// Of all files.
+const MOST_BYTES_IN_ALL: u64 = 100_000_000;
+
+/// The Java files of a Sunrise project, and its data file.
+///
+/// A file that cannot be used is kept with what is wrong with it: it matters only if something in it is needed.
+#[derive(Debug)]
+pub struct Project {
+    files: Vec<SourceFile>,
+    data: ProjectData,
+}
+
+/// A Java file of a project.
+#[derive(Debug)]
+pub struct SourceFile {
+    path: String,
+    unit: Result<Unit, SourceError>,
+}
+
+/// The file `RoboticsAPI.data.xml` of a project, from which [`DataFile`](crate::DataFile) reads frames and tools.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ProjectData {
+    /// There is none in the project's folder, in the folders within it, or around it.
+    Absent,
+    /// There is one.
+    Found {
+        /// From the project's folder on, with `/`.
+        path: String,
+        /// What it says.
+        text: String,
+    },
+    /// Several folders within the project's have one: each belongs to a project of its own.
+    Several(Vec<String>),
+    /// There is one, which cannot be read.
+    Unreadable {
+        /// From the project's folder on, with `/`.
+        path: String,
+        /// Why.
+        reason: String,
+    },
+}
+
+/// Why a folder is not taken for a project.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProjectError {
+    /// The folder cannot be read.
+    #[error("{path} cannot be read: {source}")]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// There are too many files.
+    #[error("the folder has more than {most} Java files: a project's own folder is expected")]
+    TooManyFiles {
+        /// That are read.
+        most: usize,
+    },
+    /// There are too many folders.
+    #[error("the folder has more than {most} folders: a project's own folder is expected")]
+    TooManyFolders {
+        /// That are searched.
+        most: usize,
+    },
+    /// The files are too long, all together.
+    #[error(
+        "the Java files have more than {most} bytes in all: a project's own folder is expected"
+    )]
+    TooLarge {
+        /// That are read.
+        most: u64,
+    },
+}
+
+impl Project {
+    /// Whether a folder has Java files that [`open`](Self::open) would read.
+    #[must_use]
+    pub fn has_sources(folder: &Path) -> bool {
+        match project_folder::sources(folder) {
+            Ok(found) => !found.is_empty(),
+            Err(FolderFault::Files | FolderFault::Folders) => true,
+            Err(FolderFault::Unreadable(..)) => false,
+        }
+    }
+
+    /// Reads the project in a folder: all `*.java` in it and below it, apart from hidden folders and from `bin` and
+    /// `target`; and `RoboticsAPI.data.xml`, in the folder, in one within it, or around it.
+    ///
+    /// # Errors
+    ///
+    /// If the folder cannot be read, or if it holds too much for a project.
+    pub fn open(folder: &Path) -> Result<Self, ProjectError> {
+        let found = project_folder::sources(folder).map_err(|fault| match fault {
+            FolderFault::Files => ProjectError::TooManyFiles { most: MOST_FILES },
+            FolderFault::Folders => ProjectError::TooManyFolders { most: MOST_FOLDERS },
+            FolderFault::Unreadable(path, source) => ProjectError::Folder { path, source },
+        })?;
+        let data = match &project_folder::data_files(folder)[..] {
+            [] => ProjectData::Absent,
+            [(name, path)] => match contents(path) {
+                Ok(bytes) => ProjectData::Found { path: name.clone(), text: decode(&bytes) },
+                Err(fault) => {
+                    ProjectData::Unreadable { path: name.clone(), reason: fault.to_string() }
+                }
+            },
+            several => ProjectData::Several(several.iter().map(|(name, _)| name.clone()).collect()),
+        };
+        let mut reading = Reading::default();
+        for (name, path) in found {
+            match contents(&path) {
+                Ok(bytes) => reading.add(name, &bytes)?,
+                Err(fault) => reading.add_faulty(name, fault),
+            }
+        }
+        Ok(reading.project(data))
+    }
+
+    /// A project of files that are given by their names from its folder on, with `/`, and their contents. That called
+    /// `RoboticsAPI.data.xml` is its data file; all others are Java.
+    ///
+    /// # Errors
+    ///
+    /// If there is too much for a project.
+    pub fn from_texts<P, T>(files: impl IntoIterator<Item = (P, T)>) -> Result<Self, ProjectError>
+    where
+        P: Into<String>,
+        T: AsRef<[u8]>,
+    {
+        let mut data = ProjectData::Absent;
+        let mut reading = Reading::default();
+        for (path, bytes) in files {
+            let path = path.into();
+            if path.rsplit('/').next() == Some(DATA_FILE) {
+                data = ProjectData::Found { path, text: decode(bytes.as_ref()) };
+            } else {
+                reading.add(path, bytes.as_ref())?;
+            }
+        }
+        Ok(reading.project(data))
+    }
+
+    /// Its Java files, by their names.
+    #[must_use]
+    pub fn files(&self) -> &[SourceFile] {
+        &self.files
+    }
+
+    /// Its classes; a file that cannot be used matters where its class is needed.
+    #[must_use]
+    pub fn classes(&self) -> Classes {
+        let mut classes = Classes::default();
+        for file in &self.files {
+            match file.unit() {
+                Ok(unit) => classes.add(file.path(), unit),
+                Err(error) => classes.add_faulty(file.path(), error),
+            }
+        }
+        classes
+    }
+
+    /// Its data file.
+    #[must_use]
+    pub fn data(&self) -> &ProjectData {
+        &self.data
+    }
+}
+
+impl SourceFile {
+    /// Its name from the project's folder on, with `/`.
+    #[must_use]
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Why nothing in it can be used.
+    #[must_use]
+    pub fn error(&self) -> Option<&SourceError> {
+        self.unit.as_ref().err()
+    }
+
+    /// Its syntax.
+    ///
+    /// # Errors
+    ///
+    /// Why nothing in it can be used.
+    pub fn unit(&self) -> Result<&Unit, &SourceError> {
+        self.unit.as_ref()
+    }
+}
+
+/// A project as it is read.
+#[derive(Default)]
+struct Reading {
+    files: Vec<SourceFile>,
+    bytes: u64,
+}
+
+impl Reading {
+    fn add(&mut self, path: String, bytes: &[u8]) -> Result<(), ProjectError> {
+        if self.files.len() >= MOST_FILES {
+            return Err(ProjectError::TooManyFiles { most: MOST_FILES });
+        }
+        let length = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
+        if length > MOST_BYTES {
+            self.add_faulty(path, SourceFault::TooLarge { bytes: length, most: MOST_BYTES });
+            return Ok(());
+        }
+        self.bytes += length;
+        if self.bytes > MOST_BYTES_IN_ALL {
+            return Err(ProjectError::TooLarge { most: MOST_BYTES_IN_ALL });
+        }
+        let unit = iiwa_java::read(&path, &decode(bytes));
+        self.files.push(SourceFile { path, unit });
+        Ok(())
+    }
+
+    fn add_faulty(&mut self, path: String, fault: SourceFault) {
+        let error = SourceError { file: path.clone(), line: 1, column: 1, fault };
+        self.files.push(SourceFile { path, unit: Err(error) });
+    }
+
+    fn project(self, data: ProjectData) -> Project {
+        Project { files: self.files, data }
+    }
+}
+
+/// What is in a file, unless that is too much.
+fn contents(path: &Path) -> Result<Vec<u8>, SourceFault> {
+    let unreadable = |error: io::Error| SourceFault::Unreadable(error.to_string());
+    let file = fs::File::open(path).map_err(unreadable)?;
+    let metadata = file.metadata().map_err(unreadable)?;
+    // Of a pipe, say, nobody knows when its contents come.
+    if !metadata.is_file() {
+        return Err(SourceFault::Unreadable("it is no ordinary file".to_owned()));
+    }
+    let mut bytes = Vec::new();
+    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if u64::try_from(bytes.len()).is_ok_and(|length| length <= MOST_BYTES) {
+        return Ok(bytes);
+    }
+    Err(SourceFault::TooLarge { bytes: metadata.len(), most: MOST_BYTES })
+}

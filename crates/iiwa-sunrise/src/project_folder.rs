@@ -1,0 +1,100 @@
+//! The files of a project's folder.
+
+use std::{
+    collections::BTreeSet,
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+/// Robot programs have a few hundred.
+pub(crate) const MOST_FILES: usize = 10_000;
+/// More are those of a whole disk.
+pub(crate) const MOST_FOLDERS: usize = 100_000;
+
+/// Where the frames and tools of a project are.
+pub(crate) const DATA_FILE: &str = "RoboticsAPI.data.xml";
+
+/// What a folder holds too much of.
+#[derive(Debug)]
+pub(crate) enum FolderFault {
+    Files,
+    Folders,
+    Unreadable(PathBuf, io::Error),
+}
+
+/// The Java files in a folder and in those below it, with their names from it on, sorted by those. What builders write
+/// and what is hidden is left out; folders that cannot be opened are, too, but for the outermost.
+pub(crate) fn sources(root: &Path) -> Result<Vec<(String, PathBuf)>, FolderFault> {
+    let mut found = Vec::new();
+    let mut visited = BTreeSet::new();
+    let mut open = vec![(String::new(), root.to_owned())];
+    while let Some((name, folder)) = open.pop() {
+        // A link may lead to a folder around it.
+        let is_new = folder.canonicalize().is_ok_and(|folder| visited.insert(folder));
+        if !is_new && !name.is_empty() {
+            continue;
+        }
+        if visited.len() > MOST_FOLDERS {
+            return Err(FolderFault::Folders);
+        }
+        let entries = match entries(&folder) {
+            Ok(entries) => entries,
+            Err(error) if name.is_empty() => return Err(FolderFault::Unreadable(folder, error)),
+            Err(_) => continue,
+        };
+        for (own, path) in entries {
+            let below = if name.is_empty() { own.clone() } else { format!("{name}/{own}") };
+            if path.is_dir() {
+                if !is_left_out(&own) {
+                    open.push((below, path));
+                }
+            } else if Path::new(&own).extension().is_some_and(|end| end == "java") {
+                found.push((below, path));
+                if found.len() > MOST_FILES {
+                    return Err(FolderFault::Files);
+                }
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// The data files of a project, with their names from its folder on: that in the folder, else those one level below, else
+/// that one level above.
+pub(crate) fn data_files(root: &Path) -> Vec<(String, PathBuf)> {
+    let here = root.join(DATA_FILE);
+    if here.is_file() {
+        return vec![(DATA_FILE.to_owned(), here)];
+    }
+    let mut below = Vec::new();
+    for (name, folder) in entries(root).unwrap_or_default() {
+        let path = folder.join(DATA_FILE);
+        if !is_left_out(&name) && path.is_file() {
+            below.push((format!("{name}/{DATA_FILE}"), path));
+        }
+    }
+    if below.is_empty()
+        && let Ok(root) = root.canonicalize()
+        && let Some(above) = root.parent().map(|above| above.join(DATA_FILE))
+        && above.is_file()
+    {
+        return vec![(format!("../{DATA_FILE}"), above)];
+    }
+    below
+}
+
+/// What is in a folder, by names.
+fn entries(folder: &Path) -> io::Result<Vec<(String, PathBuf)>> {
+    let mut entries = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        entries.push((entry.file_name().to_string_lossy().into_owned(), entry.path()));
+    }
+    entries.sort();
+    Ok(entries)
+}
+
+fn is_left_out(folder: &str) -> bool {
+    folder.starts_with('.') || matches!(folder, "bin" | "target")
+}

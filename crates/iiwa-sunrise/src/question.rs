@@ -1,0 +1,32 @@
+//! What an application asked for while it was evaluated.
+
+/// Something that an application asked for: a run with the same answers gives the same program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Question {
+    /// Of which kind it is.
+    pub kind: QuestionKind,
+    /// The text of the dialog, `Group.Name` of the input, or the id of the process data.
+    pub asked: String,
+    /// The buttons of the dialog.
+    pub choices: Vec<String>,
+    /// What was answered: the number of the button from 0, or a value.
+    pub answer: String,
+    /// Whether the answer was given; else it is the first button, or the data file's value.
+    pub is_given: bool,
+    /// The file of the sources, from the project's folder on.
+    pub file: String,
+    /// The line in it, from 1.
+    pub line: u32,
+}
+
+/// The kinds of questions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum QuestionKind {
+    /// A dialog with buttons.
+    Dialog,
+    /// An input of a group of inputs and outputs.
+    Input,
+    /// A value of the operator's.
+    ProcessData,
+}
