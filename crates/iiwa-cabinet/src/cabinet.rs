@@ -36,6 +36,7 @@ use crate::{
     report::Report,
     shared::{Shared, lock},
     simulation::{EMERGENCY_STOP_HELD_S, Simulation},
+    torque_sensors::TorqueSensors,
 };
 
 /// A running simulated cabinet. It shuts down when it is dropped.
@@ -104,6 +105,11 @@ impl Cabinet {
         let robot = config.robot.clone();
         let mut simulation =
             Simulation::new(config.robot, config.start_rad, fri, config.noise_rad, random_id());
+        simulation.torque_sensors =
+            TorqueSensors::new(&robot, config.load, config.mount, config.torque_noise_nm);
+        if config.without_times {
+            simulation.leave_out_times();
+        }
         simulation.press_emergency_stop_at(config.faults.emergency_stop_at);
         let period =
             Duration::from_millis(u64::from(config.period_ms)).div_f64(config.speed.max(1e-3));

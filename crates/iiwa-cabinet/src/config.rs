@@ -2,7 +2,7 @@
 
 use std::net::SocketAddr;
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joints, Load, Mount, Robot};
 use iiwa_link::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};
 
 /// Configuration of a simulated cabinet. Set what differs from the default:
@@ -30,12 +30,21 @@ pub struct CabinetConfig {
     pub speed: f64,
     /// Standard deviation of measured joint positions, in rad.
     pub noise_rad: f64,
+    /// Standard deviation of measured torques, in Nm.
+    pub torque_noise_nm: f64,
+    /// What hangs on the flange, whatever the programs say. The controller explains torques by what they say: the rest is
+    /// external. Without it, programs are right.
+    pub load: Option<Load>,
+    /// How the foot stands, whatever the programs say; the controller knows. Without it, they are right.
+    pub mount: Option<Mount>,
     /// UDP address of the FRI client.
     pub fri_client: SocketAddr,
     /// Address of the socket for instructions.
     pub instructions: String,
     /// Address of the socket for state changes.
     pub state: String,
+    /// Leaves out what robot programs on real cabinets do not know: the times of outcomes, and joint temperatures.
+    pub without_times: bool,
     /// Simulated faults.
     pub faults: Faults,
 }
@@ -49,9 +58,13 @@ impl Default for CabinetConfig {
             receive_multiplier: 1,
             speed: 1.0,
             noise_rad: 0.0,
+            torque_noise_nm: 0.0,
+            load: None,
+            mount: None,
             fri_client: SocketAddr::from(([127, 0, 0, 1], FRI_PORT)),
             instructions: format!("tcp://127.0.0.1:{CABINET_INSTRUCTIONS_PORT}"),
             state: format!("tcp://127.0.0.1:{CABINET_STATE_PORT}"),
+            without_times: false,
             faults: Faults::default(),
         }
     }

@@ -30,12 +30,15 @@ mod io;
 mod latency;
 mod noise;
 mod program;
+mod repeated;
 mod report;
-mod sensors;
 mod shared;
 mod simulation;
+mod temperatures;
+mod torque_sensors;
 
 pub use cabinet::Cabinet;
 pub use config::{CabinetConfig, Faults};
 pub use latency::{LateAnswer, Latency};
+pub use repeated::Repeated;
 pub use report::Report;

@@ -2,7 +2,7 @@
 
 use fastrand_contrib::RngExt;
 
-/// Normally distributed numbers from a fixed seed.
+/// Normally distributed numbers from a seed.
 #[derive(Clone, Debug)]
 pub(crate) struct Noise {
     deviation: f64,
@@ -11,8 +11,8 @@ pub(crate) struct Noise {
 
 impl Noise {
     /// Noise with a standard deviation.
-    pub(crate) fn new(deviation: f64) -> Self {
-        Self { deviation, random: fastrand::Rng::with_seed(1) }
+    pub(crate) fn new(deviation: f64, seed: u64) -> Self {
+        Self { deviation, random: fastrand::Rng::with_seed(seed) }
     }
 
     /// The next number.

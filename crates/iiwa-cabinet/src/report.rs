@@ -1,5 +1,7 @@
 //! Statistics of the FRI connection.
 
+use std::fmt;
+
 use iiwa_fri::{Quality, SessionState};
 
 use crate::latency::{LateAnswer, Latency};
@@ -25,4 +27,24 @@ pub struct Report {
     pub session: SessionState,
     /// The connection quality.
     pub quality: Quality,
+}
+
+/// Messages, and how long their answers took.
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let micros = |share| {
+            let latency = self.latency.quantile(share);
+            latency.map_or_else(|| "-".to_owned(), |t| format!("{} us", t.as_micros()))
+        };
+        write!(
+            f,
+            "{} messages, {} answers: after {} (median), {} (99.9 %), {} (maximum); {} cycles delayed by this machine",
+            self.cycles,
+            self.latency.count(),
+            micros(0.5),
+            micros(0.999),
+            micros(1.0),
+            self.delayed_cycles
+        )
+    }
 }

@@ -3,13 +3,13 @@
 #[cfg(test)]
 mod tests;
 
-use std::time::Duration;
+use std::{collections::VecDeque, time::Duration};
 
 use iiwa_fri::{Controller, ControllerConfig, Reading, Safety, SessionState, braking::fastest};
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
-    message::{Code, DriveState, Refusal, Sensors},
-    robot_program::{Acknowledgement, Instruction, Outcome, RunId, StateChange},
+    message::{Code, Conditions, DriveState, Hello, OperationMode, Refusal, Sensors},
+    robot_program::{Acknowledgement, Instruction, Outcome, PROTOCOL, RunId, StateChange},
 };
 use iiwa_path::JointPath;
 use iiwa_program::MotionList;
@@ -21,7 +21,8 @@ use iiwa_traj::{
 use crate::{
     io::Ports,
     noise::Noise,
-    sensors::{Temperatures, holding_torques},
+    temperatures::Temperatures,
+    torque_sensors::{JointMotion, TorqueReading, TorqueSensors},
 };
 
 /// How long the controller waits for active commanding, in s.
@@ -48,6 +49,8 @@ pub(crate) struct Simulation {
     q: Joints,
     /// Commanded joint velocities, in rad/s.
     dq: Joints,
+    /// Joint positions of the last cycles, in rad, the latest last: those between three set-points.
+    trail: VecDeque<Joints>,
     activity: Activity,
     outcome: Option<Outcome>,
     boot: u64,
@@ -58,7 +61,11 @@ pub(crate) struct Simulation {
     press_at: Option<f64>,
     noise: Noise,
     temperatures: Temperatures,
+    pub(crate) torque_sensors: TorqueSensors,
+    torques: TorqueReading,
     ports: Ports,
+    /// Whether outcomes have no times, and sensors no temperatures.
+    without_times: bool,
     changed: bool,
 }
 
@@ -114,6 +121,18 @@ impl JointBraking {
         })
     }
 
+    fn joint_motion(&self) -> JointMotion {
+        let moving = |j: usize, value: f64| if self.for_s < self.takes_s[j] { value } else { 0.0 };
+        JointMotion {
+            velocity_rad_s: std::array::from_fn(|j| {
+                moving(j, self.speed_rad_s[j] * (1.0 - self.for_s / self.takes_s[j]))
+            }),
+            acceleration_rad_s2: std::array::from_fn(|j| {
+                moving(j, -self.speed_rad_s[j] / self.takes_s[j])
+            }),
+        }
+    }
+
     fn is_over(&self) -> bool {
         self.takes_s.iter().all(|takes_s| self.for_s >= *takes_s)
     }
@@ -127,6 +146,7 @@ impl Simulation {
         noise_rad: f64,
         boot: u64,
     ) -> Self {
+        let torque_sensors = TorqueSensors::new(&robot, None, None, 0.0);
         Self {
             robot,
             period_s: f64::from(fri.period_ms) * 1e-3,
@@ -134,17 +154,26 @@ impl Simulation {
             cycle: 0,
             q: start_rad,
             dq: [0.0; 7],
+            trail: VecDeque::new(),
             activity: Activity::Nothing,
             outcome: None,
             boot,
             fri: Controller::new(fri),
             pressed_until: None,
             press_at: None,
-            noise: Noise::new(noise_rad),
+            noise: Noise::new(noise_rad, NOISE_SEED),
             temperatures: Temperatures::new(),
+            torque_sensors,
+            torques: TorqueReading::default(),
             ports: Ports::default(),
+            without_times: false,
             changed: true,
         }
+    }
+
+    /// Leaves out the times of outcomes and the temperatures of sensors, as a real cabinet does.
+    pub(crate) fn leave_out_times(&mut self) {
+        self.without_times = true;
     }
 
     /// The time of the controller's clock, in s.
@@ -175,7 +204,20 @@ impl Simulation {
             Activity::Commanded(commanded) => (DriveState::RunningTrajectory, Some(commanded.run)),
             Activity::Braking(braking) => (braking.state, Some(braking.run)),
         };
-        StateChange { boot: self.boot, state, run, outcome: self.outcome.clone(), simulated: true }
+        let mut conditions = Conditions::default();
+        conditions.operation_mode = Some(OperationMode::Aut);
+        conditions.override_rel = Some(1.0);
+        conditions.safety_stop = Some(self.pressed_until.is_some());
+        let program = concat!("iiwasim cabinet ", env!("CARGO_PKG_VERSION"));
+        StateChange {
+            boot: self.boot,
+            state,
+            run,
+            outcome: self.outcome.clone(),
+            simulated: true,
+            hello: Some(Hello::new(PROTOCOL, program)),
+            conditions: Some(conditions),
+        }
     }
 
     /// The current joint positions, in rad.
@@ -190,6 +232,7 @@ impl Simulation {
     /// Presses the emergency stop for a time, in s.
     pub(crate) fn press_emergency_stop(&mut self, seconds: f64) {
         self.pressed_until = Some(self.cycle + self.cycles(seconds));
+        self.changed = true;
         let error = Refusal::robot("the emergency stop was pressed");
         match &mut self.activity {
             Activity::Nothing | Activity::Braking(_) => {}
@@ -216,6 +259,7 @@ impl Simulation {
         self.cycle += 1;
         if self.pressed_until.is_some_and(|until| until <= self.cycle) {
             self.pressed_until = None;
+            self.changed = true;
         }
         let before = self.q;
         self.fri.advance();
@@ -224,13 +268,15 @@ impl Simulation {
         let limits = self.robot.limits();
         let speed_rel = std::array::from_fn(|j| self.dq[j] / limits.velocity_rad_s[j]);
         self.temperatures.advance(&speed_rel, self.period_s);
+        let motion = self.joint_motion();
+        self.torques = self.torque_sensors.read(&self.q, &motion);
         let measured_rad = self.q.map(|q| q + self.noise.next());
         let reading = Reading {
             measured_rad,
             commanded_rad: self.q,
             ipo_rad: Some(self.ipo_rad()),
-            measured_torque_nm: holding_torques(&self.robot, &self.q),
-            external_torque_nm: [0.0; 7],
+            measured_torque_nm: self.torques.measured_nm,
+            external_torque_nm: self.torques.external_nm,
             time: Duration::from_secs_f64(self.now_s()),
             safety: if self.pressed_until.is_some() { Safety::Stop1 } else { Safety::Normal },
         };
@@ -246,12 +292,55 @@ impl Simulation {
         }
     }
 
+    /// How the joints move now: as planned, or, of set-points, by their differences, which are late by a set-point.
+    fn joint_motion(&mut self) -> JointMotion {
+        let stride = self.receive_multiplier as usize;
+        self.trail.push_back(self.q);
+        while self.trail.len() > 2 * stride + 1 {
+            self.trail.pop_front();
+        }
+        match &self.activity {
+            Activity::Nothing => JointMotion::default(),
+            Activity::Motions { playback, .. } => {
+                let state = playback.motion().at(playback.at_s());
+                let (rate, change) = playback.time_rate();
+                JointMotion {
+                    velocity_rad_s: state.dq.map(|dq| rate * dq),
+                    acceleration_rad_s2: std::array::from_fn(|j| {
+                        rate * rate * state.ddq[j] + change * state.dq[j]
+                    }),
+                }
+            }
+            Activity::Commanded(_) => {
+                let trail = &self.trail;
+                let (Some(first), Some(middle)) = (trail.front(), trail.get(stride)) else {
+                    return JointMotion::default();
+                };
+                if trail.len() <= 2 * stride {
+                    return JointMotion::default();
+                }
+                let step_s = self.period_s * f64::from(self.receive_multiplier);
+                JointMotion {
+                    velocity_rad_s: std::array::from_fn(|j| {
+                        (self.q[j] - first[j]) / (2.0 * step_s)
+                    }),
+                    acceleration_rad_s2: std::array::from_fn(|j| {
+                        (self.q[j] - 2.0 * middle[j] + first[j]) / step_s.powi(2)
+                    }),
+                }
+            }
+            Activity::Braking(braking) => braking.joint_motion(),
+        }
+    }
+
     fn advance(&mut self) {
         match std::mem::replace(&mut self.activity, Activity::Nothing) {
             Activity::Nothing => {}
             Activity::Motions { run, mut playback, from, error } => {
                 playback.advance(self.period_s);
                 self.q = playback.position();
+                let (trajectory, at_s) = (playback.motion(), playback.at_s());
+                self.torque_sensors.configure(trajectory.path(), trajectory.at(at_s).motion);
                 if playback.is_over() {
                     let error = error.filter(|_| playback.is_cut_short());
                     return self.end(run, Some(from), error);
@@ -386,8 +475,8 @@ impl Simulation {
         self.fri.release();
         self.outcome = Some(Outcome {
             run,
-            start_s: from.map(|from| self.at_s(from)),
-            end_s: self.now_s(),
+            start_s: from.filter(|_| !self.without_times).map(|from| self.at_s(from)),
+            end_s: (!self.without_times).then(|| self.now_s()),
             error,
         });
         self.activity = Activity::Nothing;
@@ -472,7 +561,8 @@ impl Simulation {
                 }
             },
             Instruction::ReadSensors => {
-                answer.sensors = Some(Sensors::new(self.temperatures.celsius(), [0.0; 7]));
+                let temperatures = (!self.without_times).then(|| self.temperatures.celsius());
+                answer.sensors = Some(Sensors::new(temperatures, self.torques.external_nm));
             }
             Instruction::ListIo => answer.io = Some(self.ports.all()),
             Instruction::GetIo { name } => answer.value = Some(self.ports.get(&name)?),
@@ -483,6 +573,9 @@ impl Simulation {
         Ok(answer)
     }
 }
+
+/// Of noise of positions.
+const NOISE_SEED: u64 = 1;
 
 /// How long a simulated emergency stop stays pressed, in s.
 pub(crate) const EMERGENCY_STOP_HELD_S: f64 = 2.0;

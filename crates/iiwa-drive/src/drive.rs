@@ -16,6 +16,7 @@
 mod answer_latency;
 mod checks;
 mod clock;
+mod commanded_times;
 mod config;
 mod dispatcher;
 mod dispatcher_thread;
@@ -23,7 +24,9 @@ mod events;
 mod fri;
 mod governor;
 mod instruction_queue;
+mod link_check;
 mod plausibility;
+mod protocol;
 mod publish;
 mod responder;
 mod run;
@@ -41,22 +44,22 @@ use std::{
 };
 
 pub use answer_latency::AnswerLatency;
-use bytes::Bytes;
 pub use config::DriveConfig;
 use iiwa_link::{
     LinkError,
     message::{MAX_MESSAGE_BYTES, from_json},
-    robot_program::RECEIVED,
     socket::{Dial, Remote, SHORT_MESSAGE_BYTES, Server, random_id},
     threads::ThreadGroup,
-    transport::{Dialer, Frames, Listener, ListenerConfig, SocketKind},
+    transport::{Dialer, Listener, ListenerConfig, SocketKind},
 };
+pub use link_check::{CheckStep, LinkCheck, StepResult};
 
 use crate::drive::{
     answer_latency::LatencyRecorder,
     dispatcher::Dispatcher,
     dispatcher_thread::{DispatcherInput, DispatcherThread, ReplyRoute},
     fri::FriThread,
+    protocol::acknowledge,
     publish::BACKLOG,
 };
 
@@ -215,7 +218,16 @@ fn receive_states(
     at: &str,
     inputs: Sender<DispatcherInput>,
 ) -> Result<Dialer, LinkError> {
-    cabinet.dial("drive state", Dial::Rep, at, move |frames| Some(acknowledge(frames, &inputs)))
+    cabinet.dial("drive state", Dial::Rep, at, move |frames| {
+        let (state, acknowledgement) = acknowledge(frames);
+        if let Some(state) = state {
+            // The receiver outlives the socket.
+            let _ = inputs.send(DispatcherInput::StateChange(state));
+        } else {
+            tracing::warn!("a malformed state change was ignored");
+        }
+        Some(acknowledgement)
+    })
 }
 
 /// The connection for instructions to the robot program. It sends messages like REQ, but does not block after
@@ -231,17 +243,4 @@ fn instruct(
         }
         None
     })
-}
-
-/// Acknowledges a state change of the robot program.
-fn acknowledge(mut frames: Frames, inputs: &Sender<DispatcherInput>) -> Frames {
-    let body = frames.pop().unwrap_or_default();
-    if let Some(change) = from_json(&body) {
-        // The receiver outlives the socket.
-        let _ = inputs.send(DispatcherInput::StateChange(change));
-    } else {
-        tracing::warn!("a malformed state change was ignored");
-    }
-    frames.push(Bytes::from_static(RECEIVED.as_bytes()));
-    frames
 }

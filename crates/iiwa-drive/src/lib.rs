@@ -50,4 +50,4 @@
 
 mod drive;
 
-pub use drive::{AnswerLatency, Drive, DriveConfig};
+pub use drive::{AnswerLatency, CheckStep, Drive, DriveConfig, LinkCheck, StepResult};

@@ -37,6 +37,7 @@
 
 mod client;
 mod error;
+mod lag;
 pub mod message;
 pub mod robot_program;
 pub mod security;
@@ -50,6 +51,7 @@ pub mod transport;
 
 pub use client::{Client, ClientError};
 pub use error::LinkError;
+pub use lag::Lag;
 pub use socket::{Remote, Server};
 pub use start_offset::StartOffset;
 pub use stream::{Published, Stream};

@@ -1,15 +1,21 @@
 //! The JSON messages between clients and iiwaDrive.
 
+pub(crate) mod conditions;
 pub(crate) mod io;
 pub(crate) mod refusal;
 pub(crate) mod reply;
 pub(crate) mod request;
+pub(crate) mod status_text;
 pub(crate) mod text;
 
+pub use conditions::{Conditions, Hello, OperationMode};
 pub use io::{Direction, IoValue, Signal};
 pub use refusal::{Code, Refusal};
-pub use reply::{Body, DriveState, FriStatus, Presence, Reply, Run, Samples, Sensors, Status};
+pub use reply::{
+    Body, DriveState, FriStatus, Presence, Reply, Run, Samples, Sensors, Status, TimedBy,
+};
 pub use request::{Id, Request, RequestHead};
+pub use status_text::Degrees;
 pub use text::{Figures, bad_json, from_json, shortened, to_json};
 
 /// Longest request, in bytes: a trajectory of 200 000 points at full precision. A peer that sends a

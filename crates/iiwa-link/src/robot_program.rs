@@ -14,7 +14,13 @@ use serde::{
     de::{DeserializeOwned, IgnoredAny},
 };
 
-use crate::message::{DriveState, IoValue, Refusal, Sensors, Signal, bad_json, shortened, to_json};
+use crate::message::{
+    Conditions, DriveState, Hello, IoValue, Refusal, Sensors, Signal, bad_json, shortened, to_json,
+};
+
+/// The version of the protocol between a drive and a robot program. It changes when one of them could not carry out
+/// what the other one of the version before asks for.
+pub const PROTOCOL: u32 = 1;
 
 /// The number of a run.
 pub type RunId = u64;
@@ -127,6 +133,8 @@ impl Instruction {
             _base: IgnoredAny,
             #[serde(default, rename = "mode")]
             _mode: IgnoredAny,
+            #[serde(default, rename = "mount")]
+            _mount: IgnoredAny,
         }
         #[derive(Deserialize)]
         struct NameKey {
@@ -201,6 +209,12 @@ pub struct StateChange {
     /// Whether the robot is simulated, so that no person is near it. A robot program on a real cabinet never sets it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub simulated: bool,
+    /// The versions of the robot program. Without them, it has version 1 of the protocol.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hello: Option<Hello>,
+    /// The conditions at the controller, as far as they are known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<Conditions>,
 }
 
 /// The outcome of a run. Times are of the controller's clock, as are the time stamps of FRI.
@@ -211,8 +225,10 @@ pub struct Outcome {
     /// Its start, in s; `None` if it did not start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_s: Option<f64>,
-    /// Its end, in s.
-    pub end_s: f64,
+    /// Its end, in s; `None` if the robot program does not know FRI's clock. Then the drive takes start and end from
+    /// the commanded joint positions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_s: Option<f64>,
     /// Why it was aborted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<Refusal>,

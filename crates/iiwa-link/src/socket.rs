@@ -1,13 +1,15 @@
 //! Security settings of sockets that listen ([`Server`]) and connect ([`Remote`]).
 
-use std::{hash::BuildHasher, io};
+use std::{hash::BuildHasher, io, time::Duration};
 
 use omq_proto::{MechanismSetup, SocketType, proto::Role};
 
 use crate::{
     error::LinkError,
     security::{ClientSecurity, Endpoint, ServerSecurity},
-    transport::{Dialer, Event, Frames, Listener, ListenerConfig, SHORT_BYTES, WireConfig},
+    transport::{
+        self, Dialer, Event, Frames, Listener, ListenerConfig, ProbeError, SHORT_BYTES, WireConfig,
+    },
 };
 
 /// Security of listening sockets: without keys on the loopback interface, or with CURVE keys.
@@ -79,6 +81,15 @@ pub enum Dial {
     Rep,
 }
 
+impl Dial {
+    fn socket(self) -> SocketType {
+        match self {
+            Self::Dealer => SocketType::Dealer,
+            Self::Rep => SocketType::Rep,
+        }
+    }
+}
+
 /// Security of connecting sockets: without keys on this machine, or with CURVE keys.
 ///
 /// ```
@@ -125,12 +136,25 @@ impl Remote {
         at: &str,
         take: impl FnMut(Frames) -> Option<Frames> + Send + 'static,
     ) -> Result<Dialer, LinkError> {
-        let kind = match kind {
-            Dial::Dealer => SocketType::Dealer,
-            Dial::Rep => SocketType::Rep,
-        };
-        let (to, wire) = self.wire(kind, at, SHORT_BYTES)?;
+        let (to, wire) = self.wire(kind.socket(), at, SHORT_BYTES)?;
         Dialer::start(name, wire, to, take)
+    }
+
+    /// Connects to an address once and completes the handshake, each within `limit`, to find out whether that is
+    /// possible.
+    ///
+    /// # Errors
+    ///
+    /// What hinders the connection.
+    pub fn probe(&self, kind: Dial, at: &str, limit: Duration) -> Result<(), ProbeError> {
+        let (to, wire) = self.wire(kind.socket(), at, SHORT_BYTES)?;
+        transport::probe(&to, &wire, limit)
+    }
+
+    /// Whether there are keys.
+    #[must_use]
+    pub fn has_keys(&self) -> bool {
+        self.security.is_some()
     }
 
     /// The configuration of a connection to an address.

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 fn messages_of_joint_motions_have_no_other_keys() {
     let ptp = Ptp::to([0.5, 0.0, 0.0, -1.0, 0.0, 0.25, 0.0]).blend(Blend::CartMm(50.0));
     let motions = vec![
-        Motion::Wait { seconds: 2.0 },
+        Motion::Wait { seconds: 2.0, overlap: 0 },
         Motion::Ptp(ptp.velocity(0.5)),
         Motion::Ptp(Ptp::to([0.5; 7])),
     ];
@@ -28,18 +28,22 @@ fn messages_of_joint_motions_have_no_other_keys() {
 fn the_keys_of_programs_come_after_the_motions() {
     let text = r#"{"type":"run_motions","motions":[{"type":"lin","frame":"p"}],"tools":{"t":{"tcp":{"z_mm":120}}},
         "bases":{"b":{}},"frames":{"p":{"base":"b","x_mm":1,"y_mm":2,"z_mm":3,"a_deg":0,"b_deg":0,"c_deg":0}},
-        "tool":"t","base":"b","mode":"t1"}"#;
+        "tool":"t","base":"b","mode":"t1","mount":{"rpy_deg":[180,0,0]}}"#;
     let (_, request) = Request::from_json(text.as_bytes());
     let Ok(Request::RunMotions { motions }) = request else { panic!("{request:?}") };
     assert_eq!(motions.workcell.mode, OperatingMode::T1);
     let written = Request::RunMotions { motions: motions.clone() }.to_json();
-    let places = ["motions", "tools", "bases", "frames", "tool", "base", "mode"]
+    let places = ["motions", "tools", "bases", "frames", "tool", "base", "mode", "mount"]
         .map(|key| written.rfind(&format!("\"{key}\":")).unwrap());
     assert!(places.is_sorted(), "{written}");
     let instruction = Instruction::RunMotions { run: 1, motions };
     let sent: Value = serde_json::from_str(&instruction.to_json(2)).unwrap();
     let asked: Value = serde_json::from_str(&written).unwrap();
-    for key in ["motions", "tools", "bases", "frames", "tool", "base", "mode"] {
+    assert_eq!(
+        Instruction::from_json(instruction.to_json(2).as_bytes()),
+        (Some(2), Ok(instruction.clone()))
+    );
+    for key in ["motions", "tools", "bases", "frames", "tool", "base", "mode", "mount"] {
         assert_eq!(sent[key], asked[key], "{key}");
     }
 }
@@ -152,6 +156,7 @@ fn request() -> impl Strategy<Value = Value> {
     (motions, pose(), pose(), pose(), load, any::<bool>()).prop_map(
         |(mut motions, tcp, tip, base, (mass, abc), slow)| {
             motions.push(json!({"type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 0]}));
+            motions.push(json!({"type": "load", "load": {"mass_kg": mass, "center_mm": abc}}));
             let mut pick = tcp.clone();
             pick["base"] = json!("table");
             let mut request = json!({
@@ -162,6 +167,7 @@ fn request() -> impl Strategy<Value = Value> {
             });
             if slow {
                 request["mode"] = json!("t1");
+                request["mount"] = json!({"rpy_deg": abc});
             }
             request
         },

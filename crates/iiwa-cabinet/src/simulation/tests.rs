@@ -171,3 +171,55 @@ fn the_arm_brakes_within_its_range() {
         scene.assert_brakes(&format!("{how}, at the end of the range"));
     }
 }
+
+/// The sensors show the torques of the motion with its load, in the sign of KUKA's controller, while a stop slows it down as
+/// well; and nothing external.
+#[test]
+fn measured_torques_are_those_of_the_motion_with_its_load() {
+    let program = iiwa_program::Program::from_json(
+        r#"{ "version": 1, "mount": { "rpy_deg": [180, 0, 0] },
+            "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+            "motions": [
+                { "type": "load", "load": { "mass_kg": 5, "center_mm": [0, 20, 90] } },
+                { "type": "ptp", "joints_deg": [60, 70, 20, -20, 10, 60, 50] }] }"#,
+    )
+    .unwrap();
+    let robot = Robot::default();
+    let start_rad = *program.start.joints_rad().unwrap();
+    let config = ControllerConfig { period_ms: 1, receive_multiplier: 1, format: Format::V1 };
+    let mut simulation = Simulation::new(robot.clone(), start_rad, config, 0.0, 1);
+    let trajectory = plan(&robot, start_rad, program.into()).unwrap();
+    simulation.begin(RUN, trajectory.clone()).unwrap();
+    let mut message = Vec::new();
+    let mut largest = 0.0_f64;
+    let ticks = |simulation: &mut Simulation, count: usize, message: &mut Vec<u8>| {
+        let mut trail = Vec::new();
+        for _ in 0..count {
+            simulation.tick(message);
+            trail.push((*simulation.position(), simulation.torques));
+        }
+        trail
+    };
+    for (i, (_, torques)) in ticks(&mut simulation, 200, &mut message).iter().enumerate() {
+        let planned = trajectory.torques_at((i + 1) as f64 * 1e-3).torque_nm;
+        largest = largest.max(planned[1].abs());
+        for j in 0..7 {
+            assert!((torques.measured_nm[j] + planned[j]).abs() < 1e-6, "{i}, A{}", j + 1);
+            assert_eq!(torques.external_nm[j], 0.0);
+        }
+    }
+    assert!(largest > 40.0, "{largest}");
+    // On the way to rest, by differences of positions.
+    simulation.carry_out(Instruction::Stop).unwrap();
+    let arm = trajectory.path().dynamics(iiwa_program::MotionIndex::new(1));
+    for (k, three) in ticks(&mut simulation, 300, &mut message).windows(3).enumerate() {
+        let [a, b, c] = [three[0].0, three[1].0, three[2].0];
+        let velocity = std::array::from_fn(|j| (c[j] - a[j]) / 2e-3);
+        let acceleration = std::array::from_fn(|j| (c[j] - 2.0 * b[j] + a[j]) / 1e-6);
+        let expected = arm.torques(&b, &velocity, &acceleration);
+        for j in 0..7 {
+            let off = three[1].1.measured_nm[j] + expected[j];
+            assert!(off.abs() < 0.5, "{k}, A{}: off by {off} Nm", j + 1);
+        }
+    }
+}

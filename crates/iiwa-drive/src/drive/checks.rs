@@ -51,7 +51,7 @@ pub(super) struct CheckedRun {
 
 /// The motions or trajectory of a run.
 pub(super) enum RunTask {
-    Motions(MotionList),
+    Motions(Box<MotionList>),
     Trajectory(Box<TimedJoints>),
 }
 
@@ -90,7 +90,8 @@ fn read(body: &[u8], robot: &Robot, at_rad: &Joints) -> (Option<Id>, Result<RunT
     }
     let task = head.and_then(RequestHead::parse).and_then(|request| match request {
         Request::RunMotions { motions } => {
-            check_motions(&motions, body, robot, at_rad).map(|()| RunTask::Motions(motions))
+            check_motions(&motions, body, robot, at_rad)?;
+            Ok(RunTask::Motions(Box::new(motions)))
         }
         Request::RunTrajectory { trajectory } => {
             trajectory.check(robot.limits(), at_rad)?;
@@ -148,6 +149,6 @@ fn segments(motion: &Motion) -> usize {
             Course::Spline(segments) => segments.len(),
             _ => 1,
         },
-        Motion::Ptp(_) | Motion::Wait { .. } => 1,
+        Motion::Ptp(_) | Motion::Wait { .. } | Motion::Load(_) => 1,
     }
 }

@@ -1,6 +1,6 @@
 //! Messages between the FRI thread and the dispatcher.
 
-use std::time::Instant;
+use std::{fmt, net::IpAddr, time::Instant};
 
 use iiwa_fri::{Quality, Safety, SessionState};
 use iiwa_kin::Joints;
@@ -21,15 +21,37 @@ pub(super) enum FriCommand {
 }
 
 /// An event of the FRI thread.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly all events are observations, and the real-time thread does not allocate"
+)]
 pub(super) enum FriEvent {
     /// A message of the controller has arrived.
     Observed(Observation),
+    /// A message has arrived from another address than the controller's, while none arrives from that.
+    Unexpected(UnexpectedSource),
     /// The trajectory has ended.
     Ended(TrajectoryEnd),
     /// The trajectory was to be stopped, but had not begun.
     Discarded,
     /// A task that is no longer needed, to be freed outside the real-time thread.
     Freed(#[expect(dead_code, reason = "it is freed")] TrajectoryTask),
+}
+
+/// An address that FRI messages come from instead of the controller's.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct UnexpectedSource {
+    pub(super) from: IpAddr,
+    pub(super) expected: IpAddr,
+    /// When the message arrived.
+    pub(super) at: Instant,
+}
+
+impl fmt::Display for UnexpectedSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { from, expected, .. } = self;
+        write!(f, "from {from}, expected {expected} (setting fri-cabinet of the drive)")
+    }
 }
 
 /// The state of the robot and the connection in a message of the controller.
@@ -41,6 +63,8 @@ pub(super) struct Observation {
     pub(super) clock_ahead_s: f64,
     /// Measured joint positions, in rad.
     pub(super) joints_rad: Joints,
+    /// Commanded joint positions, in rad, if the controller sends them.
+    pub(super) commanded_rad: Option<Joints>,
     /// Measured and external torques, in Nm, if the controller sends them.
     pub(super) torques_nm: Option<[Joints; 2]>,
     pub(super) session: SessionState,

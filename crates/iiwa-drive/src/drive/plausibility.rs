@@ -28,12 +28,18 @@ use std::{
 use iiwa_fri::{Client, Monitoring, Received, SessionState, ahead};
 use iiwa_kin::{Joints, Limits};
 
+use super::events::UnexpectedSource;
+
 /// Number of consecutive consistent messages of a restarted controller.
 const ROW: u32 = 4;
 
 /// After this silence, any message is accepted: a number of periods, and at least this time.
 const SILENT_PERIODS: u32 = 5;
 const SILENCE: Duration = Duration::from_millis(100);
+
+/// Messages from another address are reported after this time without one from the cabinet, and so often.
+const UNEXPECTED_AFTER: Duration = Duration::from_millis(500);
+const UNEXPECTED_EVERY: Duration = Duration::from_millis(100);
 
 /// A row is accepted after this number of periods without a consistent message.
 const ROW_PERIODS: u32 = 3;
@@ -69,16 +75,43 @@ pub(super) struct Plausibility {
     /// The last ignored message, when it arrived, and the length of the row of consistent ones.
     suspect: Option<(Monitoring, Instant, u32)>,
     ignored: u64,
+    /// When a message from another address was reported last.
+    unexpected: Option<Instant>,
 }
 
 impl Plausibility {
     pub(super) fn new(cabinet: IpAddr, limits: &Limits) -> Self {
-        Self { cabinet, limits: *limits, accepted: None, suspect: None, ignored: 0 }
+        Self {
+            cabinet,
+            limits: *limits,
+            accepted: None,
+            suspect: None,
+            ignored: 0,
+            unexpected: None,
+        }
     }
 
     /// Number of ignored messages.
     pub(super) fn ignored(&self) -> u64 {
         self.ignored
+    }
+
+    /// The source of an ignored message that has arrived from `from` at `now`, if it is not the cabinet's address, and
+    /// nothing arrives from that.
+    pub(super) fn unexpected(
+        &mut self,
+        from: SocketAddr,
+        now: Instant,
+    ) -> Option<UnexpectedSource> {
+        let is_past =
+            |at: Option<Instant>, after| at.is_none_or(|at| now.duration_since(at) >= after);
+        let is_due = from.ip() != self.cabinet
+            && is_past(self.accepted.map(|(_, at)| at), UNEXPECTED_AFTER)
+            && is_past(self.unexpected, UNEXPECTED_EVERY);
+        is_due.then(|| {
+            self.unexpected = Some(now);
+            UnexpectedSource { from: from.ip(), expected: self.cabinet, at: now }
+        })
     }
 
     /// Judges a message that has arrived from `from` at `now`, after those that `client` has accepted.

@@ -128,7 +128,11 @@ impl Responder {
             }
         };
         match self.plausibility.judge(&message, from, now, &self.client) {
-            Verdict::Ignore => return Reception::Ignored,
+            Verdict::Ignore => {
+                let unexpected = self.plausibility.unexpected(from, now);
+                self.events.extend(unexpected.map(FriEvent::Unexpected));
+                return Reception::Ignored;
+            }
             Verdict::Accept => {
                 if !self.client.accept(message).is_fresh() {
                     return Reception::Ignored;
@@ -238,6 +242,7 @@ impl Responder {
             t_s: tick.t_s,
             clock_ahead_s: self.clock.ahead_s,
             joints_rad,
+            commanded_rad: message.commanded_rad,
             torques_nm: message
                 .measured_torque_nm
                 .zip(message.external_torque_nm)

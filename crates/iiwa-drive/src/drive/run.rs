@@ -3,11 +3,11 @@
 use std::time::{Duration, Instant};
 
 use iiwa_link::{
-    message::{DriveState, MAX_SAMPLES, Refusal, Run, Samples},
+    message::{DriveState, MAX_SAMPLES, Refusal, Run, Samples, TimedBy},
     robot_program::{Instruction, Outcome, RunId},
 };
 
-use super::{events::Observation, setpoints::TrajectoryEnd};
+use super::{commanded_times::CommandedTimes, events::Observation, setpoints::TrajectoryEnd};
 
 /// A run in progress. `A` is its requester.
 pub(super) struct Running<A> {
@@ -19,6 +19,7 @@ pub(super) struct Running<A> {
     pub(super) end_instruction: Option<Instruction>,
     samples: Samples,
     samples_left_out: u64,
+    commanded: CommandedTimes,
     /// When the robot program acknowledged its beginning.
     begun_at: Option<Instant>,
     /// How a trajectory ended on this side.
@@ -42,6 +43,8 @@ pub(super) enum Phase {
 struct Ended {
     start_s: Option<f64>,
     end_s: Option<f64>,
+    /// Since when messages are waited for that show the end, if the robot program told no times.
+    untimed: Option<Instant>,
     error: Option<Refusal>,
 }
 
@@ -60,6 +63,13 @@ const REPORT_TIMEOUT: Duration = Duration::from_secs(2);
 /// How long the last samples of a run are waited for.
 const SAMPLES_TIMEOUT: Duration = Duration::from_millis(100);
 
+/// How long the end of the commanded motion is waited for, and with how many messages it has to be over.
+const COMMANDED_TIMEOUT: Duration = Duration::from_secs(1);
+const COMMANDED_MESSAGES: u32 = 3;
+
+/// How long the samples after the end of the commanded motion are kept, in s: the arm arrives after it.
+const ARRIVAL_S: f64 = 0.25;
+
 impl<A> Running<A> {
     pub(super) fn new(
         kind: DriveState,
@@ -76,6 +86,7 @@ impl<A> Running<A> {
             end_instruction: None,
             samples: Samples::default(),
             samples_left_out: 0,
+            commanded: CommandedTimes::default(),
             begun_at: None,
             trajectory_end: None,
             ended: None,
@@ -89,6 +100,7 @@ impl<A> Running<A> {
 
     /// Stores a sample.
     pub(super) fn record(&mut self, observation: &Observation) {
+        self.commanded.observe(observation);
         if self.samples.t_s.len() < MAX_SAMPLES {
             self.samples.t_s.push(observation.t_s);
             self.samples.joints_rad.push(observation.joints_rad);
@@ -118,18 +130,23 @@ impl<A> Running<A> {
         let ended = match self.trajectory_end.take() {
             // The times of the set-points are known here.
             Some(TrajectoryEnd { start_s, end_s, error, .. }) if outcome.error.is_none() => {
-                Ended { start_s: Some(start_s), end_s: Some(end_s), error }
+                Ended { start_s: Some(start_s), end_s: Some(end_s), untimed: None, error }
             }
             trajectory_end => Ended {
                 start_s: outcome.start_s.map(|start_s| start_s - ahead_s),
-                end_s: Some(outcome.end_s - ahead_s),
+                end_s: outcome.end_s.map(|end_s| end_s - ahead_s),
+                untimed: outcome.end_s.is_none().then_some(now),
                 error: outcome
                     .error
                     .clone()
                     .or(trajectory_end.and_then(|trajectory_end| trajectory_end.error)),
             },
         };
-        self.ended = Some((ended, now + SAMPLES_TIMEOUT));
+        let timeout = match ended.untimed {
+            Some(_) => COMMANDED_TIMEOUT,
+            None => SAMPLES_TIMEOUT,
+        };
+        self.ended = Some((ended, now + timeout));
     }
 
     /// The run has failed, or did not begin.
@@ -145,19 +162,38 @@ impl<A> Running<A> {
     /// Whether it has ended and its last samples have arrived, or are no longer waited for.
     pub(super) fn is_complete(&self, observation: Option<&Observation>, now: Instant) -> bool {
         self.ended.as_ref().is_some_and(|(ended, until)| {
-            let has_arrived =
-                |end_s| observation.is_some_and(|observation| observation.t_s >= end_s);
-            now >= *until || ended.end_s.is_none_or(has_arrived)
+            let has_arrived = match (ended.untimed, ended.end_s) {
+                // Messages that arrived before the outcome may be older than the end.
+                (Some(since), _) => {
+                    self.commanded.is_unchanged_for(COMMANDED_MESSAGES)
+                        && observation.is_some_and(|it| it.at > since)
+                }
+                (None, Some(end_s)) => observation.is_some_and(|it| it.t_s >= end_s),
+                (None, None) => true,
+            };
+            now >= *until || has_arrived
         })
     }
 
     /// Finishes the run.
     pub(super) fn finish(self) -> FinishedRun<A> {
         let (ended, _) = self.ended.unzip();
-        let Ended { start_s, end_s, error } = ended.unwrap_or_default();
+        let Ended { mut start_s, mut end_s, untimed, error } = ended.unwrap_or_default();
         let mut samples = self.samples;
-        truncate(&mut samples, end_s);
-        let mut run = Run::new(samples);
+        let mut run = Run::default();
+        match untimed.map(|_| self.commanded.times_s()) {
+            None => truncate(&mut samples, end_s),
+            Some(Ok([from_s, to_s])) => {
+                (start_s, end_s) = (Some(from_s), Some(to_s));
+                run.timed_by = Some(TimedBy::CommandedPosition);
+                truncate(&mut samples, Some(to_s + ARRIVAL_S));
+            }
+            Some(Err(why)) => {
+                start_s = None;
+                run.untimed_because = error.is_none().then(|| why.to_owned());
+            }
+        }
+        run.samples = samples;
         run.cycle_time_s = start_s.zip(end_s).map(|(start, end)| end - start);
         run.start_s = start_s;
         run.samples_left_out = self.samples_left_out;

@@ -107,7 +107,7 @@ impl Parameters {
     }
 
     /// Checks that the arm can be commanded.
-    fn check(self) -> Result<(), Refusal> {
+    pub(super) fn check(self) -> Result<(), Refusal> {
         let Self { period_ms, receive_multiplier } = self;
         if !(1..=LONGEST_PERIOD_MS).contains(&period_ms) {
             let stated = match period_ms {

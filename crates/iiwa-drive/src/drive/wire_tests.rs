@@ -40,7 +40,7 @@ use fastrand::Rng;
 use iiwa_fri::{Controller, Format, SessionState};
 use iiwa_kin::Robot;
 use iiwa_link::TimedJoints;
-use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 
 use self::{
     cell::{CABINET, Cell, Missing},
@@ -187,6 +187,7 @@ fn a_restarted_controller_is_detected() {
             start: Start::Joints(cell.q),
             motions: vec![Motion::Ptp(Ptp::to([0.0; 7]))],
             workcell: Workcell::default(),
+            sources: Sources::default(),
         }));
         cell.until(5000, |cell| cell.end.is_some());
         assert_eq!(cell.end.take().unwrap().error, None);

@@ -1,9 +1,10 @@
 //! Invalid instructions to the robot program: each gets an error and has no other effect.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::{
-    corrupted::{Field, Requirement, corrupted, fields_of, good_requests, trajectory_to},
+    corrupted::{Corrupted, good_requests, trajectory_to},
+    instructions::{OTHER_WORDS, SEQ, corrupted_instructions, garbage},
     request_socket::{RequestSocket, assert_error},
     rig::{LONG, Rig},
 };
@@ -14,13 +15,10 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
     rig.start_cabinet();
     let socket = RequestSocket::new(&rig.cabinet_config.instructions);
     let before = rig.cabinet().position();
-    let seq = Field("/seq", Requirement::Required, &["3"]);
-    let kind = Field("/type", Requirement::Required, &[]);
-    let run = || Field("/run", Requirement::Required, &["3"]);
     let mut motions = good_requests().swap_remove(0);
     motions["run"] = json!(1);
-    let mut with_more = motions.clone();
-    with_more["seq"] = json!(7);
+    let mut with_more = motions;
+    with_more["seq"] = json!(SEQ);
     with_more["speed"] = json!(1);
     let answer = socket.ask(&with_more.to_string());
     assert_error(
@@ -29,56 +27,23 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
         &["unknown key `speed`"],
         "a key that is not known",
     );
-    let instructions = [
-        (motions, {
-            let mut fields = fields_of("run_motions");
-            fields.push(run());
-            fields
-        }),
-        (json!({"type": "run_trajectory", "run": 1}), vec![run()]),
-        (json!({"type": "end_trajectory", "run": 1}), vec![run()]),
-        (json!({"type": "get_io", "name": "MediaFlange.LEDBlue"}), fields_of("get_io")),
-        (
-            json!({"type": "set_io", "name": "MediaFlange.LEDBlue", "value": true}),
-            fields_of("set_io"),
-        ),
-        (json!({"type": "read_sensors"}), vec![kind]),
-        (json!({"type": "list_io"}), vec![Field("/type", Requirement::Required, &[])]),
-        (json!({"type": "stop"}), vec![seq]),
-    ];
-    for (mut good, fields) in instructions {
-        good["seq"] = json!(7);
-        for (instruction, field) in corrupted(&good, &fields) {
-            let answer = socket.ask(&instruction);
-            let names = [
-                &field,
-                "column",
-                "motion 1",
-                "no input or output",
-                "true or false",
-                "`x`",
-                "there is no",
-            ];
-            assert_error(&answer["error"], "bad_request", &names, &instruction);
-            let head: Value = serde_json::from_str(&instruction).unwrap();
-            if head["seq"].is_u64() && head["type"].is_string() {
-                assert_eq!(answer["seq"], 7, "{instruction}");
-            }
+    for (_, Corrupted { message, name, .. }) in corrupted_instructions() {
+        let instruction = message.to_string();
+        let answer = socket.ask(&instruction);
+        let names: Vec<&str> = OTHER_WORDS.into_iter().chain([name.as_str()]).collect();
+        assert_error(&answer["error"], "bad_request", &names, &instruction);
+        if message["seq"].is_u64() && message["type"].is_string() {
+            assert_eq!(answer["seq"], SEQ, "{instruction}");
         }
     }
-    for garbage in [
-        String::new(),
-        "{}".to_owned(),
-        "[]".to_owned(),
-        "null".to_owned(),
-        r#"{"seq": 1, "seq": 1, "type": "stop"}"#.to_owned(),
-        r#"{"seq": 18446744073709551616, "type": "stop"}"#.to_owned(),
-        format!(r#"{{"seq": 1, "type": "{}\u001b"}}"#, "x".repeat(10_000)),
-        r#"{"seq": 1, "type": "fly\u001b"}"#.to_owned(),
-        "[".repeat(100_000),
-    ] {
+    for garbage in garbage() {
         let answer = socket.ask(&garbage);
-        assert_error(&answer["error"], "bad_request", &["column", "fly", "xxx..."], &garbage);
+        assert_error(
+            &answer["error"],
+            "bad_request",
+            &["column", "fly", "xxx...", "object", "seq"],
+            &garbage,
+        );
     }
     assert!(socket.ask_bytes(b"\xff\xfe").contains("bad_request"));
     socket.socket.send_multipart(["{}", "{}"], 0).unwrap();

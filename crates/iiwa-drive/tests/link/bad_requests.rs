@@ -4,7 +4,7 @@ use iiwa_link::message::Request;
 use serde_json::json;
 
 use crate::{
-    corrupted::{corrupted, fields_of, good_requests},
+    corrupted::{Corrupted, corrupted, fields_of, good_requests},
     invalid_requests::invalid_requests,
     request_socket::{RequestSocket, assert_error},
     rig::Rig,
@@ -28,11 +28,11 @@ fn invalid_requests_get_an_error_and_have_no_effect() {
         let mut with_more = good.clone();
         with_more["speed"] = json!(1);
         assert_refused(&with_more.to_string(), "bad_request", &["`speed`"]);
-        for (request, field) in corrupted(&good, &fields_of(name)) {
+        for Corrupted { message, name, .. } in corrupted(&good, &fields_of(name)) {
             assert_refused(
-                &request,
+                &message.to_string(),
                 "bad_request",
-                &[&field, "column", "motion 1", "points", "no input or output", "true or false"],
+                &[&name, "column", "motion 1", "points", "no input or output", "true or false"],
             );
             count += 1;
         }

@@ -7,7 +7,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use iiwa_link::message::{DriveState, MAX_MESSAGE_BYTES};
+use iiwa_link::{
+    ClientError,
+    message::{DriveState, MAX_MESSAGE_BYTES},
+};
 use iiwasim_tests::zmtp::{COMMAND, MORE, Peer, frame_head, message, subscription};
 
 use crate::{
@@ -155,5 +158,9 @@ fn unread_replies_are_bounded() {
     }
     assert_stops(&rig);
     lazy.stream.set_nonblocking(false).unwrap();
-    rig.client().last_run().unwrap_err();
+    // It is answered: with the stopped run, or with the one before if the stop came before that began.
+    match rig.client().last_run() {
+        Ok(_) | Err(ClientError::Refused { .. }) => {}
+        Err(error) => panic!("{error}"),
+    }
 }

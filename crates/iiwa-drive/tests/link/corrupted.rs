@@ -21,13 +21,13 @@ pub(crate) fn wrong_values() -> [Value; 8] {
 
 /// A field of a message: its JSON pointer, whether it is optional, and those of [`wrong_values`] that are valid
 /// for it.
-pub(crate) struct Field(
-    pub(crate) &'static str,
+pub(crate) struct Field<'a>(
+    pub(crate) &'a str,
     pub(crate) Requirement,
     pub(crate) &'static [&'static str],
 );
 
-#[derive(PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Requirement {
     Optional,
     Required,
@@ -35,16 +35,25 @@ pub(crate) enum Requirement {
 
 pub(crate) const NUMBER: &[&str] = &["3", "-0.5"];
 
-/// Messages in which each of these fields in turn is invalid or missing, and the name of the field.
-pub(crate) fn corrupted(good: &Value, fields: &[Field]) -> Vec<(String, String)> {
+/// A message with an invalid field.
+pub(crate) struct Corrupted {
+    pub(crate) message: Value,
+    /// The name of the field.
+    pub(crate) name: String,
+    /// What was done to it.
+    pub(crate) what: String,
+}
+
+/// Messages in which each of these fields in turn is invalid or missing.
+pub(crate) fn corrupted(good: &Value, fields: &[Field<'_>]) -> Vec<Corrupted> {
     let mut messages = Vec::new();
     for Field(path, requirement, valid) in fields {
         let (parent, name) = path.rsplit_once('/').unwrap();
         for value in wrong_values() {
             if !valid.contains(&value.to_string().as_str()) {
-                let mut message = good.clone();
+                let (mut message, what) = (good.clone(), format!("{path} is {value}"));
                 *message.pointer_mut(path).expect(path) = value;
-                messages.push((message.to_string(), name.to_owned()));
+                messages.push(Corrupted { message, name: name.to_owned(), what });
             }
         }
         if *requirement == Requirement::Required {
@@ -54,7 +63,8 @@ pub(crate) fn corrupted(good: &Value, fields: &[Field]) -> Vec<(String, String)>
                 Value::Array(list) => drop(list.remove(name.parse().unwrap())),
                 _ => unreachable!(),
             }
-            messages.push((message.to_string(), name.to_owned()));
+            let what = format!("{path} is missing");
+            messages.push(Corrupted { message, name: name.to_owned(), what });
         }
     }
     messages
@@ -97,7 +107,7 @@ pub(crate) fn good_requests() -> Vec<Value> {
     ]
 }
 
-pub(crate) fn fields_of(name: &str) -> Vec<Field> {
+pub(crate) fn fields_of(name: &str) -> Vec<Field<'static>> {
     use Requirement::{Optional, Required};
     let own = match name {
         "run_motions" => vec![

@@ -12,14 +12,21 @@
 
 mod bad_instructions;
 mod bad_requests;
+mod bad_rows;
 mod bounds;
 mod cell_runs;
 mod corrupted;
+mod corrupted_motions;
 mod faults;
+mod instructions;
+mod invalid_motions;
 mod invalid_requests;
+mod link_check;
+mod real_cabinet;
 mod request_socket;
 mod rig;
 mod runs;
 mod scripted_program;
 mod streaming;
+mod sunrise_program;
 mod wire;

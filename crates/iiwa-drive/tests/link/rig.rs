@@ -1,6 +1,12 @@
-//! A drive and a simulated cabinet on free ports of the loopback interface.
+//! A drive and a simulated cabinet on free ports of the loopback interface, with the robot program in Java in between if
+//! the environment names it.
 
-use std::time::{Duration, Instant};
+use std::{
+    ffi::OsString,
+    ops::Deref,
+    path::PathBuf,
+    time::{Duration, Instant},
+};
 
 use iiwa_cabinet::{Cabinet, CabinetConfig, Faults};
 use iiwa_drive::{Drive, DriveConfig};
@@ -8,7 +14,11 @@ use iiwa_link::{
     Client, Remote, Server, Stream,
     message::{DriveState, Presence},
 };
-use iiwasim_tests::ports::free_address;
+use iiwasim_tests::{
+    ports::free_address,
+    program_process::{ProgramPorts, ProgramProcess, jar},
+    starts,
+};
 
 /// Time-out of all waits.
 pub(crate) const LONG: Duration = Duration::from_mins(1);
@@ -17,8 +27,28 @@ pub(crate) const LONG: Duration = Duration::from_mins(1);
 pub(crate) struct Rig {
     pub(crate) cabinet_config: CabinetConfig,
     pub(crate) drive_config: DriveConfig,
-    pub(crate) cabinet: Option<Cabinet>,
+    /// The robot program in Java; without it, the simulated one is the drive's.
+    pub(crate) jar: Option<PathBuf>,
+    /// Further options of the robot program.
+    pub(crate) program_options: Vec<OsString>,
+    /// With what the drive connects to the robot program.
+    pub(crate) remote: Remote,
+    pub(crate) cabinet: Option<RunningCabinet>,
     pub(crate) drive: Option<Drive>,
+}
+
+/// A simulated cabinet, and the robot program in front of it, which ends first.
+pub(crate) struct RunningCabinet {
+    _program: Option<ProgramProcess>,
+    cabinet: Cabinet,
+}
+
+impl Deref for RunningCabinet {
+    type Target = Cabinet;
+
+    fn deref(&self) -> &Cabinet {
+        &self.cabinet
+    }
 }
 
 /// A free address for a socket of ZeroMQ.
@@ -42,7 +72,15 @@ impl Rig {
         drive_config.fri = fri;
         drive_config.cabinet_instructions = instructions;
         drive_config.cabinet_state = state;
-        Self { cabinet_config, drive_config, cabinet: None, drive: None }
+        Self {
+            cabinet_config,
+            drive_config,
+            jar: jar(),
+            program_options: Vec::new(),
+            remote: Remote::open(),
+            cabinet: None,
+            drive: None,
+        }
     }
 
     /// Both are started, and the connection is good.
@@ -56,13 +94,28 @@ impl Rig {
     }
 
     pub(crate) fn start_cabinet(&mut self) {
-        let cabinet = Cabinet::start(self.cabinet_config.clone(), &Server::open());
-        self.cabinet = Some(cabinet.unwrap());
+        let mut config = self.cabinet_config.clone();
+        if self.jar.is_some() {
+            // Behind the robot program.
+            config.instructions = free_tcp();
+            config.state = free_tcp();
+        }
+        starts::await_all();
+        let cabinet = Cabinet::start(config, &Server::open()).unwrap();
+        let ports = ProgramPorts {
+            instructions: self.cabinet_config.instructions.clone(),
+            state: self.cabinet_config.state.clone(),
+            cabinet_instructions: cabinet.instructions().to_owned(),
+            cabinet_state: cabinet.state().to_owned(),
+        };
+        let start = |jar| ProgramProcess::start(jar, &ports, &self.program_options);
+        self.cabinet = Some(RunningCabinet { _program: self.jar.as_ref().map(start), cabinet });
     }
 
     pub(crate) fn start_drive(&mut self) {
-        let drive =
-            Drive::start(self.drive_config.clone(), &Server::open(), &Remote::open()).unwrap();
+        // The one before may have had the same ports.
+        starts::await_all();
+        let drive = Drive::start(self.drive_config.clone(), &Server::open(), &self.remote).unwrap();
         self.drive = Some(drive);
     }
 

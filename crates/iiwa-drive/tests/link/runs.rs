@@ -12,14 +12,14 @@ use iiwasim_tests::calm::in_real_time;
 
 use crate::rig::{LONG, Rig};
 
-fn motions() -> Vec<Motion> {
+pub(crate) fn motions() -> Vec<Motion> {
     let rad = |deg: Joints| deg.map(f64::to_radians);
     vec![
         Motion::Ptp(
             Ptp::to(rad([10.0, 20.0, 0.0, -40.0, 0.0, 30.0, 0.0])).blend(Blend::Fraction(0.25)),
         ),
         Motion::Ptp(Ptp::to(rad([30.0, 10.0, 5.0, -60.0, 0.0, 50.0, 20.0])).velocity(0.5)),
-        Motion::Wait { seconds: 0.1 },
+        Motion::Wait { seconds: 0.1, overlap: 0 },
         Motion::Ptp(Ptp::to(rad([0.0, 10.0, 5.0, -50.0, 0.0, 50.0, 0.0]))),
     ]
 }

@@ -12,12 +12,12 @@ use iiwa_link::{
 use serde_json::{Value, json};
 
 use crate::{
-    corrupted::{Field, NUMBER, corrupted, trajectory_to},
+    corrupted::{Field, corrupted, trajectory_to},
     rig::{LONG, Rig, free_tcp, wait_for},
 };
 
 /// A robot program that sends scripted states and acknowledgements, beside a regular controller.
-struct ScriptedProgram {
+pub(crate) struct ScriptedProgram {
     instructions: zmq::Socket,
     state: zmq::Socket,
 }
@@ -27,8 +27,9 @@ type ReceivedInstruction = (Vec<Vec<u8>>, Value);
 
 impl ScriptedProgram {
     /// Connected to a drive, in the state idle.
-    fn new() -> (Rig, Self) {
+    pub(crate) fn new() -> (Rig, Self) {
         let mut rig = Rig::parts(5);
+        rig.jar = None;
         rig.cabinet_config.instructions = free_tcp();
         rig.cabinet_config.state = free_tcp();
         rig.start_cabinet();
@@ -56,6 +57,11 @@ impl ScriptedProgram {
         self.state.send_multipart([b"".as_slice(), state], 0).unwrap();
         let answer = self.state.recv_multipart(0).expect("an acknowledgement");
         assert_eq!(answer, [b"".as_slice(), br#"{"ok":true}"#]);
+    }
+
+    /// Sends a state if somebody is connected, and does not wait for its acknowledgement.
+    pub(crate) fn send_unacknowledged(&self, state: &[u8]) {
+        let _ = self.state.send_multipart([b"".as_slice(), state], zmq::DONTWAIT);
     }
 
     fn send_idle(&self) {
@@ -118,7 +124,9 @@ fn malformed_states_are_ignored() {
 
     let (rig, program) = ScriptedProgram::new();
     let good = json!({"boot": 1, "state": "idle", "run": 3, "outcome":
-        {"run": 2, "start_s": 1.0, "end_s": 2.0, "error": {"code": "robot", "message": "m"}}});
+        {"run": 2, "start_s": 1.0, "end_s": 2.0, "error": {"code": "robot", "message": "m"}},
+        "hello": {"protocol": 1, "program": "p", "sunrise": "1.16.2.16"},
+        "conditions": {"operation_mode": "t1", "override": 0.5, "safety_stop": false, "tool": "t"}});
     let fields = [
         Field("/boot", Required, &["3"]),
         Field("/state", Required, &[]),
@@ -126,13 +134,23 @@ fn malformed_states_are_ignored() {
         Field("/outcome", Optional, &["null"]),
         Field("/outcome/run", Required, &["3"]),
         Field("/outcome/start_s", Optional, &["3", "-0.5", "null"]),
-        Field("/outcome/end_s", Required, NUMBER),
+        Field("/outcome/end_s", Optional, &["3", "-0.5", "null"]),
         Field("/outcome/error", Optional, &["null"]),
         Field("/outcome/error/code", Required, &[]),
         Field("/outcome/error/message", Required, &["\"x\""]),
+        Field("/hello", Optional, &["null"]),
+        Field("/hello/protocol", Required, &["3"]),
+        Field("/hello/program", Required, &["\"x\""]),
+        Field("/hello/sunrise", Optional, &["null", "\"x\""]),
+        Field("/conditions", Optional, &["null", "{}"]),
+        // Of a mode, any name is one.
+        Field("/conditions/operation_mode", Optional, &["null", "\"x\""]),
+        Field("/conditions/override", Optional, &["3", "-0.5", "null"]),
+        Field("/conditions/safety_stop", Optional, &["true", "null"]),
+        Field("/conditions/tool", Optional, &["null", "\"x\""]),
     ];
-    let mut garbage: Vec<_> =
-        corrupted(&good, &fields).into_iter().map(|(state, _)| state.into_bytes()).collect();
+    let states = corrupted(&good, &fields).into_iter();
+    let mut garbage: Vec<_> = states.map(|row| row.message.to_string().into_bytes()).collect();
     garbage.extend(["", "{}", "[1, \"running_motion\"]", "null"].map(Into::into));
     garbage.push(vec![b'['; 50_000]);
     garbage.push(vec![0xff; 10]);
@@ -309,4 +327,67 @@ fn a_disobedient_robot_program_does_not_block_the_drive() {
     assert_eq!(instruction.1["type"], "get_io");
     program.acknowledge(&instruction, r#", "value": true"#);
     assert_eq!(client.join().unwrap().unwrap(), IoValue::Boolean(true));
+}
+
+#[test]
+fn a_robot_program_with_another_protocol_is_not_instructed() {
+    let (rig, program) = ScriptedProgram::new();
+    program.send(
+        br#"{"boot": 1, "state": "idle", "hello": {"protocol": 2, "program": "mine 0.2", "sunrise": "2.6"}}"#,
+    );
+    let status = rig.client().state().unwrap();
+    let text = status.text();
+    assert!(
+        text.contains("mine 0.2, Sunrise 2.6, protocol 2; this is iiwasim with protocol 1"),
+        "{text}"
+    );
+    let refused = [
+        get_io(&rig).join().unwrap().map(drop),
+        ask(&rig, |client| client.read_sensors().map(drop)).join().unwrap(),
+        run(&rig).join().unwrap().map(drop),
+    ];
+    for refusal in refused {
+        let error = refusal.unwrap_err();
+        assert_eq!(error.code(), Code::Robot, "{error}");
+        let text = error.to_string();
+        assert!(text.contains("version 2 of the protocol, this drive version 1"), "{text}");
+        assert!(text.contains("replace iiwasim here"), "{text}");
+    }
+    assert_eq!(program.instructions.poll(zmq::POLLIN, 300).unwrap(), 0);
+    // Stops are carried out whatever the version.
+    let stopped = ask(&rig, Client::stop);
+    assert!(stopped.join().unwrap().is_ok());
+}
+
+#[test]
+fn conditions_are_told_and_a_safety_stop_refuses_runs() {
+    let (rig, program) = ScriptedProgram::new();
+    program.send(
+        br#"{"boot": 1, "state": "idle", "conditions": {"operation_mode": "krf", "override": 0.3,
+            "safety_stop": true, "tool": "gripper"}}"#,
+    );
+    let status = rig.client().state().unwrap();
+    let text = status.text();
+    assert!(
+        text.contains("conditions     mode krf, override 30 %, safety stop, tool gripper"),
+        "{text}"
+    );
+    assert!(text.starts_with("state          idle, a safety stop is active"), "{text}");
+    let error = run(&rig).join().unwrap().unwrap_err().to_string();
+    assert!(error.contains("safety stop"), "{error}");
+}
+
+#[test]
+fn sensors_without_temperatures_are_passed_on() {
+    let (rig, program) = ScriptedProgram::new();
+    for temperatures in ["", r#""joint_temperature_c": null, "#] {
+        let asked = ask(&rig, Client::read_sensors);
+        let sensors = format!(
+            r#", "sensors": {{{temperatures}"external_torque_nm": [1, 2, 3, 4, 5, 6, 7]}}"#
+        );
+        program.acknowledge(&program.receive(), &sensors);
+        let sensors = asked.join().unwrap().unwrap();
+        assert_eq!(sensors.joint_temperature_c, None);
+        assert_eq!(sensors.external_torque_nm[6], 7.0);
+    }
 }

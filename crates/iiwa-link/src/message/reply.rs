@@ -1,11 +1,12 @@
 //! Replies of the drive.
 
-use std::fmt;
+use std::{fmt, net::IpAddr};
 
 use iiwa_kin::Joints;
 use serde::{Deserialize, Serialize};
 
 use crate::message::{
+    conditions::{Conditions, Hello},
     io::{IoValue, Signal},
     refusal::Refusal,
     request::Id,
@@ -65,13 +66,20 @@ impl Samples {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Run {
-    /// Time from the start to the end of the run, in s, if the robot reported both.
+    /// Time from the start to the end of the run, in s, if both are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycle_time_s: Option<f64>,
-    /// Start of the run, in s on the time scale of the samples, if the robot reported it.
+    /// Start of the run, in s on the time scale of the samples, if it is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_s: Option<f64>,
-    /// Measurements over FRI, from just before the start to the end.
+    /// What start and end were taken from; `None` for the clock of the robot program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timed_by: Option<TimedBy>,
+    /// Why there is no cycle time, if the run succeeded without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub untimed_because: Option<String>,
+    /// Measurements over FRI, from just before the start to the end, and up to 0.25 s longer if the commanded positions
+    /// tell the end: the arm arrives after them.
     #[serde(default)]
     pub samples: Samples,
     /// Number of samples beyond [`MAX_SAMPLES`](super::MAX_SAMPLES), which are not stored.
@@ -87,6 +95,26 @@ impl Run {
     }
 }
 
+/// What the times of a run were taken from, if not from the clock of the robot program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum TimedBy {
+    /// The first and the last change of the joint positions that the controller commands. Standing before and after,
+    /// such as the time to settle, is not part of it.
+    CommandedPosition,
+}
+
+impl TimedBy {
+    /// Its name in JSON, in snake case.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CommandedPosition => "commanded_position",
+        }
+    }
+}
+
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde requires")]
 fn is_zero(count: &u64) -> bool {
     *count == 0
@@ -96,16 +124,17 @@ fn is_zero(count: &u64) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Sensors {
-    /// Temperatures of the joints, in degrees Celsius.
-    pub joint_temperature_c: Joints,
+    /// Temperatures of the joints, in degrees Celsius; `None` if the controller does not report them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint_temperature_c: Option<Joints>,
     /// External joint torques, in Nm.
     pub external_torque_nm: Joints,
 }
 
 impl Sensors {
-    /// Joint temperatures, in degrees Celsius, and external joint torques, in Nm.
+    /// Joint temperatures, in degrees Celsius, if they are known, and external joint torques, in Nm.
     #[must_use]
-    pub fn new(joint_temperature_c: Joints, external_torque_nm: Joints) -> Self {
+    pub fn new(joint_temperature_c: Option<Joints>, external_torque_nm: Joints) -> Self {
         Self { joint_temperature_c, external_torque_nm }
     }
 }
@@ -125,6 +154,9 @@ pub struct FriStatus {
     /// Whether the safety controller demands a stop, as while the emergency stop is pressed.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub safety_stop: bool,
+    /// Another address than the expected one that FRI messages come from, while none come from that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unexpected_source: Option<IpAddr>,
 }
 
 impl FriStatus {
@@ -156,6 +188,12 @@ pub struct Status {
     /// Whether the robot program says that the robot is a simulated one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub simulated: bool,
+    /// The versions of the robot program, if it tells them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hello: Option<Hello>,
+    /// The conditions at the controller, if the robot program tells them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<Conditions>,
 }
 
 impl Status {
@@ -169,6 +207,8 @@ impl Status {
             fri,
             robot_program: Presence::Silent,
             simulated: false,
+            hello: None,
+            conditions: None,
         }
     }
 }

@@ -283,4 +283,6 @@ struct MotionsRequest {
     _base: IgnoredAny,
     #[serde(default, rename = "mode")]
     _mode: IgnoredAny,
+    #[serde(default, rename = "mount")]
+    _mount: IgnoredAny,
 }

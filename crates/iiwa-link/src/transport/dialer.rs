@@ -20,6 +20,9 @@ use crate::{error::LinkError, security::Endpoint};
 /// Time between attempts to connect.
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
+/// Longest time between attempts at a peer that accepts connections and not their handshakes: it may log each of them.
+const REFUSED_INTERVAL: Duration = Duration::from_secs(1);
+
 /// Time-out of connecting and of sending.
 const TIMEOUT: Duration = Duration::from_secs(2);
 
@@ -150,16 +153,25 @@ async fn exchange(
 /// Connects, with retries.
 async fn connect(config: &WireConfig, to: &Endpoint) -> Wire {
     let mut logged = None;
+    let mut pause = RETRY_INTERVAL;
     loop {
-        match timeout(TIMEOUT, Wire::connect(to, config)).await {
+        let refused_pause = REFUSED_INTERVAL.min(2 * pause);
+        pause = match timeout(TIMEOUT, Wire::connect(to, config)).await {
             Ok(Ok(wire)) => return wire,
             Ok(Err(WireError::Refused(why))) if logged != Some(why) => {
                 tracing::warn!("{to} refused the connection: {}", why.reason());
                 logged = Some(why);
+                refused_pause
             }
-            Ok(Err(error)) => tracing::trace!("{to}: {error}"),
-            Err(_) => tracing::trace!("{to}: no answer"),
-        }
-        sleep(RETRY_INTERVAL).await;
+            Ok(Err(error)) => {
+                tracing::trace!("{to}: {error}");
+                if matches!(error, WireError::Io(_)) { RETRY_INTERVAL } else { refused_pause }
+            }
+            Err(_) => {
+                tracing::trace!("{to}: no answer");
+                RETRY_INTERVAL
+            }
+        };
+        sleep(pause).await;
     }
 }

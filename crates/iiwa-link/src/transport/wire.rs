@@ -1,6 +1,7 @@
 //! One connection: a TCP stream and the state machine of the protocol.
 
 use std::{
+    hash::{BuildHasher, RandomState},
     io,
     sync::Arc,
     time::{Duration, Instant},
@@ -105,6 +106,12 @@ const GREETING_BYTES: usize = 64;
 /// The security mechanism within a greeting.
 const MECHANISM: std::ops::Range<usize> = 12..32;
 
+/// A name for one connection. It may be absent, but libraries such as `JeroMQ` 0.4 fail without it; and sockets that route
+/// by it refuse a second connection of the same name while they keep the first.
+fn identity() -> Bytes {
+    format!("iiwasim-{:016x}", RandomState::new().hash_one(Instant::now())).into()
+}
+
 /// Disables Nagle's algorithm, as messages are short and urgent, and enables keep-alive probes, as a
 /// machine that was switched off does not close its connections. Both are optional.
 fn set_options(stream: &TcpStream) {
@@ -142,6 +149,7 @@ impl Wire {
         let address = stream.peer_addr().map(|at| at.to_string()).unwrap_or_default();
         let codec = Connection::new(
             ConnectionConfig::new(config.role, config.kind)
+                .identity(identity())
                 .mechanism(config.mechanism.clone())
                 .max_message_size(config.max_bytes)
                 .peer_address(address),

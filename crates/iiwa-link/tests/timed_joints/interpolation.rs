@@ -2,7 +2,7 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::TimedJoints;
-use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 use proptest::prelude::*;
 
 use crate::{
@@ -63,6 +63,7 @@ fn programs_to_the_limits() -> impl Strategy<Value = Program> {
                 .map(|(share, speed)| Motion::Ptp(Ptp::to(place(share)).velocity(speed)))
                 .collect(),
             workcell: Workcell::default(),
+            sources: Sources::default(),
         },
     )
 }

@@ -6,7 +6,7 @@ use iiwa_link::{
     message::{Code, Refusal},
 };
 use iiwa_path::JointPath;
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 use proptest::prelude::*;
 
@@ -28,7 +28,7 @@ pub(crate) fn programs() -> impl Strategy<Value = Program> {
                 .into_iter()
                 .map(|((size, by), velocity, acceleration, blend, wait)| {
                     if let Some(seconds) = wait {
-                        return Motion::Wait { seconds };
+                        return Motion::Wait { seconds, overlap: 0 };
                     }
                     at = std::array::from_fn(|j| (at[j] + size * by[j]).clamp(-2.0, 2.0));
                     Motion::Ptp(Ptp {
@@ -50,6 +50,7 @@ pub(crate) fn programs() -> impl Strategy<Value = Program> {
                 start: Start::Joints(start_rad),
                 motions,
                 workcell: Workcell::default(),
+                sources: Sources::default(),
             }
         })
         .prop_filter("a blend swings out of the limits", |program| {

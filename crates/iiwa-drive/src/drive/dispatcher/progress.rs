@@ -65,11 +65,12 @@ impl<C> Dispatcher<C> {
     /// The robot program has sent its state.
     pub(in crate::drive) fn state_changed(&mut self, change: StateChange, now: Instant) {
         let restarted = self.program.as_ref().is_some_and(|(before, _)| before.boot != change.boot);
-        self.infer_acknowledgement(&change, now);
-        if restarted && !matches!(self.stage, RunStage::Running(_)) {
-            // A run reports the error itself.
-            self.fail_pending_instruction(now);
+        let is_back = self.program_lost && self.instructions.purposes().next().is_none();
+        if restarted || is_back {
+            // A cabinet that was switched off leaves a connection that only looks open.
+            self.outputs.push(Output::Reconnect);
         }
+        self.infer_acknowledgement(&change, now);
         if let RunStage::Running(running) = &mut self.stage {
             let run = running.run;
             match &change.outcome {
@@ -87,6 +88,10 @@ impl<C> Dispatcher<C> {
                 }
                 _ => {}
             }
+        }
+        if restarted {
+            // The program before it has received it, if any.
+            self.fail_pending_instruction(now);
         }
         // With each state: a lost instruction must not let the motion continue.
         if let Some(end) = change.run.and_then(|run| self.end_of(run, change.state)) {
@@ -123,8 +128,14 @@ impl<C> Dispatcher<C> {
                     tracing::info!("FRI: {}, quality {}", session.0.name(), session.1.name());
                 }
                 self.observation = Some(observation);
+                self.unexpected = None;
                 if let RunStage::Running(running) = &mut self.stage {
                     running.record(&observation);
+                }
+            }
+            FriEvent::Unexpected(source) => {
+                if self.unexpected.replace(source).is_none_or(|it| it.from != source.from) {
+                    tracing::warn!("FRI comes {source}");
                 }
             }
             FriEvent::Ended(end) => self.trajectory_ended(end, now),

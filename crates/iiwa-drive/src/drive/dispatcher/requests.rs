@@ -7,6 +7,7 @@ use iiwa_link::{
     message::{Body, Code, DriveState, MAX_SHORT_REQUEST_BYTES, Refusal, Request, RequestHead},
     robot_program::{Instruction, RunId},
 };
+use iiwa_program::{MotionList, Sources};
 
 use super::state::{Dispatcher, IncomingRequest, Output, Purpose, QueryKind, Requester, RunStage};
 use crate::drive::{
@@ -50,7 +51,8 @@ impl<C> Dispatcher<C> {
             }
             _ => (Instruction::ReadSensors, QueryKind::Sensors),
         };
-        let refusal = match self.check_idle(now) {
+        let is_free = self.check_protocol(now).and_then(|()| self.check_idle(now));
+        let refusal = match is_free {
             Err(refusal) => refusal,
             Ok(()) if self.instructions.is_full() => {
                 Refusal::robot("too many requests wait for the robot program")
@@ -144,6 +146,8 @@ impl<C> Dispatcher<C> {
         self.outputs.push(Output::Fri(FriCommand::Publish(kind)));
         match task {
             RunTask::Motions(motions) => {
+                // A robot program refuses keys that it does not know, and has no use for these.
+                let motions = MotionList { sources: Sources::default(), ..*motions };
                 self.instruct(Instruction::RunMotions { run, motions }, Purpose::Plan(run), now);
             }
             RunTask::Trajectory(trajectory) => {

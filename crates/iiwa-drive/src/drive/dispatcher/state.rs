@@ -15,8 +15,9 @@ use iiwa_link::{
 
 use crate::drive::{
     checks::CheckJob,
-    events::{FriCommand, Observation},
+    events::{FriCommand, Observation, UnexpectedSource},
     instruction_queue::InstructionQueue,
+    protocol::check_protocol,
     run::Running,
     run_replies::{RunRecord, RunReply},
 };
@@ -57,6 +58,8 @@ pub(in crate::drive) struct Dispatcher<C> {
     pub(super) stage: RunStage<C>,
     /// The latest FRI message.
     pub(super) observation: Option<Observation>,
+    /// The address that FRI messages come from instead of the controller's.
+    pub(super) unexpected: Option<UnexpectedSource>,
     /// The latest state of the robot program, and when it was received.
     pub(super) program: Option<(StateChange, Instant)>,
     /// The silence of the robot program is logged.
@@ -115,6 +118,7 @@ impl<C> Dispatcher<C> {
         Self {
             stage: RunStage::Idle,
             observation: None,
+            unexpected: None,
             program: None,
             program_lost: false,
             first_run,
@@ -152,6 +156,7 @@ impl<C> Dispatcher<C> {
         );
         fri.lost = self.observation.map_or(0, |it| it.lost);
         fri.late = self.observation.map_or(0, |it| it.late);
+        fri.unexpected_source = self.unexpected_source(now).map(|it| it.from);
         fri.safety_stop = fresh.is_some_and(|it| it.safety != Safety::Normal);
         let mut status = Status::new(state, fri);
         status.joints_rad = self.observation.map(|it| it.joints_rad);
@@ -159,6 +164,8 @@ impl<C> Dispatcher<C> {
         if let Some(program) = self.program_at(now) {
             status.robot_program = Presence::Connected;
             status.simulated = program.simulated;
+            status.hello.clone_from(&program.hello);
+            status.conditions.clone_from(&program.conditions);
         }
         status
     }
@@ -167,6 +174,19 @@ impl<C> Dispatcher<C> {
     pub(super) fn program_at(&self, now: Instant) -> Option<&StateChange> {
         let (state, at) = self.program.as_ref()?;
         (now.saturating_duration_since(*at) <= PROGRAM_TIMEOUT).then_some(state)
+    }
+
+    /// The address that FRI messages come from while none come from the controller's.
+    fn unexpected_source(&self, now: Instant) -> Option<UnexpectedSource> {
+        let is_recent = |at: Instant| now.saturating_duration_since(at) <= FRI_TIMEOUT;
+        let is_silent = self.observation.is_none_or(|it| !is_recent(it.at));
+        self.unexpected.filter(|it| is_silent && is_recent(it.at))
+    }
+
+    /// Checks that the robot program speaks this drive's version of the protocol.
+    pub(super) fn check_protocol(&self, now: Instant) -> Result<(), Refusal> {
+        let hello = self.program_at(now).and_then(|program| program.hello.as_ref());
+        hello.map_or(Ok(()), check_protocol)
     }
 
     pub(super) fn check_idle(&self, now: Instant) -> Result<(), Refusal> {
@@ -181,20 +201,27 @@ impl<C> Dispatcher<C> {
 
     /// Checks that the robot program and FRI are connected and no safety stop is active.
     pub(super) fn check_connected(&self, now: Instant) -> Result<Observation, Refusal> {
-        if self.program_at(now).is_none() {
+        let Some(program) = self.program_at(now) else {
             return Err(Refusal::robot(
                 "the robot program does not answer; is the cabinet running?",
             ));
-        }
+        };
+        self.check_protocol(now)?;
+        let stopped = program.conditions.as_ref().and_then(|it| it.safety_stop) == Some(true);
         match self.observation {
             Some(it) if now.saturating_duration_since(it.at) <= FRI_TIMEOUT => {
-                if it.safety == Safety::Normal {
+                if it.safety == Safety::Normal && !stopped {
                     Ok(it)
                 } else {
                     Err(Refusal::robot("a safety stop of the robot is active"))
                 }
             }
-            _ => Err(Refusal::robot("no FRI messages arrive: the robot's position is unknown")),
+            _ => {
+                let source = self.unexpected_source(now).map(|it| format!("; they come {it}"));
+                let why = "no FRI messages arrive: the robot's position is unknown";
+                let why = format!("{why}{}", source.unwrap_or_default());
+                Err(Refusal::robot(why))
+            }
         }
     }
 

@@ -47,10 +47,11 @@ impl DispatcherScene {
     }
 
     fn report(&mut self, state: DriveState, run: Option<RunId>, ended: Option<RunId>) {
-        let outcome = ended.map(|run| Outcome { run, start_s: None, end_s: 1.0, error: None });
+        let outcome =
+            ended.map(|run| Outcome { run, start_s: None, end_s: Some(1.0), error: None });
         self.observe();
         self.dispatcher.state_changed(
-            StateChange { boot: 1, state, run, outcome, simulated: false },
+            StateChange { boot: 1, state, run, outcome, ..StateChange::default() },
             self.now,
         );
     }
@@ -64,6 +65,7 @@ impl DispatcherScene {
             t_s: 2.0,
             clock_ahead_s: 0.0,
             joints_rad: [0.0; 7],
+            commanded_rad: Some([0.0; 7]),
             torques_nm: None,
             session: SessionState::MonitoringReady,
             quality: Quality::Excellent,
@@ -401,4 +403,40 @@ fn a_stop_times_out_with_an_error() {
         _ => None,
     });
     assert_eq!(reply.unwrap()["error"]["code"], "timeout");
+}
+
+#[test]
+fn a_restarted_robot_program_gets_a_new_connection_and_no_old_instruction() {
+    let mut scene = DispatcherScene::new();
+    scene.begin_motion();
+    assert_eq!(scene.instructions(), ["run_motions"]);
+    let restarted = StateChange { boot: 2, ..StateChange::default() };
+    scene.dispatcher.state_changed(restarted.clone(), scene.now);
+    let out = scene.out();
+    assert_eq!(out[0], TestOutput::Reconnect);
+    let ended = |out: &TestOutput| matches!(out, TestOutput::Reply("runner", it) if it["error"]["message"].to_string().contains("restarted"));
+    assert!(out.iter().any(ended), "{out:?}");
+    // What the program before it has not acknowledged does not block the next one.
+    scene.ask("asker", &json!({"type": "list_io"}));
+    assert_eq!(scene.instructions(), ["list_io"]);
+    // An idle connection is replaced, too.
+    scene.acknowledge(2);
+    scene.out();
+    scene.dispatcher.state_changed(StateChange { boot: 3, ..restarted }, scene.now);
+    assert_eq!(scene.out(), [TestOutput::Reconnect]);
+}
+
+#[test]
+fn an_idle_connection_is_replaced_after_a_silence() {
+    let mut scene = DispatcherScene::new();
+    scene.wait(3.1);
+    assert_eq!(scene.out(), []);
+    scene.report(DriveState::Idle, None, None);
+    assert_eq!(scene.out(), [TestOutput::Reconnect]);
+    // A stop that was sent meanwhile is not lost by it.
+    scene.wait(3.1);
+    scene.ask("stopper", &stop());
+    assert_eq!(scene.instructions(), ["stop"]);
+    scene.report(DriveState::Idle, None, None);
+    assert_eq!(scene.out(), []);
 }

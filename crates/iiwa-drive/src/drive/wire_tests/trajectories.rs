@@ -4,7 +4,7 @@ use fastrand::Rng;
 use iiwa_kin::Robot;
 use iiwa_link::TimedJoints;
 use iiwa_path::JointPath;
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 /// Motions at full speed between positions anywhere in the range, including its ends.
@@ -25,6 +25,7 @@ pub(super) fn program(random: &mut Rng) -> Program {
             start: Start::Joints(start_rad),
             motions,
             workcell: Workcell::default(),
+            sources: Sources::default(),
         };
         if JointPath::new(&program, &Robot::default()).is_ok() {
             return program;

@@ -1,0 +1,367 @@
+//! Goes through the connection to a cabinet step by step, and says what is right, what is wrong and what to do about
+//! it. Nothing is moved.
+
+mod fri;
+mod step;
+
+use std::{net::UdpSocket, sync::mpsc, thread, time::Duration};
+
+use iiwa_link::{
+    message::{Conditions, shortened},
+    robot_program::{PROTOCOL, StateChange},
+    security::ConnectionRefusal,
+    socket::{Dial, Remote},
+    threads::raise_priority,
+    transport::ProbeError,
+};
+use serde::Serialize;
+
+use super::{
+    DriveConfig,
+    protocol::{acknowledge, check_protocol},
+};
+use fri::{FriFindings, listen};
+use step::Fault;
+pub use step::{CheckStep, StepResult};
+
+/// Time-out of a connection, and of its handshake.
+const PROBE_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// How long the state of the robot program is waited for; it is sent twice a second.
+const STATE_TIMEOUT: Duration = Duration::from_secs(3);
+
+/// The connection to a cabinet, step by step.
+///
+/// ```no_run
+/// use iiwa_drive::{DriveConfig, LinkCheck};
+/// use iiwa_link::Remote;
+///
+/// let check = LinkCheck::run(&DriveConfig::default(), &Remote::open(), |step| {
+///     println!("{}", step.line(""));
+/// });
+/// println!("{}", if check.ok { "ready" } else { "not ready" });
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
+pub struct LinkCheck {
+    /// Whether no step fails.
+    pub ok: bool,
+    /// The steps, in order.
+    pub steps: Vec<CheckStep>,
+}
+
+impl LinkCheck {
+    /// Checks the connection that a drive of this configuration makes to a cabinet. Calls `on_step` after each step.
+    /// Takes a quarter of a minute at most.
+    pub fn run(config: &DriveConfig, cabinet: &Remote, on_step: impl FnMut(&CheckStep)) -> Self {
+        let mut steps = Steps { done: Vec::new(), on_step };
+        match own_port(config) {
+            Ok(udp) => {
+                steps.ok(UDP_PORT, format!("UDP {} is free", config.fri));
+                thread::scope(|scope| {
+                    // Meanwhile: together they would take too long.
+                    let listening =
+                        scope.spawn(|| (raise_priority(), listen(&udp, config.fri_controller)));
+                    check_program(config, cabinet, &mut steps);
+                    // The thread does not panic.
+                    let (real_time, found) = listening.join().unwrap_or_default();
+                    check_fri(config, &found, &mut steps);
+                    check_priority(real_time, found.period_ms(), &mut steps);
+                });
+            }
+            Err(fault) => {
+                steps.fails(UDP_PORT, fault);
+                // Another drive may be running, and would miss what is received here.
+                for step in AFTER_UDP {
+                    steps.skipped(step, "the UDP port is not free");
+                }
+            }
+        }
+        let steps = steps.done;
+        Self { ok: steps.iter().all(|step| step.result != StepResult::Fails), steps }
+    }
+}
+
+const UDP_PORT: &str = "UDP port";
+const INSTRUCTIONS: &str = "instruction port";
+const STATES: &str = "state port";
+const KEYS: &str = "keys";
+const PROGRAM: &str = "robot program";
+const CONDITIONS: &str = "conditions";
+const MESSAGES: &str = "FRI messages";
+const VERSION: &str = "FRI version";
+const PERIOD: &str = "send period";
+const SESSION: &str = "FRI session";
+const PRIORITY: &str = "real-time priority";
+
+/// The steps after that of the UDP port.
+const AFTER_UDP: [&str; 10] =
+    [INSTRUCTIONS, STATES, KEYS, PROGRAM, CONDITIONS, MESSAGES, VERSION, PERIOD, SESSION, PRIORITY];
+
+/// The steps so far.
+struct Steps<F> {
+    done: Vec<CheckStep>,
+    on_step: F,
+}
+
+impl<F: FnMut(&CheckStep)> Steps<F> {
+    fn add(&mut self, step: &'static str, result: StepResult, fault: Fault) {
+        let Fault { text, settings } = fault;
+        let step = CheckStep { step, result, text, settings };
+        (self.on_step)(&step);
+        self.done.push(step);
+    }
+
+    fn ok(&mut self, step: &'static str, text: impl Into<String>) {
+        self.add(step, StepResult::Ok, Fault::new(text, &[]));
+    }
+
+    fn fails(&mut self, step: &'static str, fault: Fault) {
+        self.add(step, StepResult::Fails, fault);
+    }
+
+    fn skipped(&mut self, step: &'static str, text: impl Into<String>) {
+        self.add(step, StepResult::Skipped, Fault::new(text, &[]));
+    }
+
+    fn of(&mut self, step: &'static str, result: Result<String, Fault>) {
+        match result {
+            Ok(text) => self.ok(step, text),
+            Err(fault) => self.fails(step, fault),
+        }
+    }
+}
+
+/// The own UDP port, if it is free and the controller can reach it.
+fn own_port(config: &DriveConfig) -> Result<UdpSocket, Fault> {
+    use std::io::ErrorKind::{AddrInUse, AddrNotAvailable};
+    let (fri, controller) = (config.fri, config.fri_controller);
+    if fri.ip().is_loopback() && !controller.is_loopback() {
+        let text = format!(
+            "UDP {fri} is reached from this machine only, and FRI comes from {controller}: give the address of the \
+             network card towards the cabinet, with port {}",
+            fri.port()
+        );
+        return Err(Fault::new(text, &["fri"]));
+    }
+    if !fri.ip().is_loopback() && controller.is_loopback() {
+        let text = format!(
+            "FRI would be accepted from this machine only ({controller}): give the controller's address"
+        );
+        return Err(Fault::new(text, &["cabinet", "fri-cabinet"]));
+    }
+    UdpSocket::bind(fri).map_err(|error| {
+        let text = match error.kind() {
+            AddrInUse => format!(
+                "UDP {fri} is in use: another program, as another drive, listens there; end it, or choose another port"
+            ),
+            AddrNotAvailable => format!(
+                "no network card of this machine has the address {}: plug in the cable to the cabinet, set the card's \
+                 address, or give another one",
+                fri.ip()
+            ),
+            _ => format!("UDP {fri} cannot be used: {error}"),
+        };
+        Fault::new(text, &["fri"])
+    })
+}
+
+/// The ports of the robot program, the keys, and what it says.
+fn check_program<F: FnMut(&CheckStep)>(
+    config: &DriveConfig,
+    cabinet: &Remote,
+    steps: &mut Steps<F>,
+) {
+    let ports = [
+        (INSTRUCTIONS, Dial::Dealer, &config.cabinet_instructions),
+        (STATES, Dial::Rep, &config.cabinet_state),
+    ];
+    let mut reached = Vec::new();
+    let mut refused = None;
+    for (step, kind, at) in ports {
+        let result = cabinet.probe(kind, at, PROBE_TIMEOUT);
+        if let Err(ProbeError::Refused(why)) = result {
+            refused = Some(why);
+        }
+        match result {
+            // The keys are another step.
+            Ok(()) | Err(ProbeError::Refused(_)) => {
+                steps.ok(step, format!("{at} accepts connections"));
+                reached.push(result.is_ok());
+            }
+            Err(error) => steps.fails(step, unreachable(at, &error)),
+        }
+    }
+    let connected = reached == [true, true];
+    match refused {
+        Some(why) => steps.fails(KEYS, refusal(why, cabinet.has_keys())),
+        None if connected && cabinet.has_keys() => {
+            steps.ok(KEYS, "both sides accept each other's key");
+        }
+        None if connected => steps.ok(KEYS, "none, on both sides"),
+        None => steps.skipped(KEYS, "there is no connection"),
+    }
+    if !connected {
+        steps.skipped(PROGRAM, "there is no connection");
+        return steps.skipped(CONDITIONS, "there is no connection");
+    }
+    if let Some(state) = receive_state(cabinet, &config.cabinet_state) {
+        steps.of(PROGRAM, program(&state));
+        return check_conditions(state.conditions.as_ref(), steps);
+    }
+    let text = format!(
+        "it accepts connections, but sends no state within {} s: restart it on the smartPAD, and make sure that no \
+         other drive is connected to it",
+        STATE_TIMEOUT.as_secs()
+    );
+    steps.fails(PROGRAM, Fault::new(text, &[]));
+    steps.skipped(CONDITIONS, "the robot program does not answer");
+}
+
+/// Why a port is not reachable, and what to do.
+fn unreachable(at: &str, error: &ProbeError) -> Fault {
+    const PORTS: &[&str] = &["cabinet-instructions", "cabinet-state"];
+    match error {
+        ProbeError::NothingListens => {
+            let text = format!(
+                "{at}: the host answers, and nothing listens at the port: start the robot program on the smartPAD, and \
+                 compare the ports in its settings"
+            );
+            Fault::new(text, PORTS)
+        }
+        ProbeError::NoAnswer => {
+            let text = format!(
+                "{at}: no answer: is the cabinet on, the cable in its KLI port (X66), is this its address, are both in \
+                 one network (address and mask), does a firewall block the port?"
+            );
+            Fault::new(text, &["cabinet"])
+        }
+        ProbeError::NoHandshake | ProbeError::Protocol { .. } => {
+            let text = format!(
+                "{at}: something listens there that does not speak as a robot program does ({error}): compare the \
+                 ports, and the keys on both sides"
+            );
+            Fault::new(text, PORTS)
+        }
+        ProbeError::UnknownHost => {
+            let text = format!("{at}: the name of the host is not known: give its IP address");
+            Fault::new(text, &["cabinet"])
+        }
+        _ => Fault::new(format!("{at}: {error}"), &["key", "cabinet-key"]),
+    }
+}
+
+/// Which keys are wrong.
+fn refusal(why: ConnectionRefusal, has_keys: bool) -> Fault {
+    let text = match why {
+        ConnectionRefusal::KeysOnOneSide if has_keys => {
+            "this side has keys, the robot program has none: give it keys in its settings, or leave them out here if \
+             both are on one machine"
+        }
+        ConnectionRefusal::KeysOnOneSide => {
+            "the robot program has keys, this side has none: give them"
+        }
+        ConnectionRefusal::NotAllowed => {
+            "the robot program does not know this side's key: give it the .pub file that belongs to that"
+        }
+        _ => {
+            "the robot program closes the connection: does this side have its .pub file, and it the .pub file that \
+             belongs to this side's key?"
+        }
+    };
+    Fault::new(text, &["key", "cabinet-key"])
+}
+
+/// The state of the robot program, which is acknowledged.
+fn receive_state(cabinet: &Remote, at: &str) -> Option<StateChange> {
+    let (states, received) = mpsc::channel();
+    let connection = cabinet.dial("check state", Dial::Rep, at, move |frames| {
+        let (state, acknowledgement) = acknowledge(frames);
+        if let Some(state) = state {
+            // Later ones are not needed.
+            let _ = states.send(state);
+        }
+        Some(acknowledgement)
+    });
+    let state = received.recv_timeout(STATE_TIMEOUT).ok();
+    drop(connection);
+    state
+}
+
+/// Versions of the robot program.
+fn program(state: &StateChange) -> Result<String, Fault> {
+    let simulated = if state.simulated { ", of a simulated robot" } else { "" };
+    let Some(hello) = &state.hello else {
+        return Ok(format!("it answers{simulated}; it does not tell its version"));
+    };
+    check_protocol(hello).map_err(|refusal| Fault::new(refusal.message, &[]))?;
+    let sunrise = hello.sunrise.as_ref().map(|version| format!(", Sunrise {}", shortened(version)));
+    Ok(format!(
+        "{}{}, protocol {PROTOCOL}{simulated}; {}",
+        shortened(&hello.program),
+        sunrise.unwrap_or_default(),
+        state.state
+    ))
+}
+
+fn check_conditions<F: FnMut(&CheckStep)>(told: Option<&Conditions>, steps: &mut Steps<F>) {
+    let text = told.map(Conditions::text).filter(|text| !text.is_empty());
+    let (Some(conditions), Some(text)) = (told, text) else {
+        return steps.skipped(CONDITIONS, "the robot program does not tell them");
+    };
+    if conditions.safety_stop == Some(true) {
+        return steps.fails(
+            CONDITIONS,
+            Fault::new(
+                format!("{text}: no motion begins; release the emergency stop, and acknowledge it on the smartPAD"),
+                &[],
+            ),
+        );
+    }
+    let caution = conditions.caution().map(|caution| format!("; {caution}"));
+    steps.ok(CONDITIONS, text + &caution.unwrap_or_default());
+}
+
+/// What was received over FRI.
+fn check_fri<F: FnMut(&CheckStep)>(
+    config: &DriveConfig,
+    found: &FriFindings,
+    steps: &mut Steps<F>,
+) {
+    steps.of(MESSAGES, found.messages(config));
+    let skipped = "no FRI messages arrive";
+    if !found.has_arrived() {
+        return [VERSION, PERIOD, SESSION]
+            .into_iter()
+            .for_each(|step| steps.skipped(step, skipped));
+    }
+    steps.of(VERSION, found.version());
+    if found.period_ms().is_none() {
+        let skipped = "the FRI messages cannot be read";
+        return [PERIOD, SESSION].into_iter().for_each(|step| steps.skipped(step, skipped));
+    }
+    steps.of(PERIOD, found.period());
+    steps.of(SESSION, found.session());
+}
+
+/// Longest send period that ordinary priority is not sufficient for, in ms.
+const URGENT_MS: u32 = 2;
+
+fn check_priority<F: FnMut(&CheckStep)>(
+    real_time: bool,
+    period_ms: Option<u32>,
+    steps: &mut Steps<F>,
+) {
+    let how = "setcap cap_sys_nice=ep for the program, or rtprio for the user in /etc/security/limits.conf";
+    match period_ms {
+        _ if real_time => steps.ok(PRIORITY, "permitted"),
+        Some(period_ms) if period_ms <= URGENT_MS => {
+            let text = format!(
+                "not permitted, and FRI sends every {period_ms} ms: {how}; or a send period of 5 ms"
+            );
+            steps.fails(PRIORITY, Fault::new(text, &[]));
+        }
+        _ => steps
+            .ok(PRIORITY, format!("not permitted; at 5 ms, a quiet machine does without ({how})")),
+    }
+}

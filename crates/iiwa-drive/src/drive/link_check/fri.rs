@@ -1,0 +1,160 @@
+//! What arrives over FRI. Messages are answered without set-points, so that the session opens.
+
+use std::{
+    net::{IpAddr, UdpSocket},
+    time::{Duration, Instant},
+};
+
+use iiwa_fri::{Client, Format, Monitoring, Quality, SessionState};
+use iiwa_link::socket::is_timeout;
+
+use super::{
+    super::{DriveConfig, setpoints::Parameters},
+    step::Fault,
+};
+
+/// How long the first message is waited for.
+const FIRST_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// How long the session may take after it to be ready.
+const SESSION_TIMEOUT: Duration = Duration::from_secs(6);
+
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
+
+/// What arrived over FRI.
+#[derive(Debug, Default)]
+pub(super) struct FriFindings {
+    /// The latest message from the expected address.
+    latest: Option<Monitoring>,
+    /// Why a datagram from there could not be read.
+    unreadable: Option<String>,
+    /// Another address that messages came from.
+    other: Option<IpAddr>,
+}
+
+/// Receives and answers messages of `controller` until the session is ready, or too much time has passed.
+pub(super) fn listen(udp: &UdpSocket, controller: IpAddr) -> FriFindings {
+    let mut found = FriFindings::default();
+    let mut client = Client::new(Format::V1);
+    let (mut buffer, mut answer) = ([0; 2048], Vec::new());
+    let mut deadline = Instant::now() + FIRST_TIMEOUT;
+    if udp.set_read_timeout(Some(POLL_INTERVAL)).is_err() {
+        return found;
+    }
+    while Instant::now() < deadline && !found.is_ready() {
+        let (length, from) = match udp.recv_from(&mut buffer) {
+            Ok(received) => received,
+            Err(error) if is_timeout(&error) => continue,
+            Err(_) => {
+                std::thread::sleep(POLL_INTERVAL);
+                continue;
+            }
+        };
+        let message = client.decode(&buffer[..length]);
+        if from.ip() != controller {
+            found.other = message.ok().map(|_| from.ip()).or(found.other);
+            continue;
+        }
+        match message {
+            Err(error) => found.unreadable = Some(error.to_string()),
+            Ok(message) => {
+                if found.latest.is_none() {
+                    deadline = Instant::now() + SESSION_TIMEOUT;
+                }
+                client.accept(message);
+                found.latest = client.latest().cloned();
+                if client.answer(None, &mut answer) {
+                    // The controller counts missing answers.
+                    let _ = udp.send_to(&answer, from);
+                }
+            }
+        }
+    }
+    found
+}
+
+impl FriFindings {
+    fn is_ready(&self) -> bool {
+        self.latest.as_ref().is_some_and(|it| {
+            it.session >= SessionState::MonitoringReady && it.quality >= Quality::Good
+        })
+    }
+
+    /// Whether anything came from the expected address.
+    pub(super) fn has_arrived(&self) -> bool {
+        self.latest.is_some() || self.unreadable.is_some()
+    }
+
+    /// The send period, if messages can be read.
+    pub(super) fn period_ms(&self) -> Option<u32> {
+        self.latest.as_ref().map(|it| it.send_period_ms)
+    }
+
+    /// Whether messages arrive.
+    pub(super) fn messages(&self, config: &DriveConfig) -> Result<String, Fault> {
+        let (fri, expected) = (config.fri, config.fri_controller);
+        match self.other {
+            _ if self.has_arrived() => Ok(format!("they come from {expected}")),
+            Some(other) => Err(Fault::new(
+                format!("they come from {other}, expected {expected}: is {other} the controller?"),
+                &["fri-cabinet"],
+            )),
+            None => Err(Fault::new(
+                format!(
+                    "none arrives at UDP {fri} within {} s: in the settings of the robot program, the address of FRI's \
+                 client has to be this machine's, and the port {}; a firewall here has to let UDP {} in; the cable of \
+                 FRI may be another one (KONI)",
+                    FIRST_TIMEOUT.as_secs(),
+                    fri.port(),
+                    fri.port()
+                ),
+                &["fri"],
+            )),
+        }
+    }
+
+    /// Whether they can be read.
+    pub(super) fn version(&self) -> Result<String, Fault> {
+        match (&self.latest, &self.unreadable) {
+            (Some(_), _) => Ok("as FRI 1.14 to 1.16".to_owned()),
+            (None, why) => Err(Fault::new(
+                format!(
+                    "the messages cannot be read ({}): FRI 1.14 to 1.16 are supported; which one has the cabinet?",
+                    why.as_deref().unwrap_or_default()
+                ),
+                &[],
+            )),
+        }
+    }
+
+    /// Whether they come often enough to command the arm.
+    pub(super) fn period(&self) -> Result<String, Fault> {
+        let Some(latest) = &self.latest else { return Ok(String::new()) };
+        let (period_ms, multiplier) = (latest.send_period_ms, latest.receive_multiplier);
+        match Parameters::of(latest).check() {
+            Ok(()) if multiplier > 1 => {
+                Ok(format!("{period_ms} ms, with an answer every {multiplier} messages"))
+            }
+            Ok(()) => Ok(format!("{period_ms} ms")),
+            Err(refusal) => {
+                let text = format!("{refusal}; motions can run, trajectories cannot");
+                Err(Fault::new(text, &[]))
+            }
+        }
+    }
+
+    /// Whether the session is ready to command.
+    pub(super) fn session(&self) -> Result<String, Fault> {
+        let Some(latest) = &self.latest else { return Ok(String::new()) };
+        let what = format!("{}, quality {}", latest.session.name(), latest.quality.name());
+        if self.is_ready() {
+            return Ok(what);
+        }
+        let text = format!(
+            "{what}, {} s after the first message; monitoring_ready and good are needed: answers do not reach the \
+             controller, or too late. Does a firewall let UDP out? Is the machine busy? Try a longer send period",
+            SESSION_TIMEOUT.as_secs()
+        );
+        Err(Fault::new(text, &[]))
+    }
+}

@@ -1,0 +1,30 @@
+//! The protocol with the robot program: its version, and how its states are acknowledged.
+
+use bytes::Bytes;
+use iiwa_link::{
+    message::{Hello, Refusal, from_json, shortened},
+    robot_program::{PROTOCOL, RECEIVED, StateChange},
+    transport::Frames,
+};
+
+/// Checks that a robot program with these versions speaks this drive's version of the protocol.
+pub(super) fn check_protocol(hello: &Hello) -> Result<(), Refusal> {
+    let Hello { protocol, program, .. } = hello;
+    if *protocol == PROTOCOL {
+        return Ok(());
+    }
+    let older =
+        if *protocol < PROTOCOL { "the robot program on the cabinet" } else { "iiwasim here" };
+    Err(Refusal::robot(format!(
+        "the robot program ({}) speaks version {protocol} of the protocol, this drive version {PROTOCOL}: \
+         replace {older} by the version that belongs to the other one",
+        shortened(program)
+    )))
+}
+
+/// The state in a message of the robot program, unless it is malformed, and the acknowledgement.
+pub(super) fn acknowledge(mut frames: Frames) -> (Option<StateChange>, Frames) {
+    let body = frames.pop().unwrap_or_default();
+    frames.push(Bytes::from_static(RECEIVED.as_bytes()));
+    (from_json(&body), frames)
+}

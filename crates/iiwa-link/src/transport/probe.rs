@@ -1,0 +1,76 @@
+//! A connection that is made once, to find out what hinders it.
+
+use std::{io, time::Duration};
+
+use tokio::{net::TcpStream, time::timeout};
+
+use super::{
+    runtime::runtime,
+    wire::{Wire, WireConfig, WireError},
+};
+use crate::{
+    error::LinkError,
+    security::{ConnectionRefusal, Endpoint},
+};
+
+/// Why a single attempt to connect has failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProbeError {
+    /// The address is invalid or requires keys, or the attempt could not be made.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The name of the host cannot be resolved.
+    #[error("the name cannot be resolved")]
+    UnknownHost,
+    /// The host answers, and nothing listens at the port.
+    #[error("nothing listens there")]
+    NothingListens,
+    /// The host does not answer.
+    #[error("there is no answer")]
+    NoAnswer,
+    /// Another error of the system.
+    #[error("{0}")]
+    Io(io::Error),
+    /// One side has refused the other one for its keys.
+    #[error("{}", .0.reason())]
+    Refused(ConnectionRefusal),
+    /// The host accepts the connection, and what listens there does not complete the handshake.
+    #[error("the handshake is not completed")]
+    NoHandshake,
+    /// What listens there speaks another protocol.
+    #[error("{what}")]
+    Protocol {
+        /// The fault.
+        what: String,
+    },
+}
+
+/// Connects once, with a time-out for the connection and one for the handshake.
+pub(crate) fn probe(to: &Endpoint, config: &WireConfig, limit: Duration) -> Result<(), ProbeError> {
+    let at = to.resolve().map_err(|_| ProbeError::UnknownHost)?;
+    let runtime = runtime().map_err(|source| LinkError::Thread { source })?;
+    runtime.block_on(async {
+        let stream = match timeout(limit, TcpStream::connect(at)).await {
+            Ok(Ok(stream)) => stream,
+            Ok(Err(error)) => return Err(unconnected(error)),
+            Err(_) => return Err(ProbeError::NoAnswer),
+        };
+        let mut wire = Wire::new(stream, config.clone());
+        match timeout(limit, wire.shake_hands()).await {
+            Ok(Ok(_)) => Ok(()),
+            Ok(Err(WireError::Refused(why))) => Err(ProbeError::Refused(why)),
+            Ok(Err(error)) => Err(ProbeError::Protocol { what: error.to_string() }),
+            Err(_) => Err(ProbeError::NoHandshake),
+        }
+    })
+}
+
+fn unconnected(error: io::Error) -> ProbeError {
+    use io::ErrorKind::{ConnectionRefused, HostUnreachable, NetworkUnreachable, TimedOut};
+    match error.kind() {
+        ConnectionRefused => ProbeError::NothingListens,
+        HostUnreachable | NetworkUnreachable | TimedOut => ProbeError::NoAnswer,
+        _ => ProbeError::Io(error),
+    }
+}
