@@ -9,6 +9,9 @@
 //! **Paths.** Each sample's distance is that to the nearest place of the planned path, whenever the plan
 //! is there: in joint space, in rad, and of the TCP, in m. Places are looked for in the order of the
 //! path, so that a path that goes back on itself is not mixed up.
+//!
+//! **Torques.** Each sample's torques less those that the plan needs at that place, with its load, its mount and the
+//! robot's friction. Where the arm is faster or slower there than planned, that shows, too.
 
 mod curve;
 mod deviation;
@@ -17,6 +20,7 @@ mod error;
 mod follow;
 mod noise;
 mod plan;
+mod torques;
 
 use iiwa_log::JointLog;
 use iiwa_program::{MotionIndex, MotionType};
@@ -31,6 +35,7 @@ use plan::{Leg, Piece, PieceKind};
 pub use deviation::{Deviation, Location, TracePoint};
 pub use error::CompareError;
 pub use plan::Plan;
+pub use torques::TorqueDifference;
 
 /// What came of holding a recording against a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +56,8 @@ pub struct Comparison {
     /// How far off the path of the TCP, in m: the distance between the measured TCP and the nearest
     /// point of its planned path about the matched place.
     pub tcp_m: Deviation,
+    /// Recorded torques beside those of the plan, if the recording has any.
+    pub torques: Option<TorqueDifference>,
     /// Samples between departure and arrival.
     pub samples: usize,
     /// The usual time between two samples, in s.
@@ -154,7 +161,7 @@ pub fn compare(plan: &Plan, measured: &JointLog) -> Result<Comparison, CompareEr
     let timing = Timing::new(plan, &legs, measured, &noise, &followed, &mut losses)?;
     let (departure, arrival) = (timing.departure, timing.arrival);
 
-    let standing_s = plan.cycle_time_s() - (legs[legs.len() - 1].end_s - legs[0].start_s);
+    let standing_s = plan.standing_s();
     let real_s = arrival.t_s - departure.t_s + standing_s;
     let simulated_s = plan.cycle_time_s();
     let error_s = simulated_s - real_s;
@@ -183,6 +190,7 @@ pub fn compare(plan: &Plan, measured: &JointLog) -> Result<Comparison, CompareEr
         stops: timing.stops(plan),
         joints_rad,
         tcp_m,
+        torques: torques::differences(plan, measured, from..to, places),
         samples: to - from,
         step_s: noise.step_s,
         noise_rad: noise.norm_rad(),

@@ -1,9 +1,12 @@
-//! The programs of the thesis's experiments (Larsen 2019, sections 4.2 and 5.1.2, Appendices A, B and C), and of one
-//! that it does not have: [`tcp_blends`], about motions of the TCP, which it names as future work.
+//! The programs of the thesis's experiments (Larsen 2019, sections 4.2 and 5.1.2, Appendices A, B and C), and of two
+//! that it does not have: [`tcp_blends`], about motions of the TCP, and [`load`](load()), about what a load does to them. It
+//! names both as future work.
 //!
 //! Random ones are the same for the same seed. All keep the flange above the plane that the robot stands
 //! on; what else is around the robot they do not know.
 
+mod load;
+mod load_effect;
 mod tcp_blends;
 mod trial;
 
@@ -12,9 +15,13 @@ use iiwa_kin::{
     Joints, Robot,
     vector::{norm, sub},
 };
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Ptp};
+
+use self::trial::program;
 
 pub use self::{
+    load::{LoadSwing, load, load_swings},
+    load_effect::{LoadEffect, LoadVerdict, SwingEffect},
     tcp_blends::{TcpSeries, tcp_blends},
     trial::Trial,
 };
@@ -269,18 +276,10 @@ fn rad(deg: Joints) -> Joints {
     deg.map(f64::to_radians)
 }
 
-fn program(start_rad: Joints, motions: impl IntoIterator<Item = Ptp>) -> Program {
-    Program {
-        robot: None,
-        start: Start::Joints(start_rad),
-        motions: motions.into_iter().map(Motion::Ptp).collect(),
-        workcell: Workcell::default(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use iiwa_path::JointPath;
+    use iiwa_program::Motion;
 
     use super::*;
 

@@ -9,6 +9,7 @@
 //! | kappa(gamma) | blends | Eq. 39 is fitted to the path about each corner, whatever the time; then a polynomial to kappa over gamma (section 4.3) |
 //! | equal distances | blends between motions of unequal lengths | start and end are fitted too (Algorithm 3) |
 //! | the same of blends of the TCP | blends between two LINs | the same in the plane of the TCP's ways, the joints taken forward |
+//! | load, friction | torques, of recordings that have them | least squares: torques are linear in the moments of a load, see [`FoundTorques`] |
 //! | what is assumed of orientation, E1 and blends with joint space | paths of the TCP and the blends at their ends | how far they are from the assumed path with kappa as found |
 //!
 //! A limit is found only where a recording shows it: a speed that was kept for a time, an acceleration that
@@ -18,20 +19,22 @@ mod blends;
 mod courses;
 mod error;
 mod findings;
+mod found_torques;
 mod identified;
 mod kappa;
 mod limits;
 mod observation;
 mod observer;
 mod ramps;
+mod recording;
 mod stops;
 mod tcp_blends;
+mod torque_windows;
+mod torques;
 mod watched;
 
 use iiwa_kin::{Robot, vector::distance};
-use iiwa_log::JointLog;
 use iiwa_path::JointPath;
-use iiwa_program::Program;
 
 use self::{
     courses::{Courses, Section},
@@ -42,22 +45,15 @@ use self::{
 };
 pub use self::{
     error::IdentifyError,
+    found_torques::{FoundLoad, FoundTorques},
     identified::{Identified, Settle},
     kappa::Kappa,
     observation::{
         BlendObservation, CourseObservation, CoursePart, LeftOut, LineObservation,
         TcpBlendObservation, Why,
     },
+    recording::Recording,
 };
-
-/// A program, and what the robot did when it ran it.
-#[derive(Clone, Copy, Debug)]
-pub struct Recording<'a> {
-    /// The program.
-    pub program: &'a Program,
-    /// What was recorded; before and after the program the arm may stand or do anything else.
-    pub log: &'a JointLog,
-}
 
 /// Identifies the robot that did what the recordings show. `model` is the robot that it is taken for: its
 /// lengths and joint ranges hold.
@@ -89,6 +85,7 @@ pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identifie
     }
     known.courses = courses.observed;
     known.left_out.extend(courses.left_out);
+    (known.torques, known.unused_torques) = torques::find(recordings, model);
     Ok(known)
 }
 

@@ -8,17 +8,20 @@
 
 mod compare;
 mod estimate;
+mod exerted;
 pub mod experiment;
 pub mod identify;
 mod least_squares;
+mod load_planning;
 mod local_cubic;
 mod quantile;
 mod virtual_robot;
 
 pub use compare::{
     CompareError, Comparison, CycleTime, Deviation, Location, MotionTime, Plan, StopTime,
-    TracePoint, compare,
+    TorqueDifference, TracePoint, compare,
 };
 pub use estimate::Estimate;
+pub use load_planning::LoadPlanning;
 pub use local_cubic::local_cubic;
 pub use virtual_robot::{VirtualRobot, VirtualRobotError};

@@ -1,10 +1,12 @@
 //! A robot inside the process: it runs programs and is sampled, as a real one is over FRI.
 
 use fastrand_contrib::RngExt;
-use iiwa_kin::Robot;
+use iiwa_kin::{Load, Robot};
 use iiwa_log::{JointLog, PlanOptions};
 use iiwa_program::Program;
 use iiwa_traj::PlanError;
+
+use crate::LoadPlanning;
 
 /// A robot whose limits, kappa and time to settle may differ from the model's.
 #[derive(Clone, Debug)]
@@ -15,6 +17,12 @@ pub struct VirtualRobot {
     pub period_s: f64,
     /// Standard deviation of each joint's samples, in rad; none by default.
     pub noise_rad: f64,
+    /// Standard deviation of each joint's torque, in Nm; without it, it measures none.
+    pub torque_noise_nm: Option<f64>,
+    /// What hangs on its flange, whatever programs state; by default what they do.
+    pub load: Option<Load>,
+    /// How it plans with the load that programs state; by default as without one.
+    pub load_planning: LoadPlanning,
     /// For how long it stands before and after a program, in s; 0.2 by default.
     pub standing_s: f64,
     random: fastrand::Rng,
@@ -48,16 +56,27 @@ impl VirtualRobot {
     #[must_use]
     pub fn new(robot: Robot, seed: u64) -> Self {
         let random = fastrand::Rng::with_seed(seed);
-        Self { robot, period_s: 1e-3, noise_rad: 0.0, standing_s: 0.2, random }
+        Self {
+            robot,
+            period_s: 1e-3,
+            noise_rad: 0.0,
+            torque_noise_nm: None,
+            load: None,
+            load_planning: LoadPlanning::Ignored,
+            standing_s: 0.2,
+            random,
+        }
     }
 
-    /// Runs a program under limits of speed, acceleration and jerk, and gives what was sampled.
+    /// Runs a program under limits of speed, acceleration and jerk, and gives what was sampled, torques with the sign
+    /// of KUKA's controller.
     ///
     /// # Errors
     ///
     /// If the program asks for something that the robot cannot do.
     pub fn run(&mut self, program: &Program) -> Result<JointLog, VirtualRobotError> {
-        let trajectory = PlanOptions::default().plan(program, &self.robot)?;
+        let program = self.load_planning.slowed(program, &self.robot)?;
+        let trajectory = PlanOptions::default().plan(&program, &self.robot)?;
         // It does not begin just at a sample.
         let begin_s = self.standing_s + self.random.f64() * self.period_s;
         let whole_s = begin_s + trajectory.cycle_time_s() + self.standing_s;
@@ -68,11 +87,28 @@ impl VirtualRobot {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
         let count = samples as usize;
         let t_s: Vec<f64> = (0..=count).map(|i| i as f64 * self.period_s).collect();
-        let sample = |t_s: &f64| {
-            let q = trajectory.at(t_s - begin_s).q;
-            q.map(|q| q + self.noise_rad * self.random.f64_normal(0.0, 1.0))
-        };
-        let q_rad = t_s.iter().map(sample).collect();
-        Ok(JointLog::new(t_s, q_rad))
+        let mut q_rad = Vec::with_capacity(t_s.len());
+        let mut measured_nm = Vec::new();
+        let path = trajectory.path();
+        for t_s in &t_s {
+            let state = trajectory.at(t_s - begin_s);
+            let noise =
+                |random: &mut fastrand::Rng, deviation| deviation * random.f64_normal(0.0, 1.0);
+            q_rad.push(state.q.map(|q| q + noise(&mut self.random, self.noise_rad)));
+            let Some(deviation_nm) = self.torque_noise_nm else { continue };
+            let torques = match &self.load {
+                None => trajectory.torques_of(&state).torque_nm,
+                Some(load) => {
+                    let empty = self.robot.dynamics().with_mount(path.mount());
+                    let rigid = empty.with_load(load).torques(&state.q, &state.dq, &state.ddq);
+                    let friction = empty.friction().torques_nm(&state.dq);
+                    std::array::from_fn(|j| rigid[j] + friction[j])
+                }
+            };
+            measured_nm.push(Some(torques.map(|nm| -nm + noise(&mut self.random, deviation_nm))));
+        }
+        let mut log = JointLog::new(t_s, q_rad);
+        log.torques_nm = measured_nm;
+        Ok(log)
     }
 }

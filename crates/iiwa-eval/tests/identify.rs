@@ -11,7 +11,7 @@ use iiwa_eval::{
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
 use iiwa_path::{Continuity, JointPath, PolynomialBlend, Segment, Step};
-use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 /// A robot whose limits are up to 25 % below and 30 % above the model's, and whose kappa is up to 1.5 away
@@ -259,6 +259,7 @@ fn program(motions: impl IntoIterator<Item = Ptp>) -> Program {
         start: Start::Joints([0.0; 7]),
         motions: motions.into_iter().map(Motion::Ptp).collect(),
         workcell: Workcell::default(),
+        sources: Sources::default(),
     }
 }
 

@@ -52,7 +52,7 @@ pub struct JointSample {
     pub q: [f64; 7],
     /// Joint velocities, rad/s.
     pub dq: [f64; 7],
-    /// Measured torques, Nm, if the recording has them.
+    /// Torques, Nm, if the file has them: in a plan those that the joints exert, in a recording those that were measured.
     pub torques_nm: Option<[f64; 7]>,
 }
 

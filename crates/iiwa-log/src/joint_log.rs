@@ -44,6 +44,10 @@ use crate::recorded_robot::recorded_robot;
 /// | joint 1, degrees | the same with `_deg` |
 /// | joint 1 of a KUKA `DataRecorder`, rad | `axisQMsr_ROBOT[0]`, or else `axisQCmd_ROBOT[0]` |
 ///
+/// | torque of joint 1, Nm | `torque_1_nm`, `effort_1`, with or without `joint_` or `iiwa_joint_` before the number |
+/// | torque of joint 1 of a KUKA `DataRecorder` | `axisTauMsr_ROBOT[0]`, with the controller's sign |
+///
+/// Torques are read if all seven are there. In tables they are what joints exert, but for those of a `DataRecorder`.
 /// Measured positions (`axisQMsr_`) are taken where there are any, then commanded ones, then the
 /// others; [`source`](Self::source) says which it was. A `DataRecorder` names the robot in its
 /// columns. All other columns are passed over.
@@ -74,6 +78,9 @@ pub struct JointLog {
     pub t_s: Vec<f64>,
     /// Joint positions at these times, in rad.
     pub q_rad: Vec<[f64; 7]>,
+    /// Torques at these times, in Nm, where the file has any; empty if it has none. Those of a plan are what the joints
+    /// exert; those that a controller measured have the sign that it gives them, which KUKA's turns round.
+    pub torques_nm: Vec<Option<[f64; 7]>>,
     /// The motion program that was run, if the recording has it: JSON.
     pub program: Option<String>,
     /// Whether it is a plan, of which nothing was measured.
@@ -82,12 +89,43 @@ pub struct JointLog {
     pub robot: Option<String>,
     /// The robot's profile, if the recording has it: JSON.
     pub profile: Option<String>,
-    /// The cycle time that the recording states, as the robot program measured it, in s.
+    /// The cycle time that the recording states, in s.
     pub cycle_time_s: Option<f64>,
+    /// What that was taken from.
+    pub timed_by: CycleClock,
     /// Where the positions were read; `None` if they were not read.
     pub source: Option<Source>,
     /// What the file does not have of the motion, in the order of time.
     pub losses: Vec<Loss>,
+}
+
+/// What a stated cycle time was taken from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum CycleClock {
+    /// The robot program: from its beginning to its end.
+    #[default]
+    RobotProgram,
+    /// The positions that the controller commanded: from their first change to their last one, without standing before
+    /// and after, such as the time to settle.
+    CommandedPosition,
+}
+
+impl CycleClock {
+    /// Its name in recordings and in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::RobotProgram => "robot_program",
+            Self::CommandedPosition => "commanded_position",
+        }
+    }
+
+    /// Of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::RobotProgram, Self::CommandedPosition].into_iter().find(|it| it.name() == name)
+    }
 }
 
 /// Where joint positions were read.
@@ -123,7 +161,8 @@ impl JointLog {
     }
 
     /// Writes a table that [`read`](Self::read) reads back to the same times and positions: the
-    /// columns `t_s` and `joint_1_rad` to `joint_7_rad`, with commas between them.
+    /// columns `t_s` and `joint_1_rad` to `joint_7_rad`, with commas between them; if all samples have torques,
+    /// what the joints exert as `torque_1_nm` to `torque_7_nm`.
     ///
     /// # Errors
     ///
@@ -133,12 +172,20 @@ impl JointLog {
         for joint in 1..=7 {
             write!(stream, ",joint_{joint}_rad")?;
         }
+        let torques: Vec<_> = self.exerted_nm().map_while(|known| known).collect();
+        let with_torques = !torques.is_empty() && torques.len() == self.t_s.len();
+        if with_torques {
+            for joint in 1..=7 {
+                write!(stream, ",torque_{joint}_nm")?;
+            }
+        }
         stream.write_all(b"\n")?;
-        for (t_s, q_rad) in self.t_s.iter().zip(&self.q_rad) {
+        for (i, (t_s, q_rad)) in self.t_s.iter().zip(&self.q_rad).enumerate() {
             // The shortest text that gives the same number.
             write!(stream, "{t_s:?}")?;
-            for q_rad in q_rad {
-                write!(stream, ",{q_rad:?}")?;
+            let torques = torques.get(i).filter(|_| with_torques);
+            for number in q_rad.iter().chain(torques.into_iter().flatten()) {
+                write!(stream, ",{number:?}")?;
             }
             stream.write_all(b"\n")?;
         }
@@ -153,6 +200,13 @@ impl JointLog {
     /// profile cannot be read.
     pub fn recorded_robot(&self) -> Result<Option<Robot>, RecordedRobotError> {
         recorded_robot(self.robot.as_deref(), self.profile.as_deref())
+    }
+
+    /// What the joints exert, in Nm, where the file has torques: those of a plan as they are, and measured ones turned,
+    /// since KUKA's controller gives them the other sign.
+    pub fn exerted_nm(&self) -> impl Iterator<Item = Option<[f64; 7]>> {
+        let sign = if self.is_plan { 1.0 } else { -1.0 };
+        self.torques_nm.iter().map(move |torques| torques.map(|nm| nm.map(|it| sign * it)))
     }
 
     /// From the first sample to the last, s.

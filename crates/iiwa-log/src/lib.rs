@@ -56,6 +56,7 @@ mod plan_table;
 mod planning;
 mod reader;
 mod record;
+mod recorded_log;
 mod recorded_robot;
 mod recorder;
 mod recording;
@@ -64,6 +65,7 @@ mod storage;
 mod tail;
 mod template;
 mod topic;
+mod torque_record;
 mod trajectory;
 mod whole_file;
 mod writer;
@@ -74,11 +76,11 @@ pub use diagnostic::{Diagnostic, DiagnosticLevel};
 pub use encoder::{Encoder, Frame};
 pub use entry::{Attachment, Entry, JointSample, Motion, MotionSample, PoseSample};
 pub use error::{ReadError, WriteError};
-pub use joint_log::{JointLog, JointLogError, Loss, Place, Source};
+pub use joint_log::{CycleClock, JointLog, JointLogError, Loss, Place, Source};
 pub use plan::{PlanConfig, PlanWriter};
 pub use plan_figures::{
-    BlendRecord, CartesianRecord, ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord,
-    PlanFigures, SelfClearanceRecord, SingularityRecord,
+    BlendRecord, CartesianRecord, ClearanceRecord, LateBlendRecord, LimitRecord, LimitShareRecord,
+    MotionRecord, PlanFigures, SelfClearanceRecord, SingularityRecord, SourceRecord,
 };
 pub use plan_options::PlanOptions;
 pub use plan_record::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};
@@ -87,9 +89,10 @@ pub use plan_table::PlanTable;
 pub use planning::{Planning, write_plan};
 pub use reader::Reader;
 pub use recorded_robot::RecordedRobotError;
-pub use recorder::{Recorder, RecorderConfig, writes_recordings};
+pub use recorder::{Recorder, RecorderConfig, is_recording};
 pub use recording::Recording;
 pub use storage::Storage;
 pub use topic::Topic;
+pub use torque_record::{EnergyRecord, LargestTorque, PowerRecord, TorqueRecord};
 pub use trajectory::{TrajectoryMessage, TrajectoryPoint};
 pub use writer::{Config, DEFAULT_EPOCH, Writer};

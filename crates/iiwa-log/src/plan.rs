@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::Write;
 use std::time::Duration;
 
-use iiwa_kin::{Pose, Robot};
+use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_traj::{Section, State};
 
 use crate::arm::Arm;
@@ -45,9 +45,27 @@ pub struct PlanWriter<W: Write> {
     ticks: u64,
     part: TrajectoryMessage,
     part_start: Duration,
-    last: Option<State>,
-    /// The TCP of the last section's end, if the program has tools.
-    last_tcp: Option<Pose>,
+    /// The end of the last section.
+    last: Option<Instant>,
+}
+
+/// What the arm does at one time.
+#[derive(Debug)]
+struct Instant {
+    state: State,
+    /// What the joints exert, in Nm.
+    torque_nm: Joints,
+    /// The TCP that moves, in the flange's frame, if the program has tools.
+    tcp: Option<Pose>,
+}
+
+impl Instant {
+    fn of(section: &Section, t_s: f64) -> Self {
+        let state = section.at(t_s);
+        let path = section.path();
+        let tcp = path.has_tools().then(|| *path.tcp(state.motion));
+        Self { state, torque_nm: section.torque_nm(&state), tcp }
+    }
 }
 
 /// Points of a trajectory in one message.
@@ -71,7 +89,6 @@ impl<W: Write> PlanWriter<W> {
             part: TrajectoryMessage::new()?,
             part_start: Duration::ZERO,
             last: None,
-            last_tcp: None,
         })
     }
 
@@ -102,8 +119,7 @@ impl<W: Write> PlanWriter<W> {
                 };
                 self.writer.motion(duration(piece.start_s), &motion)?;
             } else if t_s < section.end_s() {
-                let state = section.at(t_s);
-                self.sample(&state, tcp(section, &state).as_ref())?;
+                self.sample(&Instant::of(section, t_s))?;
                 self.ticks += 1;
             } else {
                 break;
@@ -114,8 +130,7 @@ impl<W: Write> PlanWriter<W> {
         for state in section.states() {
             self.node(&state)?;
         }
-        let end = section.at(section.end_s());
-        (self.last, self.last_tcp) = (Some(end), tcp(section, &end));
+        self.last = Some(Instant::of(section, section.end_s()));
         Ok(())
     }
 
@@ -126,14 +141,13 @@ impl<W: Write> PlanWriter<W> {
     ///
     /// Any [`WriteError`].
     pub fn finish(mut self, figures: &PlanFigures, program: Option<&str>) -> Result<W, WriteError> {
-        if let Some(end) = self.last {
+        if let Some(end) = self.last.take() {
             // The last tick may be the end already, but for rounding.
             let last_tick = self.ticks.checked_sub(1).map(|k| k as f64 / self.rate_hz);
-            if last_tick.is_none_or(|t_s| duration(t_s) < duration(end.t_s)) {
-                let tcp = self.last_tcp;
-                self.sample(&end, tcp.as_ref())?;
+            if last_tick.is_none_or(|t_s| duration(t_s) < duration(end.state.t_s)) {
+                self.sample(&end)?;
             }
-            self.node(&end)?;
+            self.node(&end.state)?;
         }
         self.writer.joint_trajectory(self.part_start, self.part)?;
         let program = program.map(|text| ("program.json", "application/json", text.as_bytes()));
@@ -141,9 +155,10 @@ impl<W: Write> PlanWriter<W> {
     }
 
     /// One instant on `/joint_states`, `/tf` and `/tcp_pose`; where there is a tool, on `/flange_pose` as well.
-    fn sample(&mut self, state: &State, tcp: Option<&Pose>) -> Result<(), WriteError> {
+    fn sample(&mut self, instant: &Instant) -> Result<(), WriteError> {
+        let Instant { state, torque_nm, tcp } = instant;
         let t = duration(state.t_s);
-        self.writer.joint_state(t, &state.q, &state.dq, None)?;
+        self.writer.joint_state(t, &state.q, &state.dq, Some(torque_nm))?;
         match tcp {
             None => self.arm.poses(&mut self.writer, t, &state.q),
             Some(tcp) => self.arm.poses_with_tool(&mut self.writer, t, &state.q, tcp),
@@ -173,12 +188,6 @@ impl<W: Write> PlanWriter<W> {
         }
         Ok(())
     }
-}
-
-/// The TCP that moves in a state of a section, if the program has tools.
-fn tcp(section: &Section, state: &State) -> Option<Pose> {
-    let path = section.path();
-    path.has_tools().then(|| *path.tcp(state.motion))
 }
 
 /// A time in s, to the nearest nanosecond.

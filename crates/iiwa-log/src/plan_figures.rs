@@ -3,15 +3,19 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::iter::zip;
 
 use iiwa_kin::{Joint, Robot};
+use iiwa_program::Source;
 use iiwa_traj::{
-    BlendFigures, CartesianFigures, Limit, MotionFigures, Section, Timing, Totals, Trajectory,
+    BlendFigures, CartesianFigures, LateBlend, Limit, MotionFigures, Section, Timing,
+    TorqueFigures, Totals, Trajectory,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::PlanOptions;
+use crate::torque_record::{EnergyRecord, LargestTorque, PowerRecord, TorqueRecord};
 
 /// The figures of a plan. As JSON, this is the object of `iiwasim plan --json`; in a file, each key is an
 /// entry of the metadata record `iiwasim`.
@@ -31,6 +35,9 @@ pub struct PlanFigures {
     pub robot: String,
     /// Samples per blend of the sweep under limits of acceleration.
     pub samples: u32,
+    /// The limit of torques, in per cent of the robot's, if they were limited.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limit_torque_percent: Option<f64>,
     /// Limits of the robot that the figures rest on and no source states.
     pub assumptions: Vec<String>,
     /// How near the arm comes to the scene, if there is one with obstacles.
@@ -39,10 +46,47 @@ pub struct PlanFigures {
     /// How near the arm comes to itself, if there is a scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub self_clearance: Option<SelfClearanceRecord>,
+    /// The work of the joints, behind the gears; none of a plan without motions, or of an earlier version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_j: Option<EnergyRecord>,
+    /// The most that the joints give at once, likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub power: Option<PowerRecord>,
     /// The motions of the program, in order.
     pub motions: Vec<MotionRecord>,
     /// The blends between them, in order.
     pub blends: Vec<BlendRecord>,
+    /// Those before which the arm stops, since the motions after them are not known in time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub blends_too_late: Vec<LateBlendRecord>,
+}
+
+/// A blend into a motion that is not known in time: the arm stops where it begins.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LateBlendRecord {
+    /// The motion whose target it blends away, from 1.
+    pub after_motion: usize,
+    /// When the waits before the next motion are over, and it is known, in s.
+    pub known_s: f64,
+    /// By when it would have to be known for the arm not to stop, in s.
+    pub needed_s: f64,
+}
+
+/// What a motion was made from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SourceRecord {
+    /// The file's name.
+    pub file: String,
+    /// The line, from 1.
+    pub line: u32,
+}
+
+/// As compilers write it: `Welding.java:84`.
+impl fmt::Display for SourceRecord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { file, line } = self;
+        write!(f, "{file}:{line}")
+    }
 }
 
 /// Where the arm comes nearest to the scene.
@@ -91,6 +135,12 @@ pub struct MotionRecord {
     /// What there is to say of the TCP of a motion to a frame, or of a program with a tool.
     #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
     pub cartesian: Option<CartesianRecord>,
+    /// Its torques, behind the gears; none in a plan of an earlier version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque: Option<TorqueRecord>,
+    /// What it was made from, if that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<SourceRecord>,
 }
 
 /// What there is to say of the TCP of a motion to a frame.
@@ -190,6 +240,10 @@ impl MotionRecord {
             }),
             (own, next) => own.or(next),
         };
+        match (&mut self.torque, next.torque) {
+            (Some(own), Some(next)) => own.go_on(&next),
+            (own, next) => *own = own.take().or(next),
+        }
     }
 }
 
@@ -210,6 +264,7 @@ impl PlanFigures {
             timing: timing.name().into(),
             robot: robot.name().to_owned(),
             samples,
+            limit_torque_percent: None,
             assumptions: robot
                 .assumptions()
                 .iter()
@@ -218,8 +273,11 @@ impl PlanFigures {
                 .collect(),
             clearance: None,
             self_clearance: None,
+            energy_j: None,
+            power: None,
             motions: Vec::new(),
             blends: Vec::new(),
+            blends_too_late: Vec::new(),
         }
     }
 
@@ -239,11 +297,23 @@ impl PlanFigures {
             wait_time_s: self.wait_time_s,
         };
         totals.add(section);
+        // What was given in per cent is not to be off by a bit.
+        let percent = |share: f64| (1e11 * share).round() / 1e9;
+        self.limit_torque_percent = section.path().torque_limit_rel().map(percent);
         self.cycle_time_s = totals.cycle_time_s();
         self.motion_time_s = totals.motion_time_s;
         self.settle_time_s = totals.settle_time_s;
         self.wait_time_s = totals.wait_time_s;
-        for motion in section.motions().iter().map(MotionRecord::from) {
+        let mut torques = TorqueFigures::default();
+        torques.add(section);
+        self.energy_j.get_or_insert_default().add(&torques);
+        self.power.get_or_insert_default().add(&torques);
+        // Both have the motions of the section, in order.
+        let sources = section.path().sources();
+        for (motion, torques) in zip(&section.motions(), &torques.motions) {
+            let torque = Some(TorqueRecord::from(torques));
+            let source = sources.of(motion.motion).map(SourceRecord::from);
+            let motion = MotionRecord { torque, source, ..MotionRecord::from(motion) };
             match self.motions.last_mut().filter(|last| last.index == motion.index) {
                 // It stopped on its way, as a spline does where its segments do not join smoothly.
                 Some(last) => last.go_on(motion),
@@ -251,6 +321,7 @@ impl PlanFigures {
             }
         }
         self.blends.extend(section.blends().iter().map(BlendRecord::from));
+        self.blends_too_late.extend(section.late_blend().map(LateBlendRecord::from));
     }
 
     /// Adds a clearance; the first of the smallest ones is kept.
@@ -267,6 +338,47 @@ impl PlanFigures {
         if nearest.is_none_or(|distance_mm| clearance.distance_mm < distance_mm) {
             self.self_clearance = Some(clearance);
         }
+    }
+
+    /// The torque that is the largest share of its limit; none of figures without torques.
+    ///
+    /// ```
+    /// use iiwa_kin::{Joint, Robot};
+    /// use iiwa_log::{PlanFigures, PlanOptions};
+    /// use iiwa_program::Program;
+    ///
+    /// let program = Program::from_deg([0.0, 90.0, 0.0, 0.0, 0.0, 0.0, 0.0]).wait_s(1.0).build();
+    /// let options = PlanOptions::default();
+    /// let figures = PlanFigures::of(&options.plan(&program, &Robot::default())?, &options);
+    /// let largest = figures.largest_torque().ok_or("no motion")?;
+    /// assert_eq!(largest.joint, Joint::A2);
+    /// assert_eq!(largest.to_string(), "37 % of A2's, -65.3 Nm in motion 1 at 0.000 s");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn largest_torque(&self) -> Option<LargestTorque> {
+        let torques =
+            self.motions.iter().filter_map(|it| Some(it.torque.as_ref()?.largest(it.index)));
+        // Of the same share, the first one.
+        torques.reduce(|most, next| if next.percent > most.percent { next } else { most })
+    }
+
+    /// What is to be said of torques above their limits: a line for each motion, of its worst joint.
+    #[must_use]
+    pub fn torque_warnings(&self) -> Vec<String> {
+        /// Motions that are named, at most.
+        const NAMED: usize = 10;
+        let warning = |motion: &MotionRecord| {
+            let what = motion.torque.as_ref()?.warning()?;
+            Some(format!("motion {}: {what}", motion.index))
+        };
+        let mut all = self.motions.iter().filter_map(warning);
+        let mut warnings: Vec<_> = all.by_ref().take(NAMED).collect();
+        let more = all.count();
+        if more > 0 {
+            warnings.push(format!("and {more} more motions need more torque than the joints have"));
+        }
+        warnings
     }
 
     /// An entry for each key: texts as they are, everything else as JSON.
@@ -325,6 +437,8 @@ impl From<&MotionFigures> for MotionRecord {
                 .map(|limit| LimitShareRecord { limit: limit.limit.into(), share: limit.share })
                 .collect(),
             cartesian: figures.cartesian.as_ref().map(CartesianRecord::from),
+            torque: None,
+            source: None,
         }
     }
 }
@@ -342,6 +456,19 @@ impl From<&CartesianFigures> for CartesianRecord {
             status: figures.status.bits(),
             e1_deg: figures.e1_rad.map(f64::to_degrees),
         }
+    }
+}
+
+impl From<&Source> for SourceRecord {
+    fn from(Source { file, line }: &Source) -> Self {
+        Self { file: file.clone(), line: *line }
+    }
+}
+
+impl From<&LateBlend> for LateBlendRecord {
+    fn from(late: &LateBlend) -> Self {
+        let LateBlend { after_motion, known_s, needed_s } = *late;
+        Self { after_motion: after_motion.number(), known_s, needed_s }
     }
 }
 

@@ -21,6 +21,7 @@ use row::{PlanRow, names};
 /// | `joint_1_rad_s2` ... | accelerations |
 /// | `tcp_x_m`, `tcp_y_m`, `tcp_z_m` | the TCP of the motion's tool, or the flange, in the frame of the robot's foot |
 /// | `tcp_a_rad`, `tcp_b_rad`, `tcp_c_rad` | its orientation: about z, then y, then x, as on the robot |
+/// | `torque_1_nm` ... `torque_7_nm` | what the joints exert behind the gears |
 ///
 /// [`JointLog::read`](crate::JointLog::read) reads its times and positions back.
 #[derive(Debug)]

@@ -36,7 +36,7 @@ const RECORDS: &str = " recorder";
 
 /// Whether a file that begins with `head` is an MCAP file that no plan was written into: a [`Recorder`]'s, or another program's.
 #[must_use]
-pub fn writes_recordings(head: &[u8]) -> bool {
+pub fn is_recording(head: &[u8]) -> bool {
     // The magic bytes, the header's opcode and length, then two texts with their lengths: profile and library.
     let text = |bytes: &[u8]| -> Option<(usize, String)> {
         let length = u32::from_le_bytes(bytes.get(..4)?.try_into().ok()?) as usize;

@@ -159,7 +159,7 @@ impl<'de> Deserialize<'de> for Joints {
     }
 }
 
-/// What the joints of most files are called, but for their number.
+/// Stem of the joint names in most files.
 pub(crate) const USUAL_STEM: &str = "iiwa_joint_";
 
 /// The joints' numbers.

@@ -8,8 +8,8 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Topic {
-    /// `/joint_states`, `sensor_msgs/msg/JointState`: positions in rad, velocities in rad/s; in recordings, efforts are
-    /// the torques in Nm where the controller measures them.
+    /// `/joint_states`, `sensor_msgs/msg/JointState`: positions in rad, velocities in rad/s, efforts in Nm: of plans
+    /// what the joints exert behind the gears, of recordings what the controller measures, if it does, with its sign.
     JointStates,
     /// `/tf`, `tf2_msgs/msg/TFMessage`: the pose of every link in its parent; in recordings at most
     /// [`pose_rate_hz`](crate::RecorderConfig::pose_rate_hz) times a second, like `/tcp_pose`.

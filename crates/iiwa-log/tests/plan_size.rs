@@ -7,7 +7,7 @@ use std::{fs, io::Cursor, path::Path as FilePath};
 use iiwa_kin::Robot;
 use iiwa_log::{Compression, PlanConfig, PlanFigures, PlanSize, PlanWriter};
 use iiwa_path::JointPath;
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 fn planned(program: &Program) -> Trajectory {
@@ -49,6 +49,7 @@ fn motions(joints: usize, velocity_rel: f64, count: u32) -> Program {
         robot: None,
         start: Start::Joints([0.0; 7]),
         workcell: Workcell::default(),
+        sources: Sources::default(),
         motions: (1..=count).map(motion).collect(),
     }
 }
@@ -61,7 +62,7 @@ fn files_are_as_large_as_estimated() {
         (name.to_owned(), Program::from_json(&text).unwrap())
     };
     let mut programs: Vec<_> = ["appendix-b", "ten-motions", "waits-and-stops"].map(fixture).into();
-    let waits = vec![Motion::Wait { seconds: 100.0 }];
+    let waits = vec![Motion::Wait { seconds: 100.0, overlap: 0 }];
     programs.push(("wait".to_owned(), Program { motions: waits, ..motions(0, 1.0, 1) }));
     for (joints, velocity_rel, count) in [(1, 0.02, 3), (2, 0.5, 20), (7, 0.01, 3), (7, 1.0, 20)] {
         let name = format!("{joints} joints at {velocity_rel}");

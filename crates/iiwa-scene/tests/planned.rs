@@ -7,7 +7,7 @@ mod common;
 
 use iiwa_kin::Robot;
 use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions};
-use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_scene::{ArmInScene, Form, Obstacle, Scene};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{fixture, random::programs};
@@ -155,6 +155,7 @@ fn an_arm_that_turns_over_a_table_keeps_its_distance() {
         start: Start::Joints(q(-2.0)),
         motions: vec![Motion::Ptp(Ptp::to(q(2.0)))],
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let table = Form::Plane { point_m: [0.0, 0.0, -0.01], normal: [0.0, 0.0, 1.0] };
     let scene = Scene::new(vec![Obstacle { name: "table".to_owned(), form: table }]).unwrap();
@@ -172,10 +173,11 @@ fn the_first_touch_is_told() {
         start: Start::Joints([0.0, 0.5, 0.0, -1.0, 0.0, 0.5, 0.0]),
         motions: vec![
             Motion::Ptp(Ptp::to([0.0, 1.5, 0.0, -1.0, 0.0, 0.5, 0.0])),
-            Motion::Wait { seconds: 2.0 },
+            Motion::Wait { seconds: 2.0, overlap: 0 },
             Motion::Ptp(Ptp::to([0.0, 1.7, 0.0, -1.0, 0.0, 0.5, 0.0])),
         ],
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let table = Form::Plane { point_m: [0.0, 0.0, 0.2], normal: [0.0, 0.0, 1.0] };
     let scene = Scene::new(vec![Obstacle { name: "table".to_owned(), form: table }]).unwrap();
@@ -219,8 +221,9 @@ fn nothing_to_touch_is_no_clearance() {
     let program = Program {
         robot: None,
         start: Start::Joints([0.0; 7]),
-        motions: vec![Motion::Wait { seconds: 1.0 }],
+        motions: vec![Motion::Wait { seconds: 1.0, overlap: 0 }],
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let waiting = plan(&program, PathOptions::default(), Timing::default());
     assert_eq!(arm.clearance_of(&waiting), None);

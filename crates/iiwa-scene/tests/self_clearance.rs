@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use iiwa_kin::{Along, Joints, Pose, Robot, Shape, Solid};
 use iiwa_path::JointPath;
-use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_scene::{ArmInScene, Form, Obstacle, Other, Scene, ToolForm, ToolShape};
 use iiwa_traj::{Timing, Trajectory};
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
@@ -162,7 +162,13 @@ fn the_upper_arm_and_the_wrist_keep_clear() {
 fn plan(from_rad: Joints, to_rad: &[Joints]) -> Trajectory {
     let motions = to_rad.iter().map(|to| Motion::Ptp(Ptp::to(*to))).collect();
     let start = Start::Joints(from_rad);
-    let program = Program { robot: None, start, motions, workcell: Workcell::default() };
+    let program = Program {
+        robot: None,
+        start,
+        motions,
+        workcell: Workcell::default(),
+        sources: Sources::default(),
+    };
     let path = JointPath::new(&program, &Robot::default()).unwrap();
     Trajectory::plan(&path, Timing::default()).unwrap()
 }
@@ -204,7 +210,7 @@ fn plans_are_as_near_as_their_samples() {
     assert!(by_tool > 10 && touching > 1, "{by_tool} {touching}");
 }
 
-/// The arm from itself and from what stands around it are two distances: neither changes the other.
+/// Obstacles do not change the self-clearance, nor do links the clearance.
 #[test]
 fn obstacles_and_links_do_not_mix() {
     let robot = Robot::default();

@@ -2,9 +2,9 @@
 
 use std::io::Read;
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Dynamics, Joints, Load, Mount, Robot};
 use iiwa_log::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};
-use iiwa_program::{MotionIndex, MotionType};
+use iiwa_program::{MotionIndex, MotionType, Program};
 use iiwa_traj::Trajectory;
 
 use super::curve::Curve;
@@ -16,6 +16,9 @@ pub struct Plan {
     pub(crate) curve: Curve,
     pub(crate) pieces: Vec<Piece>,
     types: Vec<(MotionIndex, MotionType)>,
+    /// What hangs on the flange during each motion, and how the foot stands.
+    loads: Vec<Option<Load>>,
+    mount: Mount,
 }
 
 /// A line, a blend or a rest.
@@ -85,7 +88,9 @@ impl Plan {
         let types = (0..path.limits().len()).map(MotionIndex::new);
         let types = types.filter_map(|motion| Some((motion, path.motion_type(motion)?)));
         let types = types.collect();
-        Self { types, ..Self::of(path.robot().clone(), knots, pieces) }
+        let loads = (0..path.limits().len()).map(|i| path.load(MotionIndex::new(i)).copied());
+        let (loads, mount) = (loads.collect(), *path.mount());
+        Self { types, loads, mount, ..Self::of(path.robot().clone(), knots, pieces) }
     }
 
     /// Reads a plan from an MCAP file as [`PlanWriter`](iiwa_log::PlanWriter) writes it. The robot is the
@@ -132,7 +137,10 @@ impl Plan {
             Some((index, MotionType::from_name(&motion.r#type)?))
         });
         let types = types.collect();
-        Ok(Self { types, ..Self::of(robot, record.nodes, pieces) })
+        let program = record.program.as_deref().and_then(|text| Program::from_json(text).ok());
+        let (loads, mount) = program
+            .map_or_else(Default::default, |program| (program.loads(), program.workcell.mount));
+        Ok(Self { types, loads, mount, ..Self::of(robot, record.nodes, pieces) })
     }
 
     /// The type of a motion; that of PTP motions where the plan does not tell.
@@ -155,7 +163,9 @@ impl Plan {
             .windows(2)
             .filter(leaves)
             .all(|pair| pair[0].ddq.iter().all(|ddq| ddq.abs() <= 1e-6));
-        Self { robot, curve: Curve::new(knots, smooth), pieces, types: Vec::new() }
+        let curve = Curve::new(knots, smooth);
+        let (loads, mount) = (Vec::new(), Mount::default());
+        Self { robot, curve, pieces, types: Vec::new(), loads, mount }
     }
 
     /// The robot it is for.
@@ -168,6 +178,16 @@ impl Plan {
     #[must_use]
     pub fn cycle_time_s(&self) -> f64 {
         self.curve.knots()[self.curve.knots().len() - 1].t_s
+    }
+
+    /// For how long the arm stands at the start and the end, to settle and to wait, in s: what joint positions do not tell.
+    #[must_use]
+    pub fn standing_s(&self) -> f64 {
+        match self.legs().as_slice() {
+            [] => self.cycle_time_s(),
+            [first, .., last] => self.cycle_time_s() - (last.end_s - first.start_s),
+            [only] => self.cycle_time_s() - (only.end_s - only.start_s),
+        }
     }
 
     /// Where the arm is to be at `t_s`, in rad.
@@ -184,6 +204,29 @@ impl Plan {
             .get(next)
             .or(self.pieces.last())
             .map_or_else(MotionIndex::default, |piece| piece.motion)
+    }
+
+    /// The robot as it stands, with what hangs on its flange during a motion.
+    pub(crate) fn dynamics(&self, motion: MotionIndex) -> Dynamics {
+        let empty = self.robot.dynamics().with_mount(&self.mount);
+        let load = self.loads.get(motion.index()).and_then(Option::as_ref);
+        load.map_or(empty, |load| empty.with_load(load))
+    }
+
+    /// The torques at `t_s`, with friction, in Nm.
+    pub(crate) fn torques_at(&self, t_s: f64, dynamics: &Dynamics) -> Joints {
+        let interval = self.curve.interval_at(t_s);
+        let (q, dq) = self.curve.in_interval(interval, t_s);
+        let next = self.pieces.partition_point(|piece| piece.end_s <= t_s);
+        if self.pieces.get(next).is_none_or(|piece| !piece.kind.moves()) {
+            return dynamics.gravity_torques(&q);
+        }
+        let (a, b) = (&self.curve.knots()[interval], &self.curve.knots()[interval + 1]);
+        let x = ((t_s - a.t_s) / (b.t_s - a.t_s)).clamp(0.0, 1.0);
+        let ddq = std::array::from_fn(|j| a.ddq[j] + x * (b.ddq[j] - a.ddq[j]));
+        let friction = dynamics.friction().torques_nm(&dq);
+        let rigid = dynamics.torques(&q, &dq, &ddq);
+        std::array::from_fn(|j| rigid[j] + friction[j])
     }
 
     /// The parts from stop to stop, in order.

@@ -3,7 +3,7 @@
 use iiwa_kin::Status;
 use iiwa_program::{
     AuxOrientation, CartesianMotion, Circ, Course, Frame, LimitKind, Motion, PathBlend, Program,
-    Start, Target, TargetRef, Workcell,
+    Sources, Start, Target, TargetRef, Workcell,
 };
 
 use super::trial::Trial;
@@ -128,6 +128,7 @@ pub fn tcp_blends(series: &[TcpSeries]) -> Trial {
         start: Start::Frame(TargetRef::Given(start)),
         motions: motions.map(|motion| Motion::Cartesian(Box::new(motion))).collect(),
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     Trial { name: "tcp-blends".to_owned(), program }
 }

@@ -1,6 +1,7 @@
 //! A program of an experiment.
 
-use iiwa_program::Program;
+use iiwa_kin::Joints;
+use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 
 /// A program of an experiment.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,4 +10,15 @@ pub struct Trial {
     pub name: String,
     /// The program.
     pub program: Program,
+}
+
+/// The program of PTP motions from a start, in rad.
+pub(super) fn program(start_rad: Joints, motions: impl IntoIterator<Item = Ptp>) -> Program {
+    Program {
+        robot: None,
+        start: Start::Joints(start_rad),
+        motions: motions.into_iter().map(Motion::Ptp).collect(),
+        workcell: Workcell::default(),
+        sources: Sources::default(),
+    }
 }

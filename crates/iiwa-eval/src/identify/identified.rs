@@ -5,6 +5,7 @@ use iiwa_kin::Robot;
 use crate::{
     estimate::Estimate,
     identify::{
+        found_torques::FoundTorques,
         kappa::Kappa,
         observation::{
             BlendObservation, CourseObservation, LeftOut, LineObservation, TcpBlendObservation,
@@ -45,6 +46,10 @@ pub struct Identified {
     pub tcp_blends: Vec<TcpBlendObservation>,
     /// All paths of the TCP and the blends at their ends, against what is assumed of them, with kappa as found.
     pub courses: Vec<CourseObservation>,
+    /// Loads and friction, if any recording has torques.
+    pub torques: Option<FoundTorques>,
+    /// The recordings, from 0, whose torques were not used, and why.
+    pub unused_torques: Vec<(usize, &'static str)>,
     /// What the recordings have that was not used, and why.
     pub left_out: Vec<LeftOut>,
 }
@@ -81,6 +86,10 @@ impl Identified {
         }
         if let Some(kappa) = &self.tcp_kappa {
             robot = robot.with_tcp_blend_kappa(*kappa.coefficients());
+        }
+        if let Some(torques) = &self.torques {
+            let friction = torques.friction(model.friction());
+            robot = robot.with_friction(friction);
         }
         robot
     }

@@ -56,6 +56,9 @@ fn planned(path: &JointPath) -> Vec<Planned> {
     let mut sections: Vec<Planned> = Vec::new();
     let mut at = *path.start_rad();
     let mut moving = false;
+    let overlaps = |motion: &MotionIndex| {
+        path.overlapping_waits().binary_search_by_key(motion, |wait| wait.motion).is_ok()
+    };
     for (i, step) in path.steps().iter().enumerate() {
         match step {
             Step::Move { segment, .. } => {
@@ -76,6 +79,12 @@ fn planned(path: &JointPath) -> Vec<Planned> {
             Step::Settle { .. } => {
                 if let Some(section) = sections.last_mut() {
                     section.settles += 1;
+                }
+            }
+            Step::Wait { motion, .. } if overlaps(motion) => {
+                // How long the arm stands for it goes by when motions began: the time to settle cannot be told.
+                if let Some(section) = sections.last_mut() {
+                    section.settles = 0;
                 }
             }
             Step::Wait { seconds, .. } => {

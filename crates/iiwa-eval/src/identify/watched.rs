@@ -105,7 +105,7 @@ fn without_blends(program: &Program) -> Program {
         match motion {
             Motion::Ptp(ptp) => ptp.blend = None,
             Motion::Cartesian(own) => own.blend = None,
-            Motion::Wait { .. } => {}
+            Motion::Wait { .. } | Motion::Load(_) => {}
         }
     }
     plain

@@ -18,6 +18,10 @@ pub(super) enum Role {
     Radians(usize),
     /// Position of the joint with this index, degrees.
     Degrees(usize),
+    /// Torque that the joint with this index exerts, Nm.
+    Exerted(usize),
+    /// The same with the other sign, as KUKA's controller measures it.
+    Measured(usize),
     /// Anything else.
     PassedOver,
 }
@@ -80,9 +84,15 @@ impl Columns {
                 return Err(columns.missing(&title(wanted), expected));
             }
         }
+        columns.find_torques();
         let robot = names.iter().find_map(|name| axis(source, &name.to_ascii_lowercase())?.1);
         let roles = columns.roles;
         Ok(Self { roles, names, source, robot })
+    }
+
+    /// Whether there are torques of all joints.
+    pub(super) fn has_torques(&self) -> bool {
+        self.roles.iter().any(|role| matches!(role, Role::Exerted(_) | Role::Measured(_)))
     }
 
     /// Which joints are in degrees.
@@ -136,6 +146,22 @@ impl Choice<'_> {
         Ok(())
     }
 
+    /// Finds the torques of all joints, or passes them over.
+    fn find_torques(&mut self) {
+        let torques: Vec<_> =
+            self.names.iter().map(|name| torque(&name.to_ascii_lowercase())).collect();
+        let is_one = |role| torques.iter().filter(|found| **found == Some(role)).count() == 1;
+        let exerted = (0..7).all(|joint| is_one(Role::Exerted(joint)));
+        let measured = !exerted && (0..7).all(|joint| is_one(Role::Measured(joint)));
+        for (role, found) in self.roles.iter_mut().zip(torques) {
+            match found {
+                Some(Role::Exerted(_)) if exerted => *role = found.unwrap_or(*role),
+                Some(Role::Measured(_)) if measured => *role = found.unwrap_or(*role),
+                _ => {}
+            }
+        }
+    }
+
     fn missing(&self, what: &str, expected: String) -> JointLogError {
         JointLogError::MissingColumn { line: self.line, what: what.to_owned(), expected }
     }
@@ -159,6 +185,20 @@ fn joint(source: Source, name: &str) -> Option<(usize, Role)> {
     let joint = digit(number)?.checked_sub(1)?;
     Some((joint, if degrees { Role::Degrees(joint) } else { Role::Radians(joint) }))
         .filter(|_| joint < 7)
+}
+
+/// The torque that a column has, by its name in small letters.
+fn torque(name: &str) -> Option<Role> {
+    if let Some(recorded) = name.strip_prefix("axistaumsr") {
+        let (_, index) = recorded.strip_suffix(']')?.split_once('[')?;
+        return digit(index).filter(|joint| *joint < 7).map(Role::Measured);
+    }
+    let stem = name.strip_suffix("_nm").unwrap_or(name);
+    let stem = ["torque_", "effort_"].iter().find_map(|prefix| stem.strip_prefix(prefix))?;
+    let number =
+        ["iiwa_joint_", "joint_"].iter().find_map(|p| stem.strip_prefix(p)).unwrap_or(stem);
+    let joint = digit(number)?.checked_sub(1)?;
+    Some(Role::Exerted(joint)).filter(|_| joint < 7)
 }
 
 /// Joint and robot of a `DataRecorder`'s column, by its name in small letters:

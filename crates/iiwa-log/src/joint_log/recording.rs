@@ -5,7 +5,7 @@ use std::io::Read;
 use mcap::{MAGIC, McapError};
 
 use super::samples::Samples;
-use super::{JointLog, JointLogError, Loss, Place, Source};
+use super::{CycleClock, JointLog, JointLogError, Loss, Place, Source};
 use crate::recorded_robot::PROFILE;
 use crate::{Entry, ReadError, Reader, Topic};
 
@@ -26,6 +26,9 @@ pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
             Ok(Entry::JointState(sample)) => {
                 place += 1;
                 samples.push(Place::Sample(place), sample.t_s, sample.q)?;
+                if let Some(torques_nm) = sample.torques_nm {
+                    samples.add_torques(torques_nm);
+                }
             }
             Ok(Entry::RobotDescription { urdf, .. }) => described = robot_of(&urdf),
             Ok(Entry::Attachment(attachment)) if attachment.name == "program.json" => {
@@ -39,6 +42,9 @@ pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
                 log.is_plan = entries.contains_key("timing");
                 log.robot = entries.remove("robot");
                 log.cycle_time_s = entries.remove("cycle_time_s").and_then(|s| s.parse().ok());
+                let timed_by = entries.remove("timed_by");
+                log.timed_by =
+                    timed_by.and_then(|name| CycleClock::from_name(&name)).unwrap_or_default();
             }
             Ok(_) => {}
             Err(error) => end = Some(broken_off(&mut samples, error)?),

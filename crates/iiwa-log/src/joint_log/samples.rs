@@ -66,6 +66,14 @@ impl Samples {
         Ok(())
     }
 
+    /// Adds torques, in Nm, to the sample that was taken last.
+    pub(super) fn add_torques(&mut self, torques_nm: [f64; 7]) {
+        self.log.torques_nm.resize(self.log.t_s.len(), None);
+        if let Some(last) = self.log.torques_nm.last_mut() {
+            *last = Some(torques_nm);
+        }
+    }
+
     fn out_of_reach(&self, place: Place, q_rad: &[f64; 7]) -> JointLogError {
         let joints = Joint::ALL.into_iter().zip(q_rad).zip(self.in_degrees);
         for ((joint, &found_rad), in_degrees) in joints {
@@ -88,6 +96,9 @@ impl Samples {
     pub(super) fn finish(mut self, end: Option<Loss>) -> Result<JointLog, JointLogError> {
         if self.log.t_s.is_empty() {
             return Err(JointLogError::NoSamples);
+        }
+        if !self.log.torques_nm.is_empty() {
+            self.log.torques_nm.resize(self.log.t_s.len(), None);
         }
         self.log.losses.extend(self.repeated);
         add_gaps(&mut self.log);

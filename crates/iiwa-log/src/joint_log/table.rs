@@ -1,4 +1,4 @@
-//! Joint positions of a table: CSV, and what a `DataRecorder` writes.
+//! Joint positions and torques of a table: CSV, and what a `DataRecorder` writes.
 
 use std::io::{self, Cursor, Read};
 
@@ -46,6 +46,9 @@ pub(super) fn read<R: Read>(head: &[u8], stream: R) -> Result<JointLog, JointLog
             }
             let row = Row::parse(&columns, layout, number, &line)?;
             samples.push(Place::Line(number), row.t_s(&mut origin), row.q_rad)?;
+            if columns.has_torques() {
+                samples.add_torques(row.measured_nm);
+            }
         }
         std::mem::swap(&mut line, &mut next);
     }
@@ -123,6 +126,8 @@ struct Row {
     /// Whole seconds and nanoseconds, where the time is in two columns.
     split: Option<[f64; 2]>,
     q_rad: [f64; 7],
+    /// With the controller's sign.
+    measured_nm: [f64; 7],
 }
 
 impl Row {
@@ -183,6 +188,8 @@ impl Row {
             Role::Nanoseconds => self.split.get_or_insert_default()[1] = value,
             Role::Radians(joint) => self.q_rad[joint] = value,
             Role::Degrees(joint) => self.q_rad[joint] = value.to_radians(),
+            Role::Exerted(joint) => self.measured_nm[joint] = 0.0 - value,
+            Role::Measured(joint) => self.measured_nm[joint] = value,
             Role::PassedOver => {}
         }
         Ok(())

@@ -8,7 +8,7 @@ pub(super) struct PlanRow {
     pub(super) t_s: f64,
     pub(super) motion: usize,
     /// In the order of [`names`].
-    pub(super) values: [f64; 27],
+    pub(super) values: [f64; 34],
 }
 
 /// The names of all columns but the first two.
@@ -19,6 +19,7 @@ pub(super) fn names() -> impl Iterator<Item = String> {
         .into_iter()
         .flat_map(joints)
         .chain(tcp.map(|name| format!("tcp_{name}")))
+        .chain((1..=7).map(|joint| format!("torque_{joint}_nm")))
 }
 
 impl PlanRow {
@@ -27,8 +28,10 @@ impl PlanRow {
         let state = section.at(t_s);
         let path = section.path();
         let tcp = path.robot().flange_pose(&state.q).then(path.tcp(state.motion));
-        let mut values = [0.0; 27];
-        let parts: [&[f64]; 5] = [&state.q, &state.dq, &state.ddq, &tcp.position_m, &tcp.abc_rad()];
+        let mut values = [0.0; 34];
+        let torque_nm = section.torque_nm(&state);
+        let parts: [&[f64]; 6] =
+            [&state.q, &state.dq, &state.ddq, &tcp.position_m, &tcp.abc_rad(), &torque_nm];
         for (value, part) in values.iter_mut().zip(parts.into_iter().flatten()) {
             *value = *part;
         }

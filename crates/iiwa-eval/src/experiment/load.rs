@@ -1,0 +1,84 @@
+//! Swings with and without a load, which show what a controller's planner makes of it.
+
+use iiwa_kin::{Joint, Joints, Load};
+use iiwa_program::{Motion, Ptp};
+
+use super::trial::{Trial, program};
+
+/// Joints A2 and A4 at the middle of the swings, in degrees, and the joint that swings: upright and to the side, stretched
+/// and bent. What gravity takes of the joint's torque differs by an order of magnitude.
+const POSES: [([f64; 2], Joint); 8] = [
+    ([0.0, 0.0], Joint::A2),
+    ([40.0, 0.0], Joint::A2),
+    ([65.0, 0.0], Joint::A2),
+    ([0.0, -90.0], Joint::A2),
+    ([50.0, -60.0], Joint::A2),
+    ([0.0, 0.0], Joint::A4),
+    ([0.0, -85.0], Joint::A4),
+    ([60.0, -30.0], Joint::A4),
+];
+
+/// To either side of the middle, in degrees.
+const SWING_DEG: f64 = 20.0;
+
+/// There and back so often.
+const TIMES: usize = 2;
+
+/// Speed between poses, as a share of full speed.
+const TRANSFER_REL: f64 = 0.25;
+
+/// A joint's swings about a pose: one place of the experiment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadSwing {
+    /// The joint.
+    pub joint: Joint,
+    /// A2 and A4 in the middle, in degrees.
+    pub middle_deg: [f64; 2],
+    /// From where to where, in rad.
+    pub ends_rad: [Joints; 2],
+    /// Its motions, from the place of the first in a program on.
+    pub(crate) motions: std::ops::Range<usize>,
+}
+
+/// The swings, in the order of the programs.
+#[must_use]
+pub fn load_swings() -> Vec<LoadSwing> {
+    let per_swing = 1 + 2 * TIMES;
+    let swing = |(i, (middle_deg, joint)): (usize, &([f64; 2], Joint))| {
+        let end = |deg: f64| {
+            let mut at_deg = [0.0; 7];
+            (at_deg[1], at_deg[3]) = (middle_deg[0], middle_deg[1]);
+            at_deg[joint.index()] += deg;
+            at_deg.map(f64::to_radians)
+        };
+        // The first entry is the load, and the first motion of each takes the arm there.
+        let first = 1 + i * per_swing + 1;
+        LoadSwing {
+            joint: *joint,
+            middle_deg: *middle_deg,
+            ends_rad: [end(-SWING_DEG), end(SWING_DEG)],
+            motions: first..first + 2 * TIMES,
+        }
+    };
+    POSES.iter().enumerate().map(swing).collect()
+}
+
+/// The swings of A2 and A4 without and with a load, two programs: each joint alone, by 20 deg to either side of eight
+/// poses, at full speed. Between poses the arm goes slowly.
+#[must_use]
+pub fn load(load: &Load) -> [Trial; 2] {
+    [None, Some(*load)].map(|load| {
+        let swings = load_swings();
+        let start_rad = swings[0].ends_rad[0];
+        let motions = swings.iter().flat_map(|swing| {
+            let [low, high] = swing.ends_rad;
+            let there = Ptp::to(low).velocity(TRANSFER_REL);
+            let swings = (0..TIMES).flat_map(move |_| [Ptp::to(high), Ptp::to(low)]);
+            std::iter::once(there).chain(swings)
+        });
+        let mut program = program(start_rad, motions);
+        program.motions.insert(0, Motion::Load(load));
+        let mass_kg = load.map_or(0.0, |load| load.mass_kg);
+        Trial { name: format!("load-{mass_kg}-kg"), program }
+    })
+}

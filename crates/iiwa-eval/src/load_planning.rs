@@ -1,0 +1,105 @@
+//! What a planner makes of the load that it was given.
+
+use std::str::FromStr;
+
+use iiwa_kin::Robot;
+use iiwa_log::PlanOptions;
+use iiwa_program::{Motion, Program, Start};
+use iiwa_traj::PlanError;
+
+/// How a virtual robot plans PTP motions with a load. Nothing public says how KUKA's controller does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum LoadPlanning {
+    /// As without one.
+    #[default]
+    Ignored,
+    /// With a share of all accelerations that falls by this much with each kg.
+    FactorPerKg(f64),
+    /// With the share of its accelerations, motion by motion, at which no joint needs more than this share of its torque
+    /// limit.
+    Torque(f64),
+}
+
+/// By their names: none, 2 % a kg, and all of the limits.
+impl FromStr for LoadPlanning {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        match name {
+            "none" => Ok(Self::Ignored),
+            "factor" => Ok(Self::FactorPerKg(0.02)),
+            "torque" => Ok(Self::Torque(1.0)),
+            _ => Err("it is none, factor or torque".to_owned()),
+        }
+    }
+}
+
+/// Shares of acceleration are found to this.
+const SHARE_STEPS: i32 = 20;
+
+/// A planner slows down no further.
+const LEAST_SHARE: f64 = 0.05;
+
+impl LoadPlanning {
+    /// The program with the accelerations that such a planner gives its PTP motions, each for itself.
+    ///
+    /// # Errors
+    ///
+    /// If a motion cannot be planned.
+    pub fn slowed(self, program: &Program, robot: &Robot) -> Result<Program, PlanError> {
+        let mut slowed = program.clone();
+        if self == Self::Ignored {
+            return Ok(slowed);
+        }
+        let loads = program.loads();
+        let mut at_rad = *PlanOptions::default().plan(program, robot)?.path().start_rad();
+        for (motion, load) in slowed.motions.iter_mut().zip(loads) {
+            let Motion::Ptp(ptp) = motion else { continue };
+            let share = match self {
+                Self::Ignored => 1.0,
+                Self::FactorPerKg(per_kg) => {
+                    let mass_kg = load.map_or(0.0, |load| load.mass_kg);
+                    (1.0 - per_kg * mass_kg).max(LEAST_SHARE)
+                }
+                Self::Torque(limit_rel) => {
+                    let mut alone = program.clone();
+                    alone.start = Start::Joints(at_rad);
+                    let needs = |share: f64| {
+                        let mut motion = ptp.clone();
+                        motion.acceleration_rel = motion.acceleration_rel.map(|rel| share * rel);
+                        motion.blend = None;
+                        alone.motions = vec![Motion::Load(load), Motion::Ptp(motion)];
+                        let plan = PlanOptions::default().plan(&alone, robot)?;
+                        let peaks = plan.torques().motions.into_iter().flat_map(|m| m.peak_rel);
+                        Ok::<f64, PlanError>(peaks.fold(0.0, f64::max))
+                    };
+                    share_within(limit_rel, needs)?
+                }
+            };
+            ptp.acceleration_rel = ptp.acceleration_rel.map(|rel| share * rel);
+            at_rad = ptp.target_rad;
+        }
+        Ok(slowed)
+    }
+}
+
+/// The largest share at which what is needed, which grows with it, is within a limit.
+fn share_within(
+    limit: f64,
+    mut needs: impl FnMut(f64) -> Result<f64, PlanError>,
+) -> Result<f64, PlanError> {
+    if needs(1.0)? <= limit {
+        return Ok(1.0);
+    }
+    let (mut within, mut beyond) = (LEAST_SHARE, 1.0);
+    for _ in 0..SHARE_STEPS {
+        let share = f64::midpoint(within, beyond);
+        if needs(share)? <= limit {
+            within = share;
+        } else {
+            beyond = share;
+        }
+    }
+    Ok(within)
+}
