@@ -3,13 +3,14 @@
 use std::{fmt::Write as _, path::Path};
 
 use comfy_table::Cell;
-use iiwa_eval::{Comparison, Deviation, MotionTime, Plan, StopTime};
-use iiwa_log::{JointLog, Loss};
+use iiwa_eval::{Comparison, Deviation, MotionTime, Plan, StopTime, TorqueDifference};
+use iiwa_log::{CycleClock, JointLog, Loss};
 use serde::Serialize;
 
 use crate::{
     printable,
     signed::{rounded, signed},
+    stated_time::stated_time,
     table::{shortened, table},
 };
 
@@ -28,6 +29,8 @@ pub struct ComparisonReport {
     stops: Vec<StopTimeRow>,
     joint_deviation: JointRow,
     tcp_deviation: TcpRow,
+    /// Recorded torques less those of the plan at the same place; null if the recording has none.
+    torque_difference: Option<TorqueRow>,
     /// Of the recording, in motion.
     samples: usize,
     rate_hz: f64,
@@ -49,8 +52,11 @@ struct CycleTimeRow {
     standing_s: f64,
     /// Standard deviation of the real time due to noise.
     deviation_s: f64,
-    /// As the recording's metadata states it: measured by the robot program.
+    /// As the recording's metadata states it.
     stated_s: Option<f64>,
+    /// What that was taken from, if not from the robot program's clock.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    timed_by: Option<&'static str>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -94,6 +100,32 @@ struct TcpRow {
     recording_s: f64,
     planned_m: [f64; 3],
     measured_m: [f64; 3],
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct TorqueRow {
+    rms_nm: [f64; 7],
+    max_nm: [f64; 7],
+    /// When it is the largest.
+    recording_s: [f64; 7],
+    /// The largest that the plan needs.
+    planned_peak_nm: [f64; 7],
+    samples: usize,
+    /// Whether the recording has the sign of plans, not that of KUKA's controller.
+    turned: bool,
+}
+
+impl From<&TorqueDifference> for TorqueRow {
+    fn from(found: &TorqueDifference) -> Self {
+        Self {
+            rms_nm: found.rms_nm,
+            max_nm: found.largest_nm,
+            recording_s: found.largest_at_s,
+            planned_peak_nm: found.planned_peak_nm,
+            samples: found.samples,
+            turned: found.turned,
+        }
+    }
 }
 
 impl From<&MotionTime> for MotionTimeRow {
@@ -174,6 +206,8 @@ impl ComparisonReport {
                 standing_s: cycle.standing_s,
                 deviation_s: cycle.deviation_s,
                 stated_s: measured.cycle_time_s,
+                timed_by: (measured.timed_by != CycleClock::RobotProgram)
+                    .then(|| measured.timed_by.name()),
             },
             departure_s: comparison.departure_s,
             arrival_s: comparison.arrival_s,
@@ -181,6 +215,7 @@ impl ComparisonReport {
             stops: comparison.stops.iter().map(StopTimeRow::from).collect(),
             joint_deviation: (&comparison.joints_rad).into(),
             tcp_deviation: (&comparison.tcp_m).into(),
+            torque_difference: comparison.torques.as_ref().map(TorqueRow::from),
             samples: comparison.samples,
             rate_hz: 1.0 / comparison.step_s,
             noise_rad: comparison.noise_rad,
@@ -267,11 +302,10 @@ impl ComparisonReport {
             cycle.standing_s
         );
         if let Some(stated_s) = cycle.stated_s {
-            let step_ms = 1e3 / self.rate_hz;
-            let _ = writeln!(
-                text,
-                "            {stated_s:.3} s by the robot program's clock, in cycles of {step_ms:.0} ms"
-            );
+            let timed_by = cycle.timed_by.and_then(CycleClock::from_name).unwrap_or_default();
+            let plan_s = [cycle.simulated_s, cycle.standing_s];
+            let stated = stated_time(stated_s, timed_by, Some(1.0 / self.rate_hz), plan_s);
+            let _ = writeln!(text, "            {stated}");
         }
         let (joints, tcp) = (&self.joint_deviation, &self.tcp_deviation);
         let _ = writeln!(
@@ -295,6 +329,18 @@ impl ComparisonReport {
             1e3 * tcp.measured_m[1],
             1e3 * tcp.measured_m[2],
         );
+        if let Some(torques) = &self.torque_difference {
+            let list = |nm: &[f64; 7]| nm.map(|nm| format!("{:.2}", rounded(nm, 2))).join(" ");
+            let turned = if torques.turned { ", which have the sign of plans already" } else { "" };
+            let _ = writeln!(
+                text,
+                "Torques     A1 to A7 off the plan's by {} Nm rms, at most {} Nm, of {} Nm at most, in {} samples{turned}",
+                list(&torques.rms_nm),
+                list(&torques.max_nm),
+                list(&torques.planned_peak_nm),
+                torques.samples
+            );
+        }
         let _ = writeln!(
             text,
             "Recording   {} samples in motion from {:.3} s to {:.3} s, {:.0} Hz, noise {:.1e} rad",

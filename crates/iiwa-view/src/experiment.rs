@@ -1,4 +1,4 @@
-//! The thesis's experiments, done again, and one about paths of the TCP: their programs, and reports on what was
+//! The thesis's experiments, done again, one about paths of the TCP, and one about loads: their programs, and reports on what was
 //! recorded.
 
 mod bench;
@@ -9,6 +9,7 @@ mod evaluation;
 mod kappa_plots;
 mod kind;
 mod limits;
+mod load;
 mod other_robot;
 mod preface;
 mod settle;

@@ -1,17 +1,19 @@
-//! Gates of a plan: how long it may take, how near the arm may come to obstacles.
+//! Gates of a plan: how long it may take, how near the arm may come to obstacles, what its joints may exert.
 
-use iiwa_log::{ClearanceRecord, PlanFigures, SelfClearanceRecord};
+use iiwa_log::{ClearanceRecord, LargestTorque, PlanFigures, SelfClearanceRecord};
 use iiwa_scene::part_name;
 
 use crate::printable;
 
-/// What a plan may take at most, and how near the arm may come to obstacles.
+/// What a plan may take at most, how near the arm may come to obstacles, and what its joints may exert.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanGates {
     /// Longest cycle time, in s.
     pub max_cycle_time_s: Option<f64>,
     /// Smallest clearance, in mm. An arm that touches an obstacle or itself does not meet any.
     pub min_clearance_mm: Option<f64>,
+    /// Largest torque of any joint, behind its gear, in per cent of the robot's limit.
+    pub max_torque_percent: Option<f64>,
 }
 
 /// Which gates a plan does not meet, and how.
@@ -21,6 +23,8 @@ pub struct UnmetGates {
     pub too_long: Option<String>,
     /// How the arm comes too near to an obstacle, or touches itself.
     pub too_near: Option<String>,
+    /// How a joint exerts too much.
+    pub overloaded: Option<String>,
 }
 
 impl PlanGates {
@@ -36,7 +40,15 @@ impl PlanGates {
             let scene = figures.clearance.as_ref().and_then(|it| too_near(limit_mm, it));
             scene.or_else(|| figures.self_clearance.as_ref().and_then(touches_itself))
         });
-        UnmetGates { too_long, too_near }
+        let overloaded = self.max_torque_percent.and_then(|limit| {
+            let LargestTorque { motion, joint, percent, at_s, .. } = figures.largest_torque()?;
+            (percent > limit).then(|| {
+                format!(
+                    "needs {percent:.1} % of {joint}'s torque, more than {limit} %: motion {motion} at {at_s:.3} s"
+                )
+            })
+        });
+        UnmetGates { too_long, too_near, overloaded }
     }
 }
 
@@ -44,10 +56,10 @@ impl UnmetGates {
     /// All that is not met, if anything.
     #[must_use]
     pub fn complaint(&self) -> Option<String> {
-        match (&self.too_long, &self.too_near) {
-            (Some(long), Some(near)) => Some(format!("{long}, and {near}")),
-            (long, near) => long.as_ref().or(near.as_ref()).cloned(),
-        }
+        let Self { too_long, too_near, overloaded } = self;
+        let unmet: Vec<&str> =
+            [too_long, too_near, overloaded].into_iter().flatten().map(String::as_str).collect();
+        (!unmet.is_empty()).then(|| unmet.join(", and "))
     }
 }
 

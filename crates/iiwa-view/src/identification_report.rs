@@ -2,6 +2,7 @@
 
 mod figure;
 mod tcp_figures;
+mod torque_figures;
 
 use std::{fmt::Write as _, path::Path};
 
@@ -18,6 +19,7 @@ use crate::{printable, table::table};
 use self::{
     figure::{EQUAL_SHARE, Figure, KappaFigure, blends},
     tcp_figures::TcpFigures,
+    torque_figures::TorqueFigures,
 };
 
 /// What was identified from recordings of a robot. As JSON, this is the object of `iiwasim identify --json`.
@@ -35,6 +37,8 @@ pub struct IdentificationReport {
     unequal_share: Option<Figure>,
     /// Of paths of the TCP; null if there are none.
     tcp: Option<TcpFigures>,
+    /// Load and friction; null if no recording has torques.
+    torques: Option<TorqueFigures>,
     lines: Vec<LineRow>,
     blends: Vec<BlendRow>,
     /// What the recordings lack, and what was not used.
@@ -130,6 +134,8 @@ impl IdentificationReport {
         let left_out = found.left_out.iter().map(|left| {
             format!("{}, motion {}: {}", recordings[left.recording].0, left.motion, left.why)
         });
+        let unused = found.unused_torques.iter();
+        let unused = unused.map(|(recording, why)| format!("{}: {why}", recordings[*recording].0));
         Self {
             robot: robot.to_owned(),
             recordings: recordings.iter().map(|(name, _)| (*name).to_owned()).collect(),
@@ -143,9 +149,10 @@ impl IdentificationReport {
             kappa: found.kappa.as_ref().map(|kappa| KappaFigure::new(kappa, found.blends.len())),
             unequal_share: found.unequal_share.map(Figure::from),
             tcp: TcpFigures::of(found),
+            torques: found.torques.as_ref().map(TorqueFigures::new),
             lines: found.lines.iter().map(LineRow::from).collect(),
             blends: found.blends.iter().map(BlendRow::from).collect(),
-            losses: lost.chain(left_out).collect(),
+            losses: lost.chain(left_out).chain(unused).collect(),
             output: output.map(|file| file.display().to_string()),
         }
     }
@@ -158,6 +165,7 @@ impl IdentificationReport {
             && self.settle.is_none()
             && self.blends.is_empty()
             && self.tcp.is_none()
+            && self.torques.is_none()
     }
 
     /// The first of what the recordings lack.
@@ -225,6 +233,9 @@ impl IdentificationReport {
         }
         if let Some(tcp) = &self.tcp {
             tcp.write(&mut text);
+        }
+        if let Some(torques) = &self.torques {
+            torques.write(&mut text);
         }
         for loss in self.losses.iter().take(SHOWN) {
             let _ = writeln!(text, "Note: {}", printable(loss));

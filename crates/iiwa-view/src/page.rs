@@ -4,13 +4,9 @@
 //! with a place for each part, as `/*arm.js*/`, `<!--title-->` and `<!--data-->`.
 
 mod arm_source;
-mod look;
-mod packed;
 mod poses;
 
 pub use arm_source::ArmSource;
-pub(crate) use look::Look;
-pub(crate) use packed::Packed;
 pub(crate) use poses::Poses;
 
 use serde::Serialize;

@@ -3,16 +3,17 @@
 use std::{fmt::Write as _, path::Path};
 
 use iiwa_eval::{Plan, compare};
-use iiwa_log::JointLog;
+use iiwa_log::{CycleClock, JointLog};
 use serde::Serialize;
 
-use crate::signed::signed;
+use crate::{signed::signed, stated_time::stated_time};
 
 /// How a run went beside its plan. As JSON, this is the object of `iiwasim run --json`.
 ///
 /// The measured cycle time is that of `iiwasim compare` and of the report: from departure to arrival as the joint
 /// positions tell, plus the plan's standing at the start and the end. It is finer than the cycle in which the robot
-/// program counts. Where the positions do not tell (an arm that does not move), the robot program's time is taken.
+/// program counts. Where the positions do not tell (an arm that does not move), the robot program's time is taken, or that
+/// of the commanded positions with the plan's standing.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunReport {
     planned_cycle_time_s: f64,
@@ -21,6 +22,12 @@ pub struct RunReport {
     error_percent: Option<f64>,
     /// As the robot program counts it, in whole cycles.
     robot_program_cycle_time_s: Option<f64>,
+    /// From the first to the last change of the commanded positions, if the robot program told no times.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    commanded_cycle_time_s: Option<f64>,
+    /// For how long the plan stands at its start and end, which is not part of that.
+    #[serde(skip)]
+    standing_s: f64,
     /// The usual time between two samples.
     sample_step_s: Option<f64>,
     /// When a run that broke off did so.
@@ -36,6 +43,7 @@ impl RunReport {
     pub fn new(plan: &Plan, measured: &JointLog, complete: bool, file: Option<&Path>) -> Self {
         let planned_s = plan.cycle_time_s();
         let stated_s = measured.cycle_time_s;
+        let complete_s = |by| stated_s.filter(|_| complete && measured.timed_by == by);
         let measured_s = complete.then(|| measured_cycle_time_s(plan, measured)).flatten();
         // As Eq. 40 of the thesis has it: of the measured time.
         let error_s = measured_s.map(|measured_s| planned_s - measured_s);
@@ -46,7 +54,9 @@ impl RunReport {
             error_percent: error_s
                 .zip(measured_s)
                 .map(|(error, measured)| 100.0 * error / measured),
-            robot_program_cycle_time_s: stated_s.filter(|_| complete),
+            robot_program_cycle_time_s: complete_s(CycleClock::RobotProgram),
+            commanded_cycle_time_s: complete_s(CycleClock::CommandedPosition),
+            standing_s: plan.standing_s(),
             sample_step_s: measured.period_s(),
             ended_after_s: stated_s.filter(|_| !complete),
             samples: measured.t_s.len(),
@@ -70,11 +80,15 @@ impl RunReport {
                 signed(percent, 2)
             );
         }
-        if let Some(stated_s) = self.robot_program_cycle_time_s {
-            let step = self.sample_step_s.map_or_else(String::new, |step_s| {
-                format!(", in cycles of {:.0} ms", 1e3 * step_s)
-            });
-            let _ = writeln!(text, "           {stated_s:.3} s by the robot program's clock{step}");
+        let stated = [
+            (self.robot_program_cycle_time_s, CycleClock::RobotProgram),
+            (self.commanded_cycle_time_s, CycleClock::CommandedPosition),
+        ];
+        for (stated_s, timed_by) in stated {
+            let Some(stated_s) = stated_s else { continue };
+            let plan_s = [planned_s, self.standing_s];
+            let stated = stated_time(stated_s, timed_by, self.sample_step_s, plan_s);
+            let _ = writeln!(text, "           {stated}");
         }
         if let Some(after_s) = self.ended_after_s {
             let _ = writeln!(text, "Ended after {after_s:.3} s of {planned_s:.3} s");
@@ -88,8 +102,11 @@ impl RunReport {
 
 /// The cycle time of a run, in s, see [`RunReport`].
 fn measured_cycle_time_s(plan: &Plan, measured: &JointLog) -> Option<f64> {
-    compare(plan, measured)
-        .map(|comparison| comparison.cycle_time.real_s)
-        .ok()
-        .or(measured.cycle_time_s)
+    compare(plan, measured).map(|comparison| comparison.cycle_time.real_s).ok().or_else(|| {
+        let stands_s = match measured.timed_by {
+            CycleClock::CommandedPosition => plan.standing_s(),
+            _ => 0.0,
+        };
+        Some(measured.cycle_time_s? + stands_s)
+    })
 }

@@ -6,7 +6,7 @@ pub(crate) fn rounded(value: f64, digits: i32) -> f64 {
     (value * scale).round() / scale + 0.0
 }
 
-/// A number with its sign, but for 0.
+/// A number with its sign; zero has none.
 pub(crate) fn signed(value: f64, digits: u8) -> String {
     let precision = usize::from(digits);
     match rounded(value, i32::from(digits)) {

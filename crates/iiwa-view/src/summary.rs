@@ -21,17 +21,29 @@ pub struct SummaryRow {
     pub too_long: bool,
     /// Whether it comes nearer to an obstacle than it may.
     pub too_near: bool,
+    /// Whether a joint exerts more than it may.
+    pub overloaded: bool,
 }
 
 impl SummaryRow {
-    fn result(&self) -> &'static str {
-        match (&self.times, self.too_long, self.too_near) {
-            (None, ..) => "failed",
-            (Some(_), true, true) => "too long, too near",
-            (Some(_), true, false) => "too long",
-            (Some(_), false, true) => "too near",
-            (Some(_), false, false) => "planned",
+    /// Of a program that was not planned.
+    #[must_use]
+    pub fn failed(program: String) -> Self {
+        let [too_long, too_near, overloaded] = [false; 3];
+        Self { program, times: None, too_long, too_near, overloaded }
+    }
+
+    fn result(&self) -> String {
+        if self.times.is_none() {
+            return "failed".to_owned();
         }
+        let unmet = [
+            (self.too_long, "too long"),
+            (self.too_near, "too near"),
+            (self.overloaded, "overloaded"),
+        ];
+        let unmet: Vec<_> = unmet.into_iter().filter_map(|(is, what)| is.then_some(what)).collect();
+        if unmet.is_empty() { "planned".to_owned() } else { unmet.join(", ") }
     }
 }
 
@@ -44,6 +56,7 @@ pub struct PlannedTimes {
     standing_s: f64,
     limited_by: Option<String>,
     clearance_mm: Option<f64>,
+    torque_percent: Option<f64>,
     assumptions: Vec<String>,
 }
 
@@ -56,6 +69,7 @@ impl From<&PlanFigures> for PlannedTimes {
             standing_s: figures.settle_time_s + figures.wait_time_s,
             limited_by: longest_limit(figures),
             clearance_mm: figures.clearance.as_ref().map(|nearest| nearest.distance_mm),
+            torque_percent: figures.largest_torque().map(|largest| largest.percent),
             assumptions: figures
                 .assumptions
                 .iter()
@@ -117,6 +131,12 @@ impl Summary {
         if let (Some(limit), 1..) = (gates.min_clearance_mm, too_near) {
             unmet.push(format!("{too_near} of {count} programs with a clearance below {limit} mm"));
         }
+        let overloaded = self.rows.iter().filter(|row| row.overloaded).count();
+        if let (Some(limit), 1..) = (gates.max_torque_percent, overloaded) {
+            unmet.push(format!(
+                "{overloaded} of {count} programs over {limit} % of a joint's torque"
+            ));
+        }
         (!unmet.is_empty()).then(|| unmet.join(", "))
     }
 
@@ -133,8 +153,15 @@ impl Summary {
     /// A row for each program, and the totals.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut head =
-            vec!["program", "motions", "cycle time s", "motion s", "standing s", "limited by"];
+        let mut head = vec![
+            "program",
+            "motions",
+            "cycle time s",
+            "motion s",
+            "standing s",
+            "limited by",
+            "torque %",
+        ];
         let clearances = self.times().any(|times| times.clearance_mm.is_some());
         if clearances {
             head.push("clearance mm");
@@ -150,6 +177,7 @@ impl Summary {
                     format!("{:.3}", times.motion_s),
                     format!("{:.3}", times.standing_s),
                     times.limited_by.clone().unwrap_or_default(),
+                    times.torque_percent.map(|of| format!("{of:.0}")).unwrap_or_default(),
                 ]
             });
             cells.extend(figures.unwrap_or_default());
@@ -157,7 +185,7 @@ impl Summary {
                 let clearance_mm = row.times.as_ref().and_then(|times| times.clearance_mm);
                 cells.push(clearance_mm.map(|mm| format!("{mm:.1}")).unwrap_or_default());
             }
-            cells.push(row.result().to_owned());
+            cells.push(row.result());
             table.add_row(cells.into_iter().map(Cell::new));
         }
         let mut text = format!("{}\n\n", table.trim_fmt());

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use iiwa_log::{
-    ClearanceRecord, LimitRecord, LimitShareRecord, MotionRecord, PlanFigures, SelfClearanceRecord,
+    ClearanceRecord, EnergyRecord, LateBlendRecord, LimitRecord, LimitShareRecord, MotionRecord,
+    PlanFigures, PowerRecord, SelfClearanceRecord,
 };
 use iiwa_scene::part_name;
 
@@ -30,6 +31,12 @@ pub fn table(head: &[&str]) -> Table {
             "value",
             "type",
             "limited by",
+            "source",
+            "question",
+            "answer",
+            "option",
+            "application",
+            "line",
             "limited by, % of its time",
             "robot",
             "quantity",
@@ -78,10 +85,14 @@ pub fn plan_table(figures: &PlanFigures) -> String {
     if has_tcp {
         head.push("TCP mm/s");
     }
+    let has_source = figures.motions.iter().any(|motion| motion.source.is_some());
+    if has_source {
+        head.push("source");
+    }
     head.push("limited by, % of its time");
     let mut table = table(&head);
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
-    shortened(&mut table, &figures.motions, |table, row| add(table, row, has_tcp));
+    shortened(&mut table, &figures.motions, |table, row| add(table, row, has_tcp, has_source));
     let mut text = format!("{}\n\n", table.trim_fmt());
     let PlanFigures { cycle_time_s, motion_time_s, settle_time_s, wait_time_s, .. } = figures;
     let _ = writeln!(
@@ -89,16 +100,26 @@ pub fn plan_table(figures: &PlanFigures) -> String {
         "Cycle time {cycle_time_s:.3} s = {motion_time_s:.3} s motion + {settle_time_s:.3} s settling \
          + {wait_time_s:.3} s waiting"
     );
-    let _ = writeln!(
-        text,
-        "{}, limits of {}",
-        figures.robot,
-        match &*figures.timing {
-            "acceleration" => "velocity and acceleration",
-            "jerk" => "velocity, acceleration and jerk",
-            other => other,
-        }
-    );
+    shortened_lines(&mut text, &figures.blends_too_late, late_blend);
+    let mut limits = vec!["velocity", "acceleration"];
+    limits.extend((figures.timing == "jerk").then_some("jerk"));
+    let torque = figures.limit_torque_percent.map(|percent| format!("torque ({percent} %)"));
+    limits.extend(torque.as_deref());
+    let last = limits.pop().unwrap_or_default();
+    let _ = writeln!(text, "{}, limits of {} and {last}", figures.robot, limits.join(", "));
+    if let Some(largest) = figures.largest_torque() {
+        let _ = writeln!(text, "Torque at most {largest}");
+    }
+    if let (Some(EnergyRecord { positive, negative }), Some(power)) =
+        (&figures.energy_j, &figures.power)
+    {
+        let [done, back] = [positive, negative].map(|work| work.iter().sum::<f64>().abs());
+        let PowerRecord { peak_w, at_s } = power;
+        let _ = writeln!(
+            text,
+            "Joints, link side: {done:.1} J of work, {back:.1} J back, at most {peak_w:.0} W at {at_s:.3} s"
+        );
+    }
     if let Some(nearest) = &figures.clearance {
         let _ = writeln!(text, "{}", clearance(nearest));
     }
@@ -109,6 +130,26 @@ pub fn plan_table(figures: &PlanFigures) -> String {
         let _ = writeln!(text, "Assumed, not from a source: {assumption}");
     }
     text
+}
+
+/// Adds a line for each of some things; of many, for the first ones.
+fn shortened_lines<T>(text: &mut String, all: &[T], line: impl Fn(&T) -> String) {
+    /// Lines at most.
+    const NAMED: usize = 10;
+    for one in all.iter().take(NAMED) {
+        let _ = writeln!(text, "{}", line(one));
+    }
+    if all.len() > NAMED {
+        let _ = writeln!(text, "and {} more in the JSON output", all.len() - NAMED);
+    }
+}
+
+/// What kept the arm from going on through a blend.
+fn late_blend(late: &LateBlendRecord) -> String {
+    let LateBlendRecord { after_motion, known_s, needed_s } = late;
+    format!(
+        "Blend after motion {after_motion} too late: what follows is known at {known_s:.3} s, needed by {needed_s:.3} s"
+    )
 }
 
 /// How near the arm comes to what.
@@ -147,8 +188,8 @@ fn limits(first: &LimitRecord, all: &[LimitShareRecord]) -> String {
     if shown.is_empty() { first.to_string() } else { shown.join(", ") }
 }
 
-/// A row; with the TCP's top speed if any motion has one.
-fn add(table: &mut Table, row: &MotionRecord, has_tcp: bool) {
+/// A row; with the TCP's top speed and with what the motion was made from if any motion has one.
+fn add(table: &mut Table, row: &MotionRecord, has_tcp: bool, has_source: bool) {
     let limit = row.limited_by.as_ref();
     let limited_by = limit.map(|limit| limits(limit, &row.limits));
     let speed = limit.map(|_| format!("{:.1}", 100.0 * row.peak_velocity_rel));
@@ -164,6 +205,12 @@ fn add(table: &mut Table, row: &MotionRecord, has_tcp: bool) {
         cells.push(Cell::new(
             tcp.map(|tcp| format!("{:.1}", tcp.tcp_speed_peak_mm_s)).unwrap_or_default(),
         ));
+    }
+    if has_source {
+        // Without the folders, which would take the width of the table.
+        let short = |source: String| source.rsplit('/').next().unwrap_or_default().to_owned();
+        let source = row.source.as_ref().map(|source| printable(&short(source.to_string())));
+        cells.push(Cell::new(source.unwrap_or_default()));
     }
     cells.push(Cell::new(limited_by.unwrap_or_default()));
     table.add_row(cells);

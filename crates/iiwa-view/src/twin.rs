@@ -1,22 +1,24 @@
 //! The page that follows a robot: its markup, its style and its scripts, but not its server.
 
 use iiwa_kin::{Joints, Robot};
+use iiwa_look::Look;
 use iiwa_scene::{ArmMeshes, Scene};
 use serde::Serialize;
 
 use crate::{
     ViewError,
-    page::{self, Look, Part},
+    page::{self, Part},
 };
 
 /// Parts of this page alone.
-const PARTS: [Part; 8] = [
+const PARTS: [Part; 9] = [
     ("/*twin.css*/", include_str!("twin/twin.css")),
     ("/*plot.js*/", include_str!("page/plot.js")),
     ("/*link.js*/", include_str!("twin/link.js")),
     ("/*live.js*/", include_str!("twin/live.js")),
     ("/*positions.js*/", include_str!("twin/positions.js")),
     ("/*programs.js*/", include_str!("twin/programs.js")),
+    ("/*torque.js*/", include_str!("twin/torque.js")),
     ("/*history.js*/", include_str!("twin/history.js")),
     ("/*main.js*/", include_str!("twin/main.js")),
 ];
@@ -46,6 +48,7 @@ pub struct TwinRobot<'a> {
     look: Look,
     lower_rad: Joints,
     upper_rad: Joints,
+    torque_nm: Joints,
 }
 
 impl<'a> TwinRobot<'a> {
@@ -58,6 +61,7 @@ impl<'a> TwinRobot<'a> {
             look: meshes.map_or_else(|| Look::own(robot), Look::of_meshes),
             lower_rad: robot.limits().lower_rad,
             upper_rad: robot.limits().upper_rad,
+            torque_nm: robot.limits().torque_nm,
         }
     }
 }

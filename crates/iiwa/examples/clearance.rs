@@ -30,6 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         start: Start::Joints([-0.8, 0.6, 0.0, -1.2, 0.0, 1.0, 0.0]),
         motions: vec![Motion::Ptp(Ptp::to([0.8, 0.6, 0.0, -1.2, 0.0, 1.0, 0.0]))],
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let trajectory = Trajectory::plan(&JointPath::new(&program, &robot)?, Timing::default())?;
     if let Some(nearest) = arm.clearance_of(&trajectory) {

@@ -12,16 +12,21 @@ use iiwa::link::message::{DriveState, Presence};
 use iiwa::link::{Client, Remote, Server};
 use iiwa::prelude::*;
 
-/// A free port of the loopback interface.
-fn free() -> std::io::Result<SocketAddr> {
-    let tcp = TcpListener::bind("127.0.0.1:0")?;
-    UdpSocket::bind(tcp.local_addr()?)?.local_addr()
+/// Free ports of the loopback interface: they are held until all are found, so that none is found twice.
+fn free<const COUNT: usize>() -> std::io::Result<[SocketAddr; COUNT]> {
+    let mut held = Vec::new();
+    let mut found = [SocketAddr::from(([127, 0, 0, 1], 0)); COUNT];
+    for address in &mut found {
+        let tcp = TcpListener::bind(*address)?;
+        *address = UdpSocket::bind(tcp.local_addr()?)?.local_addr()?;
+        held.push(tcp);
+    }
+    Ok(found)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let [requests, stream, instructions, state] =
-        [free()?, free()?, free()?, free()?].map(|address| format!("tcp://{address}"));
-    let fri = free()?;
+    let [fri, tcp @ ..] = free::<5>()?;
+    let [requests, stream, instructions, state] = tcp.map(|address| format!("tcp://{address}"));
 
     // The drive first: it has to listen when the cabinet begins to speak.
     let mut drive_config = DriveConfig::default();
@@ -61,6 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         start: Start::Joints(here),
         motions: motions.clone(),
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let path = JointPath::new(&program, &Robot::default())?;
     let planned_s = Trajectory::plan(&path, Timing::default())?.cycle_time_s();

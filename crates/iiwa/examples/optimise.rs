@@ -16,6 +16,7 @@ fn by_way_of(shoulder_rad: f64, elbow_rad: f64) -> Program {
             Motion::Ptp(Ptp::to([-0.8, 0.6, 0.0, -1.2, 0.0, 0.7, 0.0])),
         ],
         workcell: Workcell::default(),
+        sources: Sources::default(),
     }
 }
 

@@ -24,6 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         start: Start::Joints(start_rad),
         motions,
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let robot = Robot::lbr_iiwa_7_r800();
     let mut plan = Replanner::new(program, &robot, PathOptions::default(), JerkOptions::default())?;

@@ -14,6 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         start: Start::Joints([0.0; 7]),
         motions: vec![Motion::Ptp(Ptp::to([0.3, 0.5, 0.0, -1.0, 0.0, 0.8, 0.0]))],
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let path = JointPath::new(&program, &robot)?;
     let trajectory = Trajectory::plan(&path, Timing::default())?;

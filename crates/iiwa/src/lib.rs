@@ -24,7 +24,7 @@
 //! | `profile`, `urdf` (default) | in [`kin`] | robot profiles in JSON; robots as URDF |
 //! | `plan` (default) | `json`, `program`, `path`, `solver`, `traj` | motion programs, paths, time-optimal trajectories |
 //! | `scene` | `scene` | obstacles and clearances |
-//! | `sunrise` | `sunrise` | frames and tools of Sunrise projects |
+//! | `sunrise` | `sunrise`, `application` | Sunrise projects: frames and tools, applications as programs, programs as projects |
 //! | `log` | `log` | trajectories and recordings as MCAP files, trajectories as tables in CSV and Parquet too |
 //! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
 //! | `fri` | `fri` | KUKA's Fast Robot Interface |
@@ -37,6 +37,8 @@
 //!
 //! Units are SI and radians unless a name ends in another one.
 
+#[cfg(feature = "sunrise")]
+pub use iiwa_application as application;
 #[cfg(feature = "cabinet")]
 pub use iiwa_cabinet as cabinet;
 #[cfg(feature = "drive")]
@@ -52,6 +54,8 @@ pub use iiwa_kin as kin;
 pub use iiwa_link as link;
 #[cfg(feature = "log")]
 pub use iiwa_log as log;
+#[cfg(feature = "view")]
+pub use iiwa_look as look;
 #[cfg(feature = "plan")]
 pub use iiwa_path as path;
 #[cfg(feature = "plan")]

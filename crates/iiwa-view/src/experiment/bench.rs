@@ -1,7 +1,7 @@
 //! What an experiment is done with, and what was recorded.
 
 use iiwa_eval::experiment::Trial;
-use iiwa_kin::Robot;
+use iiwa_kin::{Load, Robot};
 use iiwa_log::JointLog;
 
 /// What an experiment is done with.
@@ -11,6 +11,8 @@ pub struct Bench {
     pub model: Robot,
     /// Seed of random programs.
     pub seed: u64,
+    /// The load of the experiment with one.
+    pub load: Load,
     /// How many poses, points or paths, if fewer than the thesis has.
     pub count: Option<usize>,
     /// What ran the programs, in words: `on a virtual robot`.

@@ -8,7 +8,7 @@ use super::{
     bench::{Bench, TrialRun},
     blends,
     chapter::Chapter,
-    cycle_time, limits, settle, tcp_blends, zone_velocity,
+    cycle_time, limits, load, settle, tcp_blends, zone_velocity,
 };
 
 /// Share of full speed at which section 4.2 is run; the thesis does not state its own. The path does not
@@ -30,10 +30,12 @@ pub enum ExperimentKind {
     CycleTime,
     /// Blends of paths of the TCP: not in the thesis.
     TcpBlends,
+    /// Whether the planner knows the load: not in the thesis, and not among [`ALL`](Self::ALL), since people have to mount it.
+    Load,
 }
 
 impl ExperimentKind {
-    /// All experiments, in the order of the report.
+    /// All experiments that need nobody, in the order of the report.
     pub const ALL: [Self; 6] = [
         Self::Limits,
         Self::Blends,
@@ -61,7 +63,27 @@ impl ExperimentKind {
             Self::Settle => vec![experiment::settle(model, count(200), *seed)],
             Self::CycleTime => cycle_time::trials(bench, count(5)),
             Self::TcpBlends => vec![experiment::tcp_blends(&TcpSeries::ALL)],
+            Self::Load => experiment::load(&bench.load).into(),
         }
+    }
+
+    /// Whether the thesis has it.
+    #[must_use]
+    pub fn is_of_thesis(self) -> bool {
+        !matches!(self, Self::TcpBlends | Self::Load)
+    }
+
+    /// What people have to do at the flange before a program runs, in words.
+    #[must_use]
+    pub fn to_mount(self, trial: &Trial) -> Option<String> {
+        let load = trial.program.loads().first().copied().flatten();
+        (self == Self::Load).then(|| match load {
+            None => "Take all off the flange, and have no load configured".to_owned(),
+            Some(load) => format!(
+                "Mount {} kg with its centre at {:?} mm of the flange",
+                load.mass_kg, load.center_mm
+            ),
+        })
     }
 
     /// Sample rate of a virtual robot in Hz: high enough to show the phases of constant jerk.
@@ -84,6 +106,7 @@ impl ExperimentKind {
             Self::Settle => settle::chapter(bench, runs),
             Self::CycleTime => cycle_time::chapter(bench, runs),
             Self::TcpBlends => tcp_blends::chapter(bench, runs),
+            Self::Load => load::chapter(bench, runs),
         }
     }
 }

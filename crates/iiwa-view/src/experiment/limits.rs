@@ -7,7 +7,7 @@ use iiwa_eval::{
     local_cubic,
 };
 use iiwa_kin::Joint;
-use iiwa_program::{Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 use crate::{
@@ -154,6 +154,7 @@ fn figure(bench: &Bench, run: &TrialRun, line: &LineObservation) -> Result<Strin
         start: Start::Joints(line.from_rad),
         motions: vec![Motion::Ptp(Ptp::to(line.to_rad))],
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let trial = Trial { name: run.trial.name.clone(), program };
     let planned: Trajectory = planned(&bench.model, &trial, Timing::default())?;

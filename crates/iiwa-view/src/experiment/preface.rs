@@ -61,10 +61,12 @@ pub fn preface(
     bench: &Bench,
     virtual_arm: Option<(&VirtualArm, Option<&str>)>,
 ) -> String {
-    let thesis_only = !kinds.contains(&ExperimentKind::TcpBlends);
-    let has_thesis = kinds.iter().any(|kind| *kind != ExperimentKind::TcpBlends);
+    let thesis_only = kinds.iter().all(|kind| kind.is_of_thesis());
+    let has_thesis = kinds.iter().any(|kind| kind.is_of_thesis());
     let title = if has_thesis {
         "The experiments of the thesis, repeated"
+    } else if kinds.contains(&ExperimentKind::Load) {
+        "An experiment with a load"
     } else {
         "An experiment with paths of the TCP"
     };

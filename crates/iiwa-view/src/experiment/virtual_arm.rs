@@ -1,10 +1,14 @@
 //! A virtual robot that runs the programs of an experiment.
 
-use iiwa_eval::{VirtualRobot, experiment::Trial};
+use iiwa_eval::{LoadPlanning, VirtualRobot, experiment::Trial};
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
+use iiwa_program::Motion;
 
 use crate::ViewError;
+
+/// Standard deviation of torques, in Nm, of programs with a load.
+const TORQUE_NOISE_NM: f64 = 0.1;
 
 /// A robot inside the process, sampled with noise.
 #[derive(Clone, Debug)]
@@ -17,6 +21,8 @@ pub struct VirtualArm {
     pub rate_hz: f64,
     /// Seed of the noise.
     pub seed: u64,
+    /// What it makes of loads.
+    pub load_planning: LoadPlanning,
 }
 
 impl VirtualArm {
@@ -32,7 +38,10 @@ impl VirtualArm {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         });
         let mut robot = VirtualRobot::new(self.robot.clone(), seed);
-        robot.noise_rad = self.noise_rad;
+        (robot.noise_rad, robot.load_planning) = (self.noise_rad, self.load_planning);
+        // What it is to be seen with a load, torques show as well.
+        let with_load = matches!(trial.program.motions.first(), Some(Motion::Load(_)));
+        robot.torque_noise_nm = with_load.then_some(TORQUE_NOISE_NM);
         robot.period_s = self.rate_hz.recip();
         robot
             .run(&trial.program)

@@ -13,6 +13,13 @@ function unpackPoses({ count, t_s, q_rad }) {
   return { count, t_s: new Float64Array(unpack(t_s)), q_rad: new Float32Array(unpack(q_rad)) };
 }
 
+/** A curve as it came: times in s, and each value's lowest and highest one from there on. */
+function unpackCurve(curve) {
+  const low = new Float32Array(unpack(curve.low));
+  const high = curve.high === undefined ? low : new Float32Array(unpack(curve.high));
+  return { ...curve, t_s: new Float64Array(unpack(curve.t_s)), low, high };
+}
+
 /** How many of `times`, which increase, are at most `t`. */
 function countUpTo(times, t) {
   let from = 0;

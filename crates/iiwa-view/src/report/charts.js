@@ -5,6 +5,7 @@ const QUANTITIES = [
   { key: "velocity", title: "Velocity", unit: "deg/s", limit: "velocity_rad_s" },
   { key: "acceleration", title: "Acceleration", unit: "deg/s\u00b2", limit: "acceleration_rad_s2" },
   { key: "jerk", title: "Jerk", unit: "deg/s\u00b3", limit: "jerk_rad_s3" },
+  { key: "torque", title: "Torque, link side", unit: "Nm", limit: "torque_nm", factor: 1 },
 ];
 
 /** From when to when motions have limits of their own: shares of the robot's, one a joint. */
@@ -25,11 +26,13 @@ for (const quantity of QUANTITIES) quantity.own = ownLimits(quantity.key);
 /** What of a quantity is drawn, in per cent of the limits: more would flatten all else. */
 const MOST_PERCENT = 300;
 
-/** What takes a joint's value of a quantity to what is shown: in per cent of its limits, whose middle is 0, or in degrees. */
+/** What takes a joint's value of a quantity to what is shown: in per cent of its limits, whose middle is 0, or in degrees
+    or Nm. */
 function shownScale(quantity, percent) {
   const upper = report.robot[quantity.limit];
   const lower = quantity.key === "position" ? report.robot.lower_rad : upper.map((limit) => -limit);
-  const scale = (j) => (percent ? 200 / (upper[j] - lower[j]) : DEG);
+  const { factor = DEG } = quantity;
+  const scale = (j) => (percent ? 200 / (upper[j] - lower[j]) : factor);
   const offset = (j) => (percent ? (-100 * (upper[j] + lower[j])) / (upper[j] - lower[j]) : 0);
   return {
     scale,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::page::Packed;
+use iiwa_look::Packed;
 
 /// Columns of a curve at most: more than any screen has, so that there is something to zoom into.
 const COLUMNS: usize = 8000;

@@ -3,20 +3,14 @@
 const report = JSON.parse(document.getElementById("data").textContent);
 const { robot } = report;
 
-function unpackCurve(curve) {
-  curve.t_s = new Float64Array(unpack(curve.t_s));
-  curve.low = new Float32Array(unpack(curve.low));
-  curve.high = curve.high === undefined ? curve.low : new Float32Array(unpack(curve.high));
-}
-
 for (const arm of report.arms) {
   arm.poses = unpackPoses(arm.poses);
-  for (const name of ["position", "velocity", "acceleration", "jerk"]) unpackCurve(arm[name]);
-  if (arm.speed) unpackCurve(arm.speed);
-  if (arm.clearance) unpackCurve(arm.clearance.distance);
-  if (arm.self_clearance) unpackCurve(arm.self_clearance.distance);
+  for (const name of ["position", "velocity", "acceleration", "jerk", "torque"]) arm[name] = unpackCurve(arm[name]);
+  if (arm.speed) arm.speed = unpackCurve(arm.speed);
+  for (const it of [arm.clearance, arm.self_clearance]) if (it) it.distance = unpackCurve(it.distance);
 }
-for (const name of ["tcp_mm", "joints_mrad"]) if (report.compared) unpackCurve(report.compared[name]);
+const { compared } = report;
+for (const name of ["tcp_mm", "joints_mrad"]) if (compared) compared[name] = unpackCurve(compared[name]);
 
 const startS = Math.min(...report.arms.map((arm) => arm.start_s));
 const endS = Math.max(...report.arms.map((arm) => arm.end_s), startS + 1e-3);

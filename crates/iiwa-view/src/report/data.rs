@@ -8,6 +8,7 @@ use std::{
 use iiwa_eval::{Comparison, Plan, TracePoint};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{Loss, PlanPiece};
+use iiwa_look::Look;
 use iiwa_program::{Blend, LimitKind, Motion, Program};
 use iiwa_scene::{ArmInScene, ArmMeshes, Scene};
 use serde::Serialize;
@@ -15,7 +16,7 @@ use serde_json::Value;
 
 use crate::{
     ComparisonReport, ViewError,
-    page::{self, ArmSource, Look, Part, Poses},
+    page::{self, ArmSource, Part, Poses},
     with_causes,
 };
 
@@ -23,7 +24,8 @@ use super::{
     attached,
     clearance::{Clearances, OfPose},
     curve::{Curve, Samples},
-    measured::Measured,
+    curves::Curves,
+    measured::{self, Measured},
     planned::Planned,
     source::{Role, Source},
     tool::Workcell,
@@ -79,6 +81,7 @@ struct Model {
     velocity_rad_s: Joints,
     acceleration_rad_s2: Joints,
     jerk_rad_s3: Joints,
+    torque_nm: Joints,
     assumptions: Vec<String>,
 }
 
@@ -94,6 +97,8 @@ struct Arm {
     poses: Poses,
     #[serde(flatten)]
     curves: Option<Curves>,
+    /// What the joints exert, in Nm; without columns if the file does not tell.
+    torque: Curve,
     /// In m/s: of the flange, and, if there is a tool, of the TCP.
     #[serde(skip_serializing_if = "Option::is_none")]
     speed: Option<Curve>,
@@ -103,17 +108,6 @@ struct Arm {
     /// Of the arm from itself, in a scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     self_clearance: Option<Clearances>,
-}
-
-/// The curves of an arm's joints.
-#[derive(Debug, Serialize)]
-struct Curves {
-    position: Curve,
-    velocity: Curve,
-    acceleration: Curve,
-    jerk: Curve,
-    /// The source of velocity, acceleration and jerk, as text.
-    method: String,
 }
 
 /// How much of a page is made. Curves take more memory than all the rest.
@@ -171,6 +165,7 @@ struct Outline<'a> {
     start_s: &'a f64,
     end_s: &'a f64,
     poses: &'a Poses,
+    torque: &'a Curve,
 }
 
 /// A target that is blended away.
@@ -318,7 +313,12 @@ impl Page {
             arms: self
                 .arms
                 .iter()
-                .map(|Arm { start_s, end_s, poses, .. }| Outline { start_s, end_s, poses })
+                .map(|Arm { start_s, end_s, poses, torque, .. }| Outline {
+                    start_s,
+                    end_s,
+                    poses,
+                    torque,
+                })
                 .collect(),
             pieces: &self.pieces,
             corners: &self.corners,
@@ -423,7 +423,7 @@ fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
         let share = |kind| match motion {
             Motion::Ptp(ptp) => Some(*ptp.share(kind)),
             Motion::Cartesian(own) => Some(own.shares[kind]),
-            Motion::Wait { .. } => None,
+            Motion::Wait { .. } | Motion::Load(_) => None,
         };
         let [velocity, acceleration, jerk] = LimitKind::ALL.map(share);
         let [velocity, acceleration, jerk] = [velocity?, acceleration?, jerk?];
@@ -458,10 +458,12 @@ fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Ve
                 let (_, pose) = program.workcell.target(target, own.base.as_deref()).ok()?;
                 (pose.position_m, own.blend?.cart_mm)
             }
-            Motion::Wait { .. } => return None,
+            Motion::Wait { .. } | Motion::Load(_) => return None,
         };
         // A blend belongs to the motion that it leads into.
-        blended.contains(&(index + 2)).then(|| Corner {
+        let waits =
+            program.motions[index + 1..].iter().take_while(|next| next.is_overlapping_wait());
+        blended.contains(&(index + 2 + waits.count())).then(|| Corner {
             motion: index + 1,
             target_m,
             radius_m: radius_mm.map(|radius_mm| 1e-3 * radius_mm),
@@ -525,42 +527,11 @@ impl Making<'_> {
             rate_hz: log.period_s().map(f64::recip),
             poses,
             curves,
+            torque: Curve::new(&measured::torques(log), shift_s),
             speed,
             clearance,
             self_clearance,
         }
-    }
-}
-
-impl Curves {
-    fn of_plan(planned: Planned, smooth: bool, shift_s: f64) -> Self {
-        let Planned { position, velocity, acceleration, jerk } = planned;
-        let method = if smooth {
-            "from the nodes of the trajectory; jerk is the mean from node to node"
-        } else {
-            "from the nodes of the trajectory; planned without limits of jerk: acceleration jumps"
-        };
-        Self::of([position, velocity, acceleration, jerk], method.to_owned(), shift_s)
-    }
-
-    fn of_recording(measured: Measured, shift_s: f64) -> Self {
-        let Measured { position, velocity, acceleration, jerk, half_s } = measured;
-        let window_ms = 2e3 * half_s;
-        let method = if velocity.rows.is_empty() {
-            format!("shorter than {window_ms:.0} ms, too short for velocity, acceleration and jerk")
-        } else {
-            format!(
-                "velocity, acceleration and jerk are those of the best cubic over \
-                 {window_ms:.0} ms: shorter peaks are lower here than they were"
-            )
-        };
-        Self::of([position, velocity, acceleration, jerk], method, shift_s)
-    }
-
-    fn of(samples: [Samples; 4], method: String, shift_s: f64) -> Self {
-        let [position, velocity, acceleration, jerk] =
-            samples.map(|samples| Curve::new(&samples, shift_s));
-        Self { position, velocity, acceleration, jerk, method }
     }
 }
 
@@ -581,6 +552,7 @@ impl Model {
             velocity_rad_s: limits.velocity_rad_s,
             acceleration_rad_s2: limits.acceleration_rad_s2,
             jerk_rad_s3: limits.jerk_rad_s3,
+            torque_nm: limits.torque_nm,
             assumptions: robot
                 .assumptions()
                 .iter()

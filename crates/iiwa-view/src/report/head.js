@@ -1,5 +1,13 @@
 // What is above the arm, and what its colours and those of the curves mean.
 
+/** The torque of some motions that is the largest share of its limit. */
+function largestTorque(motions) {
+  const all = motions.flatMap(({ index, torque }) =>
+    (torque?.peak_percent || []).map((percent, j) => ({ motion: index, joint: j + 1, percent, nm: torque.peak_nm[j] })),
+  );
+  return all.reduce((most, next) => (next.percent > most.percent ? next : most), all[0] || { percent: Number.NaN });
+}
+
 function writeHead() {
   const { figures } = report;
   const seconds = (value) => `${number(value, 3)} s`;
@@ -18,6 +26,14 @@ function writeHead() {
     figure(list, "in motion", seconds(figures.motion_time_s));
     figure(list, "settling", seconds(figures.settle_time_s));
     figure(list, "waiting", seconds(figures.wait_time_s));
+  }
+  if (report.figures.energy_j) {
+    const { energy_j: energy, power } = report.figures;
+    const { joint, percent, motion } = largestTorque(report.figures.motions);
+    const sum = (work) => number(Math.abs(work.reduce((a, b) => a + b, 0)), 0);
+    figure(list, `largest torque: A${joint} in motion ${motion}`, `${number(percent, 0)} %`);
+    figure(list, "work of the joints, and back", `${sum(energy.positive)} J, ${sum(energy.negative)} J`);
+    figure(list, `peak power, at ${number(power.at_s, 3)} s`, `${number(power.peak_w, 0)} W`);
   }
   const cycle = report.compared?.report.cycle_time;
   if (cycle) {
@@ -95,4 +111,5 @@ function writeLegends() {
   const bands = [["beyond", "beyond the robot's limits"]];
   if (Object.keys(report.shares).length) bands.push(["own", "beyond the motion's own limits, if narrower"]);
   legend($("bands"), bands);
+  $("torques").hidden = report.arms.every((arm) => !arm.torque.columns);
 }

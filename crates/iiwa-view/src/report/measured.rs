@@ -33,7 +33,7 @@ impl Measured {
         let gaps = gaps(log);
         let half_s = HALF_S.max(HALF_SAMPLES * log.period_s().unwrap_or(0.0));
         let mut measured = Self {
-            position: positions(log, &gaps),
+            position: with_gaps(&log.t_s, log.q_rad.iter().copied(), &gaps),
             velocity: Samples::default(),
             acceleration: Samples::default(),
             jerk: Samples::default(),
@@ -98,12 +98,18 @@ fn gaps(log: &JointLog) -> Vec<(f64, f64)> {
     log.losses.iter().filter_map(gap).collect()
 }
 
+/// What the joints of a plan or a recording exert, in Nm, as far as the file has it.
+pub(crate) fn torques(log: &JointLog) -> Samples {
+    let known = |torque_nm: Option<Joints>| torque_nm.unwrap_or([f64::NAN; 7]);
+    with_gaps(&log.t_s, log.exerted_nm().map(known), &gaps(log))
+}
+
 /// The samples, and in each gap one that is not a number.
-fn positions(log: &JointLog, gaps: &[(f64, f64)]) -> Samples {
+fn with_gaps(t_s: &[f64], rows: impl Iterator<Item = Joints>, gaps: &[(f64, f64)]) -> Samples {
     let mut samples = Samples::default();
     let mut gaps = gaps.iter().peekable();
-    for (t_s, q) in log.t_s.iter().zip(&log.q_rad) {
-        samples.push(*t_s, *q);
+    for (t_s, row) in t_s.iter().zip(rows) {
+        samples.push(*t_s, row);
         if let Some((from_s, to_s)) = gaps.next_if(|(from_s, _)| from_s <= t_s) {
             samples.push(f64::midpoint(*from_s, *to_s), [f64::NAN; 7]);
         }

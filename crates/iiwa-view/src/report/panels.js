@@ -95,7 +95,7 @@ function pairAt({ pairs }, t) {
   return pairs[Math.max(countUpTo(starts, t) - 1, 0)];
 }
 
-/** The distance of the arm from obstacles or from itself; what is told of pairs is of the last arm. */
+/** Adds a chart of the clearance or the self-clearance; its pairs are those of the last arm. */
 function addClearance(key, title, label) {
   const arms = report.arms.filter((arm) => arm[key]);
   if (!arms.length) return;

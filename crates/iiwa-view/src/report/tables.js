@@ -10,10 +10,10 @@ function writeNowTable() {
     range.append(mark);
     const wide = element("td", "", "wide");
     wide.append(range);
-    const [position, velocity] = [element("td"), element("td")];
-    row.append(element("td", `A${j + 1}`), position, velocity, wide);
+    const [position, velocity, torque] = [element("td"), element("td"), element("td")];
+    row.append(element("td", `A${j + 1}`), position, velocity, torque, wide);
     $("joints").append(row);
-    cells.joints.push({ position, velocity, mark });
+    cells.joints.push({ position, velocity, torque, mark });
   }
   for (const arm of report.arms) {
     const row = element("tr");
@@ -31,9 +31,10 @@ function writeNow() {
   $("scrub").setAttribute("aria-valuetext", `${number(t, 3)} s`);
   const arm = second || first;
   const q = jointsAt(arm, t);
-  cells.joints.forEach(({ position, velocity, mark }, j) => {
+  cells.joints.forEach(({ position, velocity, torque, mark }, j) => {
     position.textContent = number(q[j] * DEG, 2);
     velocity.textContent = arm.velocity.columns ? number(valueAt(arm.velocity, t, j) * DEG, 1) : "";
+    torque.textContent = arm.torque.columns ? number(readingAt(arm.torque, t, j, 7), 1) : "";
     const { lower_rad: lower, upper_rad: upper } = report.robot;
     mark.style.left = `${(100 * (q[j] - lower[j])) / (upper[j] - lower[j])}%`;
   });
@@ -53,7 +54,7 @@ function writeNow() {
     wait: "waiting",
   };
   $("piece").textContent = piece
-    ? `Motion ${piece.motion}, ${words[piece.kind] || piece.kind}${piece.limit ? `; limited by the ${piece.limit.replace("_", " ")}${piece.joint ? ` of A${piece.joint}` : ""}` : ""}`
+    ? `Motion ${piece.motion}${sourceOf(piece.motion)}, ${words[piece.kind] || piece.kind}${piece.limit ? `; limited by the ${piece.limit.replace("_", " ")}${piece.joint ? ` of A${piece.joint}` : ""}` : ""}`
     : "";
   const near = report.arms.filter((arm) => arm.clearance).at(-1)?.clearance;
   if (near) {
@@ -66,6 +67,15 @@ function writeNow() {
 }
 
 // ---- the table of motions
+
+let sources = null;
+
+/** What a motion was made from, in parentheses, if that is known. */
+function sourceOf(motion) {
+  sources ??= new Map(motionRows().flatMap(({ index, source }) => (source ? [[index, source]] : [])));
+  const source = sources.get(motion);
+  return source ? ` (${source.file}:${source.line})` : "";
+}
 
 /** A limit of a joint, or of the TCP. */
 function limitName(joint, kind) {
@@ -98,9 +108,14 @@ function writeMotions() {
   const names = ["motion", "type", "start s", "end s", "duration s", "top speed %"];
   const hasTcp = rows.some((row) => row.tcp_speed_peak_mm_s !== undefined);
   if (hasTcp) names.push("TCP mm/s", "nearest singularity");
+  const hasTorque = rows.some((row) => row.torque);
+  if (hasTorque) names.push("top torque");
   if (measured) names.push("real s", "error s", "error %");
+  const hasSource = rows.some((row) => row.source);
+  if (hasSource) names.push("source");
   names.push("limited by");
-  for (const name of names) head.append(element("th", name, name === "type" || name === "limited by" ? "word" : ""));
+  for (const name of names)
+    head.append(element("th", name, ["type", "source", "limited by"].includes(name) ? "word" : ""));
   const headed = element("thead");
   headed.append(head);
   const body = element("tbody");
@@ -121,6 +136,10 @@ function writeMotions() {
       add(speed === undefined ? "" : number(speed, 1));
       add(singularity ? `${number(singularity.least, 3)} ${singularity.axis}` : "");
     }
+    if (hasTorque) {
+      const { joint, percent, nm } = largestTorque([motion]);
+      add(motion.torque ? `A${joint} ${number(percent, 0)} %, ${number(nm, 1)} Nm` : "");
+    }
     if (measured) {
       const real = measured.get(motion.index) || {};
       const or = (value, decimals) => (typeof value === "number" ? number(value, decimals) : "?");
@@ -128,6 +147,7 @@ function writeMotions() {
       add(or(real.error_s, 4));
       add(or(real.error_percent, 2));
     }
+    if (hasSource) add(motion.source ? `${motion.source.file}:${motion.source.line}` : "", "word");
     const shares = (motion.limits || [])
       .filter(({ share }) => share >= 0.005)
       .slice(0, 4)

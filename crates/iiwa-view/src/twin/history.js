@@ -1,12 +1,17 @@
-// The joints and the speed of the flange or the TCP over the last seconds.
+// The joints, the speed of the flange or the TCP and the torques over the last seconds.
+
+/** Numbers of an instant: seven joints in rad, the speed in m/s, seven torques as measured and seven of the plan, in Nm. */
+const NUMBERS = 22;
+const SPEED = 7;
+const MEASURED = 8;
+const PLANNED = 15;
 
 const history_ = {
   /** How far back the plots go, in s. */
   span: 30,
   count: 0,
   t_s: new Float64Array(16_000),
-  /** Seven joints in rad, and the speed in m/s. */
-  rows: new Float32Array(8 * 16_000),
+  rows: new Float32Array(NUMBERS * 16_000),
   places: [],
 };
 
@@ -14,7 +19,7 @@ const history_ = {
 const tipOf = () => desk.plan?.sketch.workcell.tcps[0]?.offset_m || null;
 
 /** Notes where the arm is; a drive that starts again has other times. */
-function remember({ t_s: t, joints_rad: q }) {
+function remember({ t_s: t, joints_rad: q, torque_nm: torques }) {
   /** Speeds are those over at least so long, in s: shorter ones are noise. */
   const OVER_S = 0.045;
   const past = history_;
@@ -27,7 +32,7 @@ function remember({ t_s: t, joints_rad: q }) {
     // What is older than two minutes goes.
     const kept = (3 * limit) / 4;
     past.t_s.copyWithin(0, limit - kept);
-    past.rows.copyWithin(0, 8 * (limit - kept));
+    past.rows.copyWithin(0, NUMBERS * (limit - kept));
     past.count = kept;
   }
   const tip = tipOf();
@@ -40,13 +45,17 @@ function remember({ t_s: t, joints_rad: q }) {
   const isKnown = t - from >= OVER_S && t - from < 0.5;
   const i = past.count;
   past.t_s[i] = t;
-  past.rows.set(q, 8 * i);
-  past.rows[8 * i + 7] = isKnown ? Math.hypot(...places.at(-1).at.map((v, k) => v - at[k])) / (t - from) : Number.NaN;
+  past.rows.set(q, NUMBERS * i);
+  past.rows.set(torques || Array(7).fill(Number.NaN), NUMBERS * i + MEASURED);
+  past.rows.set(plannedTorques(t, q), NUMBERS * i + PLANNED);
+  past.rows[NUMBERS * i + SPEED] = isKnown
+    ? Math.hypot(...places.at(-1).at.map((v, k) => v - at[k])) / (t - from)
+    : Number.NaN;
   past.count += 1;
 }
 
 /** The speed now, in m/s; not a number where it is unknown. */
-const speedNow = () => (history_.count ? history_.rows[8 * (history_.count - 1) + 7] : Number.NaN);
+const speedNow = () => (history_.count ? history_.rows[NUMBERS * (history_.count - 1) + SPEED] : Number.NaN);
 
 /** Draws the last seconds; the newest is at 0. */
 function drawHistory() {
@@ -54,13 +63,17 @@ function drawHistory() {
   const newest = past.count ? past.t_s[past.count - 1] : 0;
   const first = countUpTo(past.t_s.subarray(0, past.count), newest - past.span);
   const t_s = past.t_s.subarray(first, past.count).map((t) => t - newest);
-  const rows = past.rows.subarray(8 * first, 8 * past.count);
+  const rows = past.rows.subarray(NUMBERS * first, NUMBERS * past.count);
   const colours = theme().flat;
   const window_ = { from: -past.span, to: 0 };
-  const curve = (at, colour, factor) => ({ t_s, low: rows, high: rows, of: 8, at, colour, factor });
+  const curve = (at, colour, factor) => ({ t_s, low: rows, high: rows, of: NUMBERS, at, colour, factor });
   const joints = Array.from({ length: 7 }, (_, j) => curve(j, `a${j + 1}`, DEG));
   drawCurves($("history-joints"), joints, window_, colours, { fromZero: false, least: 1, withTimes: false });
-  drawCurves($("history-speed"), [curve(7, "accent", 1000)], window_, colours, { least: 10 });
+  drawCurves($("history-speed"), [curve(SPEED, "accent", 1000)], window_, colours, { least: 10, withTimes: false });
+  const shares = (at, under) =>
+    robot.torque_nm.map((limit, j) => ({ ...curve(at + j, `a${j + 1}`, 100 / limit), under }));
+  const torques = [...shares(PLANNED, true), ...shares(MEASURED, false)];
+  drawCurves($("history-torque"), torques, window_, colours, { fromZero: false, least: 10 });
 }
 
 /** Whether the plots are on the screen: others are not drawn. */

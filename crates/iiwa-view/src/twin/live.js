@@ -98,17 +98,19 @@ function writeNearest() {
 }
 
 function writeHealth() {
-  const { status, sensors, io } = live.health;
+  const { status, caution, sensors, io } = live.health;
   $("state").replaceChildren();
   const known = (value) => (value === undefined || value === null ? "\u2013" : String(value).replaceAll("_", " "));
   const fri = status ? status.fri : {};
-  figure($("state"), "robot", fri.safety_stop ? `${known(status.state)}, safety stop` : known(status?.state));
+  const stopped = fri.safety_stop || status?.conditions?.safety_stop;
+  figure($("state"), "robot", stopped ? `${known(status.state)}, safety stop` : known(status?.state));
   figure($("state"), "FRI session", known(fri.session));
   figure($("state"), "FRI quality", known(fri.quality));
   figure($("state"), "messages lost, late", status ? `${fri.lost}, ${fri.late}` : "\u2013");
   figure($("state"), "robot program", known(status?.robot_program));
+  if (caution) figure($("state"), "note", caution);
   jointCells.forEach(({ temperature, torque }, j) => {
-    temperature.textContent = sensors ? number(sensors.joint_temperature_c[j], 1) : "";
+    temperature.textContent = sensors?.joint_temperature_c ? number(sensors.joint_temperature_c[j], 1) : "";
     torque.textContent = sensors ? number(sensors.external_torque_nm[j], 1) : "";
   });
   document.body.classList.toggle("simulated", Boolean(status?.simulated));

@@ -3,7 +3,8 @@
 const desk = { positions: [], plan: null, run: null };
 
 /** A plan's or a run's arms, as they are drawn. */
-const unpackArms = (sketch) => sketch.arms.map((arm) => ({ ...arm, poses: unpackPoses(arm.poses) }));
+const unpackArms = (sketch) =>
+  sketch.arms.map((arm) => ({ ...arm, poses: unpackPoses(arm.poses), torque: unpackCurve(arm.torque) }));
 
 link.takes.plan = (plan) => {
   const isNew = plan && (!desk.plan || desk.plan.id !== plan.id);
@@ -22,6 +23,7 @@ link.takes.plan = (plan) => {
 link.takes.run = (run) => {
   const began = run && run.phase === "running";
   desk.run = run && { ...run, arms: run.sketch ? unpackArms(run.sketch) : null };
+  watchRun(began);
   writeRun();
   fillScene();
   if (began || (!canReplay() && shown.mode === "replay")) show("live");

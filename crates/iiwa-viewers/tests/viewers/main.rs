@@ -14,7 +14,7 @@ use std::{
 use iiwa_kin::{Joints, Robot, RosNames, RosStack};
 use iiwa_link::message::{DriveState, FriStatus, IoValue, Presence, Sensors, Status};
 use iiwa_log::{Arm, Encoder, Frame, Topic};
-use iiwasim_tests::ports::free_address;
+use iiwasim_tests::{ports::free_address, starts};
 use serde_json::{Value, json};
 
 use iiwa_viewers::Viewers;
@@ -207,7 +207,7 @@ fn json_messages_fit_their_schemas() {
     let viewers = listen();
     let mut viewer = subscriber(&viewers, &["/drive_state", "/sensors", "/inputs_outputs"]);
     let start = at(Duration::ZERO);
-    let sensors = Sensors::new([31.5; 7], JOINTS);
+    let sensors = Sensors::new(Some([31.5; 7]), JOINTS);
     let values = [
         ("gripper_closed", IoValue::Boolean(true)),
         ("count", IoValue::Digital(7)),
@@ -271,6 +271,7 @@ fn the_end_does_not_wait_for_a_viewer_that_does_not_read() {
     let started = Instant::now();
     drop(viewers);
     assert!(started.elapsed() < Duration::from_secs(5), "{:?}", started.elapsed());
+    starts::await_all();
     drop(Viewers::listen(&Robot::default(), &RosNames::default(), address).unwrap());
 }
 
@@ -281,6 +282,7 @@ fn the_end_disconnects_viewers_and_frees_the_port() {
     let mut viewer = subscriber(&viewers, &ARM_TOPICS);
     drop(viewers);
     assert!(viewer.next().is_none());
+    starts::await_all();
     drop(TcpListener::bind(address).unwrap());
 }
 

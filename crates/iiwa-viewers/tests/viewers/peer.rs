@@ -11,6 +11,7 @@ use std::{
 };
 
 use iiwa_link::message::IoValue;
+use iiwasim_tests::starts;
 use serde_json::{Value, json};
 
 use super::{JOINTS, listen, status};
@@ -25,14 +26,14 @@ fn a_client_in_python_reads_everything() {
     viewers.drive_state(SystemTime::now(), &status());
     viewers.inputs_outputs(SystemTime::now(), &[("gripper_closed", IoValue::Boolean(true))]);
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/foxglove/check.py");
-    let mut client = Command::new(python)
+    let mut command = Command::new(python);
+    command
         .arg("-B")
         .arg(script)
         .arg(format!("ws://{}", viewers.address()))
         .arg("--json")
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
+        .stdout(Stdio::piped());
+    let mut client = starts::start(&mut command).unwrap();
 
     // The arm turns about all axes at once: each joint is where this one joint is, but for an offset.
     let started = Instant::now();

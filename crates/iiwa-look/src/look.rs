@@ -1,23 +1,20 @@
 //! What the arm looks like on pages: triangles of each link, packed.
 
-mod shells;
-mod skin;
-mod surface;
-#[cfg(test)]
-mod tests;
-mod thinned;
-
 use iiwa_kin::Robot;
 use iiwa_scene::{ArmMeshes, Patch};
 use serde::Serialize;
 
-use super::Packed;
-use skin::{Paint, Skin};
-use thinned::Soup;
+use crate::{
+    packed::Packed,
+    shells,
+    skin::{Paint, Skin},
+    surface,
+    thinned::Soup,
+};
 
 /// What the arm looks like, link by link, each in its link's frame.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct Look {
+pub struct Look {
     links: Vec<Vec<PackedSurface>>,
     /// Whether what is inside cannot be seen.
     is_closed: bool,
@@ -45,12 +42,14 @@ struct PackedSurface {
 
 impl Look {
     /// The shells of our own.
-    pub(crate) fn own(robot: &Robot) -> Self {
+    #[must_use]
+    pub fn own(robot: &Robot) -> Self {
         Self::packed(&shells::shells(robot), true)
     }
 
     /// The meshes of a user.
-    pub(crate) fn of_meshes(meshes: &ArmMeshes) -> Self {
+    #[must_use]
+    pub fn of_meshes(meshes: &ArmMeshes) -> Self {
         let links = meshes.visual.iter().map(|patches| painted(patches));
         let (places, soups): (Vec<_>, Vec<_>) = links
             .enumerate()

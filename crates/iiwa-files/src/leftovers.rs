@@ -1,0 +1,118 @@
+//! Temporary files left behind by a killed process, told apart by their locks from those in use.
+//!
+//! Temporary files and folders are locked as long as their process lives; the system releases the lock
+//! however it ends. A file with such a name that is not locked is left over.
+
+use std::{
+    collections::HashSet,
+    fs::{self, File},
+    io,
+    path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
+};
+
+/// Naming of temporary files or folders.
+#[derive(Clone, Copy, Debug)]
+pub struct Name {
+    /// How all of them begin.
+    pub prefix: &'static str,
+    /// How all of them end.
+    pub suffix: &'static str,
+    /// Whether they are folders.
+    pub is_folder: bool,
+}
+
+impl Name {
+    /// Makes one with `make`, which stays as long as the lock is open. Leftovers of the same naming in the
+    /// folder are removed.
+    ///
+    /// Another process may remove it as a leftover before it is locked: then it is made again.
+    ///
+    /// # Errors
+    ///
+    /// That of `make`.
+    pub fn make<T>(
+        self,
+        folder: &Path,
+        mut make: impl FnMut(&mut tempfile::Builder<'_, '_>) -> io::Result<T>,
+        path: impl Fn(&T) -> &Path,
+    ) -> io::Result<(T, Option<File>)> {
+        self.clear(folder);
+        loop {
+            let made = make(tempfile::Builder::new().prefix(self.prefix).suffix(self.suffix))?;
+            // On file systems without locks, leftovers stay.
+            let lock = File::open(path(&made)).and_then(|file| file.lock().map(|()| file)).ok();
+            if path(&made).symlink_metadata().is_ok() {
+                return Ok((made, lock));
+            }
+        }
+    }
+
+    /// Removes the leftovers in a folder, once for each folder.
+    fn clear(self, folder: &Path) {
+        static CLEARED: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
+        {
+            let mut cleared = CLEARED.lock().unwrap_or_else(PoisonError::into_inner);
+            if !cleared.get_or_insert_default().insert(folder.join(self.prefix)) {
+                return;
+            }
+        }
+        // What cannot be read or removed stays, which does no harm.
+        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            if name.starts_with(self.prefix) && name.ends_with(self.suffix) {
+                self.remove_unless_used(&entry.path());
+            }
+        }
+    }
+
+    fn remove_unless_used(self, path: &Path) {
+        let is_mine = path
+            .symlink_metadata()
+            .is_ok_and(|kind| if self.is_folder { kind.is_dir() } else { kind.is_file() });
+        if !is_mine {
+            return;
+        }
+        let Ok(file) = File::open(path) else { return };
+        if file.try_lock().is_ok() {
+            let _ = if self.is_folder { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NAME: Name = Name { prefix: ".part-of-a-test-", suffix: ".part", is_folder: false };
+
+    #[test]
+    fn what_is_in_use_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let (used, left, other) =
+            (at(".part-of-a-test-1.part"), at(".part-of-a-test-2.part"), at("part.part"));
+        for path in [&used, &left, &other] {
+            fs::write(path, "text").unwrap();
+        }
+        fs::create_dir(at(".part-of-a-test-3.part")).unwrap();
+        let lock = File::open(&used).unwrap();
+        lock.lock().unwrap();
+        let make = || {
+            let make = |name: &mut tempfile::Builder<'_, '_>| name.tempfile_in(folder.path());
+            NAME.make(folder.path(), make, tempfile::NamedTempFile::path).unwrap()
+        };
+        let (made, held) = make();
+        assert!(!left.exists() && used.exists() && other.exists());
+        assert!(at(".part-of-a-test-3.part").exists());
+        // The next process, as it were.
+        drop(lock);
+        NAME.remove_unless_used(made.path());
+        NAME.remove_unless_used(&used);
+        assert!(made.path().exists() && !used.exists());
+        drop(held);
+        NAME.remove_unless_used(made.path());
+        assert!(!made.path().exists());
+    }
+}

@@ -1,0 +1,192 @@
+//! Output files, which appear whole or not at all.
+
+use std::{
+    error::Error,
+    fs::File,
+    io::{self, BufWriter, Seek, SeekFrom, Write},
+    path::{Path, PathBuf},
+};
+
+use tempfile::NamedTempFile;
+
+use crate::{interrupt, leftovers::Name};
+
+/// Why a file could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The file could not be made, written or put in its place.
+    #[error("cannot write {}", path.display())]
+    Write {
+        /// Where it was to be.
+        path: PathBuf,
+        /// Why.
+        source: Box<dyn Error + Send + Sync>,
+    },
+    /// An interrupt came.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl OutputError {
+    pub(crate) fn new(path: &Path, source: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
+        Self::Write { path: path.to_owned(), source: source.into() }
+    }
+}
+
+/// A file under construction, beside the one that it will replace.
+#[derive(Debug)]
+pub struct Output {
+    path: PathBuf,
+    file: NamedTempFile,
+    /// While it is open, no other process removes the file as a leftover.
+    _lock: Option<File>,
+}
+
+/// Files under construction.
+const PART: Name = Name { prefix: ".iiwasim-", suffix: ".part", is_folder: false };
+
+impl Output {
+    /// Starts a file that will be at `path`.
+    ///
+    /// # Errors
+    ///
+    /// [`OutputError::Write`] if there is no such folder, if a folder or a device is at `path`, or if no file can be made.
+    pub fn new(path: &Path) -> Result<Self, OutputError> {
+        let refuse = |error: io::Error| OutputError::new(path, error);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        if !folder.as_os_str().is_empty() && !folder.exists() {
+            let what = format!("there is no folder {}", folder.display());
+            return Err(refuse(io::Error::other(what)));
+        }
+        // Of a symbolic link, the target is replaced.
+        let real = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        match real.metadata() {
+            Ok(kind) if kind.is_dir() => {
+                return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
+            }
+            Ok(kind) if !kind.is_file() => {
+                return Err(refuse(io::Error::other("it is a device or a pipe, not a file")));
+            }
+            _ => {}
+        }
+        let folder = real.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new("."));
+        let make = |name: &mut tempfile::Builder<'_, '_>| {
+            #[cfg(unix)]
+            {
+                // Temporary files are private; this one will be an ordinary file.
+                use std::os::unix::fs::PermissionsExt;
+                name.permissions(std::fs::Permissions::from_mode(0o666));
+            }
+            name.tempfile_in(folder)
+        };
+        let (file, lock) = PART
+            .make(folder, make, NamedTempFile::path)
+            // Without the name of the temporary file.
+            .map_err(|error| refuse(io::Error::from(error.kind())))?;
+        Ok(Self { path: real, file, _lock: lock })
+    }
+
+    /// A stream for the content.
+    ///
+    /// # Errors
+    ///
+    /// [`OutputError`] if the process may not open another file.
+    pub fn stream(&self) -> Result<BufWriter<Stream>, OutputError> {
+        let file = self.file.as_file().try_clone().map_err(|error| self.failure(error))?;
+        Ok(BufWriter::new(Stream(file)))
+    }
+
+    /// Writes all of it.
+    ///
+    /// # Errors
+    ///
+    /// [`OutputError`], as of a full disk.
+    pub fn write(&self, content: &[u8]) -> Result<(), OutputError> {
+        self.file.as_file().write_all(content).map_err(|error| self.failure(error))
+    }
+
+    /// The failure to write it.
+    pub fn failure(&self, error: impl Into<Box<dyn Error + Send + Sync>>) -> OutputError {
+        // An interrupt makes writes fail.
+        if interrupt::has_come() {
+            return OutputError::Interrupted;
+        }
+        OutputError::new(&self.path, error)
+    }
+
+    /// Puts the file in its place, unless an interrupt has come.
+    ///
+    /// # Errors
+    ///
+    /// [`OutputError`] after an interrupt, and if the file cannot be put there.
+    pub fn complete(self) -> Result<(), OutputError> {
+        if interrupt::has_come() {
+            return Err(OutputError::Interrupted);
+        }
+        self.complete_always()
+    }
+
+    /// Puts the file in its place.
+    ///
+    /// # Errors
+    ///
+    /// [`OutputError::Write`] if it cannot be put there.
+    pub fn complete_always(self) -> Result<(), OutputError> {
+        let path = self.path;
+        self.file.persist(&path).map(drop).map_err(|error| OutputError::new(&path, error.error))
+    }
+}
+
+/// A file that can no longer be written after an interrupt.
+#[derive(Debug)]
+pub struct Stream(File);
+
+impl Write for Stream {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if interrupt::has_come() {
+            return Err(io::Error::other("interrupted"));
+        }
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+impl Seek for Stream {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.0.seek(to)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_appears_when_it_is_complete() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("plan.csv");
+        std::fs::write(&path, "before").unwrap();
+        let file = Output::new(&path).unwrap();
+        file.write(b"after").unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "before");
+        file.complete().unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "after");
+        drop(Output::new(&path).unwrap());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn errors_name_the_path_that_was_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("none/plan.csv");
+        for path in [folder.path(), &missing] {
+            let error = Output::new(path).unwrap_err();
+            assert_eq!(error.to_string(), format!("cannot write {}", path.display()));
+            assert!(error.source().is_some());
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! The joint positions of the arm, from the stream of the drive.
+
+use std::{
+    sync::Mutex,
+    thread,
+    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
+};
+
+use iiwa_files::interrupt;
+use iiwa_kin::Joints;
+use iiwa_link::{Lag, Published};
+use iiwa_view::NearestPlaces;
+use iiwa_viewers::Viewers;
+use serde::Serialize;
+
+use crate::{
+    Setup, TwinError,
+    message::{PageChannel, page_message},
+};
+
+/// Time between messages to pages, at least: less than a frame of a screen.
+const MESSAGE_INTERVAL: Duration = Duration::from_millis(10);
+
+/// How long to wait for the stream before the interrupt flag is checked.
+const POLL: Duration = Duration::from_millis(50);
+
+/// The latest joint positions, and when they were received.
+#[derive(Debug, Default)]
+pub(crate) struct LatestJoints(Mutex<Option<(Instant, Joints)>>);
+
+impl LatestJoints {
+    /// The joint positions; none if nothing was received for a second.
+    pub(crate) fn now(&self) -> Option<Joints> {
+        const FRESH: Duration = Duration::from_secs(1);
+        let newest = *self.0.lock().ok()?;
+        newest.filter(|(at, _)| at.elapsed() < FRESH).map(|(_, joints_rad)| joints_rad)
+    }
+
+    fn set(&self, at: Instant, joints_rad: Joints) {
+        if let Ok(mut newest) = self.0.lock() {
+            *newest = Some((at, joints_rad));
+        }
+    }
+}
+
+/// Joint positions as pages receive them.
+#[derive(Serialize)]
+struct LiveJoints {
+    /// Time stamp of the drive.
+    t_s: f64,
+    joints_rad: Joints,
+    /// What the joints exert, if it is measured: the controller gives it with the other sign.
+    torque_nm: Option<Joints>,
+    /// When they were received, in ms since 1970.
+    at_ms: f64,
+    /// Delay beyond that of the fastest recent message.
+    behind_ms: f64,
+    #[serde(flatten)]
+    nearest: NearestPlaces,
+}
+
+/// Publishes the stream of the drive until an interrupt; reconnects when it breaks off.
+pub(crate) fn follow(
+    setup: &Setup,
+    latest: &LatestJoints,
+    pages: &PageChannel,
+    viewers: Option<&Mutex<Viewers>>,
+) -> Result<(), TwinError> {
+    let mut lag = Lag::default();
+    let mut last_message = None::<Instant>;
+    let mut stream = None;
+    // They come before the positions of their time.
+    let mut torques = None;
+    while !interrupt::has_come() {
+        let Some(open) = &mut stream else {
+            stream = setup.stream().ok();
+            if stream.is_none() {
+                thread::sleep(POLL);
+            }
+            continue;
+        };
+        let mut newest = None;
+        let mut timeout = POLL;
+        // Of the queued messages, only the last one matters.
+        loop {
+            match open.next(timeout) {
+                Ok(Some(Published::Joints { t_s, joints_rad })) => newest = Some((t_s, joints_rad)),
+                Ok(Some(Published::Torques { t_s, measured_nm, .. })) => {
+                    torques = Some((t_s, measured_nm));
+                }
+                Ok(Some(_)) => {}
+                Ok(None) => break,
+                Err(_) => {
+                    // The thread that polls the state reports why.
+                    stream = None;
+                    thread::sleep(POLL);
+                    break;
+                }
+            }
+            timeout = Duration::ZERO;
+        }
+        let Some((t_s, joints_rad)) = newest else { continue };
+        let now = Instant::now();
+        latest.set(now, joints_rad);
+        let behind_ms = lag.behind_ms(now, t_s);
+        if last_message.is_some_and(|last| now - last < MESSAGE_INTERVAL) {
+            continue;
+        }
+        last_message = Some(now);
+        let clock = SystemTime::now();
+        if let Some(Ok(mut viewers)) = viewers.map(Mutex::lock) {
+            viewers.joints(clock, &joints_rad)?;
+        }
+        let since_1970 = clock.duration_since(UNIX_EPOCH).unwrap_or_default();
+        let at_ms = 1e3 * since_1970.as_secs_f64();
+        let nearest = setup.nearest(&joints_rad);
+        let of_now = torques.filter(|(at_s, _)| *at_s == t_s);
+        let torque_nm = of_now.map(|(_, measured_nm)| measured_nm.map(|it| -it));
+        let live = LiveJoints { t_s, joints_rad, torque_nm, at_ms, behind_ms, nearest };
+        pages.send_replace(page_message("live", &live));
+    }
+    Ok(())
+}

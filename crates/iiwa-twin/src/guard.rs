@@ -1,0 +1,212 @@
+//! Access control: requests of this machine only, with the token, and of no foreign page.
+//!
+//! Any program on this machine can connect to its ports, and any page in a browser can make the browser
+//! do so. The token keeps both out. The check of `Host` keeps out pages whose domain name was pointed at
+//! this machine after they were loaded (DNS rebinding); that of `Origin` those that have obtained the token.
+
+use std::{net::SocketAddr, sync::Arc};
+
+use axum::{
+    Extension,
+    extract::{Request, State},
+    http::{
+        HeaderMap, HeaderValue, Method, StatusCode, Uri,
+        header::{
+            CACHE_CONTROL, CONNECTION, HOST, ORIGIN, REFERRER_POLICY, UPGRADE,
+            X_CONTENT_TYPE_OPTIONS,
+        },
+        uri::Authority,
+    },
+    middleware::Next,
+    response::{IntoResponse, Response},
+};
+
+use crate::{
+    TwinError,
+    connections::{Connection, Full},
+};
+
+/// Path of the WebSocket.
+pub(crate) const LIVE: &str = "/live";
+
+/// The secret that the address of the page has to contain.
+#[derive(Clone, Debug)]
+pub(crate) struct Token(Arc<str>);
+
+impl Token {
+    /// A new one: 128 random bits of the system.
+    pub(crate) fn new() -> Result<Self, TwinError> {
+        let mut bytes = [0; 16];
+        getrandom::fill(&mut bytes).map_err(TwinError::Random)?;
+        Ok(Self(format!("{:032x}", u128::from_be_bytes(bytes)).into()))
+    }
+
+    pub(crate) fn text(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether the text is the token. The time this takes does not depend on how much of it matches.
+    fn is(&self, text: &str) -> bool {
+        let differ = |sum: u8, (a, b): (u8, u8)| sum | (a ^ b);
+        self.0.len() == text.len() && self.0.bytes().zip(text.bytes()).fold(0, differ) == 0
+    }
+}
+
+/// Passes on a request, or rejects it.
+pub(crate) async fn guard(
+    State(Admission { token, address }): State<Admission>,
+    Extension(connection): Extension<Connection>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let checked =
+        check(&token, connection.peer(), (request.method(), request.uri()), request.headers());
+    let mut response = match checked {
+        Ok(()) => match connection.verify(request.uri().path() == LIVE) {
+            Ok(()) => next.run(request).await,
+            Err(Full { most }) => {
+                let why = format!(
+                    "there are {most} connections, which is the most: close other pages of the twin\n"
+                );
+                (StatusCode::SERVICE_UNAVAILABLE, why).into_response()
+            }
+        },
+        Err(why) => {
+            let hint = match why {
+                Forbidden::Token => format!(": use the whole address {address}"),
+                _ => String::new(),
+            };
+            (StatusCode::FORBIDDEN, format!("{why}{hint}\n")).into_response()
+        }
+    };
+    // The content is confidential, and the address contains the token.
+    let headers = response.headers_mut();
+    headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
+    headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    if !headers.contains_key(UPGRADE) {
+        // A new connection on one machine is cheap, and an idle one would count.
+        headers.insert(CONNECTION, HeaderValue::from_static("close"));
+    }
+    response
+}
+
+/// What admits a request.
+#[derive(Clone, Debug)]
+pub(crate) struct Admission {
+    pub(crate) token: Token,
+    /// Where the whole address is found, with the token.
+    pub(crate) address: &'static str,
+}
+
+/// Why a request is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+enum Forbidden {
+    #[error("requests from other machines are not allowed")]
+    Machine,
+    #[error("the host has to be 127.0.0.1 or localhost")]
+    Host,
+    #[error("the token is missing or wrong")]
+    Token,
+    #[error("requests of a page of another origin are not allowed")]
+    Origin,
+    #[error("only the page itself may send this request")]
+    NotAPage,
+}
+
+fn check(
+    token: &Token,
+    peer: SocketAddr,
+    (method, uri): (&Method, &Uri),
+    headers: &HeaderMap,
+) -> Result<(), Forbidden> {
+    if !peer.ip().is_loopback() {
+        return Err(Forbidden::Machine);
+    }
+    let host = headers.get(HOST).and_then(|host| host.to_str().ok());
+    let host: Option<Authority> = host.and_then(|host| host.parse().ok());
+    let Some(host) = host.filter(|host| is_this_machine(host.host())) else {
+        return Err(Forbidden::Host);
+    };
+    let mut parts = uri.query().unwrap_or_default().split('&');
+    if !parts.any(|part| part.strip_prefix("token=").is_some_and(|text| token.is(text))) {
+        return Err(Forbidden::Token);
+    }
+    let is_own = |origin: &HeaderValue| {
+        let origin = origin.to_str().ok().and_then(|origin| origin.parse::<Uri>().ok());
+        origin.is_some_and(|origin| origin.authority() == Some(&host))
+    };
+    match headers.get(ORIGIN) {
+        Some(origin) if !is_own(origin) => Err(Forbidden::Origin),
+        None if uri.path() == LIVE || method != Method::GET => Err(Forbidden::NotAPage),
+        _ => Ok(()),
+    }
+}
+
+fn is_this_machine(name: &str) -> bool {
+    matches!(name, "127.0.0.1" | "localhost" | "[::1]")
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::http::HeaderName;
+
+    use super::*;
+
+    fn asked(
+        method: &Method,
+        uri: &str,
+        peer: &str,
+        headers: &[(HeaderName, &str)],
+    ) -> Result<(), Forbidden> {
+        let token = Token("0123".into());
+        let headers = headers.iter().map(|(name, value)| (name.clone(), value.parse().unwrap()));
+        let (peer, uri) = (peer.parse().unwrap(), uri.parse().unwrap());
+        check(&token, peer, (method, &uri), &headers.collect())
+    }
+
+    fn checked(uri: &str, peer: &str, headers: &[(HeaderName, &str)]) -> Result<(), Forbidden> {
+        asked(&Method::GET, uri, peer, headers)
+    }
+
+    #[test]
+    fn only_the_page_itself_gets_in() {
+        const ME: &str = "127.0.0.1:40000";
+        let host = (HOST, "127.0.0.1:5562");
+        let own = (ORIGIN, "http://127.0.0.1:5562");
+        assert_eq!(checked("/?token=0123", ME, std::slice::from_ref(&host)), Ok(()));
+        assert_eq!(checked("/live?a=b&token=0123", ME, &[host.clone(), own.clone()]), Ok(()));
+        assert_eq!(checked("/?token=0123", "[::1]:9", &[(HOST, "localhost:1")]), Ok(()));
+        let refused = |uri: &str, peer: &str, headers: &[(HeaderName, &str)]| {
+            checked(uri, peer, headers).unwrap_err();
+        };
+        for uri in ["/", "/?token=", "/?token=0124", "/?token=01234", "/?Token=0123", "/live"] {
+            refused(uri, ME, &[host.clone(), own.clone()]);
+        }
+        refused("/?token=0123", "192.168.1.7:40000", std::slice::from_ref(&host));
+        for name in ["evil.example", "127.0.0.1.evil.example", "192.168.1.7:5562", "", "a b"] {
+            refused("/?token=0123", ME, &[(HOST, name)]);
+        }
+        refused("/?token=0123", ME, &[]);
+        for origin in ["http://evil.example", "null", "http://127.0.0.1:1", "http://localhost:5562"]
+        {
+            refused("/live?token=0123", ME, &[host.clone(), (ORIGIN, origin)]);
+            refused("/?token=0123", ME, &[host.clone(), (ORIGIN, origin)]);
+        }
+        // WebSockets and uploads of a page have an origin.
+        refused("/live?token=0123", ME, std::slice::from_ref(&host));
+        let post =
+            |headers: &[(HeaderName, &str)]| asked(&Method::POST, "/p?token=0123", ME, headers);
+        assert_eq!(post(&[host.clone(), own]), Ok(()));
+        post(&[host.clone(), (ORIGIN, "http://evil.example")]).unwrap_err();
+        post(&[host]).unwrap_err();
+    }
+
+    #[test]
+    fn tokens_differ() {
+        let [a, b] = [Token::new().unwrap(), Token::new().unwrap()];
+        assert_ne!(a.text(), b.text());
+        assert_eq!(a.text().len(), 32);
+        assert!(a.is(a.text()) && !a.is(b.text()));
+    }
+}

@@ -1,0 +1,150 @@
+//! A planned program and its files.
+
+use std::{fs, path::PathBuf};
+
+use iiwa_files::Output;
+use iiwa_kin::Joints;
+use iiwa_log::{PlanConfig, PlanFigures, PlanOptions, PlanSize, write_plan};
+use iiwa_path::warnings;
+use iiwa_program::{MotionList, Program};
+use iiwa_traj::Trajectory;
+use iiwa_view::{Extent, NearestPlaces, long_duration};
+use serde::Serialize;
+
+use crate::{
+    Setup, TwinError,
+    message::{PageMessage, page_message},
+    setup::file_stem,
+};
+
+/// A plan and its files.
+#[derive(Debug)]
+pub(crate) struct Planned {
+    /// Unique, so that a page can only run the plan that it shows.
+    pub(crate) id: u64,
+    /// What the robot is sent.
+    pub(crate) motions: MotionList,
+    pub(crate) start_rad: Joints,
+    pub(crate) text: String,
+    /// Name of its files, without an extension.
+    pub(crate) stem: String,
+    pub(crate) mcap: PathBuf,
+    /// Why it must not be run, if so.
+    pub(crate) refused: Option<String>,
+    pub(crate) message: PageMessage,
+}
+
+impl Planned {
+    /// Plans a program. Errors are shown on the page, with the place of the fault in the text.
+    pub(crate) fn new(id: u64, name: &str, text: String, setup: &Setup) -> Result<Self, String> {
+        let what = |error: TwinError| setup.words(&error);
+        let program = Program::from_json(&text).map_err(|error| {
+            let (name, text, error) = (name.to_owned(), text.clone(), Box::new(error));
+            what(TwinError::Program { name, text, error })
+        })?;
+        let motions = program.motions.len();
+        if motions > MAX_MOTIONS {
+            return Err(format!(
+                "{name} has {motions} motions; the twin plans up to {MAX_MOTIONS}. iiwasim plan and iiwasim run \
+                 have no such limit"
+            ));
+        }
+        let own = [setup.robot.name(), &setup.robot_name];
+        if let Some(other) = program.robot.as_deref().filter(|other| !own.contains(other)) {
+            return Err(format!(
+                "{name} is a program for the robot `{other}`; the twin was started for `{}`",
+                own[0]
+            ));
+        }
+        let how = PlanOptions::default();
+        let plan = how.plan(&program, &setup.robot).map_err(|error| {
+            let (name, text, error) = (name.to_owned(), text.clone(), Box::new(error));
+            let sources = program.sources.clone();
+            what(TwinError::Plan { name, text, sources, error })
+        })?;
+        check_size(&plan)?;
+        let nearest = setup.nearest_of(&plan);
+        let refused = setup.too_near(&nearest);
+        let mut warnings = warnings(&program, plan.path());
+        warnings.extend(PlanFigures::of(&plan, &how).torque_warnings());
+
+        let [json, mcap] = setup.new_files(&file_stem(name), [".json", ".mcap"]).map_err(what)?;
+        let stem = json.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let write_program = || {
+            let file = Output::new(&json)?;
+            file.write(text.as_bytes())?;
+            file.complete_always()
+        };
+        let write_plan = || {
+            let file = Output::new(&mcap)?;
+            let mut config = PlanConfig::default();
+            config.file.names = setup.names.clone();
+            write_plan(file.stream()?, &plan, &how, config, &text)
+                .map_err(|error| file.failure(error))?
+                .into_inner()
+                .map_err(|error| file.failure(error.into_error()))?;
+            file.complete_always()
+        };
+        write_program()
+            .and_then(|()| write_plan())
+            // One file without the other is of no use.
+            .inspect_err(|_| drop(fs::remove_file(&json)))
+            .map_err(|error| what(error.into()))?;
+        let cycle_time_s = plan.cycle_time_s();
+        // The page is made from the file.
+        let start_rad = *plan.path().start_rad();
+        drop(plan);
+        let page = setup.page(&mcap, None, Extent::Sketch).map_err(what)?;
+        let message = page_message(
+            "plan",
+            &PlanForPage {
+                id,
+                name: &stem,
+                cycle_time_s,
+                motions,
+                start_rad: &start_rad,
+                nearest,
+                refused: refused.as_deref(),
+                warnings: &warnings,
+                sketch: page.sketch(),
+            },
+        );
+        Ok(Self { id, motions: program.into(), start_rad, text, stem, mcap, refused, message })
+    }
+}
+
+/// The plan as pages receive it.
+#[derive(Serialize)]
+struct PlanForPage<'a, S> {
+    id: u64,
+    name: &'a str,
+    cycle_time_s: f64,
+    motions: usize,
+    start_rad: &'a [f64; 7],
+    #[serde(flatten)]
+    nearest: NearestPlaces,
+    refused: Option<&'a str>,
+    /// What is odd about it.
+    warnings: &'a [String],
+    sketch: S,
+}
+
+/// Motions of a program, at most: the whole plan is held in memory.
+const MAX_MOTIONS: usize = 1000;
+
+/// Joint states of a plan, at most: they are held in memory, here and in the page.
+const MAX_SAMPLES: u64 = 100_000;
+
+/// Rejects a plan that is too long to be shown.
+fn check_size(plan: &Trajectory) -> Result<(), String> {
+    let rate_hz = PlanConfig::default().rate_hz;
+    let size = PlanSize::of(plan, rate_hz);
+    if size.samples() <= MAX_SAMPLES {
+        return Ok(());
+    }
+    Err(format!(
+        "the program takes {}; the twin shows up to {}. iiwasim plan and iiwasim run have no such limit",
+        long_duration(size.duration_s()),
+        long_duration(MAX_SAMPLES as f64 / rate_hz)
+    ))
+}

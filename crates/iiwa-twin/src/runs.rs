@@ -1,0 +1,189 @@
+//! Runs on the robot, through a drive, and their recordings.
+
+use std::{
+    thread,
+    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
+};
+
+use iiwa_kin::Joints;
+use iiwa_link::{
+    Client, ClientError, LinkError, Published, Stream, TimedJoints, Torques,
+    message::{DriveState, FriStatus, Run as Measured, Samples, Status, TimedBy},
+};
+use iiwa_log::{CycleClock, DEFAULT_EPOCH, JointLog};
+use iiwa_program::MotionList;
+
+/// How long to wait for the stream before the run and the interrupt flag are checked.
+const POLL: Duration = Duration::from_millis(50);
+
+/// How long the stream is read on for the torques of a run's last samples.
+const LAST_TORQUES: Duration = Duration::from_millis(500);
+
+/// The connections to a drive.
+pub struct DriveConnection {
+    client: Client,
+    /// Stops the run whose end the first client waits for.
+    stopper: Client,
+    stream: Stream,
+}
+
+impl DriveConnection {
+    /// Of two clients of a drive, and its stream.
+    #[must_use]
+    pub fn of([client, stopper]: [Client; 2], stream: Stream) -> Self {
+        Self { client, stopper, stream }
+    }
+
+    /// The client that starts runs, for other requests between them.
+    pub fn client(&mut self) -> &mut Client {
+        &mut self.client
+    }
+}
+
+/// What the drive is asked to run.
+#[derive(Debug)]
+pub enum Task {
+    /// Motions, which the controller plans.
+    Motions(MotionList),
+    /// A trajectory, with its times.
+    Trajectory(TimedJoints),
+}
+
+/// Result of a run.
+#[derive(Debug)]
+pub struct ExecutedRun {
+    /// The run as the drive reports it, or why there is none.
+    pub result: Result<Measured, ClientError>,
+    /// The samples of the stream during the run.
+    pub streamed: Samples,
+    /// The torques of the stream, from before the run on.
+    pub torques: Torques,
+}
+
+/// What happens during a run.
+#[derive(Debug)]
+pub enum RunEvent<'a> {
+    /// Time since the first sample, in s.
+    Progress(f64),
+    /// A stop was requested, with the answer of the drive.
+    Stopped(&'a Result<(), ClientError>),
+    /// The stream broke off.
+    StreamError(&'a LinkError),
+}
+
+/// Runs a task, and stops it once `to_stop` returns true.
+pub fn execute(
+    drive: &mut DriveConnection,
+    task: Task,
+    to_stop: impl Fn() -> bool,
+    on_event: impl FnMut(RunEvent<'_>),
+) -> ExecutedRun {
+    let DriveConnection { client, stopper, stream } = drive;
+    thread::scope(|scope| {
+        let running = scope.spawn(move || match task {
+            Task::Motions(motions) => client.run_motions(motions, None),
+            Task::Trajectory(trajectory) => client.run_trajectory(trajectory, None),
+        });
+        let (streamed, mut torques) =
+            follow(stopper, stream, || running.is_finished(), to_stop, on_event);
+        let result = running.join().unwrap_or_else(|_| {
+            let what = "the thread of the run panicked; please report this".to_owned();
+            Err(ClientError::InvalidReply { what })
+        });
+        if let Some(last_s) = last_stamp(&result) {
+            catch_up(stream, last_s, &mut torques);
+        }
+        ExecutedRun { result, streamed, torques }
+    })
+}
+
+/// Follows a run to its end.
+fn follow(
+    stopper: &mut Client,
+    stream: &mut Stream,
+    has_ended: impl Fn() -> bool,
+    to_stop: impl Fn() -> bool,
+    mut on_event: impl FnMut(RunEvent<'_>),
+) -> (Samples, Torques) {
+    let mut streamed = Samples::default();
+    let mut torques = Torques::default();
+    let mut runs = false;
+    while !has_ended() {
+        if to_stop() {
+            // Repeated until the end: the run may not have started at the first one.
+            on_event(RunEvent::Stopped(&stopper.stop()));
+        }
+        match stream.next(POLL) {
+            Ok(Some(Published::Joints { t_s, joints_rad })) if runs => {
+                streamed.t_s.push(t_s);
+                streamed.joints_rad.push(joints_rad);
+                on_event(RunEvent::Progress(t_s - streamed.t_s[0]));
+            }
+            // The first samples of a run are from before its state is published.
+            Ok(Some(Published::Torques { t_s, measured_nm, .. })) => torques.keep(t_s, measured_nm),
+            Ok(Some(Published::State { state, .. })) => runs = state != DriveState::Idle,
+            Ok(_) => {}
+            Err(error) => {
+                on_event(RunEvent::StreamError(&error));
+                thread::sleep(POLL);
+            }
+        }
+    }
+    (streamed, torques)
+}
+
+/// The stamp of a run's last sample.
+fn last_stamp(result: &Result<Measured, ClientError>) -> Option<f64> {
+    let run = match result {
+        Ok(run) => run,
+        Err(ClientError::Refused { run, .. }) => run.as_deref()?,
+        Err(_) => return None,
+    };
+    run.samples.t_s.last().copied()
+}
+
+/// Reads on until the positions of `last_s` arrive, which come after the torques of that time.
+fn catch_up(stream: &mut Stream, last_s: f64, torques: &mut Torques) {
+    let since = Instant::now();
+    while since.elapsed() < LAST_TORQUES {
+        match stream.next(POLL) {
+            Ok(Some(Published::Torques { t_s, measured_nm, .. })) => torques.keep(t_s, measured_nm),
+            Ok(Some(Published::Joints { t_s, .. })) if t_s >= last_s => return,
+            Ok(_) => {}
+            Err(_) => return,
+        }
+    }
+}
+
+/// The joint positions in rad, unless they are outdated.
+#[must_use]
+pub fn position(status: &Status) -> Option<Joints> {
+    status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT)
+}
+
+/// The samples from the start of a run on, with their times since then and their torques, where these are known, and how
+/// long the robot program says that it took.
+#[must_use]
+pub fn since_start(measured: &Measured, torques: &Torques) -> JointLog {
+    let Samples { t_s, joints_rad, .. } = &measured.samples;
+    let from_s = measured.start_s.or(t_s.first().copied()).unwrap_or_default();
+    // Stamps are rounded sums: the first sample may be just before the start.
+    let first = t_s.partition_point(|t_s| t_s - from_s <= -1e-6);
+    let times = t_s[first..].iter().map(|t_s| (t_s - from_s).max(0.0)).collect();
+    let positions = joints_rad.get(first..).unwrap_or_default().to_vec();
+    let mut log = JointLog::new(times, positions);
+    log.cycle_time_s = measured.cycle_time_s;
+    if measured.timed_by == Some(TimedBy::CommandedPosition) {
+        log.timed_by = CycleClock::CommandedPosition;
+    }
+    log.torques_nm = torques.at(&t_s[first..]);
+    log
+}
+
+/// When the first sample of a log was taken whose last one has just arrived, since 1970.
+#[must_use]
+pub fn began(log: &JointLog) -> Duration {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH);
+    let last_s = log.t_s.last().copied().unwrap_or_default();
+    now.saturating_sub(Duration::try_from_secs_f64(last_s).unwrap_or_default())
+}

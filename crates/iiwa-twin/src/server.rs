@@ -1,0 +1,191 @@
+//! The HTTP server: the page, its WebSocket, uploads of programs, files.
+
+use std::{net::TcpListener, time::Duration};
+
+use axum::{
+    Extension, Router,
+    body::Body,
+    extract::{
+        DefaultBodyLimit, FromRequest as _, Path, Query, Request, State, ws::WebSocketUpgrade,
+    },
+    http::{
+        HeaderValue, StatusCode,
+        header::{CONTENT_DISPOSITION, CONTENT_LENGTH, CONTENT_SECURITY_POLICY, CONTENT_TYPE},
+    },
+    middleware,
+    response::{IntoResponse, Response},
+    routing::{get, post},
+};
+use iiwa_view::twin_page;
+use serde::Deserialize;
+use tokio::{fs, task, time};
+use tokio_util::io::ReaderStream;
+
+use crate::{
+    Setup, TwinError,
+    connections::{self, Connection},
+    guard::{Admission, LIVE, Token, guard},
+    message::page_message,
+    page_socket::{MAX_REQUEST_BYTES, serve_page},
+    shared::{Shared, interrupted},
+};
+
+/// Length of a program's text, at most, in bytes.
+const MAX_PROGRAM_BYTES: usize = 4 << 20;
+
+/// How long the upload of a program may take.
+const UPLOAD_TIMEOUT: Duration = Duration::from_secs(20);
+
+/// Serves the page until an interrupt.
+pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Result<(), TwinError> {
+    let refuse = TwinError::Serve;
+    listener.set_nonblocking(true).map_err(refuse)?;
+    let admission = Admission { token: token.clone(), address: twin.setup.wording.address };
+    let router = Router::new()
+        .route("/", get(page))
+        .route(LIVE, get(connect))
+        .route("/program", post(program).layer(DefaultBodyLimit::max(MAX_PROGRAM_BYTES)))
+        .route("/report.html", get(report))
+        .route("/files/{name}", get(file))
+        .with_state(twin)
+        .layer(middleware::from_fn_with_state(admission, guard));
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .enable_all()
+        .build()
+        .map_err(refuse)?;
+    let served = runtime.block_on(async {
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        tokio::select! {
+            () = connections::accept(listener, router) => {}
+            () = interrupted() => {}
+        }
+        Ok(())
+    });
+    // Requests under way have a moment to finish.
+    runtime.shutdown_timeout(Duration::from_secs(1));
+    served.map_err(refuse)
+}
+
+/// A page with scripts of its own only, in no other page's frame.
+fn html(text: String, policy: &str) -> Response {
+    let headers = [
+        (CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8")),
+        (
+            CONTENT_SECURITY_POLICY,
+            HeaderValue::from_str(policy).unwrap_or(HeaderValue::from_static("default-src 'none'")),
+        ),
+    ];
+    (headers, text).into_response()
+}
+
+fn failed(setup: &Setup, error: &TwinError) -> Response {
+    (StatusCode::INTERNAL_SERVER_ERROR, format!("{}\n", setup.words(error))).into_response()
+}
+
+/// The page runs its own scripts, connects to its own server, and is in no other page's frame.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
+                      img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; \
+                      frame-ancestors 'none'";
+
+async fn page(State(twin): State<Shared>) -> Response {
+    twin_page(&twin.setup.for_page())
+        .map_or_else(|error| failed(&twin.setup, &error.into()), |text| html(text, POLICY))
+}
+
+/// Query of an upload.
+#[derive(Deserialize)]
+struct Named {
+    name: String,
+}
+
+/// Plans an uploaded program. The upload waits for its turn: texts take much memory, and plans more.
+async fn program(
+    State(twin): State<Shared>,
+    Query(Named { name }): Query<Named>,
+    request: Request,
+) -> Response {
+    let setup = twin.setup.clone();
+    let Ok(turn) = twin.heavy.acquire_owned().await else { return shutting_down() };
+    let text = match time::timeout(UPLOAD_TIMEOUT, String::from_request(request, &())).await {
+        Ok(Ok(text)) => text,
+        Ok(Err(refused)) if refused.status() == StatusCode::PAYLOAD_TOO_LARGE => {
+            let why = format!(
+                "the program is longer than {} MiB, the most that the twin accepts; iiwasim plan has no such limit",
+                MAX_PROGRAM_BYTES >> 20
+            );
+            return (StatusCode::PAYLOAD_TOO_LARGE, why).into_response();
+        }
+        Ok(Err(refused)) => return refused.into_response(),
+        Err(_) => return StatusCode::REQUEST_TIMEOUT.into_response(),
+    };
+    let planned = task::spawn_blocking(move || {
+        // Released when the work is done, even if the page is closed before.
+        let _turn = turn;
+        twin.dispatcher.load(&name, text)
+    });
+    match planned.await {
+        // A fault in a program is not a failure of the request, which browsers would report as an error of the page.
+        Ok(planned) => {
+            let answer = page_message("error", &planned.err());
+            ([(CONTENT_TYPE, "application/json")], answer.to_string()).into_response()
+        }
+        Err(error) => failed(&setup, &broken_down("planning failed", error)),
+    }
+}
+
+async fn report(State(twin): State<Shared>) -> Response {
+    let setup = twin.setup.clone();
+    let Ok(turn) = twin.heavy.acquire_owned().await else { return shutting_down() };
+    let made = task::spawn_blocking(move || {
+        let _turn = turn;
+        twin.dispatcher.report()
+    });
+    match made.await {
+        Ok(Some(Ok(text))) => html(text, "frame-ancestors 'none'"),
+        Ok(Some(Err(error))) => failed(&setup, &error),
+        Ok(None) => (StatusCode::NOT_FOUND, "there is no plan\n").into_response(),
+        Err(error) => failed(&setup, &broken_down("the report failed", error)),
+    }
+}
+
+fn broken_down(what: &'static str, source: task::JoinError) -> TwinError {
+    TwinError::BrokenDown { what, source: source.into() }
+}
+
+fn shutting_down() -> Response {
+    (StatusCode::SERVICE_UNAVAILABLE, "the twin is shutting down\n").into_response()
+}
+
+/// Streams a file: it is never in memory as a whole.
+async fn file(State(twin): State<Shared>, Path(name): Path<String>) -> Response {
+    let missing = || (StatusCode::NOT_FOUND, "there is no such file\n").into_response();
+    let Some(path) = twin.dispatcher.file(&name) else { return missing() };
+    let Ok(file) = fs::File::open(&path).await else { return missing() };
+    let Ok(kind) = file.metadata().await else { return missing() };
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let named = HeaderValue::from_str(&format!(
+        "attachment; filename=\"{}\"",
+        name.replace(|c: char| !c.is_ascii(), "_")
+    ));
+    let headers = [
+        (CONTENT_TYPE, HeaderValue::from_static("application/octet-stream")),
+        (CONTENT_DISPOSITION, named.unwrap_or(HeaderValue::from_static("attachment"))),
+        (CONTENT_LENGTH, HeaderValue::from(kind.len())),
+    ];
+    (headers, Body::from_stream(ReaderStream::new(file))).into_response()
+}
+
+async fn connect(
+    State(twin): State<Shared>,
+    Extension(connection): Extension<Connection>,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    upgrade.max_message_size(MAX_REQUEST_BYTES).max_frame_size(MAX_REQUEST_BYTES).on_upgrade(
+        async move |socket| {
+            serve_page(socket, twin).await;
+            // The connection counts until here.
+            drop(connection);
+        },
+    )
+}

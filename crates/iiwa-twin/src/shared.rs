@@ -1,0 +1,46 @@
+//! State that all connections share.
+
+use std::{sync::Arc, time::Duration};
+
+use iiwa_files::interrupt;
+use tokio::{
+    sync::{Semaphore, watch},
+    time,
+};
+
+use crate::{Setup, dispatcher::Dispatcher, message::PageMessage};
+
+/// Requests of all pages that are carried out at one time, at most. Each has its own connection to the drive.
+const MAX_REQUESTS: usize = 8;
+
+/// What pages receive, and what carries out their requests.
+#[derive(Clone)]
+pub(crate) struct Shared {
+    pub(crate) setup: Arc<Setup>,
+    pub(crate) live: watch::Receiver<PageMessage>,
+    pub(crate) health: watch::Receiver<PageMessage>,
+    pub(crate) dispatcher: Arc<Dispatcher>,
+    /// Permits of requests.
+    pub(crate) requests: Arc<Semaphore>,
+    /// Permit of work that takes much memory: planning, and making a report.
+    pub(crate) heavy: Arc<Semaphore>,
+}
+
+impl Shared {
+    /// With the channels of joint positions and of health.
+    pub(crate) fn new(
+        setup: Arc<Setup>,
+        [live, health]: [watch::Receiver<PageMessage>; 2],
+        dispatcher: Arc<Dispatcher>,
+    ) -> Self {
+        let permits = |count| Arc::new(Semaphore::new(count));
+        Self { setup, live, health, dispatcher, requests: permits(MAX_REQUESTS), heavy: permits(1) }
+    }
+}
+
+/// Returns on an interrupt.
+pub(crate) async fn interrupted() {
+    while !interrupt::has_come() {
+        time::sleep(Duration::from_millis(50)).await;
+    }
+}

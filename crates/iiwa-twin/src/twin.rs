@@ -1,0 +1,77 @@
+//! A twin from its start to its end.
+
+use std::{
+    net::TcpListener,
+    sync::{Arc, Mutex},
+    thread,
+};
+
+use iiwa_files::interrupt;
+use iiwa_viewers::Viewers;
+
+use crate::{
+    Setup, TwinError,
+    dispatcher::Dispatcher,
+    follow::{LatestJoints, follow},
+    guard::Token,
+    health::watch_health,
+    message::PageChannel,
+    server::serve,
+    shared::Shared,
+};
+
+/// A page of a robot, and what answers it.
+pub struct Twin {
+    setup: Arc<Setup>,
+    live: Arc<LatestJoints>,
+    dispatcher: Arc<Dispatcher>,
+    token: Token,
+}
+
+impl Twin {
+    /// With the positions that were saved before, and a token that no other twin has.
+    ///
+    /// # Errors
+    ///
+    /// [`TwinError`] if the file of saved positions is invalid or of another robot, or the system gives no random numbers.
+    pub fn new(setup: Setup) -> Result<Self, TwinError> {
+        let token = Token::new()?;
+        let setup = Arc::new(setup);
+        let live = Arc::new(LatestJoints::default());
+        let dispatcher = Arc::new(Dispatcher::new(setup.clone(), live.clone())?);
+        Ok(Self { setup, live, dispatcher, token })
+    }
+
+    /// What the page's address has to end with, as in `/?token=...`.
+    #[must_use]
+    pub fn token(&self) -> &str {
+        self.token.text()
+    }
+
+    /// Follows the robot, serves its page, and publishes it to `viewers`, until an interrupt
+    /// ([`mod@iiwa_files::interrupt`]). A run that the page has started is stopped then.
+    ///
+    /// # Errors
+    ///
+    /// [`TwinError`] if the page cannot be served, or viewers cannot be told where the joints are.
+    pub fn run(self, listener: TcpListener, viewers: Option<Viewers>) -> Result<(), TwinError> {
+        let Self { setup, live, dispatcher, token } = self;
+        let words = || PageChannel::new("{}".into());
+        let (live_words, health_words) = (words(), words());
+        let words = [live_words.subscribe(), health_words.subscribe()];
+        let shared = Shared::new(setup.clone(), words, dispatcher.clone());
+        let viewers = viewers.map(Mutex::new);
+        thread::scope(|scope| {
+            scope.spawn(|| watch_health(&setup, &health_words, viewers.as_ref()));
+            let following = scope.spawn(|| {
+                // Without joint positions there is nothing to show.
+                follow(&setup, &live, &live_words, viewers.as_ref())
+                    .inspect_err(|_| interrupt::request())
+            });
+            let served = serve(listener, &token, shared);
+            interrupt::request();
+            dispatcher.end();
+            following.join().unwrap_or(Ok(())).and(served)
+        })
+    }
+}

@@ -1,0 +1,124 @@
+//! Loads and friction, as JSON and as text.
+
+use std::fmt::Write as _;
+
+use iiwa_eval::{
+    Estimate,
+    identify::{FoundLoad, FoundTorques},
+};
+use iiwa_kin::Load;
+use serde::Serialize;
+
+use crate::table::table;
+
+use super::figure::Figure;
+
+/// What recorded torques show.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct TorqueFigures {
+    loads: Vec<LoadRow>,
+    /// Joints A1 to A7; null where a joint hardly moves.
+    viscous_nm_s_rad: [Option<Figure>; 7],
+    coulomb_nm: [Option<Figure>; 7],
+    /// What is left over of each joint's torque, root mean square over windows of `window_s`.
+    residual_nm: [f64; 7],
+    window_s: f64,
+    /// Whether the recordings have the sign of plans, not that of KUKA's controller.
+    turned: bool,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct LoadRow {
+    /// From 1.
+    recordings: Vec<usize>,
+    /// As the programs state it.
+    stated: Option<ProgramLoad>,
+    mass_kg: Option<Figure>,
+    center_mm: [Option<Figure>; 3],
+    /// What the recordings do not tell.
+    untold: Vec<&'static str>,
+    /// As it is in programs.
+    load: Option<ProgramLoad>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct ProgramLoad {
+    mass_kg: f64,
+    center_mm: [f64; 3],
+}
+
+impl From<&Load> for ProgramLoad {
+    fn from(load: &Load) -> Self {
+        let rounded = |value: f64, places: f64| (value * places).round() / places + 0.0;
+        let center_mm = load.center_mm.map(|mm| rounded(mm, 10.0));
+        Self { mass_kg: rounded(load.mass_kg, 1e3), center_mm }
+    }
+}
+
+impl From<&FoundLoad> for LoadRow {
+    fn from(found: &FoundLoad) -> Self {
+        Self {
+            recordings: found.recordings.iter().map(|recording| recording + 1).collect(),
+            stated: found.stated.as_ref().map(ProgramLoad::from),
+            mass_kg: found.mass_kg.map(Figure::from),
+            center_mm: found.center_mm.map(|center| center.map(Figure::from)),
+            untold: found.untold(),
+            load: found.load().as_ref().map(ProgramLoad::from),
+        }
+    }
+}
+
+impl TorqueFigures {
+    pub(super) fn new(found: &FoundTorques) -> Self {
+        let figures = |found: &[Option<Estimate>; 7]| found.map(|found| found.map(Figure::from));
+        Self {
+            loads: found.loads.iter().map(LoadRow::from).collect(),
+            viscous_nm_s_rad: figures(&found.viscous_nm_s_rad),
+            coulomb_nm: figures(&found.coulomb_nm),
+            residual_nm: found.residual_nm,
+            window_s: found.window_s,
+            turned: found.turned,
+        }
+    }
+
+    pub(super) fn write(&self, text: &mut String) {
+        let shown = |figure: &Option<Figure>| {
+            figure.map_or_else(|| "not told".to_owned(), |figure| figure.to_string())
+        };
+        let mut rows = table(&["joint", "viscous Nm s/rad", "Coulomb Nm", "left over Nm"]);
+        for joint in 0..7 {
+            let friction = [&self.viscous_nm_s_rad[joint], &self.coulomb_nm[joint]];
+            let [viscous, coulomb] = friction.map(shown);
+            let left = format!("{:.3}", self.residual_nm[joint]);
+            rows.add_row([format!("A{}", joint + 1), viscous, coulomb, left]);
+        }
+        let _ = writeln!(text, "{rows}\n");
+        for load in &self.loads {
+            let [x, y, z] = load.center_mm.each_ref().map(shown);
+            let _ = write!(text, "Load: {} kg, centre ({x}, {y}, {z}) mm", shown(&load.mass_kg));
+            if self.loads.len() > 1 {
+                let recordings: Vec<_> = load.recordings.iter().map(usize::to_string).collect();
+                let _ = write!(text, "; recordings {}", recordings.join(", "));
+            }
+            if let Some(stated) = &load.stated {
+                let _ = write!(text, "; the program states {} kg", stated.mass_kg);
+            }
+            text.push('\n');
+            if let Some(load) = &load.load {
+                let load = serde_json::to_string(load).unwrap_or_default();
+                let _ = writeln!(text, "      in programs: \"load\": {load}");
+            } else if load.mass_kg.is_none_or(|mass| !mass.is_zero_within(0.0)) {
+                let _ = writeln!(
+                    text,
+                    "      not told: {}; it takes motions that turn A2, A4 and A6, and the flange away from straight down",
+                    load.untold.join(", ")
+                );
+            }
+        }
+        if self.turned {
+            text.push_str(
+                "The torques have the sign of plans already, not that of KUKA's controller\n",
+            );
+        }
+    }
+}

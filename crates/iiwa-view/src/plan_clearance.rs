@@ -1,0 +1,23 @@
+//! How near a plan comes to a scene, and the arm to itself.
+
+use iiwa_log::{ClearanceRecord, PlanFigures, SelfClearanceRecord};
+use iiwa_scene::{ArmInScene, Other, PlannedClearance};
+use iiwa_traj::Section;
+
+/// Adds the least clearances in a section to the figures.
+pub fn add_clearances(figures: &mut PlanFigures, arm: &ArmInScene, section: &Section) {
+    let planned = [arm.clearance_of_section(section), arm.self_clearance_of_section(section)];
+    for PlannedClearance { clearance, at_s, .. } in planned.into_iter().flatten() {
+        let (distance_mm, link) = (1e3 * clearance.distance_m, clearance.link);
+        match clearance.other {
+            Other::Obstacle(_) => {
+                let obstacle = arm.name_of(clearance.other);
+                figures.add_clearance(ClearanceRecord { distance_mm, link, obstacle, at_s });
+            }
+            Other::Link(other_link) => {
+                let nearest = SelfClearanceRecord { distance_mm, link, other_link, at_s };
+                figures.add_self_clearance(nearest);
+            }
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! Warnings on standard error.
+
+use std::fmt::Write as _;
+
+use crate::printable;
+
+/// Warnings as they are reported on standard error; of one of many programs, with its name.
+#[must_use]
+pub fn warning_lines(warnings: &[String], program: Option<&str>) -> String {
+    let name = program.map_or_else(String::new, |name| format!("{}: ", printable(name)));
+    warnings.iter().fold(String::new(), |mut lines, warning| {
+        let _ = writeln!(lines, "Warning: {name}{warning}");
+        lines
+    })
+}
