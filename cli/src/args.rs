@@ -1,8 +1,10 @@
 //! The command line.
 
 mod addresses;
+mod answering;
 mod compare;
 mod experiment;
+mod export;
 mod identify;
 mod import;
 mod link;
@@ -15,13 +17,17 @@ mod twin;
 mod urdf;
 mod values;
 
+use std::ffi::OsString;
+
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::settings::{self, Settings};
 
 pub(crate) use addresses::{ClientKeys, DriveAddress, ServerKeys};
+pub(crate) use answering::Answering;
 pub(crate) use compare::Compare;
 pub(crate) use experiment::{Experiment, ExperimentName};
+pub(crate) use export::Export;
 pub(crate) use identify::Identify;
 pub(crate) use import::Import;
 pub(crate) use link::{Cabinet, Drive, Io, IoAction, Keygen, Record, Run, Sensors, Status, Stop};
@@ -79,8 +85,25 @@ impl Arguments {
     /// help.
     pub(crate) fn read(settings: &Settings) -> Self {
         let command = Self::command_line().mut_subcommands(|command| settings.apply(command));
-        Self::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
+        let matches = command.get_matches_from(with_optional_values(std::env::args_os()));
+        Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
     }
+}
+
+/// The arguments, with the value of an option that may go without one joined to it: `--limit-torque 80 FILE` and
+/// `--limit-torque FILE` both say what they seem to.
+fn with_optional_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut all: Vec<OsString> = Vec::new();
+    for argument in arguments {
+        let number = argument.to_str().filter(|text| text.parse::<f64>().is_ok());
+        match (all.last_mut(), number) {
+            (Some(option), Some(number)) if option == "--limit-torque" => {
+                option.push(format!("={number}"));
+            }
+            _ => all.push(argument),
+        }
+    }
+    all
 }
 
 #[derive(Debug, Subcommand)]
@@ -103,6 +126,7 @@ pub(crate) enum Command {
     Fk(Fk),
     Ik(Ik),
     Import(Import),
+    Export(Export),
     Robot(Robot),
     Schema(Schema),
     Completions(Completions),

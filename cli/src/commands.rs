@@ -5,6 +5,7 @@ pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod drive;
 pub(crate) mod experiment;
+pub(crate) mod export;
 pub(crate) mod fk;
 pub(crate) mod identify;
 pub(crate) mod ik;

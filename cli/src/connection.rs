@@ -126,7 +126,9 @@ fn hint(error: &LinkError) -> &'static str {
             ". Put the clients' .pub files there, which `iiwasim keygen` makes"
         }
         LinkError::Unauthorized { what, .. } => one_side(what),
-        LinkError::ControllerAddress { .. } => "; give the controller's address with --cabinet",
+        LinkError::ControllerAddress { .. } => {
+            "; give the controller's address with --cabinet or --fri-cabinet"
+        }
         LinkError::FriNeedsKeys { .. } => "; give them with --key and --allow",
         _ => "",
     }

@@ -3,7 +3,9 @@
 use std::{error::Error, io::Write as _, ops::Range, path::Path};
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
-use iiwa_json::Place;
+use iiwa_files::OutputError;
+use iiwa_json::{Place, Step, locate};
+use iiwa_program::Sources;
 use iiwa_traj::{PlanError, TimingError};
 use iiwa_view::{ViewError, printable, with_causes};
 
@@ -40,17 +42,22 @@ impl Failure {
         }))
     }
 
-    /// A program, called `name`, that cannot be planned.
-    pub(crate) fn plan(error: PlanError, name: &str, text: &str) -> Self {
+    /// A program, called `name`, that cannot be planned. Messages name the `sources` of its motions.
+    pub(crate) fn plan(error: &PlanError, sources: &Sources, name: &str, text: &str) -> Self {
         match error {
             PlanError::Fault(fault) => {
-                Self::in_text(&fault.to_string(), &fault.place_in(text), name, text)
+                let what = sources.in_message(&fault.to_string());
+                Self::in_text(&what, &fault.place_in(text), name, text)
             }
             PlanError::Timing(error @ TimingError::CurvatureJumps { .. }) => {
                 Self::input(format!("{error} (--blend-shape iiwa, or --timing acceleration)"))
             }
+            PlanError::Timing(error @ TimingError::CannotHold { motion, .. }) => {
+                let place = locate(text, &[Step::Key("motions"), Step::Index(motion.index())]);
+                Self::in_text(&sources.in_message(&error.to_string()), &place, name, text)
+            }
             PlanError::Timing(TimingError::Interrupted) => Self::interrupted(),
-            error => Self::run("cannot plan the program", &error),
+            error => Self::run("cannot plan the program", error),
         }
     }
 
@@ -63,6 +70,11 @@ impl Failure {
     pub(crate) fn run(what: impl Into<String>, error: &dyn Error) -> Self {
         // Parts may have been received over the network.
         Self::Run { what: printable(&what.into()), cause: Some(printable(&with_causes(error))) }
+    }
+
+    /// A failure while running that says what failed by itself.
+    pub(crate) fn broken(error: &dyn Error) -> Self {
+        Self::Run { what: printable(&with_causes(error)), cause: None }
     }
 
     /// Prefixed with the program's name, unless the text begins with it already.
@@ -104,7 +116,13 @@ impl Failure {
 
 impl From<ViewError> for Failure {
     fn from(error: ViewError) -> Self {
-        let hint = match &error {
+        Self::from(&error)
+    }
+}
+
+impl From<&ViewError> for Failure {
+    fn from(error: &ViewError) -> Self {
+        let hint = match error {
             ViewError::UnknownRobot { .. } => "; name its profile with --robot",
             ViewError::Recording { name, .. }
                 if Path::new(name).extension().is_some_and(|extension| extension == "json") =>
@@ -113,11 +131,26 @@ impl From<ViewError> for Failure {
             }
             _ => "",
         };
-        let what = format!("{}{hint}", with_causes(&error));
+        let what = format!("{}{hint}", with_causes(error));
         if error.is_input() {
             Self::input(what)
         } else {
             Self::Run { what: printable(&what), cause: None }
+        }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::from(&error)
+    }
+}
+
+impl From<&OutputError> for Failure {
+    fn from(error: &OutputError) -> Self {
+        match error {
+            OutputError::Interrupted => Self::interrupted(),
+            OutputError::Write { .. } => Self::broken(error),
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Reading programs, robot profiles, scenes and recordings.
 
 use std::{
-    ffi::OsStr,
     fs::{self, File},
     io::{self, Read},
-    path::{Component, Path, PathBuf},
+    path::Path,
     sync::OnceLock,
 };
 
+use iiwa_files::{NotBeside, beside, folder_of};
 use iiwa_json::{Step, locate};
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
@@ -72,6 +72,11 @@ pub(crate) struct ProgramText {
 }
 
 impl ProgramText {
+    /// A program that is in no file.
+    pub(crate) fn made(name: String, text: String) -> Self {
+        Self { name, text, merged: None }
+    }
+
     /// The program as it is stored and sent: it needs no other file.
     pub(crate) fn complete(&self) -> &str {
         self.merged.as_deref().unwrap_or(&self.text)
@@ -113,7 +118,7 @@ fn program_of(
     });
     let refuse = |error| match error {
         ProgramError::Included { name, text, error, .. } => {
-            let file = folder(path).join(name).display().to_string();
+            let file = folder_of(path).join(name).display().to_string();
             Failure::in_text(&error.what(), error.place(), &file, &text)
         }
         error => Failure::in_text(&error.what(), error.place(), &name, &text),
@@ -169,8 +174,8 @@ fn named(path: &Path, [program, text]: [&str; 2], name: &str) -> Result<Robot, F
 /// Reads the file that the program at `path` includes; the error says why it cannot be read.
 fn included(path: &Path, name: &str) -> Result<String, String> {
     let file = beside(path, name, &["json"]).map_err(|reason| {
-        reason
-            .of("it has to be a file *.json beside the program or in a folder below it", "program")
+        let elsewhere = "it has to be a file *.json beside the program or in a folder below it";
+        not_beside(reason, elsewhere, "program")
     })?;
     let file = Text::read(&file).map_err(|failure| failure.what())?;
     if is_object(&file) { Ok(file.text) } else { Err("it holds no JSON object".to_owned()) }
@@ -181,50 +186,12 @@ fn is_object(file: &Text) -> bool {
     file.text.trim_start().starts_with('{')
 }
 
-/// The folder of a file.
-fn folder(file: &Path) -> &Path {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
-    folder.unwrap_or(Path::new("."))
-}
-
-/// Why a file that a program names is not read.
-enum NotBeside {
-    /// It is elsewhere, or of another kind.
-    Elsewhere,
-    /// There is none.
-    Missing(PathBuf),
-    /// A link leads elsewhere.
-    LeadsOut(PathBuf),
-}
-
-impl NotBeside {
-    /// The message; `elsewhere` explains which files may be named, `kind` is the file that names it.
-    fn of(self, elsewhere: &str, kind: &str) -> String {
-        match self {
-            Self::Elsewhere => elsewhere.to_owned(),
-            Self::Missing(path) => format!("there is no file {}", path.display()),
-            Self::LeadsOut(path) => format!("{} leads out of the {kind}'s folder", path.display()),
-        }
-    }
-}
-
-/// The path of a file that a program or a scene names, in its folder or below, with one of these endings. What comes from
-/// elsewhere must not make this process read, and show in errors, any other file.
-fn beside(from: &Path, name: &str, endings: &[&str]) -> Result<PathBuf, NotBeside> {
-    let folder = folder(from);
-    let path = folder.join(name);
-    let below = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
-    let name = Path::new(name);
-    let ending = |ending: &OsStr| endings.iter().any(|known| ending.eq_ignore_ascii_case(known));
-    if !name.components().all(below) || !name.extension().is_some_and(ending) {
-        return Err(NotBeside::Elsewhere);
-    }
-    if !path.is_file() {
-        return Err(NotBeside::Missing(path));
-    }
-    match (path.canonicalize(), folder.canonicalize()) {
-        (Ok(file), Ok(folder)) if file.starts_with(&folder) => Ok(path),
-        _ => Err(NotBeside::LeadsOut(path)),
+/// Why a file is not read that a file of this kind names; `elsewhere` explains which ones may be named.
+fn not_beside(reason: NotBeside, elsewhere: &str, kind: &str) -> String {
+    match reason {
+        NotBeside::Elsewhere => elsewhere.to_owned(),
+        NotBeside::Missing(path) => format!("there is no file {}", path.display()),
+        NotBeside::LeadsOut(path) => format!("{} leads out of the {kind}'s folder", path.display()),
     }
 }
 
@@ -242,7 +209,7 @@ fn mesh(path: &Path, name: &str) -> Result<Vec<u8>, String> {
     let file = beside(path, name, &["stl", "obj"]).map_err(|reason| {
         let elsewhere =
             "it has to be a file *.stl or *.obj beside the scene or in a folder below it";
-        reason.of(elsewhere, "scene")
+        not_beside(reason, elsewhere, "scene")
     })?;
     fs::read(&file).map_err(|error| format!("cannot read {}: {error}", file.display()))
 }

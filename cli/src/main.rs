@@ -6,14 +6,12 @@
 
 mod args;
 mod arm_files;
-mod clearance;
 mod commands;
 mod connection;
 mod failure;
 mod file_kind;
 mod frame;
 mod input;
-mod leftovers;
 mod lines;
 mod log;
 mod output;
@@ -22,8 +20,8 @@ mod progress;
 mod replaceable;
 mod runner;
 mod settings;
-mod twin;
-mod warning;
+mod sunrise;
+mod twin_failure;
 
 use std::process::ExitCode;
 
@@ -69,6 +67,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Fk(options) => commands::fk::run(&options),
         Command::Ik(options) => commands::ik::run(&options),
         Command::Import(options) => commands::import::run(&options),
+        Command::Export(options) => commands::export::run(&options),
         Command::Robot(options) => commands::robot::run(&options),
         Command::Schema(options) => commands::schema::run(&options),
         Command::Keygen(options) => commands::keygen::run(&options),

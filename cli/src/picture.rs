@@ -4,7 +4,9 @@ use std::path::Path;
 
 use iiwa_view::PictureFormat;
 
-use crate::{failure::Failure, output::Output, replaceable::Replaceable};
+use iiwa_files::Output;
+
+use crate::{failure::Failure, output, replaceable::Replaceable};
 
 /// How the file of a picture is written, by its ending.
 pub(crate) fn format(path: &Path) -> Result<PictureFormat, Failure> {
@@ -15,7 +17,7 @@ pub(crate) fn format(path: &Path) -> Result<PictureFormat, Failure> {
 
 /// Starts the file of a picture, which may replace one of the same format.
 pub(crate) fn output(path: &Path) -> Result<Output, Failure> {
-    Output::replacing(path, Replaceable::Picture(format(path)?))
+    output::replacing(path, Replaceable::Picture(format(path)?))
 }
 
 /// The content of the file `path` for a drawing in SVG.

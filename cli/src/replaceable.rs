@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-use iiwa_log::writes_recordings;
+use iiwa_log::is_recording;
 use iiwa_view::PictureFormat;
 
 use crate::failure::Failure;
@@ -46,7 +46,7 @@ impl Replaceable {
     fn begins(self, content: &[u8]) -> bool {
         let text = || String::from_utf8_lossy(content).trim_start().to_ascii_lowercase();
         match self {
-            Self::Trajectory => content.starts_with(MCAP) && !writes_recordings(content),
+            Self::Trajectory => content.starts_with(MCAP) && !is_recording(content),
             Self::Csv => content.starts_with(b"t_s,"),
             Self::Parquet => content.starts_with(b"PAR1"),
             Self::Picture(PictureFormat::Png) => content.starts_with(b"\x89PNG"),

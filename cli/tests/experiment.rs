@@ -255,3 +255,36 @@ fn without_a_drive_nothing_is_written() {
         );
     assert!(files(&folder).is_empty());
 }
+
+/// The recordings of swings with a load show it, in the report and to `identify`.
+#[test]
+fn swings_with_a_load_tell_the_planner_and_the_load() {
+    for (planner, result) in [
+        ("none", "the planner does not take the load into account"),
+        ("factor", "accelerations fall alike in all poses, by 2.0"),
+        ("torque", "the planner keeps torques within 100.0"),
+    ] {
+        let folder = tempdir().unwrap();
+        let args = ["experiment", "load", "--simulate", "--load-planner", planner, "-o", "e"];
+        iiwasim(&folder, &args)
+            .success()
+            .stdout("2 programs on a virtual robot; report in e/report.md\n");
+        let report = text(&folder, "e/report.md").replace('\n', " ");
+        assert!(report.contains(&format!("**Result: {result}")), "{report}");
+        let expected = ["load-0-kg.csv", "load-0-kg.mcap", "load-7-kg.csv", "load-7-kg.mcap"];
+        assert_eq!(listed(&folder, "e/recordings"), expected);
+        if planner == "none" {
+            let recordings = ["e/recordings/load-0-kg.mcap", "e/recordings/load-7-kg.mcap"];
+            let args = ["identify", recordings[0], recordings[1], "--no-output", "--json"];
+            let found = iiwasim(&folder, &args).success().get_output().stdout.clone();
+            let found: serde_json::Value = serde_json::from_slice(&found).unwrap();
+            let [none, some] = [0, 1].map(|i| found["torques"]["loads"][i].clone());
+            assert!(none["mass_kg"]["value"].as_f64().unwrap().abs() < 0.01, "{none}");
+            assert!(none["load"].is_null() && none["stated"].is_null(), "{none}");
+            assert_eq!(some["stated"]["mass_kg"], 7.0);
+            assert!((some["mass_kg"]["value"].as_f64().unwrap() - 7.0).abs() < 0.02, "{some}");
+            // A2 and A4 alone do not turn the load about anything that shows y.
+            assert!((some["center_mm"][2]["value"].as_f64().unwrap() - 60.0).abs() < 3.0, "{some}");
+        }
+    }
+}

@@ -94,7 +94,8 @@ fn a_folder_stands_for_its_programs_by_name() {
     let assert = iiwasim(&folder, &["plan", "cell"]).success().stderr(is_empty());
     let rows = rows(&assert);
     assert_eq!(rows.len(), 3);
-    let row = ["cell/appendix-b.json", "4", "8.846", "8.796", "0.050", "A4", "velocity", "planned"];
+    let row =
+        ["cell/appendix-b.json", "4", "8.846", "8.796", "0.050", "A4", "velocity", "47", "planned"];
     assert_eq!(rows[0], row);
     assert_eq!(rows[1][0], "cell/ten-motions.json");
     assert_eq!((rows[2][0].as_str(), rows[2][4].as_str()), ("cell/waits-and-stops.json", "0.700"));
@@ -102,6 +103,27 @@ fn a_folder_stands_for_its_programs_by_name() {
     assert!(text.contains("3 planned, 0 failed; cycle times together 21.312 s"), "{text}");
     let written = ["appendix-b.mcap", "cell", "ten-motions.mcap", "waits-and-stops.mcap"];
     assert_eq!(files(&folder), written);
+}
+
+#[test]
+fn torques_are_a_gate_of_each_program() {
+    let folder = cell();
+    let percent = |row: &[String]| row.iter().rev().nth(1).unwrap().parse::<f64>().unwrap();
+    let shares: Vec<f64> = rows(&iiwasim(&folder, &["plan", "cell", "--no-output"]).success())
+        .iter()
+        .map(|row| percent(row))
+        .collect();
+    let most = shares.iter().copied().fold(0.0, f64::max);
+    let least = shares.iter().copied().fold(f64::MAX, f64::min);
+    assert!(most > least + 2.0, "{shares:?}");
+    let limit = format!("{}", 0.5 * (most + least));
+    let over = shares.iter().filter(|share| **share > 0.5 * (most + least)).count();
+    let gate = ["plan", "cell", "--no-output", "--max-torque-percent", &limit];
+    let assert = iiwasim(&folder, &gate).code(3);
+    assert_eq!(stdout(&assert).matches("overloaded").count(), over);
+    let said = format!("{over} of 3 programs over {limit} % of a joint's torque");
+    assert!(stderr(&assert).contains(&said), "{}", stderr(&assert));
+    assert_eq!(stderr(&assert).matches("Gate not met: cell/").count(), over);
 }
 
 #[test]
@@ -224,8 +246,8 @@ fn the_gate_is_for_each_program() {
     assert!(!message.contains("cell/ten-motions.json"), "{message}");
     assert!(message.contains("1 of 4 programs failed, 1 of 4 programs over 8 s"), "{message}");
     let rows = rows(&assert);
-    assert_eq!(rows[0][7..], ["too", "long"]);
-    assert_eq!(rows[1][7..], ["planned"]);
+    assert_eq!(rows[0][8..], ["too", "long"]);
+    assert_eq!(rows[1][8..], ["planned"]);
     iiwasim(&folder, &["plan", "cell", "--no-output", "--max-cycle-time", "9"])
         .success()
         .stderr(is_empty());

@@ -90,7 +90,7 @@ fn an_arm_that_touches_itself_meets_no_gate() {
         gate("long.json").code(3).stdout(contains("\nThe arm touches itself: the tool and link "));
     let message = stderr(&refused);
     assert!(message.contains("touches itself: the tool and link "), "{message}");
-    // Without a gate it is told, and no more.
+    // Without a gate, plan reports it and exits with 0.
     plan(&cell, &["bend.json", "--scene", "long.json"]).success();
 }
 

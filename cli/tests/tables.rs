@@ -38,7 +38,22 @@ fn tables_read_back_as_the_plan() {
     let text = fs::read_to_string(folder.path().join("a.csv")).unwrap();
     let mut lines = text.lines();
     let head: Vec<&str> = lines.next().unwrap().split(',').collect();
-    assert_eq!((head.len(), head[0], head[1], head[28]), (29, "t_s", "motion", "tcp_c_rad"));
+    assert_eq!((head.len(), head[0], head[1], head[28]), (36, "t_s", "motion", "tcp_c_rad"));
+    assert_eq!(head[29..], [1, 2, 3, 4, 5, 6, 7].map(|joint| format!("torque_{joint}_nm")));
+    // What the figures, the MCAP file and the tables say of torques is the same.
+    let largest = |j: usize| {
+        let rows = text.lines().skip(1).map(|row| row.split(',').nth(29 + j).unwrap());
+        rows.map(|nm| nm.parse::<f64>().unwrap().abs()).fold(0.0, f64::max)
+    };
+    let motions = figures["motions"].as_array().unwrap();
+    for j in 0..7 {
+        let peaks = motions.iter().map(|it| it["torque"]["peak_nm"][j].as_f64().unwrap().abs());
+        let peak = peaks.fold(0.0, f64::max);
+        assert!(largest(j) <= peak + 1e-9 && largest(j) > 0.9 * peak - 0.1, "A{}: {peak}", j + 1);
+    }
+    let states: Vec<_> = mcap.exerted_nm().map(|torques| torques.unwrap()[1]).collect();
+    let rows = text.lines().skip(1).map(|row| row.split(',').nth(30).unwrap());
+    assert!(rows.map(|nm| nm.parse::<f64>().unwrap()).eq(states));
     // The program's tool is 120 mm long: its TCP is where `fk` says.
     let last: Vec<f64> =
         lines.last().unwrap().split(',').map(|field| field.parse().unwrap()).collect();

@@ -3,6 +3,8 @@
 use std::{path::PathBuf, time::Duration};
 
 use clap::{ArgGroup, Args, ValueEnum};
+use iiwa_eval::LoadPlanning;
+use iiwa_kin::Load;
 use iiwa_link::security::Endpoint;
 
 use super::{
@@ -28,6 +30,9 @@ use super::{
 /// above the robot's base, or are those of the thesis; they do not consider other obstacles or a tool: the
 /// workspace has to be free. The range of each joint is printed first. The folder has to be new or empty.
 /// Ctrl-C stops the robot on its path; earlier recordings are kept.
+///
+/// `load` shows whether the controller plans with the load: A2 and A4 swing about poses in which gravity takes little or much
+/// of their torque, without a load and with --load. With --drive it asks for it to be mounted, and waits for Enter.
 ///
 /// `tcp-blends` shows how a controller blends paths of the TCP, and needs one that plans them: the simulated cabinet
 /// does so as iiwasim assumes. Where the robot program takes PTP motions only, program the motions of
@@ -90,6 +95,14 @@ pub(crate) struct Experiment {
     #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 200>)]
     pub(crate) count: Option<u16>,
 
+    /// The load of `load`, in kg, with its centre in mm: on a robot it has to be mounted when asked for
+    #[arg(long, value_name = "KG,X,Y,Z", default_value = "7,0,0,60", allow_hyphen_values = true)]
+    pub(crate) load: Load,
+
+    /// What the virtual robot makes of a load: none, factor (2 % slower for each kg) or torque (within the joints' limits)
+    #[arg(long, value_name = "NAME", default_value = "none", conflicts_with = "drive")]
+    pub(crate) load_planner: LoadPlanning,
+
     /// Let the arm move to the start of each program, at this share of the velocity limits, in per cent, 10
     /// without a value
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = percent_above_zero, requires = "drive")]
@@ -118,7 +131,9 @@ pub(crate) enum ExperimentName {
     CycleTime,
     /// Blends of paths of the TCP, orientation and E1 along them: not in the thesis; with --drive, for controllers that plan paths of the TCP
     TcpBlends,
-    /// All of them, in one report
+    /// Whether the controller plans with the load: swings of A2 and A4 without and with one; not in the thesis
+    Load,
+    /// All but `load`, in one report
     All,
 }
 

@@ -1,8 +1,13 @@
 //! Commands of the connection to a robot.
 
-use std::{net::SocketAddr, path::PathBuf, time::Duration};
+use std::{
+    net::{IpAddr, SocketAddr},
+    path::PathBuf,
+    time::Duration,
+};
 
 use clap::{Args, Subcommand};
+use iiwa_kin::{Load, Mount};
 use iiwa_link::{message::IoValue, security::Endpoint};
 
 use super::{
@@ -51,9 +56,14 @@ pub(crate) struct Drive {
     #[arg(long, value_name = "IP:PORT", default_value = "127.0.0.1:30200")]
     pub(crate) fri: SocketAddr,
 
-    /// Address of the cabinet: the robot program runs there, and only its FRI messages are accepted
+    /// Address of the cabinet: the robot program runs there
     #[arg(long, value_name = "HOST", default_value = "127.0.0.1")]
     pub(crate) cabinet: String,
+
+    /// Address that the cabinet sends FRI messages from, as that of its KONI port: only these are accepted [default: that of
+    /// --cabinet]
+    #[arg(long, value_name = "IP")]
+    pub(crate) fri_cabinet: Option<IpAddr>,
 
     /// Port for instructions to the robot program
     #[arg(long, value_name = "PORT", default_value_t = iiwa_link::CABINET_INSTRUCTIONS_PORT)]
@@ -73,6 +83,15 @@ pub(crate) struct Drive {
     /// Public key of the cabinet, if it requires keys; the drive then needs its own, too (--key)
     #[arg(long, value_name = "FILE.pub", requires = "key")]
     pub(crate) cabinet_key: Option<PathBuf>,
+
+    /// Check the connection to the cabinet step by step and exit: what is right, what is wrong, what to do about it. It
+    /// moves nothing
+    #[arg(long)]
+    pub(crate) check: bool,
+
+    /// Print the check as one JSON object: `ok`, `steps`
+    #[arg(long, requires = "check")]
+    pub(crate) json: bool,
 }
 
 /// Simulate the robot and its cabinet, for `iiwasim drive` to connect to.
@@ -97,6 +116,18 @@ pub(crate) struct Cabinet {
     #[arg(long, value_name = "RAD", default_value_t = 0.0, value_parser = noise)]
     pub(crate) noise: f64,
 
+    /// Standard deviation of measured torques, in Nm
+    #[arg(long, value_name = "NM", default_value_t = 0.0, value_parser = at_least_0)]
+    pub(crate) torque_noise: f64,
+
+    /// What hangs on the flange, in kg, with its centre in mm, whatever programs say: what they do not say is an external torque
+    #[arg(long, value_name = "KG[,X,Y,Z]", allow_hyphen_values = true)]
+    pub(crate) load: Option<Load>,
+
+    /// How the robot's foot stands, in degrees, as 180,0,0 at the ceiling [default: as programs say]
+    #[arg(long, value_name = "R,P,Y", allow_hyphen_values = true)]
+    pub(crate) mount: Option<Mount>,
+
     /// Built-in model or robot profile
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
@@ -116,6 +147,10 @@ pub(crate) struct Cabinet {
     /// Address of the state of the robot program
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:30002")]
     pub(crate) state: Endpoint,
+
+    /// Leave out what the robot program of a real cabinet does not know: when runs began and ended, and temperatures
+    #[arg(long)]
+    pub(crate) without_times: bool,
 
     #[command(flatten)]
     pub(crate) keys: ServerKeys,

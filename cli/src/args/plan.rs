@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
 use super::{
-    RosNaming, Urdf,
-    values::{at_least_0, epoch, rate, whole},
+    Answering, RosNaming, Urdf,
+    values::{at_least_0, epoch, rate, torque_percent, whole},
 };
 
 /// Options that few need.
@@ -19,7 +19,8 @@ const METHOD: &str = "Methods of calculation (Larsen 2019)";
 /// The table has a row for each motion: when it starts, how long it takes, its top speed as a share of the
 /// joint's speed limit, and the limits that it reaches for the longest time, with their shares of its
 /// duration; --json prints all of them. A motion lasts from the start of the blend that leads into it to
-/// the start of the blend that leads out of it, or to its stop.
+/// the start of the blend that leads out of it, or to its stop. Below it are the largest torque, as a share of
+/// the joint's limit, and the work of the joints: behind the gears (link side), without what motors and rotors take.
 ///
 /// The MCAP file opens in Foxglove, Lichtblick, Rerun and ROS 2 tools: joint states, link frames,
 /// the flange's pose, the whole trajectory, the robot's URDF and the program.
@@ -29,6 +30,8 @@ const METHOD: &str = "Methods of calculation (Larsen 2019)";
 /// that programs include. The table then has a row for each program: its cycle time, in motion and at rest (settling and waiting), and
 /// the limit that is reached for most of its time in motion. A program that fails is reported on
 /// standard error and does not stop the others; the exit code is then 3.
+///
+/// `iiwasim plan PROJECT --application CLASS` plans an application of a Sunrise project, as `iiwasim import` takes it.
 #[derive(Args, Debug)]
 pub(crate) struct Plan {
     /// Motion program in JSON (`iiwasim schema` describes it), or a folder of them; - reads
@@ -57,6 +60,13 @@ pub(crate) struct Plan {
     #[arg(long, value_enum, default_value_t = Timing::Jerk, help_heading = METHOD)]
     pub(crate) timing: Timing,
 
+    /// Also limit the torques of the joints (link side) to this percentage of the robot's, instead of what the program says:
+    /// slower where the load needs more. Programs that need less are planned as without. Nothing public says that Sunrise
+    /// plans with the load [PERCENT: 1 to 1000, 100 if left out]
+    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "100",
+        value_parser = torque_percent)]
+    pub(crate) limit_torque: Option<f64>,
+
     /// Curve of the blends
     #[arg(long, value_enum, default_value_t = Shape::Iiwa, help_heading = METHOD)]
     pub(crate) blend_shape: Shape,
@@ -70,7 +80,7 @@ pub(crate) struct Plan {
     pub(crate) samples: u32,
 
     /// Also write the trajectory as a table, of a single program: time, motion, joint positions, velocities and
-    /// accelerations, the TCP
+    /// accelerations, the TCP, torques
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) csv: Option<PathBuf>,
 
@@ -87,6 +97,9 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "SIZE", default_value = "1GB")]
     pub(crate) max_file_size: ByteSize,
 
+    #[command(flatten)]
+    pub(crate) answering: Answering,
+
     /// Built-in model or robot profile, instead of the program's
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
@@ -94,6 +107,10 @@ pub(crate) struct Plan {
     /// Gate: exit with code 3 if a program takes longer, in s
     #[arg(long, value_name = "S", value_parser = at_least_0)]
     pub(crate) max_cycle_time: Option<f64>,
+
+    /// Gate: exit with code 3 if a joint needs more of its torque (link side), in % of the robot's limit
+    #[arg(long, value_name = "P", value_parser = at_least_0)]
+    pub(crate) max_torque_percent: Option<f64>,
 
     /// Scene in JSON (`iiwasim schema scene` describes it), to print the clearance of the arm
     #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]

@@ -9,8 +9,8 @@ use super::Urdf;
 /// Make a page of a plan or a recording: the arm in motion, its path, its joints over time, its motions.
 ///
 /// The page is one HTML file that needs no network: the arm in 3D with play, pause, scrub and speed;
-/// the path of the flange with the blends and their spheres; position, velocity, acceleration and
-/// jerk of the joints next to their limits; when each motion runs and what limits it. With a second
+/// the path of the flange with the blends and their spheres; position, velocity, acceleration, jerk
+/// and torque (link side) of the joints next to their limits; when each motion runs and what limits it. With a second
 /// file, both arms and the errors that `iiwasim compare` finds. With --scene, the obstacles, the tool and the
 /// clearance over time.
 ///

@@ -3,6 +3,7 @@
 use std::time::{Duration, UNIX_EPOCH};
 
 use iiwa_link::message::IoValue;
+use iiwa_program::{MAX_TORQUE_LIMIT, MIN_TORQUE_LIMIT};
 
 /// A number.
 pub(super) fn number(text: &str) -> Result<f64, String> {
@@ -59,6 +60,11 @@ pub(super) fn percent(text: &str) -> Result<f64, String> {
 
 pub(super) fn percent_above_zero(text: &str) -> Result<f64, String> {
     within(text, 0.1, 100.0, " %")
+}
+
+/// A limit of torques.
+pub(super) fn torque_percent(text: &str) -> Result<f64, String> {
+    within(text, 100.0 * MIN_TORQUE_LIMIT, 100.0 * MAX_TORQUE_LIMIT, " %")
 }
 
 /// A period in s.

@@ -1,8 +1,8 @@
 //! `iiwasim cabinet`.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use iiwa_cabinet::{Cabinet, CabinetConfig, Faults};
+use iiwa_cabinet::{Cabinet, CabinetConfig, Faults, Repeated};
 
 use crate::{
     args, connection,
@@ -26,9 +26,12 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     config.receive_multiplier = options.receive_multiplier;
     config.speed = options.speed;
     config.noise_rad = options.noise;
+    config.torque_noise_nm = options.torque_noise;
+    (config.load, config.mount) = (options.load, options.mount);
     config.fri_client = options.fri;
     config.instructions = options.instructions.to_string();
     config.state = options.state.to_string();
+    config.without_times = options.without_times;
     config.faults = Faults::default()
         .with_packet_loss(faults.packet_loss / 100.0)
         .with_delay_cycles(faults.delay);
@@ -56,41 +59,6 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
             cabinet.drop_session(FAULT.as_secs_f64());
         }
     });
-    let report = cabinet.report();
-    let micros = |share| {
-        report
-            .latency
-            .quantile(share)
-            .map_or_else(|| "-".to_owned(), |t| format!("{} us", t.as_micros()))
-    };
-    print_note(&format!(
-        "{} messages, {} answers: after {} (median), {} (99.9 %), {} (maximum); {} cycles delayed by this machine\n",
-        report.cycles,
-        report.latency.count(),
-        micros(0.5),
-        micros(0.999),
-        micros(1.0),
-        report.delayed_cycles
-    ));
+    print_note(&format!("{}\n", cabinet.report()));
     Ok(())
-}
-
-/// A repeated fault.
-struct Repeated {
-    every: Option<Duration>,
-    last: Instant,
-}
-
-impl Repeated {
-    fn new(every_s: Option<f64>) -> Self {
-        Self { every: every_s.map(Duration::from_secs_f64), last: Instant::now() }
-    }
-
-    fn is_due(&mut self) -> bool {
-        let due = self.every.is_some_and(|every| self.last.elapsed() >= every);
-        if due {
-            self.last = Instant::now();
-        }
-        due
-    }
 }

@@ -2,8 +2,9 @@
 
 use std::net::{IpAddr, ToSocketAddrs};
 
-use iiwa_drive::{AnswerLatency, Drive, DriveConfig};
+use iiwa_drive::{AnswerLatency, Drive, DriveConfig, LinkCheck};
 use iiwa_link::{Remote, security::ClientSecurity};
+use iiwa_view::printable;
 
 use crate::{
     args, connection,
@@ -28,9 +29,19 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
     config.instructions = options.instructions.to_string();
     config.stream = options.stream.to_string();
     config.fri = options.fri;
-    config.fri_controller = address(host, options.fri.is_ipv4())?;
+    config.fri_controller = match options.fri_cabinet {
+        None => address(host, options.fri.is_ipv4())?,
+        Some(ip) if ip.is_ipv4() == options.fri.is_ipv4() => ip,
+        Some(ip) => {
+            let what = format!("--fri-cabinet {ip} is not an address of the kind of --fri");
+            return Err(Failure::input(what));
+        }
+    };
     config.cabinet_instructions = at(host, options.cabinet_instructions);
     config.cabinet_state = at(host, options.cabinet_state);
+    if options.check {
+        return check(&config, &cabinet, options.json);
+    }
     output::catch_interrupts();
     log::start();
     let drive = Drive::start(config, &clients, &cabinet)
@@ -54,6 +65,19 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
         slowest.as_micros()
     ));
     Ok(())
+}
+
+/// Checks the connection to the cabinet.
+fn check(config: &DriveConfig, cabinet: &Remote, json: bool) -> Result<(), Failure> {
+    // A closed output ends nothing: the result is the exit code.
+    let check = LinkCheck::run(config, cabinet, |step| {
+        let _ = (!json).then(|| output::print(&format!("{}\n", printable(&step.line("--")))));
+    });
+    if json {
+        output::print_json(&check)?;
+    }
+    let what = "the connection to the cabinet is not ready".to_owned();
+    if check.ok { Ok(()) } else { Err(Failure::Run { what, cause: None }) }
 }
 
 fn at(host: &str, port: u16) -> String {

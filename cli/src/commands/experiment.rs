@@ -4,7 +4,7 @@ mod arm;
 mod folder;
 
 use std::{
-    env,
+    env, io,
     path::{Path, PathBuf},
 };
 
@@ -17,7 +17,7 @@ use crate::{
     failure::{Failure, print_note},
     input, output,
     progress::Progress,
-    runner::DriveConnection,
+    runner::connect,
 };
 
 use self::{
@@ -35,6 +35,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         ExperimentName::Settle => vec![ExperimentKind::Settle],
         ExperimentName::CycleTime => vec![ExperimentKind::CycleTime],
         ExperimentName::TcpBlends => vec![ExperimentKind::TcpBlends],
+        ExperimentName::Load => vec![ExperimentKind::Load],
         ExperimentName::All => ExperimentKind::ALL.to_vec(),
     };
     let path = match &options.output {
@@ -50,6 +51,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     let bench = Bench {
         model,
         seed: options.seed,
+        load: options.load,
         count: options.count.map(usize::from),
         on: match &options.drive {
             Some(address) => format!("on the robot at {address}"),
@@ -65,7 +67,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         (Some(drive), Some(to_start)) => {
             let keys = options.keys.clone();
             let address = DriveAddress { drive: drive.clone(), keys };
-            let line = Box::new(DriveConnection::new(&address, &options.stream)?);
+            let line = Box::new(connect(&address, &options.stream)?);
             let trials = programs.iter().flat_map(|(_, trials)| trials);
             let warning = motion_warning(&bench.model, trials, count);
             print_note(&warning.map_err(|fault| Failure::input(fault.to_string()))?);
@@ -76,6 +78,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
             noise_rad: options.noise,
             rate_hz: 0.0,
             seed: options.seed,
+            load_planning: options.load_planner,
         })),
     };
 
@@ -93,6 +96,9 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         }
         let mut runs = Vec::with_capacity(trials.len());
         for trial in trials {
+            if let (Arm::Real { .. }, Some(mounted)) = (&arm, kind.to_mount(&trial)) {
+                wait_for_enter(&mounted)?;
+            }
             let log = arm.run(&trial, &bench.model)?;
             folder.run(&trial, &log, &bench.model)?;
             runs.push(TrialRun { trial, log });
@@ -122,6 +128,14 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     }
     let programs = if count == 1 { "program" } else { "programs" };
     output::print(&format!("{count} {programs} {}; report in {}\n", bench.on, report.display()))
+}
+
+/// Asks people to do something before the arm goes on.
+fn wait_for_enter(what: &str) -> Result<(), Failure> {
+    print_note(&format!("{what}; then press Enter\n"));
+    let confirmed = matches!(io::stdin().read_line(&mut String::new()), Ok(1..));
+    let unconfirmed = || Failure::input(format!("{what}: that has to be confirmed by Enter"));
+    confirmed.then_some(()).ok_or_else(unconfirmed)
 }
 
 /// Path of the report, and the prefix of links from it to the files of the folder.

@@ -16,6 +16,10 @@ pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
         return Err(Failure::input("--min-clearance needs a scene: --scene SCENE.json"));
     }
     match options.programs.as_slice() {
+        [folder] if options.answering.is_given() => one::run(options, folder),
+        _ if options.answering.is_given() => Err(Failure::input(
+            "--application and answers are for one Sunrise project, which is named by its folder",
+        )),
         [program] if target::is_stdin(program) || !program.is_dir() => one::run(options, program),
         given => many::run(options, given),
     }

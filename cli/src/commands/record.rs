@@ -7,6 +7,7 @@ use std::{
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
+use iiwa_files::interrupt;
 use iiwa_kin::Robot;
 use iiwa_link::{Published, Stream};
 use iiwa_log::{Config, DEFAULT_EPOCH, Recorder, RecorderConfig, WriteError};
@@ -55,7 +56,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let hardware_id = robot.name().to_owned();
     let mut noted = false;
     let mut progress = Progress::of_recording();
-    while !output::interrupted() && limit.is_none_or(|limit| since.elapsed() < limit) {
+    while !interrupt::has_come() && limit.is_none_or(|limit| since.elapsed() < limit) {
         let published = match stream.next(POLL) {
             Ok(published) => published,
             Err(error) if samples == 0 => return Err(connection::refused(&error)),

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use iiwa_files::interrupt;
 use iiwa_view::{Extent, Page, PageOptions, ViewError, printable};
 
 use crate::{
@@ -29,7 +30,7 @@ pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let files = ArmFiles::new(&options.arm)?;
     let arm = files.as_ref().map(ArmFiles::source);
     let how =
-        PageOptions { robot, arm, scene, extent: Extent::Whole, interrupted: output::interrupted };
+        PageOptions { robot, arm, scene, extent: Extent::Whole, interrupted: interrupt::has_come };
     let page = Page::read(&options.file, options.measured.as_deref(), &how);
     let page = page.map_err(|error| match (&error, &files) {
         (ViewError::Arm { source }, Some(files)) => files.failure(source),

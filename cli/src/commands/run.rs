@@ -5,6 +5,7 @@ use std::{
     path::{Path as FilePath, PathBuf},
 };
 
+use iiwa_files::Output;
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, message::Run as Measured};
 use iiwa_log::{Config, PlanFigures, PlanOptions};
@@ -12,21 +13,17 @@ use iiwa_path::warnings;
 use iiwa_program::Program;
 use iiwa_scene::ArmInScene;
 use iiwa_traj::Trajectory;
-use iiwa_view::{PlanGates, RunReport, plan_table};
+use iiwa_twin::runs::{Task, began, since_start};
+use iiwa_view::{PlanGates, RunReport, add_clearances, plan_table, printable, warning_lines};
 
 use crate::{
     args::Run,
-    clearance::add_clearances,
     connection,
     failure::{Failure, print_note},
     input::{self, ProgramText},
-    output::{self, Output},
+    output,
     progress::Progress,
-    runner::{
-        DriveConnection, Task, began, execute_with_progress, go_to_start, hint, recording, sampled,
-        since_start,
-    },
-    warning::warning_lines,
+    runner::{connect, execute_with_progress, go_to_start, hint, recording, sampled},
 };
 
 /// Runs a program on the robot.
@@ -40,9 +37,11 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
         let arm = ArmInScene::new(&robot, scene);
         plan.sections().iter().for_each(|section| add_clearances(&mut figures, &arm, section));
     }
-    print_note(&warning_lines(&warnings(&program, plan.path()), None));
+    let mut warnings = warnings(&program, plan.path());
+    warnings.extend(figures.torque_warnings());
+    print_note(&warning_lines(&warnings, None));
 
-    let mut line = DriveConnection::new(&options.drive, &options.stream)?;
+    let mut line = connect(&options.drive, &options.stream)?;
     if !options.json {
         output::print(&plan_table(&figures))?;
     }
@@ -79,13 +78,16 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
             (Measured::new(watched.streamed), Some(failure))
         }
     };
-    let (log, torques_nm) = since_start(&measured, &watched.torques);
+    if let Some(why) = &measured.untimed_because {
+        print_note(&format!("No cycle time by the controller: {}\n", printable(why)));
+    }
+    let log = since_start(&measured, &watched.torques);
     let written = output.filter(|_| !log.t_s.is_empty());
     let file = match written {
         Some(output) => {
             let epoch = options.epoch.unwrap_or_else(|| began(&log));
             let file = Config { epoch, names: options.ros.names(), ..Config::default() };
-            let recording = recording(&log, &torques_nm, file, &robot, text.complete())?;
+            let recording = recording(&log, file, &robot, text.complete())?;
             output.write(&recording)?;
             output.complete_always()?;
             target.as_deref()
@@ -135,9 +137,9 @@ fn plan(
     robot: &Robot,
 ) -> Result<(Trajectory, PlanFigures), Failure> {
     let how = PlanOptions::default();
-    let plan =
-        how.plan(program, robot).map_err(|error| Failure::plan(error, &text.name, &text.text))?;
-    let mut figures = PlanFigures::new(how.timing, robot, how.samples);
-    plan.sections().iter().for_each(|section| figures.add(section));
+    let plan = how
+        .plan(program, robot)
+        .map_err(|error| Failure::plan(&error, &program.sources, &text.name, &text.text))?;
+    let figures = PlanFigures::of(&plan, &how);
     Ok((plan, figures))
 }

@@ -13,9 +13,12 @@ pub(crate) fn run(options: &Sensors) -> Result<(), Failure> {
         return output::print_json(&sensors);
     }
     let mut rows = table(&["joint", "temperature C", "external torque Nm"]);
-    let values = sensors.joint_temperature_c.iter().zip(sensors.external_torque_nm);
-    for (j, (temperature, torque)) in values.enumerate() {
-        rows.add_row([format!("A{}", j + 1), format!("{temperature:.1}"), format!("{torque:.2}")]);
+    for (j, torque) in sensors.external_torque_nm.iter().enumerate() {
+        let temperature = sensors.joint_temperature_c.map(|celsius| format!("{:.1}", celsius[j]));
+        let temperature = temperature.unwrap_or_else(|| "-".to_owned());
+        rows.add_row([format!("A{}", j + 1), temperature, format!("{torque:.2}")]);
     }
-    output::print(&format!("{rows}\n"))
+    let unknown = "The controller does not report the temperatures.\n";
+    let note = if sensors.joint_temperature_c.is_none() { unknown } else { "" };
+    output::print(&format!("{rows}\n{note}"))
 }

@@ -1,15 +1,12 @@
 //! `iiwasim status`.
 
-use std::{
-    fmt::Write as _,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
+use iiwa_files::interrupt;
 use iiwa_link::{
     Published, Stream,
-    message::{DriveState, FriStatus, Presence, Status as Answer},
+    message::{Degrees, DriveState},
 };
-use iiwa_view::printable;
 
 use crate::{args::Status, connection, failure::Failure, output};
 
@@ -24,7 +21,7 @@ pub(crate) fn run(options: &Status) -> Result<(), Failure> {
     if options.json {
         return output::print_json(&status);
     }
-    output::print(&text(&status))
+    output::print(&status.text())
 }
 
 /// Follows the robot until an interrupt.
@@ -40,7 +37,7 @@ fn watch(options: &Status, mut state: DriveState) -> Result<(), Failure> {
         let joints = ["A1", "A2", "A3", "A4", "A5", "A6", "A7"].map(|name| format!("{name:>8}"));
         output::print(&format!("{:>10}    {:<18}{}\n", "time", "state", joints.join(" ")))?;
     }
-    while !output::interrupted() {
+    while !interrupt::has_come() {
         let pause = |length| shown.is_none_or(|shown| shown.elapsed() >= length);
         let next = stream.next(EVERY).map_err(|error| connection::refused(&error))?;
         let line = match next {
@@ -50,7 +47,7 @@ fn watch(options: &Status, mut state: DriveState) -> Result<(), Failure> {
                 continue;
             }
             Some(Published::Joints { t_s, joints_rad }) if pause(EVERY) => {
-                format!("{t_s:10.3} s  {state:<18}{}\n", degrees(&joints_rad))
+                format!("{t_s:10.3} s  {state:<18}{}\n", Degrees(&joints_rad))
             }
             None if pause(SILENT) && !options.json => {
                 "nothing is published: the drive receives nothing from the controller\n".to_owned()
@@ -63,38 +60,4 @@ fn watch(options: &Status, mut state: DriveState) -> Result<(), Failure> {
         }
     }
     Ok(())
-}
-
-fn degrees(joints_rad: &[f64; 7]) -> String {
-    // No negative zero.
-    joints_rad.map(|q| format!("{:8.3}", (q.to_degrees() * 1e3).round() / 1e3 + 0.0)).join(" ")
-        + " deg"
-}
-
-fn text(status: &Answer) -> String {
-    let simulated = if status.simulated { " (a simulated robot)" } else { "" };
-    let stopped = if status.fri.safety_stop { ", a safety stop is active" } else { "" };
-    let mut text = format!("state          {}{stopped}{simulated}\n", status.state);
-    match (status.joints_rad, status.t_s) {
-        (Some(joints), Some(t_s)) => {
-            let last = if status.fri.session == FriStatus::SILENT { "last " } else { "" };
-            let _ = writeln!(text, "joints        {}, {last}at {t_s:.3} s", degrees(&joints));
-        }
-        _ => text.push_str("joints         unknown: nothing was received from the controller\n"),
-    }
-    let fri = &status.fri;
-    let _ = writeln!(
-        text,
-        "FRI            {}, quality {}; {} messages lost, {} late",
-        printable(&fri.session),
-        printable(&fri.quality),
-        fri.lost,
-        fri.late
-    );
-    let program = match status.robot_program {
-        Presence::Connected => "connected",
-        Presence::Silent => "silent",
-    };
-    let _ = writeln!(text, "robot program  {program}");
-    text
 }

@@ -1,64 +1,69 @@
 //! `iiwasim twin`.
 
-use std::{
-    net::{Ipv4Addr, SocketAddr, TcpListener},
-    sync::{Arc, Mutex},
-    thread,
-};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+
+use iiwa_kin::{Robot, RosNames};
+use iiwa_twin::{Setup, Twin, TwinError, TwinOptions};
+use iiwa_viewers::Viewers;
 
 use crate::{
-    args, connection,
+    args,
+    arm_files::ArmFiles,
+    connection,
     failure::{Failure, print_note},
-    output,
-    twin::{
-        Dispatcher, LatestJoints, PageChannel, Setup, Shared, Token, Viewers, follow, serve,
-        watch_health,
-    },
+    input, output,
+    twin_failure::WORDING,
 };
 
 /// A server for Foxglove and Lichtblick.
-fn viewers_at(setup: &Setup, at: SocketAddr) -> Result<Viewers, Failure> {
-    Viewers::listen(&setup.robot, &setup.names, at).map_err(|error| {
-        match error.cause.downcast_ref() {
-            Some(cause) => connection::not_listening(&error, cause, "--foxglove=IP:PORT"),
-            None => error.into(),
-        }
+fn viewers_at(robot: &Robot, names: &RosNames, at: SocketAddr) -> Result<Viewers, Failure> {
+    Viewers::listen(robot, names, at).map_err(|error| match error.cause.downcast_ref() {
+        Some(cause) => connection::not_listening(&error, cause, "--foxglove=IP:PORT"),
+        None => TwinError::from(error).into(),
+    })
+}
+
+/// Reads the files that the options name.
+fn twin_options(options: &args::Twin) -> Result<TwinOptions, Failure> {
+    let robot = input::find_robot(&options.robot)?;
+    let scene = options.scene.as_deref().map(input::scene).transpose()?;
+    let files = ArmFiles::new(&options.arm)?;
+    let meshes = files.map(|files| files.meshes(&robot)).transpose()?;
+    Ok(TwinOptions {
+        robot,
+        robot_name: options.robot.clone(),
+        names: options.ros.names(),
+        scene,
+        meshes,
+        min_clearance_mm: options.min_clearance,
+        io: options.io.clone(),
+        remote: connection::remote(&options.drive.keys)?,
+        drive: options.drive.drive.to_string(),
+        stream: options.stream.to_string(),
+        positions: options.positions.clone(),
+        folder: options.output.clone(),
+        wording: WORDING,
     })
 }
 
 /// Follows the robot and serves its page until an interrupt.
 pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
-    let setup = Arc::new(Setup::new(options)?);
+    let with = twin_options(options)?;
+    let (robot, names) = (with.robot.clone(), with.names.clone());
+    let setup = Setup::new(with)?;
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, options.port)).map_err(|error| {
         let what = format!("cannot listen at port {}; --port 0 takes a free one", options.port);
         Failure::run(what, &error)
     })?;
     let address =
         listener.local_addr().map_err(|error| Failure::run("cannot serve the page", &error))?;
-    let token = Token::new()?;
-    let viewers = options.foxglove.map(|at| viewers_at(&setup, at)).transpose()?;
+    let viewers = options.foxglove.map(|at| viewers_at(&robot, &names, at)).transpose()?;
     output::catch_interrupts();
-    let live = Arc::new(LatestJoints::default());
-    let dispatcher = Arc::new(Dispatcher::new(setup.clone(), live.clone())?);
-    let (live_words, health_words) = (PageChannel::new("{}".into()), PageChannel::new("{}".into()));
-    let words = [live_words.subscribe(), health_words.subscribe()];
-    let twin = Shared::new(setup.clone(), words, dispatcher.clone());
-    output::print(&format!("http://{address}/?token={}\n", token.text()))?;
+    let twin = Twin::new(setup)?;
+    output::print(&format!("http://{address}/?token={}\n", twin.token()))?;
     print_note("The twin is at this address, for this machine only. Ctrl-C ends it.\n");
     if let Some(viewers) = &viewers {
         print_note(&format!("Foxglove and Lichtblick open ws://{}\n", viewers.address()));
     }
-    let viewers = viewers.map(Mutex::new);
-    thread::scope(|scope| {
-        scope.spawn(|| watch_health(&setup, &health_words, viewers.as_ref()));
-        let following = scope.spawn(|| {
-            // Without joint positions there is nothing to show.
-            follow(&setup, &live, &live_words, viewers.as_ref())
-                .inspect_err(|_| output::interrupt())
-        });
-        let served = serve(listener, &token, twin);
-        output::interrupt();
-        dispatcher.end();
-        following.join().unwrap_or(Ok(())).and(served)
-    })
+    Ok(twin.run(listener, viewers)?)
 }

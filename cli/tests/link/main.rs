@@ -13,5 +13,6 @@ mod faults;
 mod keys;
 mod page;
 mod positions;
+mod real_cabinet;
 mod rig;
 mod twin;

@@ -121,7 +121,7 @@ pub(crate) struct Rig {
     stream: String,
     pub(crate) fri: String,
     pub(crate) cabinet_instructions: String,
-    cabinet_state: String,
+    pub(crate) cabinet_state: String,
     /// Goes after the processes that print into it.
     folder: TempDir,
 }
@@ -165,12 +165,20 @@ impl Rig {
     }
 
     pub(crate) fn start_drive(&mut self, options: &[&str]) {
+        self.drive = Some(self.start(&[&self.drive_arguments()[..], options].concat()));
+    }
+
+    /// The check of the connection to the cabinet, to its end.
+    pub(crate) fn check_drive(&self, options: &[&str]) -> Ended {
+        self.start(&[&self.drive_arguments()[..], &["--check"], options].concat()).end()
+    }
+
+    fn drive_arguments(&self) -> Vec<&str> {
         let mut arguments = vec!["drive", "--fri", &self.fri, "--instructions", &self.instructions];
         arguments.extend(["--stream", &self.stream]);
         arguments.extend(["--cabinet-instructions", port(&self.cabinet_instructions)]);
         arguments.extend(["--cabinet-state", port(&self.cabinet_state)]);
-        arguments.extend(options);
-        self.drive = Some(self.start(&arguments));
+        arguments
     }
 
     /// Until FRI is ready to command, and requests find the robot program.

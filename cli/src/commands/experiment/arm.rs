@@ -4,6 +4,7 @@ use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
 use iiwa_link::{ClientError, message::Samples};
 use iiwa_log::{JointLog, PlanOptions};
+use iiwa_twin::runs::{DriveConnection, Task};
 use iiwa_view::VirtualArm;
 
 use crate::{
@@ -11,7 +12,7 @@ use crate::{
     failure::{Failure, print_note},
     output,
     progress::Progress,
-    runner::{DriveConnection, Task, execute_with_progress, go_to_start},
+    runner::{execute_with_progress, go_to_start},
 };
 
 /// A virtual robot, or one behind a drive.
@@ -66,5 +67,7 @@ fn run_real(
     }
     let Samples { t_s, joints_rad, .. } = measured.samples;
     let from_s = t_s.first().copied().unwrap_or_default();
-    Ok(JointLog::new(t_s.iter().map(|t_s| t_s - from_s).collect(), joints_rad))
+    let mut log = JointLog::new(t_s.iter().map(|t_s| t_s - from_s).collect(), joints_rad);
+    log.torques_nm = run.torques.at(&t_s);
+    Ok(log)
 }

@@ -11,6 +11,7 @@ use bytesize::ByteSize;
 use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
 use iiwa_log::{Config, DEFAULT_EPOCH, JointLog};
+use iiwa_twin::runs::began;
 
 use crate::{args::Experiment, failure::Failure, output, runner};
 
@@ -54,11 +55,10 @@ impl Folder {
         let name = &trial.name;
         let program = trial.program.to_json();
         self.write(&format!("programs/{name}.json"), format!("{program}\n").as_bytes())?;
-        let epoch = self
-            .epoch
-            .unwrap_or_else(|| if self.of_robot { runner::began(log) } else { DEFAULT_EPOCH });
+        let epoch =
+            self.epoch.unwrap_or_else(|| if self.of_robot { began(log) } else { DEFAULT_EPOCH });
         let file = Config { epoch, ..Config::default() };
-        let mcap = runner::recording(log, &[], file, robot, &program)?;
+        let mcap = runner::recording(log, file, robot, &program)?;
         self.write(&format!("recordings/{name}.mcap"), &mcap)?;
         let mut csv = Vec::new();
         log.write_csv(&mut csv)

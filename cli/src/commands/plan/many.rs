@@ -9,7 +9,7 @@ use std::{
 };
 
 use iiwa_scene::Scene;
-use iiwa_view::{PlannedTimes, Summary, SummaryRow, printable};
+use iiwa_view::{PlannedTimes, Summary, SummaryRow, printable, warning_lines};
 use rayon::{
     ThreadPoolBuilder,
     iter::{ParallelBridge, ParallelIterator},
@@ -26,7 +26,6 @@ use crate::{
     failure::{self, Failure},
     input, output,
     progress::Progress,
-    warning::warning_lines,
 };
 
 /// Plans all programs that are given, and those in the folders that are.
@@ -148,6 +147,7 @@ impl ProgramOutcome {
                 times: Some(PlannedTimes::from(figures)),
                 too_long: gates.too_long.is_some(),
                 too_near: gates.too_near.is_some(),
+                overloaded: gates.overloaded.is_some(),
             },
         })
     }
@@ -159,7 +159,7 @@ impl ProgramOutcome {
             // Two texts can always be serialised.
             line: options.json.then(line).and_then(Result::ok),
             complaint: Some(failure.text()),
-            row: SummaryRow { program: name, times: None, too_long: false, too_near: false },
+            row: SummaryRow::failed(name),
         }
     }
 }

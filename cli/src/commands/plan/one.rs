@@ -7,14 +7,14 @@ use std::{
 };
 
 use iiwa_log::PlanFigures;
-use iiwa_view::plan_table;
+use iiwa_view::{plan_table, warning_lines};
 
 use crate::{
     args::{Plan, Timing},
     failure::{Failure, print_note},
     input, log, output, picture,
     progress::Progress,
-    warning::warning_lines,
+    sunrise,
 };
 
 use super::{
@@ -33,8 +33,13 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
         }
         log::trace();
     }
-    let input = input::program(program, options.robot.as_deref())?;
-    let target = output_path(options, program);
+    let input = if options.answering.is_given() {
+        sunrise::program(program, &options.answering, options.robot.as_deref())?
+    } else {
+        input::program(program, options.robot.as_deref())?
+    };
+    let named = if options.answering.is_given() { Path::new(&input.0.name) } else { program };
+    let target = output_path(options, named);
     distinct(options, program, target.as_deref())?;
     let scene = scene(options)?;
     output::catch_interrupts();

@@ -7,6 +7,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use iiwa_sunrise::Project;
+
 use crate::{args::Plan, failure::Failure, file_kind::JsonKind};
 
 use super::target::{file_name, is_stdin};
@@ -60,6 +62,12 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         if !hidden && path.extension() == Some(OsStr::new("json")) && is_file && !is_other(&path) {
             names.push(name);
         }
+    }
+    if names.is_empty() && Project::has_sources(folder) {
+        return Err(Failure::input(format!(
+            "the folder {} has no programs, but Java: for an application of a Sunrise project, name it with --application",
+            folder.display()
+        )));
     }
     if names.is_empty() {
         return Err(Failure::input(format!(

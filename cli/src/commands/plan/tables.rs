@@ -5,15 +5,11 @@ use std::{
     path::Path,
 };
 
+use iiwa_files::{Output, Stream};
 use iiwa_log::PlanTable;
 use iiwa_traj::Section;
 
-use crate::{
-    args::Plan,
-    failure::Failure,
-    output::{Output, Stream},
-    replaceable::Replaceable,
-};
+use crate::{args::Plan, failure::Failure, output, replaceable::Replaceable};
 
 /// The tables under construction that the options name.
 pub(super) struct Tables(Vec<(Output, PlanTable<BufWriter<Stream>>)>);
@@ -24,9 +20,12 @@ type Begin = fn(BufWriter<Stream>, f64) -> io::Result<PlanTable<BufWriter<Stream
 impl Tables {
     pub(super) fn new(options: &Plan) -> Result<Self, Failure> {
         let begin = |path: &Path, kind: Replaceable, begin: Begin| {
-            let output = Output::replacing(path, kind)?;
+            let output = output::replacing(path, kind)?;
             let table = begin(output.stream()?, options.rate);
-            table.map_err(|error| output.failure(&error)).map(|table| (output, table))
+            match table {
+                Ok(table) => Ok((output, table)),
+                Err(error) => Err(Failure::from(output.failure(error))),
+            }
         };
         let csv = options.csv.as_deref().map(|path| begin(path, Replaceable::Csv, PlanTable::csv));
         let parquet = options
@@ -42,15 +41,15 @@ impl Tables {
 
     pub(super) fn add(&mut self, section: &Section) -> Result<(), Failure> {
         self.0.iter_mut().try_for_each(|(output, table)| {
-            table.section(section).map_err(|error| output.failure(&error))
+            Ok(table.section(section).map_err(|error| output.failure(error))?)
         })
     }
 
     /// The files, which are whole.
     pub(super) fn finish(self) -> Result<Vec<Output>, Failure> {
         let finish = |(output, table): (Output, PlanTable<BufWriter<Stream>>)| {
-            let stream = table.finish().map_err(|error| output.failure(&error))?;
-            stream.into_inner().map_err(|error| output.failure(error.error()))?;
+            let stream = table.finish().map_err(|error| output.failure(error))?;
+            stream.into_inner().map_err(|error| output.failure(error.into_error()))?;
             Ok(output)
         };
         self.0.into_iter().map(finish).collect()

@@ -3,22 +3,21 @@
 use std::path::Path;
 
 use bytesize::ByteSize;
+use iiwa_files::interrupt;
 use iiwa_kin::Robot;
 use iiwa_log::{PlanConfig, PlanFigures, PlanOptions, PlanWriter, Planning};
 use iiwa_path::{PathOptions, warnings};
 use iiwa_program::Program;
 use iiwa_scene::{ArmInScene, Scene};
 use iiwa_traj::{JerkOptions, SweepOptions, Timing};
-use iiwa_view::{PlanGates, PlanPicture, long_duration};
+use iiwa_view::{PlanGates, PlanPicture, add_clearances, long_duration};
 
 use crate::{
     args::{self, Plan},
     arm_files::ArmFiles,
-    clearance::add_clearances,
     failure::Failure,
     input::{self, ProgramText},
-    output::{self, Output},
-    picture,
+    output, picture,
     replaceable::Replaceable,
 };
 
@@ -43,18 +42,22 @@ pub(super) struct PlanOutcome {
 pub(super) fn write(
     options: &Plan,
     scene: Option<&Scene>,
-    (text, program, robot): (ProgramText, Program, Robot),
+    (text, mut program, robot): (ProgramText, Program, Robot),
     target: Option<&Path>,
     mut progress: impl FnMut(f64),
 ) -> Result<PlanOutcome, Failure> {
-    let refuse = |error| Failure::plan(error, &text.name, &text.text);
+    let sources = program.sources.clone();
+    let refuse = |error| Failure::plan(&error, &sources, &text.name, &text.text);
+    if let Some(percent) = options.limit_torque {
+        program.workcell.torque_limit_rel = Some(percent / 100.0);
+    }
     let mut planning = Planning::new(&program, &robot, &plan_options(options))
         .map_err(|fault| refuse(fault.into()))?
         .with_rate(options.rate)
-        .interrupted_by(output::interrupt_flag());
+        .interrupted_by(interrupt::flag());
     let picture = options.picture.as_ref();
     let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&program));
-    let warnings = warnings(&program, planning.path());
+    let mut warnings = warnings(&program, planning.path());
     drop(program);
     let files = ArmFiles::new(&options.arm)?;
     let meshes = files.map(|files| files.meshes(&robot)).transpose()?;
@@ -63,7 +66,7 @@ pub(super) fn write(
         None => ArmInScene::new(&robot, scene),
     });
 
-    let output = target.map(|path| Output::replacing(path, Replaceable::Trajectory)).transpose()?;
+    let output = target.map(|path| output::replacing(path, Replaceable::Trajectory)).transpose()?;
     let drawing = options.picture.as_deref().map(picture::output).transpose()?;
     let mut writer = match &output {
         None => None,
@@ -74,7 +77,7 @@ pub(super) fn write(
                 config.file.epoch = epoch;
             }
             let writer = PlanWriter::new(output.stream()?, &robot, config);
-            Some(writer.map_err(|error| output.failure(&error))?)
+            Some(writer.map_err(|error| output.failure(error))?)
         }
     };
 
@@ -89,7 +92,7 @@ pub(super) fn write(
             if planning.size().bytes() > options.max_file_size.as_u64() {
                 return Err(too_large(options, planning));
             }
-            writer.section(&section).map_err(|error| output.failure(&error))?;
+            writer.section(&section).map_err(|error| output.failure(error))?;
         }
         if !tables.is_empty() && planning.size().bytes() > options.max_file_size.as_u64() {
             return Err(too_large(options, planning));
@@ -104,9 +107,9 @@ pub(super) fn write(
     if let (Some(writer), Some(output)) = (writer, &output) {
         writer
             .finish(planning.figures(), Some(text.complete()))
-            .map_err(|error| output.failure(&error))?
+            .map_err(|error| output.failure(error))?
             .into_inner()
-            .map_err(|error| output.failure(error.error()))?;
+            .map_err(|error| output.failure(error.into_error()))?;
     }
     if let (Some(picture), Some(drawing), Some(path)) = (picture, &drawing, &options.picture) {
         drawing.write(&picture::content(path, picture.draw()?)?)?;
@@ -114,12 +117,17 @@ pub(super) fn write(
     for whole in output.into_iter().chain(drawing).chain(tables.finish()?) {
         whole.complete()?;
     }
+    warnings.extend(planning.figures().torque_warnings());
     Ok(PlanOutcome { figures: planning.into_figures(), warnings })
 }
 
 /// The gates that the options set.
 pub(super) fn gates(options: &Plan) -> PlanGates {
-    PlanGates { max_cycle_time_s: options.max_cycle_time, min_clearance_mm: options.min_clearance }
+    PlanGates {
+        max_cycle_time_s: options.max_cycle_time,
+        min_clearance_mm: options.min_clearance,
+        max_torque_percent: options.max_torque_percent,
+    }
 }
 
 fn plan_options(options: &Plan) -> PlanOptions {
@@ -141,7 +149,7 @@ fn plan_options(options: &Plan) -> PlanOptions {
 /// The failure of a program whose file would be too large, with the size of the whole file; `planning` has the
 /// remaining sections.
 fn too_large(options: &Plan, mut planning: Planning) -> Failure {
-    planning.by_ref().take_while(|_| !output::interrupted()).for_each(drop);
+    planning.by_ref().take_while(|_| !interrupt::has_come()).for_each(drop);
     let size = planning.size();
     Failure::input(format!(
         "the program takes {}: at {} Hz its file would have about {}, more than the {} of --max-file-size; \

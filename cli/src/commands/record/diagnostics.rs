@@ -37,11 +37,14 @@ impl SensorPoll {
         };
         let io =
             signals.into_iter().map(|signal| (signal.name.into(), signal.value.to_string().into()));
-        Some(vec![
-            joints("joint temperatures", "degrees Celsius", sensors.joint_temperature_c),
+        let temperatures = sensors
+            .joint_temperature_c
+            .map(|celsius| joints("joint temperatures", "degrees Celsius", celsius));
+        let rest = [
             joints("external torques", "Nm", sensors.external_torque_nm),
             part("inputs and outputs".to_owned(), String::new(), robot, io.collect()),
-        ])
+        ];
+        Some(temperatures.into_iter().chain(rest).collect())
     }
 }
 

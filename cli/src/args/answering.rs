@@ -1,0 +1,50 @@
+//! How the questions of a Sunrise application are answered.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::values::seven;
+
+const SUNRISE: &str = "Applications of Sunrise projects";
+
+/// Which application of a Sunrise project, and what it is answered.
+#[derive(Args, Debug, Default)]
+pub(crate) struct Answering {
+    /// Application of a Sunrise project, by its class; with several, left out, they are listed
+    #[arg(long, value_name = "CLASS", help_heading = SUNRISE)]
+    pub(crate) application: Option<String>,
+
+    /// Answer to a dialog of the application: its text, or a part of it that no other dialog has, and the number of the
+    /// button, from 0; several numbers answer it one after the other [default: 0]
+    #[arg(long, value_name = "TEXT=N[,N]...", help_heading = SUNRISE)]
+    pub(crate) answer: Vec<String>,
+
+    /// Value of an input, as Gripper.Closed=true
+    #[arg(long, value_name = "GROUP.NAME=VALUE", help_heading = SUNRISE)]
+    pub(crate) input: Vec<String>,
+
+    /// Value of process data, instead of that in the project's data file
+    #[arg(long, value_name = "ID=VALUE", help_heading = SUNRISE)]
+    pub(crate) data: Vec<String>,
+
+    /// File of answers: TOML with `[answers]`, `[inputs]` and `[data]`; the options above win over it
+    /// [default: iiwasim-answers.toml in the project, if there is one]
+    #[arg(long, value_name = "FILE.toml", help_heading = SUNRISE)]
+    pub(crate) answers: Option<PathBuf>,
+
+    /// Joints A1 to A7 in degrees where the application begins [default: all 0]
+    #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true, help_heading = SUNRISE)]
+    pub(crate) start_deg: Option<[f64; 7]>,
+}
+
+impl Answering {
+    /// Whether anything is said that is for applications only.
+    pub(crate) fn is_given(&self) -> bool {
+        let Self { application, answer, input, data, answers, start_deg } = self;
+        application.is_some()
+            || answers.is_some()
+            || start_deg.is_some()
+            || !(answer.is_empty() && input.is_empty() && data.is_empty())
+    }
+}

@@ -1,0 +1,99 @@
+//! `iiwasim export`.
+
+use std::{fs, path::Path};
+
+use iiwa_files::write_folder;
+use iiwa_json::{Step, locate};
+use iiwa_program::MotionIndex;
+use iiwa_sunrise::{ExportError, ExportOptions, ExportedProject};
+use iiwa_view::printable;
+use serde::Serialize;
+
+use crate::{
+    args::Export,
+    failure::{Failure, print_note},
+    input::{self, ProgramText},
+    output,
+};
+
+/// Writes a program as a Sunrise project.
+pub(crate) fn run(options: &Export) -> Result<(), Failure> {
+    let folder = options.output.as_path();
+    keep_existing(folder, options.overwrite)?;
+    let (text, program, robot) = input::program(&options.program, options.robot.as_deref())?;
+    let name = match options.program.file_stem() {
+        Some(stem) if options.program != Path::new("-") => stem.to_string_lossy().into_owned(),
+        _ => "motion program".to_owned(),
+    };
+    let how = ExportOptions { name, class: options.name.clone() };
+    let project =
+        ExportedProject::new(&program, &robot, &how).map_err(|error| refused(&error, &text))?;
+    let java = project.java_file();
+    let data_file = ExportedProject::DATA_FILE;
+    let files = [
+        (Path::new(&java), project.java.as_bytes()),
+        (Path::new(data_file), project.data_file.as_bytes()),
+    ];
+    output::catch_interrupts();
+    write_folder(folder, &files)?;
+    let notices: Vec<String> = project.notices.iter().map(ToString::to_string).collect();
+    let start_deg = project.start_deg.map(|deg| deg.to_string()).join(",");
+    if options.json {
+        let files = files.map(|(path, _)| folder.join(path).display().to_string());
+        let start_deg = project.start_deg;
+        return output::print_json(&Exported {
+            class: &project.class,
+            files,
+            start_deg,
+            notices: &notices,
+        });
+    }
+    for notice in &notices {
+        print_note(&format!("Note: {}\n", printable(notice)));
+    }
+    output::print(&format!(
+        "{}: the application {}\n{}: its frames and tools\nThe arm has to stand at {start_deg} deg before.\n",
+        folder.join(&java).display(),
+        project.class,
+        folder.join(data_file).display()
+    ))
+}
+
+/// What was written.
+#[derive(Serialize)]
+struct Exported<'a> {
+    class: &'a str,
+    files: [String; 2],
+    start_deg: [f64; 7],
+    notices: &'a [String],
+}
+
+/// Refuses a folder that has something in it, which may have been edited by hand, unless `overwrite` says otherwise.
+fn keep_existing(folder: &Path, overwrite: bool) -> Result<(), Failure> {
+    let is_empty = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+    output::keep_existing("project", folder, overwrite || is_empty)
+}
+
+/// A program that cannot be exported, with the place of the fault.
+fn refused(error: &ExportError, text: &ProgramText) -> Failure {
+    let motion = |motion: &MotionIndex| vec![Step::Key("motions"), Step::Index(motion.index())];
+    let place = match error {
+        ExportError::Fault(fault) => fault.place_in(&text.text),
+        ExportError::NotInSunrise { motion: at, key, .. } => {
+            let mut steps = motion(at);
+            steps.push(Step::Key(key));
+            locate(&text.text, &steps)
+        }
+        ExportError::Name { motion: Some(at), .. } => locate(&text.text, &motion(at)),
+        error => return Failure::input(format!("{}: {error}{}", text.name, hint(error))),
+    };
+    Failure::in_text(&error.to_string(), &place, &text.name, &text.text)
+}
+
+/// The option that mends it.
+fn hint(error: &ExportError) -> &'static str {
+    match error {
+        ExportError::ClassName { .. } => "; give another one with --name",
+        _ => "",
+    }
+}

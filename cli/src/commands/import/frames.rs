@@ -1,0 +1,110 @@
+//! Frames and tools for programs to include.
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use iiwa_sunrise::{DataFile, ImportedCell};
+use iiwa_view::ImportReport;
+
+use crate::{
+    args::Import,
+    failure::{Failure, print_note},
+    input::{Text, default_robot, find_robot},
+    output,
+};
+
+/// The file of a project that has its frames and tools.
+const DATA_FILE: &str = "RoboticsAPI.data.xml";
+
+/// Where frames go unless it is said.
+const FRAMES_FILE: &str = "frames.json";
+
+/// Folders of a project that are looked into, one in another.
+const DEPTH: usize = 2;
+
+/// Writes the frames and tools of a project as a file that programs include, and says what became of them.
+pub(super) fn run(options: &Import) -> Result<(), Failure> {
+    let project = if options.project.is_dir() {
+        data_file(&options.project)?
+    } else {
+        options.project.clone()
+    };
+    let output = options.output.as_deref().unwrap_or(Path::new(FRAMES_FILE));
+    let target = (!options.no_output).then_some(output);
+    if let Some(target) = target {
+        let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
+        let read = [("project", project.as_path())].into_iter().chain(robot);
+        output::keep_inputs("file of frames", target, read, "--output")?;
+        output::keep_existing("file of frames", target, options.overwrite)?;
+    }
+    let robot = options.robot.as_deref().map_or_else(default_robot, find_robot)?;
+    let Text { name, text } = Text::read(&project)?;
+    let file = DataFile::from_xml(&text)
+        .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))?;
+    let cell = ImportedCell::new(&file);
+    if cell.tools.is_empty() && cell.frames.is_empty() {
+        return Err(Failure::input(format!("{name} has neither frames nor tools")));
+    }
+    if let Some(target) = target {
+        output::write(target, format!("{}\n", cell.workcell.to_json()).as_bytes())?;
+    }
+    let report = ImportReport::new(Path::new(&name), &file, &cell, &robot, target);
+    if let Some(model) = report.taught_on() {
+        print_note(&format!(
+            "Note: the frames were taught on another robot than {}; --robot {model} checks them on that\n",
+            robot.name()
+        ));
+    }
+    if options.json { output::print_json(&report) } else { output::print(&report.text()) }
+}
+
+/// The data file of the project in a folder, or in a folder of it: that which is nearest, that of the sources before
+/// copies of it.
+fn data_file(folder: &Path) -> Result<PathBuf, Failure> {
+    let refuse = |error: io::Error| {
+        Failure::input(format!("cannot read the folder {}: {error}", folder.display()))
+    };
+    let mut folders = vec![folder.to_owned()];
+    for _ in 0..=DEPTH {
+        let mut found: Vec<_> = folders
+            .iter()
+            .map(|folder| folder.join(DATA_FILE))
+            .filter(|file| file.is_file())
+            .collect();
+        found.sort();
+        let sources: Vec<_> = found
+            .iter()
+            .filter(|file| file.parent().is_some_and(|folder| folder.ends_with("src")))
+            .collect();
+        match (found.as_slice(), sources.as_slice()) {
+            ([], _) => {}
+            ([only], _) => return Ok(only.clone()),
+            (_, [source]) => return Ok(PathBuf::clone(source)),
+            ([first, second, ..], _) => {
+                return Err(Failure::input(format!(
+                    "{} has several projects, as {} and {}; name one of them",
+                    folder.display(),
+                    first.display(),
+                    second.display()
+                )));
+            }
+        }
+        let mut below = Vec::new();
+        for folder in &folders {
+            // What cannot be read further down is no project of this user.
+            let entries = match fs::read_dir(folder) {
+                Ok(entries) => entries,
+                Err(error) if folders.len() == 1 => return Err(refuse(error)),
+                Err(_) => continue,
+            };
+            below.extend(entries.flatten().map(|entry| entry.path()).filter(|path| path.is_dir()));
+        }
+        folders = below;
+    }
+    Err(Failure::input(format!(
+        "{} is no Sunrise project: there is no {DATA_FILE} in it, nor {DEPTH} folders further down",
+        folder.display()
+    )))
+}

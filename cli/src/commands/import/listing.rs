@@ -1,0 +1,76 @@
+//! The applications of a project, and what each needs.
+
+use std::{fmt::Write as _, path::Path};
+
+use iiwa_application::{Application as Found, Import, ImportError};
+use iiwa_view::table;
+use serde::Serialize;
+
+use crate::{failure::Failure, output, sunrise::Application};
+
+#[derive(Serialize)]
+struct Listed {
+    application: String,
+    file: String,
+    line: u32,
+    /// Of its program; null if it has none.
+    motions: Option<usize>,
+    /// What it asks.
+    questions: usize,
+    /// Why there is no program.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<String>,
+}
+
+/// Lists them; which one is meant has to be said.
+pub(super) fn run(
+    folder: &Path,
+    project: &Application,
+    applications: Vec<Found>,
+    json: bool,
+) -> Result<(), Failure> {
+    let rows: Vec<_> = applications
+        .into_iter()
+        .map(|own| {
+            let (motions, questions, refused) = match project.import(Some(&own.qualified_name)) {
+                Ok(Import { program, questions, .. }) => {
+                    (Some(program.motions.len()), questions.len(), None)
+                }
+                Err(ImportError::Refused(refused)) => {
+                    let place = &refused.source;
+                    let reason = format!("{place}: {}", refused.reason);
+                    (None, refused.questions.len(), Some(reason))
+                }
+                Err(error) => (None, 0, Some(error.to_string())),
+            };
+            let (file, line) = (own.file, own.line);
+            Listed { application: own.qualified_name, file, line, motions, questions, refused }
+        })
+        .collect();
+    if json {
+        output::print_json(&rows)?;
+    } else {
+        output::print(&text(&rows))?;
+    }
+    Err(Failure::input(format!(
+        "{} has {} applications; name one with --application",
+        folder.display(),
+        rows.len()
+    )))
+}
+
+fn text(rows: &[Listed]) -> String {
+    let mut table = table(&["application", "motions", "questions", "line"]);
+    for row in rows {
+        let motions = row.motions.map_or_else(|| "none".to_owned(), |count| count.to_string());
+        let line = format!("{}:{}", row.file, row.line);
+        table.add_row([row.application.clone(), motions, row.questions.to_string(), line]);
+    }
+    let mut text = format!("{table}\n");
+    for row in rows {
+        if let Some(reason) = &row.refused {
+            let _ = write!(text, "\n{} cannot be planned ahead. {reason}\n", row.application);
+        }
+    }
+    text
+}

@@ -1,0 +1,191 @@
+//! What became of an application, as JSON and as text.
+
+use std::{fmt::Write as _, path::Path};
+
+use iiwa_application::{Import, ImportNote, RefusedImport};
+use iiwa_program::{Motion, Program, Source};
+use iiwa_sunrise::{Question, QuestionKind};
+use iiwa_view::{printable, table};
+use serde::Serialize;
+
+/// Rows of motions that are shown at the start and at the end of a long program.
+const SHOWN: usize = 100;
+
+#[derive(Serialize)]
+pub(super) struct ProgramReport {
+    project: String,
+    application: String,
+    motions: Vec<MotionRow>,
+    questions: Vec<QuestionRow>,
+    notes: Vec<Note>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<Note>,
+    output: Option<String>,
+}
+
+#[derive(Serialize)]
+struct MotionRow {
+    /// From 1, its place in the program.
+    index: usize,
+    #[serde(rename = "type")]
+    kind: &'static str,
+    file: String,
+    line: u32,
+}
+
+#[derive(Serialize)]
+struct QuestionRow {
+    kind: &'static str,
+    asked: String,
+    choices: Vec<String>,
+    answer: String,
+    is_given: bool,
+    file: String,
+    line: u32,
+}
+
+#[derive(Serialize)]
+struct Note {
+    text: String,
+    file: String,
+    line: u32,
+}
+
+impl ProgramReport {
+    /// Of an imported program, which is in the file `output`.
+    pub(super) fn new(project: &Path, import: &Import, output: Option<&Path>) -> Self {
+        Self {
+            project: project.display().to_string(),
+            application: import.application.qualified_name.clone(),
+            motions: rows(&import.program),
+            questions: import.questions.iter().map(QuestionRow::new).collect(),
+            notes: import.notes.iter().map(Note::new).collect(),
+            refused: None,
+            output: output.map(|path| path.display().to_string()),
+        }
+    }
+
+    /// Of what was understood of an application that cannot be planned ahead.
+    pub(super) fn refused(project: &Path, refused: &RefusedImport) -> Self {
+        let Source { file, line } = refused.source.clone();
+        Self {
+            project: project.display().to_string(),
+            application: refused.application.qualified_name.clone(),
+            motions: rows(&refused.understood),
+            questions: refused.questions.iter().map(QuestionRow::new).collect(),
+            notes: refused.notes.iter().map(Note::new).collect(),
+            refused: Some(Note { text: refused.reason.clone(), file, line }),
+            output: None,
+        }
+    }
+
+    /// For people.
+    pub(super) fn text(&self) -> String {
+        let mut text = String::new();
+        if !self.motions.is_empty() {
+            let mut table = table(&["motion", "type", "line"]);
+            let hidden = self.motions.len().saturating_sub(2 * SHOWN);
+            for (place, row) in self.motions.iter().enumerate() {
+                if hidden == 0 || place < SHOWN || place >= self.motions.len() - SHOWN {
+                    let line = format!("{}:{}", printable(&row.file), row.line);
+                    table.add_row([row.index.to_string(), row.kind.to_owned(), line]);
+                } else if place == SHOWN {
+                    table.add_row(["...".to_owned(), format!("{hidden} more with --json")]);
+                }
+            }
+            let _ = writeln!(text, "{table}");
+        }
+        if !self.questions.is_empty() {
+            let mut table = table(&["question", "answer", "option"]);
+            for own in &self.questions {
+                table.add_row([
+                    printable(&own.asked),
+                    printable(&own.shown_answer()),
+                    if own.is_given { String::new() } else { printable(&own.option()) },
+                ]);
+            }
+            let _ = write!(text, "\n{table}\n");
+        }
+        for note in &self.notes {
+            let _ = write!(
+                text,
+                "\n{}:{}: {}",
+                printable(&note.file),
+                note.line,
+                printable(&note.text)
+            );
+        }
+        if !self.notes.is_empty() {
+            text.push('\n');
+        }
+        if let Some(output) = &self.output {
+            let _ = write!(text, "\nProgram of {} in {output}\n", printable(&self.application));
+        }
+        text
+    }
+}
+
+/// Its type in programs.
+fn kind(motion: &Motion) -> &'static str {
+    match motion {
+        Motion::Ptp(_) => "ptp",
+        Motion::Cartesian(own) => own.name(),
+        Motion::Wait { .. } => "wait",
+        Motion::Load(_) => "load",
+    }
+}
+
+fn rows(program: &Program) -> Vec<MotionRow> {
+    let row = |(index, motion): (iiwa_program::MotionIndex, &Motion)| {
+        let (file, line) = match program.sources.of(index) {
+            Some(Source { file, line }) => (file.clone(), *line),
+            None => (String::new(), 0),
+        };
+        MotionRow { index: index.number(), kind: kind(motion), file, line }
+    };
+    program.entries().map(row).collect()
+}
+
+impl QuestionRow {
+    fn new(question: &Question) -> Self {
+        Self {
+            kind: match question.kind {
+                QuestionKind::Dialog => "dialog",
+                QuestionKind::Input => "input",
+                _ => "process data",
+            },
+            asked: question.asked.clone(),
+            choices: question.choices.clone(),
+            answer: question.answer.clone(),
+            is_given: question.is_given,
+            file: question.file.clone(),
+            line: question.line,
+        }
+    }
+
+    /// With the button's text.
+    fn shown_answer(&self) -> String {
+        let number = self.answer.parse::<usize>().ok();
+        match number.and_then(|number| self.choices.get(number)) {
+            Some(choice) => format!("{} ({choice})", self.answer),
+            None => self.answer.clone(),
+        }
+    }
+
+    /// The option that gives this answer.
+    fn option(&self) -> String {
+        let option = match self.kind {
+            "dialog" => "--answer",
+            "input" => "--input",
+            _ => "--data",
+        };
+        format!("{option} \"{}={}\"", self.asked, self.answer)
+    }
+}
+
+impl Note {
+    fn new(note: &ImportNote) -> Self {
+        let Source { file, line } = note.source.clone();
+        Self { text: note.text.clone(), file, line }
+    }
+}

@@ -1,0 +1,45 @@
+//! Failures of the twin, as commands report them and as its pages show them.
+
+use iiwa_twin::{TwinError, Wording};
+
+use crate::{connection, failure::Failure, runner};
+
+/// What pages show of errors: the same as commands.
+pub(crate) const WORDING: Wording = Wording {
+    error: |error| Failure::from(error).what(),
+    request: connection::explained,
+    refusal: runner::hint,
+    unknown_position: runner::unknown_position,
+    address: "that `iiwasim twin` prints",
+};
+
+impl From<TwinError> for Failure {
+    fn from(error: TwinError) -> Self {
+        Self::from(&error)
+    }
+}
+
+impl From<&TwinError> for Failure {
+    fn from(error: &TwinError) -> Self {
+        match error {
+            TwinError::Link(error) => connection::refused(error),
+            TwinError::View(error) => error.into(),
+            TwinError::Viewers(error) => Self::run(error.what.clone(), &*error.cause),
+            TwinError::Output(error) => error.into(),
+            TwinError::Program { name, text, error } => {
+                Self::in_text(&error.what(), error.place(), name, text)
+            }
+            TwinError::Plan { name, text, sources, error } => {
+                Self::plan(error, sources, name, text)
+            }
+            TwinError::PositionsText { file, text, place, what } => {
+                Self::in_text(what, place, &file.display().to_string(), text)
+            }
+            TwinError::Positions { .. } => Self::input(error.to_string()),
+            TwinError::PositionsOfAnother { .. } => {
+                Self::input(format!("{error}; name another file with --positions"))
+            }
+            error => Self::broken(error),
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! `iiwasim import` and `iiwasim plan` of applications, from outside.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+#[path = "common/run.rs"]
+mod run;
+
+use std::{fs, path::PathBuf};
+
+use iiwa_program::Program;
+use predicates::{prelude::PredicateBooleanExt, str::contains};
+use run::{files, iiwasim};
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+
+fn fixture(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/sunrise").join(name)
+}
+
+/// `command` on one of our projects.
+fn run_on(
+    folder: &TempDir,
+    command: &str,
+    name: &str,
+    options: &[&str],
+) -> assert_cmd::assert::Assert {
+    let project = fixture(name);
+    let project = project.to_str().unwrap();
+    iiwasim(folder, &[&[command, project], options].concat())
+}
+
+fn wave(class: &str, angle: &str) -> String {
+    format!(
+        "import static com.kuka.roboticsAPI.motionModel.BasicMotions.*;\n\
+         public class {class} extends RoboticsAPIApplication {{\n\
+         @Inject private LBR lbr;\n\
+         public void run() {{\nlbr.move(ptp({angle}, 0, 0, 0, 0, 0, 0));\n}}\n}}\n"
+    )
+}
+
+#[test]
+fn the_only_application_becomes_a_program_of_its_name() {
+    let folder = tempdir().unwrap();
+    run_on(&folder, "import", "joints", &[]).success().stdout(contains("Program of "));
+    let [file] = <[String; 1]>::try_from(files(&folder)).unwrap();
+    let program =
+        Program::from_json(&fs::read_to_string(folder.path().join(&file)).unwrap()).unwrap();
+    let stated = fs::read_to_string(fixture("joints").join("expected.json")).unwrap();
+    assert_eq!(program.sources, Program::from_json(&stated).unwrap().sources);
+    // It may have been edited.
+    run_on(&folder, "import", "joints", &[]).code(2).stderr(contains("--overwrite"));
+    run_on(&folder, "import", "joints", &["--overwrite"]).success();
+    iiwasim(&folder, &["plan", &file, "--no-output"]).success().stdout(contains(".java:"));
+}
+
+#[test]
+fn an_application_is_planned_at_once() {
+    let folder = tempdir().unwrap();
+    let planned =
+        run_on(&folder, "plan", "async", &["--application", "Handover", "--json"]).success();
+    let figures: Value = serde_json::from_slice(&planned.get_output().stdout).unwrap();
+    assert_eq!(figures["motions"][0]["source"]["file"], "src/application/Handover.java");
+    assert_eq!(files(&folder), ["Handover.mcap"]);
+}
+
+#[test]
+fn several_applications_are_listed() {
+    let folder = tempdir().unwrap();
+    let sources = folder.path().join("project/src");
+    fs::create_dir_all(&sources).unwrap();
+    fs::write(sources.join("Left.java"), wave("Left", "0.5")).unwrap();
+    fs::write(sources.join("Right.java"), wave("Right", "Math.random()")).unwrap();
+    iiwasim(&folder, &["import", "project"])
+        .code(2)
+        .stdout(
+            contains("Left").and(contains("Right cannot be planned ahead")).and(contains("random")),
+        )
+        .stderr(contains("name one with --application"));
+    iiwasim(&folder, &["import", "project", "--application", "Middle"])
+        .code(2)
+        .stderr(contains("no application `Middle`").and(contains("Left, Right")));
+    assert_eq!(files(&folder), ["project"]);
+    iiwasim(&folder, &["plan", "project"]).code(2).stderr(contains("--application"));
+    iiwasim(&folder, &["import", "project", "--application", "Left", "-o", "left.json"]).success();
+    assert_eq!(files(&folder), ["left.json", "project"]);
+}
+
+#[test]
+fn refusals_say_where_and_why_and_write_nothing() {
+    let folder = tempdir().unwrap();
+    for (name, place, reason) in [
+        ("refused/smart-servo", "src/application/Follow.java:21", "SmartServo"),
+        ("refused/missing-frame", "src/application/Fetch.java:17", "/Table/Pick"),
+    ] {
+        run_on(&folder, "import", name, &[]).code(2).stderr(contains(place).and(contains(reason)));
+        let shown = run_on(&folder, "import", name, &["--json", "--no-output"]).code(2);
+        let report: Value = serde_json::from_slice(&shown.get_output().stdout).unwrap();
+        assert!(report["refused"]["text"].as_str().unwrap().contains(reason));
+    }
+    assert!(files(&folder).is_empty());
+}
+
+#[test]
+fn answers_come_from_a_file_or_from_options() {
+    let folder = tempdir().unwrap();
+    let all = run_on(&folder, "import", "dialogs", &["--json", "--no-output"]).success();
+    let report: Value = serde_json::from_slice(&all.get_output().stdout).unwrap();
+    let question = &report["questions"][0];
+    assert_eq!(question["asked"], "Which part is fetched?");
+    assert_eq!((&question["answer"], &question["is_given"]), (&"1".into(), &true.into()));
+    let other = ["--answer", "Which part=0", "--json", "--no-output"];
+    let other = run_on(&folder, "import", "dialogs", &other).success();
+    let other: Value = serde_json::from_slice(&other.get_output().stdout).unwrap();
+    assert_eq!(other["questions"][0]["answer"], "0");
+    for (option, value, reason) in [
+        ("--answer", "Which part", "a name, = and a value"),
+        ("--answer", "Which part=left", "number of a button"),
+        ("--answers", "none.toml", "cannot read none.toml"),
+        ("--start-deg", "0,0,0,-130,0,0,0", "A4"),
+    ] {
+        run_on(&folder, "import", "dialogs", &[option, value]).code(2).stderr(contains(reason));
+    }
+    fs::write(folder.path().join("wrong.toml"), "[answer]\n\"Which\" = 1\n").unwrap();
+    run_on(&folder, "import", "dialogs", &["--answers", "wrong.toml"])
+        .code(2)
+        .stderr(contains("wrong.toml, line 1"));
+}
+
+#[test]
+fn frames_of_a_project_with_applications_are_had_too() {
+    let folder = tempdir().unwrap();
+    run_on(&folder, "import", "frames", &["--frames"]).success();
+    assert_eq!(files(&folder), ["frames.json"]);
+}
