@@ -1,0 +1,84 @@
+//! What an FMU has in its files: the program, the robot, and how it is planned.
+
+use std::{collections::BTreeMap, fs, path::Path};
+
+use iiwa_kin::Robot;
+
+use super::description::description;
+use crate::{
+    failure::{Failure, FailureKind},
+    planned::{Choices, Planned, to_json},
+    source::ProgramSource,
+};
+
+/// The texts of the files in `resources/`.
+struct Resources {
+    program: String,
+    robot: String,
+    options: String,
+}
+
+const PROGRAM: &str = "program.json";
+const ROBOT: &str = "robot.json";
+const OPTIONS: &str = "options.json";
+
+impl Resources {
+    fn of(planned: &Planned) -> Result<Self, Failure> {
+        Ok(Self {
+            program: planned.program.clone(),
+            robot: planned.robot().to_profile(),
+            options: to_json(&planned.choices)?,
+        })
+    }
+
+    fn read(folder: &Path) -> Result<Self, Failure> {
+        let read = |name| {
+            let path = folder.join(name);
+            fs::read_to_string(&path).map_err(|error| {
+                let what = format!("cannot read {}: {error}", path.display());
+                Failure::new(FailureKind::File, what)
+            })
+        };
+        Ok(Self { program: read(PROGRAM)?, robot: read(ROBOT)?, options: read(OPTIONS)? })
+    }
+
+    /// What the binary and the description know each other by: they are of one version, and for these files.
+    fn token(&self) -> String {
+        let text = [&self.program, &self.robot, &self.options].map(String::as_str).join("\0");
+        format!("iiwasim-{}-{:08x}", env!("CARGO_PKG_VERSION"), crc32fast::hash(text.as_bytes()))
+    }
+}
+
+/// The text files of an FMU that does what is planned, by their paths.
+pub(crate) fn fmu_files(
+    planned: &Planned,
+    name: &str,
+) -> Result<BTreeMap<String, String>, Failure> {
+    if name.trim().is_empty() || name.chars().any(char::is_control) {
+        return Err(Failure::argument(
+            "the model's name is empty, or has control characters in it",
+        ));
+    }
+    let resources = Resources::of(planned)?;
+    let description = description(name, &resources.token(), planned.trajectory.cycle_time_s());
+    let Resources { program, robot, options } = resources;
+    let files = [(PROGRAM, program), (ROBOT, robot), (OPTIONS, options)];
+    let files = files.map(|(name, text)| (format!("resources/{name}"), text));
+    Ok([("modelDescription.xml".to_owned(), description)].into_iter().chain(files).collect())
+}
+
+/// Plans what is in the folder `resources` of an FMU, which has to have this token.
+pub(super) fn plan(folder: &Path, token: &str) -> Result<Planned, Failure> {
+    let resources = Resources::read(folder)?;
+    let own = resources.token();
+    if own != token {
+        let what = format!(
+            "the instantiation token is {token}; of this binary and these resources it is {own}: make the FMU anew"
+        );
+        return Err(Failure::argument(what));
+    }
+    let choices: Choices = serde_json::from_str(&resources.options)
+        .map_err(|error| Failure::new(FailureKind::Program, format!("{OPTIONS}: {error}")))?;
+    let robot = Robot::from_profile(&resources.robot).map_err(|error| Failure::profile(&error))?;
+    Planned::new(&ProgramSource::from_json(&resources.program)?, Some(robot), choices)
+}

@@ -1,0 +1,95 @@
+//! How a program is planned, as C has it.
+
+use std::{ffi::c_char, mem::MaybeUninit, ptr};
+
+use iiwa_kin::Robot;
+
+use crate::{
+    border::{IiwasimStatus, call, given},
+    failure::Failure,
+    planned::{Choices, ChosenTiming},
+    pointers,
+};
+
+/// Which limits are kept.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IiwasimTiming {
+    /// Velocity, acceleration and jerk, as the controller does it.
+    Jerk = 0,
+    /// Velocity and acceleration.
+    Acceleration = 1,
+}
+
+/// How a program is planned. `iiwasim_options_default` fills it in, so that fields that are not set mean what is usual.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct IiwasimOptions {
+    /// A built-in robot's name, or the JSON text of a robot's profile; NULL for the robot that the program names.
+    pub robot: *const c_char,
+    /// Which limits are kept: an `IiwasimTiming`.
+    pub timing: i32,
+    /// Samples per blend under `IIWASIM_TIMING_ACCELERATION`, 2 to 100000.
+    pub samples: u32,
+    /// Limit of torques, in per cent of the robot's; 0 for the program's own limit, if it has one.
+    pub limit_torque_percent: f64,
+}
+
+/// Writes the options that are used where none are given.
+#[unsafe(no_mangle)]
+pub extern "C" fn iiwasim_options_default(
+    options: Option<&mut MaybeUninit<IiwasimOptions>>,
+) -> IiwasimStatus {
+    call(|| {
+        let choices = Choices::default();
+        given(options, "options")?.write(IiwasimOptions {
+            robot: ptr::null(),
+            timing: match choices.timing {
+                ChosenTiming::Jerk => IiwasimTiming::Jerk as i32,
+                ChosenTiming::Acceleration => IiwasimTiming::Acceleration as i32,
+            },
+            samples: choices.samples,
+            limit_torque_percent: choices.limit_torque_percent.unwrap_or_default(),
+        });
+        Ok(())
+    })
+}
+
+impl IiwasimOptions {
+    /// The robot, if it is given, and the choices.
+    ///
+    /// # Safety
+    ///
+    /// `robot` is NULL or a string that ends with a NUL.
+    pub(crate) unsafe fn read(&self) -> Result<(Option<Robot>, Choices), Failure> {
+        // SAFETY: the caller's promise is the same.
+        let robot = unsafe { pointers::optional_text(self.robot, "options->robot") }?;
+        let timing = match self.timing {
+            known if known == IiwasimTiming::Jerk as i32 => ChosenTiming::Jerk,
+            known if known == IiwasimTiming::Acceleration as i32 => ChosenTiming::Acceleration,
+            other => {
+                let what =
+                    format!("options->timing is {other}; it must be 0 (jerk) or 1 (acceleration)");
+                return Err(Failure::argument(what));
+            }
+        };
+        let percent = self.limit_torque_percent;
+        let limit_torque_percent = (percent != 0.0).then_some(percent);
+        let choices = Choices { timing, samples: self.samples, limit_torque_percent };
+        Ok((robot.map(robot_of).transpose()?, choices))
+    }
+}
+
+/// The built-in robot of this name, or the robot of this profile.
+fn robot_of(name_or_profile: &str) -> Result<Robot, Failure> {
+    if name_or_profile.trim_start().starts_with('{') {
+        return Robot::from_profile(name_or_profile).map_err(|error| Failure::profile(&error));
+    }
+    Robot::built_in(name_or_profile).ok_or_else(|| {
+        let built_in = Robot::BUILT_IN.join(" and ");
+        let name = iiwa_json::excerpt(name_or_profile);
+        Failure::argument(format!(
+            "no robot is called `{name}`: {built_in} are built in, and a profile is given as its JSON text"
+        ))
+    })
+}

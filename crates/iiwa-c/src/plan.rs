@@ -1,0 +1,145 @@
+//! Plans, as C has them.
+
+use std::{ffi::c_char, mem::MaybeUninit, ptr};
+
+use crate::{
+    border::{IiwasimStatus, call, given},
+    failure::Failure,
+    options::IiwasimOptions,
+    planned::{Choices, Planned},
+    pointers,
+    program::IiwasimProgram,
+    state::IiwasimState,
+    strings::hand_out,
+};
+
+/// A program's plan. It does not change, and may be used by several threads at once.
+#[derive(Debug)]
+pub struct IiwasimPlan {
+    pub(crate) planned: Planned,
+}
+
+/// Most samples at once: a gigabyte of them.
+const MAX_SAMPLES: f64 = 4e6;
+
+/// Plans a program, and writes the plan to `*plan`: `iiwasim_plan_free` frees it. `*plan` is NULL where it fails. Without
+/// `options` (NULL) it is planned with the default ones.
+///
+/// # Safety
+///
+/// `options->robot` is NULL, or a string that ends with a NUL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn iiwasim_plan(
+    program: Option<&IiwasimProgram>,
+    options: Option<&IiwasimOptions>,
+    plan: Option<&mut MaybeUninit<*mut IiwasimPlan>>,
+) -> IiwasimStatus {
+    call(|| {
+        let place = given(plan, "plan")?.write(ptr::null_mut());
+        let program = given(program, "program")?;
+        let (robot, choices) = match options {
+            None => (None, Choices::default()),
+            // SAFETY: the caller's promise is the same.
+            Some(options) => unsafe { options.read() }?,
+        };
+        let planned = Planned::new(&program.source, robot, choices)?;
+        *place = Box::into_raw(Box::new(IiwasimPlan { planned }));
+        Ok(())
+    })
+}
+
+/// Frees a plan; NULL is left alone.
+#[unsafe(no_mangle)]
+pub extern "C" fn iiwasim_plan_free(plan: Option<Box<IiwasimPlan>>) {
+    drop(plan);
+}
+
+/// Writes the cycle time to `*seconds`: from the start to the end of the last settling or waiting, in s.
+#[unsafe(no_mangle)]
+pub extern "C" fn iiwasim_plan_cycle_time_s(
+    plan: Option<&IiwasimPlan>,
+    seconds: Option<&mut MaybeUninit<f64>>,
+) -> IiwasimStatus {
+    call(|| {
+        let plan = given(plan, "plan")?;
+        given(seconds, "seconds")?.write(plan.planned.trajectory.cycle_time_s());
+        Ok(())
+    })
+}
+
+/// Writes what the arm does `t_s` after the start of the program to `*state`. Before the start and after the end it stands.
+#[unsafe(no_mangle)]
+pub extern "C" fn iiwasim_plan_at(
+    plan: Option<&IiwasimPlan>,
+    t_s: f64,
+    state: Option<&mut MaybeUninit<IiwasimState>>,
+) -> IiwasimStatus {
+    call(|| {
+        let planned = &given(plan, "plan")?.planned;
+        let place = given(state, "state")?;
+        if t_s.is_nan() {
+            return Err(Failure::argument("t_s is not a number"));
+        }
+        place.write(IiwasimState::of(planned, &planned.trajectory.at(t_s)));
+        Ok(())
+    })
+}
+
+/// Writes what the arm does `rate_hz` times a second to `states`, from the start to the end: the first sample is at 0, the
+/// last exactly at the cycle time. `*count` is how many there are.
+///
+/// With `states` NULL and `capacity` 0 it only counts. Where there is room for fewer states, it writes as many, and returns
+/// `IIWASIM_STATUS_ARGUMENT`.
+///
+/// # Safety
+///
+/// `states` is NULL, or has room for `capacity` states.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn iiwasim_plan_sample(
+    plan: Option<&IiwasimPlan>,
+    rate_hz: f64,
+    states: *mut IiwasimState,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> IiwasimStatus {
+    call(|| {
+        let planned = &given(plan, "plan")?.planned;
+        let count_place = given(count, "count")?;
+        let samples = rate_hz * planned.trajectory.cycle_time_s();
+        if !(rate_hz > 0.0 && samples <= MAX_SAMPLES) {
+            return Err(Failure::argument(format!(
+                "rate_hz is {rate_hz}; it must be above 0, and give at most {MAX_SAMPLES} samples"
+            )));
+        }
+        // SAFETY: the caller promises room for `capacity` states.
+        let places = unsafe { pointers::places(states, capacity, "states") }?;
+        let mut count = 0;
+        for state in planned.trajectory.samples(rate_hz) {
+            if let Some(place) = places.get_mut(count) {
+                place.write(IiwasimState::of(planned, &state));
+            }
+            count += 1;
+        }
+        count_place.write(count);
+        if count > capacity && !states.is_null() {
+            return Err(Failure::argument(format!(
+                "there are {count} samples, and room for {capacity}"
+            )));
+        }
+        Ok(())
+    })
+}
+
+/// Writes the figures to `*json`: the object of `iiwasim plan --json`, without `output`. `iiwasim_string_free` frees it;
+/// `*json` is NULL where it fails.
+#[unsafe(no_mangle)]
+pub extern "C" fn iiwasim_plan_figures_json(
+    plan: Option<&IiwasimPlan>,
+    json: Option<&mut MaybeUninit<*mut c_char>>,
+) -> IiwasimStatus {
+    call(|| {
+        let json = given(json, "json")?;
+        json.write(ptr::null_mut());
+        hand_out(given(plan, "plan")?.planned.figures_json()?, json)
+    })
+}

@@ -1,0 +1,129 @@
+//! A program and its plan.
+
+use iiwa_kin::{Pose, Robot};
+use iiwa_log::{PlanFigures, PlanOptions};
+use iiwa_path::{JointPath, warnings};
+use iiwa_program::Fault;
+use iiwa_traj::{PlanError, State, SweepOptions, Timing, Trajectory};
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    failure::{Failure, FailureKind},
+    source::ProgramSource,
+};
+
+/// How a program is planned.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Choices {
+    /// Which limits are kept.
+    pub(crate) timing: ChosenTiming,
+    /// Samples per blend under limits of acceleration.
+    pub(crate) samples: u32,
+    /// The limit of torques, in per cent of the robot's; the program's own if there is none.
+    pub(crate) limit_torque_percent: Option<f64>,
+}
+
+/// Which limits are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum ChosenTiming {
+    Jerk,
+    Acceleration,
+}
+
+/// What is planned with unless something else is asked for.
+impl Default for Choices {
+    fn default() -> Self {
+        Self { timing: ChosenTiming::Jerk, samples: 100, limit_torque_percent: None }
+    }
+}
+
+impl Choices {
+    /// As the planner takes them.
+    fn plan_options(&self) -> Result<PlanOptions, Failure> {
+        if !(2..=100_000).contains(&self.samples) {
+            let found = self.samples;
+            let what = format!("{found} samples per blend; it must be from 2 to 100000");
+            return Err(Failure::argument(what));
+        }
+        let timing = match self.timing {
+            ChosenTiming::Jerk => Timing::default(),
+            ChosenTiming::Acceleration => {
+                Timing::Acceleration(SweepOptions { samples: self.samples as usize })
+            }
+        };
+        Ok(PlanOptions { samples: self.samples, ..PlanOptions::with_timing(timing) })
+    }
+}
+
+/// A program and its plan.
+#[derive(Debug)]
+pub(crate) struct Planned {
+    /// The program's text, complete.
+    pub(crate) program: String,
+    pub(crate) choices: Choices,
+    pub(crate) trajectory: Trajectory,
+    options: PlanOptions,
+    warnings: Vec<String>,
+}
+
+/// The figures and the warnings, as one object.
+#[derive(Serialize)]
+struct FiguresJson<'a> {
+    #[serde(flatten)]
+    figures: &'a PlanFigures,
+    warnings: Vec<String>,
+}
+
+impl Planned {
+    /// Plans a program for `robot`, or for the robot that it names.
+    pub(crate) fn new(
+        source: &ProgramSource,
+        robot: Option<Robot>,
+        choices: Choices,
+    ) -> Result<Self, Failure> {
+        let options = choices.plan_options()?;
+        let robot = robot.map_or_else(|| source.robot(), Ok)?;
+        let mut program = source.program.clone();
+        if let Some(percent) = choices.limit_torque_percent {
+            program.workcell.torque_limit_rel = Some(percent / 100.0);
+        }
+        let refuse = |error: &PlanError| Failure::plan(error, &program, &source.text);
+        let path = match JointPath::with_options(&program, &robot, options.path) {
+            Ok(path) => path,
+            // The program does not say it.
+            Err(fault @ Fault::TorqueLimit { .. }) if choices.limit_torque_percent.is_some() => {
+                return Err(Failure::argument(fault.to_string()));
+            }
+            Err(fault) => return Err(refuse(&fault.into())),
+        };
+        let trajectory =
+            Trajectory::plan(&path, options.timing).map_err(|error| refuse(&error.into()))?;
+        let warnings = warnings(&program, &path);
+        Ok(Self { program: source.complete.clone(), choices, trajectory, options, warnings })
+    }
+
+    pub(crate) fn robot(&self) -> &Robot {
+        self.trajectory.path().robot()
+    }
+
+    /// The figures as a JSON object, with the warnings.
+    pub(crate) fn figures_json(&self) -> Result<String, Failure> {
+        let figures = PlanFigures::of(&self.trajectory, &self.options);
+        let mut warnings = self.warnings.clone();
+        warnings.extend(figures.torque_warnings());
+        to_json(&FiguresJson { figures: &figures, warnings })
+    }
+
+    /// Pose of the TCP in the robot's base frame: that of the tool of the state's motion.
+    pub(crate) fn tcp(&self, state: &State) -> Pose {
+        self.robot().flange_pose(&state.q).then(self.trajectory.path().tcp(state.motion))
+    }
+}
+
+/// A value as JSON.
+pub(crate) fn to_json(value: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string(value)
+        .map_err(|error| Failure::new(FailureKind::Internal, error.to_string()))
+}

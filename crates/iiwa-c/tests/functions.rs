@@ -1,0 +1,175 @@
+//! The functions, as C calls them, against the libraries that they stand for.
+
+#![expect(clippy::unwrap_used, reason = "a failed test is a panic")]
+
+use std::{
+    ffi::{CStr, CString, c_char},
+    mem::MaybeUninit,
+    ptr, thread,
+};
+
+use iiwa_kin::Robot;
+use iiwa_log::{PlanFigures, PlanOptions};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
+use iiwa_traj::{Timing, Trajectory};
+use iiwasim::{
+    IiwasimError, IiwasimPlan, IiwasimProgram, IiwasimState, IiwasimStatus, iiwasim_last_error,
+    iiwasim_plan, iiwasim_plan_at, iiwasim_plan_cycle_time_s, iiwasim_plan_figures_json,
+    iiwasim_plan_free, iiwasim_plan_sample, iiwasim_program_free, iiwasim_program_from_json,
+    iiwasim_string_free,
+};
+
+const PROGRAM: &str = r#"{ "version": 1, "tools": { "gripper": { "tcp": { "z_mm": 120 } } },
+  "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+  "motions": [
+    { "type": "ptp", "joints_deg": [20, 30, 0, -60, 0, 90, 0], "blend": { "sunrise_rel": 0.5 } },
+    { "type": "ptp", "joints_deg": [20, 50, 0, -60, 0, 90, 0] },
+    { "type": "lin_rel", "offset": { "z_mm": -50 }, "tool": "gripper" }
+  ] }"#;
+
+fn program(text: &str) -> Result<Box<IiwasimProgram>, IiwasimStatus> {
+    let text = CString::new(text).unwrap();
+    let mut program = MaybeUninit::uninit();
+    // SAFETY: the text ends with a NUL.
+    let status = unsafe { iiwasim_program_from_json(text.as_ptr(), Some(&mut program)) };
+    // SAFETY: it is written whatever is returned.
+    let program = unsafe { program.assume_init() };
+    assert_eq!(program.is_null(), status != IiwasimStatus::Ok);
+    // SAFETY: what is not NULL is a program of ours.
+    if program.is_null() { Err(status) } else { Ok(unsafe { Box::from_raw(program) }) }
+}
+
+fn plan(program: &IiwasimProgram) -> Result<Box<IiwasimPlan>, IiwasimStatus> {
+    let mut plan = MaybeUninit::uninit();
+    // SAFETY: there are no options.
+    let status = unsafe { iiwasim_plan(Some(program), None, Some(&mut plan)) };
+    // SAFETY: it is written whatever is returned.
+    let plan = unsafe { plan.assume_init() };
+    // SAFETY: what is not NULL is a plan of ours.
+    if plan.is_null() { Err(status) } else { Ok(unsafe { Box::from_raw(plan) }) }
+}
+
+fn at(plan: &IiwasimPlan, t_s: f64) -> IiwasimState {
+    let mut state = MaybeUninit::uninit();
+    assert_eq!(iiwasim_plan_at(Some(plan), t_s, Some(&mut state)), IiwasimStatus::Ok);
+    // SAFETY: it was written.
+    unsafe { state.assume_init() }
+}
+
+/// The error of this thread, and its message.
+fn last_error() -> (IiwasimError, String) {
+    let mut error = MaybeUninit::uninit();
+    assert_eq!(iiwasim_last_error(Some(&mut error)), IiwasimStatus::Ok);
+    // SAFETY: it was written, and its message ends with a NUL.
+    let error: IiwasimError = unsafe { error.assume_init() };
+    // SAFETY: likewise.
+    (error, unsafe { CStr::from_ptr(error.message) }.to_str().unwrap().to_owned())
+}
+
+fn trajectory() -> (Trajectory, PlanOptions) {
+    let program = Program::from_json(PROGRAM).unwrap();
+    let path = JointPath::new(&program, &Robot::default()).unwrap();
+    let trajectory = Trajectory::plan(&path, Timing::default()).unwrap();
+    (trajectory, PlanOptions { samples: 100, ..PlanOptions::default() })
+}
+
+#[test]
+fn states_are_those_of_the_trajectory() {
+    let (trajectory, _) = trajectory();
+    let path = trajectory.path();
+    let plan = plan(&program(PROGRAM).unwrap()).unwrap();
+    let mut cycle_time_s = MaybeUninit::uninit();
+    let status = iiwasim_plan_cycle_time_s(Some(&plan), Some(&mut cycle_time_s));
+    assert_eq!(status, IiwasimStatus::Ok);
+    // SAFETY: it was written.
+    assert_eq!(unsafe { cycle_time_s.assume_init() }, trajectory.cycle_time_s());
+    for expected in trajectory.samples(1000.0) {
+        let found = at(&plan, expected.t_s);
+        assert_eq!((found.t_s, found.q, found.dq), (expected.t_s, expected.q, expected.dq));
+        assert_eq!(found.ddq, expected.ddq);
+        assert_eq!(found.motion as usize, expected.motion.number());
+        let flange = path.robot().flange_pose(&expected.q);
+        // The gripper belongs to the last motion alone.
+        let reach_m = if found.motion == 3 { 0.12 } else { 0.0 };
+        let tcp: [f64; 3] =
+            std::array::from_fn(|i| flange.position_m[i] + reach_m * flange.rotation[i][2]);
+        assert!((0..3).all(|i| (found.tcp_m[i] - tcp[i]).abs() < 1e-12));
+        assert_eq!(found.tcp_xyzw, flange.quaternion_xyzw());
+    }
+}
+
+#[test]
+fn samples_are_as_many_as_they_are_counted() {
+    let plan = plan(&program(PROGRAM).unwrap()).unwrap();
+    let sample = |states: &mut [MaybeUninit<IiwasimState>]| {
+        let mut count = MaybeUninit::new(0);
+        let place = if states.is_empty() { ptr::null_mut() } else { states.as_mut_ptr().cast() };
+        // SAFETY: there is room for so many.
+        let status = unsafe {
+            iiwasim_plan_sample(Some(&plan), 250.0, place, states.len(), Some(&mut count))
+        };
+        // SAFETY: it was written from the beginning.
+        (status, unsafe { count.assume_init() })
+    };
+    let (status, count) = sample(&mut []);
+    assert_eq!((status, count), (IiwasimStatus::Ok, trajectory().0.samples(250.0).count()));
+    let mut states = vec![MaybeUninit::uninit(); count];
+    assert_eq!(sample(&mut states), (IiwasimStatus::Ok, count));
+    for (i, state) in states.iter().enumerate().take(count - 1) {
+        // SAFETY: all were written.
+        assert_eq!(unsafe { state.assume_init() }, at(&plan, i as f64 / 250.0));
+    }
+    assert_eq!(sample(&mut states[1..]), (IiwasimStatus::Argument, count));
+    assert_eq!(last_error().1, format!("there are {count} samples, and room for {}", count - 1));
+}
+
+#[test]
+fn figures_are_those_of_the_trajectory() {
+    let plan = plan(&program(PROGRAM).unwrap()).unwrap();
+    let mut json = MaybeUninit::uninit();
+    assert_eq!(iiwasim_plan_figures_json(Some(&plan), Some(&mut json)), IiwasimStatus::Ok);
+    // SAFETY: it was written, and ends with a NUL.
+    let json: *mut c_char = unsafe { json.assume_init() };
+    // SAFETY: likewise.
+    let text = unsafe { CStr::from_ptr(json) }.to_str().unwrap();
+    let mut found: serde_json::Value = serde_json::from_str(text).unwrap();
+    let warnings = found.as_object_mut().unwrap().remove("warnings").unwrap();
+    assert_eq!(warnings, serde_json::json!([]));
+    let (trajectory, options) = trajectory();
+    let figures: PlanFigures = serde_json::from_value(found).unwrap();
+    assert_eq!(figures, PlanFigures::of(&trajectory, &options));
+    // SAFETY: it is of this library, and freed once.
+    unsafe { iiwasim_string_free(json) };
+}
+
+#[test]
+fn errors_say_where_and_are_of_their_thread() {
+    let text = PROGRAM.replace("[20, 50,", "[20, 150,");
+    let bad = program(&text).unwrap();
+    assert!(plan(&bad).is_err());
+    let (error, message) = last_error();
+    assert_eq!((error.status, error.line, error.motion), (IiwasimStatus::Plan, 5, 2));
+    let column = text.lines().nth(4).unwrap().find("150").unwrap() + 1;
+    assert_eq!(error.column as usize, column);
+    assert!(message.starts_with("motion 2: joint A2 is at 150 deg"), "{message}");
+    thread::spawn(|| assert_eq!(last_error().1, "")).join().unwrap();
+    assert_eq!(last_error().1, message);
+    // A call that succeeds has none.
+    let good = program(PROGRAM).unwrap();
+    assert_eq!(last_error().0.status, IiwasimStatus::Ok);
+    assert_eq!(iiwasim_last_error(None), IiwasimStatus::Argument);
+    iiwasim_program_free(Some(bad));
+    iiwasim_program_free(Some(good));
+    iiwasim_program_free(None);
+    iiwasim_plan_free(None);
+    // SAFETY: NULL is left alone.
+    unsafe { iiwasim_string_free(ptr::null_mut()) };
+}
+
+#[test]
+fn plans_and_programs_may_be_used_by_many_threads() {
+    fn is_shared<T: Send + Sync>() {}
+    is_shared::<IiwasimProgram>();
+    is_shared::<IiwasimPlan>();
+}
