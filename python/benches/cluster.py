@@ -1,0 +1,131 @@
+"""Programs over Ray and over Dask, on two workers of this machine, one of which is killed on the way.
+
+    python benches/cluster.py [COUNT]
+
+Plans COUNT (20000) small programs on one core, then over Ray and over Dask; every row has to come once and to be that of one
+core, or it ends with 1. Then it measures throughput with one and with two workers, in turns. What two processes that only
+count get of the machine, in times of one, is measured beside: others may be using it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from statistics import median
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "cluster"))
+
+import clusters
+from programs import random_programs
+
+import iiwasim.dask
+import iiwasim.ray
+from iiwasim import batches
+
+TURNS = 3
+COUNTING_S = 1.0
+
+
+def killed_on_the_way(on: str, source: Path, rows: int, folder: Path) -> tuple[float, int]:
+    """Plans with two workers, and kills one when a third is done: seconds, and rows done then."""
+    killed: list[int] = []
+    with ExitStack() as stack:
+        if on == "ray":
+            stack.enter_context(clusters.ray_cluster())
+            plan, kill = iiwasim.ray.plan, clusters.kill_worker_of_ray
+        else:
+            client = stack.enter_context(clusters.dask_cluster())
+            plan, kill = iiwasim.dask.plan, lambda: clusters.kill_worker_of_dask(client)
+
+        def kill_once(done: int, _: int) -> None:
+            if not killed and done >= rows // 3:
+                kill()
+                killed.append(done)
+
+        begin = time.perf_counter()
+        plan(source, folder, chunk=chunk(rows), progress=kill_once)
+        return time.perf_counter() - begin, killed[0]
+
+
+def throughput(on: str, workers: int, programs: list[str]) -> float:
+    """Programs a second from file to file, once the workers are up."""
+    cluster = {"ray": iiwasim.ray, "dask": iiwasim.dask}[on]
+    with clusters.CLUSTERS[on](workers), tempfile.TemporaryDirectory() as name:
+        source = Path(name, "programs.jsonl")
+        source.write_text("\n".join(programs))
+        # Workers import what they need.
+        cluster.figures(programs[: 20 * workers])
+        begin = time.perf_counter()
+        cluster.plan(source, Path(name, "figures"), chunk=chunk(len(programs)))
+        return len(programs) / (time.perf_counter() - begin)
+
+
+def counted(_: int) -> int:
+    """How far a process counts."""
+    until, count = time.perf_counter() + COUNTING_S, 0
+    while time.perf_counter() < until:
+        count += 1
+    return count
+
+
+def counting(processes: int) -> int:
+    with multiprocessing.get_context("spawn").Pool(processes) as pool:
+        return sum(pool.map(counted, range(processes), chunksize=1))
+
+
+def chunk(rows: int) -> int:
+    return max(1, min(500, rows // 12))
+
+
+def ratio(of: Callable[[int], float]) -> float:
+    """What two do, in times of what one does."""
+    return of(2) / of(1)
+
+
+def main() -> int:
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("count", nargs="?", type=int, default=20_000, help="number of programs")
+    count = arguments.parse_args().count
+    programs = random_programs(count)
+    failed = False
+    with tempfile.TemporaryDirectory() as name:
+        source = Path(name, "programs.jsonl")
+        source.write_text("\n".join(programs))
+        begin = time.perf_counter()
+        alone = batches.figures(programs, jobs=1)
+        took_s = time.perf_counter() - begin
+        print(f"one core: {count} programs in {took_s:.1f} s, {count / took_s:.0f} a second", flush=True)
+        for on in ("ray", "dask"):
+            folder = Path(name, on)
+            took_s, killed_at = killed_on_the_way(on, source, count, folder)
+            figures = batches.read(folder)
+            once = figures["row"].to_pylist() == list(range(count))
+            equal = figures.equals(alone)
+            failed |= not (once and equal)
+            print(
+                f"{on}, 2 workers, one killed after {killed_at} rows: {took_s:.1f} s, {count / took_s:.0f} a second; "
+                f"{'every row once' if once else 'ROWS ARE MISSING OR TWICE'}, "
+                f"{'equal to one core' if equal else 'NOT EQUAL TO ONE CORE'}",
+                flush=True,
+            )
+    some = programs[: min(count, 3000)]
+    for on in ("ray", "dask"):
+        turns = [(ratio(lambda workers, on=on: throughput(on, workers, some)), ratio(counting)) for _ in range(TURNS)]
+        planned, machine = zip(*turns)
+        print(
+            f"{on}: two workers plan {median(planned):.2f} times what one does ({min(planned):.2f} to {max(planned):.2f}, "
+            f"{TURNS} turns of {len(some)}); two processes that count, {median(machine):.2f} times "
+            f"({min(machine):.2f} to {max(machine):.2f})",
+            flush=True,
+        )
+    return int(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,88 @@
+"""Motion simulator for the KUKA LBR iiwa: which path will the arm take, and how long will it take?
+
+>>> import iiwasim as iw
+>>> program = iw.Program([iw.ptp(deg=[20, 0, 0, -30, 0, 0, 0]), iw.wait(0.5)], start_deg=[0] * 7)
+>>> plan = iw.plan(program)
+>>> plan
+<iiwasim.Plan 1.052 s, 2 motions, jerk>
+>>> plan.motions[0].limited_by
+Limit(joint=4, kind='jerk')
+
+Angles are in rad, lengths in m and times in s unless a name ends in another unit; arrays are (n, 7) and float64.
+"""
+
+from importlib.metadata import version as _version
+
+from ._errors import (
+    IiwasimError,
+    ProfileError,
+    ProgramError,
+    RecordingError,
+    SceneError,
+    SunriseError,
+    UnreachableError,
+)
+from ._figures import Limit, MotionFigures, State
+from ._native import (
+    Clearance,
+    Comparison,
+    Identification,
+    Plan,
+    Program,
+    Recording,
+    Robot,
+    Samples,
+    Scene,
+    applications,
+    identify,
+    import_application,
+    plan,
+    plan_all,
+)
+from ._recordings import compare
+from .drive import Drive, DriveError, DriveState, DriveTimeout, JointSample, Run
+from .motions import Motion, circ, lin, lin_rel, load, ptp, spline, wait
+
+__version__ = _version("iiwasim")
+
+__all__ = [
+    "Clearance",
+    "Comparison",
+    "Drive",
+    "DriveError",
+    "DriveState",
+    "DriveTimeout",
+    "Identification",
+    "IiwasimError",
+    "JointSample",
+    "Limit",
+    "Motion",
+    "MotionFigures",
+    "Plan",
+    "ProfileError",
+    "Program",
+    "ProgramError",
+    "Recording",
+    "RecordingError",
+    "Robot",
+    "Run",
+    "Samples",
+    "Scene",
+    "SceneError",
+    "State",
+    "SunriseError",
+    "UnreachableError",
+    "applications",
+    "circ",
+    "compare",
+    "identify",
+    "import_application",
+    "lin",
+    "lin_rel",
+    "load",
+    "plan",
+    "plan_all",
+    "ptp",
+    "spline",
+    "wait",
+]

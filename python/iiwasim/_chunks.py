@@ -1,0 +1,145 @@
+"""Figures of a chunk of programs: what each worker computes."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+from collections import defaultdict
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any, TypedDict
+
+from ._errors import ProgramError
+from ._native import Plan, Program, Robot, Scene, plan_all
+
+try:
+    import pyarrow as pa
+except ImportError as error:
+    raise ImportError("figures of many programs need pyarrow: pip install 'iiwasim[batches]'") from error
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from os import PathLike
+
+FIGURES = pa.schema(
+    {
+        "cycle_time_s": pa.float64(),
+        "motion_time_s": pa.float64(),
+        "settle_time_s": pa.float64(),
+        "wait_time_s": pa.float64(),
+        "motions": pa.int32(),
+        "limited_joint": pa.int8(),
+        "limited_by": pa.string(),
+        "peak_torque_percent": pa.float64(),
+        "peak_torque_joint": pa.int8(),
+        "clearance_m": pa.float64(),
+        "clearance_obstacle": pa.string(),
+        "error": pa.string(),
+    }
+)
+"""The columns of figures; `iiwasim.batches` says what they mean."""
+
+
+# All of `plan_all`, with their defaults; how it is spread is for others to say.
+DEFAULTS = {
+    name: option.default
+    for name, option in inspect.signature(plan_all).parameters.items()
+    if option.kind is option.KEYWORD_ONLY and name not in ("jobs", "progress")
+}
+
+
+class Options(TypedDict, total=False):
+    """How each program is planned: the options of `plan_all`, and a scene."""
+
+    robot: Robot | str | PathLike[str] | None
+    timing: str
+    blend_shape: str
+    blend_search: str
+    samples: int
+    limit_torque_percent: float | None
+    scene: Scene | str | PathLike[str] | None
+
+
+class Planning:
+    """Plans chunks. It is pickled for workers, which need no file of its options."""
+
+    def __init__(self, column: str, options: Mapping[str, Any]) -> None:
+        """The programs are in `column`. Raises `ValueError` or `TypeError` where an option is wrong."""
+        self.version = version("iiwasim")
+        self.column = column
+        self.options = {**DEFAULTS, **options}
+        scene = self.options.pop("scene", None)
+        self.scene = scene if scene is None or isinstance(scene, Scene) else Scene.load(scene)
+        robot = self.options["robot"]
+        if robot is not None and not isinstance(robot, Robot):
+            self.options["robot"] = Robot(robot)
+        if unknown := [name for name in self.options if name not in DEFAULTS]:
+            raise TypeError(f"there is no option {unknown[0]!r}; there are {', '.join(DEFAULTS)} and scene")
+        plan_all([], **self.options)
+
+    def described(self) -> dict[str, Any]:
+        """The options as JSON: equal ones lead to equal figures."""
+        return {
+            "iiwasim": self.version,
+            "column": self.column,
+            "scene": None if self.scene is None else _digest(self.scene),
+            **{name: _digest(value) if isinstance(value, Robot) else value for name, value in self.options.items()},
+        }
+
+    def figures(self, chunk: pa.Table) -> pa.Table:
+        """The rows of a chunk, in their order, with their figures in place of the program.
+
+        Raises `RuntimeError` on a worker of another version, whose figures may be others.
+        """
+        if version("iiwasim") != self.version:
+            raise RuntimeError(f"a worker has iiwasim {version('iiwasim')}; {self.version} is needed, as here")
+        rows = [self._row(planned) for planned in self._planned(chunk.column(self.column).to_pylist())]
+        figures = pa.Table.from_pylist(rows, schema=FIGURES)
+        kept = chunk.drop_columns([self.column])
+        for name in FIGURES.names:
+            kept = kept.append_column(FIGURES.field(name), figures.column(name))
+        return kept
+
+    def _planned(self, texts: list[str | None]) -> list[Plan | ProgramError]:
+        read = [_read(text) for text in texts]
+        programs = [program for program in read if isinstance(program, Program)]
+        plans = iter(plan_all(programs, jobs=1, **self.options))
+        return [next(plans) if isinstance(program, Program) else program for program in read]
+
+    def _row(self, planned: Plan | ProgramError) -> dict[str, Any]:
+        if isinstance(planned, ProgramError):
+            return {"error": str(planned)}
+        figures = planned.figures()
+        row = {name: figures[name] for name in ("cycle_time_s", "motion_time_s", "settle_time_s", "wait_time_s")}
+        row["motions"] = len(figures["motions"])
+        row["limited_joint"], row["limited_by"] = _limit(figures["motions"])
+        peaks = [peak for motion in figures["motions"] for peak in enumerate(motion["torque"]["peak_percent"], 1)]
+        row["peak_torque_joint"], row["peak_torque_percent"] = max(peaks, key=lambda peak: peak[1])
+        clearance = None if self.scene is None else planned.clearance(self.scene)
+        if clearance is not None:
+            row["clearance_m"], row["clearance_obstacle"] = clearance.distance_m, clearance.obstacle
+        return row
+
+
+def _read(text: str | None) -> Program | ProgramError:
+    if text is None:
+        return ProgramError("there is no program in this row")
+    try:
+        return Program.from_json(text)
+    except ProgramError as error:
+        return error
+    except (ValueError, OSError) as error:
+        # Of the robot that it names.
+        return ProgramError(str(error))
+
+
+def _limit(motions: list[dict[str, Any]]) -> tuple[int | None, str | None]:
+    """Joint and kind of the limit that binds for the longest time of a program."""
+    times: defaultdict[tuple[int | None, str], float] = defaultdict(float)
+    for motion in motions:
+        for limit in motion["limits"]:
+            times[limit["joint"], limit["kind"]] += limit["share"] * (motion["end_s"] - motion["start_s"])
+    return max(times, key=lambda limit: times[limit]) if times else (None, None)
+
+
+def _digest(value: Robot | Scene) -> str:
+    return hashlib.sha256(str(value.__reduce__()[1]).encode()).hexdigest()

@@ -1,0 +1,150 @@
+"""Figures of many programs, from file to file, on the cores of this machine.
+
+`iiwasim.ray` and `iiwasim.dask` do the same on many machines, with the same arguments and the same rows. Needs pyarrow:
+`pip install 'iiwasim[batches]'`.
+
+>>> import tempfile, pathlib
+>>> import iiwasim as iw
+>>> from iiwasim import batches
+>>> folder = pathlib.Path(tempfile.mkdtemp())
+>>> programs = [iw.Program([iw.ptp(deg=[a] + [0] * 6)], start_deg=[0] * 7) for a in (10, 20, 700)]
+>>> _ = (folder / "programs.jsonl").write_text("\\n".join(program.to_json() for program in programs))
+>>> batches.plan(folder / "programs.jsonl", folder / "figures").rows
+3
+>>> figures = batches.read(folder / "figures")
+>>> [round(time_s, 3) for time_s in figures["cycle_time_s"].to_pylist()[:2]]
+[0.387, 0.504]
+>>> figures["error"].to_pylist()[2]
+'motion 1: ...'
+
+The columns of figures:
+
+| column | |
+|---|---|
+| `row` | place in the source, from 0 |
+| those of the source | without that of the programs |
+| `cycle_time_s`, `motion_time_s`, `settle_time_s`, `wait_time_s` | in s; the first is the sum of the others |
+| `motions` | their number |
+| `limited_joint`, `limited_by` | the limit that binds for the longest time; no joint if it is one of the TCP |
+| `peak_torque_percent`, `peak_torque_joint` | the largest share of its torque limit that any joint needs |
+| `clearance_m`, `clearance_obstacle` | where the arm comes nearest, if there is a `scene` |
+| `error` | why there are no figures; else null |
+"""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from typing import TYPE_CHECKING
+
+from ._chunks import Options, Planning
+from ._mapping import Planned, to_folder, to_table
+from ._parts import read
+from ._sources import of_path, of_programs
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterable
+    from os import PathLike
+
+    import pyarrow as pa
+    from typing_extensions import Self, TypeAlias, Unpack
+
+    from ._native import Program
+
+    _Task: TypeAlias = Future[pa.Table]
+
+__all__ = ["Options", "Planned", "figures", "plan", "read"]
+
+
+def plan(
+    source: str | PathLike[str],
+    target: str | PathLike[str],
+    *,
+    column: str = "program",
+    chunk: int = 500,
+    jobs: int | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Unpack[Options],
+) -> Planned:
+    """Plans all programs of a file, and writes their figures to a folder of Parquet.
+
+    `source` is a file of JSON lines, one program a line, or a Parquet file or folder with the programs, as JSON, in `column`.
+    A program that cannot be planned has its error in its row. The folder gets a part for every `chunk` rows, each written
+    whole; read in the order of their names, their rows are those of the source, in its order. Called again after it was
+    interrupted, it plans the parts that are missing. One call at a time writes into a folder.
+
+    `jobs` is the number of threads, by default that of the cores. `progress(rows_done, rows)` is called after each part.
+    Further options are those of `plan_all`, and `scene`. Raises `IiwasimError` if the source cannot be read, or the folder
+    has figures of other programs or options.
+
+    >>> import tempfile, pathlib
+    >>> import iiwasim as iw
+    >>> from iiwasim import batches
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6)], start_deg=[0] * 7)
+    >>> _ = (folder / "programs.jsonl").write_text(program.to_json())
+    >>> batches.plan(folder / "programs.jsonl", folder / "figures", timing="acceleration").rows_planned
+    1
+    >>> batches.plan(folder / "programs.jsonl", folder / "figures", timing="acceleration").rows_planned
+    0
+    >>> batches.plan(folder / "programs.jsonl", folder / "figures")
+    Traceback (most recent call last):
+        ...
+    iiwasim._errors.IiwasimError: ... `timing` is 'acceleration' there, 'jerk' here. Give a new folder
+    """
+    planning = Planning(column, options)
+    with _Threads(jobs) as workers:
+        return to_folder(of_path(source, column), target, chunk, planning, workers, progress)
+
+
+def figures(programs: Iterable[Program | str], *, jobs: int | None = None, **options: Unpack[Options]) -> pa.Table:
+    """Figures of programs in memory, in their order: what an optimiser needs of each of its candidates.
+
+    A text that is no program has its error in its row. Options are those of `plan`.
+
+    >>> import iiwasim as iw
+    >>> from iiwasim import batches
+    >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6)], start_deg=[0] * 7)
+    >>> table = batches.figures([program, "nonsense"], scene="fixtures/cage.json")
+    >>> round(table["cycle_time_s"][0].as_py(), 3), table["clearance_obstacle"][0].as_py()
+    (0.603, 'column')
+    >>> table["error"].to_pylist()
+    [None, 'this is not JSON: ..., at line 1, column 1']
+    """
+    planning = Planning("program", options)
+    source = of_programs(programs, planning)
+    with _Threads(jobs) as workers:
+        return to_table(source, planning, workers)
+
+
+class _Threads:
+    """Threads of this process: planning leaves the interpreter to the others."""
+
+    def __init__(self, jobs: int | None) -> None:
+        if jobs is not None and jobs < 1:
+            raise ValueError(f"jobs is {jobs}; at least 1 is needed")
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+        self._jobs = jobs or cores or 1
+        self._pool = ThreadPoolExecutor(self._jobs, thread_name_prefix="iiwasim")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._pool.shutdown()
+
+    def limit(self) -> int:
+        return 2 * self._jobs
+
+    def start(self, planning: Planning, chunk: pa.Table) -> _Task:
+        return self._pool.submit(planning.figures, chunk)
+
+    def ended(self, tasks: Collection[_Task]) -> Collection[_Task]:
+        return wait(tasks, return_when=FIRST_COMPLETED).done
+
+    def figures(self, task: _Task) -> pa.Table:
+        return task.result()
+
+    def cancel(self, tasks: Collection[_Task]) -> None:
+        for task in tasks:
+            task.cancel()

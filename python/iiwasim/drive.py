@@ -1,0 +1,491 @@
+"""Client of `iiwasim drive`: runs programs and trajectories on the robot, and reads what it measures.
+
+It needs pyzmq: `pip install 'iiwasim[drive]'`. Joint positions are in rad, A1 to A7, arrays (7,) or (n, 7); times are in s.
+
+A `Drive` may be shared by threads, as each request has a connection of its own: while one thread waits for a run, others
+may `stop` it or ask for the `state`. An iterator of `Drive.stream` belongs to one thread at a time.
+
+Ctrl-C stops the robot where `Drive.run` is called in the main thread; Python tells no other thread of it. There, catch
+`KeyboardInterrupt` in the main thread and call `Drive.stop`. Stops are no emergency stop: they depend on the network.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import time
+import warnings
+from contextlib import ExitStack, suppress
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+import numpy as np
+
+from ._replies import (
+    Conditions,
+    DriveError,
+    DriveState,
+    DriveTimeout,
+    FriState,
+    JointSample,
+    RobotProgram,
+    Run,
+    Sensors,
+    Signal,
+    joint_sample,
+    read_reply,
+    read_run,
+    read_sensors,
+    read_signals,
+    read_state,
+    read_value,
+    run_of,
+    state_message,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Mapping
+    from types import TracebackType
+    from typing import Self
+
+    import numpy.typing as npt
+
+    from ._link import Line
+    from ._replies import IoValue, Joints
+
+__all__ = [
+    "Conditions",
+    "Drive",
+    "DriveError",
+    "DriveState",
+    "DriveTimeout",
+    "FriState",
+    "JointSample",
+    "ProgramText",
+    "RobotProgram",
+    "Run",
+    "Sensors",
+    "Signal",
+]
+
+T = TypeVar("T")
+
+ADDRESS = "127.0.0.1:5560"
+"""Where a drive listens if its options say nothing else."""
+START_TOLERANCE_RAD = math.radians(0.5)
+"""How far from its start a program may begin, as in `iiwasim run`."""
+# Keys of a program that are sent with its motions; the others are for planning.
+MOTION_KEYS = ("motions", "tools", "bases", "frames", "tool", "base", "mode", "mount")
+MAX_BYTES = {"run_motions": 4 << 20, "run_trajectory": 32 << 20}
+MAX_POINTS = 200_000
+# The drive answers a stop within 4 s.
+STOP_TIMEOUT_S = 5.0
+# How long a run is stopped again and again: it may not have reached the robot at the first time.
+REST_TIMEOUT_S = 10.0
+# From one look at a run, or at the samples, to the next.
+PAUSE_S = 0.05
+# How long samples are handed on that have arrived with the end of their run.
+LAST_SAMPLES_S = 0.5
+
+
+class ProgramText(Protocol):
+    """What can be written as a motion program in JSON, as `iiwasim.Program`."""
+
+    def to_json(self) -> str:
+        """The program in JSON."""
+        ...
+
+
+class Drive:
+    """A drive, at `address`: `HOST:PORT`, by default that of `IIWASIM_DRIVE`, else 127.0.0.1:5560.
+
+    `stream` is the address at which it publishes; its default is the next port, or `IIWASIM_STREAM` where `address` is
+    left out. On other machines than this one, a drive requires keys, made by `iiwasim keygen`: `key` is the own `.key`
+    file, `server_key` the drive's `.pub` file, by default those of `IIWASIM_KEY` and `IIWASIM_SERVER_KEY`. Answers
+    without motion are waited for `timeout_s`.
+
+    The first request connects. A bad address, and files that are no keys, are a `ValueError`; requests raise `DriveError`
+    and `DriveTimeout`.
+
+    >>> program = {
+    ...     "version": 1,
+    ...     "start": {"joints_deg": [0, 0, 0, 0, 0, 0, 0]},
+    ...     "motions": [{"type": "ptp", "joints_deg": [5, 0, 0, -5, 0, 0, 0]}],
+    ... }
+    >>> with Drive() as drive:
+    ...     run = drive.run(program, move_to_start=True)
+    >>> run.q.shape == (len(run.t), 7)
+    True
+    >>> np.degrees(run.q[-1]).round(1) + 0.0
+    array([ 5.,  0.,  0., -5.,  0.,  0.,  0.])
+    """
+
+    def __init__(
+        self,
+        address: str | None = None,
+        *,
+        stream: str | None = None,
+        key: str | os.PathLike[str] | None = None,
+        server_key: str | os.PathLike[str] | None = None,
+        timeout_s: float = 5.0,
+    ) -> None:
+        if not 0.0 < timeout_s < math.inf:
+            raise ValueError(f"timeout_s is {timeout_s}; give a time in s above 0")
+        # Not before: all else of the package does without pyzmq.
+        from ._link import Keys, endpoint
+
+        if address is None:
+            address = os.environ.get("IIWASIM_DRIVE", ADDRESS)
+            stream = stream or os.environ.get("IIWASIM_STREAM")
+        keys = Keys.read(key or os.environ.get("IIWASIM_KEY"), server_key or os.environ.get("IIWASIM_SERVER_KEY"))
+        host, port = endpoint(address, keys)
+        stream_host, stream_port = endpoint(stream, keys) if stream else (host, port + 1)
+        self._at = f"tcp://{host}:{port}"
+        self._stream_at = f"tcp://{stream_host}:{stream_port}"
+        self._keys = keys
+        self._timeout_s = timeout_s
+        self._closed = False
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Drive at {self._at}{', closed' if self._closed else ''}>"
+
+    def close(self) -> None:
+        """Refuses further requests, and ends iterators of `stream`. It does not stop the robot."""
+        self._closed = True
+
+    def state(self) -> DriveState:
+        """What drive and robot do now.
+
+        >>> with Drive() as drive:
+        ...     drive.state().state
+        'idle'
+        """
+        return self._ask({"type": "state"}, read_state)
+
+    def run(
+        self,
+        program: ProgramText | Mapping[str, Any] | str,
+        *,
+        start_rad: npt.ArrayLike | None = None,
+        move_to_start: bool = False,
+        start_velocity_rel: float = 0.1,
+        timeout_s: float | None = None,
+        on_sample: Callable[[JointSample], object] | None = None,
+    ) -> Run:
+        """Runs a program and returns what was measured once it has ended; the controller plans it.
+
+        `program` is an `iiwasim.Program`, the keys of one, or its JSON. The robot has to be at its start, within 0.5
+        deg, or `move_to_start` first moves it there, in a straight line in joint space at `start_velocity_rel` of the
+        velocity limits. `start_rad`, (7,), says where that is if the program starts at a frame: `q[0]` of the plan's
+        samples. A program without a `start` starts where the robot is. `limit_torque_percent` is for planning only; to
+        keep it, run the samples of the plan by `run_trajectory`.
+
+        Ctrl-C, an exception in `on_sample`, and a run of more than `timeout_s` stop the robot on its path, also on the way
+        to the start; once it stands, they are raised. A second Ctrl-C does not wait for that. `on_sample` is called with measured positions while the program runs, and should be
+        quick; positions that it is too slow for are in the result.
+
+        Raises `DriveError`: with `.run`, what was measured up to then, if the run was stopped or broke off.
+        """
+        keys = _program_keys(program)
+        start = _start_of(keys) if start_rad is None else _seven(start_rad, "start_rad")
+        request = {"type": "run_motions", **{name: keys[name] for name in MOTION_KEYS if name in keys}}
+        text = _request_text(request)
+        if start is not None:
+            self._go_to_start(start, move_to_start, start_velocity_rel)
+        elif move_to_start:
+            raise ValueError("the program has no start to move to; give it one, or leave out move_to_start")
+        return self._execute(text, timeout_s, on_sample)
+
+    def run_trajectory(
+        self,
+        t: npt.ArrayLike,
+        q: npt.ArrayLike,
+        *,
+        move_to_start: bool = False,
+        start_velocity_rel: float = 0.1,
+        timeout_s: float | None = None,
+        on_sample: Callable[[JointSample], object] | None = None,
+    ) -> Run:
+        """Runs joint positions `q`, in rad, (n, 7), at times `t`, in s, (n,), as set-points over FRI; all else is as in `run`.
+
+        The drive checks them: at most 25 ms from one to the next while the arm moves, within all limits, at rest at both
+        ends, and from where the robot is.
+
+        >>> rise = np.linspace(0.0, 1.0, 101)
+        >>> q = np.zeros((101, 7))
+        >>> q[:, 0] = 0.02 * rise**4 * (35 - 84 * rise + 70 * rise**2 - 20 * rise**3)
+        >>> with Drive() as drive:
+        ...     run = drive.run_trajectory(rise, q, move_to_start=True)
+        >>> f"{run.q[-1, 0]:.3f}"
+        '0.020'
+        """
+        times = np.asarray(t, dtype=np.float64)
+        points = np.asarray(q, dtype=np.float64)
+        if times.ndim != 1 or points.shape != (len(times), 7) or not 0 < len(times) <= MAX_POINTS:
+            found = f"t {times.shape}, q {points.shape}"
+            raise ValueError(f"a trajectory is t (n,) and q (n, 7) of up to {MAX_POINTS} points; found {found}")
+        if not (np.isfinite(times).all() and np.isfinite(points).all()):
+            raise ValueError("t and q have to be finite")
+        trajectory = {"t_s": times.tolist(), "joints_rad": points.tolist()}
+        text = _request_text({"type": "run_trajectory", "trajectory": trajectory})
+        self._go_to_start(points[0], move_to_start, start_velocity_rel)
+        return self._execute(text, timeout_s, on_sample)
+
+    def last_run(self) -> Run:
+        """The result of the last run again, as after a lost connection; a run that broke off is raised again."""
+        return self._ask({"type": "last_run"}, read_run)
+
+    def stop(self) -> None:
+        """Stops the running motion on its path, whoever started it, and returns once the arm stands; from any thread."""
+        self._check_open()
+        self._stop()
+
+    def sensors(self) -> Sensors:
+        """Reads the sensors; not while a run is on (`not_idle`).
+
+        >>> with Drive() as drive:
+        ...     drive.sensors().external_torque_nm.shape
+        (7,)
+        """
+        return self._ask({"type": "read_sensors"}, read_sensors)
+
+    def list_io(self) -> list[Signal]:
+        """Reads all inputs and outputs; not while a run is on (`not_idle`)."""
+        return self._ask({"type": "list_io"}, read_signals)
+
+    def get_io(self, name: str) -> IoValue:
+        """Reads an input or output; not while a run is on (`not_idle`)."""
+        return self._ask({"type": "get_io", "name": name}, read_value)
+
+    def set_io(self, name: str, value: IoValue) -> IoValue:
+        """Sets an output and returns its new value; not while a run is on (`not_idle`).
+
+        >>> with Drive() as drive:
+        ...     drive.set_io("MediaFlange.LEDBlue", True), drive.get_io("MediaFlange.LEDBlue")
+        (True, True)
+        """
+        return self._ask({"type": "set_io", "name": name, "value": value}, read_value)
+
+    def stream(self, *, duration_s: float | None = None) -> Generator[JointSample, None, None]:
+        """Measured joint positions, every cycle of the controller, for `duration_s` or without end.
+
+        It connects when the iteration begins. What a slow loop does not take is missed beyond a backlog of some thousand.
+        Silence of more than the drive's `timeout_s` raises `DriveTimeout`.
+
+        >>> with Drive() as drive:
+        ...     for t_s, q in drive.stream():
+        ...         print(q.shape)
+        ...         break
+        (7,)
+        """
+        self._check_open()
+        with self._subscription(b"joints") as line:
+            first_s = None
+            while line.poll(self._timeout_s, lambda: self._closed) and not self._closed:
+                sample = joint_sample(line.receive()[1])
+                first_s = sample.t_s if first_s is None else first_s
+                if duration_s is not None and sample.t_s - first_s > duration_s:
+                    return
+                yield sample
+            if not self._closed:
+                heard = f"the drive at {self._stream_at} has published nothing for {self._timeout_s:g} s"
+                raise DriveTimeout("timeout", f"{heard}; does it hear the robot? `iiwasim status` tells")
+
+    def _ask(self, request: dict[str, Any], read: Callable[[dict[str, Any]], T]) -> T:
+        self._check_open()
+        return self._exchange(request, read, self._timeout_s)
+
+    def _stop(self) -> None:
+        """Also of a drive that another thread has closed."""
+        self._exchange({"type": "stop"}, lambda _: None, max(self._timeout_s, STOP_TIMEOUT_S))
+
+    def _exchange(self, request: dict[str, Any], read: Callable[[dict[str, Any]], T], timeout_s: float) -> T:
+        """Sends a request, and reads its reply."""
+        with self._connection() as line:
+            line.send(_request_text(request))
+            if not line.poll(timeout_s):
+                raise DriveTimeout("timeout", f"the drive at {self._at} did not reply within {timeout_s:g} s")
+            return read_reply(line.receive()[-1], read)
+
+    def _connection(self) -> Line:
+        return self._line(self._at)
+
+    def _subscription(self, *topics: bytes) -> Line:
+        return self._line(self._stream_at, topics)
+
+    def _line(self, at: str, topics: tuple[bytes, ...] = ()) -> Line:
+        from ._link import Line
+
+        return Line(at, self._keys, self._timeout_s, topics)
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise ValueError("the drive is closed")
+
+    def _go_to_start(self, start: Joints, move: bool, velocity_rel: float) -> None:
+        """Makes sure that the robot is at a start; it moves there if it may."""
+        state = self.state()
+        if state.state != "idle":
+            raise DriveError("not_idle", "the robot is busy: it is running another program")
+        if state.q is None or state.fri.session == "silent":
+            raise DriveError("robot", _unknown_position(state.fri))
+        if caution := _caution(state.conditions):
+            warnings.warn(f"{caution}: the program takes longer than planned", RuntimeWarning, stacklevel=3)
+        off = np.abs(state.q - start)
+        joint = int(off.argmax())
+        if off[joint] <= (1e-6 if move else START_TOLERANCE_RAD):
+            return
+        if not move:
+            at, begin = math.degrees(state.q[joint]), math.degrees(start[joint])
+            where = f"joint A{joint + 1} is at {at:.3f} deg, the program starts at {begin:.3f} deg"
+            how = "move_to_start=True moves it there first"
+            raise DriveError("start_mismatch", f"the robot is not at the program's start: {where}; {how}")
+        approach = {"type": "ptp", "joints_rad": start.tolist(), "velocity_rel": velocity_rel}
+        try:
+            self._execute(_request_text({"type": "run_motions", "motions": [approach]}), None, None)
+        except DriveError as error:
+            raise type(error)(error.code, f"the robot did not move to the start: {error.message}") from error
+
+    def _execute(
+        self, request: bytes, timeout_s: float | None, on_sample: Callable[[JointSample], object] | None
+    ) -> Run:
+        """Sends a run and waits for its end; what comes in between stops the robot."""
+        self._check_open()
+        with ExitStack() as open_lines:
+            samples = open_lines.enter_context(self._subscription(b"state", b"joints")) if on_sample else None
+            if samples is not None:
+                # The run is not to begin before the drive has read the subscription.
+                samples.poll(self._timeout_s)
+            line = open_lines.enter_context(self._connection())
+            try:
+                line.send(request)
+                has_ended = _follow(line, samples, timeout_s, on_sample)
+            except BaseException:
+                # A lost drive takes no stop; the run goes on without it.
+                if not line.is_lost:
+                    self._bring_to_rest(line)
+                raise
+            if has_ended:
+                return read_reply(line.receive()[-1], read_run)
+            reply = self._bring_to_rest(line)
+            raise DriveTimeout("timeout", f"the run took more than {timeout_s:g} s, and was stopped", run_of(reply))
+
+    def _bring_to_rest(self, line: Line) -> bytes | None:
+        """Stops the run that a connection waits for, and returns its reply."""
+        failure: DriveError | None = None
+        until = time.monotonic() + REST_TIMEOUT_S
+        with suppress(DriveError):
+            pause_s = 0.0
+            while not line.poll(pause_s) and time.monotonic() < until:
+                pause_s = PAUSE_S
+                try:
+                    self._stop()
+                    failure = None
+                except DriveError as error:
+                    failure = error
+            if line.poll(0.0):
+                return line.receive()[-1]
+        why = failure or "the drive does not report the end of the run"
+        warnings.warn(f"the robot may still be moving: {why}", RuntimeWarning, stacklevel=4)
+        return None
+
+
+def _follow(
+    line: Line, samples: Line | None, timeout_s: float | None, on_sample: Callable[[JointSample], object] | None
+) -> bool:
+    """Waits for the end of a run, and hands on its samples; whether it has ended in time."""
+    if samples is None or on_sample is None:
+        return line.poll(math.inf if timeout_s is None else timeout_s)
+    until = math.inf if timeout_s is None else time.monotonic() + timeout_s
+    runs = has_ended = False
+    while time.monotonic() < until:
+        if not has_ended and line.poll(0.0):
+            has_ended = True
+            until = time.monotonic() + LAST_SAMPLES_S
+        if has_ended and not runs:
+            break
+        if not samples.poll(0.0 if has_ended else PAUSE_S):
+            if has_ended:
+                break
+            continue
+        topic, text = samples.receive()
+        if topic == b"state":
+            # The first samples of a run are from before its state is published.
+            runs = state_message(text) != "idle"
+        elif runs:
+            on_sample(joint_sample(text))
+    return has_ended or line.poll(0.0)
+
+
+def _program_keys(program: ProgramText | Mapping[str, Any] | str) -> dict[str, Any]:
+    """The keys of a program in any of its forms."""
+    if isinstance(program, str):
+        keys = json.loads(program)
+    elif hasattr(program, "to_json"):
+        keys = json.loads(program.to_json())
+    else:
+        keys = dict(program)
+    if not isinstance(keys, dict):
+        raise TypeError(f"a program is a JSON object, found {type(keys).__name__}")
+    if "include" in keys:
+        included = f"the program includes {keys['include']!r}, which a drive cannot read"
+        raise ValueError(f"{included}: load it by iiwasim.Program.load, which does")
+    return keys
+
+
+def _start_of(keys: dict[str, Any]) -> Joints | None:
+    """Where a program starts, in rad; `None` if it does not say."""
+    if "start" not in keys:
+        return None
+    start = keys["start"]
+    for name, to_rad in (("joints_rad", 1.0), ("joints_deg", math.pi / 180.0)):
+        if isinstance(start, dict) and name in start:
+            return _seven(start[name], f"the start's {name}") * to_rad
+    raise ValueError("the program's start has no joints; give them as start_rad, as q[0] of its plan's samples")
+
+
+def _seven(values: object, what: str) -> Joints:
+    joints = np.asarray(values, dtype=np.float64)
+    if joints.shape != (7,) or not np.isfinite(joints).all():
+        raise ValueError(f"{what} has to be seven finite numbers, A1 to A7; found {joints.tolist()}")
+    return joints
+
+
+def _request_text(request: dict[str, Any]) -> bytes:
+    text = json.dumps(request, allow_nan=False, separators=(",", ":"), default=_plain).encode()
+    most = MAX_BYTES.get(request["type"], 64 << 10)
+    if len(text) > most:
+        raise ValueError(f"the request has {len(text)} bytes, and a drive takes {most}: split it")
+    return text
+
+
+def _plain(value: object) -> object:
+    """What JSON has for numpy's arrays and numbers."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} has no form in JSON")
+
+
+def _caution(conditions: Conditions) -> str:
+    """Why runs take longer than planned, if they do."""
+    causes = []
+    if conditions.override_rel is not None and conditions.override_rel < 1.0:
+        causes.append(f"the override is {100 * conditions.override_rel:g} %")
+    if conditions.operation_mode == "t1":
+        causes.append("the operation mode is T1, which limits velocities")
+    return ", and ".join(causes)
+
+
+def _unknown_position(fri: FriState) -> str:
+    why = "the position of the robot is unknown: the drive receives nothing from the controller"
+    if fri.unexpected_source is None:
+        return why
+    return f"{why}, but FRI messages from {fri.unexpected_source} (iiwasim drive --fri-cabinet)"

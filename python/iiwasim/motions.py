@@ -1,0 +1,223 @@
+"""The motions of programs, as the dicts that program files have.
+
+What is left out is not in the dict: the robot's limits hold then, and the program's tool and base.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    Share = float | Sequence[float]
+
+Motion = dict[str, Any]
+"""A motion, as program files have it.
+
+>>> import iiwasim as iw
+>>> isinstance(iw.wait(1), iw.Motion)
+True
+"""
+
+
+def _numbers(values: Sequence[float]) -> list[float]:
+    return [float(value) for value in values]
+
+
+def _share(value: Share | None) -> float | list[float] | None:
+    if value is None or isinstance(value, (int, float)):
+        return value
+    return float(value) if np.ndim(value) == 0 else _numbers(value)  # type: ignore[arg-type]
+
+
+def _motion(kind: str, **given: Any) -> Motion:
+    return {"type": kind, **{key: value for key, value in given.items() if value is not None}}
+
+
+def _blend(cart_mm: float | None, ori_deg: float | None, **others: float | None) -> dict[str, float] | None:
+    given = {"cart_mm": cart_mm, "ori_deg": ori_deg, **others}
+    return {key: value for key, value in given.items() if value is not None} or None
+
+
+def ptp(
+    *,
+    deg: Sequence[float] | None = None,
+    rad: Sequence[float] | None = None,
+    frame: str | Mapping[str, Any] | None = None,
+    velocity_rel: Share | None = None,
+    acceleration_rel: Share | None = None,
+    jerk_rel: Share | None = None,
+    blend_cart_mm: float | None = None,
+    blend_ori_deg: float | None = None,
+    blend_fraction: float | None = None,
+    blend_sunrise_rel: float | None = None,
+    tool: str | None = None,
+    base: str | None = None,
+) -> Motion:
+    """All joints go to joints, in degrees or in rad, or to a frame, and arrive together.
+
+    Shares of the robot's limits are above 0 and at most 1, for all joints or one each. A blend goes round the target:
+    `blend_cart_mm` is a radius, `blend_fraction` a share of the neighbouring segments up to 0.5, `blend_sunrise_rel`
+    what Sunrise's `setBlendingRel` takes.
+
+    >>> import iiwasim as iw
+    >>> iw.ptp(deg=[0, 30, 0, -60, 0, 90, 0], velocity_rel=0.5, blend_cart_mm=50)
+    {'type': 'ptp', 'joints_deg': [0.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0], 'velocity_rel': 0.5, 'blend': {'cart_mm': 50}}
+    """
+    if sum(value is not None for value in (deg, rad, frame)) != 1:
+        raise ValueError("ptp goes to one of deg, rad and frame")
+    return _motion(
+        "ptp",
+        joints_deg=None if deg is None else _numbers(deg),
+        joints_rad=None if rad is None else _numbers(rad),
+        frame=frame,
+        tool=tool,
+        base=base,
+        velocity_rel=_share(velocity_rel),
+        acceleration_rel=_share(acceleration_rel),
+        jerk_rel=_share(jerk_rel),
+        blend=_blend(blend_cart_mm, blend_ori_deg, fraction=blend_fraction, sunrise_rel=blend_sunrise_rel),
+    )
+
+
+def lin(
+    frame: str | Mapping[str, Any],
+    *,
+    cart_velocity_mm_s: float | None = None,
+    blend_cart_mm: float | None = None,
+    blend_ori_deg: float | None = None,
+    **limits: Any,
+) -> Motion:
+    """The TCP goes straight to a frame: the name of one of the program's, or a dict.
+
+    `limits` are all others that program files have, and `tool`, `base` and `orientation`.
+
+    >>> import iiwasim as iw
+    >>> iw.lin("place", cart_velocity_mm_s=250, cart_jerk_mm_s3=20000)
+    {'type': 'lin', 'frame': 'place', 'cart_velocity_mm_s': 250, 'cart_jerk_mm_s3': 20000}
+    """
+    blend = _blend(blend_cart_mm, blend_ori_deg)
+    return _motion("lin", frame=frame, cart_velocity_mm_s=cart_velocity_mm_s, **limits, blend=blend)
+
+
+def lin_rel(
+    *,
+    x_mm: float = 0,
+    y_mm: float = 0,
+    z_mm: float = 0,
+    a_deg: float = 0,
+    b_deg: float = 0,
+    c_deg: float = 0,
+    within: str | Mapping[str, Any] | None = None,
+    e1_deg: float | None = None,
+    cart_velocity_mm_s: float | None = None,
+    blend_cart_mm: float | None = None,
+    blend_ori_deg: float | None = None,
+    **limits: Any,
+) -> Motion:
+    """The TCP goes straight by an offset, in its own directions or in those of the frame `within`.
+
+    >>> import iiwasim as iw
+    >>> iw.lin_rel(z_mm=-80, cart_velocity_mm_s=250)
+    {'type': 'lin_rel', 'offset': {'z_mm': -80}, 'cart_velocity_mm_s': 250}
+    """
+    given = {"x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm, "a_deg": a_deg, "b_deg": b_deg, "c_deg": c_deg}
+    return _motion(
+        "lin_rel",
+        offset={key: value for key, value in given.items() if value},
+        **{"in": within},
+        e1_deg=e1_deg,
+        cart_velocity_mm_s=cart_velocity_mm_s,
+        **limits,
+        blend=_blend(blend_cart_mm, blend_ori_deg),
+    )
+
+
+def circ(
+    aux: str | Mapping[str, Any],
+    frame: str | Mapping[str, Any],
+    *,
+    circ_angle_deg: float | None = None,
+    cart_velocity_mm_s: float | None = None,
+    blend_cart_mm: float | None = None,
+    blend_ori_deg: float | None = None,
+    **limits: Any,
+) -> Motion:
+    """The TCP goes on a circle through `aux` to `frame`, or on by an angle.
+
+    >>> import iiwasim as iw
+    >>> iw.circ("via", "place", cart_velocity_mm_s=300)
+    {'type': 'circ', 'aux': 'via', 'frame': 'place', 'cart_velocity_mm_s': 300}
+    """
+    return _motion(
+        "circ",
+        aux=aux,
+        frame=frame,
+        circ_angle_deg=circ_angle_deg,
+        cart_velocity_mm_s=cart_velocity_mm_s,
+        **limits,
+        blend=_blend(blend_cart_mm, blend_ori_deg),
+    )
+
+
+def spline(
+    segments: Sequence[Mapping[str, Any]],
+    *,
+    cart_velocity_mm_s: float | None = None,
+    blend_cart_mm: float | None = None,
+    blend_ori_deg: float | None = None,
+    **limits: Any,
+) -> Motion:
+    """The TCP goes through frames without a stop; segments are dicts of the types `spl`, `lin` and `circ`.
+
+    >>> import iiwasim as iw
+    >>> iw.spline([{"type": "spl", "frame": "via"}, {"type": "lin", "frame": "place"}])["type"]
+    'spline'
+    """
+    return _motion(
+        "spline",
+        segments=[dict(segment) for segment in segments],
+        cart_velocity_mm_s=cart_velocity_mm_s,
+        **limits,
+        blend=_blend(blend_cart_mm, blend_ori_deg),
+    )
+
+
+def wait(seconds: float, *, overlap: bool | int = False) -> Motion:
+    """The arm stands still.
+
+    With `overlap` the wait counts from when the motion before it begins; a number says how many motions before.
+
+    >>> import iiwasim as iw
+    >>> iw.wait(0.5), iw.wait(1, overlap=True)
+    ({'type': 'wait', 'seconds': 0.5}, {'type': 'wait', 'seconds': 1, 'overlap': True})
+    """
+    if overlap is True or overlap is False:
+        return _motion("wait", seconds=seconds, overlap=True if overlap else None)
+    return _motion("wait", seconds=seconds, overlap_motions=overlap)
+
+
+def load(
+    mass_kg: float | None,
+    *,
+    center_mm: Sequence[float] = (0, 0, 0),
+    inertia_kg_m2: Sequence[float] | None = None,
+    abc_deg: Sequence[float] | None = None,
+) -> Motion:
+    """From here on this hangs on the flange, the tool with what it holds; `None` is the tool's own load again.
+
+    >>> import iiwasim as iw
+    >>> iw.load(2.5, center_mm=[0, 0, 60])
+    {'type': 'load', 'load': {'mass_kg': 2.5, 'center_mm': [0.0, 0.0, 60.0]}}
+    """
+    if mass_kg is None:
+        return {"type": "load", "load": None}
+    own: dict[str, Any] = {"mass_kg": mass_kg, "center_mm": _numbers(center_mm)}
+    if inertia_kg_m2 is not None:
+        own["inertia_kg_m2"] = _numbers(inertia_kg_m2)
+    if abc_deg is not None:
+        own["abc_deg"] = _numbers(abc_deg)
+    return {"type": "load", "load": own}

@@ -1,0 +1,86 @@
+//! Joint positions as arrays of numpy, without copies where numpy's memory allows it.
+
+use std::borrow::Cow;
+
+use iiwa_kin::Joints;
+use numpy::{
+    AllowTypeChange, IxDyn, PyArrayDyn, PyArrayLikeDyn, PyUntypedArrayMethods, ndarray::ArrayD,
+};
+use pyo3::{exceptions::PyValueError, prelude::*};
+
+/// What Python gives as joints: (7,) or (n, 7), or anything that numpy makes one of.
+pub(crate) type JointsLike<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
+
+/// Rows of seven numbers.
+pub(crate) struct Rows<'a> {
+    pub(crate) joints: Cow<'a, [Joints]>,
+    /// Whether it is one row, of shape (7,).
+    pub(crate) is_single: bool,
+}
+
+impl<'a> Rows<'a> {
+    /// The rows of an array called `name`.
+    pub(crate) fn new(name: &str, array: &'a JointsLike<'_>) -> PyResult<Self> {
+        let is_single = match array.shape() {
+            [7] => true,
+            [_, 7] => false,
+            shape => {
+                return Err(PyValueError::new_err(format!(
+                    "{name} has the shape {shape:?}; (7,) or (n, 7) is expected"
+                )));
+            }
+        };
+        // A slice of numpy's memory may be of columns.
+        let slice = array.as_slice().ok().filter(|_| array.is_c_contiguous());
+        let joints = if let Some(slice) = slice {
+            Cow::Borrowed(slice.as_chunks().0)
+        } else {
+            let flat: Vec<f64> = array.as_array().iter().copied().collect();
+            Cow::Owned(flat.as_chunks().0.to_vec())
+        };
+        let rows = Self { joints, is_single };
+        rows.finite(name)?;
+        Ok(rows)
+    }
+
+    fn finite(&self, name: &str) -> PyResult<()> {
+        let bad = self.joints.iter().position(|row| !row.iter().all(|value| value.is_finite()));
+        match bad {
+            None => Ok(()),
+            Some(_) if self.is_single => {
+                Err(PyValueError::new_err(format!("{name} contains a value that is not finite")))
+            }
+            Some(row) => Err(PyValueError::new_err(format!(
+                "{name} contains a value that is not finite in row {row}"
+            ))),
+        }
+    }
+
+    /// The only row.
+    pub(crate) fn single(&self, name: &str) -> PyResult<&Joints> {
+        match (&*self.joints, self.is_single) {
+            ([only], true) => Ok(only),
+            _ => Err(PyValueError::new_err(format!("{name} has to be of the shape (7,)"))),
+        }
+    }
+}
+
+/// An array with `inner` as its last dimensions, and (n,) before them unless it is of a single row.
+pub(crate) fn array<'py, const WIDTH: usize>(
+    py: Python<'py>,
+    rows: Vec<[f64; WIDTH]>,
+    inner: &[usize],
+    is_single: bool,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let count = rows.len();
+    let shape: Vec<usize> =
+        (!is_single).then_some(count).into_iter().chain(inner.iter().copied()).collect();
+    let array = ArrayD::from_shape_vec(IxDyn(&shape), rows.into_flattened())
+        .map_err(|error| PyValueError::new_err(error.to_string()))?;
+    Ok(PyArrayDyn::from_owned_array(py, array))
+}
+
+/// An array (n, 7).
+pub(crate) fn joint_array(py: Python<'_>, rows: Vec<Joints>) -> PyResult<Py<PyArrayDyn<f64>>> {
+    array(py, rows, &[7], false).map(Bound::unbind)
+}

@@ -1,0 +1,359 @@
+//! Plans held against recordings, and robots identified from them.
+
+use std::{
+    fs::File,
+    path::{Path, PathBuf},
+};
+
+use iiwa_eval::{Comparison as Compared, Plan as Reference, identify as identified};
+use iiwa_kin::Robot as Model;
+use iiwa_program::Program as Motions;
+use iiwa_view::{ComparisonReport, IdentificationReport, draw_comparison, with_causes};
+use pyo3::{
+    exceptions::{PyRuntimeError, PyValueError},
+    prelude::*,
+};
+
+use crate::{
+    errors::{exception, os_error},
+    frames::object,
+    options::RobotArgument,
+    plan::Plan,
+    program::Program,
+    recording::{Recording, recording_error},
+    robot::Robot,
+    work::interruptible,
+};
+
+/// A plan held against a recording; `compare` makes it.
+///
+/// >>> import iiwasim as iw
+/// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+/// >>> plan = iw.plan(program)
+/// >>> samples = plan.sample(rate_hz=250)
+/// >>> comparison = iw.compare(plan, iw.Recording(samples.t, samples.q))
+/// >>> comparison.planned_s > 0.7
+/// True
+#[pyclass(frozen, module = "iiwasim")]
+pub(crate) struct Comparison {
+    plan: Reference,
+    compared: Compared,
+    report: ComparisonReport,
+}
+
+/// What plans are compared with: of a file or of memory.
+#[derive(FromPyObject)]
+pub(crate) enum PlanArgument<'py> {
+    Plan(Bound<'py, Plan>),
+    Path(PathBuf),
+}
+
+impl PlanArgument<'_> {
+    fn reference(&self, py: Python<'_>) -> PyResult<Reference> {
+        match self {
+            Self::Plan(plan) => Ok(Reference::from_trajectory(&plan.get().trajectory)),
+            Self::Path(path) => {
+                let file = File::open(path).map_err(|error| os_error(path, &error))?;
+                Reference::read_mcap(file, None).map_err(|error| {
+                    let what = format!("{}: {}", path.display(), with_causes(&error));
+                    exception(py, "RecordingError", (what,))
+                })
+            }
+        }
+    }
+}
+
+/// Compares; see `iiwasim/_native.pyi`.
+#[pyfunction]
+#[pyo3(signature = (plan, measured, /))]
+pub(crate) fn compare(
+    py: Python<'_>,
+    plan: PlanArgument<'_>,
+    measured: &Bound<'_, Recording>,
+) -> PyResult<Comparison> {
+    let plan = plan.reference(py)?;
+    let log = &measured.get().log;
+    log.check_robot(plan.robot()).map_err(|error| recording_error(py, "the recording", &error))?;
+    let compared = py.detach(|| iiwa_eval::compare(&plan, log));
+    let compared =
+        compared.map_err(|error| exception(py, "RecordingError", (with_causes(&error),)))?;
+    let files = [Path::new("plan"), Path::new("recording")];
+    let report = ComparisonReport::new(files, None, &plan, log, &compared);
+    Ok(Comparison { plan, compared, report })
+}
+
+#[pymethods]
+impl Comparison {
+    /// Planned minus measured, in s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> comparison = iw.compare(plan, iw.Recording(samples.t, samples.q))
+    /// >>> abs(comparison.cycle_time_error_s) < 0.01
+    /// True
+    #[getter]
+    fn cycle_time_error_s(&self) -> f64 {
+        self.compared.cycle_time.error_s
+    }
+
+    /// The same as a share of what was measured, in per cent.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> comparison = iw.compare(plan, iw.Recording(samples.t, samples.q))
+    /// >>> abs(comparison.cycle_time_error_percent) < 1
+    /// True
+    #[getter]
+    fn cycle_time_error_percent(&self) -> f64 {
+        self.compared.cycle_time.error_percent
+    }
+
+    /// The planned time, in s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> comparison = iw.compare(plan, iw.Recording(samples.t, samples.q))
+    /// >>> round(comparison.planned_s, 2)
+    /// 1.1
+    #[getter]
+    fn planned_s(&self) -> f64 {
+        self.compared.cycle_time.simulated_s
+    }
+
+    /// The measured time, in s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> comparison = iw.compare(plan, iw.Recording(samples.t, samples.q))
+    /// >>> abs(comparison.measured_s - comparison.planned_s) < 0.01
+    /// True
+    #[getter]
+    fn measured_s(&self) -> f64 {
+        self.compared.cycle_time.real_s
+    }
+
+    /// How far the TCP was off the planned path at most, in mm.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> comparison = iw.compare(plan, iw.Recording(samples.t, samples.q))
+    /// >>> comparison.max_deviation_mm < 0.1
+    /// True
+    #[getter]
+    fn max_deviation_mm(&self) -> f64 {
+        self.report.max_deviation_mm()
+    }
+
+    /// All figures as a dict: that of `iiwasim compare --json`.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> comparison = iw.compare(plan, iw.Recording(samples.t, samples.q))
+    /// >>> 'cycle_time' in comparison.figures()
+    /// True
+    fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        figures(py, &self.report)
+    }
+
+    /// The tables that `iiwasim compare` prints.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> comparison = iw.compare(plan, iw.Recording(samples.t, samples.q))
+    /// >>> 'Cycle time' in comparison.table()
+    /// True
+    fn table(&self) -> String {
+        self.report.text()
+    }
+
+    /// Planned and measured path as a picture, SVG.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> comparison = iw.compare(plan, iw.Recording(samples.t, samples.q))
+    /// >>> comparison.picture().startswith('<svg')
+    /// True
+    fn picture(&self) -> PyResult<String> {
+        draw_comparison(&self.plan, &self.compared)
+            .map_err(|error| PyRuntimeError::new_err(error.to_string()))
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<iiwasim.Comparison {:+.3} s ({:+.2} %), at most {:.2} mm off>",
+            self.cycle_time_error_s(),
+            self.cycle_time_error_percent(),
+            self.max_deviation_mm()
+        )
+    }
+}
+
+fn figures<'py>(py: Python<'py>, report: &impl serde::Serialize) -> PyResult<Bound<'py, PyAny>> {
+    let json = serde_json::to_string(report);
+    object(py, &json.map_err(|error| PyRuntimeError::new_err(error.to_string()))?)
+}
+
+/// What recordings show of the robot that they are of; `identify` makes it.
+///
+/// >>> import iiwasim as iw
+/// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+/// >>> plan = iw.plan(program)
+/// >>> samples = plan.sample(rate_hz=250)
+/// >>> found = iw.identify([iw.Recording(samples.t, samples.q, program=program)])
+/// >>> found
+/// <iiwasim.Identification of identified>
+#[pyclass(frozen, module = "iiwasim")]
+pub(crate) struct Identification {
+    robot: Model,
+    model: Model,
+    report: IdentificationReport,
+}
+
+/// The limits, times to settle, blends, loads and friction that recordings show.
+///
+/// The program is each recording's own unless `program` is given, and the robot that they are taken to be of likewise. Raises
+/// `RecordingError` where a recording is not of its program.
+///
+/// >>> import iiwasim as iw
+/// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+/// >>> plan = iw.plan(program)
+/// >>> samples = plan.sample(rate_hz=250)
+/// >>> found = iw.identify([iw.Recording(samples.t, samples.q, program=program)])
+/// >>> found.robot.name
+/// 'identified'
+#[pyfunction]
+#[pyo3(signature = (recordings, *, program = None, robot = None, name = "identified"))]
+pub(crate) fn identify(
+    py: Python<'_>,
+    recordings: Vec<Bound<'_, Recording>>,
+    program: Option<&Bound<'_, Program>>,
+    robot: Option<RobotArgument<'_>>,
+    name: &str,
+) -> PyResult<Identification> {
+    let mut model = robot.map(|robot| robot.model(py)).transpose()?;
+    let mut sources = Vec::new();
+    for (index, recording) in recordings.iter().enumerate() {
+        let log = &recording.get().log;
+        let own: Motions = match (program, &log.program) {
+            (Some(program), _) => (*program.get().parsed).clone(),
+            (None, Some(text)) => Motions::from_json(text)
+                .map_err(|error| crate::errors::program_error(py, &error))?,
+            (None, None) => {
+                return Err(PyValueError::new_err(format!(
+                    "recordings[{index}] does not hold the program that was run; give program"
+                )));
+            }
+        };
+        if model.is_none() {
+            let recorded = log
+                .recorded_robot()
+                .map_err(|error| PyValueError::new_err(format!("{error}; give robot")))?;
+            model = Some(match (program, recorded) {
+                (Some(program), _) => program.get().model(),
+                (None, Some(robot)) => robot,
+                (None, None) => Model::default(),
+            });
+        }
+        if let Some(model) = &model {
+            let name = format!("recordings[{index}]");
+            let checked = log.check_robot(model).and_then(|()| log.check_motion());
+            checked.map_err(|error| recording_error(py, &name, &error))?;
+        }
+        sources.push((own, std::sync::Arc::clone(log)));
+    }
+    if sources.is_empty() {
+        return Err(PyValueError::new_err("recordings is empty; at least one is needed"));
+    }
+    let model = model.unwrap_or_default();
+    let work = {
+        let model = model.clone();
+        move |_| {
+            let recordings: Vec<_> = sources
+                .iter()
+                .map(|(program, log)| identified::Recording { program, log })
+                .collect();
+            let found = identified::identify(&recordings, &model);
+            (found, sources)
+        }
+    };
+    let (found, sources) = interruptible(py, work, |_| Ok(()))?;
+    let found = found.map_err(|error| {
+        let what = format!("recordings[{}]: {}", error.recording(), with_causes(&error));
+        exception(py, "RecordingError", (what,))
+    })?;
+    let names: Vec<_> = (0..sources.len()).map(|index| format!("recordings[{index}]")).collect();
+    let named: Vec<_> =
+        names.iter().zip(&sources).map(|(name, (_, log))| (name.as_str(), &**log)).collect();
+    let report = IdentificationReport::new(&named, name, &found, None);
+    if report.is_empty() {
+        return Err(exception(
+            py,
+            "RecordingError",
+            ("the recordings show no limit, no time to settle and no blend",),
+        ));
+    }
+    Ok(Identification { robot: found.robot(&model).with_name(name), model, report })
+}
+
+#[pymethods]
+impl Identification {
+    /// The robot with what was found, to plan with.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> found = iw.identify([iw.Recording(samples.t, samples.q, program=program)])
+    /// >>> iw.plan(program, robot=found.robot).cycle_time_s > 0.7
+    /// True
+    #[getter]
+    fn robot(&self) -> Robot {
+        Robot::of(self.robot.clone())
+    }
+
+    /// All figures as a dict: that of `iiwasim identify --json`.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> found = iw.identify([iw.Recording(samples.t, samples.q, program=program)])
+    /// >>> 'velocity_deg_s' in found.figures()
+    /// True
+    fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        figures(py, &self.report)
+    }
+
+    /// The tables that `iiwasim identify` prints.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> found = iw.identify([iw.Recording(samples.t, samples.q, program=program)])
+    /// >>> 'joint' in found.table()
+    /// True
+    fn table(&self) -> String {
+        self.report.text(&self.model)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<iiwasim.Identification of {}>", self.robot.name())
+    }
+}

@@ -1,0 +1,140 @@
+//! Frames, tools and loads, in the words of motion programs.
+
+use iiwa_kin::{Joints, Load, Pose, Redundancy, Robot, Status};
+use iiwa_program::{Target, TargetRef, Workcell};
+use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
+
+use crate::{
+    errors::{exception, program_error},
+    program::Program,
+};
+
+/// The JSON of a Python object.
+pub(crate) fn json(py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<String> {
+    py.import("iiwasim._json")?.call_method1("dumps", (value,))?.extract()
+}
+
+/// The JSON of a program; the error says in which motion a value is not finite.
+pub(crate) fn json_of_program(py: Python<'_>, program: &Bound<'_, PyDict>) -> PyResult<String> {
+    py.import("iiwasim._json")?.call_method1("program", (program,))?.extract()
+}
+
+/// A Python object of a JSON text.
+pub(crate) fn object<'py>(py: Python<'py>, json: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("json")?.call_method1("loads", (json,))
+}
+
+fn invalid(error: &dyn std::error::Error) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// A load as programs state it: `mass_kg`, `center_mm` and so on.
+pub(crate) fn load(py: Python<'_>, load: &Bound<'_, PyAny>) -> PyResult<Load> {
+    let text = format!(
+        r#"{{"version": 1, "tools": {{"load": {{"tcp": {{}}, "load": {}}}}}}}"#,
+        json(py, load)?
+    );
+    let workcell = Workcell::from_json(&text).map_err(|error| program_error(py, &error))?;
+    workcell
+        .load(Some("load"))
+        .copied()
+        .ok_or_else(|| PyValueError::new_err("load is a dict with mass_kg and center_mm"))
+}
+
+/// A robot with what a program says of its tool and base; without a program the bare flange and the foot.
+pub(crate) struct Workplace<'a> {
+    robot: &'a Robot,
+    workcell: Workcell,
+    base_name: Option<String>,
+    tcp: Pose,
+    base: Pose,
+}
+
+impl<'a> Workplace<'a> {
+    pub(crate) fn new(
+        robot: &'a Robot,
+        program: Option<&Program>,
+        tool: Option<String>,
+        base_name: Option<String>,
+    ) -> PyResult<Self> {
+        let workcell = program.map(|it| it.parsed.workcell.clone()).unwrap_or_default();
+        let tcp = workcell.tcp(tool.as_deref()).map_err(|fault| invalid(&fault))?;
+        let base = workcell.base(base_name.as_deref()).map_err(|fault| invalid(&fault))?;
+        Ok(Self { robot, workcell, base_name, tcp, base })
+    }
+
+    /// The joints at which the TCP is at `frame`, a dict or a name among the program's frames.
+    pub(crate) fn joints(
+        &self,
+        py: Python<'_>,
+        frame: &Bound<'_, PyAny>,
+        e1_deg: Option<f64>,
+        status: Option<u8>,
+        near: Option<&Joints>,
+    ) -> PyResult<Joints> {
+        let frame = if let Ok(name) = frame.extract::<String>() {
+            TargetRef::Named(name)
+        } else {
+            let target = Target::from_json(&json(py, frame)?);
+            TargetRef::Given(target.map_err(|error| program_error(py, &error))?)
+        };
+        let found = self.workcell.target(&frame, self.base_name.as_deref());
+        let (target, pose) = found.map_err(|fault| invalid(&fault))?;
+        let flange = if self.tcp == Pose::IDENTITY { pose } else { pose.then(&self.tcp.inverse()) };
+        let near = near.map(|joints| self.robot.redundancy(joints));
+        let missing = |what: &str, key: &str| {
+            PyValueError::new_err(format!(
+                "{what} is missing: give {key}, or joints nearby as near"
+            ))
+        };
+        let e1_rad = e1_deg.map(f64::to_radians).or(target.e1_rad);
+        let e1_rad = e1_rad
+            .or(near.map(|near| near.e1_rad))
+            .ok_or_else(|| missing("E1, the position of joint A3,", "e1_deg"))?;
+        let given = match status {
+            None => None,
+            Some(bits) => Some(Status::new(bits).ok_or_else(|| {
+                PyValueError::new_err(format!("status is {bits}; it is from 0 to 7"))
+            })?),
+        };
+        let status = given
+            .or(target.status)
+            .or(near.map(|near| near.status))
+            .ok_or_else(|| missing("the status, 0 to 7,", "status"))?;
+        let unreachable = |what: &dyn std::error::Error| {
+            let ranges = self.robot.allowed_e1(&flange, status).unwrap_or_default();
+            let ranges = ranges.iter().map(|range| range.map(f64::to_degrees)).collect::<Vec<_>>();
+            exception(py, "UnreachableError", (what.to_string(), ranges))
+        };
+        let joints = self.robot.inverse(&flange, e1_rad, status).map_err(|it| unreachable(&it))?;
+        self.robot.limits().check(&joints).map_err(|outside| unreachable(&outside))?;
+        Ok(joints)
+    }
+
+    /// The frame of the TCP in the base, as [`Target::from_json`] reads it.
+    pub(crate) fn frame<'py>(
+        &self,
+        py: Python<'py>,
+        joints: &Joints,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let mut pose = self.robot.flange_pose(joints);
+        if self.tcp != Pose::IDENTITY {
+            pose = pose.then(&self.tcp);
+        }
+        if self.base != Pose::IDENTITY {
+            pose = self.base.inverse().then(&pose);
+        }
+        let Redundancy { e1_rad, status, turn } = self.robot.redundancy(joints);
+        let frame = PyDict::new(py);
+        for (key, value) in ["x_mm", "y_mm", "z_mm"].iter().zip(pose.position_m) {
+            frame.set_item(key, 1e3 * value)?;
+        }
+        for (key, value) in ["a_deg", "b_deg", "c_deg"].iter().zip(pose.abc_rad()) {
+            frame.set_item(key, value.to_degrees())?;
+        }
+        frame.set_item("e1_deg", e1_rad.to_degrees())?;
+        frame.set_item("status", status.bits())?;
+        frame.set_item("turn", turn.bits())?;
+        Ok(frame)
+    }
+}

@@ -1,0 +1,83 @@
+//! How programs are planned, in the words of the command line.
+
+use std::path::PathBuf;
+
+use iiwa_kin::Robot as Model;
+use iiwa_log::PlanOptions;
+use iiwa_path::{BlendSearch, BlendShape, Continuity, PathOptions};
+use iiwa_traj::{JerkOptions, SweepOptions, Timing};
+use pyo3::{exceptions::PyValueError, prelude::*};
+
+use crate::robot::{Robot, find};
+
+/// A robot, the name of a built-in one, or the path of a profile.
+#[derive(FromPyObject)]
+pub(crate) enum RobotArgument<'py> {
+    Robot(Bound<'py, Robot>),
+    Path(PathBuf),
+}
+
+impl RobotArgument<'_> {
+    pub(crate) fn model(&self, py: Python<'_>) -> PyResult<Model> {
+        match self {
+            Self::Robot(robot) => Ok(robot.get().model.as_ref().clone()),
+            Self::Path(name) => find(py, name),
+        }
+    }
+}
+
+const SHAPES: [(&str, BlendShape); 4] = [
+    ("iiwa", BlendShape::Iiwa),
+    ("alpha", BlendShape::Alpha(Continuity::Second)),
+    ("min-acceleration", BlendShape::MinAcceleration),
+    ("circle", BlendShape::Circle),
+];
+
+const SEARCHES: [(&str, BlendSearch); 3] = [
+    ("first-crossing", BlendSearch::FirstCrossing),
+    ("algorithm-1", BlendSearch::Algorithm1),
+    ("algorithm-2", BlendSearch::Algorithm2),
+];
+
+/// The word for a shape of blends.
+pub(crate) fn shape_name(shape: BlendShape) -> &'static str {
+    SHAPES.iter().find(|(_, known)| *known == shape).map_or("iiwa", |(name, _)| name)
+}
+
+/// The word for a search of blends.
+pub(crate) fn search_name(search: BlendSearch) -> &'static str {
+    SEARCHES.iter().find(|(_, known)| *known == search).map_or("first-crossing", |(name, _)| name)
+}
+
+/// The value that a word stands for.
+fn word<T: Copy>(what: &str, word: &str, known: &[(&str, T)]) -> PyResult<T> {
+    known.iter().find(|(name, _)| *name == word).map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<_> = known.iter().map(|(name, _)| format!("'{name}'")).collect();
+        PyValueError::new_err(format!("{what} is '{word}'; {} are known", names.join(", ")))
+    })
+}
+
+/// The options of these words.
+pub(crate) fn plan_options(
+    timing: &str,
+    blend_shape: &str,
+    blend_search: &str,
+    samples: u32,
+) -> PyResult<PlanOptions> {
+    if !(2..=100_000).contains(&samples) {
+        return Err(PyValueError::new_err(format!(
+            "samples is {samples}; from 2 to 100000 are possible"
+        )));
+    }
+    let timing = word(
+        "timing",
+        timing,
+        &[
+            ("jerk", Timing::Jerk(JerkOptions::default())),
+            ("acceleration", Timing::Acceleration(SweepOptions { samples: samples as usize })),
+        ],
+    )?;
+    let blend_shape = word("blend_shape", blend_shape, &SHAPES)?;
+    let blend_search = word("blend_search", blend_search, &SEARCHES)?;
+    Ok(PlanOptions { path: PathOptions { blend_shape, blend_search }, timing, samples })
+}

@@ -1,0 +1,416 @@
+//! Plans.
+
+use std::{
+    path::PathBuf,
+    sync::{Arc, OnceLock},
+};
+
+use iiwa_files::Output;
+use iiwa_log::{PlanConfig, PlanFigures, PlanOptions, write_plan};
+use iiwa_program::Program as Motions;
+use iiwa_scene::{ArmInScene, PlannedClearance};
+use iiwa_traj::Trajectory;
+use iiwa_view::{PlanPicture, plan_table, with_causes};
+use pyo3::{
+    exceptions::{PyOSError, PyRuntimeError, PyValueError},
+    prelude::*,
+    types::{PyDict, PyTuple},
+};
+
+use crate::{
+    arrays::array,
+    frames::object,
+    program::Program,
+    robot::Robot,
+    samples::Samples,
+    scene::{Clearance, Scene},
+};
+
+/// A plan: which path the arm takes through a program, and when it is where. Immutable.
+///
+/// Pickled, it is its program and options; where it is unpickled, it is planned anew, to the same plan.
+///
+/// >>> import iiwasim as iw
+/// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+/// >>> plan = iw.plan(program)
+/// >>> plan
+/// <iiwasim.Plan 1.103 s, 2 motions, jerk>
+#[pyclass(frozen, module = "iiwasim")]
+pub(crate) struct Plan {
+    program: Arc<Motions>,
+    /// The text of the program that was given.
+    text: Arc<str>,
+    pub(crate) trajectory: Arc<Trajectory>,
+    options: PlanOptions,
+    /// Made when they are asked for.
+    figures: OnceLock<PlanFigures>,
+}
+
+/// What writing needs at most of a time: a rate that is a number.
+pub(crate) fn rate(rate_hz: f64) -> PyResult<f64> {
+    if rate_hz.is_finite() && rate_hz > 0.0 && rate_hz <= 1e6 {
+        return Ok(rate_hz);
+    }
+    Err(PyValueError::new_err(format!("rate_hz is {rate_hz}; above 0 and up to 1e6 is possible")))
+}
+
+impl Plan {
+    pub(crate) fn new(
+        program: Arc<Motions>,
+        text: Arc<str>,
+        trajectory: Trajectory,
+        options: PlanOptions,
+    ) -> Self {
+        let trajectory = Arc::new(trajectory);
+        Self { program, text, trajectory, options, figures: OnceLock::new() }
+    }
+
+    fn record(&self) -> &PlanFigures {
+        self.figures.get_or_init(|| PlanFigures::of(&self.trajectory, &self.options))
+    }
+
+    fn clearance_of(
+        &self,
+        py: Python<'_>,
+        scene: &Scene,
+        find: impl Fn(&ArmInScene, &Trajectory) -> Option<PlannedClearance> + Send + Sync,
+    ) -> Option<Clearance> {
+        py.detach(|| {
+            let arm = ArmInScene::new(self.trajectory.path().robot(), &scene.scene);
+            let found = find(&arm, &self.trajectory)?;
+            Some(Clearance::new(&arm, &found.clearance, Some(&found)))
+        })
+    }
+}
+
+#[pymethods]
+impl Plan {
+    /// From the start to the end of the last settling or waiting, in s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> round(plan.cycle_time_s, 3)
+    /// 1.103
+    #[getter]
+    fn cycle_time_s(&self) -> f64 {
+        self.trajectory.cycle_time_s()
+    }
+
+    /// The part of it in motion, in s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> round(plan.motion_time_s, 3)
+    /// 0.553
+    #[getter]
+    fn motion_time_s(&self) -> f64 {
+        self.trajectory.motion_time_s()
+    }
+
+    /// The part of it in which the arm settles, in s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.settle_time_s
+    /// 0.05
+    #[getter]
+    fn settle_time_s(&self) -> f64 {
+        self.trajectory.totals().settle_time_s
+    }
+
+    /// The part of it in which the program waits, in s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.wait_time_s
+    /// 0.5
+    #[getter]
+    fn wait_time_s(&self) -> f64 {
+        self.trajectory.totals().wait_time_s
+    }
+
+    /// Which limits are kept: `jerk` (velocity, acceleration and jerk) or `acceleration` (the first two).
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.timing
+    /// 'jerk'
+    #[getter]
+    fn timing(&self) -> &'static str {
+        self.options.timing.name()
+    }
+
+    /// The robot that it was made for.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.robot.name
+    /// 'lbr_iiwa_7_r800'
+    #[getter]
+    fn robot(&self) -> Robot {
+        Robot::of(self.trajectory.path().robot().clone())
+    }
+
+    /// The program.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> len(plan.program)
+    /// 2
+    #[getter]
+    fn program(&self) -> Program {
+        Program::planned(&self.program, &self.text, self.trajectory.path().robot())
+    }
+
+    /// Its motions, as `MotionFigures`.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> [motion.type for motion in plan.motions]
+    /// ['ptp', 'wait']
+    #[getter]
+    fn motions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("iiwasim._figures")?.call_method1("motions", (self.figures(py)?,))
+    }
+
+    /// What is to be said of the program and of torques above their limits.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.warnings
+    /// []
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        let mut warnings = iiwa_path::warnings(&self.program, self.trajectory.path());
+        warnings.extend(self.record().torque_warnings());
+        warnings
+    }
+
+    /// All figures as a dict: that of `iiwasim plan --json`.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> figures = plan.figures()
+    /// >>> figures['motions'][0]['limited_by']
+    /// {'joint': 1, 'kind': 'acceleration'}
+    fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let json = py.detach(|| serde_json::to_string(self.record()));
+        object(py, &json.map_err(|error| PyRuntimeError::new_err(error.to_string()))?)
+    }
+
+    /// The table that `iiwasim plan` prints.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> print(plan.table())
+    /// motion  type  start s  time s  top %  limited by, % of its time
+    /// ...
+    fn table(&self, py: Python<'_>) -> String {
+        py.detach(|| plan_table(self.record()))
+    }
+
+    /// What the arm does at `t_s`; before the start it stands there, after the end too.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.at(0.4).q.shape
+    /// (7,)
+    fn at<'py>(&self, py: Python<'py>, t_s: f64) -> PyResult<Bound<'py, PyAny>> {
+        if !t_s.is_finite() {
+            return Err(PyValueError::new_err(format!("t_s is {t_s}; it has to be finite")));
+        }
+        let state = self.trajectory.at(t_s);
+        let row = |values| array(py, vec![values], &[7], true);
+        let state = (
+            state.t_s,
+            row(state.q)?,
+            row(state.dq)?,
+            row(state.ddq)?,
+            row(state.dddq)?,
+            state.motion.number(),
+        );
+        py.import("iiwasim._figures")?.getattr("State")?.call1(state)
+    }
+
+    /// What the arm does `rate_hz` times a second: the first sample is at 0, the last exactly at the cycle time.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.sample(rate_hz=500).q.shape
+    /// (553, 7)
+    #[pyo3(signature = (*, rate_hz = 1000.0))]
+    fn sample(&self, py: Python<'_>, rate_hz: f64) -> PyResult<Samples> {
+        Samples::of(py, &self.trajectory, rate(rate_hz)?)
+    }
+
+    /// Where the arm comes nearest to an obstacle of the scene; `None` if there are none. It is found to 0.1 mm.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> scene = iw.Scene.load('fixtures/cage.json')
+    /// >>> plan.clearance(scene)
+    /// <iiwasim.Clearance ...>
+    fn clearance(&self, py: Python<'_>, scene: &Bound<'_, Scene>) -> Option<Clearance> {
+        self.clearance_of(py, scene.get(), ArmInScene::clearance_of)
+    }
+
+    /// Where the arm comes nearest to itself, with the scene's tool if there is one.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.self_clearance().distance_m > 0.1
+    /// True
+    #[pyo3(signature = (scene = None))]
+    fn self_clearance(
+        &self,
+        py: Python<'_>,
+        scene: Option<&Bound<'_, Scene>>,
+    ) -> PyResult<Option<Clearance>> {
+        let bare = Scene::bare()?;
+        let scene = scene.map_or(&bare, |scene| scene.get());
+        Ok(self.clearance_of(py, scene, ArmInScene::self_clearance_of))
+    }
+
+    /// Writes the plan to an MCAP file, as `iiwasim plan` does, with `rate_hz` joint states a second.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> import os, tempfile
+    /// >>> with tempfile.TemporaryDirectory() as folder:
+    /// ...     file = os.path.join(folder, 'plan.mcap')
+    /// ...     plan.write(file)
+    /// ...     len(iw.Recording.load(file))
+    /// 277
+    #[pyo3(signature = (path, *, rate_hz = 250.0))]
+    fn write(&self, py: Python<'_>, path: PathBuf, rate_hz: f64) -> PyResult<()> {
+        let config = PlanConfig { rate_hz: rate(rate_hz)?, ..PlanConfig::default() };
+        let failed = |error: &dyn std::error::Error| PyOSError::new_err(with_causes(error));
+        py.detach(|| {
+            let output = Output::new(&path).map_err(|error| failed(&error))?;
+            let stream = output.stream().map_err(|error| failed(&error))?;
+            write_plan(stream, &self.trajectory, &self.options, config, &self.text)
+                .map_err(|error| failed(&error))?
+                .into_inner()
+                .map_err(|error| failed(error.error()))?;
+            output.complete().map_err(|error| failed(&error))
+        })
+    }
+
+    /// The way of the TCP and the joints' speeds as a picture, SVG: that of `iiwasim plan --picture`.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.picture().startswith('<svg')
+    /// True
+    fn picture(&self, py: Python<'_>) -> PyResult<String> {
+        py.detach(|| {
+            let robot = self.trajectory.path().robot();
+            let mut picture = PlanPicture::new(robot).with_frames(&self.program);
+            for section in self.trajectory.sections() {
+                picture.add(section);
+            }
+            picture.draw().map_err(|error| PyRuntimeError::new_err(error.to_string()))
+        })
+    }
+
+    /// The page that shows the plan in 3D, HTML, which is written to `path` if there is one; with a recording beside it, and what
+    /// stands around.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> page = plan.report()
+    /// >>> '<html' in page
+    /// True
+    #[pyo3(signature = (path = None, *, measured = None, scene = None))]
+    fn report<'py>(
+        slf: &Bound<'py, Self>,
+        path: Option<PathBuf>,
+        measured: Option<Bound<'py, PyAny>>,
+        scene: Option<Bound<'py, Scene>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = PyDict::new(slf.py());
+        options.set_item("measured", measured)?;
+        options.set_item("scene", scene)?;
+        slf.py().import("iiwasim._pages")?.getattr("report")?.call((slf, path), Some(&options))
+    }
+
+    /// Samples as a data frame of pandas, with the columns of `iiwasim plan --csv`.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.to_pandas(rate_hz=100)['joint_1_rad'].iloc[-1].round(4)
+    /// np.float64(0.5236)
+    #[pyo3(signature = (*, rate_hz = 250.0))]
+    fn to_pandas<'py>(slf: &Bound<'py, Self>, rate_hz: f64) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("iiwasim._tables")?.call_method1("pandas", (slf, rate_hz))
+    }
+
+    /// Samples as a data frame of polars, with the columns of `iiwasim plan --csv`.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.to_polars(rate_hz=100).columns[:2]
+    /// ['t_s', 'joint_1_rad']
+    #[pyo3(signature = (*, rate_hz = 250.0))]
+    fn to_polars<'py>(slf: &Bound<'py, Self>, rate_hz: f64) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("iiwasim._tables")?.call_method1("polars", (slf, rate_hz))
+    }
+
+    /// The way of the TCP and the joints' speeds as a figure of matplotlib.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> len(plan.plot().axes)
+    /// 3
+    #[pyo3(signature = (*, rate_hz = 250.0))]
+    fn plot<'py>(slf: &Bound<'py, Self>, rate_hz: f64) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("iiwasim._plots")?.call_method1("plot", (slf, rate_hz))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("iiwasim._pages")?.call_method1("notebook", (slf,))
+    }
+
+    /// Planned anew where it is unpickled: the same input gives the same plan.
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, own) = (slf.py(), slf.get());
+        let path = own.options.path;
+        let words = (
+            own.timing(),
+            crate::options::shape_name(path.blend_shape),
+            crate::options::search_name(path.blend_search),
+            own.options.samples,
+        );
+        let restore = py.import("iiwasim._figures")?.getattr("planned")?;
+        Ok((restore, (own.program(), words).into_pyobject(py)?))
+    }
+
+    fn __repr__(&self) -> String {
+        let count = self.program.motions.len();
+        let motions = if count == 1 { "1 motion".to_owned() } else { format!("{count} motions") };
+        format!("<iiwasim.Plan {:.3} s, {motions}, {}>", self.cycle_time_s(), self.timing())
+    }
+}

@@ -1,0 +1,213 @@
+//! Planning one program, or many.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+    },
+    thread::available_parallelism,
+};
+
+use iiwa_kin::Robot as Model;
+use iiwa_log::PlanOptions;
+use iiwa_path::JointPath;
+use iiwa_program::{MAX_TORQUE_LIMIT, MIN_TORQUE_LIMIT, Program as Motions};
+use iiwa_traj::{PlanError, Planner, TimingError, Trajectory};
+use pyo3::{
+    exceptions::{PyRuntimeError, PyTypeError, PyValueError},
+    prelude::*,
+    types::PyList,
+};
+use rayon::{ThreadPoolBuilder, prelude::*};
+
+use crate::{
+    errors::plan_error,
+    options::{RobotArgument, plan_options},
+    plan::Plan,
+    program::Program,
+    work::interruptible,
+};
+
+/// A program, its robot and its text.
+struct Job {
+    program: Arc<Motions>,
+    text: Arc<str>,
+    robot: Arc<Model>,
+}
+
+impl Job {
+    fn new(program: &Program, robot: Option<&Arc<Model>>, torque_rel: Option<f64>) -> Self {
+        let motions = match torque_rel {
+            None => Arc::clone(&program.parsed),
+            Some(share) => {
+                let mut motions = (*program.parsed).clone();
+                motions.workcell.torque_limit_rel = Some(share);
+                Arc::new(motions)
+            }
+        };
+        let robot = robot.map_or_else(|| Arc::new(program.model()), Arc::clone);
+        Self { program: motions, text: Arc::clone(&program.text), robot }
+    }
+
+    /// Plans it, by a planner whose memory may be used again.
+    fn plan(
+        &self,
+        planner: &mut Option<Planner>,
+        options: &PlanOptions,
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Trajectory, PlanError> {
+        if stop.load(Ordering::Relaxed) {
+            return Err(TimingError::Interrupted.into());
+        }
+        let path = JointPath::with_options(&self.program, &self.robot, options.path)?;
+        let planner = planner.get_or_insert_with(|| {
+            Planner::new(&path, options.timing).interrupted_by(Arc::clone(stop))
+        });
+        planner.restart(&path);
+        Ok(Trajectory::by(planner)?)
+    }
+
+    fn result(
+        self,
+        py: Python<'_>,
+        planned: Result<Trajectory, PlanError>,
+        options: PlanOptions,
+    ) -> Result<Plan, PyErr> {
+        match planned {
+            Ok(trajectory) => Ok(Plan::new(self.program, self.text, trajectory, options)),
+            Err(error) => Err(plan_error(py, &error, &self.program.sources, &self.text)),
+        }
+    }
+}
+
+/// A limit of torque as a share of the robot's.
+fn torque_share(percent: Option<f64>) -> PyResult<Option<f64>> {
+    let Some(percent) = percent else { return Ok(None) };
+    let share = percent / 100.0;
+    if !(MIN_TORQUE_LIMIT..=MAX_TORQUE_LIMIT).contains(&share) {
+        let (least, most) = (100.0 * MIN_TORQUE_LIMIT, 100.0 * MAX_TORQUE_LIMIT);
+        return Err(PyValueError::new_err(format!(
+            "limit_torque_percent is {percent}; from {least} to {most} are possible"
+        )));
+    }
+    Ok(Some(share))
+}
+
+/// Plans a program: the fastest motion along its path within the limits of velocity, acceleration and, by `timing='jerk'`, jerk.
+///
+/// The robot is the program's unless `robot` is given: a `Robot`, a name or the path of a profile. `limit_torque_percent` limits
+/// torques, too. Raises `ProgramError` with line, column and motion. Ctrl-C ends it.
+///
+/// >>> import iiwasim as iw
+/// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+/// >>> plan = iw.plan(program)
+/// >>> iw.plan(program, robot='lbr_iiwa_14_r820', timing='acceleration').cycle_time_s < plan.cycle_time_s * 2
+/// True
+#[pyfunction]
+#[pyo3(signature = (
+    program, *, robot = None, timing = "jerk", blend_shape = "iiwa", blend_search = "first-crossing", samples = 100,
+    limit_torque_percent = None
+))]
+#[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
+pub(crate) fn plan(
+    py: Python<'_>,
+    program: &Bound<'_, Program>,
+    robot: Option<RobotArgument<'_>>,
+    timing: &str,
+    blend_shape: &str,
+    blend_search: &str,
+    samples: u32,
+    limit_torque_percent: Option<f64>,
+) -> PyResult<Plan> {
+    let options = plan_options(timing, blend_shape, blend_search, samples)?;
+    let robot = robot.map(|robot| robot.model(py).map(Arc::new)).transpose()?;
+    let job = Job::new(program.get(), robot.as_ref(), torque_share(limit_torque_percent)?);
+    let work = move |stop| {
+        let planned = job.plan(&mut None, &options, &stop);
+        (job, planned)
+    };
+    let (job, planned) = interruptible(py, work, |_| Ok(()))?;
+    job.result(py, planned, options)
+}
+
+/// Plans many programs on all cores, or on `jobs` of them: a list of their plans, in the order of the programs.
+///
+/// Where a program cannot be planned, its exception is in the list. `progress(done, total)` is called from time to time. Other
+/// threads of Python run meanwhile, and Ctrl-C ends it.
+///
+/// >>> import iiwasim as iw
+/// >>> targets = [10, 20, 700]
+/// >>> programs = [iw.Program([iw.ptp(deg=[a] + [0] * 6)], start_deg=[0] * 7) for a in targets]
+/// >>> [type(plan).__name__ for plan in iw.plan_all(programs)]
+/// ['Plan', 'Plan', 'ProgramError']
+#[pyfunction]
+#[pyo3(signature = (
+    programs, *, robot = None, timing = "jerk", blend_shape = "iiwa", blend_search = "first-crossing", samples = 100,
+    limit_torque_percent = None, jobs = None, progress = None
+))]
+#[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
+pub(crate) fn plan_all<'py>(
+    py: Python<'py>,
+    programs: &Bound<'py, PyAny>,
+    robot: Option<RobotArgument<'py>>,
+    timing: &str,
+    blend_shape: &str,
+    blend_search: &str,
+    samples: u32,
+    limit_torque_percent: Option<f64>,
+    jobs: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyList>> {
+    let options = plan_options(timing, blend_shape, blend_search, samples)?;
+    let robot = robot.map(|robot| robot.model(py).map(Arc::new)).transpose()?;
+    let torque_rel = torque_share(limit_torque_percent)?;
+    let mut work = Vec::new();
+    for (index, program) in programs.try_iter()?.enumerate() {
+        let program = program?;
+        let program = program.cast::<Program>().map_err(|_| {
+            PyTypeError::new_err(format!("programs[{index}] is no iiwasim.Program: {program}"))
+        })?;
+        work.push(Job::new(program.get(), robot.as_ref(), torque_rel));
+    }
+    let total = work.len();
+    let threads = match jobs {
+        Some(0) => return Err(PyValueError::new_err("jobs is 0; at least 1 is needed")),
+        Some(jobs) => jobs,
+        None => available_parallelism().map_or(1, usize::from),
+    };
+    // Made and ended here: see `interruptible`.
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(threads.min(total.max(1)))
+        .build()
+        .map_err(|error| PyRuntimeError::new_err(format!("cannot start the threads: {error}")))?;
+    let done = Arc::new(AtomicUsize::new(0));
+    let counter = Arc::clone(&done);
+    let plan_them = move |stop: Arc<AtomicBool>| {
+        let plan = |planner: &mut Option<Planner>, job: Job| {
+            let planned = job.plan(planner, &options, &stop);
+            counter.fetch_add(1, Ordering::Relaxed);
+            (job, planned)
+        };
+        pool.install(|| -> Vec<_> { work.into_par_iter().map_init(|| None, plan).collect() })
+    };
+    let mut told = None;
+    let mut tell = || -> PyResult<()> {
+        let (Some(progress), now) = (&progress, done.load(Ordering::Relaxed)) else {
+            return Ok(());
+        };
+        if told.replace(now) != Some(now) {
+            progress.call1((now, total))?;
+        }
+        Ok(())
+    };
+    let planned = interruptible(py, plan_them, |_| tell())?;
+    tell()?;
+    let results = PyList::empty(py);
+    for (job, planned) in planned {
+        match job.result(py, planned, options) {
+            Ok(plan) => results.append(Bound::new(py, plan)?)?,
+            Err(error) => results.append(error.into_value(py))?,
+        }
+    }
+    Ok(results)
+}

@@ -1,0 +1,339 @@
+//! Motion programs.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use iiwa_files::beside;
+use iiwa_kin::Robot as Model;
+use iiwa_program::{Program as Motions, ProgramError, Start};
+use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
+
+use crate::{
+    arrays::{JointsLike, Rows},
+    errors::{exception, os_error, program_error},
+    frames::{json_of_program, object},
+    robot::{Robot, find, restorable, restored},
+};
+
+/// A motion program: where the arm stands, and what it does then. Immutable.
+///
+/// `motions` are what `ptp`, `lin`, `wait` and the others make, or such dicts. The start is in degrees, in rad, or a frame.
+/// Tools, bases, frames and all else are as in program files. Raises `ProgramError` with line, column and motion; lines are
+/// those of `to_json()`.
+///
+/// >>> import iiwasim as iw
+/// >>> iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+/// <iiwasim.Program 2 motions, lbr_iiwa_7_r800>
+#[pyclass(frozen, module = "iiwasim")]
+pub(crate) struct Program {
+    pub(crate) parsed: Arc<Motions>,
+    /// As it was read, or written by us.
+    pub(crate) text: Arc<str>,
+    /// The robot that it names, if it names one.
+    robot: Option<Arc<Model>>,
+}
+
+impl Program {
+    /// A program that we made, and wrote.
+    pub(crate) fn of(py: Python<'_>, program: Motions, robot: Option<Model>) -> PyResult<Self> {
+        let robot = match (&program.robot, robot) {
+            (Some(_), Some(robot)) => Some(Arc::new(robot)),
+            (Some(name), None) => Some(Arc::new(find(py, name.as_ref())?)),
+            (None, robot) => robot.map(Arc::new),
+        };
+        Ok(Self { text: program.to_json().into(), parsed: Arc::new(program), robot })
+    }
+
+    /// The program of a plan, which was read from `text` unless its limits were changed.
+    pub(crate) fn planned(parsed: &Arc<Motions>, text: &Arc<str>, robot: &Model) -> Self {
+        let is_as_read = Motions::from_json(text).is_ok_and(|read| read == **parsed);
+        let text = if is_as_read { Arc::clone(text) } else { parsed.to_json().into() };
+        Self { parsed: Arc::clone(parsed), text, robot: Some(Arc::new(robot.clone())) }
+    }
+
+    fn read(py: Python<'_>, text: &str, robot: Option<Arc<Model>>) -> PyResult<Self> {
+        let program = Motions::from_json(text).map_err(|error| program_error(py, &error))?;
+        let robot = match (&program.robot, robot) {
+            (Some(name), None) => Some(Arc::new(find(py, name.as_ref())?)),
+            (_, robot) => robot,
+        };
+        Ok(Self { parsed: Arc::new(program), text: text.into(), robot })
+    }
+
+    /// The robot that it is for, unless another one is given.
+    pub(crate) fn model(&self) -> Model {
+        self.robot.as_deref().cloned().unwrap_or_default()
+    }
+
+    /// With another start, or another list of motions.
+    fn changed(&self, py: Python<'_>, change: impl FnOnce(&mut Motions)) -> PyResult<Self> {
+        let mut program = (*self.parsed).clone();
+        change(&mut program);
+        program.check_numbers().map_err(|fault| {
+            crate::errors::fault(py, &fault, &program.sources, &program.to_json())
+        })?;
+        Ok(Self {
+            text: program.to_json().into(),
+            parsed: Arc::new(program),
+            robot: self.robot.clone(),
+        })
+    }
+}
+
+/// The robot that the program at `path` names: a built-in one, or a profile beside it.
+fn model_beside(py: Python<'_>, path: &Path, name: &str, text: &str) -> PyResult<Model> {
+    if let Some(model) = Model::built_in(name) {
+        return Ok(model);
+    }
+    let profile = beside(path, name, &["json"]).map_err(|error| {
+        let what = format!("the robot `{name}` is not built in, and as a profile: {error}");
+        let place = iiwa_json::locate(text, &[iiwa_json::Step::Key("robot")]);
+        exception(py, "ProgramError", (what, place.line, place.column, None::<usize>))
+    })?;
+    find(py, &profile)
+}
+
+/// What makes a program again: its text, and its robot.
+type Restorable<'py> = (Bound<'py, PyAny>, (String, Option<String>));
+
+/// The joints of either argument.
+fn joints(deg: Option<JointsLike<'_>>, rad: Option<JointsLike<'_>>) -> PyResult<Option<[f64; 7]>> {
+    match (&deg, &rad) {
+        (Some(deg), None) => Ok(Some(Rows::new("deg", deg)?.single("deg")?.map(f64::to_radians))),
+        (None, Some(rad)) => Ok(Some(*Rows::new("rad", rad)?.single("rad")?)),
+        (None, None) => Ok(None),
+        (Some(_), Some(_)) => Err(PyValueError::new_err("give joints in deg or in rad, not both")),
+    }
+}
+
+#[pymethods]
+impl Program {
+    #[new]
+    #[pyo3(signature = (
+        motions, *, start_deg = None, start_rad = None, start_frame = None, robot = None, tools = None, bases = None,
+        frames = None, tool = None, base = None, mount = None, mode = None, limit_torque_percent = None
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
+    fn new<'py>(
+        py: Python<'py>,
+        motions: Bound<'py, PyAny>,
+        start_deg: Option<Vec<f64>>,
+        start_rad: Option<Vec<f64>>,
+        start_frame: Option<Bound<'py, PyAny>>,
+        robot: Option<Bound<'py, PyAny>>,
+        tools: Option<Bound<'py, PyAny>>,
+        bases: Option<Bound<'py, PyAny>>,
+        frames: Option<Bound<'py, PyAny>>,
+        tool: Option<String>,
+        base: Option<String>,
+        mount: Option<Bound<'py, PyAny>>,
+        mode: Option<String>,
+        limit_torque_percent: Option<f64>,
+    ) -> PyResult<Self> {
+        let start = PyDict::new(py);
+        let numbers = |given: Option<Vec<f64>>| given.map(|it| it.into_pyobject(py)).transpose();
+        for (key, value) in [
+            ("joints_deg", numbers(start_deg)?.map(Bound::into_any)),
+            ("joints_rad", numbers(start_rad)?.map(Bound::into_any)),
+            ("frame", start_frame),
+        ] {
+            if let Some(value) = value {
+                start.set_item(key, value)?;
+            }
+        }
+        if start.len() != 1 {
+            return Err(PyValueError::new_err(
+                "a program has to start somewhere: give one of start_deg, start_rad and start_frame",
+            ));
+        }
+        let program = PyDict::new(py);
+        program.set_item("version", 1)?;
+        let mut model = None;
+        if let Some(robot) = &robot {
+            if let Ok(robot) = robot.cast::<Robot>() {
+                program.set_item("robot", robot.get().model.name())?;
+                model = Some(Arc::clone(&robot.get().model));
+            } else {
+                program.set_item("robot", robot.str()?)?;
+            }
+        }
+        program.set_item("start", start)?;
+        for (key, value) in [
+            ("tools", tools),
+            ("bases", bases),
+            ("frames", frames),
+            ("tool", tool.map(|it| it.into_pyobject(py)).transpose()?.map(Bound::into_any)),
+            ("base", base.map(|it| it.into_pyobject(py)).transpose()?.map(Bound::into_any)),
+            ("mount", mount),
+            ("mode", mode.map(|it| it.into_pyobject(py)).transpose()?.map(Bound::into_any)),
+        ] {
+            if let Some(value) = value {
+                program.set_item(key, value)?;
+            }
+        }
+        if let Some(percent) = limit_torque_percent {
+            program.set_item("limit_torque_percent", percent)?;
+        }
+        let motions = py.import("builtins")?.call_method1("list", (motions,))?;
+        program.set_item("motions", motions)?;
+        Self::read(py, &json_of_program(py, &program)?, model)
+    }
+
+    /// The program of a text. Raises `ProgramError` with line, column and motion.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> text = '{"version": 1, "start": {"joints_deg": [0, 0, 0, 0, 0, 0, 0]}, "motions": [{"type": "wait", "seconds": 1}]}'
+    /// >>> len(iw.Program.from_json(text))
+    /// 1
+    #[staticmethod]
+    fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
+        Self::read(py, text, None)
+    }
+
+    /// The program of a file, with the robot profile and the frames that it names beside it.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Program.load('fixtures/appendix-b.json')
+    /// <iiwasim.Program 4 motions, lbr_iiwa_7_r800>
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let text = fs::read_to_string(&path).map_err(|error| os_error(&path, &error))?;
+        let text = text.trim_start_matches('\u{feff}');
+        let mut included = None;
+        let read = |name: &str| {
+            let file = beside(&path, name, &["json"]).map_err(|error| error.to_string())?;
+            let text = fs::read_to_string(&file).map_err(|error| error.to_string())?;
+            included = Some(text.clone());
+            if text.trim_start().starts_with('{') {
+                Ok(text)
+            } else {
+                Err("it holds no JSON object".to_owned())
+            }
+        };
+        let raise = |error: ProgramError| program_error(py, &error);
+        let program = Motions::from_json_with(text, read).map_err(raise)?;
+        let text = match &included {
+            Some(file) => Motions::merged_json(text, file).map_err(raise)?,
+            None => text.to_owned(),
+        };
+        let named = program.robot.as_deref();
+        let robot = named.map(|name| model_beside(py, &path, name, &text)).transpose()?;
+        Ok(Self { parsed: Arc::new(program), text: text.into(), robot: robot.map(Arc::new) })
+    }
+
+    /// Its text: what `from_json` and `iiwasim plan` read.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.wait(1)], start_deg=[0] * 7)
+    /// >>> iw.Program.from_json(program.to_json()) == program
+    /// True
+    fn to_json(&self) -> &str {
+        &self.text
+    }
+
+    /// Writes its text to a file.
+    ///
+    /// >>> import iiwasim as iw, os, tempfile
+    /// >>> with tempfile.TemporaryDirectory() as folder:
+    /// ...     file = os.path.join(folder, 'wait.json')
+    /// ...     iw.Program([iw.wait(1)], start_deg=[0] * 7).save(file)
+    /// ...     len(iw.Program.load(file))
+    /// 1
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        fs::write(&path, &*self.text).map_err(|error| os_error(&path, &error))
+    }
+
+    /// The same motions from another start (7,), in degrees or in rad.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6)], start_deg=[0] * 7)
+    /// >>> nearer = program.with_start(deg=[20] + [0] * 6)
+    /// >>> iw.plan(nearer).cycle_time_s < iw.plan(program).cycle_time_s
+    /// True
+    #[pyo3(signature = (*, deg = None, rad = None))]
+    fn with_start(
+        &self,
+        py: Python<'_>,
+        deg: Option<JointsLike<'_>>,
+        rad: Option<JointsLike<'_>>,
+    ) -> PyResult<Self> {
+        let start = joints(deg, rad)?
+            .ok_or_else(|| PyValueError::new_err("give the start in deg or in rad"))?;
+        self.changed(py, |program| program.start = Start::Joints(start))
+    }
+
+    /// The same start, tools and frames with other motions.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.wait(1)], start_deg=[0] * 7)
+    /// >>> len(program.with_motions([*program.motions, iw.wait(2)]))
+    /// 2
+    fn with_motions(&self, py: Python<'_>, motions: Bound<'_, PyAny>) -> PyResult<Self> {
+        let program = object(py, &self.text)?;
+        program.set_item("motions", py.import("builtins")?.call_method1("list", (motions,))?)?;
+        Self::read(py, &json_of_program(py, program.cast()?)?, self.robot.clone())
+    }
+
+    /// Its motions, as dicts; changing them changes nothing in the program.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Program([iw.wait(1)], start_deg=[0] * 7).motions
+    /// [{'type': 'wait', 'seconds': 1}]
+    #[getter]
+    fn motions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        object(py, &self.text)?.get_item("motions")
+    }
+
+    /// The robot that it is for.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Program([iw.wait(1)], start_deg=[0] * 7, robot='lbr_iiwa_14_r820').robot
+    /// <iiwasim.Robot lbr_iiwa_14_r820>
+    #[getter]
+    fn robot(&self) -> Robot {
+        Robot::of(self.model())
+    }
+
+    fn __len__(&self) -> usize {
+        self.parsed.motions.len()
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| {
+            other.get().parsed == self.parsed && other.get().model() == self.model()
+        })
+    }
+
+    fn __hash__(&self) -> u64 {
+        use std::hash::{DefaultHasher, Hash, Hasher};
+        let mut hasher = DefaultHasher::new();
+        self.parsed.motions.len().hash(&mut hasher);
+        hasher.finish()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Restorable<'py>> {
+        let own = slf.get();
+        let robot = own.robot.as_deref().map(restorable);
+        Ok((slf.get_type().getattr("_restore")?, (own.text.to_string(), robot)))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (text, robot, /))]
+    fn _restore(py: Python<'_>, text: &str, robot: Option<&str>) -> PyResult<Self> {
+        let model = robot.map(|text| restored(py, text)).transpose()?;
+        Self::read(py, text, model.map(Arc::new))
+    }
+
+    fn __repr__(&self) -> String {
+        let count = self.parsed.motions.len();
+        let robot = self
+            .robot
+            .as_ref()
+            .map_or_else(|| Model::default().name().to_owned(), |it| it.name().to_owned());
+        let motions = if count == 1 { "1 motion".to_owned() } else { format!("{count} motions") };
+        format!("<iiwasim.Program {motions}, {robot}>")
+    }
+}

@@ -1,0 +1,174 @@
+//! Recordings.
+
+use std::{fs::File, path::PathBuf, sync::Arc};
+
+use iiwa_log::{JointLog, JointLogError};
+use numpy::{AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLike1};
+use pyo3::{exceptions::PyValueError, prelude::*};
+
+use crate::{
+    arrays::{JointsLike, Rows, joint_array},
+    errors::{exception, os_error},
+    program::Program,
+};
+
+/// What the joints did: times and positions, and what the file tells besides. Immutable.
+///
+/// `t` (n,) is in s and increases strictly, `q` (n, 7) in rad.
+///
+/// >>> import iiwasim as iw
+/// >>> iw.Recording([0.0, 0.01, 0.02], [[0.0] * 7] * 3)
+/// <iiwasim.Recording 3 samples, 0.020 s>
+#[pyclass(frozen, module = "iiwasim")]
+pub(crate) struct Recording {
+    pub(crate) log: Arc<JointLog>,
+}
+
+/// What the recording is not.
+pub(crate) fn recording_error(py: Python<'_>, name: &str, error: &JointLogError) -> PyErr {
+    exception(py, "RecordingError", (format!("{name}: {}", iiwa_view::with_causes(error)),))
+}
+
+#[pymethods]
+impl Recording {
+    #[new]
+    #[pyo3(signature = (t, q, *, cycle_time_s = None, program = None))]
+    fn new<'py>(
+        py: Python<'py>,
+        t: PyArrayLike1<'py, f64, AllowTypeChange>,
+        q: JointsLike<'py>,
+        cycle_time_s: Option<f64>,
+        program: Option<&Bound<'py, Program>>,
+    ) -> PyResult<Self> {
+        let t: Vec<f64> = t.as_array().iter().copied().collect();
+        let rows = Rows::new("q", &q)?;
+        if rows.is_single || rows.joints.len() != t.len() {
+            return Err(PyValueError::new_err(format!(
+                "q has to be of the shape ({}, 7), a row for each time in t",
+                t.len()
+            )));
+        }
+        if !t.iter().all(|t| t.is_finite()) || t.windows(2).any(|pair| pair[1] <= pair[0]) {
+            return Err(PyValueError::new_err("t has to be finite and to increase strictly"));
+        }
+        if cycle_time_s.is_some_and(|time_s| !(time_s >= 0.0 && time_s.is_finite())) {
+            return Err(PyValueError::new_err("cycle_time_s has to be finite, and not negative"));
+        }
+        let mut log = JointLog::new(t, rows.joints.into_owned());
+        log.cycle_time_s = cycle_time_s;
+        if let Some(program) = program.map(Bound::get) {
+            let robot = program.model();
+            log.program = Some(program.text.to_string());
+            log.robot = Some(robot.name().to_owned());
+            log.profile = Some(robot.to_full_profile());
+        }
+        log.check_rate().map_err(|error| recording_error(py, "the recording", &error))?;
+        Ok(Self { log: Arc::new(log) })
+    }
+
+    /// The recording of a file: MCAP, CSV, or a log of KUKA's DataRecorder; a plan's file, too. Raises `RecordingError`.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Recording.load('fixtures/data-recorder.log')
+    /// <iiwasim.Recording ...>
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let name = path.display().to_string();
+        let file = File::open(&path).map_err(|error| os_error(&path, &error))?;
+        let log = py.detach(|| JointLog::read(file).and_then(|log| log.check_rate().map(|()| log)));
+        let log = log.map_err(|error| recording_error(py, &name, &error))?;
+        Ok(Self { log: Arc::new(log) })
+    }
+
+    /// Times (n,), in s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2).t.tolist()
+    /// [0.0, 0.01]
+    #[getter]
+    fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.log.t_s)
+    }
+
+    /// Positions (n, 7), in rad.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2).q.shape
+    /// (2, 7)
+    #[getter]
+    fn q(&self, py: Python<'_>) -> PyResult<Py<PyArrayDyn<f64>>> {
+        joint_array(py, self.log.q_rad.clone())
+    }
+
+    /// What the joints exerted (n, 7), in Nm, NaN where the file has none; `None` if it has none at all.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2).torque is None
+    /// True
+    #[getter]
+    fn torque(&self, py: Python<'_>) -> PyResult<Option<Py<PyArrayDyn<f64>>>> {
+        if self.log.torques_nm.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let rows = self.log.exerted_nm().map(|torque| torque.unwrap_or([f64::NAN; 7])).collect();
+        joint_array(py, rows).map(Some)
+    }
+
+    /// The cycle time that it states, in s, if it states any.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2, cycle_time_s=0.01).cycle_time_s
+    /// 0.01
+    #[getter]
+    fn cycle_time_s(&self) -> Option<f64> {
+        self.log.cycle_time_s
+    }
+
+    /// From the first to the last sample, in s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2).duration_s
+    /// 0.01
+    #[getter]
+    fn duration_s(&self) -> f64 {
+        self.log.duration_s()
+    }
+
+    /// The program that was run, if it holds one.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2).program is None
+    /// True
+    #[getter]
+    fn program(&self, py: Python<'_>) -> PyResult<Option<Program>> {
+        let robot = self.log.recorded_robot().ok().flatten();
+        let program = self.log.program.as_deref().map(|text| {
+            iiwa_program::Program::from_json(text)
+                .map_err(|error| crate::errors::program_error(py, &error))
+                .and_then(|program| Program::of(py, program, robot))
+        });
+        program.transpose()
+    }
+
+    /// What it does not have of the motion, in the order of time.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2).losses
+    /// []
+    #[getter]
+    fn losses(&self) -> Vec<String> {
+        self.log.losses.iter().map(ToString::to_string).collect()
+    }
+
+    fn __len__(&self) -> usize {
+        self.log.t_s.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<iiwasim.Recording {} samples, {:.3} s>",
+            self.log.t_s.len(),
+            self.log.duration_s()
+        )
+    }
+}

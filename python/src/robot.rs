@@ -1,0 +1,404 @@
+//! Robot models and their kinematics and dynamics.
+
+use std::{fs, path::Path, sync::Arc};
+
+use iiwa_kin::{Joints, Pose, Robot as Model};
+use numpy::PyArrayDyn;
+use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
+
+use crate::{
+    arrays::{JointsLike, Rows, array},
+    errors::{os_error, profile_error},
+    frames::{self, Workplace},
+    program::Program,
+};
+
+/// Poses that are computed before they are handed on: they stay in the processor's cache.
+const BLOCK: usize = 512;
+
+/// A model of the robot: its kinematics, limits and dynamics. Immutable.
+///
+/// `model` is the name of a built-in model or the path of a profile; `flange_m` another length of the flange, in m.
+///
+/// >>> import iiwasim as iw
+/// >>> robot = iw.Robot()
+/// >>> robot
+/// <iiwasim.Robot lbr_iiwa_7_r800>
+/// >>> robot.tcp([0, 0.5, 0, -1.0, 0, 0.7, 0]).round(4).tolist()
+/// [0.7137, 0.0, 0.6299]
+#[pyclass(frozen, module = "iiwasim")]
+pub(crate) struct Robot {
+    pub(crate) model: Arc<Model>,
+}
+
+/// The built-in model of this name, or the robot of the profile at this path.
+pub(crate) fn find(py: Python<'_>, name: &Path) -> PyResult<Model> {
+    if let Some(model) = name.to_str().and_then(Model::built_in) {
+        return Ok(model);
+    }
+    if !name.is_file() {
+        return Err(PyValueError::new_err(format!(
+            "no robot is called '{}': {} are built in, and there is no such profile file",
+            name.display(),
+            Model::BUILT_IN.join(" and "),
+        )));
+    }
+    of_profile(py, &fs::read_to_string(name).map_err(|error| os_error(name, &error))?)
+}
+
+/// The name of a built-in model, or a profile: what [`restored`] takes.
+pub(crate) fn restorable(model: &Model) -> String {
+    match Model::built_in(model.name()) {
+        Some(built_in) if built_in == *model => model.name().to_owned(),
+        _ => model.to_full_profile(),
+    }
+}
+
+/// The model that a text of [`restorable`] stands for.
+pub(crate) fn restored(py: Python<'_>, text: &str) -> PyResult<Model> {
+    Model::built_in(text).map_or_else(|| of_profile(py, text), Ok)
+}
+
+fn of_profile(py: Python<'_>, text: &str) -> PyResult<Model> {
+    Model::from_profile(text).map_err(|error| profile_error(py, &error))
+}
+
+type Numbers<'py> = Bound<'py, PyArrayDyn<f64>>;
+
+impl Robot {
+    pub(crate) fn of(model: Model) -> Self {
+        Self { model: Arc::new(model) }
+    }
+
+    /// Does something with poses of the flange, block by block.
+    fn poses(&self, joints: &[Joints], mut take: impl FnMut(&[Pose])) {
+        let mut poses = vec![Pose::IDENTITY; BLOCK.min(joints.len())];
+        for block in joints.chunks(BLOCK) {
+            let poses = &mut poses[..block.len()];
+            self.model.flange_pose_batch(block, poses);
+            take(poses);
+        }
+    }
+}
+
+#[pymethods]
+impl Robot {
+    #[new]
+    #[pyo3(
+        signature = (model = "lbr_iiwa_7_r800".into(), *, flange_m = None),
+        text_signature = "(model='lbr_iiwa_7_r800', *, flange_m=None)"
+    )]
+    fn new(py: Python<'_>, model: std::path::PathBuf, flange_m: Option<f64>) -> PyResult<Self> {
+        let mut model = find(py, &model)?;
+        if let Some(flange_m) = flange_m {
+            model = model
+                .with_flange_m(flange_m)
+                .map_err(|error| PyValueError::new_err(error.to_string()))?;
+        }
+        Ok(Self::of(model))
+    }
+
+    /// The robot of a profile, JSON. Raises `ProfileError` with line and column.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> iw.Robot.from_profile(robot.profile()).name == robot.name
+    /// True
+    #[staticmethod]
+    fn from_profile(py: Python<'_>, text: &str) -> PyResult<Self> {
+        of_profile(py, text).map(Self::of)
+    }
+
+    /// Its name.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> robot.name
+    /// 'lbr_iiwa_7_r800'
+    #[getter]
+    fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    /// The least and the greatest positions (2, 7), in rad.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> robot.position_limits_rad.shape
+    /// (2, 7)
+    #[getter]
+    fn position_limits_rad<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+        let limits = self.model.limits();
+        array(py, vec![limits.lower_rad, limits.upper_rad], &[7], false)
+    }
+
+    /// Limits of velocity (7,), in rad/s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> float(robot.velocity_limits_rad_s[0].round(3))
+    /// 1.71
+    #[getter]
+    fn velocity_limits_rad_s<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+        array(py, vec![self.model.limits().velocity_rad_s], &[7], true)
+    }
+
+    /// Limits of acceleration (7,), in rad/s^2.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> robot.acceleration_limits_rad_s2.shape
+    /// (7,)
+    #[getter]
+    fn acceleration_limits_rad_s2<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+        array(py, vec![self.model.limits().acceleration_rad_s2], &[7], true)
+    }
+
+    /// Limits of jerk (7,), in rad/s^3.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> bool((robot.jerk_limits_rad_s3 > 0).all())
+    /// True
+    #[getter]
+    fn jerk_limits_rad_s3<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+        array(py, vec![self.model.limits().jerk_rad_s3], &[7], true)
+    }
+
+    /// Limits of torque (7,), in Nm.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> robot.torque_limits_nm.tolist()
+    /// [176.0, 176.0, 110.0, 110.0, 110.0, 40.0, 40.0]
+    #[getter]
+    fn torque_limits_nm<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+        array(py, vec![self.model.limits().torque_nm], &[7], true)
+    }
+
+    /// What of the model no source states, and what each assumption rests on.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> any(line.startswith('masses') for line in robot.assumptions)
+    /// True
+    #[getter]
+    fn assumptions(&self) -> Vec<String> {
+        let text = |it: &iiwa_kin::Assumption| format!("{}: {}", it.what, it.basis);
+        self.model.assumptions().iter().map(text).collect()
+    }
+
+    /// Positions of the flange's centre at `q`, (7,) or (n, 7) in rad: (3,) or (n, 3), in m.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> robot.tcp([[0.0] * 7] * 1000).shape
+    /// (1000, 3)
+    fn tcp<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<Numbers<'py>> {
+        let rows = Rows::new("q", &q)?;
+        let mut positions = Vec::with_capacity(rows.joints.len());
+        py.detach(|| {
+            self.poses(&rows.joints, |poses| {
+                positions.extend(poses.iter().map(|pose| pose.position_m));
+            });
+        });
+        array(py, positions, &[3], rows.is_single)
+    }
+
+    /// Positions (3,) or (n, 3), in m, and rotations (3, 3) or (n, 3, 3) of the flange at `q`, (7,) or (n, 7) in rad.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> position, rotation = robot.fk([0.0] * 7)
+    /// >>> float(position[2].round(3)), rotation.shape
+    /// (1.292, (3, 3))
+    fn fk<'py>(
+        &self,
+        py: Python<'py>,
+        q: JointsLike<'py>,
+    ) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
+        let rows = Rows::new("q", &q)?;
+        let count = rows.joints.len();
+        let (mut positions, mut rotations) =
+            (Vec::with_capacity(count), Vec::<[f64; 9]>::with_capacity(count));
+        py.detach(|| {
+            self.poses(&rows.joints, |poses| {
+                positions.extend(poses.iter().map(|pose| pose.position_m));
+                rotations.extend(poses.iter().map(|pose| {
+                    let [[a, b, c], [d, e, f], [g, h, i]] = pose.rotation;
+                    [a, b, c, d, e, f, g, h, i]
+                }));
+            });
+        });
+        let positions = array(py, positions, &[3], rows.is_single)?;
+        Ok((positions, array(py, rotations, &[3, 3], rows.is_single)?))
+    }
+
+    /// The Jacobian of the flange at `q`, (7,) or (n, 7) in rad: (6, 7) or (n, 6, 7); three rows of velocity, in m, and three of
+    /// angular velocity.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> robot.jacobian([0.1] * 7).shape
+    /// (6, 7)
+    fn jacobian<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<Numbers<'py>> {
+        let rows = Rows::new("q", &q)?;
+        let row_by_row = |q: &Joints| -> [f64; 42] {
+            let jacobian = self.model.jacobian(q);
+            std::array::from_fn(|i| jacobian[(i / 7, i % 7)])
+        };
+        let all = py.detach(|| rows.joints.iter().map(row_by_row).collect());
+        array(py, all, &[6, 7], rows.is_single)
+    }
+
+    /// The joints (7,), in rad, at which the TCP is at `frame`.
+    ///
+    /// `frame` is a dict as in programs (`x_mm` to `c_deg`, with `e1_deg` and `status`), or the name of one of `program`'s, which has
+    /// tools and bases as well. E1 (the position of A3) and the status may be given apart, or taken from joints nearby, `near`.
+    /// Raises `UnreachableError` with the ranges of E1 that are possible.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> frame = robot.frame([0, 0.5, 0.1, -1.0, 0, 0.7, 0])
+    /// >>> bool(abs(robot.ik(frame) - [0, 0.5, 0.1, -1.0, 0, 0.7, 0]).max() < 1e-9)
+    /// True
+    #[pyo3(signature = (frame, *, e1_deg = None, status = None, near = None, program = None, tool = None, base = None))]
+    #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
+    fn ik<'py>(
+        &self,
+        py: Python<'py>,
+        frame: &Bound<'py, PyAny>,
+        e1_deg: Option<f64>,
+        status: Option<u8>,
+        near: Option<JointsLike<'py>>,
+        program: Option<&Bound<'py, Program>>,
+        tool: Option<String>,
+        base: Option<String>,
+    ) -> PyResult<Numbers<'py>> {
+        let near = near.as_ref().map(|near| Rows::new("near", near)).transpose()?;
+        let near = near.as_ref().map(|near| near.single("near")).transpose()?;
+        let place = Workplace::new(&self.model, program.map(Bound::get), tool, base)?;
+        let joints = place.joints(py, frame, e1_deg, status, near)?;
+        array(py, vec![joints], &[7], true)
+    }
+
+    /// The frame of the TCP at `q` (7,), in rad, as a dict that programs read: `x_mm` to `c_deg`, `e1_deg`, `status` and `turn`.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> sorted(robot.frame([0.0] * 7))
+    /// ['a_deg', 'b_deg', 'c_deg', 'e1_deg', 'status', 'turn', 'x_mm', 'y_mm', 'z_mm']
+    #[pyo3(signature = (q, *, program = None, tool = None, base = None))]
+    fn frame<'py>(
+        &self,
+        py: Python<'py>,
+        q: JointsLike<'py>,
+        program: Option<&Bound<'py, Program>>,
+        tool: Option<String>,
+        base: Option<String>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let rows = Rows::new("q", &q)?;
+        let place = Workplace::new(&self.model, program.map(Bound::get), tool, base)?;
+        place.frame(py, rows.single("q")?)
+    }
+
+    /// What the joints exert, in Nm, at `q` with the velocities `dq` and the accelerations `ddq`, which are 0 if they are left out;
+    /// all (7,) or (n, 7). `load` is what hangs on the flange, a dict as in programs: `mass_kg`, `center_mm` and so on.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> lying = [0, 1.5707963, 0, 0, 0, 0, 0]
+    /// >>> robot.torques(lying).round(1).tolist()[1]
+    /// -65.3
+    /// >>> robot.torques(lying, load={'mass_kg': 5, 'center_mm': [0, 0, 50]}).round(1).tolist()[1]
+    /// -114.4
+    #[pyo3(signature = (q, dq = None, ddq = None, *, load = None))]
+    fn torques<'py>(
+        &self,
+        py: Python<'py>,
+        q: JointsLike<'py>,
+        dq: Option<JointsLike<'py>>,
+        ddq: Option<JointsLike<'py>>,
+        load: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Numbers<'py>> {
+        let rows = Rows::new("q", &q)?;
+        let count = rows.joints.len();
+        let dq = dq.as_ref().map(|rates| Rows::new("dq", rates)).transpose()?;
+        let ddq = ddq.as_ref().map(|rates| Rows::new("ddq", rates)).transpose()?;
+        for (name, rates) in [("dq", &dq), ("ddq", &ddq)] {
+            if rates.as_ref().is_some_and(|it| it.joints.len() != count) {
+                return Err(PyValueError::new_err(format!("{name} has not as many rows as q")));
+            }
+        }
+        let mut dynamics = self.model.dynamics();
+        if let Some(load) = load {
+            dynamics = dynamics.with_load(&frames::load(py, load)?);
+        }
+        let mut torques = vec![[0.0; 7]; count];
+        py.detach(|| {
+            let zeros = vec![[0.0; 7]; count];
+            let or_zeros = |rates: &Option<Rows<'_>>| -> Vec<Joints> {
+                rates.as_ref().map_or_else(|| zeros.clone(), |rates| rates.joints.to_vec())
+            };
+            dynamics.torques_batch(&rows.joints, &or_zeros(&dq), &or_zeros(&ddq), &mut torques);
+        });
+        array(py, torques, &[7], rows.is_single)
+    }
+
+    /// The mass matrix (7, 7) at `q` (7,), in kg m^2.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> robot.mass_matrix([0.0] * 7).shape
+    /// (7, 7)
+    fn mass_matrix<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<Numbers<'py>> {
+        let rows = Rows::new("q", &q)?;
+        let matrix = self.model.dynamics().mass_matrix(rows.single("q")?);
+        array(py, matrix.to_vec(), &[7], false)
+    }
+
+    /// Its whole profile, JSON: what `from_profile` reads.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> robot.profile().startswith('{')
+    /// True
+    fn profile(&self) -> String {
+        self.model.to_full_profile()
+    }
+
+    /// It as a URDF.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> '<robot' in robot.urdf()
+    /// True
+    fn urdf(&self) -> String {
+        self.model.to_urdf()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((slf.get_type().getattr("_restore")?, (restorable(&slf.get().model),)))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (text, /))]
+    fn _restore(py: Python<'_>, text: &str) -> PyResult<Self> {
+        restored(py, text).map(Self::of)
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| other.get().model == self.model)
+    }
+
+    fn __hash__(&self) -> u64 {
+        use std::hash::{DefaultHasher, Hash, Hasher};
+        let mut hasher = DefaultHasher::new();
+        self.model.name().hash(&mut hasher);
+        hasher.finish()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<iiwasim.Robot {}>", self.model.name())
+    }
+}

@@ -1,0 +1,200 @@
+//! Samples of a plan as arrays.
+
+use std::sync::Arc;
+
+use iiwa_kin::{Joints, Pose};
+use iiwa_traj::Trajectory;
+use numpy::{Element, PyArray, PyArray1, PyArrayDyn, PyArrayMethods, ndarray::Dimension};
+use pyo3::{prelude::*, sync::PyOnceLock};
+
+use crate::arrays::{array, joint_array};
+
+/// An array that is handed out again and again, and so is not to be written to.
+fn shared<T: Element, D: Dimension>(array: Bound<'_, PyArray<T, D>>) -> Py<PyArray<T, D>> {
+    array.readwrite().make_nonwriteable();
+    array.unbind()
+}
+
+/// Samples of a plan, all in the order of time. Arrays share their memory with all who ask for them.
+///
+/// >>> import iiwasim as iw
+/// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+/// >>> plan = iw.plan(program)
+/// >>> plan.sample(rate_hz=100)
+/// <iiwasim.Samples 112 at 100 Hz, 1.103 s>
+#[pyclass(frozen, module = "iiwasim")]
+pub(crate) struct Samples {
+    trajectory: Arc<Trajectory>,
+    rate_hz: f64,
+    t: Py<PyArray1<f64>>,
+    q: Py<PyArrayDyn<f64>>,
+    dq: Py<PyArrayDyn<f64>>,
+    ddq: Py<PyArrayDyn<f64>>,
+    motion: Py<PyArray1<u32>>,
+    /// Made when they are asked for.
+    tcp: PyOnceLock<Py<PyArrayDyn<f64>>>,
+    torque: PyOnceLock<Py<PyArrayDyn<f64>>>,
+}
+
+impl Samples {
+    pub(crate) fn of(py: Python<'_>, trajectory: &Arc<Trajectory>, rate_hz: f64) -> PyResult<Self> {
+        let (t, q, dq, ddq, motion) = py.detach(|| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a capacity: more than that is allocated on the way"
+            )]
+            let count = (trajectory.cycle_time_s() * rate_hz) as usize + 2;
+            let rows = || Vec::<Joints>::with_capacity(count);
+            let (mut t, mut q, mut dq, mut ddq) =
+                (Vec::with_capacity(count), rows(), rows(), rows());
+            let mut motion = Vec::with_capacity(count);
+            for state in trajectory.samples(rate_hz) {
+                t.push(state.t_s);
+                q.push(state.q);
+                dq.push(state.dq);
+                ddq.push(state.ddq);
+                motion.push(u32::try_from(state.motion.number()).unwrap_or(u32::MAX));
+            }
+            (t, q, dq, ddq, motion)
+        });
+        Ok(Self {
+            trajectory: Arc::clone(trajectory),
+            rate_hz,
+            t: shared(PyArray1::from_vec(py, t)),
+            q: shared(joint_array(py, q)?.into_bound(py)),
+            dq: shared(joint_array(py, dq)?.into_bound(py)),
+            ddq: shared(joint_array(py, ddq)?.into_bound(py)),
+            motion: shared(PyArray1::from_vec(py, motion)),
+            tcp: PyOnceLock::new(),
+            torque: PyOnceLock::new(),
+        })
+    }
+}
+
+#[pymethods]
+impl Samples {
+    /// Times (n,), in s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.sample(rate_hz=100).t[1]
+    /// np.float64(0.01)
+    #[getter]
+    fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.t.bind(py).clone()
+    }
+
+    /// Positions (n, 7), in rad.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.sample().q.flags.c_contiguous
+    /// True
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArrayDyn<f64>> {
+        self.q.bind(py).clone()
+    }
+
+    /// Velocities (n, 7), in rad/s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> bool((plan.sample().dq <= plan.robot.velocity_limits_rad_s * 1.001).all())
+    /// True
+    #[getter]
+    fn dq<'py>(&self, py: Python<'py>) -> Bound<'py, PyArrayDyn<f64>> {
+        self.dq.bind(py).clone()
+    }
+
+    /// Accelerations (n, 7), in rad/s^2.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.sample().ddq.dtype
+    /// dtype('float64')
+    #[getter]
+    fn ddq<'py>(&self, py: Python<'py>) -> Bound<'py, PyArrayDyn<f64>> {
+        self.ddq.bind(py).clone()
+    }
+
+    /// The motions of the program (n,), from 1.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> int(plan.sample().motion[-1])
+    /// 2
+    #[getter]
+    fn motion<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.motion.bind(py).clone()
+    }
+
+    /// Positions of the TCP (n, 3), in m.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.sample(rate_hz=100).tcp.shape
+    /// (112, 3)
+    #[getter]
+    fn tcp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let made = self.tcp.get_or_try_init(py, || {
+            let (trajectory, rate_hz) = (&self.trajectory, self.rate_hz);
+            let positions: Vec<[f64; 3]> = py.detach(|| {
+                let path = trajectory.path();
+                let states: Vec<_> = trajectory.samples(rate_hz).collect();
+                let joints: Vec<Joints> = states.iter().map(|state| state.q).collect();
+                let mut poses = vec![Pose::IDENTITY; joints.len()];
+                path.robot().flange_pose_batch(&joints, &mut poses);
+                let tcp = |(state, pose): (&iiwa_traj::State, &Pose)| {
+                    if path.has_tools() {
+                        pose.then(path.tcp(state.motion)).position_m
+                    } else {
+                        pose.position_m
+                    }
+                };
+                states.iter().zip(&poses).map(tcp).collect()
+            });
+            array(py, positions, &[3], false).map(shared)
+        })?;
+        Ok(made.bind(py).clone())
+    }
+
+    /// What the joints exert (n, 7), in Nm, with what hangs on the flange then.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.sample(rate_hz=100).torque.shape
+    /// (112, 7)
+    #[getter]
+    fn torque<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let made = self.torque.get_or_try_init(py, || {
+            let (trajectory, rate_hz) = (&self.trajectory, self.rate_hz);
+            let torques = py.detach(|| {
+                let torque = |state| trajectory.torques_of(&state).torque_nm;
+                trajectory.samples(rate_hz).map(torque).collect()
+            });
+            array(py, torques, &[7], false).map(shared)
+        })?;
+        Ok(made.bind(py).clone())
+    }
+
+    fn __len__(&self, py: Python<'_>) -> usize {
+        self.t.bind(py).len().unwrap_or_default()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> String {
+        format!(
+            "<iiwasim.Samples {} at {} Hz, {:.3} s>",
+            self.__len__(py),
+            self.rate_hz,
+            self.trajectory.cycle_time_s()
+        )
+    }
+}

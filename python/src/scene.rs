@@ -1,0 +1,155 @@
+//! Scenes, and clearances in them.
+
+use std::{fs, path::PathBuf, sync::Arc};
+
+use iiwa_files::beside;
+use iiwa_scene::{ArmInScene, Clearance as Distance, PlannedClearance, Scene as Obstacles};
+use pyo3::{exceptions::PyValueError, prelude::*};
+
+use crate::{
+    arrays::{JointsLike, Rows},
+    errors::{os_error, scene_error},
+    options::RobotArgument,
+};
+
+/// The obstacles around the arm, and its tool. Immutable; read from a file or from JSON.
+///
+/// >>> import iiwasim as iw
+/// >>> iw.Scene.load('fixtures/cage.json')
+/// <iiwasim.Scene 10 obstacles>
+#[pyclass(frozen, module = "iiwasim")]
+pub(crate) struct Scene {
+    pub(crate) scene: Arc<Obstacles>,
+    /// As it was read; none of one whose meshes are in other files.
+    text: Option<Arc<str>>,
+}
+
+impl Scene {
+    /// A scene without anything in it.
+    pub(crate) fn bare() -> PyResult<Self> {
+        let scene =
+            Obstacles::new(Vec::new()).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok(Self { scene: Arc::new(scene), text: None })
+    }
+}
+
+#[pymethods]
+impl Scene {
+    /// The scene of a text. Raises `SceneError` with line and column.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> wall = {'name': 'wall', 'type': 'plane', 'point_mm': [700, 0, 0], 'normal': [-1, 0, 0]}
+    /// >>> import json
+    /// >>> iw.Scene.from_json(json.dumps({'version': 1, 'obstacles': [wall]})).obstacles
+    /// ['wall']
+    #[staticmethod]
+    fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
+        let scene = Obstacles::from_json(text).map_err(|error| scene_error(py, &error))?;
+        Ok(Self { scene: Arc::new(scene), text: Some(text.into()) })
+    }
+
+    /// The scene of a file, with the meshes that it names beside it.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> len(iw.Scene.load('fixtures/cage.json').obstacles)
+    /// 10
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let text = fs::read_to_string(&path).map_err(|error| os_error(&path, &error))?;
+        let text = text.trim_start_matches('\u{feff}');
+        let mut has_meshes = false;
+        let mesh = |name: &str| {
+            has_meshes = true;
+            let file = beside(&path, name, &["stl", "obj"]).map_err(|error| error.to_string())?;
+            fs::read(&file).map_err(|error| error.to_string())
+        };
+        let scene =
+            Obstacles::from_json_with(text, mesh).map_err(|error| scene_error(py, &error))?;
+        Ok(Self { scene: Arc::new(scene), text: (!has_meshes).then(|| text.into()) })
+    }
+
+    /// The names of the obstacles.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Scene.load('fixtures/cage.json').obstacles[0]
+    /// 'floor'
+    #[getter]
+    fn obstacles(&self) -> Vec<String> {
+        self.scene.obstacles().iter().map(|it| it.name.clone()).collect()
+    }
+
+    /// How near the arm is to the obstacles at `q` (7,), in rad; `None` if there are none.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Scene.load('fixtures/cage.json').clearance([0.0] * 7).distance_m > 0
+    /// True
+    #[pyo3(signature = (q, *, robot = None))]
+    fn clearance<'py>(
+        &self,
+        py: Python<'py>,
+        q: JointsLike<'py>,
+        robot: Option<RobotArgument<'py>>,
+    ) -> PyResult<Option<Clearance>> {
+        let robot = robot.map(|robot| robot.model(py)).transpose()?.unwrap_or_default();
+        let rows = Rows::new("q", &q)?;
+        let arm = ArmInScene::new(&robot, &self.scene);
+        let found = arm.clearance(rows.single("q")?);
+        Ok(found.map(|found| Clearance::new(&arm, &found, None)))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let text = slf.get().text.as_ref().ok_or_else(|| {
+            PyValueError::new_err("a scene with meshes in files cannot be pickled; load it again")
+        })?;
+        Ok((slf.get_type().getattr("from_json")?, (text.to_string(),)))
+    }
+
+    fn __repr__(&self) -> String {
+        let count = self.scene.obstacles().len();
+        format!("<iiwasim.Scene {count} obstacle{}>", if count == 1 { "" } else { "s" })
+    }
+}
+
+/// How near the arm comes to something, where and when.
+///
+/// >>> import iiwasim as iw
+/// >>> near = iw.Scene.load('fixtures/cage.json').clearance([0.0] * 7)
+/// >>> near.link in range(2, 9), near.at_s
+/// (True, None)
+#[pyclass(frozen, get_all, module = "iiwasim")]
+pub(crate) struct Clearance {
+    distance_m: f64,
+    link: usize,
+    obstacle: String,
+    at_s: Option<f64>,
+    motion: Option<usize>,
+    on_link_m: [f64; 3],
+    on_obstacle_m: [f64; 3],
+}
+
+impl Clearance {
+    pub(crate) fn new(arm: &ArmInScene, found: &Distance, when: Option<&PlannedClearance>) -> Self {
+        Self {
+            distance_m: found.distance_m,
+            link: found.link,
+            obstacle: arm.name_of(found.other),
+            at_s: when.map(|when| when.at_s),
+            motion: when.map(|when| when.motion.number()),
+            on_link_m: found.on_link_m,
+            on_obstacle_m: found.on_other_m,
+        }
+    }
+}
+
+#[pymethods]
+impl Clearance {
+    fn __repr__(&self) -> String {
+        let at = self.at_s.map_or_else(String::new, |at_s| format!(" at {at_s:.3} s"));
+        format!(
+            "<iiwasim.Clearance {:.1} mm, link {} to {}{at}>",
+            1e3 * self.distance_m,
+            self.link,
+            self.obstacle
+        )
+    }
+}

@@ -1,0 +1,126 @@
+//! Applications of Sunrise projects as programs.
+
+use std::path::{Path, PathBuf};
+
+use iiwa_application::{Application, ImportOptions, import};
+use iiwa_sunrise::{AnswerValue, Answers, Project};
+use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
+use std::collections::BTreeMap;
+
+use crate::{
+    arrays::{JointsLike, Rows},
+    errors::exception,
+    options::RobotArgument,
+    program::Program,
+};
+
+fn open(py: Python<'_>, folder: &Path) -> PyResult<Project> {
+    Project::open(folder).map_err(|error| exception(py, "SunriseError", (error.to_string(),)))
+}
+
+/// The applications of the Sunrise project in a folder, by their names.
+///
+/// >>> import iiwasim as iw
+/// >>> iw.applications('fixtures/sunrise/joints')
+/// ['application.ShelfScan']
+#[pyfunction]
+pub(crate) fn applications(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<String>> {
+    let project = open(py, &folder)?;
+    Ok(Application::all(&project).into_iter().map(|own| own.qualified_name).collect())
+}
+
+/// A number of a button, or several.
+#[derive(FromPyObject)]
+pub(crate) enum Buttons {
+    One(usize),
+    Each(Vec<usize>),
+}
+
+/// What Python gives as the value of an input.
+#[derive(FromPyObject)]
+pub(crate) enum Value {
+    Boolean(bool),
+    Integer(i64),
+    Number(f64),
+    Text(String),
+}
+
+impl From<Value> for AnswerValue {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::Boolean(value) => Self::Boolean(value),
+            Value::Integer(value) => Self::Integer(value),
+            Value::Number(value) => Self::Number(value),
+            Value::Text(value) => Self::Text(value),
+        }
+    }
+}
+
+/// The program that an application of a Sunrise project runs, and a dict of what is to be said of it: `application`, `notes` and
+/// `questions`.
+///
+/// The application may be left out if there is one only. Dialogs are answered by `answers` (the number of a button, from 0, by the
+/// text), `inputs` and process `data` are given by name. Raises `SunriseError` with file and line.
+///
+/// >>> import iiwasim as iw
+/// >>> program, told = iw.import_application('fixtures/sunrise/joints')
+/// >>> len(program)
+/// 10
+#[pyfunction]
+#[pyo3(signature = (
+    folder, *, application = None, answers = None, inputs = None, data = None, robot = None, start_deg = None
+))]
+#[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
+pub(crate) fn import_application<'py>(
+    py: Python<'py>,
+    folder: PathBuf,
+    application: Option<&str>,
+    answers: Option<BTreeMap<String, Buttons>>,
+    inputs: Option<BTreeMap<String, Value>>,
+    data: Option<BTreeMap<String, Value>>,
+    robot: Option<RobotArgument<'py>>,
+    start_deg: Option<JointsLike<'py>>,
+) -> PyResult<(Program, Bound<'py, PyDict>)> {
+    let project = open(py, &folder)?;
+    let file = folder.join("iiwasim-answers.toml");
+    let mut given = if file.is_file() {
+        Answers::from_toml(&std::fs::read_to_string(&file)?)
+            .map_err(|error| PyValueError::new_err(format!("{}: {error}", file.display())))?
+    } else {
+        Answers::default()
+    };
+    for (text, buttons) in answers.unwrap_or_default() {
+        given.dialogs.retain(|known, _| !known.contains(&text));
+        let buttons = match buttons {
+            Buttons::One(button) => vec![button],
+            Buttons::Each(buttons) => buttons,
+        };
+        given.dialogs.insert(text, buttons);
+    }
+    given.inputs.extend(inputs.unwrap_or_default().into_iter().map(|(k, v)| (k, v.into())));
+    given.data.extend(data.unwrap_or_default().into_iter().map(|(k, v)| (k, v.into())));
+    let start_rad = match &start_deg {
+        None => None,
+        Some(deg) => Some(Rows::new("start_deg", deg)?.single("start_deg")?.map(f64::to_radians)),
+    };
+    let robot = robot.map(|robot| robot.model(py)).transpose()?;
+    let options = ImportOptions {
+        robot_name: robot.as_ref().map(|robot| robot.name().to_owned()),
+        robot: robot.clone(),
+        start_rad,
+        answers: given,
+    };
+    let imported = py.detach(|| import(&project, application, &options));
+    let imported = imported.map_err(|error| exception(py, "SunriseError", (error.to_string(),)))?;
+    let told = PyDict::new(py);
+    told.set_item("application", imported.application.qualified_name)?;
+    let notes: Vec<_> =
+        imported.notes.iter().map(|note| format!("{}: {}", note.source, note.text)).collect();
+    told.set_item("notes", notes)?;
+    let asked = |it: &iiwa_sunrise::Question| {
+        format!("{}:{} asks {:?}, answered by {}", it.file, it.line, it.asked, it.answer)
+    };
+    let questions: Vec<_> = imported.questions.iter().map(asked).collect();
+    told.set_item("questions", questions)?;
+    Ok((Program::of(py, imported.program, robot)?, told))
+}

@@ -1,0 +1,131 @@
+"""Two workers of Ray and of Dask: the rows of one core, whatever becomes of the workers."""
+
+from __future__ import annotations
+
+import os
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import cloudpickle
+import dask.dataframe as dd
+import pandas as pd
+import pyarrow as pa
+import pytest
+import ray.cloudpickle
+import ray.data
+from conftest import CHUNK, COUNT, Cluster
+
+import iiwasim as iw
+import iiwasim.dask
+import iiwasim.ray
+from iiwasim import batches
+from iiwasim._chunks import Planning
+
+
+class Interrupted(Exception):
+    """What stops a run on the way."""
+
+
+class Deadly(Planning):
+    """Each worker dies of it."""
+
+    def figures(self, chunk: pa.Table) -> pa.Table:
+        os._exit(1)
+
+
+def test_a_worker_is_killed(cluster: Cluster, source: Path, on_one_core: pa.Table, tmp_path: Path) -> None:
+    killed: list[int] = []
+
+    def kill_once(done: int, _: int) -> None:
+        if not killed:
+            cluster.kill_worker()
+            killed.append(done)
+
+    planned = cluster.plan(source, tmp_path, chunk=CHUNK, progress=kill_once)
+    assert len(killed) == 1 and killed[0] < COUNT
+    assert planned == (tmp_path, COUNT, COUNT)
+    assert batches.read(tmp_path).equals(on_one_core)
+
+
+def test_an_interrupted_run_is_taken_up_elsewhere(
+    cluster: Cluster, source: Path, on_one_core: pa.Table, tmp_path: Path
+) -> None:
+    def stop(done: int, _: int) -> None:
+        if done >= 3 * CHUNK:
+            raise Interrupted
+
+    with pytest.raises(Interrupted):
+        cluster.plan(source, tmp_path, chunk=CHUNK, progress=stop)
+    assert len(list(tmp_path.glob("part-*.parquet"))) == 3
+    # One part on this machine, the others on the cluster.
+    with pytest.raises(Interrupted):
+        batches.plan(source, tmp_path, chunk=CHUNK, jobs=1, progress=stop)
+    assert cluster.plan(source, tmp_path, chunk=CHUNK).rows_planned == COUNT - 4 * CHUNK
+    assert cluster.plan(source, tmp_path, chunk=CHUNK).rows_planned == 0
+    assert batches.read(tmp_path).equals(on_one_core)
+    with pytest.raises(iw.IiwasimError, match="figures of another plan: `timing`"):
+        cluster.plan(source, tmp_path, chunk=CHUNK, timing="acceleration")
+
+
+def test_programs_that_kill_every_worker_end(
+    cluster: Cluster, programs: list[str], on_one_core: pa.Table, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in (iiwasim.ray, iiwasim.dask):
+        monkeypatch.setattr(module, "Planning", Deadly)
+    # Workers do not know this file.
+    for pickle in (cloudpickle, ray.cloudpickle):
+        pickle.register_pickle_by_value(sys.modules[__name__])
+    with pytest.raises(RuntimeError, match=r"chunk 0 of the programs: .* is there enough memory"):
+        cluster.figures(programs[:1])
+    monkeypatch.undo()
+    assert cluster.figures(programs).equals(on_one_core)
+
+
+def test_programs_in_memory(cluster: Cluster, programs: list[str], on_one_core: pa.Table) -> None:
+    assert cluster.figures(programs).equals(on_one_core)
+    assert cluster.figures([]).num_rows == 0
+
+
+def test_ray_data(of_ray: Cluster, programs: list[str], on_one_core: pa.Table, tmp_path: Path) -> None:
+    names = [f"program {place}" for place in range(COUNT)]
+    table = pa.table({"name": names, "program": programs})
+    dataset = ray.data.from_arrow([table.slice(place, 70) for place in range(0, COUNT, 70)])
+    with ThreadPoolExecutor() as meanwhile:
+        killed = meanwhile.submit(of_ray.kill_worker)
+        rows = pa.Table.from_pylist(iiwasim.ray.mapped(dataset, chunk=CHUNK).take_all())
+        killed.result()
+    assert rows["name"].to_pylist() == names
+    for column in ("cycle_time_s", "limited_by", "error"):
+        assert rows[column].to_pylist() == on_one_core[column].to_pylist()
+    iiwasim.ray.plan(dataset, tmp_path, chunk=CHUNK)
+    figures = batches.read(tmp_path)
+    assert figures["name"].to_pylist() == names
+    assert figures.drop_columns(["name"]).equals(on_one_core)
+    assert iiwasim.ray.plan(dataset, tmp_path, chunk=CHUNK).rows_planned == 0
+    with pytest.raises(iw.IiwasimError, match="no column 'json'"):
+        iiwasim.ray.mapped(dataset, column="json")
+
+
+def test_data_frame_of_dask(of_dask: Cluster, programs: list[str], on_one_core: pa.Table, tmp_path: Path) -> None:
+    names = [f"program {place}" for place in range(COUNT)]
+    rows = pd.DataFrame({"name": names, "program": programs}, index=pd.RangeIndex(1000, 1000 + COUNT))
+    frame = dd.from_pandas(rows, npartitions=7)
+    mapped = iiwasim.dask.mapped(frame)
+    with ThreadPoolExecutor() as meanwhile:
+        killed = meanwhile.submit(of_dask.kill_worker)
+        computed = mapped.compute()
+        killed.result()
+    assert computed["name"].tolist() == names
+    assert computed.index.equals(rows.index)
+    assert computed.dtypes.equals(mapped.dtypes)
+    for column in ("cycle_time_s", "limited_by", "error"):
+        values = pa.array(computed[column]).to_pylist()
+        assert values == on_one_core[column].to_pylist()
+    iiwasim.dask.plan(frame, tmp_path, chunk=CHUNK)
+    figures = batches.read(tmp_path)
+    assert figures["name"].to_pylist() == names
+    assert figures.drop_columns(["name"]).equals(on_one_core)
+    assert iiwasim.dask.plan(frame, tmp_path, chunk=CHUNK).rows_planned == 0
+    with pytest.raises(iw.IiwasimError, match="no column 'json'"):
+        iiwasim.dask.mapped(frame, column="json")

@@ -1,0 +1,60 @@
+"""Programs for the tests of the drive's client, and runs in the background."""
+
+from __future__ import annotations
+
+import threading
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from iiwasim.drive import Drive, DriveError, JointSample
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+CYCLE_S = 0.005
+HOME = [0, 0, 0, 0, 0, 0, 0]
+AWAY = [6, 4, 0, -8, 0, 4, 0]
+
+
+def program(*targets: list[float], start: list[float] = HOME, **keys: object) -> dict[str, object]:
+    """Point to point from a start to targets, all in degrees."""
+    motions = [{"type": "ptp", "joints_deg": target, **keys} for target in targets]
+    return {"version": 1, "start": {"joints_deg": start}, "motions": motions}
+
+
+def go(drive: Drive, pose: list[float]) -> None:
+    """Moves the robot to joints in degrees."""
+    drive.run({"motions": [{"type": "ptp", "joints_deg": pose}]})
+
+
+# It takes much longer than a test waits for it.
+SLOW = program([60, 0, 0, -60, 0, 0, 0], velocity_rel=0.03)
+
+
+@contextmanager
+def in_background(run: object, *arguments: object, **keys: object) -> Iterator[list[object]]:
+    """A run in a thread of its own, which moves the arm; what it returns, or raises, is in the list at the end."""
+    results: list[object] = []
+    samples: list[JointSample] = []
+    has_begun = threading.Event()
+
+    def watch(sample: JointSample) -> None:
+        samples.append(sample)
+        if np.abs(sample.q - samples[0].q).max() > 1e-3:
+            has_begun.set()
+
+    def target() -> None:
+        try:
+            results.append(run(*arguments, **keys, on_sample=watch))
+        except DriveError as error:
+            results.append(error)
+        has_begun.set()
+
+    thread = threading.Thread(target=target)
+    thread.start()
+    assert has_begun.wait(20)
+    yield results
+    thread.join(20)
+    assert not thread.is_alive()

@@ -1,0 +1,473 @@
+"""The drive's client, on a simulated robot."""
+
+from __future__ import annotations
+
+import doctest
+import json
+import math
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+zmq = pytest.importorskip("zmq", reason="the client of the drive needs pyzmq")
+
+from drive_runs import AWAY, CYCLE_S, HOME, SLOW, go, in_background, program
+from simulated_robot import SimulatedRobot, binary
+
+import iiwasim.drive
+from iiwasim.drive import Drive, DriveError, DriveTimeout, JointSample, Run
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+def rise(to_rad: float, count: int = 101) -> tuple[np.ndarray, np.ndarray]:
+    """A trajectory of joint 1 from zero, at rest at both ends, within a second."""
+    t = np.linspace(0.0, 1.0, count)
+    q = np.zeros((count, 7))
+    q[:, 0] = to_rad * t**4 * (35 - 84 * t + 70 * t**2 - 20 * t**3)
+    return t, q
+
+
+def assert_on_the_way(q: np.ndarray) -> None:
+    """That positions are on the straight line of `SLOW`, and do not reach its end."""
+    assert np.allclose(q[..., 3], -q[..., 0], atol=1e-6)
+    assert np.allclose(np.delete(q, [0, 3], axis=-1), 0.0, atol=1e-6)
+    assert 0.0 < q[..., -1, 0] < math.radians(59)
+
+
+# Runs.
+
+
+def test_a_run_takes_as_long_as_planned(drive: Drive, tmp_path: Path) -> None:
+    there_and_back = program(AWAY, [0, 0, 0, -20, 0, 0, 0], HOME, blend={"fraction": 0.3})
+    (tmp_path / "program.json").write_text(json.dumps(there_and_back))
+    command = [binary(), "plan", tmp_path / "program.json", "--json"]
+    plan = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+    run = drive.run(there_and_back, move_to_start=True)
+    assert run.cycle_time_s == pytest.approx(plan["cycle_time_s"], abs=CYCLE_S)
+    assert run.timed_by is None and run.untimed_because is None and run.samples_left_out == 0
+    assert run.t.dtype == run.q.dtype == np.float64
+    assert run.q.shape == (len(run.t), 7)
+    assert run.t[0] == pytest.approx(0.0, abs=CYCLE_S)
+    assert run.t[-1] == pytest.approx(run.cycle_time_s, abs=2 * CYCLE_S)
+    assert (np.diff(run.t) > 0.0).all() and np.median(np.diff(run.t)) == pytest.approx(CYCLE_S)
+    assert np.allclose(run.q[[0, -1]], 0.0, atol=1e-4)
+    assert np.degrees(run.q[:, 3]).min() < -15
+    assert repr(run) == f"<Run: cycle time {run.cycle_time_s:.3f} s, {len(run.t)} samples>"
+    again = drive.last_run()
+    assert again.start_s == run.start_s and np.array_equal(again.q, run.q)
+
+
+def test_programs_come_as_objects_keys_and_text(drive: Drive) -> None:
+    class Program:
+        def to_json(self) -> str:
+            return json.dumps(program(AWAY))
+
+    go(drive, HOME)
+    drive.run(Program())
+    drive.run(json.dumps(program(HOME, start=AWAY)))
+    # Without a start, and with arrays.
+    drive.run({"motions": [{"type": "ptp", "joints_rad": np.radians(AWAY)}]})
+    assert np.allclose(drive.state().q, np.radians(AWAY), atol=1e-4)
+
+
+def test_tools_bases_and_frames_go_along(drive: Drive) -> None:
+    bend = [0, 30, 0, -60, 0, 90, 0]
+    keys = {"tools": {"pen": {"tcp": {"z_mm": 100}}}, "tool": "pen", "limit_torque_percent": 50}
+    motions = [{"type": "lin_rel", "offset": {"z_mm": -20}, "in": "tcp"}]
+    with pytest.raises(ValueError, match="give them as start_rad"):
+        drive.run({**keys, "start": {"frame": "bend"}, "motions": motions})
+    at = {"start_rad": np.radians(bend), "move_to_start": True, "start_velocity_rel": 0.8}
+    up = drive.run({**keys, "start": {"frame": "bend"}, "motions": motions}, **at)
+    assert np.allclose(up.q[0], np.radians(bend), atol=1e-4)
+    assert np.abs(np.degrees(up.q[-1] - up.q[0])).max() > 1.0
+    with pytest.raises(DriveError, match="pencil"):
+        drive.run({"motions": motions, "tool": "pencil"})
+
+
+def test_a_run_begins_at_its_start_only(drive: Drive) -> None:
+    go(drive, HOME)
+    drive.run(program([0, 0, 0, 1, 0, 0, 0], HOME, start=[0.4, 0, 0, 0, 0, 0, 0]))
+    with pytest.raises(DriveError, match=r"A4 is at -?0\.000 deg, the program starts at -8\.000 deg") as refused:
+        drive.run(program(HOME, start=AWAY))
+    assert refused.value.code == "start_mismatch"
+    with pytest.raises(DriveError) as refused:
+        drive.run_trajectory(rise(0.05)[0], rise(0.05)[1] + 0.1)
+    assert refused.value.code == "start_mismatch"
+    assert np.allclose(drive.state().q, 0.0, atol=1e-6)
+
+
+def test_samples_come_while_it_runs(drive: Drive) -> None:
+    samples: list[JointSample] = []
+    states: list[str] = []
+
+    def keep(sample: JointSample) -> None:
+        if not samples:
+            states.append(drive.state().state)
+        samples.append(sample)
+
+    run = drive.run(program(AWAY, velocity_rel=0.1), move_to_start=True, on_sample=keep)
+    assert states == ["running_motion"]
+    measured = {round(t_s, 6): q for t_s, q in zip(run.start_s + run.t, run.q)}
+    # The drive tells of start and end a moment before and after them.
+    first_s, last_s = min(measured) - CYCLE_S / 2, max(measured) + CYCLE_S / 2
+    of_the_run = [sample for sample in samples if first_s < sample.t_s < last_s]
+    assert of_the_run and all(np.array_equal(measured[round(t_s, 6)], q) for t_s, q in of_the_run)
+
+
+def test_trajectories_are_followed(drive: Drive) -> None:
+    t, q = rise(0.1)
+    run = drive.run_trajectory(t, q, move_to_start=True)
+    assert run.cycle_time_s == pytest.approx(1.0, abs=2 * CYCLE_S)
+    expected = np.interp(run.t, t, q[:, 0])
+    # Late by a few cycles at most: the arm moves at 0.22 rad/s at most.
+    assert np.allclose(run.q[:, 0], expected, atol=0.22 * 4 * CYCLE_S)
+    assert run.q[-1, 0] == pytest.approx(0.1, abs=1e-4)
+
+
+def test_real_cabinets_tell_no_times(tmp_path: Path) -> None:
+    with SimulatedRobot(tmp_path, cabinet=("--without-times",)) as robot, Drive(robot.address, timeout_s=30) as drive:
+        robot.wait_until_ready(drive)
+        run = drive.run(program(AWAY))
+        assert run.timed_by == "commanded_position" and run.cycle_time_s is not None
+        assert drive.sensors().joint_temperature_c is None
+        still = drive.run({"motions": [{"type": "wait", "seconds": 0.1}]})
+        assert still.cycle_time_s is None and still.untimed_because
+        assert repr(still).startswith("<Run: no cycle time, ")
+
+
+# Stops.
+
+
+def test_a_stop_leaves_the_arm_on_its_path(drive: Drive) -> None:
+    go(drive, HOME)
+    with in_background(drive.run, SLOW) as results:
+        drive.stop()
+    (stopped,) = results
+    assert isinstance(stopped, DriveError) and stopped.code == "robot"
+    assert stopped.run is not None
+    assert_on_the_way(stopped.run.q)
+    state = drive.state()
+    assert state.state == "idle"
+    assert np.allclose(state.q, stopped.run.q[-1], atol=1e-4)
+
+
+def test_a_run_of_too_long_is_stopped(drive: Drive) -> None:
+    with pytest.raises(DriveTimeout, match=r"more than 1 s, and was stopped") as timeout:
+        drive.run(SLOW, move_to_start=True, timeout_s=1.0)
+    assert timeout.value.run is not None
+    assert_on_the_way(timeout.value.run.q)
+    assert drive.state().state == "idle"
+
+
+def test_an_exception_of_the_caller_stops_the_run(drive: Drive) -> None:
+    def fail(sample: JointSample) -> None:
+        if sample.q[0] > 0.002:
+            raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        drive.run(SLOW, move_to_start=True, on_sample=fail)
+    state = drive.state()
+    assert state.state == "idle"
+    assert_on_the_way(state.q[None])
+
+
+def test_an_emergency_stop_is_told(tmp_path: Path) -> None:
+    with (
+        SimulatedRobot(tmp_path, cabinet=("--emergency-stop", "50")) as robot,
+        Drive(robot.address, timeout_s=30) as drive,
+    ):
+        robot.wait_until_ready(drive)
+        with pytest.raises(DriveError, match="emergency stop") as stopped:
+            drive.run(program([10, 0, 0, -10, 0, 0, 0]))
+        assert stopped.value.code == "robot"
+        assert_on_the_way(stopped.value.run.q)
+
+
+INTERRUPTED = """
+import json, sys
+from iiwasim.drive import Drive
+drive = Drive(sys.argv[1])
+
+def tell(sample):
+    if sample.q[0] > 0.002:
+        print("moves", flush=True)
+
+try:
+    drive.run(sys.argv[2], move_to_start=True, on_sample=tell)
+except KeyboardInterrupt:
+    print("interrupted", drive.state().state, flush=True)
+    raise
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one process")
+@pytest.mark.parametrize("approach", [False, True], ids=["in the run", "on the way to the start"])
+def test_ctrl_c_stops_the_robot(drive: Drive, robot: SimulatedRobot, approach: bool) -> None:
+    go(drive, [30, 0, 0, 0, 0, 0, 0] if approach else HOME)
+    command = [sys.executable, "-u", "-c", INTERRUPTED, robot.address, json.dumps(SLOW)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as client:
+        try:
+            if approach:
+                moves = (sample for sample in drive.stream(duration_s=20) if sample.q[0] < math.radians(29.9))
+                assert next(moves)
+            else:
+                assert client.stdout.readline() == "moves\n"
+            client.send_signal(signal.SIGINT)
+            out, err = client.communicate(timeout=20)
+        finally:
+            client.kill()
+    assert client.returncode == -signal.SIGINT, err
+    assert out.splitlines()[-1] == "interrupted idle"
+    assert err.splitlines()[-1] == "KeyboardInterrupt"
+    state = drive.state()
+    assert state.state == "idle"
+    if approach:
+        assert 0.1 < state.q[0] < math.radians(29.95)
+    else:
+        assert_on_the_way(state.q[None])
+
+
+# All other requests.
+
+
+def test_the_state_tells_of_robot_and_program(drive: Drive) -> None:
+    state = drive.state()
+    assert state.state == "idle" and state.simulated
+    assert state.q.shape == (7,) and state.t_s > 0.0
+    assert state.fri.session == "monitoring_ready" and not state.fri.safety_stop
+    assert state.robot_program.connected and state.robot_program.name.startswith("iiwasim cabinet")
+    assert state.conditions.operation_mode == "aut" and state.conditions.override_rel == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        state.q[0] = 1.0
+
+
+def test_inputs_and_outputs_are_read_and_set(drive: Drive) -> None:
+    for name, value in [
+        ("MediaFlange.LEDBlue", True),
+        ("Simulation.DigitalOutput", 7),
+        ("Simulation.AnalogOutput", -0.5),
+        ("MediaFlange.LEDBlue", False),
+    ]:
+        assert drive.set_io(name, value) == value
+        got = drive.get_io(name)
+        assert got == value and type(got) is type(value)
+    listed = {signal.name: signal for signal in drive.list_io()}
+    assert listed["Simulation.DigitalOutput"].value == 7
+    assert listed["Simulation.DigitalOutput"].direction == "output"
+    assert listed["MediaFlange.UserButton"].direction == "input"
+    with pytest.raises(DriveError, match="UserButton") as refused:
+        drive.set_io("MediaFlange.UserButton", True)
+    assert refused.value.code == "bad_request"
+    with pytest.raises(DriveError, match="Nothing"):
+        drive.get_io("Nothing")
+
+
+def test_sensors_are_read(drive: Drive) -> None:
+    sensors = drive.sensors()
+    assert sensors.external_torque_nm.shape == (7,) and np.allclose(sensors.external_torque_nm, 0.0, atol=1e-6)
+    assert sensors.joint_temperature_c.shape == (7,) and (sensors.joint_temperature_c > 10).all()
+
+
+def test_the_stream_goes_on_during_runs(drive: Drive) -> None:
+    go(drive, HOME)
+    with in_background(drive.run, program(AWAY, HOME, velocity_rel=0.1)) as results:
+        streamed = list(drive.stream(duration_s=0.3))
+    (run,) = results
+    assert isinstance(run, Run)
+    times = [sample.t_s for sample in streamed]
+    assert (np.diff(times) > 0.0).all() and np.median(np.diff(times)) == pytest.approx(CYCLE_S)
+    assert 0.25 < times[-1] - times[0] < 0.3 + CYCLE_S / 2
+    assert np.ptp([sample.q[3] for sample in streamed]) > 0.01
+
+
+def test_a_closed_drive_takes_nothing(robot: SimulatedRobot) -> None:
+    drive = Drive(robot.address, stream=robot.stream)
+    stream = drive.stream()
+    assert next(stream).q.shape == (7,)
+    with drive:
+        pass
+    assert list(stream) == []
+    for request in (drive.state, drive.stop, lambda: next(drive.stream()), lambda: drive.run(program(AWAY))):
+        with pytest.raises(ValueError, match="closed"):
+            request()
+    assert repr(drive) == f"<Drive at tcp://{robot.address}, closed>"
+
+
+# Refusals.
+
+
+@pytest.mark.parametrize(
+    ("motion", "code", "says"),
+    [
+        ({"type": "ptp", "joints_deg": AWAY, "speed": 1}, "bad_request", "motion 1: .*speed"),
+        ({"type": "fly"}, "bad_request", "unknown type `fly`"),
+        ({"type": "ptp", "joints_deg": [0, 0, 0, -500, 0, 0, 0]}, "limit", "A4 is at -500 deg"),
+        ({"type": "lin_rel", "offset": {"z_mm": 900}}, "limit", "motion 1"),
+    ],
+)
+def test_what_the_drive_refuses_is_raised(drive: Drive, motion: dict[str, object], code: str, says: str) -> None:
+    with pytest.raises(DriveError, match=says) as refused:
+        drive.run({"motions": [motion]})
+    assert refused.value.code == code and refused.value.run is None
+    assert str(refused.value) == f"{refused.value.message} ({code})"
+    copied = pickle.loads(pickle.dumps(refused.value))
+    assert (type(copied), copied.code, copied.message) == (DriveError, code, refused.value.message)
+
+
+def test_too_fast_a_trajectory_is_refused(drive: Drive) -> None:
+    with pytest.raises(DriveError, match="A1") as refused:
+        drive.run_trajectory(*rise(2.0), move_to_start=True)
+    assert refused.value.code == "limit"
+
+
+def test_a_start_out_of_reach_is_told(drive: Drive) -> None:
+    with pytest.raises(DriveError, match=r"the robot did not move to the start: .*A4") as refused:
+        drive.run(program(HOME, start=[0, 0, 0, 130, 0, 0, 0]), move_to_start=True)
+    assert refused.value.code == "limit"
+
+
+def test_threads_share_a_drive(drive: Drive) -> None:
+    with in_background(drive.run, SLOW, move_to_start=True), ThreadPoolExecutor(8) as threads:
+        states = list(threads.map(lambda _: drive.state().state, range(100)))
+        drive.stop()
+    assert states == ["running_motion"] * 100
+
+
+def test_only_one_run_is_on(drive: Drive) -> None:
+    go(drive, HOME)
+    with in_background(drive.run, SLOW) as results:
+        for request in (
+            lambda: drive.run(program(AWAY)),
+            lambda: drive.run({"motions": [{"type": "wait", "seconds": 1}]}),
+            drive.sensors,
+            lambda: drive.get_io("MediaFlange.LEDBlue"),
+        ):
+            with pytest.raises(DriveError) as refused:
+                request()
+            assert refused.value.code == "not_idle"
+        assert drive.state().state == "running_motion" and not results
+        drive.stop()
+
+
+@pytest.mark.parametrize(
+    ("bad", "says"),
+    [
+        ({**program(AWAY), "include": "cell.json"}, "includes 'cell.json'.*Program.load"),
+        (program(AWAY, start=[0, 0]), r"the start's joints_deg .* found \[0.0, 0.0\]"),
+        ({"start": {}, "motions": []}, "the program's start has no joints"),
+        ({"motions": [{"type": "wait", "seconds": math.nan}]}, "not JSON compliant"),
+        ({"motions": [{"type": "wait", "seconds": 1}] * 200_000}, "bytes, and a drive takes 4194304"),
+        ("{", "line 1"),
+    ],
+)
+def test_what_is_no_program_is_a_value_error(drive: Drive, bad: object, says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        drive.run(bad)
+
+
+def test_what_is_no_trajectory_is_a_value_error(drive: Drive) -> None:
+    t, q = rise(0.1)
+    for times, points, says in [
+        (t, q[:, :6], r"\(101, 6\)"),
+        (t[:3], q, r"\(3,\)"),
+        (t, q * np.nan, "finite"),
+        ([], [], "0"),
+    ]:
+        with pytest.raises(ValueError, match=says):
+            drive.run_trajectory(times, points)
+    with pytest.raises(ValueError, match="no start"):
+        drive.run({"motions": []}, move_to_start=True)
+
+
+@contextmanager
+def answering(text: bytes) -> Iterator[Drive]:
+    """What gives one answer, whatever is asked."""
+    with zmq.Context() as context, context.socket(zmq.REP) as socket:
+        socket.linger = 0
+        port = socket.bind_to_random_port("tcp://127.0.0.1")
+        ended = threading.Event()
+
+        def answer() -> None:
+            while not ended.is_set():
+                if socket.poll(20):
+                    socket.recv()
+                    socket.send(text)
+
+        thread = threading.Thread(target=answer)
+        thread.start()
+        try:
+            with Drive(f"127.0.0.1:{port}") as drive:
+                yield drive
+        finally:
+            ended.set()
+            thread.join()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"",
+        b"{",
+        b"\xff",
+        b"[]",
+        b"{}",
+        b'{"ok": true}',
+        b'{"ok": false}',
+        b'{"ok": false, "error": "no"}',
+        b'{"ok": true, "state": "idle", "joints_rad": [1], "t_s": 1, "robot_program": "silent", "fri": {}}',
+        b'{"ok": true, "samples": {"t_s": [1], "joints_rad": [[1]]}}',
+        b"[" * 100_000,
+    ],
+)
+def test_answers_that_are_none_are_errors(text: bytes) -> None:
+    with answering(text) as drive:
+        for request in (drive.state, drive.last_run, drive.sensors, drive.list_io):
+            with pytest.raises(DriveError, match="invalid reply of the drive"):
+                request()
+
+
+def test_what_slows_or_hides_the_robot_is_told() -> None:
+    fri = {"session": "monitoring_ready", "quality": "good", "lost": 0, "late": 0, "later": 1}
+    state = {"ok": True, "state": "idle", "joints_rad": HOME, "t_s": 1.0, "fri": fri, "robot_program": "connected"}
+    state["conditions"] = {"operation_mode": "t1", "override": 0.305}
+    with answering(json.dumps(state).encode()) as drive:
+        slowed = pytest.warns(RuntimeWarning, match=r"override is 30\.5 %, and the operation mode is T1")
+        with slowed, pytest.raises(DriveError, match="not at the program's start"):
+            drive.run(program(HOME, start=AWAY))
+    fri.update(session="silent", unexpected_source="10.0.0.9")
+    with answering(json.dumps(state).encode()) as drive, pytest.raises(DriveError, match=r"from 10\.0\.0\.9"):
+        drive.run(program(AWAY))
+    state["state"] = "running_motion"
+    with answering(json.dumps(state).encode()) as drive, pytest.raises(DriveError, match="busy") as busy:
+        drive.run(program(AWAY))
+    assert busy.value.code == "not_idle"
+
+
+# As a whole.
+
+
+def test_the_examples_are_true(robot: SimulatedRobot, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("IIWASIM_DRIVE", robot.address)
+    monkeypatch.setenv("IIWASIM_STREAM", robot.stream)
+    failed, tried = doctest.testmod(iiwasim.drive)
+    assert tried > 10 and failed == 0
+
+
+def test_nothing_is_left_open(robot: SimulatedRobot) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ResourceWarning)
+        with Drive(robot.address, stream=robot.stream) as drive:
+            drive.state()
+            list(drive.stream(duration_s=0.02))

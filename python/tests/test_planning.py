@@ -1,0 +1,302 @@
+"""Programs, plans and their samples."""
+
+from __future__ import annotations
+
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import iiwasim as iw
+
+FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
+PROGRAMS = ["appendix-b.json", "ten-motions.json", "waits-and-stops.json", "pick-and-place.json"]
+
+
+def swing(deg: float = 30.0, **options: object) -> iw.Program:
+    return iw.Program([iw.ptp(deg=[deg, 0, 0, -deg, 0, 0, 0])], start_deg=[0] * 7, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+@pytest.mark.parametrize("timing", ["jerk", "acceleration"])
+def test_samples_are_the_plan(name: str, timing: str) -> None:
+    plan = iw.plan(iw.Program.load(FIXTURES / name), timing=timing)
+    samples = plan.sample(rate_hz=200)
+    assert len(samples) == len(samples.t) and samples.t[0] == 0 and samples.t[-1] == plan.cycle_time_s
+    for values in (samples.q, samples.dq, samples.ddq, samples.torque):
+        assert values.shape == (len(samples), 7) and values.dtype == np.float64 and values.flags.c_contiguous
+    for place in range(0, len(samples), 37):
+        state = plan.at(samples.t[place])
+        assert np.array_equal(state.q, samples.q[place]) and np.array_equal(state.ddq, samples.ddq[place])
+        assert state.motion == samples.motion[place]
+    # The derivatives are those of the positions.
+    fine = plan.sample(rate_hz=2000)
+    moved = np.gradient(fine.q, fine.t, axis=0, edge_order=2)
+    assert np.abs(moved - fine.dq)[2:-2].max() < 0.02
+    assert (np.abs(fine.dq) <= 1.001 * plan.robot.velocity_limits_rad_s).all()
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_figures_fit_together(name: str) -> None:
+    plan = iw.plan(iw.Program.load(FIXTURES / name))
+    figures = plan.figures()
+    assert figures["cycle_time_s"] == plan.cycle_time_s
+    assert plan.cycle_time_s == pytest.approx(plan.motion_time_s + plan.settle_time_s + plan.wait_time_s, abs=1e-12)
+    assert [motion.index for motion in plan.motions] == list(range(1, len(plan.program) + 1))
+    assert all(motion.figures is not None and motion.time_s >= 0 for motion in plan.motions)
+    # Motions end where the arm begins to settle.
+    assert 0 <= plan.cycle_time_s - plan.motions[-1].end_s <= 0.05 + 1e-9
+    assert f"{plan.cycle_time_s:.3f}" in plan.table() and f"{plan.cycle_time_s:.3f}" in repr(plan)
+
+
+def test_the_tcp_is_the_tool() -> None:
+    plan = iw.plan(iw.Program.load(FIXTURES / "pick-and-place.json"))
+    samples = plan.sample(rate_hz=100)
+    flange = plan.robot.tcp(samples.q)
+    # The gripper's tip is 120 mm in front of the flange, and the other one 40 mm beside it.
+    distance = np.linalg.norm(samples.tcp - flange, axis=1)
+    assert set(np.round(1e3 * distance, 6)) == {120.0, round(float(np.hypot(120, 40)), 6)}
+
+
+def test_options_of_plans() -> None:
+    program = iw.Program.load(FIXTURES / "ten-motions.json")
+    jerk = iw.plan(program)
+    assert iw.plan(program, timing="acceleration").cycle_time_s < jerk.cycle_time_s
+    assert iw.plan(program, blend_shape="alpha").cycle_time_s != jerk.cycle_time_s
+    assert iw.plan(program, robot="lbr_iiwa_14_r820").robot.name == "lbr_iiwa_14_r820"
+    assert iw.plan(program, robot=iw.Robot("lbr_iiwa_14_r820")) is not None
+    limited = iw.plan(program, limit_torque_percent=40)
+    assert limited.cycle_time_s > jerk.cycle_time_s
+    assert limited.figures()["limit_torque_percent"] == 40
+    for wrong in ({"timing": "speed"}, {"blend_shape": "round"}, {"samples": 1}, {"limit_torque_percent": 0}):
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            iw.plan(program, **wrong)  # type: ignore[arg-type]
+    with pytest.raises(TypeError):
+        iw.plan(program, "jerk")  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "motion", "says"),
+    [
+        ("{", 1, None, "ends too early"),
+        ('{"version": 1,\n "start": {"joints_deg": [0,0,0,0,0,0,0]},\n "motions": [{"type": "hop"}]}', 3, 1, "hop"),
+        ('{"version": 1, "start": {"joints_deg": [0,0,0,0,0,0]}, "motions": []}', 1, None, "seven|7"),
+        ('{"version": 9, "start": {"joints_deg": [0,0,0,0,0,0,0]}, "motions": []}', 1, None, "version 9"),
+    ],
+)
+def test_errors_say_where(text: str, line: int, motion: int | None, says: str) -> None:
+    with pytest.raises(iw.ProgramError, match=says) as caught:
+        iw.Program.from_json(text)
+    assert caught.value.line == line and caught.value.motion == motion
+    assert pickle.loads(pickle.dumps(caught.value)).line == line
+
+
+def test_errors_of_plans_say_where() -> None:
+    program = swing().with_motions([iw.wait(1), iw.ptp(deg=[0, 0, 0, 0, 0, 0, 200])])
+    with pytest.raises(iw.ProgramError, match="A7") as caught:
+        iw.plan(program)
+    assert caught.value.motion == 2 and caught.value.line == 1
+    with pytest.raises(iw.ProgramError):
+        swing().with_motions([])
+    with pytest.raises(ValueError, match="no robot is called 'kr6'"):
+        swing(robot="kr6")
+    with pytest.raises(ValueError, match="start_deg"):
+        iw.Program([iw.wait(1)])
+    with pytest.raises(FileNotFoundError, match=r"no-such-file\.json"):
+        iw.Program.load("no-such-file.json")
+    with pytest.raises(iw.ProgramError, match="motion 2 contains a value that is not finite") as caught:
+        iw.Program([iw.wait(1), iw.ptp(deg=[np.nan] * 7)], start_deg=[0] * 7)
+    assert caught.value.motion == 2
+    with pytest.raises(ValueError, match="not finite"):
+        iw.Program([iw.wait(1)], start_deg=[np.inf] * 7)
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    by_numpy = iw.Program(
+        [iw.ptp(deg=np.arange(7, dtype=np.float32), velocity_rel=np.float32(0.5)), iw.wait(np.float64(1))],  # type: ignore[arg-type]
+        start_deg=np.zeros(7),
+    )
+    assert by_numpy == iw.Program([iw.ptp(deg=range(7), velocity_rel=0.5), iw.wait(1)], start_deg=[0] * 7)
+
+
+def test_arrays_of_samples_are_not_written_to() -> None:
+    samples = iw.plan(swing()).sample()
+    for values in (samples.t, samples.q, samples.dq, samples.ddq, samples.motion, samples.tcp, samples.torque):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 1
+
+
+def test_the_program_of_a_plan_is_the_program() -> None:
+    program = iw.Program.load(FIXTURES / "ten-motions.json")
+    assert iw.plan(program).program == program
+    assert iw.plan(program).program.to_json() == program.to_json()
+    assert iw.plan(program, limit_torque_percent=50).program != program
+
+
+def test_programs_are_what_they_were() -> None:
+    program = iw.Program.load(FIXTURES / "pick-and-place.json")
+    assert program.with_motions(program.motions) == program
+    assert iw.Program.from_json(program.to_json()) == program
+    rad = np.deg2rad([10, 20, 0, -60, 0, 90, 0])
+    assert program.with_start(rad=rad) == program.with_start(deg=[10, 20, 0, -60, 0, 90, 0])
+    with pytest.raises(ValueError, match="both"):
+        program.with_start(deg=rad, rad=rad)
+    assert hash(program) == hash(program.with_motions(program.motions))
+
+
+def test_things_are_pickled(tmp_path: Path) -> None:
+    profile = json.loads(iw.Robot().profile())
+    profile["velocity_limit_deg_s"] = [50] * 7
+    robot = iw.Robot.from_profile(json.dumps(profile))
+    for own in (iw.Robot(), robot):
+        assert pickle.loads(pickle.dumps(own)) == own
+    program = swing(robot=robot)
+    again = pickle.loads(pickle.dumps(program))
+    assert again == program and again.robot == robot
+    plan = iw.plan(program, timing="acceleration")
+    planned = pickle.loads(pickle.dumps(plan))
+    assert planned.cycle_time_s == plan.cycle_time_s and planned.timing == plan.timing
+    assert np.array_equal(planned.sample().q, plan.sample().q)
+    scene = iw.Scene.load(FIXTURES / "cage.json")
+    assert pickle.loads(pickle.dumps(scene)).obstacles == scene.obstacles
+
+
+def test_a_profile_counts_as_it_does_on_the_command_line(tmp_path: Path) -> None:
+    profile = json.loads(iw.Robot().profile())
+    profile["velocity_limit_deg_s"] = [40] * 7
+    (tmp_path / "slow.json").write_text(json.dumps(profile))
+    text = json.loads(swing(90).to_json())
+    text["robot"] = "slow.json"
+    (tmp_path / "program.json").write_text(json.dumps(text))
+    slow = iw.plan(iw.Program.load(tmp_path / "program.json"))
+    assert slow.cycle_time_s > 1.5 * iw.plan(swing(90)).cycle_time_s
+    # Files of elsewhere are not read for a program.
+    text["robot"] = "../slow.json"
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "program.json").write_text(json.dumps(text))
+    with pytest.raises(iw.ProgramError, match="beside"):
+        iw.Program.load(tmp_path / "sub" / "program.json")
+
+
+def test_all_cores_plan_the_same() -> None:
+    programs = [swing(deg) for deg in range(5, 121, 5)] + [swing(300)] + [iw.Program.load(FIXTURES / PROGRAMS[1])]
+    seen: list[tuple[int, int]] = []
+    plans = iw.plan_all(programs, progress=lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (len(programs), len(programs))
+    assert [done for done, _ in seen] == sorted({done for done, _ in seen})
+    for program, plan, alone in zip(programs, plans, iw.plan_all(iter(programs), jobs=1)):
+        if isinstance(plan, iw.Plan):
+            assert isinstance(alone, iw.Plan)
+            assert plan.cycle_time_s == alone.cycle_time_s == iw.plan(program).cycle_time_s
+        else:
+            assert isinstance(plan, iw.ProgramError) and plan.motion == 1 and "its range is" in str(plan)
+    assert sum(isinstance(plan, iw.Plan) for plan in plans) == len(programs) - 1
+    assert iw.plan_all([]) == []
+    with pytest.raises(TypeError, match=r"programs\[1\]"):
+        iw.plan_all([programs[0], "program"])  # type: ignore[list-item]
+    with pytest.raises(ValueError, match="jobs"):
+        iw.plan_all(programs, jobs=0)
+
+
+def test_a_failing_callback_ends_the_work() -> None:
+    program = iw.Program.load(FIXTURES / "ten-motions.json")
+
+    def fail(done: int, total: int) -> None:
+        assert done < total
+        raise KeyError("enough")
+
+    with pytest.raises(KeyError, match="enough"):
+        iw.plan_all([program] * 2000, progress=fail)
+
+
+INTERRUPTED = """
+import signal, sys, threading, time, os
+import iiwasim as iw
+program = iw.Program.load(sys.argv[1])
+begun = []
+def progress(done, total):
+    if not begun:
+        begun.append(done)
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+try:
+    iw.plan_all([program] * 200000, progress=progress)
+except KeyboardInterrupt:
+    print("interrupted")
+# The package still works.
+print(iw.plan(program))
+"""
+
+
+def test_ctrl_c_ends_the_work() -> None:
+    command = [sys.executable, "-c", INTERRUPTED, str(FIXTURES / "ten-motions.json")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    first, second = done.stdout.splitlines()
+    assert first == "interrupted" and second.startswith("<iiwasim.Plan ")
+
+
+def test_threads_share_the_package() -> None:
+    program = iw.Program.load(FIXTURES / "ten-motions.json")
+    times: list[float] = []
+    threads = [threading.Thread(target=lambda: times.append(iw.plan(program).cycle_time_s)) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(set(times)) == 1 and len(times) == 8
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_forked_process_plans() -> None:
+    program = iw.Program.load(FIXTURES / "ten-motions.json")
+    plans = iw.plan_all([program] * 4)
+    assert all(isinstance(plan, iw.Plan) for plan in plans)
+    child = os.fork()
+    if child == 0:
+        # Not the test's own ways out.
+        signal.alarm(60)
+        os._exit(0 if all(isinstance(plan, iw.Plan) for plan in iw.plan_all([program] * 4)) else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_plans_are_written_and_read(tmp_path: Path) -> None:
+    plan = iw.plan(iw.Program.load(FIXTURES / "pick-and-place.json"))
+    file = tmp_path / "plan.mcap"
+    plan.write(file, rate_hz=100)
+    recording = iw.Recording.load(file)
+    samples = plan.sample(rate_hz=100)
+    assert np.abs(recording.q - samples.q).max() < 1e-9
+    assert recording.program == plan.program and recording.torque is not None
+    assert np.abs(recording.torque - samples.torque).max() < 1e-9
+    assert os.listdir(tmp_path) == ["plan.mcap"]
+    with pytest.raises(OSError, match="no-folder"):
+        plan.write(tmp_path / "no-folder" / "plan.mcap")
+    with pytest.raises(ValueError, match="rate_hz"):
+        plan.write(file, rate_hz=0)
+
+
+def test_tables_have_the_columns_of_the_command_line() -> None:
+    plan = iw.plan(swing())
+    pandas = plan.to_pandas(rate_hz=100)
+    polars = plan.to_polars(rate_hz=100)
+    assert list(pandas.columns) == list(polars.columns) and len(pandas) == len(polars) == len(plan.sample(rate_hz=100))
+    assert np.array_equal(pandas["joint_4_rad_s"], plan.sample(rate_hz=100).dq[:, 3])
+    assert np.array_equal(polars["torque_2_nm"].to_numpy(), plan.sample(rate_hz=100).torque[:, 1])
+
+
+def test_pages_and_pictures(tmp_path: Path) -> None:
+    plan = iw.plan(swing())
+    page = plan.report(tmp_path / "page.html", scene=iw.Scene.load(FIXTURES / "cage.json"))
+    assert (tmp_path / "page.html").read_text(encoding="utf-8") == page and "</html>" in page
+    samples = plan.sample(rate_hz=200)
+    assert len(plan.report(measured=iw.Recording(samples.t, samples.q))) > 10_000
+    assert "srcdoc" in plan._repr_html_()
+    assert plan.picture().rstrip().endswith("</svg>")
+    assert len(plan.plot().axes[-1].lines) >= 7

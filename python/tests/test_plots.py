@@ -1,0 +1,56 @@
+"""Figures of plans: nothing covers a label, and all is within the figure."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import pytest
+
+import iiwasim as iw
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from types import ModuleType
+
+HOME = [0, 30, 0, -60, 0, 90, 0]
+PROGRAMS = {
+    "wide": [iw.ptp(deg=[120, 30, 0, -60, 0, 90, 0]), iw.wait(0.2), iw.ptp(deg=HOME)],
+    "long": [iw.ptp(deg=[0, -60 + 120 * (turn % 2), 0, -20, 0, 90, 0]) for turn in range(20)],
+    "the TCP stays": [iw.ptp(deg=[0, 30, 0, -60, 0, 90, 40])],
+    "at rest": [iw.wait(1)],
+    "without time": [iw.wait(0)],
+}
+
+
+@pytest.fixture
+def pyplot(monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    pyplot.switch_backend("agg")
+    yield pyplot
+    pyplot.close("all")
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_nothing_is_covered(name: str, pyplot: ModuleType) -> None:
+    figure = iw.plan(iw.Program(PROGRAMS[name], start_deg=HOME)).plot()
+    figure.draw_without_rendering()
+    # Each with its labels and, of the speeds, the legend above.
+    boxes = [axes.get_tightbbox() for axes in figure.axes] + [figure.texts[0].get_window_extent()]
+    for one, other in combinations(boxes, 2):
+        assert not one.overlaps(other)
+    within = figure.bbox.padded(0.5)
+    assert all(within.contains(*corner) for box in boxes for corner in box.corners())
+
+
+def test_what_is_drawn(pyplot: ModuleType) -> None:
+    plan = iw.plan(iw.Program(PROGRAMS["wide"], start_deg=HOME))
+    side, top, speeds = plan.plot(rate_hz=100).axes
+    samples = plan.sample(rate_hz=100)
+    assert side.lines[0].get_ydata() == pytest.approx(1e3 * samples.tcp[:, 2])
+    assert top.lines[0].get_ydata() == pytest.approx(1e3 * samples.tcp[:, 1])
+    # A1 is at its limit, and the others rest.
+    tops = [line.get_ydata().max() for line in speeds.lines[:7]]
+    assert tops == pytest.approx([100, 0, 0, 0, 0, 0, 0], abs=0.1)
+    begins = [line.get_xdata()[0] for line in speeds.lines[7:]]
+    assert begins == pytest.approx([motion.start_s for motion in plan.motions[1:]])
