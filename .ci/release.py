@@ -8,7 +8,7 @@
     .ci/release.py --binary FILE                packs what is built already
 
 All are in target/dist, with their checksums: the program, manual pages and completions, licences (those of the crates
-in it as well), programs to begin with. The same binary gives the same archive.
+in it as well), programs to begin with, and the robot program for the cabinet. The same binary gives the same archive.
 """
 
 import argparse
@@ -99,6 +99,12 @@ def collect(folder, binary, target):
     for name in ("README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"):
         shutil.copyfile(ROOT / name, folder / name)
     (folder / "THIRD-PARTY.txt").write_text(third_party(target), encoding="utf-8")
+    # The robot's half, if it was built: `mvn -f sunrise/pom.xml package`.
+    sunrise = ROOT / "sunrise/target/iiwasim-sunrise.zip"
+    if sunrise.exists():
+        shutil.copyfile(sunrise, folder / sunrise.name)
+    else:
+        print(f"{sunrise.name} is left out: it has not been built")
     fixtures = folder / "fixtures"
     fixtures.mkdir()
     for file in sorted((ROOT / "fixtures").glob("*.json")):
@@ -149,6 +155,7 @@ def write_debian_package(folder, target, version, glibc):
             "LICENSE-MIT": "usr/share/doc/iiwasim/LICENSE-MIT",
             "LICENSE-APACHE": "usr/share/doc/iiwasim/LICENSE-APACHE",
             "THIRD-PARTY.txt": "usr/share/doc/iiwasim/copyright",
+            "iiwasim-sunrise.zip": "usr/share/iiwasim/iiwasim-sunrise.zip",
             "completions/iiwasim.bash": "usr/share/bash-completion/completions/iiwasim",
             "completions/_iiwasim": "usr/share/zsh/vendor-completions/_iiwasim",
             "completions/iiwasim.fish": "usr/share/fish/vendor_completions.d/iiwasim.fish",

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 
 from accessibility import check_accessibility
 from chromium import Browser
-from pages import desk
+from pages import desk, seek
 
 # The texts that charts write, with where each begins and ends, in px of its canvas; and the lines that they draw.
 WATCH = """(() => {
@@ -125,6 +126,51 @@ def values_are_at_the_mouse(browser: Browser, pages) -> None:
     box = browser.box("#charts canvas")
     browser.move(box["x"] + 0.5 * box["width"], box["y"] + 50)
     assert " | " in browser.run(f"{TOLD}.textContent")
+
+
+def torques_have_a_curve(browser: Browser, pages) -> None:
+    """Those of the plan as they are in its file, and those of the recording, whose sign is the controller's, turned."""
+    desk(browser)
+    browser.open(pages.page("run"))
+    titles = browser.run("[...document.querySelectorAll('#charts h3')].map(it => it.textContent)")
+    assert titles[-1] == "Torque, link side, % of the limit", titles
+    for arm, (file, sign) in enumerate((("ten-motions", 1), ("real", -1))):
+        efforts = pages.efforts(file)
+        known = [(t, effort) for t, effort in efforts if effort]
+        assert len(known) > 0.5 * len(efforts) > 100, (file, len(known), len(efforts))
+        shift = browser.run(f"report.arms[{arm}].start_s") - efforts[0][0]
+        for t, effort in known[5 :: len(known) // 7]:
+            shown = browser.run(
+                f"Array.from({{ length: 7 }}, (_, j) => readingAt(report.arms[{arm}].torque, {t + shift}, j, 7))"
+            )
+            off = [abs(a - sign * b) for a, b in zip(shown, effort)]
+            assert max(off) < 0.01, (file, t, shown, effort)
+    # At the mouse, as a share of the limit and in Nm; in the table beside the arm; in that of the motions; in the head.
+    box = browser.box("#charts .chart:last-child canvas")
+    browser.move(box["x"] + 0.4 * box["width"], box["y"] + 50)
+    t, limit = browser.run("[pointing.t, report.robot.torque_nm[1]]")
+    nm = browser.run(f"report.arms.map(arm => readingAt(arm.torque, {t}, 1, 7))")
+    told = browser.run(f"{TOLD}.textContent")
+    assert f"A2 {100 * nm[0] / limit:.1f} | {100 * nm[1] / limit:.1f} %" in told, (nm, told)
+    browser.click("#units")
+    browser.box("#charts canvas")
+    box = browser.box("#charts .chart:last-child canvas")
+    browser.move(box["x"] + 0.4 * box["width"], box["y"] + 50)
+    assert f"A2 {nm[0]:.2f} | {nm[1]:.2f} Nm" in browser.run(f"{TOLD}.textContent")
+    browser.click("#units")
+    seek(browser, 3)
+    cell = browser.run("document.querySelector('#joints tr:nth-child(2) td:nth-child(4)').textContent")
+    assert abs(float(cell) - browser.run("readingAt(second.torque, 3, 1, 7)")) < 0.06, cell
+    head = browser.run("[...document.querySelectorAll('#table th')].map(it => it.textContent)")
+    column = head.index("top torque") + 1
+    shares = browser.run(f"[...document.querySelectorAll('#table td:nth-child({column})')].map(it => it.textContent)")
+    assert len(shares) == 10 and all(re.fullmatch(r"A\d \d+ %, -?[\d.]+ Nm", it) for it in shares), shares
+    assert "peak power" in browser.run("document.getElementById('figures').textContent")
+    pages.keep(browser, "torques")
+    # A file without torques says nothing of them.
+    browser.open(pages.page("recorder"))
+    assert "Torque" not in browser.run("document.getElementById('charts').textContent")
+    assert browser.run("document.getElementById('torques').hidden")
 
 
 def a_part_is_zoomed_into(browser: Browser, pages) -> None:
@@ -253,6 +299,7 @@ CHART_CHECKS = [
     numbers_along_axes_are_whole,
     deviations_go_on_in_time,
     values_are_at_the_mouse,
+    torques_have_a_curve,
     a_part_is_zoomed_into,
     charts_have_keys,
     charts_have_fingers,

@@ -147,6 +147,13 @@ class Pages:
                 joints = [q + random.gauss(0, noise_rad) for q in message.position]
                 table.write(f"{t - start:.6f}," + ",".join(f"{q:.9f}" for q in joints) + "\n")
 
+    def efforts(self, name: str) -> list[tuple[float, list[float]]]:
+        """Stamps in s and torques of a file, as they are in it."""
+        with (self.folder / f"{name}.mcap").open("rb") as file:
+            reader = make_reader(file, decoder_factories=[DecoderFactory()])
+            messages = [message for *_, message in reader.iter_decoded_messages(topics=["/joint_states"])]
+        return [(m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec, list(m.effort)) for m in messages]
+
     @staticmethod
     def json(text: str) -> dict:
         return json.loads(text)

@@ -186,7 +186,7 @@ def timeline_and_table_are_linked(browser: Browser, pages: Pages) -> None:
 def curves_can_be_chosen(browser: Browser, pages: Pages) -> None:
     desk(browser)
     browser.open(pages.page("ten-motions"))
-    assert browser.run("document.querySelectorAll('#charts canvas').length") == 4
+    assert browser.run("document.querySelectorAll('#charts canvas').length") == 5
     seen = {browser.run(CHARTS)}
     for selector in ("#chips label:nth-child(1)", "#units", "#in"):
         browser.click(selector)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import subprocess
 import time
 import urllib.error
@@ -119,7 +120,22 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     browser.until("document.getElementById('mode').textContent === 'Live'")
     twin.keep(browser, "twin-running")
     assert browser.run("document.getElementById('send').disabled")
+    # Torques: those that are measured, and under them the plan's of the same time.
+    browser.run("document.getElementById('history-torque').scrollIntoView({ block: 'center' })")
+    browser.until("watched.left_s !== null && live.newest.t_s - watched.left_s > 3")
+    both = browser.run(
+        "(() => { const i = NUMBERS * (history_.count - 1);"
+        " return [MEASURED, PLANNED].map(at => [...history_.rows.slice(i + at, i + at + 7)]) })()"
+    )
+    assert all(math.isfinite(nm) for row in both for nm in row), both
+    t, q, left = browser.run("[live.newest.t_s, live.newest.joints_rad, watched.left_s]")
+    ahead = browser.run(
+        f"(q => jointsAt(desk.plan.arms[0], {t - left}).map((v, j) => Math.abs(v - q[j])))({json.dumps(q)})"
+    )
+    assert max(ahead) < 0.1, f"the plan's time is off: {ahead} rad"
+    twin.keep(browser, "twin-torques")
     browser.until("desk.run.phase === 'done'")
+    assert browser.run("watched.from_rad") is None
     assert "It took 7.4" in text(browser, "run-notes"), text(browser, "run-notes")
     browser.click("#replay")
     assert text(browser, "mode") == "Replay: not live"
@@ -252,7 +268,7 @@ def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
         mover.end()
     # As the arm was, by its own stamps, each once.
     assert browser.run("history_.t_s.subarray(0, history_.count).every((t, i, all) => i === 0 || t > all[i - 1])")
-    newest = browser.run("[...history_.rows.slice(8 * (history_.count - 1), 8 * (history_.count - 1) + 7)]")
+    newest = browser.run("[...history_.rows.slice(NUMBERS * (history_.count - 1), NUMBERS * (history_.count - 1) + 7)]")
     assert max(abs(a - b) for a, b in zip(newest, browser.run("live.newest.joints_rad"))) < 1e-3
     browser.until("speedNow() < 0.001")
     look = "(drawHistory(), document.getElementById('history-joints').toDataURL())"

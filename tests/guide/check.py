@@ -11,6 +11,7 @@ of its own as well, so that drive and cabinet find their usual ports free. Fence
                heading it is prose.
     ```json    is a program, a scene, frames, a profile or motions for a drive, and is planned with.
     ```yaml    is parsed, and those of its commands that begin with iiwasim are run.
+    ```python  and the `text` after it are left to `python/tests/test_guide.py`.
 
 A comment before a fence says what else is meant (MARKS). `--renew` writes outputs as they are into the pages.
 """
@@ -62,6 +63,9 @@ MEASURED = [
 
 # Pages whose Rust is compiled by doctests of the crate `iiwa`.
 RUST = [ROOT / "README.md", ROOT / "docs/guide/library.md"]
+
+# Pages whose Python is run by `python/tests/test_guide.py`.
+PYTHON = [ROOT / "README.md", ROOT / "docs/guide/python.md"]
 
 # Other commands of cargo, and where they are run.
 CARGO = {
@@ -348,6 +352,10 @@ def check_page(path, binary, renew):
                 check_yaml(page, fence, folder)
             elif fence.language.startswith("rust") and page.path not in RUST:
                 page.wrong(fence, "no doctest compiles it: crates/iiwa/src/lib.rs and RUST name the pages")
+            elif fence.language == "python":
+                outputs = None
+                if page.path not in PYTHON:
+                    page.wrong(fence, "no test runs it: python/tests/test_guide.py and PYTHON name the pages")
             elif fence.language == "toml":
                 page.documents += 1
                 (folder.path / "iiwasim.toml").write_text(fence.text + "\n")

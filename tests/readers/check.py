@@ -226,8 +226,9 @@ def check_messages(tally: Tally, reader: str, messages: dict) -> None:
     every("names", "/joint_states", lambda m: list(m.name) == JOINTS)
     every("positions", "/joint_states", lambda m: finite(m.position, 7))
     every("velocities", "/joint_states", lambda m: finite(m.velocity, 7))
-    # Torques, where they were measured.
-    every("effort", "/joint_states", lambda m: len(m.effort) == 0 or finite(m.effort, 7))
+    # Torques: of a plan always, of a recording where they were measured.
+    is_plan = "/joint_trajectory" in messages
+    every("effort", "/joint_states", lambda m: finite(m.effort, 7) or (not is_plan and len(m.effort) == 0))
 
     every("unit quaternions", "/tf", lambda m: all(unit(t.transform.rotation) for t in m.transforms))
     trees = {tuple((t.header.frame_id, t.child_frame_id) for t in message.transforms) for _, message in messages["/tf"]}

@@ -1,16 +1,103 @@
-//! Ports that nobody else uses.
+//! Ports that nobody else uses, each given once.
+//!
+//! Ports come in blocks. A block belongs to the process that holds the UDP port at its beginning, the guard, and the
+//! system takes guards away from processes that end, however they do. `tests/browser/ports.py` and `Ports.java` in
+//! `sunrise/src/test` keep to the same blocks.
 
 use std::{
+    collections::HashSet,
+    fs,
     net::{Ipv4Addr, SocketAddr, TcpListener, UdpSocket},
-    sync::atomic::{AtomicU32, Ordering},
+    ops::{Range, RangeInclusive},
+    sync::{LazyLock, Mutex, PoisonError},
+    vec,
 };
 
-/// Below the ports that systems give to outgoing connections, one of which could take a port between
-/// its choice and its use.
-const FIRST: u32 = 10_000;
-const COUNT: u32 = 20_000;
+/// Below those that most systems give to outgoing connections; ports below 10 000 are for scripts that choose by hand.
+const PORTS: Range<u16> = 10_000..30_000;
 
-/// A port of the loopback interface that is free for TCP and UDP; another one each time.
+/// Ports of a block, with its guard.
+const BLOCK: u16 = 50;
+
+static RESERVED: LazyLock<Mutex<Reserved>> = LazyLock::new(|| Mutex::new(Reserved::new()));
+
+/// What this process has.
+struct Reserved {
+    /// Where blocks begin that it has not tried to take; the next one is the last.
+    untried: Vec<u16>,
+    guards: Vec<UdpSocket>,
+    /// Ports of its newest block that were free when it was taken, and have not been given.
+    left: vec::IntoIter<u16>,
+}
+
+impl Reserved {
+    fn new() -> Self {
+        let mut untried: Vec<_> = PORTS.step_by(BLOCK.into()).collect();
+        // Processes that start together seldom try the same one, and what an ended one had is not used again at once.
+        let first = std::process::id() as usize % untried.len();
+        untried.rotate_left(first);
+        // An outgoing connection could take a port between its choice and its use: such blocks come last.
+        let outgoing = outgoing();
+        untried.sort_by_key(|begin| {
+            !(*outgoing.end() < *begin || begin + (BLOCK - 1) < *outgoing.start())
+        });
+        untried.reverse();
+        Self { untried, guards: Vec::new(), left: Vec::new().into_iter() }
+    }
+
+    fn next(&mut self) -> Option<u16> {
+        loop {
+            if let Some(port) = self.left.next() {
+                return Some(port);
+            }
+            let begin = self.untried.pop()?;
+            if let Ok(guard) = UdpSocket::bind((Ipv4Addr::LOCALHOST, begin)) {
+                self.guards.push(guard);
+                self.left = free_of(begin + 1..begin + BLOCK).into_iter();
+            }
+        }
+    }
+}
+
+/// The ports that this system gives to outgoing connections.
+fn outgoing() -> RangeInclusive<u16> {
+    let text = fs::read_to_string("/proc/sys/net/ipv4/ip_local_port_range").unwrap_or_default();
+    let mut ends = text.split_whitespace().map_while(|end| end.parse().ok());
+    // Without the file: the range of IANA, which macOS and Windows keep to.
+    ends.next().zip(ends.next()).map_or(49_152..=u16::MAX, |(first, last)| first..=last)
+}
+
+/// Those of a block that no program has, be it one that knows nothing of blocks.
+fn free_of(block: Range<u16>) -> Vec<u16> {
+    let Some(taken) = listed() else {
+        return block.filter(|port| can_be_bound(*port)).collect();
+    };
+    block.filter(|port| !taken.contains(port)).collect()
+}
+
+/// The ports of all sockets, where the system lists them. Nothing is bound to find out: a child process that another
+/// thread just starts has copies of all sockets until it runs its own program, and the port would stay in use as long.
+fn listed() -> Option<HashSet<u16>> {
+    let read = |protocol: &str| fs::read_to_string(format!("/proc/net/{protocol}"));
+    let [tcp, udp] = [read("tcp").ok()?, read("udp").ok()?];
+    // Not every system has IPv6.
+    let [tcp6, udp6] = ["tcp6", "udp6"].map(|protocol| read(protocol).unwrap_or_default());
+    Some([tcp, udp, tcp6, udp6].iter().flat_map(|list| list.lines().filter_map(local)).collect())
+}
+
+/// The local port in a line of such a list.
+fn local(line: &str) -> Option<u16> {
+    let (_, port) = line.split_whitespace().nth(1)?.rsplit_once(':')?;
+    u16::from_str_radix(port, 16).ok()
+}
+
+fn can_be_bound(port: u16) -> bool {
+    let address = (Ipv4Addr::LOCALHOST, port);
+    TcpListener::bind(address).is_ok() && UdpSocket::bind(address).is_ok()
+}
+
+/// A port of the loopback interface that is free for TCP and UDP. No other process that asks here gets it as long as
+/// this one lives, and this one does not get it again.
 ///
 /// # Panics
 ///
@@ -18,23 +105,30 @@ const COUNT: u32 = 20_000;
 #[expect(clippy::expect_used, reason = "a test fails by it")]
 #[must_use]
 pub fn free_port() -> u16 {
-    static NEXT: AtomicU32 = AtomicU32::new(0);
-    // Processes that run at the same time begin far from each other.
-    let from = std::process::id().wrapping_mul(7919);
-    (0..COUNT)
-        .filter_map(|_| {
-            let place = from.wrapping_add(NEXT.fetch_add(1, Ordering::Relaxed)) % COUNT;
-            u16::try_from(FIRST + place).ok()
-        })
-        .find(|port| {
-            let address = (Ipv4Addr::LOCALHOST, *port);
-            TcpListener::bind(address).is_ok() && UdpSocket::bind(address).is_ok()
-        })
-        .expect("a free port")
+    RESERVED.lock().unwrap_or_else(PoisonError::into_inner).next().expect("a free port")
 }
 
 /// The loopback address with such a port.
 #[must_use]
 pub fn free_address() -> SocketAddr {
     SocketAddr::from((Ipv4Addr::LOCALHOST, free_port()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ports_in_use_are_left_out() {
+        let [of_tcp, of_udp] = [free_address(), free_address()];
+        let free = |address: SocketAddr| free_of(address.port()..address.port() + 1);
+        for address in [of_tcp, of_udp] {
+            assert_eq!(free(address), [address.port()]);
+        }
+        let _tcp = TcpListener::bind(of_tcp).unwrap();
+        let _udp = UdpSocket::bind(of_udp).unwrap();
+        for address in [of_tcp, of_udp] {
+            assert!(free(address).is_empty());
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use proptest::prelude::*;
 
 /// How far a motion goes: whole sweeps of the arm, short moves, tiny ones, and none.
@@ -117,7 +117,7 @@ fn program(start_rad: Joints, drafts: &[Draft]) -> Program {
         .iter()
         .map(|draft| {
             let (target, shares, blend) = match *draft {
-                Draft::Wait(seconds) => return Motion::Wait { seconds },
+                Draft::Wait(seconds) => return Motion::Wait { seconds, overlap: 0 },
                 Draft::Go { step, shares, blend } => {
                     (std::array::from_fn(|j| at[j] + step[j]), shares, blend)
                 }
@@ -146,5 +146,11 @@ fn program(start_rad: Joints, drafts: &[Draft]) -> Program {
             ptp.blend = None;
         }
     }
-    Program { robot: None, start: Start::Joints(start_rad), motions, workcell: Workcell::default() }
+    Program {
+        robot: None,
+        start: Start::Joints(start_rad),
+        motions,
+        workcell: Workcell::default(),
+        sources: Sources::default(),
+    }
 }

@@ -10,7 +10,7 @@ use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_path::{JointPath, Step};
 use iiwa_program::{
     AuxOrientation, Base, Blend, ByKind, CartesianFault, CartesianMotion, Circ, Course, Fault,
-    Frame, Motion, OrientationType, PathBlend, Program, Ptp, SegmentCourse, SegmentLimits,
+    Frame, Motion, OrientationType, PathBlend, Program, Ptp, SegmentCourse, SegmentLimits, Sources,
     SplineSegment, Start, Target, TargetRef, Tool, ToolLimits, Workcell,
 };
 
@@ -134,6 +134,7 @@ fn program(dice: &mut Dice, start_rad: Joints) -> Program {
             base: Some(ROOT.to_owned()),
             ..Workcell::default()
         },
+        sources: Sources::default(),
     }
 }
 
@@ -143,7 +144,7 @@ fn draw(dice: &mut Dice, robot: &Robot, refused: &mut BTreeMap<&'static str, usi
     let count = dice.count(1, MOST_MOTIONS);
     while program.motions.len() < count {
         if dice.percent(3) {
-            program.motions.push(Motion::Wait { seconds: dice.between(0.0, 0.5) });
+            program.motions.push(Motion::Wait { seconds: dice.between(0.0, 0.5), overlap: 0 });
             continue;
         }
         let size = dice.log(0.01, 0.8);
@@ -171,7 +172,7 @@ fn draw(dice: &mut Dice, robot: &Robot, refused: &mut BTreeMap<&'static str, usi
                     own.blend = Some(joint_blend(dice).into());
                 }
                 Motion::Cartesian(own) => own.blend = Some(path_blend(dice)),
-                Motion::Wait { .. } => {}
+                Motion::Wait { .. } | Motion::Load(_) => {}
             }
         }
     }

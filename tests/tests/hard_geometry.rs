@@ -6,7 +6,7 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions, Segment, Step};
-use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{State, SweepOptions, Timing, TimingError, Trajectory};
 use iiwasim_tests::differences::ratios;
 
@@ -35,6 +35,7 @@ fn path(start: Joints, motions: &[Ptp], shape: BlendShape) -> JointPath {
         start: Start::Joints(start),
         motions,
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
     JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
@@ -461,7 +462,7 @@ fn curvature_that_jumps_is_named() {
     let ptp = |target, blend| Motion::Ptp(Ptp { blend, ..Ptp::to(target) });
     let motions = vec![
         ptp(a, None),
-        Motion::Wait { seconds: 0.5 },
+        Motion::Wait { seconds: 0.5, overlap: 0 },
         // Straight on: there is nothing to round.
         ptp(a.map(|q| 0.5 * q), Some(blend)),
         ptp([0.0; 7], None),
@@ -474,6 +475,7 @@ fn curvature_that_jumps_is_named() {
         start: Start::Joints([0.0; 7]),
         motions,
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     for shape in SHAPES {
         let options = PathOptions { blend_shape: shape, ..PathOptions::default() };

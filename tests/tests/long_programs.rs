@@ -4,7 +4,7 @@
 
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{JerkOptions, State, Timing, Trajectory};
 use iiwasim_tests::differences::ratios;
 use proptest::{
@@ -33,6 +33,7 @@ fn path(motions: usize, blend: &BoxedStrategy<Blend>) -> JointPath {
                 start: Start::Joints([0.0; 7]),
                 motions,
                 workcell: Workcell::default(),
+                sources: Sources::default(),
             },
             &Robot::default(),
         )

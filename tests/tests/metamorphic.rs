@@ -6,7 +6,7 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::families::Family;
 
@@ -82,6 +82,7 @@ fn programs(
             start: Start::Joints(start_rad),
             motions,
             workcell: Workcell::default(),
+            sources: Sources::default(),
         };
         // A blend may swing out of a joint's range.
         if JointPath::new(&program, &Robot::default()).is_ok() {
@@ -144,6 +145,7 @@ fn the_way_back_takes_as_long() {
             start: Start::Joints(start_rad),
             motions: back.collect(),
             workcell: Workcell::default(),
+            sources: Sources::default(),
         };
         for timing in timings() {
             largest = largest.max(compare(&there, &back, 1.0, timing, BAR));
@@ -225,6 +227,7 @@ fn a_stop_cuts_a_program_in_two() {
             start: Start::Joints(ptps(&first).last().unwrap().target_rad),
             motions: vec![Motion::Ptp(Ptp::to(*second.start.joints_rad().unwrap()))],
             workcell: Workcell::default(),
+            sources: Sources::default(),
         };
         for timing in timings() {
             let parts: f64 =

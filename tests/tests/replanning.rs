@@ -6,7 +6,7 @@
 use fastrand::Rng;
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, PathOptions};
-use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{JerkOptions, PlanError, Replanner, Timing, Trajectory};
 use iiwasim_tests::{bars::RATIOS, extremes::extremes, families::Family};
 
@@ -103,6 +103,7 @@ fn stops_come_and_go() {
         start: Start::Joints([0.3; 7]),
         motions,
         workcell: Workcell::default(),
+        sources: Sources::default(),
     });
     let sections = |plan: &Replanner| plan.trajectory().sections().len();
     let is_as_cold = |plan: &Replanner| {
@@ -115,11 +116,11 @@ fn stops_come_and_go() {
     is_as_cold(&plan);
     assert_eq!(sections(&plan), 2);
     // A blend into a wait is none, so the one before has to stop first.
-    assert!(plan.replace(middle, Motion::Wait { seconds: 1.0 }).is_err());
+    assert!(plan.replace(middle, Motion::Wait { seconds: 1.0, overlap: 0 }).is_err());
     let Motion::Ptp(before) = plan.program().motions[1].clone() else { panic!() };
     plan.replace(MotionIndex::new(1), Motion::Ptp(Ptp { blend: None, ..before.clone() })).unwrap();
     assert_eq!(sections(&plan), 3);
-    plan.replace(middle, Motion::Wait { seconds: 1.0 }).unwrap();
+    plan.replace(middle, Motion::Wait { seconds: 1.0, overlap: 0 }).unwrap();
     is_as_cold(&plan);
     assert_eq!(sections(&plan), 2);
     plan.replace(middle, Motion::Ptp(Ptp::to(via).blend(Blend::Fraction(0.4)))).unwrap();

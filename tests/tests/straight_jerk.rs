@@ -6,7 +6,9 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions};
-use iiwa_program::{Blend, LimitKind, Motion, MotionLimits, Program, Ptp, Start, Workcell};
+use iiwa_program::{
+    Blend, LimitKind, Motion, MotionLimits, Program, Ptp, Sources, Start, Workcell,
+};
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
 use proptest::{
     prelude::*,
@@ -50,6 +52,7 @@ fn path(start_rad: Joints, motions: Vec<Ptp>, blend_shape: BlendShape) -> JointP
         start: Start::Joints(start_rad),
         motions,
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let options = PathOptions { blend_shape, ..PathOptions::default() };
     JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()

@@ -6,7 +6,7 @@ use iiwa_kin::{Joints, Pose, Robot, vector};
 use iiwa_path::{JointPath, Segment, Step};
 use iiwa_program::{
     CartesianMotion, Course, Frame, LimitKind, Motion, OrientationType, PathBlend, Program,
-    SegmentCourse, SplineSegment, Start, TargetRef, ToolLimits, Workcell,
+    SegmentCourse, Sources, SplineSegment, Start, TargetRef, ToolLimits, Workcell,
 };
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{
@@ -226,7 +226,7 @@ fn scaled_limits_scale_time() {
                             scale(&mut limits.tool, kind, by);
                         }
                     }
-                    Motion::Wait { .. } => {}
+                    Motion::Wait { .. } | Motion::Load(_) => {}
                 }
             }
         }
@@ -327,6 +327,7 @@ fn lines(
         start: Start::Joints(start_rad),
         motions: frames.iter().enumerate().map(lin).collect(),
         workcell: Workcell::default(),
+        sources: Sources::default(),
     }
 }
 

@@ -14,10 +14,10 @@ use std::{
     process::{Command, ExitCode},
 };
 
-use iiwa_kin::{Pose, Robot};
+use iiwa_kin::{Load, PathTorques, Pose, Robot};
 use iiwa_path::{BlendSearch, JointPath, PathOptions};
 use iiwa_program::{Motion, MotionIndex, Program};
-use iiwa_traj::{JerkOptions, Replanner, SweepOptions, Timing, Trajectory};
+use iiwa_traj::{JerkOptions, Limit, LimitShare, Replanner, SweepOptions, Timing, Trajectory};
 use iiwasim_benches::{
     Result,
     joints::poses,
@@ -51,10 +51,14 @@ enum Workload {
     Jerk,
     LongJerk,
     Replan,
+    Torques,
+    TorquesBatch,
+    PathTorques,
+    TorqueLimits,
 }
 
 impl Workload {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 12] = [
         Self::Forward,
         Self::ForwardBatch,
         Self::BlendSearch,
@@ -63,6 +67,10 @@ impl Workload {
         Self::Jerk,
         Self::LongJerk,
         Self::Replan,
+        Self::Torques,
+        Self::TorquesBatch,
+        Self::PathTorques,
+        Self::TorqueLimits,
     ];
 
     fn name(self) -> &'static str {
@@ -75,6 +83,21 @@ impl Workload {
             Self::Jerk => "stamps of ten motions, jerk-limited",
             Self::LongJerk => "stamps of 100 motions, jerk-limited",
             Self::Replan => "a target of 100 motions moves, jerk-limited",
+            Self::Torques => "inverse dynamics, 1000 poses",
+            Self::TorquesBatch => "inverse dynamics, batch of 1000",
+            Self::PathTorques => "torques along a path, batch of 1000",
+            Self::TorqueLimits => "stamps of ten motions with a load, jerk- and torque-limited",
+        }
+    }
+
+    /// The most instructions that it may take, whatever it took before: of inverse dynamics 2000 a pose one by one, and
+    /// 1100 in a batch; with limits of torque that bind, twice what the stamps take without.
+    fn most(self, counts: &BTreeMap<String, u64>) -> Option<u64> {
+        match self {
+            Self::Torques => Some(2_000_000),
+            Self::TorquesBatch => Some(1_100_000),
+            Self::TorqueLimits => counts.get(Self::Jerk.name()).map(|without| 2 * without),
+            _ => None,
         }
     }
 
@@ -103,6 +126,29 @@ impl Workload {
                     robot.flange_pose_batch(black_box(&joints), black_box(&mut found));
                 }
             }
+            Self::Torques => {
+                let (joints, dynamics) = (poses(&robot, 1000), robot.dynamics());
+                for q in (0..runs).flat_map(|_| &joints) {
+                    black_box(dynamics.torques(black_box(q), black_box(q), black_box(q)));
+                }
+            }
+            Self::TorquesBatch => {
+                let (joints, dynamics) = (poses(&robot, 1000), robot.dynamics());
+                let mut found = vec![[0.0; 7]; joints.len()];
+                for _ in 0..runs {
+                    let at = black_box(&joints);
+                    dynamics.torques_batch(at, at, at, black_box(&mut found));
+                }
+            }
+            Self::PathTorques => {
+                let (joints, dynamics) = (poses(&robot, 1000), robot.dynamics());
+                let mut found = vec![PathTorques::default(); joints.len()];
+                for _ in 0..runs {
+                    let at = black_box(&joints);
+                    dynamics.path_torques_batch(at, at, at, black_box(&mut found));
+                }
+            }
+            Self::TorqueLimits => plan_with_torque_limits(&robot, runs)?,
             Self::BlendSearch => {
                 let searches = reference::searches()?;
                 for search in (0..runs).flat_map(|_| &searches) {
@@ -160,6 +206,23 @@ impl Workload {
     }
 }
 
+/// Plans ten motions with a load that torques hold back.
+fn plan_with_torque_limits(robot: &Robot, runs: u64) -> Result<()> {
+    let mut program = Program::from_json(&reference::ten_motions()?)?;
+    let load = Load { mass_kg: 7.0, center_mm: [0.0, 0.0, 60.0], ..Load::default() };
+    program.motions.insert(0, Motion::Load(Some(load)));
+    program.workcell.torque_limit_rel = Some(0.8);
+    let path = JointPath::new(&program, robot)?;
+    for _ in 0..runs {
+        let plan = Trajectory::plan(black_box(&path), Timing::default())?;
+        let is_torque = |limit: &LimitShare| matches!(limit.limit, Limit::Torque(_));
+        if !plan.motions().iter().any(|motion| motion.limits.iter().any(is_torque)) {
+            return Err("no torque holds these motions back".into());
+        }
+    }
+    Ok(())
+}
+
 fn main() -> Result<ExitCode> {
     let arguments: Vec<String> = env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -213,11 +276,24 @@ fn check() -> Result<ExitCode> {
         };
         println!("| {name} | {before} | {now} | {:+.2} % | {verdict} |", 100.0 * change);
     }
+    let mut is_above = false;
+    for workload in Workload::ALL {
+        let now = found.instructions.get(workload.name());
+        if let (Some(now), Some(most)) = (now, workload.most(&found.instructions)) {
+            is_above |= *now > most;
+            println!("\n{}: {now} of at most {most}", workload.name());
+        }
+    }
     if expected.rustc != found.rustc {
         println!("\nThe baseline is by {}, the figures are by {}.", expected.rustc, found.rustc);
     }
+    if is_above {
+        println!("\nAbove what it may take: this is no growth to be renewed.");
+    }
     if grown {
         println!("\nIf the growth is meant: `gate --renew`, and say why in the commit.");
+    }
+    if grown || is_above {
         return Ok(ExitCode::FAILURE);
     }
     if shrunk || missing {

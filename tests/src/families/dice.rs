@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use fastrand::Rng;
 use iiwa_kin::{Joints, Robot, vector};
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 
 /// A source of random numbers.
 #[derive(Debug)]
@@ -130,5 +130,6 @@ pub(crate) fn program(start_rad: Joints, mut motions: Vec<Ptp>) -> Program {
         start: Start::Joints(start_rad),
         motions: motions.into_iter().map(Motion::Ptp).collect(),
         workcell: Workcell::default(),
+        sources: Sources::default(),
     }
 }

@@ -7,7 +7,7 @@ use crate::sources::members;
 
 /// Each library and what it may depend on. Data flows one way; whoever draws an arrow here draws it in the
 /// README, too.
-const ALLOWED: [(&str, &[&str]); 17] = [
+const ALLOWED: [(&str, &[&str]); 23] = [
     ("iiwa-json", &[]),
     ("iiwa-kin", &["iiwa-json"]),
     ("iiwa-program", &["iiwa-json", "iiwa-kin"]),
@@ -15,7 +15,9 @@ const ALLOWED: [(&str, &[&str]); 17] = [
     ("iiwa-solver", &["iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-path"]),
     ("iiwa-traj", &["iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-path", "iiwa-solver"]),
     ("iiwa-scene", &["iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-path", "iiwa-traj"]),
-    ("iiwa-sunrise", &["iiwa-json", "iiwa-kin", "iiwa-program"]),
+    ("iiwa-java", &[]),
+    ("iiwa-sunrise", &["iiwa-java", "iiwa-json", "iiwa-kin", "iiwa-program"]),
+    ("iiwa-application", &["iiwa-java", "iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-sunrise"]),
     ("iiwa-log", &["iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-path", "iiwa-traj"]),
     (
         "iiwa-eval",
@@ -30,6 +32,10 @@ const ALLOWED: [(&str, &[&str]); 17] = [
         ],
     ),
     (
+        "iiwa-look",
+        &["iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-path", "iiwa-traj", "iiwa-scene"],
+    ),
+    (
         "iiwa-view",
         &[
             "iiwa-json",
@@ -39,11 +45,29 @@ const ALLOWED: [(&str, &[&str]); 17] = [
             "iiwa-traj",
             "iiwa-scene",
             "iiwa-sunrise",
+            "iiwa-look",
             "iiwa-log",
             "iiwa-eval",
         ],
     ),
     ("iiwa-viewers", &["iiwa-kin", "iiwa-link", "iiwa-log"]),
+    ("iiwa-files", &[]),
+    (
+        "iiwa-twin",
+        &[
+            "iiwa-files",
+            "iiwa-json",
+            "iiwa-kin",
+            "iiwa-program",
+            "iiwa-path",
+            "iiwa-traj",
+            "iiwa-scene",
+            "iiwa-link",
+            "iiwa-log",
+            "iiwa-view",
+            "iiwa-viewers",
+        ],
+    ),
     ("iiwa-fri", &["iiwa-kin"]),
     ("iiwa-link", &["iiwa-json", "iiwa-kin", "iiwa-program"]),
     (
@@ -63,6 +87,18 @@ const ALLOWED: [(&str, &[&str]); 17] = [
         &["iiwa-kin", "iiwa-program", "iiwa-path", "iiwa-traj", "iiwa-fri", "iiwa-link"],
     ),
     (
+        "iiwa-c",
+        &[
+            "iiwa-files",
+            "iiwa-json",
+            "iiwa-kin",
+            "iiwa-program",
+            "iiwa-path",
+            "iiwa-traj",
+            "iiwa-log",
+        ],
+    ),
+    (
         "iiwa",
         &[
             "iiwa-json",
@@ -73,8 +109,10 @@ const ALLOWED: [(&str, &[&str]); 17] = [
             "iiwa-traj",
             "iiwa-scene",
             "iiwa-sunrise",
+            "iiwa-application",
             "iiwa-log",
             "iiwa-eval",
+            "iiwa-look",
             "iiwa-view",
             "iiwa-viewers",
             "iiwa-fri",

@@ -8,8 +8,6 @@ use crate::sources::{files, members, root, shown, text};
 
 const FILE_LINES: usize = 600;
 const CRATE_LINES: usize = 8000;
-// The command still holds the server of the twin, a quarter of it.
-const COMMAND_LINES: usize = 9000;
 
 fn lines(path: &Path) -> usize {
     text(path).lines().count()
@@ -31,14 +29,9 @@ fn no_crate_is_larger_than_8000_lines() {
     let mut large = BTreeMap::new();
     for member in members() {
         let src = member.folder.join("src");
-        let (extensions, limit): (&[&str], _) = if member.name == "iiwasim" {
-            (&["rs", "js"], COMMAND_LINES)
-        } else {
-            (&["rs"], CRATE_LINES)
-        };
-        let lines: usize = files(&src, extensions).iter().map(|path| lines(path)).sum();
-        if lines > limit {
-            large.insert(shown(&src), format!("{lines} lines, at most {limit}"));
+        let lines: usize = files(&src, &["rs"]).iter().map(|path| lines(path)).sum();
+        if lines > CRATE_LINES {
+            large.insert(shown(&src), format!("{lines} lines, at most {CRATE_LINES}"));
         }
     }
     forbid(

@@ -8,7 +8,7 @@ use std::{
 use iiwa_kin::Robot;
 use iiwa_link::{Client, Remote, TimedJoints};
 use iiwa_path::JointPath;
-use iiwa_program::{Blend, Motion, Program, Ptp, Start, Workcell};
+use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::Result;
 
@@ -75,6 +75,7 @@ fn there_and_back() -> Result<TimedJoints> {
         start: Start::Joints([0.0; 7]),
         motions,
         workcell: Workcell::default(),
+        sources: Sources::default(),
     };
     let path = JointPath::new(&program, &Robot::default())?;
     let plan = Trajectory::plan(&path, Timing::default())?;

@@ -1,0 +1,2 @@
+package a;
+class A { /* Größe */ String größe = "µm"; }

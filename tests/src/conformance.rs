@@ -1,0 +1,121 @@
+//! The conformance suite of robot programs: cases in `sunrise/conformance`, one a line, which say what a
+//! robot program answers to which instruction. The README there defines their form.
+//!
+//! The runner is that of any robot program behind two addresses: [`run`] starts one for each file.
+
+mod case;
+mod pattern;
+mod peer;
+mod session;
+
+use std::{collections::BTreeMap, fmt, panic::resume_unwind, thread, time::Duration};
+
+pub use case::{ConformanceCase, NEEDS, cases, folder};
+pub use pattern::mismatch;
+pub use peer::{DrivePeer, Incoming, ZmqPeer};
+
+use session::Session;
+
+/// What became of the cases.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// How many passed.
+    pub passed: usize,
+    /// How many were skipped, by what they need and the program does not have.
+    pub skipped: BTreeMap<String, usize>,
+    /// What was found instead of what was expected, a line each.
+    pub failed: Vec<String>,
+}
+
+impl Report {
+    fn add(&mut self, of_file: Self) {
+        self.passed += of_file.passed;
+        self.failed.extend(of_file.failed);
+        for (need, count) in of_file.skipped {
+            *self.skipped.entry(need).or_default() += count;
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} cases passed, {} failed", self.passed, self.failed.len())?;
+        for (need, count) in &self.skipped {
+            write!(f, ", {count} skipped without {need}")?;
+        }
+        self.failed.iter().take(MOST_SHOWN).try_for_each(|line| write!(f, "\n{line}"))?;
+        if self.failed.len() > MOST_SHOWN { f.write_str("\n...") } else { Ok(()) }
+    }
+}
+
+/// Most failures that are shown.
+const MOST_SHOWN: usize = 60;
+
+/// How long a program may take to come to rest.
+const REST: Duration = Duration::from_secs(30);
+
+/// Runs the files whose names `wanted` takes against a robot program that has `has` of what cases need. `start` starts
+/// the program anew for each file; its result is kept until the file is done. `connect` connects to it. Most of the time of
+/// a file is spent waiting: files run side by side.
+///
+/// # Panics
+///
+/// If a file cannot be read.
+pub fn run<Program, P: DrivePeer>(
+    has: &[&str],
+    wanted: impl Fn(&str) -> bool,
+    start: impl Fn() -> Program + Sync,
+    connect: impl Fn(&Program) -> P + Sync,
+) -> Report {
+    let files: Vec<_> = case::files().into_iter().filter(|(name, _)| wanted(name)).collect();
+    thread::scope(|scope| {
+        let mut running = Vec::new();
+        for (file, cases) in &files {
+            let (start, connect) = (&start, &connect);
+            running.push(scope.spawn(move || {
+                let program = start();
+                run_file(has, file, cases, || connect(&program))
+            }));
+        }
+        let mut report = Report::default();
+        for of_file in running {
+            match of_file.join() {
+                Ok(of_file) => report.add(of_file),
+                Err(panic) => resume_unwind(panic),
+            }
+        }
+        report
+    })
+}
+
+fn run_file<P: DrivePeer>(
+    has: &[&str],
+    file: &str,
+    cases: &[ConformanceCase],
+    connect: impl Fn() -> P,
+) -> Report {
+    let mut report = Report::default();
+    let mut session = Session::new(connect());
+    for case in cases {
+        if let Some(need) = case.needs.iter().find(|need| !has.contains(&need.as_str())) {
+            *report.skipped.entry(need.clone()).or_default() += 1;
+            continue;
+        }
+        match session.run(case) {
+            Ok(()) => report.passed += 1,
+            Err(what) => {
+                report.failed.push(format!("{file}:{}: {}: {what}", case.line, case.name));
+                // Whatever is still under way is not the next case's.
+                session = Session::new(connect());
+                if let Err(what) = session.come_to_rest(REST) {
+                    report.failed.push(format!("{file}: the rest is left out: {what}"));
+                    break;
+                }
+            }
+        }
+    }
+    if let Err(what) = session.come_to_rest(REST) {
+        report.failed.push(format!("{file}: at its end: {what}"));
+    }
+    report
+}
