@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ._native import Plan, Program
+    from ._native import Plan, Program, Samples
 
 
 class Limit(NamedTuple):
@@ -113,3 +113,8 @@ def planned(program: Program, words: tuple[str, str, str, int]) -> Plan:
 
     timing, shape, search, samples = words
     return plan(program, timing=timing, blend_shape=shape, blend_search=search, samples=samples)
+
+
+def sampled(plan: Plan, rate_hz: float) -> Samples:
+    """Samples that were pickled."""
+    return plan.sample(rate_hz=rate_hz)

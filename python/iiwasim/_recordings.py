@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from . import _native
-from ._native import Comparison, Plan, Recording
+from ._native import Comparison, Identification, Plan, Recording
 
 if TYPE_CHECKING:
     from .drive import Run
@@ -35,3 +35,8 @@ def compare(plan: Plan | str | PathLike[str], measured: Recording | Run | str | 
     True
     """
     return _native.compare(plan, recording_of(measured))
+
+
+def identified(recordings: list[Recording], options: dict[str, Any]) -> Identification:
+    """What was identified and pickled."""
+    return _native.identify(recordings, **options)

@@ -4,7 +4,9 @@ use std::borrow::Cow;
 
 use iiwa_kin::Joints;
 use numpy::{
-    AllowTypeChange, IxDyn, PyArrayDyn, PyArrayLikeDyn, PyUntypedArrayMethods, ndarray::ArrayD,
+    AllowTypeChange, Element, IxDyn, PyArray, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods,
+    PyUntypedArrayMethods,
+    ndarray::{ArrayD, Dimension},
 };
 use pyo3::{exceptions::PyValueError, prelude::*};
 
@@ -83,4 +85,12 @@ pub(crate) fn array<'py, const WIDTH: usize>(
 /// An array (n, 7).
 pub(crate) fn joint_array(py: Python<'_>, rows: Vec<Joints>) -> PyResult<Py<PyArrayDyn<f64>>> {
     array(py, rows, &[7], false).map(Bound::unbind)
+}
+
+/// An array that is handed out again and again, and so is not to be written to.
+pub(crate) fn shared<T: Element, D: Dimension>(
+    array: Bound<'_, PyArray<T, D>>,
+) -> Py<PyArray<T, D>> {
+    array.readwrite().make_nonwriteable();
+    array.unbind()
 }

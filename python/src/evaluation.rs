@@ -12,6 +12,7 @@ use iiwa_view::{ComparisonReport, IdentificationReport, draw_comparison, with_ca
 use pyo3::{
     exceptions::{PyRuntimeError, PyValueError},
     prelude::*,
+    types::{PyDict, PyList, PyTuple},
 };
 
 use crate::{
@@ -27,6 +28,8 @@ use crate::{
 
 /// A plan held against a recording; `compare` makes it.
 ///
+/// Pickled, it is its plan and recording; where it is unpickled, they are compared anew.
+///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
 /// >>> plan = iw.plan(program)
@@ -36,6 +39,7 @@ use crate::{
 /// True
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Comparison {
+    made_of: (PlanArgument, Py<Recording>),
     plan: Reference,
     compared: Compared,
     report: ComparisonReport,
@@ -43,12 +47,12 @@ pub(crate) struct Comparison {
 
 /// What plans are compared with: of a file or of memory.
 #[derive(FromPyObject)]
-pub(crate) enum PlanArgument<'py> {
-    Plan(Bound<'py, Plan>),
+pub(crate) enum PlanArgument {
+    Plan(Py<Plan>),
     Path(PathBuf),
 }
 
-impl PlanArgument<'_> {
+impl PlanArgument {
     fn reference(&self, py: Python<'_>) -> PyResult<Reference> {
         match self {
             Self::Plan(plan) => Ok(Reference::from_trajectory(&plan.get().trajectory)),
@@ -68,10 +72,11 @@ impl PlanArgument<'_> {
 #[pyo3(signature = (plan, measured, /))]
 pub(crate) fn compare(
     py: Python<'_>,
-    plan: PlanArgument<'_>,
+    plan: PlanArgument,
     measured: &Bound<'_, Recording>,
 ) -> PyResult<Comparison> {
-    let plan = plan.reference(py)?;
+    let made_of = (plan, measured.clone().unbind());
+    let plan = made_of.0.reference(py)?;
     let log = &measured.get().log;
     log.check_robot(plan.robot()).map_err(|error| recording_error(py, "the recording", &error))?;
     let compared = py.detach(|| iiwa_eval::compare(&plan, log));
@@ -79,7 +84,7 @@ pub(crate) fn compare(
         compared.map_err(|error| exception(py, "RecordingError", (with_causes(&error),)))?;
     let files = [Path::new("plan"), Path::new("recording")];
     let report = ComparisonReport::new(files, None, &plan, log, &compared);
-    Ok(Comparison { plan, compared, report })
+    Ok(Comparison { made_of, plan, compared, report })
 }
 
 #[pymethods]
@@ -194,6 +199,19 @@ impl Comparison {
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))
     }
 
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (plan, measured) = &self.made_of;
+        let plan = match plan {
+            PlanArgument::Plan(plan) => plan.bind(py).clone().into_any(),
+            PlanArgument::Path(path) => path.into_pyobject(py)?,
+        };
+        let compare = py.import("iiwasim._native")?.getattr("compare")?;
+        Ok((compare, (plan, measured.clone_ref(py)).into_pyobject(py)?))
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "<iiwasim.Comparison {:+.3} s ({:+.2} %), at most {:.2} mm off>",
@@ -211,6 +229,8 @@ fn figures<'py>(py: Python<'py>, report: &impl serde::Serialize) -> PyResult<Bou
 
 /// What recordings show of the robot that they are of; `identify` makes it.
 ///
+/// Pickled, it is what it was found from; where it is unpickled, it is found anew.
+///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
 /// >>> plan = iw.plan(program)
@@ -220,6 +240,8 @@ fn figures<'py>(py: Python<'py>, report: &impl serde::Serialize) -> PyResult<Bou
 /// <iiwasim.Identification of identified>
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Identification {
+    /// The arguments of `identify`.
+    made_of: (Vec<Py<Recording>>, Option<Py<Program>>, Option<Model>),
     robot: Model,
     model: Model,
     report: IdentificationReport,
@@ -247,6 +269,11 @@ pub(crate) fn identify(
     name: &str,
 ) -> PyResult<Identification> {
     let mut model = robot.map(|robot| robot.model(py)).transpose()?;
+    let made_of = (
+        recordings.iter().map(|it| it.clone().unbind()).collect(),
+        program.map(|it| it.clone().unbind()),
+        model.clone(),
+    );
     let mut sources = Vec::new();
     for (index, recording) in recordings.iter().enumerate() {
         let log = &recording.get().log;
@@ -308,7 +335,7 @@ pub(crate) fn identify(
             ("the recordings show no limit, no time to settle and no blend",),
         ));
     }
-    Ok(Identification { robot: found.robot(&model).with_name(name), model, report })
+    Ok(Identification { made_of, robot: found.robot(&model).with_name(name), model, report })
 }
 
 #[pymethods]
@@ -351,6 +378,20 @@ impl Identification {
     /// True
     fn table(&self) -> String {
         self.report.text(&self.model)
+    }
+
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (recordings, program, robot) = &self.made_of;
+        let options = PyDict::new(py);
+        options.set_item("program", program.as_ref().map(|it| it.bind(py)))?;
+        options.set_item("robot", robot.clone().map(Robot::of))?;
+        options.set_item("name", self.robot.name())?;
+        let recordings = recordings.iter().map(|it| it.bind(py));
+        let restore = py.import("iiwasim._recordings")?.getattr("identified")?;
+        Ok((restore, (PyList::new(py, recordings)?, options).into_pyobject(py)?))
     }
 
     fn __repr__(&self) -> String {

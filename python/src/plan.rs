@@ -93,7 +93,7 @@ impl Plan {
     /// >>> round(plan.cycle_time_s, 3)
     /// 1.103
     #[getter]
-    fn cycle_time_s(&self) -> f64 {
+    pub(crate) fn cycle_time_s(&self) -> f64 {
         self.trajectory.cycle_time_s()
     }
 
@@ -252,8 +252,8 @@ impl Plan {
     /// >>> plan.sample(rate_hz=500).q.shape
     /// (553, 7)
     #[pyo3(signature = (*, rate_hz = 1000.0))]
-    fn sample(&self, py: Python<'_>, rate_hz: f64) -> PyResult<Samples> {
-        Samples::of(py, &self.trajectory, rate(rate_hz)?)
+    fn sample(slf: &Bound<'_, Self>, rate_hz: f64) -> PyResult<Samples> {
+        Samples::of(slf, rate(rate_hz)?)
     }
 
     /// Where the arm comes nearest to an obstacle of the scene; `None` if there are none. It is found to 0.1 mm.

@@ -93,6 +93,13 @@ fn torque_share(percent: Option<f64>) -> PyResult<Option<f64>> {
     Ok(Some(share))
 }
 
+/// Lets this thread wait where another one wants its core: those of Python go on while all cores plan.
+fn give_way() {
+    // Elsewhere it would be the whole process that waits.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::nice(10);
+}
+
 /// Plans a program: the fastest motion along its path within the limits of velocity, acceleration and, by `timing='jerk'`, jerk.
 ///
 /// The robot is the program's unless `robot` is given: a `Robot`, a name or the path of a profile. `limit_torque_percent` limits
@@ -178,6 +185,7 @@ pub(crate) fn plan_all<'py>(
     // Made and ended here: see `interruptible`.
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads.min(total.max(1)))
+        .start_handler(|_| give_way())
         .build()
         .map_err(|error| PyRuntimeError::new_err(format!("cannot start the threads: {error}")))?;
     let done = Arc::new(AtomicUsize::new(0));

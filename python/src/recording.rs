@@ -1,20 +1,21 @@
 //! Recordings.
 
-use std::{fs::File, path::PathBuf, sync::Arc};
+use std::{fs::File, mem, path::PathBuf, sync::Arc};
 
+use iiwa_kin::Joints;
 use iiwa_log::{JointLog, JointLogError};
-use numpy::{AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLike1};
-use pyo3::{exceptions::PyValueError, prelude::*};
+use numpy::{AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLike1, PyArrayLike2};
+use pyo3::{exceptions::PyValueError, prelude::*, sync::PyOnceLock, types::PyTuple};
 
 use crate::{
-    arrays::{JointsLike, Rows, joint_array},
+    arrays::{JointsLike, Rows, joint_array, shared},
     errors::{exception, os_error},
     program::Program,
 };
 
 /// What the joints did: times and positions, and what the file tells besides. Immutable.
 ///
-/// `t` (n,) is in s and increases strictly, `q` (n, 7) in rad.
+/// `t` (n,) is in s and increases strictly, `q` (n, 7) in rad. Arrays share their memory with all who ask for them.
 ///
 /// >>> import iiwasim as iw
 /// >>> iw.Recording([0.0, 0.01, 0.02], [[0.0] * 7] * 3)
@@ -22,6 +23,15 @@ use crate::{
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Recording {
     pub(crate) log: Arc<JointLog>,
+    /// Made when they are asked for.
+    t: PyOnceLock<Py<PyArray1<f64>>>,
+    q: PyOnceLock<Py<PyArrayDyn<f64>>>,
+}
+
+impl Recording {
+    fn of(log: JointLog) -> Self {
+        Self { log: Arc::new(log), t: PyOnceLock::new(), q: PyOnceLock::new() }
+    }
 }
 
 /// What the recording is not.
@@ -63,7 +73,7 @@ impl Recording {
             log.profile = Some(robot.to_full_profile());
         }
         log.check_rate().map_err(|error| recording_error(py, "the recording", &error))?;
-        Ok(Self { log: Arc::new(log) })
+        Ok(Self::of(log))
     }
 
     /// The recording of a file: MCAP, CSV, or a log of KUKA's DataRecorder; a plan's file, too. Raises `RecordingError`.
@@ -77,7 +87,7 @@ impl Recording {
         let file = File::open(&path).map_err(|error| os_error(&path, &error))?;
         let log = py.detach(|| JointLog::read(file).and_then(|log| log.check_rate().map(|()| log)));
         let log = log.map_err(|error| recording_error(py, &name, &error))?;
-        Ok(Self { log: Arc::new(log) })
+        Ok(Self::of(log))
     }
 
     /// Times (n,), in s.
@@ -87,7 +97,8 @@ impl Recording {
     /// [0.0, 0.01]
     #[getter]
     fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.log.t_s)
+        let made = self.t.get_or_init(py, || shared(PyArray1::from_slice(py, &self.log.t_s)));
+        made.bind(py).clone()
     }
 
     /// Positions (n, 7), in rad.
@@ -96,8 +107,11 @@ impl Recording {
     /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2).q.shape
     /// (2, 7)
     #[getter]
-    fn q(&self, py: Python<'_>) -> PyResult<Py<PyArrayDyn<f64>>> {
-        joint_array(py, self.log.q_rad.clone())
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let made = self.q.get_or_try_init(py, || {
+            Ok::<_, PyErr>(shared(joint_array(py, self.log.q_rad.clone())?.into_bound(py)))
+        })?;
+        Ok(made.bind(py).clone())
     }
 
     /// What the joints exerted (n, 7), in Nm, NaN where the file has none; `None` if it has none at all.
@@ -158,6 +172,42 @@ impl Recording {
     #[getter]
     fn losses(&self) -> Vec<String> {
         self.log.losses.iter().map(ToString::to_string).collect()
+    }
+
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, own) = (slf.py(), slf.get());
+        let mut rest = (*own.log).clone();
+        (rest.t_s, rest.q_rad) = (Vec::new(), Vec::new());
+        let torques = mem::take(&mut rest.torques_nm);
+        let torques: Vec<_> = torques.into_iter().map(|it| it.unwrap_or([f64::NAN; 7])).collect();
+        let rest = serde_json::to_string(&rest)
+            .map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let parts = (own.t(py), own.q(py)?, joint_array(py, torques)?, rest);
+        Ok((slf.get_type().getattr("_restore")?, parts.into_pyobject(py)?))
+    }
+
+    /// Arrays, torques as the file has them and NaN where it has none, and the rest as JSON.
+    #[staticmethod]
+    #[pyo3(signature = (t, q, torques, rest, /))]
+    fn _restore<'py>(
+        t: PyArrayLike1<'py, f64>,
+        q: PyArrayLike2<'py, f64>,
+        torques: PyArrayLike2<'py, f64>,
+        rest: &str,
+    ) -> PyResult<Self> {
+        let rows = |array: &PyArrayLike2<'_, f64>| -> Vec<Joints> {
+            let flat: Vec<f64> = array.as_array().iter().copied().collect();
+            flat.as_chunks().0.to_vec()
+        };
+        let mut log: JointLog =
+            serde_json::from_str(rest).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        log.t_s = t.as_array().to_vec();
+        log.q_rad = rows(&q);
+        log.torques_nm =
+            rows(&torques).into_iter().map(|it| (!it[0].is_nan()).then_some(it)).collect();
+        Ok(Self::of(log))
     }
 
     fn __len__(&self) -> usize {

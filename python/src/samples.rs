@@ -1,21 +1,17 @@
 //! Samples of a plan as arrays.
 
-use std::sync::Arc;
-
 use iiwa_kin::{Joints, Pose};
-use iiwa_traj::Trajectory;
-use numpy::{Element, PyArray, PyArray1, PyArrayDyn, PyArrayMethods, ndarray::Dimension};
+use numpy::{PyArray1, PyArrayDyn};
 use pyo3::{prelude::*, sync::PyOnceLock};
 
-use crate::arrays::{array, joint_array};
-
-/// An array that is handed out again and again, and so is not to be written to.
-fn shared<T: Element, D: Dimension>(array: Bound<'_, PyArray<T, D>>) -> Py<PyArray<T, D>> {
-    array.readwrite().make_nonwriteable();
-    array.unbind()
-}
+use crate::{
+    arrays::{array, joint_array, shared},
+    plan::Plan,
+};
 
 /// Samples of a plan, all in the order of time. Arrays share their memory with all who ask for them.
+///
+/// Pickled, they are their plan and rate; where they are unpickled, it is planned and sampled anew.
 ///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -24,7 +20,7 @@ fn shared<T: Element, D: Dimension>(array: Bound<'_, PyArray<T, D>>) -> Py<PyArr
 /// <iiwasim.Samples 112 at 100 Hz, 1.103 s>
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Samples {
-    trajectory: Arc<Trajectory>,
+    plan: Py<Plan>,
     rate_hz: f64,
     t: Py<PyArray1<f64>>,
     q: Py<PyArrayDyn<f64>>,
@@ -37,7 +33,8 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    pub(crate) fn of(py: Python<'_>, trajectory: &Arc<Trajectory>, rate_hz: f64) -> PyResult<Self> {
+    pub(crate) fn of(plan: &Bound<'_, Plan>, rate_hz: f64) -> PyResult<Self> {
+        let (py, trajectory) = (plan.py(), &plan.get().trajectory);
         let (t, q, dq, ddq, motion) = py.detach(|| {
             #[expect(
                 clippy::cast_possible_truncation,
@@ -59,7 +56,7 @@ impl Samples {
             (t, q, dq, ddq, motion)
         });
         Ok(Self {
-            trajectory: Arc::clone(trajectory),
+            plan: plan.clone().unbind(),
             rate_hz,
             t: shared(PyArray1::from_vec(py, t)),
             q: shared(joint_array(py, q)?.into_bound(py)),
@@ -144,7 +141,7 @@ impl Samples {
     #[getter]
     fn tcp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let made = self.tcp.get_or_try_init(py, || {
-            let (trajectory, rate_hz) = (&self.trajectory, self.rate_hz);
+            let (trajectory, rate_hz) = (&self.plan.get().trajectory, self.rate_hz);
             let positions: Vec<[f64; 3]> = py.detach(|| {
                 let path = trajectory.path();
                 let states: Vec<_> = trajectory.samples(rate_hz).collect();
@@ -175,7 +172,7 @@ impl Samples {
     #[getter]
     fn torque<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let made = self.torque.get_or_try_init(py, || {
-            let (trajectory, rate_hz) = (&self.trajectory, self.rate_hz);
+            let (trajectory, rate_hz) = (&self.plan.get().trajectory, self.rate_hz);
             let torques = py.detach(|| {
                 let torque = |state| trajectory.torques_of(&state).torque_nm;
                 trajectory.samples(rate_hz).map(torque).collect()
@@ -183,6 +180,11 @@ impl Samples {
             array(py, torques, &[7], false).map(shared)
         })?;
         Ok(made.bind(py).clone())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Py<Plan>, f64))> {
+        let restore = py.import("iiwasim._figures")?.getattr("sampled")?;
+        Ok((restore, (self.plan.clone_ref(py), self.rate_hz)))
     }
 
     fn __len__(&self, py: Python<'_>) -> usize {
@@ -194,7 +196,7 @@ impl Samples {
             "<iiwasim.Samples {} at {} Hz, {:.3} s>",
             self.__len__(py),
             self.rate_hz,
-            self.trajectory.cycle_time_s()
+            self.plan.get().cycle_time_s()
         )
     }
 }

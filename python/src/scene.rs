@@ -4,7 +4,7 @@ use std::{fs, path::PathBuf, sync::Arc};
 
 use iiwa_files::beside;
 use iiwa_scene::{ArmInScene, Clearance as Distance, PlannedClearance, Scene as Obstacles};
-use pyo3::{exceptions::PyValueError, prelude::*};
+use pyo3::{exceptions::PyValueError, prelude::*, types::PyTuple};
 
 use crate::{
     arrays::{JointsLike, Rows},
@@ -143,6 +143,36 @@ impl Clearance {
 
 #[pymethods]
 impl Clearance {
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, own) = (slf.py(), slf.get());
+        let parts = (
+            own.distance_m,
+            own.link,
+            own.obstacle.as_str(),
+            own.at_s,
+            own.motion,
+            own.on_link_m,
+            own.on_obstacle_m,
+        );
+        Ok((slf.get_type().getattr("_restore")?, parts.into_pyobject(py)?))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (distance_m, link, obstacle, at_s, motion, on_link_m, on_obstacle_m, /))]
+    fn _restore(
+        distance_m: f64,
+        link: usize,
+        obstacle: String,
+        at_s: Option<f64>,
+        motion: Option<usize>,
+        on_link_m: [f64; 3],
+        on_obstacle_m: [f64; 3],
+    ) -> Self {
+        Self { distance_m, link, obstacle, at_s, motion, on_link_m, on_obstacle_m }
+    }
+
     fn __repr__(&self) -> String {
         let at = self.at_s.map_or_else(String::new, |at_s| format!(" at {at_s:.3} s"));
         format!(

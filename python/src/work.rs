@@ -1,11 +1,13 @@
 //! Work without the interpreter's lock, which Ctrl-C ends.
 
 use std::{
+    mem,
     panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
+    process,
     sync::{
-        Arc, Mutex, PoisonError,
+        Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicBool, Ordering},
-        mpsc::{self, RecvTimeoutError},
+        mpsc::{self, RecvTimeoutError, Sender},
     },
     thread,
     time::Duration,
@@ -16,10 +18,45 @@ use pyo3::{exceptions::PyRuntimeError, prelude::*};
 /// How often signals are looked at: Ctrl-C is to end the work within a tenth of a second.
 const TICK: Duration = Duration::from_millis(20);
 
-/// Does `work` on a thread of its own. The interpreter is free meanwhile; between ticks it is asked for signals, and `tick` is
-/// called. Either may fail: then the flag that the work is given is set, its end is waited for, and the error is raised.
+type Task = Box<dyn FnOnce() + Send>;
+
+/// Threads that wait for work, and the process that started them.
 ///
-/// A thread for each call, and no pool that remains: threads of a pool are not there any more in a process that was forked.
+/// They are kept, since the memory of a new thread is cold: planning on one takes a twentieth longer. Only who holds the
+/// interpreter's lock may lock this: a process that Python forks then never inherits it locked.
+static WORKERS: Mutex<Workers> = Mutex::new(Workers { process: 0, idle: Vec::new() });
+
+struct Workers {
+    process: u32,
+    idle: Vec<Sender<Task>>,
+}
+
+impl Workers {
+    fn lock(_: Python<'_>) -> MutexGuard<'static, Self> {
+        let mut workers = WORKERS.lock().unwrap_or_else(PoisonError::into_inner);
+        let process = process::id();
+        if mem::replace(&mut workers.process, process) != process {
+            // Threads are not there any more in a process that was forked. Their channels may be locked for ever.
+            mem::forget(mem::take(&mut workers.idle));
+        }
+        workers
+    }
+}
+
+fn idle_worker(py: Python<'_>) -> PyResult<Sender<Task>> {
+    if let Some(worker) = Workers::lock(py).idle.pop() {
+        return Ok(worker);
+    }
+    let (give, tasks) = mpsc::channel::<Task>();
+    thread::Builder::new()
+        .name("iiwasim".to_owned())
+        .spawn(move || tasks.into_iter().for_each(|task| task()))
+        .map_err(|error| PyRuntimeError::new_err(format!("cannot start a thread: {error}")))?;
+    Ok(give)
+}
+
+/// Does `work` on another thread. The interpreter is free meanwhile; between ticks it is asked for signals, and `tick` is
+/// called. Either may fail: then the flag that the work is given is set, its end is waited for, and the error is raised.
 pub(crate) fn interruptible<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(Arc<AtomicBool>) -> T + Send + 'static,
@@ -28,32 +65,32 @@ pub(crate) fn interruptible<T: Send + 'static>(
     let stop = Arc::new(AtomicBool::new(false));
     let (send, receive) = mpsc::sync_channel(1);
     let flag = Arc::clone(&stop);
-    let worker = move || {
+    let task = move || {
         // Whoever waits is told of a panic, too.
         let _ = send.send(catch_unwind(AssertUnwindSafe(|| work(flag))));
     };
-    thread::Builder::new()
-        .spawn(worker)
-        .map_err(|error| PyRuntimeError::new_err(format!("cannot start a thread: {error}")))?;
+    let worker = idle_worker(py)?;
+    let ended = || PyRuntimeError::new_err("a thread ended without a result");
+    worker.send(Box::new(task)).map_err(|_| ended())?;
     // Without the lock of the interpreter, threads are what they are elsewhere: receivers are for one at a time.
     let receive = Mutex::new(receive);
-    loop {
+    let result = loop {
         match py
             .detach(|| receive.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(TICK))
         {
-            Ok(Ok(result)) => return Ok(result),
-            Ok(Err(panic)) => resume_unwind(panic),
-            Err(RecvTimeoutError::Disconnected) => {
-                return Err(PyRuntimeError::new_err("a thread ended without a result"));
-            }
+            Ok(result) => break result,
+            Err(RecvTimeoutError::Disconnected) => return Err(ended()),
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(error) = py.check_signals().and_then(|()| tick(py)) {
                     stop.store(true, Ordering::Relaxed);
                     let _ =
                         py.detach(|| receive.lock().unwrap_or_else(PoisonError::into_inner).recv());
+                    Workers::lock(py).idle.push(worker);
                     return Err(error);
                 }
             }
         }
-    }
+    };
+    Workers::lock(py).idle.push(worker);
+    result.or_else(|panic| resume_unwind(panic))
 }

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -18,6 +19,8 @@ import iiwasim as iw
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 PROGRAMS = ["appendix-b.json", "ten-motions.json", "waits-and-stops.json", "pick-and-place.json"]
+
+T = TypeVar("T")
 
 
 def swing(deg: float = 30.0, **options: object) -> iw.Program:
@@ -166,6 +169,40 @@ def test_things_are_pickled(tmp_path: Path) -> None:
     assert np.array_equal(planned.sample().q, plan.sample().q)
     scene = iw.Scene.load(FIXTURES / "cage.json")
     assert pickle.loads(pickle.dumps(scene)).obstacles == scene.obstacles
+    near = plan.clearance(scene)
+    assert near is not None and repr(pickle.loads(pickle.dumps(near))) == repr(near)
+    samples = pickle.loads(pickle.dumps(plan.sample(rate_hz=123)))
+    assert np.array_equal(samples.torque, plan.sample(rate_hz=123).torque)
+
+
+def test_recordings_and_what_they_show_are_pickled(tmp_path: Path) -> None:
+    def copied(own: T) -> T:
+        again = pickle.loads(pickle.dumps(own))
+        assert type(again) is type(own)
+        return again  # type: ignore[no-any-return]
+
+    plan = iw.plan(iw.Program.load(FIXTURES / "pick-and-place.json"))
+    plan.write(tmp_path / "plan.mcap")
+    table = tmp_path / "broken-off.csv"
+    row = ",0,0,0,0,0,0,0"
+    table.write_text(f"t_s,q1,q2,q3,q4,q5,q6,q7\n0{row}\n0.01{row}\n0.02{row}\n0.9{row}\n0.91,0")
+    for file in (tmp_path / "plan.mcap", FIXTURES / "data-recorder.log", table):
+        recording = iw.Recording.load(file)
+        again = copied(recording)
+        assert np.array_equal(again.t, recording.t) and np.array_equal(again.q, recording.q)
+        assert (again.torque is None) == (recording.torque is None)
+        if recording.torque is not None and again.torque is not None:
+            assert np.array_equal(again.torque, recording.torque, equal_nan=True)
+        assert (again.program, again.losses) == (recording.program, recording.losses)
+        assert again.cycle_time_s == recording.cycle_time_s
+    assert len(iw.Recording.load(table).losses) == 2
+    recording = iw.Recording.load(tmp_path / "plan.mcap")
+    for own in (plan, tmp_path / "plan.mcap"):
+        comparison = iw.compare(own, recording)
+        assert copied(comparison).figures() == comparison.figures()
+    samples = plan.sample(rate_hz=250)
+    found = iw.identify([iw.Recording(samples.t, samples.q)], program=plan.program, name="cell 3")
+    assert copied(found).robot == found.robot and copied(found).figures() == found.figures()
 
 
 def test_a_profile_counts_as_it_does_on_the_command_line(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ use std::fmt;
 use std::io::Write;
 
 use iiwa_kin::Robot;
+use serde::{Deserialize, Serialize};
 
 pub use error::JointLogError;
 pub use loss::{Loss, Place};
@@ -71,7 +72,7 @@ use crate::recorded_robot::recorded_robot;
 /// assert!(log.losses.is_empty());
 /// # Ok::<(), iiwa_log::JointLogError>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct JointLog {
     /// Times, in s from any instant; they increase strictly.
@@ -100,7 +101,7 @@ pub struct JointLog {
 }
 
 /// What a stated cycle time was taken from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum CycleClock {
     /// The robot program: from its beginning to its end.
@@ -129,7 +130,7 @@ impl CycleClock {
 }
 
 /// Where joint positions were read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Source {
     /// `/joint_states` of an MCAP file.
