@@ -5,10 +5,12 @@
     .ci/release.py --target TRIPLE              for another one
     .ci/release.py --zig 2.17 [--target TRIPLE] for Linux with this glibc or a newer one, by cargo-zigbuild
     .ci/release.py --deb                        a Debian package, too (needs dpkg-deb)
-    .ci/release.py --binary FILE                packs what is built already
+    .ci/release.py --wheel                      the Python package as a wheel, too (needs maturin)
+    .ci/release.py --binary FILE                packs what is built already, with the library for C beside it
 
 All are in target/dist, with their checksums: the program, manual pages and completions, licences (those of the crates
-in it as well), programs to begin with, and the robot program for the cabinet. The same binary gives the same archive.
+in it as well), programs to begin with, the library for C, and the robot program for the cabinet. The same binary gives
+the same archive.
 """
 
 import argparse
@@ -29,6 +31,8 @@ ROOT = Path(__file__).resolve().parents[1]
 DIST = ROOT / "target/dist"
 SHELLS = {"bash": "iiwasim.bash", "zsh": "_iiwasim", "fish": "iiwasim.fish"}
 DEBIAN_ARCHITECTURES = {"x86_64": "amd64", "aarch64": "arm64"}
+# The library for C that programs load; the second one of Windows is what they are linked with.
+C_LIBRARIES = {"windows": ("iiwasim.dll", "iiwasim.dll.lib"), "apple": ("libiiwasim.dylib",), "linux": ("libiiwasim.so",)}
 # Texts that licences ask to be handed on.
 LICENCE_FILES = ("license", "licence", "copying", "notice", "copyright", "unlicense")
 
@@ -38,11 +42,23 @@ def output(*command):
 
 
 def build(target, glibc):
-    """The program."""
-    command = ["cargo", "zigbuild" if glibc else "build", "--release", "--locked", "-p", "iiwasim"]
+    """The program, and the library for C beside it."""
+    command = ["cargo", "zigbuild" if glibc else "build", "--release", "--locked", "-p", "iiwasim", "-p", "iiwa-c"]
     command += ["--target", f"{target}.{glibc}" if glibc else target]
     subprocess.run(command, cwd=ROOT, check=True)
     return ROOT / "target" / target / "release" / ("iiwasim.exe" if "windows" in target else "iiwasim")
+
+
+def build_wheel(target, glibc):
+    """The Python package; one wheel serves each version from 3.9 on."""
+    with tempfile.TemporaryDirectory() as scratch:
+        command = ["maturin", "build", "-q", "--release", "--locked", "-m", "python/Cargo.toml"]
+        command += ["--target", target, "--out", scratch]
+        if glibc:
+            command += ["--zig", "--compatibility", f"manylinux_{glibc.replace('.', '_')}"]
+        subprocess.run(command, cwd=ROOT, check=True)
+        (wheel,) = Path(scratch).glob("*.whl")
+        return Path(shutil.copy(wheel, DIST))
 
 
 def crates(target):
@@ -99,6 +115,7 @@ def collect(folder, binary, target):
     for name in ("README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"):
         shutil.copyfile(ROOT / name, folder / name)
     (folder / "THIRD-PARTY.txt").write_text(third_party(target), encoding="utf-8")
+    collect_c(folder, binary.parent, target)
     # The robot's half, if it was built: `mvn -f sunrise/pom.xml package`.
     sunrise = ROOT / "sunrise/target/iiwasim-sunrise.zip"
     if sunrise.exists():
@@ -118,6 +135,19 @@ def collect(folder, binary, target):
         text = subprocess.run([program, "completions", shell], check=True, capture_output=True).stdout
         (completions / name).write_bytes(text)
     subprocess.run([program, "man", folder / "man"], check=True, stdout=subprocess.DEVNULL)
+
+
+def collect_c(folder, built, target):
+    """The library for C with its header, where pkg-config looks for them."""
+    names = next(names for system, names in C_LIBRARIES.items() if system in target)
+    crate = ROOT / "crates/iiwa-c"
+    files = {built / name: f"lib/{name}" for name in names}
+    files |= {crate / "include/iiwasim.h": "include/iiwasim.h", crate / "iiwasim.pc": "lib/pkgconfig/iiwasim.pc"}
+    for source, place in files.items():
+        (folder / place).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, folder / place)
+    if shutil.which("strip") and runs_here(target) and "linux" in target:
+        subprocess.run(["strip", "--strip-unneeded", folder / "lib/libiiwasim.so"], check=True)
 
 
 def write_archive(folder, target, at_s):
@@ -207,6 +237,7 @@ def main():
     parser.add_argument("--target", help="triple of the machine that it is for")
     parser.add_argument("--zig", metavar="GLIBC", help="with cargo-zigbuild, for this version of glibc")
     parser.add_argument("--deb", action="store_true", help="a Debian package, too")
+    parser.add_argument("--wheel", action="store_true", help="the Python package as a wheel, too")
     parser.add_argument("--binary", type=Path, help="pack this one")
     options = parser.parse_args()
     target = options.target or host()
@@ -222,6 +253,8 @@ def main():
         made = [write_archive(folder, target, at_s)]
         if options.deb:
             made.append(write_debian_package(folder, target, version, needed_glibc(folder / "iiwasim")))
+    if options.wheel:
+        made.append(build_wheel(target, options.zig))
     for file in made:
         digest = hashlib.sha256(file.read_bytes()).hexdigest()
         (DIST / f"{file.name}.sha256").write_text(f"{digest}  {file.name}\n")
