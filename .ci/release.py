@@ -32,7 +32,11 @@ DIST = ROOT / "target/dist"
 SHELLS = {"bash": "iiwasim.bash", "zsh": "_iiwasim", "fish": "iiwasim.fish"}
 DEBIAN_ARCHITECTURES = {"x86_64": "amd64", "aarch64": "arm64"}
 # The library for C that programs load; the second one of Windows is what they are linked with.
-C_LIBRARIES = {"windows": ("iiwasim.dll", "iiwasim.dll.lib"), "apple": ("libiiwasim.dylib",), "linux": ("libiiwasim.so",)}
+C_LIBRARIES = {
+    "windows": ("iiwasim.dll", "iiwasim.dll.lib"),
+    "apple": ("libiiwasim.dylib",),
+    "linux": ("libiiwasim.so",),
+}
 # Texts that licences ask to be handed on.
 LICENCE_FILES = ("license", "licence", "copying", "notice", "copyright", "unlicense")
 

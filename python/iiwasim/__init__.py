@@ -34,12 +34,11 @@ from ._native import (
     Samples,
     Scene,
     applications,
-    identify,
     import_application,
     plan,
     plan_all,
 )
-from ._recordings import compare
+from ._recordings import compare, identify
 from .drive import Drive, DriveError, DriveState, DriveTimeout, JointSample, Run
 from .motions import Motion, circ, lin, lin_rel, load, ptp, spline, wait
 

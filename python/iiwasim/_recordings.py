@@ -6,9 +6,11 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from . import _native
-from ._native import Comparison, Identification, Plan, Recording
+from ._native import Comparison, Identification, Plan, Program, Recording, Robot
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from .drive import Run
 
 
@@ -18,6 +20,9 @@ def recording_of(measured: Recording | Run | str | PathLike[str]) -> Recording:
         return measured
     if isinstance(measured, (str, PathLike)):
         return Recording.load(measured)
+    if not (hasattr(measured, "t") and hasattr(measured, "q")):
+        found = type(measured).__name__
+        raise TypeError(f"a Recording, a Run or the path of a file is expected, not an object of type {found}")
     return Recording(measured.t, measured.q, cycle_time_s=getattr(measured, "cycle_time_s", None))
 
 
@@ -35,6 +40,30 @@ def compare(plan: Plan | str | PathLike[str], measured: Recording | Run | str | 
     True
     """
     return _native.compare(plan, recording_of(measured))
+
+
+def identify(
+    recordings: Iterable[Recording | Run | str | PathLike[str]],
+    *,
+    program: Program | None = None,
+    robot: Robot | str | PathLike[str] | None = None,
+    name: str = "identified",
+) -> Identification:
+    """The limits, times to settle, blends, loads and friction that recordings show.
+
+    Recordings may be runs of a drive, or paths of files. The program is each recording's own unless `program` is given,
+    and the robot that they are taken to be of likewise. Raises `RecordingError` where a recording is not of its program.
+
+    >>> import iiwasim as iw
+    >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    >>> samples = iw.plan(program).sample(rate_hz=250)
+    >>> found = iw.identify([iw.Recording(samples.t, samples.q, program=program)])
+    >>> found.robot.name
+    'identified'
+    """
+    if isinstance(recordings, (str, PathLike, Recording)):
+        raise TypeError("recordings is one of them; give a list")
+    return _native.identify([recording_of(it) for it in recordings], program=program, robot=robot, name=name)
 
 
 def identified(recordings: list[Recording], options: dict[str, Any]) -> Identification:

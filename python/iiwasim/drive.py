@@ -184,13 +184,14 @@ class Drive:
 
         `program` is an `iiwasim.Program`, the keys of one, or its JSON. The robot has to be at its start, within 0.5
         deg, or `move_to_start` first moves it there, in a straight line in joint space at `start_velocity_rel` of the
-        velocity limits. `start_rad`, (7,), says where that is if the program starts at a frame: `q[0]` of the plan's
-        samples. A program without a `start` starts where the robot is. `limit_torque_percent` is for planning only; to
-        keep it, run the samples of the plan by `run_trajectory`.
+        velocity limits. `start_rad`, (7,), says that it starts elsewhere. A program without a `start` starts where the
+        robot is. `limit_torque_percent` is for planning only; to keep it, run the samples of the plan by
+        `run_trajectory`.
 
         Ctrl-C, an exception in `on_sample`, and a run of more than `timeout_s` stop the robot on its path, also on the way
-        to the start; once it stands, they are raised. A second Ctrl-C does not wait for that. `on_sample` is called with measured positions while the program runs, and should be
-        quick; positions that it is too slow for are in the result.
+        to the start; once it stands, they are raised. A second Ctrl-C does not wait for that. `on_sample` is called with
+        measured positions while the program runs, and should be quick; positions that it is too slow for are in the
+        result.
 
         Raises `DriveError`: with `.run`, what was measured up to then, if the run was stopped or broke off.
         """
@@ -449,7 +450,12 @@ def _start_of(keys: dict[str, Any]) -> Joints | None:
     for name, to_rad in (("joints_rad", 1.0), ("joints_deg", math.pi / 180.0)):
         if isinstance(start, dict) and name in start:
             return _seven(start[name], f"the start's {name}") * to_rad
-    raise ValueError("the program's start has no joints; give them as start_rad, as q[0] of its plan's samples")
+    # A frame: the plan has the joints there.
+    from ._native import Program, plan
+
+    return _seven(
+        plan(Program.from_json(json.dumps({"version": 1, **keys}, default=_plain))).at(0.0).q, "the plan's start"
+    )
 
 
 def _seven(values: object, what: str) -> Joints:

@@ -8,7 +8,7 @@ use iiwa_program::{Fault, ProgramError, Sources};
 use iiwa_scene::SceneError;
 use iiwa_traj::{PlanError, TimingError};
 use pyo3::{
-    exceptions::{PyKeyboardInterrupt, PyOSError},
+    exceptions::{PyKeyboardInterrupt, PyOSError, PyTypeError},
     prelude::*,
     types::PyTuple,
 };
@@ -21,6 +21,16 @@ where
     let made = || py.import("iiwasim._errors")?.getattr(class)?.call1(arguments.into_pyobject(py)?);
     match made() {
         Ok(error) => PyErr::from_value(error),
+        Err(error) => error,
+    }
+}
+
+/// A value of a type that an argument cannot have.
+pub(crate) fn unexpected(name: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyErr {
+    match value.get_type().name() {
+        Ok(found) => {
+            PyTypeError::new_err(format!("{name} is of type {found}; {expected} is expected"))
+        }
         Err(error) => error,
     }
 }

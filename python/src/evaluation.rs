@@ -16,7 +16,7 @@ use pyo3::{
 };
 
 use crate::{
-    errors::{exception, os_error},
+    errors::{exception, os_error, unexpected},
     frames::object,
     options::RobotArgument,
     plan::Plan,
@@ -46,10 +46,21 @@ pub(crate) struct Comparison {
 }
 
 /// What plans are compared with: of a file or of memory.
-#[derive(FromPyObject)]
 pub(crate) enum PlanArgument {
     Plan(Py<Plan>),
     Path(PathBuf),
+}
+
+impl<'py> FromPyObject<'_, 'py> for PlanArgument {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(plan) = value.cast::<Plan>() {
+            return Ok(Self::Plan(plan.to_owned().unbind()));
+        }
+        let path = value.extract().map(Self::Path);
+        path.map_err(|_| unexpected("plan", &value, "a Plan or the path of its MCAP file"))
+    }
 }
 
 impl PlanArgument {
@@ -67,7 +78,7 @@ impl PlanArgument {
     }
 }
 
-/// Compares; see `iiwasim/_native.pyi`.
+/// Compares; see `iiwasim/_recordings.py`.
 #[pyfunction]
 #[pyo3(signature = (plan, measured, /))]
 pub(crate) fn compare(
@@ -247,18 +258,7 @@ pub(crate) struct Identification {
     report: IdentificationReport,
 }
 
-/// The limits, times to settle, blends, loads and friction that recordings show.
-///
-/// The program is each recording's own unless `program` is given, and the robot that they are taken to be of likewise. Raises
-/// `RecordingError` where a recording is not of its program.
-///
-/// >>> import iiwasim as iw
-/// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
-/// >>> plan = iw.plan(program)
-/// >>> samples = plan.sample(rate_hz=250)
-/// >>> found = iw.identify([iw.Recording(samples.t, samples.q, program=program)])
-/// >>> found.robot.name
-/// 'identified'
+/// Identifies; see `iiwasim/_recordings.py`.
 #[pyfunction]
 #[pyo3(signature = (recordings, *, program = None, robot = None, name = "identified"))]
 pub(crate) fn identify(

@@ -8,13 +8,27 @@ use iiwa_path::{BlendSearch, BlendShape, Continuity, PathOptions};
 use iiwa_traj::{JerkOptions, SweepOptions, Timing};
 use pyo3::{exceptions::PyValueError, prelude::*};
 
-use crate::robot::{Robot, find};
+use crate::{
+    errors::unexpected,
+    robot::{Robot, find},
+};
 
 /// A robot, the name of a built-in one, or the path of a profile.
-#[derive(FromPyObject)]
 pub(crate) enum RobotArgument<'py> {
     Robot(Bound<'py, Robot>),
     Path(PathBuf),
+}
+
+impl<'py> FromPyObject<'_, 'py> for RobotArgument<'py> {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(robot) = value.cast::<Robot>() {
+            return Ok(Self::Robot(robot.to_owned()));
+        }
+        let expected = "a Robot, the name of a built-in one or the path of a profile";
+        value.extract().map(Self::Path).map_err(|_| unexpected("robot", &value, expected))
+    }
 }
 
 impl RobotArgument<'_> {

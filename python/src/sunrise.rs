@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use crate::{
     arrays::{JointsLike, Rows},
-    errors::exception,
+    errors::{exception, unexpected},
     options::RobotArgument,
     program::Program,
 };
@@ -30,29 +30,33 @@ pub(crate) fn applications(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<Stri
 }
 
 /// A number of a button, or several.
-#[derive(FromPyObject)]
-pub(crate) enum Buttons {
-    One(usize),
-    Each(Vec<usize>),
+pub(crate) struct Buttons(Vec<usize>);
+
+impl<'py> FromPyObject<'_, 'py> for Buttons {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let one = value.extract().map(|button| vec![button]);
+        let buttons = one.or_else(|_| value.extract());
+        let expected = "the number of a button, from 0, or a list of such numbers";
+        buttons.map(Self).map_err(|_| unexpected("an answer", &value, expected))
+    }
 }
 
-/// What Python gives as the value of an input.
-#[derive(FromPyObject)]
-pub(crate) enum Value {
-    Boolean(bool),
-    Integer(i64),
-    Number(f64),
-    Text(String),
-}
+/// The value of an input, or of process data.
+pub(crate) struct Value(AnswerValue);
 
-impl From<Value> for AnswerValue {
-    fn from(value: Value) -> Self {
-        match value {
-            Value::Boolean(value) => Self::Boolean(value),
-            Value::Integer(value) => Self::Integer(value),
-            Value::Number(value) => Self::Number(value),
-            Value::Text(value) => Self::Text(value),
-        }
+impl<'py> FromPyObject<'_, 'py> for Value {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        // In this order: True is an integer, too, and an integer is a number.
+        let known = (value.extract().map(AnswerValue::Boolean))
+            .or_else(|_| value.extract().map(AnswerValue::Integer))
+            .or_else(|_| value.extract().map(AnswerValue::Number))
+            .or_else(|_: PyErr| value.extract().map(AnswerValue::Text));
+        let expected = "True or False, a number or a text";
+        known.map(Self).map_err(|_: PyErr| unexpected("a value", &value, expected))
     }
 }
 
@@ -91,14 +95,10 @@ pub(crate) fn import_application<'py>(
     };
     for (text, buttons) in answers.unwrap_or_default() {
         given.dialogs.retain(|known, _| !known.contains(&text));
-        let buttons = match buttons {
-            Buttons::One(button) => vec![button],
-            Buttons::Each(buttons) => buttons,
-        };
-        given.dialogs.insert(text, buttons);
+        given.dialogs.insert(text, buttons.0);
     }
-    given.inputs.extend(inputs.unwrap_or_default().into_iter().map(|(k, v)| (k, v.into())));
-    given.data.extend(data.unwrap_or_default().into_iter().map(|(k, v)| (k, v.into())));
+    given.inputs.extend(inputs.unwrap_or_default().into_iter().map(|(k, v)| (k, v.0)));
+    given.data.extend(data.unwrap_or_default().into_iter().map(|(k, v)| (k, v.0)));
     let start_rad = match &start_deg {
         None => None,
         Some(deg) => Some(Rows::new("start_deg", deg)?.single("start_deg")?.map(f64::to_radians)),

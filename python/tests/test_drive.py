@@ -24,6 +24,7 @@ zmq = pytest.importorskip("zmq", reason="the client of the drive needs pyzmq")
 from drive_runs import AWAY, CYCLE_S, HOME, SLOW, go, in_background, program
 from simulated_robot import SimulatedRobot, binary
 
+import iiwasim as iw
 import iiwasim.drive
 from iiwasim.drive import Drive, DriveError, DriveTimeout, JointSample, Run
 
@@ -86,12 +87,15 @@ def test_tools_bases_and_frames_go_along(drive: Drive) -> None:
     bend = [0, 30, 0, -60, 0, 90, 0]
     keys = {"tools": {"pen": {"tcp": {"z_mm": 100}}}, "tool": "pen", "limit_torque_percent": 50}
     motions = [{"type": "lin_rel", "offset": {"z_mm": -20}, "in": "tcp"}]
-    with pytest.raises(ValueError, match="give them as start_rad"):
+    with pytest.raises(ValueError, match="bend"):
         drive.run({**keys, "start": {"frame": "bend"}, "motions": motions})
     at = {"start_rad": np.radians(bend), "move_to_start": True, "start_velocity_rel": 0.8}
     up = drive.run({**keys, "start": {"frame": "bend"}, "motions": motions}, **at)
     assert np.allclose(up.q[0], np.radians(bend), atol=1e-4)
     assert np.abs(np.degrees(up.q[-1] - up.q[0])).max() > 1.0
+    start = iw.Robot().frame(np.radians(bend))
+    again = drive.run(iw.Program([iw.lin_rel(z_mm=-20)], start_frame=start), **{**at, "start_rad": None})
+    assert np.allclose(again.q[0], np.radians(bend), atol=1e-4)
     with pytest.raises(DriveError, match="pencil"):
         drive.run({"motions": motions, "tool": "pencil"})
 
@@ -366,7 +370,7 @@ def test_only_one_run_is_on(drive: Drive) -> None:
     [
         ({**program(AWAY), "include": "cell.json"}, "includes 'cell.json'.*Program.load"),
         (program(AWAY, start=[0, 0]), r"the start's joints_deg .* found \[0.0, 0.0\]"),
-        ({"start": {}, "motions": []}, "the program's start has no joints"),
+        ({"start": {}, "motions": []}, "start"),
         ({"motions": [{"type": "wait", "seconds": math.nan}]}, "not JSON compliant"),
         ({"motions": [{"type": "wait", "seconds": 1}] * 200_000}, "bytes, and a drive takes 4194304"),
         ("{", "line 1"),

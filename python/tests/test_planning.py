@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
-from typing import TypeVar
+from typing import Callable, TypeVar
 
 import numpy as np
 import pytest
@@ -18,6 +18,7 @@ import pytest
 import iiwasim as iw
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
+JOINTS = FIXTURES / "sunrise/joints"
 PROGRAMS = ["appendix-b.json", "ten-motions.json", "waits-and-stops.json", "pick-and-place.json"]
 
 T = TypeVar("T")
@@ -175,6 +176,22 @@ def test_things_are_pickled(tmp_path: Path) -> None:
     assert np.array_equal(samples.torque, plan.sample(rate_hz=123).torque)
 
 
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda own: iw.plan(own, robot=own), "robot is of type Program; a Robot, the name"),
+        (lambda own: iw.compare(own, own), "a Recording, a Run or the path of a file"),
+        (lambda own: iw.compare(3, iw.Recording([0.0, 0.01], [[0.0] * 7] * 2)), "plan is of type int; a Plan or"),
+        (lambda own: iw.identify("log.csv"), "give a list"),
+        (lambda own: iw.import_application(JOINTS, answers={"Go?": "Yes"}), "of type str; the number of a button"),
+        (lambda own: iw.import_application(JOINTS, inputs={"speed": [1]}), "a value is of type list; True or False"),
+    ],
+)
+def test_wrong_types_are_told(call: Callable[[iw.Program], object], says: str) -> None:
+    with pytest.raises(TypeError, match=says):
+        call(swing())
+
+
 def test_recordings_and_what_they_show_are_pickled(tmp_path: Path) -> None:
     def copied(own: T) -> T:
         again = pickle.loads(pickle.dumps(own))
@@ -203,6 +220,8 @@ def test_recordings_and_what_they_show_are_pickled(tmp_path: Path) -> None:
     samples = plan.sample(rate_hz=250)
     found = iw.identify([iw.Recording(samples.t, samples.q)], program=plan.program, name="cell 3")
     assert copied(found).robot == found.robot and copied(found).figures() == found.figures()
+    again = iw.identify([tmp_path / "plan.mcap"], name="cell 3")
+    assert np.allclose(again.robot.velocity_limits_rad_s, found.robot.velocity_limits_rad_s, rtol=1e-3)
 
 
 def test_a_profile_counts_as_it_does_on_the_command_line(tmp_path: Path) -> None:
