@@ -2,7 +2,7 @@
 
 use iiwa_kin::{Joints, Pose};
 use numpy::{PyArray1, PyArrayDyn};
-use pyo3::{prelude::*, sync::PyOnceLock};
+use pyo3::{prelude::*, sync::PyOnceLock, types::PyTuple};
 
 use crate::{
     arrays::{array, joint_array, shared},
@@ -182,9 +182,12 @@ impl Samples {
         Ok(made.bind(py).clone())
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Py<Plan>, f64))> {
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let restore = py.import("iiwasim._figures")?.getattr("sampled")?;
-        Ok((restore, (self.plan.clone_ref(py), self.rate_hz)))
+        Ok((restore, (self.plan.clone_ref(py), self.rate_hz).into_pyobject(py)?))
     }
 
     fn __len__(&self, py: Python<'_>) -> usize {
