@@ -271,6 +271,7 @@ impl<const J: usize> CellBlock<J> {
         let lanes = self.gather(states);
         let mut h = [Lanes::default(); 10];
         let mut g = [Lanes::default(); 4];
+        let mut gap = Lanes::default();
         for r in 0..registers::<S>() {
             let y = &lanes.map(|lanes| lanes.load(simd, r));
             let sum = &mut Terms::new(simd);
@@ -295,9 +296,10 @@ impl<const J: usize> CellBlock<J> {
             in_middle.add::<MiddleX, MiddleV, MiddleW, S>(steps, y, zero, sum);
             std::iter::zip(&mut h, sum.h).for_each(|(lanes, h)| lanes.store(r, h));
             std::iter::zip(&mut g, sum.g).for_each(|(lanes, g)| lanes.store(r, g));
-            sums.gap += sum.gap.sum();
+            gap.store(r, sum.gap);
             sums.residual = sums.residual.max(sum.residual.largest());
         }
+        sums.gap = gap.add_to(sums.gap);
         for (lane, cell) in self.cells.into_iter().enumerate() {
             quadratics[cell] =
                 Quadratic { h: h.map(|value| value.0[lane]), g: g.map(|value| value.0[lane]) };

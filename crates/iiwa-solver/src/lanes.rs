@@ -44,6 +44,13 @@ impl Lanes {
         Vector { simd, numbers: S::as_simd_f64s(&self.0).0[register] }
     }
 
+    /// `total` and all of them: in one order, however wide registers are, so that each machine finds the same last bits.
+    #[inline(always)]
+    pub(crate) fn add_to(&self, total: f64) -> f64 {
+        let Self([a, b, c, d, e, f, g, h]) = self;
+        total + ((a + c) + (b + d)) + ((e + g) + (f + h))
+    }
+
     #[inline(always)]
     pub(crate) fn store<S: Simd>(&mut self, register: usize, vector: Vector<S>) {
         S::as_mut_simd_f64s(&mut self.0).0[register] = vector.numbers;
@@ -97,11 +104,6 @@ impl<S: Simd> Vector<S> {
     #[inline(always)]
     pub(crate) fn largest(self) -> f64 {
         self.simd.reduce_max_f64s(self.numbers)
-    }
-
-    #[inline(always)]
-    pub(crate) fn sum(self) -> f64 {
-        self.simd.reduce_sum_f64s(self.numbers)
     }
 }
 

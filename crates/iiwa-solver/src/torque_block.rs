@@ -109,6 +109,7 @@ impl TorqueBlock {
         let lanes = self.gather(states);
         let mut h = [Lanes::default(); 10];
         let mut g = [Lanes::default(); 4];
+        let mut gap = Lanes::default();
         for r in 0..registers::<S>() {
             let y = &lanes.map(|lanes| lanes.load(simd, r));
             let sum = &mut Terms::new(simd);
@@ -117,9 +118,10 @@ impl TorqueBlock {
             self.middle.add::<MiddleX, MiddleV, S>(steps, y, sum);
             std::iter::zip(&mut h, sum.h).for_each(|(lanes, h)| lanes.store(r, h));
             std::iter::zip(&mut g, sum.g).for_each(|(lanes, g)| lanes.store(r, g));
-            sums.gap += sum.gap.sum();
+            gap.store(r, sum.gap);
             sums.residual = sums.residual.max(sum.residual.largest());
         }
+        sums.gap = gap.add_to(sums.gap);
         for (lane, cell) in self.cells[..self.count].iter().enumerate() {
             let Quadratic { h: total_h, g: total_g } = &mut quadratics[*cell];
             std::iter::zip(total_h, &h).for_each(|(total, h)| *total += h.0[lane]);
