@@ -22,8 +22,8 @@ type Task = Box<dyn FnOnce() + Send>;
 
 /// Threads that wait for work, and the process that started them.
 ///
-/// They are kept, since the memory of a new thread is cold: planning on one takes a twentieth longer. Only who holds the
-/// interpreter's lock may lock this: a process that Python forks then never inherits it locked.
+/// They are kept, since the memory of a new thread is cold: planning ten motions on one takes a twelfth longer. Only who holds
+/// the interpreter's lock may lock this: a process that Python forks then never inherits it locked.
 static WORKERS: Mutex<Workers> = Mutex::new(Workers { process: 0, idle: Vec::new() });
 
 struct Workers {
