@@ -196,7 +196,7 @@ class Drive:
         Raises `DriveError`: with `.run`, what was measured up to then, if the run was stopped or broke off.
         """
         keys = _program_keys(program)
-        start = _start_of(keys) if start_rad is None else _seven(start_rad, "start_rad")
+        start = _start_of(program, keys) if start_rad is None else _seven(start_rad, "start_rad")
         request = {"type": "run_motions", **{name: keys[name] for name in MOTION_KEYS if name in keys}}
         text = _request_text(request)
         if start is not None:
@@ -442,7 +442,7 @@ def _program_keys(program: ProgramText | Mapping[str, Any] | str) -> dict[str, A
     return keys
 
 
-def _start_of(keys: dict[str, Any]) -> Joints | None:
+def _start_of(program: object, keys: dict[str, Any]) -> Joints | None:
     """Where a program starts, in rad; `None` if it does not say."""
     if "start" not in keys:
         return None
@@ -450,12 +450,12 @@ def _start_of(keys: dict[str, Any]) -> Joints | None:
     for name, to_rad in (("joints_rad", 1.0), ("joints_deg", math.pi / 180.0)):
         if isinstance(start, dict) and name in start:
             return _seven(start[name], f"the start's {name}") * to_rad
-    # A frame: the plan has the joints there.
-    from ._native import Program, plan
+    # A frame: where the joints are there depends on the robot, which a program of ours knows.
+    from ._native import Program
 
-    return _seven(
-        plan(Program.from_json(json.dumps({"version": 1, **keys}, default=_plain))).at(0.0).q, "the plan's start"
-    )
+    if not isinstance(program, Program):
+        program = Program.from_json(json.dumps({"version": 1, **keys}, default=_plain))
+    return _seven(program.start_rad, "the program's start")
 
 
 def _seven(values: object, what: str) -> Joints:

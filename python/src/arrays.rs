@@ -8,7 +8,10 @@ use numpy::{
     PyUntypedArrayMethods,
     ndarray::{ArrayD, Dimension},
 };
-use pyo3::{exceptions::PyValueError, prelude::*};
+use pyo3::{
+    exceptions::{PyMemoryError, PyValueError},
+    prelude::*,
+};
 
 /// What Python gives as joints: (7,) or (n, 7), or anything that numpy makes one of.
 pub(crate) type JointsLike<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
@@ -37,8 +40,10 @@ impl<'a> Rows<'a> {
         let joints = if let Some(slice) = slice {
             Cow::Borrowed(slice.as_chunks().0)
         } else {
-            let flat: Vec<f64> = array.as_array().iter().copied().collect();
-            Cow::Owned(flat.as_chunks().0.to_vec())
+            let rows = array.as_array();
+            let mut joints = room(rows.len() / 7)?;
+            joints.extend(rows.rows().into_iter().map(|row| std::array::from_fn(|j| row[j])));
+            Cow::Owned(joints)
         };
         let rows = Self { joints, is_single };
         rows.finite(name)?;
@@ -65,6 +70,14 @@ impl<'a> Rows<'a> {
             _ => Err(PyValueError::new_err(format!("{name} has to be of the shape (7,)"))),
         }
     }
+}
+
+/// An empty list with room for so many entries, for sizes that the caller chooses.
+pub(crate) fn room<T>(count: usize) -> PyResult<Vec<T>> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(count)
+        .map_err(|_| PyMemoryError::new_err(format!("there is no memory for {count} rows")))?;
+    Ok(list)
 }
 
 /// An array with `inner` as its last dimensions, and (n,) before them unless it is of a single row.

@@ -1,7 +1,8 @@
 //! Errors as the exceptions of `iiwasim._errors`.
 
-use std::{io, path::Path};
+use std::{fs, io, path::Path};
 
+use iiwa_files::{OutputError, folder_of};
 use iiwa_json::Place;
 use iiwa_kin::ProfileError;
 use iiwa_program::{Fault, ProgramError, Sources};
@@ -35,14 +36,44 @@ pub(crate) fn unexpected(name: &str, value: &Bound<'_, PyAny>, expected: &str) -
     }
 }
 
+/// Python's `errno.ENOENT` and `errno.EISDIR`, the same on all systems.
+const NO_SUCH_FILE: i32 = 2;
+const IS_A_FOLDER: i32 = 21;
+
 /// A file that cannot be read or written; Python chooses the exception by the system's number.
 pub(crate) fn os_error(path: &Path, error: &io::Error) -> PyErr {
     let text = error.to_string();
     let what = text.split(" (os error").next().unwrap_or(&text).to_owned();
-    match error.raw_os_error() {
+    let number = error.raw_os_error().or_else(|| match path {
+        _ if path.is_dir() => Some(IS_A_FOLDER),
+        _ if !folder_of(path).is_dir() => Some(NO_SUCH_FILE),
+        _ => None,
+    });
+    match number {
         Some(number) => PyOSError::new_err((number, what, path.display().to_string())),
         None => PyOSError::new_err(format!("{}: {what}", path.display())),
     }
+}
+
+/// A file that was not written.
+pub(crate) fn output_error(error: &OutputError) -> PyErr {
+    match error {
+        OutputError::Interrupted => PyKeyboardInterrupt::new_err(()),
+        OutputError::Write { path, source } => match source.downcast_ref() {
+            Some(error) => os_error(path, error),
+            None => PyOSError::new_err(iiwa_view::with_causes(error)),
+        },
+    }
+}
+
+/// The text of a file; an exception of `class` if it is none.
+pub(crate) fn read_text(py: Python<'_>, path: &Path, class: &str) -> PyResult<String> {
+    fs::read_to_string(path).map_err(|error| match error.kind() {
+        io::ErrorKind::InvalidData => {
+            exception(py, class, (format!("{}: the text is not UTF-8", path.display()),))
+        }
+        _ => os_error(path, &error),
+    })
 }
 
 fn in_text(py: Python<'_>, class: &str, what: &str, place: &Place) -> PyErr {

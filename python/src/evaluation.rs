@@ -1,7 +1,7 @@
 //! Plans held against recordings, and robots identified from them.
 
 use std::{
-    fs::File,
+    io::Read,
     path::{Path, PathBuf},
 };
 
@@ -12,7 +12,7 @@ use iiwa_view::{ComparisonReport, IdentificationReport, draw_comparison, with_ca
 use pyo3::{
     exceptions::{PyRuntimeError, PyValueError},
     prelude::*,
-    types::{PyDict, PyList, PyTuple},
+    types::{PyBytes, PyDict, PyList, PyTuple},
 };
 
 use crate::{
@@ -21,7 +21,7 @@ use crate::{
     options::RobotArgument,
     plan::Plan,
     program::Program,
-    recording::{Recording, recording_error},
+    recording::{Recording, open, recording_error},
     robot::Robot,
     work::interruptible,
 };
@@ -48,7 +48,8 @@ pub(crate) struct Comparison {
 /// What plans are compared with: of a file or of memory.
 pub(crate) enum PlanArgument {
     Plan(Py<Plan>),
-    Path(PathBuf),
+    /// A file as it is now, by its name.
+    File(String, Py<PyBytes>),
 }
 
 impl<'py> FromPyObject<'_, 'py> for PlanArgument {
@@ -58,8 +59,18 @@ impl<'py> FromPyObject<'_, 'py> for PlanArgument {
         if let Ok(plan) = value.cast::<Plan>() {
             return Ok(Self::Plan(plan.to_owned().unbind()));
         }
-        let path = value.extract().map(Self::Path);
-        path.map_err(|_| unexpected("plan", &value, "a Plan or the path of its MCAP file"))
+        // So it was pickled.
+        if let Ok((name, bytes)) = value.extract() {
+            return Ok(Self::File(name, bytes));
+        }
+        let path: PathBuf = value
+            .extract()
+            .map_err(|_| unexpected("plan", &value, "a Plan or the path of its MCAP file"))?;
+        let mut bytes = Vec::new();
+        let read = open(&path)?.read_to_end(&mut bytes);
+        read.map_err(|error| os_error(&path, &error))?;
+        let name = path.display().to_string();
+        Ok(Self::File(name, PyBytes::new(value.py(), &bytes).unbind()))
     }
 }
 
@@ -67,10 +78,9 @@ impl PlanArgument {
     fn reference(&self, py: Python<'_>) -> PyResult<Reference> {
         match self {
             Self::Plan(plan) => Ok(Reference::from_trajectory(&plan.get().trajectory)),
-            Self::Path(path) => {
-                let file = File::open(path).map_err(|error| os_error(path, &error))?;
-                Reference::read_mcap(file, None).map_err(|error| {
-                    let what = format!("{}: {}", path.display(), with_causes(&error));
+            Self::File(name, bytes) => {
+                Reference::read_mcap(bytes.as_bytes(py), None).map_err(|error| {
+                    let what = format!("{name}: {}", with_causes(&error));
                     exception(py, "RecordingError", (what,))
                 })
             }
@@ -217,7 +227,9 @@ impl Comparison {
         let (plan, measured) = &self.made_of;
         let plan = match plan {
             PlanArgument::Plan(plan) => plan.bind(py).clone().into_any(),
-            PlanArgument::Path(path) => path.into_pyobject(py)?,
+            PlanArgument::File(name, bytes) => {
+                (name.as_str(), bytes.bind(py)).into_pyobject(py)?.into_any()
+            }
         };
         let compare = py.import("iiwasim._native")?.getattr("compare")?;
         Ok((compare, (plan, measured.clone_ref(py)).into_pyobject(py)?))

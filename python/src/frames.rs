@@ -2,10 +2,14 @@
 
 use iiwa_kin::{Joints, Load, Pose, Redundancy, Robot, Status};
 use iiwa_program::{Target, TargetRef, Workcell};
-use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
+use pyo3::{
+    exceptions::PyValueError,
+    prelude::*,
+    types::{PyDict, PyMapping},
+};
 
 use crate::{
-    errors::{exception, program_error},
+    errors::{exception, program_error, unexpected},
     program::Program,
 };
 
@@ -30,6 +34,9 @@ fn invalid(error: &dyn std::error::Error) -> PyErr {
 
 /// A load as programs state it: `mass_kg`, `center_mm` and so on.
 pub(crate) fn load(py: Python<'_>, load: &Bound<'_, PyAny>) -> PyResult<Load> {
+    if load.cast::<PyMapping>().is_err() {
+        return Err(unexpected("load", load, "a dict with mass_kg and center_mm"));
+    }
     let text = format!(
         r#"{{"version": 1, "tools": {{"load": {{"tcp": {{}}, "load": {}}}}}}}"#,
         json(py, load)?
@@ -69,7 +76,7 @@ impl<'a> Workplace<'a> {
         py: Python<'_>,
         frame: &Bound<'_, PyAny>,
         e1_deg: Option<f64>,
-        status: Option<u8>,
+        status: Option<i64>,
         near: Option<&Joints>,
     ) -> PyResult<Joints> {
         let frame = if let Ok(name) = frame.extract::<String>() {
@@ -87,15 +94,20 @@ impl<'a> Workplace<'a> {
                 "{what} is missing: give {key}, or joints nearby as near"
             ))
         };
+        if let Some(e1_deg) = e1_deg.filter(|it| !it.is_finite()) {
+            return Err(PyValueError::new_err(format!("e1_deg is {e1_deg}; it has to be finite")));
+        }
         let e1_rad = e1_deg.map(f64::to_radians).or(target.e1_rad);
         let e1_rad = e1_rad
             .or(near.map(|near| near.e1_rad))
             .ok_or_else(|| missing("E1, the position of joint A3,", "e1_deg"))?;
         let given = match status {
             None => None,
-            Some(bits) => Some(Status::new(bits).ok_or_else(|| {
-                PyValueError::new_err(format!("status is {bits}; it is from 0 to 7"))
-            })?),
+            Some(bits) => {
+                let known = u8::try_from(bits).ok().and_then(Status::new);
+                let refused = || format!("status is {bits}; it is from 0 to 7");
+                Some(known.ok_or_else(|| PyValueError::new_err(refused()))?)
+            }
         };
         let status = given
             .or(target.status)

@@ -16,11 +16,14 @@ mod scene;
 mod sunrise;
 mod work;
 
-use pyo3::prelude::*;
+use pyo3::prelude::pymodule;
 
 /// What is written in Rust; `iiwasim` has it all.
 #[pymodule(gil_used = false)]
 mod _native {
+    use numpy::PyArray1;
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use super::{
         evaluation::{Comparison, Identification, compare, identify},
@@ -34,4 +37,11 @@ mod _native {
         scene::{Clearance, Scene},
         sunrise::{applications, import_application},
     };
+
+    /// Loads numpy's part: where an array is made first, Ctrl-C could come in between.
+    #[pymodule_init]
+    fn load_numpy(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        PyArray1::<f64>::zeros(module.py(), 0, false);
+        Ok(())
+    }
 }

@@ -76,13 +76,12 @@ pub(crate) fn plan_options(
     timing: &str,
     blend_shape: &str,
     blend_search: &str,
-    samples: u32,
+    samples: i64,
 ) -> PyResult<PlanOptions> {
-    if !(2..=100_000).contains(&samples) {
-        return Err(PyValueError::new_err(format!(
-            "samples is {samples}; from 2 to 100000 are possible"
-        )));
-    }
+    let samples =
+        u32::try_from(samples).ok().filter(|it| (2..=100_000).contains(it)).ok_or_else(|| {
+            PyValueError::new_err(format!("samples is {samples}; from 2 to 100000 are possible"))
+        })?;
     let timing = word(
         "timing",
         timing,

@@ -17,7 +17,7 @@ pub(crate) fn page(
     measured: Option<PathBuf>,
     scene: Option<&Bound<'_, Scene>>,
 ) -> PyResult<String> {
-    let scene = scene.map(|scene| (*scene.get().scene).clone());
+    let scene = scene.map(|scene| (*scene.get().parsed).clone());
     let work = move |_| -> Result<String, String> {
         let options = PageOptions { scene, ..PageOptions::default() };
         // A pool that ends here: see `interruptible`.

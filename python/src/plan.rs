@@ -19,6 +19,7 @@ use pyo3::{
 
 use crate::{
     arrays::array,
+    errors::output_error,
     frames::object,
     program::Program,
     robot::Robot,
@@ -76,7 +77,7 @@ impl Plan {
         find: impl Fn(&ArmInScene, &Trajectory) -> Option<PlannedClearance> + Send + Sync,
     ) -> Option<Clearance> {
         py.detach(|| {
-            let arm = ArmInScene::new(self.trajectory.path().robot(), &scene.scene);
+            let arm = ArmInScene::new(self.trajectory.path().robot(), &scene.parsed);
             let found = find(&arm, &self.trajectory)?;
             Some(Clearance::new(&arm, &found.clearance, Some(&found)))
         })
@@ -302,13 +303,13 @@ impl Plan {
         let config = PlanConfig { rate_hz: rate(rate_hz)?, ..PlanConfig::default() };
         let failed = |error: &dyn std::error::Error| PyOSError::new_err(with_causes(error));
         py.detach(|| {
-            let output = Output::new(&path).map_err(|error| failed(&error))?;
-            let stream = output.stream().map_err(|error| failed(&error))?;
+            let output = Output::new(&path).map_err(|error| output_error(&error))?;
+            let stream = output.stream().map_err(|error| output_error(&error))?;
             write_plan(stream, &self.trajectory, &self.options, config, &self.text)
                 .map_err(|error| failed(&error))?
                 .into_inner()
                 .map_err(|error| failed(error.error()))?;
-            output.complete().map_err(|error| failed(&error))
+            output.complete().map_err(|error| output_error(&error))
         })
     }
 

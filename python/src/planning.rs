@@ -14,14 +14,14 @@ use iiwa_path::JointPath;
 use iiwa_program::{MAX_TORQUE_LIMIT, MIN_TORQUE_LIMIT, Program as Motions};
 use iiwa_traj::{PlanError, Planner, TimingError, Trajectory};
 use pyo3::{
-    exceptions::{PyRuntimeError, PyTypeError, PyValueError},
+    exceptions::{PyRuntimeError, PyValueError},
     prelude::*,
     types::PyList,
 };
 use rayon::{ThreadPoolBuilder, prelude::*};
 
 use crate::{
-    errors::plan_error,
+    errors::{plan_error, unexpected},
     options::{RobotArgument, plan_options},
     plan::Plan,
     program::Program,
@@ -93,11 +93,15 @@ fn torque_share(percent: Option<f64>) -> PyResult<Option<f64>> {
     Ok(Some(share))
 }
 
-/// Lets this thread wait where another one wants its core: those of Python go on while all cores plan.
-fn give_way() {
+/// Lets this thread wait where another one wants its core: those of Python go on while planning `takes_all` cores.
+fn give_way(takes_all: bool) {
     // Elsewhere it would be the whole process that waits.
     #[cfg(target_os = "linux")]
-    let _ = rustix::process::nice(10);
+    if takes_all {
+        let _ = rustix::process::nice(5);
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = takes_all;
 }
 
 /// Plans a program: the fastest motion along its path within the limits of velocity, acceleration and, by `timing='jerk'`, jerk.
@@ -123,7 +127,7 @@ pub(crate) fn plan(
     timing: &str,
     blend_shape: &str,
     blend_search: &str,
-    samples: u32,
+    samples: i64,
     limit_torque_percent: Option<f64>,
 ) -> PyResult<Plan> {
     let options = plan_options(timing, blend_shape, blend_search, samples)?;
@@ -140,7 +144,7 @@ pub(crate) fn plan(
 /// Plans many programs on all cores, or on `jobs` of them: a list of their plans, in the order of the programs.
 ///
 /// Where a program cannot be planned, its exception is in the list. `progress(done, total)` is called from time to time. Other
-/// threads of Python run meanwhile, and Ctrl-C ends it.
+/// threads of Python run meanwhile: on Linux, planning on all cores leaves them to whoever wants one. Ctrl-C ends it.
 ///
 /// >>> import iiwasim as iw
 /// >>> targets = [10, 20, 700]
@@ -160,9 +164,9 @@ pub(crate) fn plan_all<'py>(
     timing: &str,
     blend_shape: &str,
     blend_search: &str,
-    samples: u32,
+    samples: i64,
     limit_torque_percent: Option<f64>,
-    jobs: Option<usize>,
+    jobs: Option<i64>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyList>> {
     let options = plan_options(timing, blend_shape, blend_search, samples)?;
@@ -171,21 +175,24 @@ pub(crate) fn plan_all<'py>(
     let mut work = Vec::new();
     for (index, program) in programs.try_iter()?.enumerate() {
         let program = program?;
-        let program = program.cast::<Program>().map_err(|_| {
-            PyTypeError::new_err(format!("programs[{index}] is no iiwasim.Program: {program}"))
-        })?;
+        let program = program
+            .cast::<Program>()
+            .map_err(|_| unexpected(&format!("programs[{index}]"), &program, "a Program"))?;
         work.push(Job::new(program.get(), robot.as_ref(), torque_rel));
     }
     let total = work.len();
+    let cores = available_parallelism().map_or(1, usize::from);
     let threads = match jobs {
-        Some(0) => return Err(PyValueError::new_err("jobs is 0; at least 1 is needed")),
-        Some(jobs) => jobs,
-        None => available_parallelism().map_or(1, usize::from),
+        None => cores,
+        Some(jobs) => usize::try_from(jobs).ok().filter(|jobs| *jobs > 0).ok_or_else(|| {
+            PyValueError::new_err(format!("jobs is {jobs}; at least 1 is needed"))
+        })?,
     };
+    let takes_all = threads > 1 && threads >= cores;
     // Made and ended here: see `interruptible`.
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads.min(total.max(1)))
-        .start_handler(|_| give_way())
+        .start_handler(move |_| give_way(takes_all))
         .build()
         .map_err(|error| PyRuntimeError::new_err(format!("cannot start the threads: {error}")))?;
     let done = Arc::new(AtomicUsize::new(0));

@@ -6,16 +6,18 @@ use std::{
     sync::Arc,
 };
 
-use iiwa_files::beside;
+use iiwa_files::{Output, beside};
 use iiwa_kin::Robot as Model;
-use iiwa_program::{Program as Motions, ProgramError, Start};
+use iiwa_program::{Program as Motions, ProgramError};
+use numpy::PyArrayDyn;
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 
 use crate::{
-    arrays::{JointsLike, Rows},
-    errors::{exception, os_error, program_error},
+    arrays::{JointsLike, Rows, array},
+    errors::{exception, fault, output_error, program_error, read_text},
     frames::{json_of_program, object},
-    robot::{Robot, find, restorable, restored},
+    options::RobotArgument,
+    robot::{Robot, find, is_same, restorable, restored},
 };
 
 /// A motion program: where the arm stands, and what it does then. Immutable.
@@ -51,7 +53,21 @@ impl Program {
     pub(crate) fn planned(parsed: &Arc<Motions>, text: &Arc<str>, robot: &Model) -> Self {
         let is_as_read = Motions::from_json(text).is_ok_and(|read| read == **parsed);
         let text = if is_as_read { Arc::clone(text) } else { parsed.to_json().into() };
-        Self { parsed: Arc::clone(parsed), text, robot: Some(Arc::new(robot.clone())) }
+        let robot = Some(Arc::new(robot.clone()));
+        let own = Self { parsed: Arc::clone(parsed), text, robot };
+        if own.names_its_robot() {
+            return own;
+        }
+        let mut parsed = (**parsed).clone();
+        parsed.robot = Some(own.model().name().to_owned());
+        Self { text: parsed.to_json().into(), parsed: Arc::new(parsed), robot: own.robot }
+    }
+
+    /// Whether its text alone says which robot it is for.
+    fn names_its_robot(&self) -> bool {
+        let name = self.parsed.robot.as_deref();
+        let named = name.map_or_else(|| Some(Model::default()), Model::built_in);
+        named.is_some_and(|named| is_same(&named, &self.model()))
     }
 
     fn read(py: Python<'_>, text: &str, robot: Option<Arc<Model>>) -> PyResult<Self> {
@@ -68,18 +84,11 @@ impl Program {
         self.robot.as_deref().cloned().unwrap_or_default()
     }
 
-    /// With another start, or another list of motions.
-    fn changed(&self, py: Python<'_>, change: impl FnOnce(&mut Motions)) -> PyResult<Self> {
-        let mut program = (*self.parsed).clone();
-        change(&mut program);
-        program.check_numbers().map_err(|fault| {
-            crate::errors::fault(py, &fault, &program.sources, &program.to_json())
-        })?;
-        Ok(Self {
-            text: program.to_json().into(),
-            parsed: Arc::new(program),
-            robot: self.robot.clone(),
-        })
+    /// With another value of a key.
+    fn with(&self, py: Python<'_>, key: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let program = object(py, &self.text)?;
+        program.set_item(key, value)?;
+        Self::read(py, &json_of_program(py, program.cast()?)?, self.robot.clone())
     }
 }
 
@@ -96,18 +105,18 @@ fn model_beside(py: Python<'_>, path: &Path, name: &str, text: &str) -> PyResult
     find(py, &profile)
 }
 
+/// Writes a file, whole or not at all.
+fn write(path: &Path, text: &str) -> PyResult<()> {
+    let write = || {
+        let output = Output::new(path)?;
+        output.write(text.as_bytes())?;
+        output.complete()
+    };
+    write().map_err(|error| output_error(&error))
+}
+
 /// What makes a program again: its text, and its robot.
 type Restorable<'py> = (Bound<'py, PyAny>, (String, Option<String>));
-
-/// The joints of either argument.
-fn joints(deg: Option<JointsLike<'_>>, rad: Option<JointsLike<'_>>) -> PyResult<Option<[f64; 7]>> {
-    match (&deg, &rad) {
-        (Some(deg), None) => Ok(Some(Rows::new("deg", deg)?.single("deg")?.map(f64::to_radians))),
-        (None, Some(rad)) => Ok(Some(*Rows::new("rad", rad)?.single("rad")?)),
-        (None, None) => Ok(None),
-        (Some(_), Some(_)) => Err(PyValueError::new_err("give joints in deg or in rad, not both")),
-    }
-}
 
 #[pymethods]
 impl Program {
@@ -120,10 +129,10 @@ impl Program {
     fn new<'py>(
         py: Python<'py>,
         motions: Bound<'py, PyAny>,
-        start_deg: Option<Vec<f64>>,
-        start_rad: Option<Vec<f64>>,
+        start_deg: Option<JointsLike<'py>>,
+        start_rad: Option<JointsLike<'py>>,
         start_frame: Option<Bound<'py, PyAny>>,
-        robot: Option<Bound<'py, PyAny>>,
+        robot: Option<RobotArgument<'py>>,
         tools: Option<Bound<'py, PyAny>>,
         bases: Option<Bound<'py, PyAny>>,
         frames: Option<Bound<'py, PyAny>>,
@@ -134,15 +143,15 @@ impl Program {
         limit_torque_percent: Option<f64>,
     ) -> PyResult<Self> {
         let start = PyDict::new(py);
-        let numbers = |given: Option<Vec<f64>>| given.map(|it| it.into_pyobject(py)).transpose();
-        for (key, value) in [
-            ("joints_deg", numbers(start_deg)?.map(Bound::into_any)),
-            ("joints_rad", numbers(start_rad)?.map(Bound::into_any)),
-            ("frame", start_frame),
-        ] {
-            if let Some(value) = value {
-                start.set_item(key, value)?;
+        for (name, key, given) in
+            [("start_deg", "joints_deg", start_deg), ("start_rad", "joints_rad", start_rad)]
+        {
+            if let Some(given) = given {
+                start.set_item(key, *Rows::new(name, &given)?.single(name)?)?;
             }
+        }
+        if let Some(frame) = start_frame {
+            start.set_item("frame", frame)?;
         }
         if start.len() != 1 {
             return Err(PyValueError::new_err(
@@ -152,13 +161,13 @@ impl Program {
         let program = PyDict::new(py);
         program.set_item("version", 1)?;
         let mut model = None;
-        if let Some(robot) = &robot {
-            if let Ok(robot) = robot.cast::<Robot>() {
+        match &robot {
+            None => {}
+            Some(RobotArgument::Robot(robot)) => {
                 program.set_item("robot", robot.get().model.name())?;
                 model = Some(Arc::clone(&robot.get().model));
-            } else {
-                program.set_item("robot", robot.str()?)?;
             }
+            Some(RobotArgument::Path(name)) => program.set_item("robot", name.to_string_lossy())?,
         }
         program.set_item("start", start)?;
         for (key, value) in [
@@ -200,7 +209,7 @@ impl Program {
     /// <iiwasim.Program 4 motions, lbr_iiwa_7_r800>
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let text = fs::read_to_string(&path).map_err(|error| os_error(&path, &error))?;
+        let text = read_text(py, &path, "ProgramError")?;
         let text = text.trim_start_matches('\u{feff}');
         let mut included = None;
         let read = |name: &str| {
@@ -224,7 +233,7 @@ impl Program {
         Ok(Self { parsed: Arc::new(program), text: text.into(), robot: robot.map(Arc::new) })
     }
 
-    /// Its text: what `from_json` and `iiwasim plan` read.
+    /// Its text: what `from_json` and `iiwasim plan` read. A robot of your own is in it by its name only; `save` has its profile.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.wait(1)], start_deg=[0] * 7)
@@ -234,7 +243,7 @@ impl Program {
         &self.text
     }
 
-    /// Writes its text to a file.
+    /// Writes its text to a file, and beside it the profile of a robot of your own: for `cell.json`, `cell-robot.json`.
     ///
     /// >>> import iiwasim as iw, os, tempfile
     /// >>> with tempfile.TemporaryDirectory() as folder:
@@ -242,8 +251,15 @@ impl Program {
     /// ...     iw.Program([iw.wait(1)], start_deg=[0] * 7).save(file)
     /// ...     len(iw.Program.load(file))
     /// 1
-    fn save(&self, path: PathBuf) -> PyResult<()> {
-        fs::write(&path, &*self.text).map_err(|error| os_error(&path, &error))
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        if self.names_its_robot() {
+            return write(&path, &self.text);
+        }
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let name = format!("{stem}-robot.json");
+        let named = self.with(py, "robot", name.as_str().into_pyobject(py)?.as_any())?;
+        write(&path.with_file_name(&name), &self.model().to_full_profile())?;
+        write(&path, &named.text)
     }
 
     /// The same motions from another start (7,), in degrees or in rad.
@@ -260,9 +276,16 @@ impl Program {
         deg: Option<JointsLike<'_>>,
         rad: Option<JointsLike<'_>>,
     ) -> PyResult<Self> {
-        let start = joints(deg, rad)?
-            .ok_or_else(|| PyValueError::new_err("give the start in deg or in rad"))?;
-        self.changed(py, |program| program.start = Start::Joints(start))
+        let start = PyDict::new(py);
+        for (name, key, given) in [("deg", "joints_deg", deg), ("rad", "joints_rad", rad)] {
+            if let Some(given) = given {
+                start.set_item(key, *Rows::new(name, &given)?.single(name)?)?;
+            }
+        }
+        if start.len() != 1 {
+            return Err(PyValueError::new_err("give the start either in deg or in rad"));
+        }
+        self.with(py, "start", &start)
     }
 
     /// The same start, tools and frames with other motions.
@@ -272,9 +295,8 @@ impl Program {
     /// >>> len(program.with_motions([*program.motions, iw.wait(2)]))
     /// 2
     fn with_motions(&self, py: Python<'_>, motions: Bound<'_, PyAny>) -> PyResult<Self> {
-        let program = object(py, &self.text)?;
-        program.set_item("motions", py.import("builtins")?.call_method1("list", (motions,))?)?;
-        Self::read(py, &json_of_program(py, program.cast()?)?, self.robot.clone())
+        let motions = py.import("builtins")?.call_method1("list", (motions,))?;
+        self.with(py, "motions", &motions)
     }
 
     /// Its motions, as dicts; changing them changes nothing in the program.
@@ -297,13 +319,25 @@ impl Program {
         Robot::of(self.model())
     }
 
+    /// The joints (7,) at the start, in rad. Raises `ProgramError` if it is a frame that the robot cannot reach.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Program([iw.wait(1)], start_deg=[0, 0, 0, 90, 0, 0, 0]).start_rad[3]
+    /// np.float64(1.5707963267948966)
+    #[getter]
+    fn start_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let start = self.parsed.start_rad(&self.model());
+        let start = start.map_err(|it| fault(py, &it, &self.parsed.sources, &self.text))?;
+        array(py, vec![start], &[7], true)
+    }
+
     fn __len__(&self) -> usize {
         self.parsed.motions.len()
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| {
-            other.get().parsed == self.parsed && other.get().model() == self.model()
+            other.get().parsed == self.parsed && is_same(&other.get().model(), &self.model())
         })
     }
 

@@ -1,6 +1,11 @@
 //! Recordings.
 
-use std::{fs::File, mem, path::PathBuf, sync::Arc};
+use std::{
+    fs::File,
+    io, mem,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use iiwa_kin::Joints;
 use iiwa_log::{JointLog, JointLogError};
@@ -32,6 +37,14 @@ impl Recording {
     fn of(log: JointLog) -> Self {
         Self { log: Arc::new(log), t: PyOnceLock::new(), q: PyOnceLock::new() }
     }
+}
+
+/// A file, and no folder.
+pub(crate) fn open(path: &Path) -> PyResult<File> {
+    let opened = File::open(path).and_then(|file| {
+        if path.is_dir() { Err(io::ErrorKind::IsADirectory.into()) } else { Ok(file) }
+    });
+    opened.map_err(|error| os_error(path, &error))
 }
 
 /// What the recording is not.
@@ -84,7 +97,7 @@ impl Recording {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let name = path.display().to_string();
-        let file = File::open(&path).map_err(|error| os_error(&path, &error))?;
+        let file = open(&path)?;
         let log = py.detach(|| JointLog::read(file).and_then(|log| log.check_rate().map(|()| log)));
         let log = log.map_err(|error| recording_error(py, &name, &error))?;
         Ok(Self::of(log))

@@ -1,14 +1,14 @@
 //! Robot models and their kinematics and dynamics.
 
-use std::{fs, path::Path, sync::Arc};
+use std::{path::Path, sync::Arc};
 
 use iiwa_kin::{Joints, Pose, Robot as Model};
 use numpy::PyArrayDyn;
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 
 use crate::{
-    arrays::{JointsLike, Rows, array},
-    errors::{os_error, profile_error},
+    arrays::{JointsLike, Rows, array, room},
+    errors::{profile_error, read_text},
     frames::{self, Workplace},
     program::Program,
 };
@@ -43,7 +43,7 @@ pub(crate) fn find(py: Python<'_>, name: &Path) -> PyResult<Model> {
             Model::BUILT_IN.join(" and "),
         )));
     }
-    of_profile(py, &fs::read_to_string(name).map_err(|error| os_error(name, &error))?)
+    of_profile(py, &read_text(py, name, "ProfileError")?)
 }
 
 /// The name of a built-in model, or a profile: what [`restored`] takes.
@@ -52,6 +52,11 @@ pub(crate) fn restorable(model: &Model) -> String {
         Some(built_in) if built_in == *model => model.name().to_owned(),
         _ => model.to_full_profile(),
     }
+}
+
+/// Whether they move in the same way: a profile does not say which of its numbers are assumed.
+pub(crate) fn is_same(one: &Model, other: &Model) -> bool {
+    one == other || (one.name() == other.name() && restorable(one) == restorable(other))
 }
 
 /// The model that a text of [`restorable`] stands for.
@@ -219,8 +224,7 @@ impl Robot {
     ) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
         let rows = Rows::new("q", &q)?;
         let count = rows.joints.len();
-        let (mut positions, mut rotations) =
-            (Vec::with_capacity(count), Vec::<[f64; 9]>::with_capacity(count));
+        let (mut positions, mut rotations) = (room(count)?, room::<[f64; 9]>(count)?);
         py.detach(|| {
             self.poses(&rows.joints, |poses| {
                 positions.extend(poses.iter().map(|pose| pose.position_m));
@@ -269,7 +273,7 @@ impl Robot {
         py: Python<'py>,
         frame: &Bound<'py, PyAny>,
         e1_deg: Option<f64>,
-        status: Option<u8>,
+        status: Option<i64>,
         near: Option<JointsLike<'py>>,
         program: Option<&Bound<'py, Program>>,
         tool: Option<String>,
@@ -388,7 +392,7 @@ impl Robot {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().model == self.model)
+        other.cast::<Self>().is_ok_and(|other| is_same(&other.get().model, &self.model))
     }
 
     fn __hash__(&self) -> u64 {

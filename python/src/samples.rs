@@ -5,7 +5,7 @@ use numpy::{PyArray1, PyArrayDyn};
 use pyo3::{prelude::*, sync::PyOnceLock, types::PyTuple};
 
 use crate::{
-    arrays::{array, joint_array, shared},
+    arrays::{array, joint_array, room, shared},
     plan::Plan,
 };
 
@@ -35,17 +35,16 @@ pub(crate) struct Samples {
 impl Samples {
     pub(crate) fn of(plan: &Bound<'_, Plan>, rate_hz: f64) -> PyResult<Self> {
         let (py, trajectory) = (plan.py(), &plan.get().trajectory);
-        let (t, q, dq, ddq, motion) = py.detach(|| {
+        let (t, q, dq, ddq, motion) = py.detach(|| -> PyResult<_> {
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 reason = "a capacity: more than that is allocated on the way"
             )]
             let count = (trajectory.cycle_time_s() * rate_hz) as usize + 2;
-            let rows = || Vec::<Joints>::with_capacity(count);
-            let (mut t, mut q, mut dq, mut ddq) =
-                (Vec::with_capacity(count), rows(), rows(), rows());
-            let mut motion = Vec::with_capacity(count);
+            let rows = || room::<Joints>(count);
+            let (mut t, mut q, mut dq, mut ddq) = (room(count)?, rows()?, rows()?, rows()?);
+            let mut motion = room(count)?;
             for state in trajectory.samples(rate_hz) {
                 t.push(state.t_s);
                 q.push(state.q);
@@ -53,8 +52,9 @@ impl Samples {
                 ddq.push(state.ddq);
                 motion.push(u32::try_from(state.motion.number()).unwrap_or(u32::MAX));
             }
-            (t, q, dq, ddq, motion)
-        });
+            Ok((t, q, dq, ddq, motion))
+        })?;
+        py.check_signals()?;
         Ok(Self {
             plan: plan.clone().unbind(),
             rate_hz,

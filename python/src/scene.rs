@@ -1,14 +1,18 @@
 //! Scenes, and clearances in them.
 
-use std::{fs, path::PathBuf, sync::Arc};
+use std::{collections::BTreeMap, fs, path::PathBuf, sync::Arc};
 
 use iiwa_files::beside;
 use iiwa_scene::{ArmInScene, Clearance as Distance, PlannedClearance, Scene as Obstacles};
-use pyo3::{exceptions::PyValueError, prelude::*, types::PyTuple};
+use pyo3::{
+    exceptions::PyValueError,
+    prelude::*,
+    types::{PyBytes, PyDict, PyTuple},
+};
 
 use crate::{
     arrays::{JointsLike, Rows},
-    errors::{os_error, scene_error},
+    errors::{read_text, scene_error},
     options::RobotArgument,
 };
 
@@ -19,9 +23,11 @@ use crate::{
 /// <iiwasim.Scene 10 obstacles>
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Scene {
-    pub(crate) scene: Arc<Obstacles>,
-    /// As it was read; none of one whose meshes are in other files.
-    text: Option<Arc<str>>,
+    pub(crate) parsed: Arc<Obstacles>,
+    /// As it was read.
+    text: Arc<str>,
+    /// The files of its meshes, by the names that it has for them.
+    meshes: BTreeMap<String, Vec<u8>>,
 }
 
 impl Scene {
@@ -29,7 +35,8 @@ impl Scene {
     pub(crate) fn bare() -> PyResult<Self> {
         let scene =
             Obstacles::new(Vec::new()).map_err(|error| PyValueError::new_err(error.to_string()))?;
-        Ok(Self { scene: Arc::new(scene), text: None })
+        let text = r#"{"version": 1, "obstacles": []}"#.into();
+        Ok(Self { parsed: Arc::new(scene), text, meshes: BTreeMap::new() })
     }
 }
 
@@ -45,7 +52,7 @@ impl Scene {
     #[staticmethod]
     fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
         let scene = Obstacles::from_json(text).map_err(|error| scene_error(py, &error))?;
-        Ok(Self { scene: Arc::new(scene), text: Some(text.into()) })
+        Ok(Self { parsed: Arc::new(scene), text: text.into(), meshes: BTreeMap::new() })
     }
 
     /// The scene of a file, with the meshes that it names beside it.
@@ -55,17 +62,18 @@ impl Scene {
     /// 10
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let text = fs::read_to_string(&path).map_err(|error| os_error(&path, &error))?;
+        let text = read_text(py, &path, "SceneError")?;
         let text = text.trim_start_matches('\u{feff}');
-        let mut has_meshes = false;
+        let mut meshes = BTreeMap::new();
         let mesh = |name: &str| {
-            has_meshes = true;
             let file = beside(&path, name, &["stl", "obj"]).map_err(|error| error.to_string())?;
-            fs::read(&file).map_err(|error| error.to_string())
+            let bytes = fs::read(&file).map_err(|error| error.to_string())?;
+            meshes.insert(name.to_owned(), bytes.clone());
+            Ok(bytes)
         };
         let scene =
             Obstacles::from_json_with(text, mesh).map_err(|error| scene_error(py, &error))?;
-        Ok(Self { scene: Arc::new(scene), text: (!has_meshes).then(|| text.into()) })
+        Ok(Self { parsed: Arc::new(scene), text: text.into(), meshes })
     }
 
     /// The names of the obstacles.
@@ -75,7 +83,7 @@ impl Scene {
     /// 'floor'
     #[getter]
     fn obstacles(&self) -> Vec<String> {
-        self.scene.obstacles().iter().map(|it| it.name.clone()).collect()
+        self.parsed.obstacles().iter().map(|it| it.name.clone()).collect()
     }
 
     /// How near the arm is to the obstacles at `q` (7,), in rad; `None` if there are none.
@@ -92,20 +100,33 @@ impl Scene {
     ) -> PyResult<Option<Clearance>> {
         let robot = robot.map(|robot| robot.model(py)).transpose()?.unwrap_or_default();
         let rows = Rows::new("q", &q)?;
-        let arm = ArmInScene::new(&robot, &self.scene);
+        let arm = ArmInScene::new(&robot, &self.parsed);
         let found = arm.clearance(rows.single("q")?);
         Ok(found.map(|found| Clearance::new(&arm, &found, None)))
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
-        let text = slf.get().text.as_ref().ok_or_else(|| {
-            PyValueError::new_err("a scene with meshes in files cannot be pickled; load it again")
-        })?;
-        Ok((slf.get_type().getattr("from_json")?, (text.to_string(),)))
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, own) = (slf.py(), slf.get());
+        let meshes = PyDict::new(py);
+        for (name, bytes) in &own.meshes {
+            meshes.set_item(name, PyBytes::new(py, bytes))?;
+        }
+        Ok((slf.get_type().getattr("_restore")?, (&*own.text, meshes).into_pyobject(py)?))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (text, meshes, /))]
+    fn _restore(py: Python<'_>, text: &str, meshes: BTreeMap<String, Vec<u8>>) -> PyResult<Self> {
+        let mesh = |name: &str| meshes.get(name).cloned().ok_or_else(|| "it is missing".to_owned());
+        let scene =
+            Obstacles::from_json_with(text, mesh).map_err(|error| scene_error(py, &error))?;
+        Ok(Self { parsed: Arc::new(scene), text: text.into(), meshes })
     }
 
     fn __repr__(&self) -> String {
-        let count = self.scene.obstacles().len();
+        let count = self.parsed.obstacles().len();
         format!("<iiwasim.Scene {count} obstacle{}>", if count == 1 { "" } else { "s" })
     }
 }

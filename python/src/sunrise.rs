@@ -3,19 +3,22 @@
 use std::path::{Path, PathBuf};
 
 use iiwa_application::{Application, ImportOptions, import};
-use iiwa_sunrise::{AnswerValue, Answers, Project};
+use iiwa_sunrise::{AnswerValue, Answers, Project, ProjectError, QuestionKind};
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 use std::collections::BTreeMap;
 
 use crate::{
     arrays::{JointsLike, Rows},
-    errors::{exception, unexpected},
+    errors::{exception, os_error, unexpected},
     options::RobotArgument,
     program::Program,
 };
 
 fn open(py: Python<'_>, folder: &Path) -> PyResult<Project> {
-    Project::open(folder).map_err(|error| exception(py, "SunriseError", (error.to_string(),)))
+    Project::open(folder).map_err(|error| match error {
+        ProjectError::Folder { path, source } => os_error(&path, &source),
+        error => exception(py, "SunriseError", (error.to_string(),)),
+    })
 }
 
 /// The applications of the Sunrise project in a folder, by their names.
@@ -93,12 +96,21 @@ pub(crate) fn import_application<'py>(
     } else {
         Answers::default()
     };
+    let mut unasked = Vec::new();
     for (text, buttons) in answers.unwrap_or_default() {
+        unasked.push((QuestionKind::Dialog, text.clone()));
         given.dialogs.retain(|known, _| !known.contains(&text));
         given.dialogs.insert(text, buttons.0);
     }
-    given.inputs.extend(inputs.unwrap_or_default().into_iter().map(|(k, v)| (k, v.0)));
-    given.data.extend(data.unwrap_or_default().into_iter().map(|(k, v)| (k, v.0)));
+    for (kind, values, known) in [
+        (QuestionKind::Input, inputs, &mut given.inputs),
+        (QuestionKind::ProcessData, data, &mut given.data),
+    ] {
+        for (name, value) in values.unwrap_or_default() {
+            unasked.push((kind, name.clone()));
+            known.insert(name, value.0);
+        }
+    }
     let start_rad = match &start_deg {
         None => None,
         Some(deg) => Some(Rows::new("start_deg", deg)?.single("start_deg")?.map(f64::to_radians)),
@@ -114,8 +126,12 @@ pub(crate) fn import_application<'py>(
     let imported = imported.map_err(|error| exception(py, "SunriseError", (error.to_string(),)))?;
     let told = PyDict::new(py);
     told.set_item("application", imported.application.qualified_name)?;
-    let notes: Vec<_> =
+    let mut notes: Vec<_> =
         imported.notes.iter().map(|note| format!("{}: {}", note.source, note.text)).collect();
+    unasked.retain(|(kind, name)| {
+        !imported.questions.iter().any(|it| it.kind == *kind && it.asked.contains(name))
+    });
+    notes.extend(unasked.iter().map(|(_, name)| format!("nothing asks for {name:?}")));
     told.set_item("notes", notes)?;
     let asked = |it: &iiwa_sunrise::Question| {
         format!("{}:{} asks {:?}, answered by {}", it.file, it.line, it.asked, it.answer)

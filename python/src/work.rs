@@ -41,6 +41,15 @@ impl Workers {
         }
         workers
     }
+
+    /// Keeps a worker that has nothing to do, if it may be wanted again.
+    fn keep(py: Python<'_>, worker: Sender<Task>) {
+        let most = thread::available_parallelism().map_or(1, usize::from);
+        let mut workers = Self::lock(py);
+        if workers.idle.len() < most {
+            workers.idle.push(worker);
+        }
+    }
 }
 
 fn idle_worker(py: Python<'_>) -> PyResult<Sender<Task>> {
@@ -85,12 +94,12 @@ pub(crate) fn interruptible<T: Send + 'static>(
                     stop.store(true, Ordering::Relaxed);
                     let _ =
                         py.detach(|| receive.lock().unwrap_or_else(PoisonError::into_inner).recv());
-                    Workers::lock(py).idle.push(worker);
+                    Workers::keep(py, worker);
                     return Err(error);
                 }
             }
         }
     };
-    Workers::lock(py).idle.push(worker);
+    Workers::keep(py, worker);
     result.or_else(|panic| resume_unwind(panic))
 }

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 import json
+import math
 import os
 import pickle
+import shutil
 import signal
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Callable, TypeVar
 
@@ -21,6 +25,7 @@ FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 JOINTS = FIXTURES / "sunrise/joints"
 PROGRAMS = ["appendix-b.json", "ten-motions.json", "waits-and-stops.json", "pick-and-place.json"]
 
+FRAME = ["x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg"]
 T = TypeVar("T")
 
 
@@ -150,7 +155,7 @@ def test_programs_are_what_they_were() -> None:
     assert iw.Program.from_json(program.to_json()) == program
     rad = np.deg2rad([10, 20, 0, -60, 0, 90, 0])
     assert program.with_start(rad=rad) == program.with_start(deg=[10, 20, 0, -60, 0, 90, 0])
-    with pytest.raises(ValueError, match="both"):
+    with pytest.raises(ValueError, match="either"):
         program.with_start(deg=rad, rad=rad)
     assert hash(program) == hash(program.with_motions(program.motions))
 
@@ -183,6 +188,9 @@ def test_things_are_pickled(tmp_path: Path) -> None:
         (lambda own: iw.compare(own, own), "a Recording, a Run or the path of a file"),
         (lambda own: iw.compare(3, iw.Recording([0.0, 0.01], [[0.0] * 7] * 2)), "plan is of type int; a Plan or"),
         (lambda own: iw.identify("log.csv"), "give a list"),
+        (lambda own: iw.plan_all([own, 3]), r"programs\[1\] is of type int; a Program"),
+        (lambda own: iw.Program([], start_deg=[0] * 7, robot=3), "robot is of type int; a Robot"),
+        (lambda own: iw.Robot().torques([0.0] * 7, load=3), "load is of type int; a dict"),
         (lambda own: iw.import_application(JOINTS, answers={"Go?": "Yes"}), "of type str; the number of a button"),
         (lambda own: iw.import_application(JOINTS, inputs={"speed": [1]}), "a value is of type list; True or False"),
     ],
@@ -190,6 +198,127 @@ def test_things_are_pickled(tmp_path: Path) -> None:
 def test_wrong_types_are_told(call: Callable[[iw.Program], object], says: str) -> None:
     with pytest.raises(TypeError, match=says):
         call(swing())
+
+
+def test_scenes_with_meshes_are_pickled(tmp_path: Path) -> None:
+    corners = [(0, 0, 0), (60, 0, 0), (0, 60, 0), (0, 0, 90)]
+    faces = [(1, 3, 2), (1, 2, 4), (2, 3, 4), (1, 4, 3)]
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in faces]
+    (tmp_path / "tool.obj").write_text("\n".join(lines))
+    tool = [{"type": "mesh", "file": "tool.obj"}]
+    floor = {"name": "floor", "type": "plane", "point_mm": [0, 0, 0], "normal": [0, 0, 1]}
+    (tmp_path / "scene.json").write_text(json.dumps({"version": 1, "tool": tool, "obstacles": [floor]}))
+    scene = iw.Scene.load(tmp_path / "scene.json")
+    shutil.rmtree(tmp_path)
+    plan = iw.plan(swing())
+    for again in (pickle.loads(pickle.dumps(scene)), copy.deepcopy(scene)):
+        assert repr(plan.clearance(again)) == repr(plan.clearance(scene))
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda own: iw.plan(own, samples=-1), "samples is -1; from 2"),
+        (lambda own: iw.plan_all([own], jobs=-1), "jobs is -1; at least 1"),
+        (lambda own: iw.Robot().ik(dict.fromkeys(FRAME, 0), e1_deg=0, status=300), "status is 300"),
+        (lambda own: iw.Robot().ik(dict.fromkeys(FRAME, 0), e1_deg=math.nan, status=2), "e1_deg is NaN"),
+        (lambda own: own.with_start(), "either in deg or in rad"),
+        (lambda own: iw.Program([], start_deg=[[0] * 7]), r"start_deg has to be of the shape \(7,\)"),
+    ],
+)
+def test_wrong_values_are_told(call: Callable[[iw.Program], object], says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        call(swing())
+
+
+@pytest.mark.parametrize(
+    ("call", "error"),
+    [
+        (lambda folder: iw.Recording.load(folder), IsADirectoryError),
+        (lambda folder: iw.compare(folder / "none.mcap", iw.Recording([0, 0.01], [[0.0] * 7] * 2)), FileNotFoundError),
+        (lambda folder: iw.applications(folder / "none"), FileNotFoundError),
+        (lambda folder: iw.plan(swing()).write(folder), IsADirectoryError),
+        (lambda folder: iw.plan(swing()).write(folder / "none/plan.mcap"), FileNotFoundError),
+        (lambda folder: swing().save(folder / "none/cell.json"), FileNotFoundError),
+        (lambda folder: iw.Program.load(folder), IsADirectoryError),
+        (lambda folder: iw.Program.load(folder / "latin-1.json"), iw.ProgramError),
+        (lambda folder: iw.Scene.load(folder / "latin-1.json"), iw.SceneError),
+    ],
+)
+def test_what_is_wrong_with_files_is_told(
+    call: Callable[[Path], object], error: type[Exception], tmp_path: Path
+) -> None:
+    (tmp_path / "latin-1.json").write_bytes('{"version": 1, "robot": "Gr\u00fc\u00dfe"}'.encode("latin-1"))
+    with pytest.raises(error) as raised:
+        call(tmp_path)
+    assert str(tmp_path) in str(raised.value)
+    assert [file.name for file in tmp_path.iterdir()] == ["latin-1.json"]
+
+
+LIMITED = """
+import resource, sys
+import numpy as np
+import iiwasim as iw
+plan = iw.plan(iw.Program([iw.wait(86400)], start_deg=[0] * 7))
+resource.setrlimit(resource.RLIMIT_AS, (8 << 30, resource.RLIM_INFINITY))
+for work in (
+    lambda: plan.sample(rate_hz=1e6),
+    lambda: iw.Robot().tcp(np.broadcast_to(np.zeros(7), (10**9, 7))),
+):
+    try:
+        work()
+    except MemoryError as error:
+        print(error)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is limited by Linux")
+def test_too_much_memory_is_an_exception() -> None:
+    done = subprocess.run([sys.executable, "-c", LIMITED], capture_output=True, text=True, timeout=120, check=True)
+    assert len(done.stdout.splitlines()) == 2, done
+
+
+CTRL_C = """
+import os, signal, threading
+import iiwasim as iw
+plan = iw.plan(iw.Program([iw.wait(3600)], start_deg=[0] * 7))
+threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+try:
+    plan.sample(rate_hz=2000)
+    threading.Event().wait(30)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+def test_ctrl_c_in_the_first_sampling_is_an_interrupt() -> None:
+    done = subprocess.run([sys.executable, "-c", CTRL_C], capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout == "interrupted\n" and not done.stderr
+
+
+def test_idle_threads_are_few() -> None:
+    program = swing()
+    with ThreadPoolExecutor(64) as pool:
+        assert len(list(pool.map(lambda _: iw.plan(program), range(400)))) == 400
+    if sys.platform == "linux":
+        names = (Path(f"/proc/self/task/{task}/comm") for task in os.listdir("/proc/self/task"))
+        workers = [name for name in names if name.exists() and name.read_text().strip() == "iiwasim"]
+        assert len(workers) <= (os.cpu_count() or 1)
+
+
+def test_answers_that_nothing_asks_for_are_told() -> None:
+    _, told = iw.import_application(JOINTS, answers={"No such dialog": 0}, data={"velocitty": 0.9})
+    assert [note for note in told["notes"] if "nothing asks for" in note] == [
+        'nothing asks for "No such dialog"',
+        'nothing asks for "velocitty"',
+    ]
+
+
+def test_another_start_leaves_the_rest_as_it_is() -> None:
+    program = swing()
+    moved = program.with_start(deg=[1] * 7)
+    assert moved.motions == program.motions
+    assert np.allclose(moved.start_rad, np.radians([1] * 7))
 
 
 def test_recordings_and_what_they_show_are_pickled(tmp_path: Path) -> None:
@@ -216,7 +345,12 @@ def test_recordings_and_what_they_show_are_pickled(tmp_path: Path) -> None:
     recording = iw.Recording.load(tmp_path / "plan.mcap")
     for own in (plan, tmp_path / "plan.mcap"):
         comparison = iw.compare(own, recording)
+        kept = pickle.dumps(comparison)
         assert copied(comparison).figures() == comparison.figures()
+    # Neither the file's end nor another content changes what was compared.
+    (tmp_path / "plan.mcap").unlink()
+    assert pickle.loads(kept).figures() == comparison.figures()
+    plan.write(tmp_path / "plan.mcap")
     samples = plan.sample(rate_hz=250)
     found = iw.identify([iw.Recording(samples.t, samples.q)], program=plan.program, name="cell 3")
     assert copied(found).robot == found.robot and copied(found).figures() == found.figures()

@@ -148,5 +148,5 @@ def test_sunrise_projects() -> None:
     assert told["application"] == "application.ShelfScan" and iw.plan(program).cycle_time_s > 0
     with pytest.raises(iw.SunriseError, match=r"\.java"):
         iw.import_application(FIXTURES / "sunrise" / "refused" / "endless")
-    with pytest.raises(ValueError, match="cannot be read"):
+    with pytest.raises(FileNotFoundError):
         iw.applications(FIXTURES / "sunrise" / "no-such-project")
