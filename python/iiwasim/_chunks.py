@@ -113,7 +113,9 @@ class Planning:
         row["motions"] = len(figures["motions"])
         row["limited_joint"], row["limited_by"] = _limit(figures["motions"])
         peaks = [peak for motion in figures["motions"] for peak in enumerate(motion["torque"]["peak_percent"], 1)]
-        row["peak_torque_joint"], row["peak_torque_percent"] = max(peaks, key=lambda peak: peak[1])
+        # A program that takes no time has no peak: it may be of a load alone.
+        none = (None, None)
+        row["peak_torque_joint"], row["peak_torque_percent"] = max(peaks, key=lambda peak: peak[1], default=none)
         clearance = None if self.scene is None else planned.clearance(self.scene)
         if clearance is not None:
             row["clearance_m"], row["clearance_obstacle"] = clearance.distance_m, clearance.obstacle
