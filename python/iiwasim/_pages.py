@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import os
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,8 +38,12 @@ def report(
         try:
             part.write_text(text, encoding="utf-8")
             part.replace(path)
-        except OSError as error:
-            raise OSError(error.errno, error.strerror, os.fspath(path)) from None
+        except BaseException as error:
+            with suppress(OSError):
+                part.unlink()
+            if isinstance(error, OSError):
+                raise OSError(error.errno, error.strerror, os.fspath(path)) from None
+            raise
     return text
 
 
