@@ -21,7 +21,13 @@ def dumps(value: Any) -> str:
     try:
         return json.dumps(value, allow_nan=False, default=_plain)
     except ValueError:
-        raise ValueError("contains a value that is not finite") from None
+        pass
+    try:
+        # With all numbers allowed, what remains is a list or dict within itself.
+        json.dumps(value, default=_plain)
+    except ValueError:
+        raise ValueError("contains a list or dict that contains itself") from None
+    raise ValueError("contains a value that is not finite")
 
 
 def program(program: dict[str, Any]) -> str:

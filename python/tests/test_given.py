@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 import iiwasim as iw
@@ -21,3 +23,16 @@ def test_a_report_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
     assert isinstance(caught.value, (IsADirectoryError, PermissionError))
     assert caught.value.errno and caught.value.filename == str(folder)
     assert list(tmp_path.iterdir()) == [folder] and not list(folder.iterdir())
+
+
+@pytest.mark.parametrize("place", [dict, list])
+def test_motions_that_contain_themselves(place: type) -> None:
+    motion: dict[str, Any] = iw.wait(1)
+    motion["source"] = motion if place is dict else [[motion]]
+    with pytest.raises(iw.ProgramError, match="motion 2 contains a list or dict that contains itself") as caught:
+        iw.Program([iw.wait(1), motion], start_deg=HOME)
+    assert caught.value.motion == 2
+    # A list that is there twice is not in itself.
+    motion["source"] = {"again": [HOME, HOME], "never": np.inf}
+    with pytest.raises(iw.ProgramError, match="motion 1 contains a value that is not finite"):
+        iw.Program([motion], start_deg=HOME)
