@@ -195,7 +195,7 @@ def wait(seconds: float, *, overlap: bool | int = False) -> Motion:
     >>> iw.wait(0.5), iw.wait(1, overlap=True)
     ({'type': 'wait', 'seconds': 0.5}, {'type': 'wait', 'seconds': 1, 'overlap': True})
     """
-    if overlap is True or overlap is False:
+    if isinstance(overlap, (bool, np.bool_)):
         return _motion("wait", seconds=seconds, overlap=True if overlap else None)
     return _motion("wait", seconds=seconds, overlap_motions=overlap)
 

@@ -36,3 +36,10 @@ def test_motions_that_contain_themselves(place: type) -> None:
     motion["source"] = {"again": [HOME, HOME], "never": np.inf}
     with pytest.raises(iw.ProgramError, match="motion 1 contains a value that is not finite"):
         iw.Program([motion], start_deg=HOME)
+
+
+@pytest.mark.parametrize("overlap", [True, False])
+def test_overlaps_are_booleans_of_numpy_too(overlap: bool) -> None:
+    wait = iw.wait(1, overlap=np.bool_(overlap))  # type: ignore[arg-type]
+    assert wait == iw.wait(1, overlap=overlap)
+    assert len(iw.Program([iw.ptp(deg=[10, *HOME[1:]]), wait], start_deg=HOME)) == 2
