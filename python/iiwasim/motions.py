@@ -5,12 +5,13 @@ What is left out is not in the dict: the robot's limits hold then, and the progr
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     Share = float | Sequence[float]
 
@@ -23,18 +24,49 @@ True
 """
 
 
-def _numbers(values: Sequence[float]) -> list[float]:
-    return [float(value) for value in values]
+# Keys of motions that functions make of arguments of other names.
+INSTEAD = {
+    "blend": "give blend_cart_mm or blend_ori_deg",
+    "offset": "give x_mm, y_mm, z_mm, a_deg, b_deg or c_deg",
+    "in": "give within",
+    "type": "its motions have their type",
+}
 
 
-def _share(value: Share | None) -> float | list[float] | None:
+def _numbers(name: str, values: Sequence[float]) -> list[float]:
+    with _named(name, values, "a list of numbers"):
+        return [float(value) for value in values]
+
+
+def _share(name: str, value: Share | None) -> float | list[float] | None:
     if value is None or isinstance(value, (int, float)):
         return value
-    return float(value) if np.ndim(value) == 0 else _numbers(value)  # type: ignore[arg-type]
+    with _named(name, value, "a number, or one for each joint,"):
+        return float(value) if np.ndim(value) == 0 else [float(one) for one in value]  # type: ignore[arg-type]
 
 
-def _motion(kind: str, **given: Any) -> Motion:
+@contextmanager
+def _named(name: str, value: object, expected: str) -> Iterator[None]:
+    """Errors of numbers with the name of the argument."""
+    message = "{} is {!r}; {} is expected"
+    try:
+        yield
+    except TypeError:
+        raise TypeError(message.format(name, value, expected)) from None
+    except ValueError:
+        raise ValueError(message.format(name, value, expected)) from None
+
+
+def _motion(kind: str, /, **given: Any) -> Motion:
     return {"type": kind, **{key: value for key, value in given.items() if value is not None}}
+
+
+def _others(kind: str, limits: dict[str, Any], *made: str) -> dict[str, Any]:
+    """The further keys of a motion; not those that are made of other arguments."""
+    for key in ("type", "blend", *made):
+        if key in limits:
+            raise TypeError(f"{kind} has no argument {key!r}: {INSTEAD[key]}")
+    return limits
 
 
 def _blend(cart_mm: float | None, ori_deg: float | None, **others: float | None) -> dict[str, float] | None:
@@ -71,14 +103,14 @@ def ptp(
         raise ValueError("ptp goes to one of deg, rad and frame")
     return _motion(
         "ptp",
-        joints_deg=None if deg is None else _numbers(deg),
-        joints_rad=None if rad is None else _numbers(rad),
+        joints_deg=None if deg is None else _numbers("deg", deg),
+        joints_rad=None if rad is None else _numbers("rad", rad),
         frame=frame,
         tool=tool,
         base=base,
-        velocity_rel=_share(velocity_rel),
-        acceleration_rel=_share(acceleration_rel),
-        jerk_rel=_share(jerk_rel),
+        velocity_rel=_share("velocity_rel", velocity_rel),
+        acceleration_rel=_share("acceleration_rel", acceleration_rel),
+        jerk_rel=_share("jerk_rel", jerk_rel),
         blend=_blend(blend_cart_mm, blend_ori_deg, fraction=blend_fraction, sunrise_rel=blend_sunrise_rel),
     )
 
@@ -100,7 +132,7 @@ def lin(
     {'type': 'lin', 'frame': 'place', 'cart_velocity_mm_s': 250, 'cart_jerk_mm_s3': 20000}
     """
     blend = _blend(blend_cart_mm, blend_ori_deg)
-    return _motion("lin", frame=frame, cart_velocity_mm_s=cart_velocity_mm_s, **limits, blend=blend)
+    return _motion("lin", frame=frame, cart_velocity_mm_s=cart_velocity_mm_s, **_others("lin", limits), blend=blend)
 
 
 def lin_rel(
@@ -131,7 +163,7 @@ def lin_rel(
         **{"in": within},
         e1_deg=e1_deg,
         cart_velocity_mm_s=cart_velocity_mm_s,
-        **limits,
+        **_others("lin_rel", limits, "offset", "in"),
         blend=_blend(blend_cart_mm, blend_ori_deg),
     )
 
@@ -158,7 +190,7 @@ def circ(
         frame=frame,
         circ_angle_deg=circ_angle_deg,
         cart_velocity_mm_s=cart_velocity_mm_s,
-        **limits,
+        **_others("circ", limits),
         blend=_blend(blend_cart_mm, blend_ori_deg),
     )
 
@@ -181,7 +213,7 @@ def spline(
         "spline",
         segments=[dict(segment) for segment in segments],
         cart_velocity_mm_s=cart_velocity_mm_s,
-        **limits,
+        **_others("spline", limits),
         blend=_blend(blend_cart_mm, blend_ori_deg),
     )
 
@@ -215,9 +247,9 @@ def load(
     """
     if mass_kg is None:
         return {"type": "load", "load": None}
-    own: dict[str, Any] = {"mass_kg": mass_kg, "center_mm": _numbers(center_mm)}
+    own: dict[str, Any] = {"mass_kg": mass_kg, "center_mm": _numbers("center_mm", center_mm)}
     if inertia_kg_m2 is not None:
-        own["inertia_kg_m2"] = _numbers(inertia_kg_m2)
+        own["inertia_kg_m2"] = _numbers("inertia_kg_m2", inertia_kg_m2)
     if abc_deg is not None:
-        own["abc_deg"] = _numbers(abc_deg)
+        own["abc_deg"] = _numbers("abc_deg", abc_deg)
     return {"type": "load", "load": own}
