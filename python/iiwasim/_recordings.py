@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+# Not for type checkers alone: `typing.get_type_hints` looks for them.
+from collections.abc import Iterable
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from . import _native
 from ._native import Comparison, Identification, Plan, Program, Recording, Robot
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from .drive import Run
+from ._replies import Run
 
 
 def recording_of(measured: Recording | Run | str | PathLike[str]) -> Recording:

@@ -5,15 +5,14 @@ What is left out is not in the dict: the robot's limits hold then, and the progr
 
 from __future__ import annotations
 
+# Not for type checkers alone: `typing.get_type_hints` looks for them.
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any, Union
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    Share = float | Sequence[float]
+Share = Union[float, Sequence[float]]
 
 Motion = dict[str, Any]
 """A motion, as program files have it.

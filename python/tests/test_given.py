@@ -1,7 +1,10 @@
-"""What is given wrongly: messages say where, and what is expected."""
+"""What is given: how it may be, and that messages say where it is wrong, and what is expected."""
 
 from __future__ import annotations
 
+import inspect
+import sys
+import typing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -89,3 +92,13 @@ def test_unknown_keys_are_told_by_the_program() -> None:
     frame = iw.Robot().frame(np.radians([0, 30, 0, -60, 0, 90, 0]))
     with pytest.raises(iw.ProgramError, match="motion 1: unknown key `kind`"):
         iw.Program([iw.lin(frame, kind="ptp")], start_deg=HOME)
+
+
+FUNCTIONS = [name for name in iw.__all__ if inspect.isfunction(getattr(iw, name))]
+
+
+@pytest.mark.skipif(sys.version_info < (3, 10), reason="unions by | are no types there")
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_annotations_can_be_looked_up(name: str) -> None:
+    function = getattr(iw, name)
+    assert set(typing.get_type_hints(function)) == {*inspect.signature(function).parameters, "return"}
