@@ -169,9 +169,12 @@ def _certificate(path: str | os.PathLike[str]) -> tuple[bytes, bytes | None]:
 
 def endpoint(text: str, keys: Keys | None) -> tuple[str, int]:
     """Host and port of `HOST:PORT`, which may begin with `tcp://`. Without keys, only this machine is connected to."""
+    wrong = f"{text!r} is no address: give HOST:PORT, as 127.0.0.1:5560 or [::1]:5560"
+    if not isinstance(text, str):
+        raise TypeError(f"{wrong}, as a str")
     parts = re.fullmatch(r"(?:tcp://)?(\[[0-9a-fA-F:.]+\]|[\w.-]+):(\d{1,5})", text, re.ASCII)
     if parts is None or not 1 <= int(parts[2]) <= 65535:
-        raise ValueError(f"{text!r} is no address: give HOST:PORT, as 127.0.0.1:5560 or [::1]:5560")
+        raise ValueError(wrong)
     host = "127.0.0.1" if parts[1].lower() == "localhost" else parts[1]
     try:
         is_here = ipaddress.ip_address(host.strip("[]")).is_loopback

@@ -195,6 +195,7 @@ class Drive:
 
         Raises `DriveError`: with `.run`, what was measured up to then, if the run was stopped or broke off.
         """
+        _check_callable(on_sample)
         keys = _program_keys(program)
         start = _start_of(program, keys) if start_rad is None else _seven(start_rad, "start_rad")
         request = {"type": "run_motions", **{name: keys[name] for name in MOTION_KEYS if name in keys}}
@@ -228,6 +229,7 @@ class Drive:
         >>> f"{run.q[-1, 0]:.3f}"
         '0.020'
         """
+        _check_callable(on_sample)
         times = np.asarray(t, dtype=np.float64)
         points = np.asarray(q, dtype=np.float64)
         if times.ndim != 1 or points.shape != (len(times), 7) or not 0 < len(times) <= MAX_POINTS:
@@ -424,6 +426,12 @@ def _follow(
         elif runs:
             on_sample(joint_sample(text))
     return has_ended or line.poll(0.0)
+
+
+def _check_callable(on_sample: object) -> None:
+    """Before anything moves, not at the first sample."""
+    if on_sample is not None and not callable(on_sample):
+        raise TypeError(f"on_sample is {on_sample!r}; a function of a JointSample is expected")
 
 
 def _program_keys(program: ProgramText | Mapping[str, Any] | str) -> dict[str, Any]:

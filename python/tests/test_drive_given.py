@@ -1,0 +1,43 @@
+"""What the drive's client is given wrongly is told before anything is sent."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("zmq", reason="the client of the drive needs pyzmq")
+
+import iiwasim as iw
+from iiwasim.drive import Drive
+
+RESTING = {"motions": [iw.wait(0)]}
+
+
+@pytest.fixture
+def drive(monkeypatch: pytest.MonkeyPatch) -> Drive:
+    """One that cannot connect."""
+
+    def connect(*_: object) -> None:
+        pytest.fail("it connects")
+
+    monkeypatch.setattr(Drive, "_line", connect)
+    return Drive("127.0.0.1:5560")
+
+
+@pytest.mark.parametrize("address", [5560, b"127.0.0.1:5560", Path("127.0.0.1:5560")])
+def test_addresses_are_texts(address: Any) -> None:
+    with pytest.raises(TypeError, match=r"is no address: give HOST:PORT, as .* as a str"):
+        Drive(address)
+    with pytest.raises(TypeError, match="is no address"):
+        Drive("127.0.0.1:5560", stream=address)
+
+
+@pytest.mark.parametrize("on_sample", [3, 0, "print", []])
+def test_what_takes_samples_is_callable(drive: Drive, on_sample: Any) -> None:
+    with pytest.raises(TypeError, match=r"on_sample is .*; a function of a JointSample is expected"):
+        drive.run(RESTING, on_sample=on_sample)
+    with pytest.raises(TypeError, match="on_sample is "):
+        drive.run_trajectory([0.0, 0.01], np.zeros((2, 7)), on_sample=on_sample)
