@@ -437,11 +437,18 @@ def _check_callable(on_sample: object) -> None:
 def _program_keys(program: ProgramText | Mapping[str, Any] | str) -> dict[str, Any]:
     """The keys of a program in any of its forms."""
     if isinstance(program, str):
-        keys = json.loads(program)
+        try:
+            keys = json.loads(program)
+        except ValueError as error:
+            taken = "a str is taken for the JSON of a program, and iiwasim.Program.load reads files"
+            raise ValueError(f"the program is no JSON: {error}; {taken}") from None
     elif hasattr(program, "to_json"):
         keys = json.loads(program.to_json())
-    else:
+    elif hasattr(program, "keys"):
         keys = dict(program)
+    else:
+        forms = "an iiwasim.Program, of motions or of a file by its load, the keys of one, or its JSON as a str"
+        raise TypeError(f"a program is {forms}; found {type(program).__name__}")
     if not isinstance(keys, dict):
         raise TypeError(f"a program is a JSON object, found {type(keys).__name__}")
     if "include" in keys:
