@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 # Those of pages.
 COLOURS = ("#1b1f24", "#e69f00", "#56b4e9", "#009e73", "#cc79a7", "#0072b2", "#d55e00")
+# Backends of matplotlib that draw into files alone.
+WINDOWLESS = {"agg", "cairo", "pdf", "pgf", "ps", "svg", "template"}
 # A TCP that hardly moves is not magnified beyond this.
 MIN_SPAN_MM = 10.0
 
@@ -43,8 +45,9 @@ def plot(plan: Plan, rate_hz: float) -> Figure:
     speeds.set_ylim(0, 105)
     speeds.legend(ncols=7, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
     figure.suptitle(f"Cycle time {plan.cycle_time_s:.3f} s")
-    if "inline" in mpl.get_backend():
-        # A notebook shows what a cell returns, and once more what is left open.
+    backend = mpl.get_backend().lower()
+    if backend in WINDOWLESS or "inline" in backend:
+        # What has no window need not be kept open; and a notebook shows what a cell returns, and once more what is open.
         plt.close(figure)
     return figure
 

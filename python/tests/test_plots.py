@@ -11,6 +11,7 @@ import iiwasim as iw
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
     from types import ModuleType
 
 HOME = [0, 30, 0, -60, 0, 90, 0]
@@ -54,3 +55,21 @@ def test_what_is_drawn(pyplot: ModuleType) -> None:
     assert tops == pytest.approx([100, 0, 0, 0, 0, 0, 0], abs=0.1)
     begins = [line.get_xdata()[0] for line in speeds.lines[7:]]
     assert begins == pytest.approx([motion.start_s for motion in plan.motions[1:]])
+
+
+@pytest.mark.parametrize("backend", ["agg", "svg"])
+def test_figures_without_windows_are_not_kept(backend: str, pyplot: ModuleType, tmp_path: Path) -> None:
+    pyplot.switch_backend(backend)
+    own = pyplot.figure()
+    plan = iw.plan(iw.Program(PROGRAMS["at rest"], start_deg=HOME))
+    figures = [plan.plot(rate_hz=10) for _ in range(2)]
+    assert pyplot.get_fignums() == [own.number]
+    figures[1].savefig(tmp_path / "plan.png")
+    assert (tmp_path / "plan.png").stat().st_size > 0
+
+
+def test_figures_with_windows_are_kept(pyplot: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are what `pyplot.show` shows."""
+    monkeypatch.setattr("matplotlib.get_backend", lambda: "QtAgg")
+    figure = iw.plan(iw.Program(PROGRAMS["at rest"], start_deg=HOME)).plot(rate_hz=10)
+    assert pyplot.get_fignums() == [figure.number]
