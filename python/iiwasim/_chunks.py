@@ -6,7 +6,8 @@ import hashlib
 import inspect
 from collections import defaultdict
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, TypedDict
+from operator import index
+from typing import TYPE_CHECKING, Any, SupportsIndex, TypedDict
 
 from ._errors import ProgramError
 from ._native import Plan, Program, Robot, Scene, plan_all
@@ -75,6 +76,10 @@ class Planning:
         if unknown := [name for name in self.options if name not in DEFAULTS]:
             raise TypeError(f"there is no option {unknown[0]!r}; there are {', '.join(DEFAULTS)} and scene")
         plan_all([], **self.options)
+        # Numbers of numpy are as good, and JSON has none of them.
+        self.options["samples"] = int(self.options["samples"])
+        if (percent := self.options["limit_torque_percent"]) is not None:
+            self.options["limit_torque_percent"] = float(percent)
 
     def described(self) -> dict[str, Any]:
         """The options as JSON: equal ones lead to equal figures."""
@@ -120,6 +125,17 @@ class Planning:
         if clearance is not None:
             row["clearance_m"], row["clearance_obstacle"] = clearance.distance_m, clearance.obstacle
         return row
+
+
+def count(name: str, value: SupportsIndex) -> int:
+    """A number of things, of which there is one at least. Raises `TypeError` or `ValueError`."""
+    try:
+        number = index(value)
+    except TypeError:
+        raise TypeError(f"{name} is {value!r}; a whole number is expected") from None
+    if number < 1:
+        raise ValueError(f"{name} is {number}; at least 1 is needed")
+    return number
 
 
 def _read(text: str | None) -> Program | ProgramError:

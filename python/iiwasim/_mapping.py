@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
 import pyarrow as pa
 
-from ._chunks import FIGURES
+from ._chunks import FIGURES, count
 from ._errors import IiwasimError
 from ._parts import Folder
 from ._sources import ROW, Extent, Source, chunks
@@ -66,8 +66,9 @@ def to_folder(
     progress: Callable[[int, int], object] | None,
 ) -> Planned:
     """Figures of all rows, in parts of `size` rows."""
-    if size < 1:
-        raise ValueError(f"chunk is {size}; at least 1 is needed")
+    size = count("chunk", size)
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress is {progress!r}; a function of two numbers is expected")
     # Read twice: nothing is written into a folder of other programs.
     before, now = Extent(), Extent()
     for _ in before.of(chunks(source, size)):

@@ -29,13 +29,15 @@ class Folder:
         self.path = Path(path)
         self._width = max(5, len(str(parts)))
         self._parts = parts
+        # Before the folder is made.
+        text = json.dumps(plan, indent=2)
         self.path.mkdir(parents=True, exist_ok=True)
         if (self.path / PLAN).exists():
             self._check(plan)
         elif any(not name.startswith(".") for name in os.listdir(self.path)):
             raise IiwasimError(f"{self.path} has files in it that are no figures; give a new folder")
         else:
-            self._write(PLAN, lambda file: file.write(json.dumps(plan, indent=2).encode()))
+            self._write(PLAN, lambda file: file.write(text.encode()))
 
     def missing(self) -> list[int]:
         """The parts that are not there yet."""

@@ -37,7 +37,7 @@ import os
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import TYPE_CHECKING
 
-from ._chunks import Options, Planning
+from ._chunks import Options, Planning, count
 from ._mapping import Planned, to_folder, to_table
 from ._parts import read
 from ._sources import of_path, of_programs
@@ -121,10 +121,8 @@ class _Threads:
     """Threads of this process: planning leaves the interpreter to the others."""
 
     def __init__(self, jobs: int | None) -> None:
-        if jobs is not None and jobs < 1:
-            raise ValueError(f"jobs is {jobs}; at least 1 is needed")
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-        self._jobs = jobs or cores or 1
+        self._jobs = (cores or 1) if jobs is None else count("jobs", jobs)
         self._pool = ThreadPoolExecutor(self._jobs, thread_name_prefix="iiwasim")
 
     def __enter__(self) -> Self:

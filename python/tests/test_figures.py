@@ -5,6 +5,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 import pytest
 
 pytest.importorskip("pyarrow", reason="figures of many programs need pyarrow")
@@ -20,6 +24,13 @@ def program(*degrees: float) -> iw.Program:
     return iw.Program([iw.ptp(deg=[angle, *HOME[1:]]) for angle in degrees], start_deg=HOME)
 
 
+def lines(folder: Path, *texts: str | bytes) -> Path:
+    """A file of them."""
+    source = folder / "programs.jsonl"
+    source.write_bytes(b"\n".join(text if isinstance(text, bytes) else text.encode() for text in texts))
+    return source
+
+
 @pytest.mark.parametrize("motion", [iw.load(1), iw.wait(0)], ids=["load", "wait"])
 def test_programs_without_a_motion_have_no_peak(motion: iw.Motion) -> None:
     at_rest = iw.Program([motion], start_deg=HOME)
@@ -28,3 +39,41 @@ def test_programs_without_a_motion_have_no_peak(motion: iw.Motion) -> None:
     assert rows[0]["cycle_time_s"] == iw.plan(at_rest).cycle_time_s
     assert rows[0]["peak_torque_percent"] is None and rows[0]["peak_torque_joint"] is None
     assert rows[1]["peak_torque_percent"] > 0
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"samples": np.int64(50), "timing": "acceleration"},
+        {"limit_torque_percent": np.float32(80)},
+        {"chunk": np.int32(1), "jobs": np.uint8(1)},
+    ],
+    ids=str,
+)
+def test_numbers_of_numpy_are_options(options: dict[str, Any], tmp_path: Path) -> None:
+    source, target = lines(tmp_path, program(10).to_json(), program(20).to_json()), tmp_path / "figures"
+    assert batches.plan(source, target, **options).rows_planned == 2
+    # They are those of Python: it is the same plan.
+    plain = {name: getattr(value, "tolist", lambda value=value: value)() for name, value in options.items()}
+    assert batches.plan(source, target, **plain).rows_planned == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "kind", "says"),
+    [
+        ({"samples": 50.5}, TypeError, "integer"),
+        ({"samples": 1}, ValueError, "samples is 1; from 2"),
+        ({"chunk": 2.5}, TypeError, r"chunk is 2\.5; a whole number is expected"),
+        ({"chunk": 0}, ValueError, "chunk is 0; at least 1 is needed"),
+        ({"jobs": "all"}, TypeError, "jobs is 'all'; a whole number is expected"),
+        ({"progress": 3}, TypeError, "progress is 3; a function of two numbers is expected"),
+    ],
+    ids=str,
+)
+def test_wrong_options_are_told_before_anything_is_written(
+    options: dict[str, Any], kind: type[Exception], says: str, tmp_path: Path
+) -> None:
+    source = lines(tmp_path, program(10).to_json())
+    with pytest.raises(kind, match=says):
+        batches.plan(source, tmp_path / "figures", **options)
+    assert list(tmp_path.iterdir()) == [source]
