@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from codecs import BOM_UTF8
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -55,7 +56,7 @@ class Extent:
 
 
 def of_path(path: str | PathLike[str], column: str) -> Source:
-    """A file of JSON lines, one program a line; or of Parquet, or a folder of such files."""
+    """A file of JSON lines, one program a line, blank ones aside; or of Parquet, or a folder of such files."""
     path = Path(path)
     if not path.exists():
         raise IiwasimError(f"there is no {path}")
@@ -115,9 +116,12 @@ def _loses_robot(program: Program | str, text: str) -> bool:
 
 def _lines(path: Path, column: str) -> Iterator[pa.RecordBatch]:
     with path.open("rb") as file:
+        # Some programs of Windows begin texts by a mark of their encoding.
+        if file.read(len(BOM_UTF8)) != BOM_UTF8:
+            file.seek(0)
         while lines := file.readlines(1 << 20):
             # Bytes that are no UTF-8 become what is no JSON: an error of their row.
-            texts = [line.decode(errors="backslashreplace") for line in lines]
+            texts = [line.decode(errors="backslashreplace") for line in lines if not line.isspace()]
             yield pa.record_batch({column: pa.array(texts, pa.string())})
 
 

@@ -21,7 +21,7 @@ The columns of figures:
 
 | column | |
 |---|---|
-| `row` | place in the source, from 0 |
+| `row` | place in the source, from 0; blank lines do not count |
 | those of the source | without that of the programs |
 | `cycle_time_s`, `motion_time_s`, `settle_time_s`, `wait_time_s` | in s; the first is the sum of the others |
 | `motions` | their number |
@@ -68,7 +68,7 @@ def plan(
 ) -> Planned:
     """Plans all programs of a file, and writes their figures to a folder of Parquet.
 
-    `source` is a file of JSON lines, one program a line, or a Parquet file or folder with the programs, as JSON, in `column`.
+    `source` is a file of JSON lines, one program a line, blank ones aside, or a Parquet file or folder with the programs, as JSON, in `column`.
     A program that cannot be planned has its error in its row. The folder gets a part for every `chunk` rows, each written
     whole; read in the order of their names, their rows are those of the source, in its order. Called again after it was
     interrupted, it plans the parts that are missing. One call at a time writes into a folder.

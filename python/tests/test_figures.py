@@ -77,3 +77,27 @@ def test_wrong_options_are_told_before_anything_is_written(
     with pytest.raises(kind, match=says):
         batches.plan(source, tmp_path / "figures", **options)
     assert list(tmp_path.iterdir()) == [source]
+
+
+def test_blank_lines_are_no_programs(tmp_path: Path) -> None:
+    texts = [program(10).to_json(), "", "nonsense", " \t\r", program(20).to_json(), "", ""]
+    source, target = lines(tmp_path, *texts), tmp_path / "figures"
+    told: list[tuple[int, int]] = []
+    assert batches.plan(source, target, chunk=1, progress=lambda *done: told.append(done)).rows == 3
+    assert told[-1] == (3, 3)
+    figures = batches.read(target)
+    assert figures["row"].to_pylist() == [0, 1, 2]
+    assert [error is None for error in figures["error"].to_pylist()] == [True, False, True]
+    assert figures.equals(batches.figures([texts[0], texts[2], texts[4]]))
+    # Taken up by the same numbers, and without the blank lines, too.
+    (target / "part-00001.parquet").unlink()
+    assert batches.plan(source, target, chunk=1).rows_planned == 1
+    lines(tmp_path, texts[0], texts[2], texts[4] + "\n")
+    assert batches.plan(source, target, chunk=1).rows_planned == 0
+    assert batches.read(target).equals(figures)
+
+
+def test_a_mark_of_the_encoding_is_no_part_of_a_program(tmp_path: Path) -> None:
+    source = lines(tmp_path, b"\xef\xbb\xbf" + program(10).to_json().encode(), program(20).to_json())
+    batches.plan(source, tmp_path / "figures")
+    assert batches.read(tmp_path / "figures").equals(batches.figures([program(10), program(20)]))

@@ -50,7 +50,7 @@ def programs() -> list[str]:
     texts = random_programs(COUNT)
     texts[7] = texts[7].replace('"joints_deg": [', '"joints_deg": [9', 1)
     texts[60] = "{}"
-    texts[COUNT - 1] = ""
+    texts[COUNT - 1] = "[]"
     return texts
 
 
