@@ -75,7 +75,8 @@ def to_folder(
         pass
     rows = before.rows
     plan = {"chunk": size, "rows": rows, "programs": before.sha256()}
-    folder = Folder(target, {**plan, **planning.described()}, -(-rows // size))
+    # A source without programs has a part, too, with the columns.
+    folder = Folder(target, {**plan, **planning.described()}, -(-rows // size) or 1)
     missing = set(folder.missing())
     # The last part may be a short one.
     rows_missing = sum(min(size, rows - index * size) for index in missing)
@@ -84,7 +85,7 @@ def to_folder(
     for index, figures in _mapped(work, planning, workers):
         folder.write(index, figures)
         done += figures.num_rows
-        if progress is not None:
+        if progress is not None and rows:
             progress(done, rows)
     if now.sha256() != before.sha256():
         raise IiwasimError(f"{source.name} changed while it was planned; delete {folder.path} and plan it again")

@@ -33,6 +33,8 @@ class Source(NamedTuple):
 
     name: str
     """For messages."""
+    schema: Callable[[], pa.Schema]
+    """Its columns, also where it has no rows."""
     read: Callable[[], Iterator[pa.RecordBatch]]
     """Begins anew."""
 
@@ -61,7 +63,7 @@ def of_path(path: str | PathLike[str], column: str) -> Source:
     if not path.exists():
         raise IiwasimError(f"there is no {path}")
     if path.suffix in LINES:
-        return Source(str(path), lambda: _lines(path, column))
+        return Source(str(path), lambda: pa.schema({column: pa.string()}), lambda: _lines(path, column))
     if path.suffix not in PARQUET and not path.is_dir():
         known = f"Parquet ({', '.join(PARQUET)}, or a folder of them) nor JSON lines ({', '.join(LINES)})"
         raise IiwasimError(f"{path} is neither {known}")
@@ -71,7 +73,7 @@ def of_path(path: str | PathLike[str], column: str) -> Source:
         check(str(path), dataset.schema, column)
     except (pa.ArrowInvalid, OSError) as error:
         raise IiwasimError(f"cannot read {path}: {error}") from error
-    return Source(str(path), lambda: dataset.to_batches(batch_size=READ_ROWS))
+    return Source(str(path), lambda: dataset.schema, lambda: dataset.to_batches(batch_size=READ_ROWS))
 
 
 def of_programs(programs: Iterable[Program | str], planning: Planning) -> Source:
@@ -86,7 +88,7 @@ def of_programs(programs: Iterable[Program | str], planning: Planning) -> Source
         if planning.options["robot"] is None and _loses_robot(program, text):
             raise ValueError(f"programs[{index}] is for a robot with a profile of its own; give `robot`")
     table = pa.table({planning.column: pa.array(texts, pa.string())})
-    return Source("the programs", lambda: iter(table.to_batches()))
+    return Source("the programs", lambda: table.schema, lambda: iter(table.to_batches()))
 
 
 def check(name: str, schema: pa.Schema, column: str) -> None:
@@ -102,12 +104,14 @@ def check(name: str, schema: pa.Schema, column: str) -> None:
 
 
 def chunks(source: Source, size: int) -> Iterator[pa.Table]:
-    """Tables of `size` rows, the last of fewer, with the place of each row."""
+    """Tables of `size` rows, the last of fewer, with the place of each row. Without rows, one with the columns."""
     row = 0
     for batches in _regrouped(source.read(), size):
         table = pa.Table.from_batches(batches).combine_chunks()
         yield table.add_column(0, ROW, pa.array(range(row, row + table.num_rows), pa.int64()))
         row += table.num_rows
+    if not row:
+        yield source.schema().empty_table().add_column(0, ROW, pa.array([], pa.int64()))
 
 
 def _loses_robot(program: Program | str, text: str) -> bool:

@@ -113,7 +113,7 @@ def _of_frame(frame: dd.DataFrame, column: str, client: distributed.Client) -> S
                 schema = table.schema
             yield from table.to_batches()
 
-    return Source("the data frame", read)
+    return Source("the data frame", lambda: pa.Schema.from_pandas(frame._meta, preserve_index=False), read)
 
 
 def _client(client: distributed.Client | None) -> distributed.Client:

@@ -99,7 +99,7 @@ def _of_dataset(dataset: Dataset, column: str) -> Source:
         for table in held.iter_batches(batch_size=None, batch_format="pyarrow"):
             yield from table.to_batches()
 
-    return Source("the dataset", read)
+    return Source("the dataset", lambda: held.schema().base_schema, read)
 
 
 def _in_order(dataset: Dataset) -> Dataset:

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("pyarrow", reason="figures of many programs need pyarrow")
+pa = pytest.importorskip("pyarrow", reason="figures of many programs need pyarrow")
+pq = pytest.importorskip("pyarrow.parquet")
 
 import iiwasim as iw
 from iiwasim import batches
@@ -101,3 +102,24 @@ def test_a_mark_of_the_encoding_is_no_part_of_a_program(tmp_path: Path) -> None:
     source = lines(tmp_path, b"\xef\xbb\xbf" + program(10).to_json().encode(), program(20).to_json())
     batches.plan(source, tmp_path / "figures")
     assert batches.read(tmp_path / "figures").equals(batches.figures([program(10), program(20)]))
+
+
+@pytest.mark.parametrize("text", [b"", b"\n \n", b"\xef\xbb\xbf"], ids=["empty", "blank", "mark"])
+def test_no_lines_have_no_figures(text: bytes, tmp_path: Path) -> None:
+    source, target = lines(tmp_path, text), tmp_path / "figures"
+    told: list[tuple[int, int]] = []
+    for _ in range(2):
+        assert batches.plan(source, target, progress=lambda *done: told.append(done)) == (target, 0, 0)
+        figures = batches.read(target)
+        assert figures.num_rows == 0 and figures.equals(batches.figures([]))
+    # Who divides by the number of programs is not called.
+    assert told == []
+
+
+def test_columns_without_rows_stay(tmp_path: Path) -> None:
+    columns = {"name": pa.array([], pa.string()), "program": pa.array([], pa.string()), "weight": pa.array([], "f8")}
+    pq.write_table(pa.table(columns), tmp_path / "programs.parquet")
+    batches.plan(tmp_path / "programs.parquet", tmp_path / "figures")
+    figures = batches.read(tmp_path / "figures")
+    assert figures.num_rows == 0 and figures.column_names[:3] == ["row", "name", "weight"]
+    assert figures.drop_columns(["name", "weight"]).schema == batches.figures([program(10)]).schema

@@ -241,4 +241,5 @@ def test_workers_of_another_version_are_refused(programs: list[str]) -> None:
 def test_no_programs(tmp_path: Path) -> None:
     (tmp_path / "programs.jsonl").write_text("")
     assert batches.plan(tmp_path / "programs.jsonl", tmp_path / "figures").rows == 0
+    assert batches.read(tmp_path / "figures").num_rows == 0
     assert batches.figures([]).num_rows == 0
