@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from codecs import BOM_UTF8
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,7 +18,6 @@ from ._native import Program
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
-    from os import PathLike
 
     from ._chunks import Planning
 
@@ -57,8 +58,15 @@ class Extent:
         return self._digest.hexdigest()
 
 
-def of_path(path: str | PathLike[str], column: str) -> Source:
+def of_path(path: str | os.PathLike[str], column: str) -> Source:
     """A file of JSON lines, one program a line, blank ones aside; or of Parquet, or a folder of such files."""
+    if isinstance(path, str) and path.lstrip()[:1] in ("{", "[") and not os.path.exists(path):
+        raise IiwasimError(
+            "the source is a JSON text; `plan` takes the path of a file, and `figures` programs in memory"
+        )
+    if not isinstance(path, (str, os.PathLike)):
+        found = type(path).__name__
+        raise TypeError(f"the source is a {found}; `plan` takes the path of a file, and `figures` programs in memory")
     path = Path(path)
     if not path.exists():
         raise IiwasimError(f"there is no {path}")
@@ -78,6 +86,11 @@ def of_path(path: str | PathLike[str], column: str) -> Source:
 
 def of_programs(programs: Iterable[Program | str], planning: Planning) -> Source:
     """Programs in memory."""
+    # A text, a dict and a path have other things in them than programs.
+    if isinstance(programs, (str, bytes, Program, Mapping, os.PathLike)):
+        found = type(programs).__name__
+        expected = "a list of iiwasim.Program or of JSON texts is expected, [program] for one"
+        raise TypeError(f"the programs are a {found}; {expected}, and `plan` takes files")
     texts = []
     for index, program in enumerate(programs):
         text = program.to_json() if isinstance(program, Program) else program

@@ -123,3 +123,34 @@ def test_columns_without_rows_stay(tmp_path: Path) -> None:
     figures = batches.read(tmp_path / "figures")
     assert figures.num_rows == 0 and figures.column_names[:3] == ["row", "name", "weight"]
     assert figures.drop_columns(["name", "weight"]).schema == batches.figures([program(10)]).schema
+
+
+@pytest.mark.parametrize(
+    ("programs", "says"),
+    [
+        (program(10).to_json(), r"are a str; a list of .* is expected, \[program\] for one, and `plan` takes files"),
+        ("programs.jsonl", "are a str; a list of iiwasim.Program or of JSON texts is expected"),
+        (program(10).to_json().encode(), "are a bytes; "),
+        ({"version": 1, "motions": []}, "are a dict; "),
+        (program(10), "are a Program; "),
+        (Path("programs.jsonl"), "Path; .*, and `plan` takes files"),
+    ],
+    ids=["json", "name", "bytes", "keys", "program", "path"],
+)
+def test_what_is_no_list_of_programs(programs: Any, says: str) -> None:
+    with pytest.raises(TypeError, match=says):
+        batches.figures(programs)
+
+
+def test_what_is_no_file_of_programs(tmp_path: Path) -> None:
+    with pytest.raises(iw.IiwasimError, match="the source is a JSON text; `plan` takes the path of a file"):
+        batches.plan(program(*range(1, 90)).to_json(), tmp_path / "figures")
+    with pytest.raises(TypeError, match="the source is a list; `plan` takes the path of a file, and `figures`"):
+        batches.plan([program(10)], tmp_path / "figures")  # type: ignore[arg-type]
+    assert not list(tmp_path.iterdir())
+
+
+def test_names_of_files_may_begin_as_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    lines(tmp_path, program(10).to_json()).rename("[1].jsonl")
+    assert batches.plan("[1].jsonl", "figures").rows == 1
