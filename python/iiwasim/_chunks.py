@@ -18,7 +18,7 @@ except ImportError as error:
     raise ImportError("figures of many programs need pyarrow: pip install 'iiwasim[batches]'") from error
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
     from os import PathLike
 
 FIGURES = pa.schema(
@@ -90,24 +90,33 @@ class Planning:
             **{name: _digest(value) if isinstance(value, Robot) else value for name, value in self.options.items()},
         }
 
-    def figures(self, chunk: pa.Table) -> pa.Table:
+    def figures(self, chunk: pa.Table, look: Callable[[], object] = lambda: None) -> pa.Table:
         """The rows of a chunk, in their order, with their figures in place of the program.
+
+        `look` is called between programs at least; what it raises ends the planning.
 
         Raises `RuntimeError` on a worker of another version, whose figures may be others.
         """
         if version("iiwasim") != self.version:
             raise RuntimeError(f"a worker has iiwasim {version('iiwasim')}; {self.version} is needed, as here")
-        rows = [self._row(planned) for planned in self._planned(chunk.column(self.column).to_pylist())]
+        rows = []
+        for planned in self._planned(chunk.column(self.column).to_pylist(), look):
+            look()
+            rows.append(self._row(planned))
         figures = pa.Table.from_pylist(rows, schema=FIGURES)
         kept = chunk.drop_columns([self.column])
         for name in FIGURES.names:
             kept = kept.append_column(FIGURES.field(name), figures.column(name))
         return kept
 
-    def _planned(self, texts: list[str | None]) -> list[Plan | ProgramError]:
-        read = [_read(text) for text in texts]
+    def _planned(self, texts: list[str | None], look: Callable[[], object]) -> list[Plan | ProgramError]:
+        read = []
+        for text in texts:
+            look()
+            read.append(_read(text))
         programs = [program for program in read if isinstance(program, Program)]
-        plans = iter(plan_all(programs, jobs=1, **self.options))
+        # Its progress is told within programs, too, and what that raises ends it.
+        plans = iter(plan_all(programs, jobs=1, progress=lambda *_: look(), **self.options))
         return [next(plans) if isinstance(program, Program) else program for program in read]
 
     def _row(self, planned: Plan | ProgramError) -> dict[str, Any]:

@@ -34,7 +34,8 @@ The columns of figures:
 from __future__ import annotations
 
 import os
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
+from threading import Event
 from typing import TYPE_CHECKING
 
 from ._chunks import Options, Planning, count
@@ -54,6 +55,9 @@ if TYPE_CHECKING:
     _Task: TypeAlias = Future[pa.Table]
 
 __all__ = ["Options", "Planned", "figures", "plan", "read"]
+
+# On Windows, Ctrl-C waits for the end of a wait.
+WAIT_S = 0.1
 
 
 def plan(
@@ -124,21 +128,30 @@ class _Threads:
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
         self._jobs = (cores or 1) if jobs is None else count("jobs", jobs)
         self._pool = ThreadPoolExecutor(self._jobs, thread_name_prefix="iiwasim")
+        self._has_ended = Event()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._pool.shutdown()
+        # After Ctrl-C, chunks are of no use any more: what runs ends at the next look.
+        self._has_ended.set()
+        self._pool.shutdown(cancel_futures=True)
 
     def limit(self) -> int:
         return 2 * self._jobs
 
     def start(self, planning: Planning, chunk: pa.Table) -> _Task:
-        return self._pool.submit(planning.figures, chunk)
+        return self._pool.submit(planning.figures, chunk, self._look)
+
+    def _look(self) -> None:
+        if self._has_ended.is_set():
+            raise CancelledError
 
     def ended(self, tasks: Collection[_Task]) -> Collection[_Task]:
-        return wait(tasks, return_when=FIRST_COMPLETED).done
+        while not (done := wait(tasks, timeout=WAIT_S, return_when=FIRST_COMPLETED).done):
+            pass
+        return done
 
     def figures(self, task: _Task) -> pa.Table:
         return task.result()

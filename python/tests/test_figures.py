@@ -5,7 +5,9 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,8 @@ pa = pytest.importorskip("pyarrow", reason="figures of many programs need pyarro
 pq = pytest.importorskip("pyarrow.parquet")
 
 import iiwasim as iw
-from iiwasim import batches
+from iiwasim import _chunks, batches
+from iiwasim._chunks import Planning
 
 HOME = [0] * 7
 
@@ -154,3 +157,52 @@ def test_names_of_files_may_begin_as_json(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.chdir(tmp_path)
     lines(tmp_path, program(10).to_json()).rename("[1].jsonl")
     assert batches.plan("[1].jsonl", "figures").rows == 1
+
+
+@pytest.mark.parametrize("phase", ["planning", "figures"])
+def test_ctrl_c_does_not_wait_for_the_rest_of_a_chunk(
+    phase: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chunks: list[int] = []
+    rows: list[object] = []
+    is_at_hand, is_told = Event(), Event()
+    plan_all, row, shutdown = _chunks.plan_all, Planning._row, ThreadPoolExecutor.shutdown
+
+    def interrupted(*_: Any, timeout: float, **__: Any) -> None:
+        """As Ctrl-C does while the main thread waits for chunks; on Windows, at the end of a wait."""
+        assert timeout <= 1 and is_at_hand.wait(20)
+        raise KeyboardInterrupt
+
+    def hold() -> None:
+        """Until the main thread has it."""
+        is_at_hand.set()
+        assert is_told.wait(20)
+
+    def planned(programs: list[iw.Program], **options: Any) -> list[iw.Plan | iw.ProgramError]:
+        if programs:
+            chunks.append(len(programs))
+            if phase == "planning":
+                hold()
+        return plan_all(programs, **options)
+
+    def figures_of(*arguments: Any) -> Any:
+        rows.append(arguments)
+        if phase == "figures" and not is_told.is_set():
+            hold()
+        return row(*arguments)
+
+    def end(*arguments: Any, **options: Any) -> None:
+        is_told.set()
+        shutdown(*arguments, **options)
+
+    monkeypatch.setattr(_chunks, "plan_all", planned)
+    monkeypatch.setattr(Planning, "_row", figures_of)
+    monkeypatch.setattr(batches, "wait", interrupted)
+    monkeypatch.setattr(ThreadPoolExecutor, "shutdown", end)
+    source = lines(tmp_path, *[program(10).to_json()] * 20)
+    with pytest.raises(KeyboardInterrupt):
+        batches.plan(source, tmp_path / "figures", chunk=10, jobs=1)
+    # Nothing of the second chunk, and of the first no more than the program that was at hand.
+    assert chunks == [10] and len(rows) == (0 if phase == "planning" else 1)
+    monkeypatch.undo()
+    assert batches.plan(source, tmp_path / "figures", chunk=10, jobs=1).rows_planned == 20
