@@ -87,6 +87,18 @@ def test_programs_in_memory(cluster: Cluster, programs: list[str], on_one_core: 
     assert cluster.figures([]).num_rows == 0
 
 
+def test_no_programs(of_ray: Cluster, of_dask: Cluster, tmp_path: Path) -> None:
+    rows = pd.DataFrame({"name": pd.array([], "string"), "program": pd.array([], "string")})
+    dataset = ray.data.from_arrow(pa.Table.from_pandas(rows, preserve_index=False))
+    for cluster, source in ((of_ray, dataset), (of_dask, dd.from_pandas(rows, npartitions=1))):
+        target = tmp_path / type(source).__name__
+        assert cluster.plan(source, target).rows == 0
+        figures = batches.read(target)
+        assert figures.num_rows == 0 and figures.column_names[:2] == ["row", "name"]
+        assert cluster.plan(source, target).rows_planned == 0
+        assert figures.drop_columns(["name"]).equals(batches.figures([]))
+
+
 def test_ray_data(of_ray: Cluster, programs: list[str], on_one_core: pa.Table, tmp_path: Path) -> None:
     names = [f"program {place}" for place in range(COUNT)]
     table = pa.table({"name": names, "program": programs})
