@@ -28,9 +28,13 @@ def report(
         # Pages are titled by the names of their files.
         file = Path(folder, "Plan")
         plan.write(file)
-        recorded = None
-        if measured is not None:
-            recorded = measured if isinstance(measured, (str, os.PathLike)) else _written(plan, measured, folder)
+        recorded: str | os.PathLike[str] | None = None
+        if isinstance(measured, (str, os.PathLike)):
+            # What cannot be opened is an error of the system's.
+            with open(measured, "rb"):
+                recorded = measured
+        elif measured is not None:
+            recorded = _written(plan, measured, folder)
         text = page(file, recorded, scene)
     if path is not None:
         # Whole or not at all.

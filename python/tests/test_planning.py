@@ -240,6 +240,8 @@ def test_wrong_values_are_told(call: Callable[[iw.Program], object], says: str) 
         (lambda folder: iw.plan(swing()).write(folder), IsADirectoryError),
         (lambda folder: iw.plan(swing()).write(folder / "none/plan.mcap"), FileNotFoundError),
         (lambda folder: swing().save(folder / "none/cell.json"), FileNotFoundError),
+        (lambda folder: iw.plan(swing()).report(measured=folder / "none.mcap"), FileNotFoundError),
+        (lambda folder: iw.plan(swing()).report(folder), IsADirectoryError),
         (lambda folder: iw.Program.load(folder), IsADirectoryError),
         (lambda folder: iw.Program.load(folder / "latin-1.json"), iw.ProgramError),
         (lambda folder: iw.Scene.load(folder / "latin-1.json"), iw.SceneError),
