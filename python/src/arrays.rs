@@ -51,6 +51,11 @@ impl<'a> Rows<'a> {
     }
 
     fn finite(&self, name: &str) -> PyResult<()> {
+        // All of them without a branch first: that takes a fraction of what looking for the row does.
+        let values = self.joints.as_flattened();
+        if values.iter().fold(true, |all, value| all & value.is_finite()) {
+            return Ok(());
+        }
         let bad = self.joints.iter().position(|row| !row.iter().all(|value| value.is_finite()));
         match bad {
             None => Ok(()),
