@@ -1,6 +1,6 @@
 //! Joint positions as arrays of numpy, without copies where numpy's memory allows it.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, ops::Range};
 
 use iiwa_kin::Joints;
 use numpy::{
@@ -24,8 +24,15 @@ pub(crate) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// The rows of an array called `name`.
+    /// The rows of an array called `name`, all finite.
     pub(crate) fn new(name: &str, array: &'a JointsLike<'_>) -> PyResult<Self> {
+        let rows = Self::unchecked(name, array)?;
+        rows.check(name, 0..rows.joints.len())?;
+        Ok(rows)
+    }
+
+    /// The rows of an array called `name`, for who checks them on the way.
+    pub(crate) fn unchecked(name: &str, array: &'a JointsLike<'_>) -> PyResult<Self> {
         let is_single = match array.shape() {
             [7] => true,
             [_, 7] => false,
@@ -45,19 +52,18 @@ impl<'a> Rows<'a> {
             joints.extend(rows.rows().into_iter().map(|row| std::array::from_fn(|j| row[j])));
             Cow::Owned(joints)
         };
-        let rows = Self { joints, is_single };
-        rows.finite(name)?;
-        Ok(rows)
+        Ok(Self { joints, is_single })
     }
 
-    fn finite(&self, name: &str) -> PyResult<()> {
+    /// Checks that some of the rows are finite.
+    pub(crate) fn check(&self, name: &str, some: Range<usize>) -> PyResult<()> {
+        let (first, some) = (some.start, &self.joints[some]);
         // All of them without a branch first: that takes a fraction of what looking for the row does.
-        let values = self.joints.as_flattened();
-        if values.iter().fold(true, |all, value| all & value.is_finite()) {
+        if some.as_flattened().iter().fold(true, |all, value| all & value.is_finite()) {
             return Ok(());
         }
-        let bad = self.joints.iter().position(|row| !row.iter().all(|value| value.is_finite()));
-        match bad {
+        let bad = some.iter().position(|row| !row.iter().all(|value| value.is_finite()));
+        match bad.map(|row| first + row) {
             None => Ok(()),
             Some(_) if self.is_single => {
                 Err(PyValueError::new_err(format!("{name} contains a value that is not finite")))

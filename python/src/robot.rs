@@ -13,8 +13,8 @@ use crate::{
     program::Program,
 };
 
-/// Poses that are computed before they are handed on: they stay in the processor's cache.
-const BLOCK: usize = 512;
+/// Poses that are computed before they are handed on: so few that the memory takes them while the next ones are computed.
+const BLOCK: usize = 64;
 
 /// A model of the robot: its kinematics, limits and dynamics. Immutable.
 ///
@@ -75,14 +75,18 @@ impl Robot {
         Self { model: Arc::new(model) }
     }
 
-    /// Does something with poses of the flange, block by block.
-    fn poses(&self, joints: &[Joints], mut take: impl FnMut(&[Pose])) {
-        let mut poses = vec![Pose::IDENTITY; BLOCK.min(joints.len())];
-        for block in joints.chunks(BLOCK) {
+    /// Does something with poses of the flange at `q`, block by block: joints are checked while they are in the cache, too.
+    fn poses(&self, q: &Rows<'_>, mut take: impl FnMut(&[Pose])) -> PyResult<()> {
+        let count = q.joints.len();
+        let mut poses = vec![Pose::IDENTITY; BLOCK.min(count)];
+        for first in (0..count).step_by(BLOCK) {
+            let block = first..count.min(first + BLOCK);
+            q.check("q", block.clone())?;
             let poses = &mut poses[..block.len()];
-            self.model.flange_pose_batch(block, poses);
+            self.model.flange_pose_batch(&q.joints[block], poses);
             take(poses);
         }
+        Ok(())
     }
 }
 
@@ -200,13 +204,11 @@ impl Robot {
     /// >>> robot.tcp([[0.0] * 7] * 1000).shape
     /// (1000, 3)
     fn tcp<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<Numbers<'py>> {
-        let rows = Rows::new("q", &q)?;
-        let mut positions = Vec::with_capacity(rows.joints.len());
+        let rows = Rows::unchecked("q", &q)?;
+        let mut positions = room(rows.joints.len())?;
         py.detach(|| {
-            self.poses(&rows.joints, |poses| {
-                positions.extend(poses.iter().map(|pose| pose.position_m));
-            });
-        });
+            self.poses(&rows, |poses| positions.extend(poses.iter().map(|pose| pose.position_m)))
+        })?;
         array(py, positions, &[3], rows.is_single)
     }
 
@@ -222,18 +224,18 @@ impl Robot {
         py: Python<'py>,
         q: JointsLike<'py>,
     ) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
-        let rows = Rows::new("q", &q)?;
+        let rows = Rows::unchecked("q", &q)?;
         let count = rows.joints.len();
         let (mut positions, mut rotations) = (room(count)?, room::<[f64; 9]>(count)?);
         py.detach(|| {
-            self.poses(&rows.joints, |poses| {
+            self.poses(&rows, |poses| {
                 positions.extend(poses.iter().map(|pose| pose.position_m));
                 rotations.extend(poses.iter().map(|pose| {
                     let [[a, b, c], [d, e, f], [g, h, i]] = pose.rotation;
                     [a, b, c, d, e, f, g, h, i]
                 }));
-            });
-        });
+            })
+        })?;
         let positions = array(py, positions, &[3], rows.is_single)?;
         Ok((positions, array(py, rotations, &[3, 3], rows.is_single)?))
     }
