@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// Poses that are computed before they are handed on: so few that the memory takes them while the next ones are computed.
-const BLOCK: usize = 64;
+const BLOCK: usize = 32;
 
 /// A model of the robot: its kinematics, limits and dynamics. Immutable.
 ///
