@@ -12,10 +12,11 @@ use iiwa_view::{ComparisonReport, IdentificationReport, draw_comparison, with_ca
 use pyo3::{
     exceptions::{PyRuntimeError, PyValueError},
     prelude::*,
-    types::{PyBytes, PyDict, PyList, PyTuple},
+    types::{PyBytes, PyDict, PyList},
 };
 
 use crate::{
+    Pickled,
     errors::{exception, os_error, unexpected},
     frames::object,
     options::RobotArgument,
@@ -220,10 +221,7 @@ impl Comparison {
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))
     }
 
-    fn __reduce__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
         let (plan, measured) = &self.made_of;
         let plan = match plan {
             PlanArgument::Plan(plan) => plan.bind(py).clone().into_any(),
@@ -392,10 +390,7 @@ impl Identification {
         self.report.text(&self.model)
     }
 
-    fn __reduce__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
         let (recordings, program, robot) = &self.made_of;
         let options = PyDict::new(py);
         options.set_item("program", program.as_ref().map(|it| it.bind(py)))?;

@@ -16,7 +16,10 @@ mod scene;
 mod sunrise;
 mod work;
 
-use pyo3::prelude::pymodule;
+use pyo3::{prelude::*, types::PyTuple};
+
+/// What makes an object again where it is unpickled: a function and its arguments.
+type Pickled<'py> = (Bound<'py, PyAny>, Bound<'py, PyTuple>);
 
 /// What is written in Rust; `iiwasim` has it all.
 #[pymodule(gil_used = false)]

@@ -14,10 +14,11 @@ use iiwa_view::{PlanPicture, plan_table, with_causes};
 use pyo3::{
     exceptions::{PyOSError, PyRuntimeError, PyValueError},
     prelude::*,
-    types::{PyDict, PyTuple},
+    types::PyDict,
 };
 
 use crate::{
+    Pickled,
     arrays::array,
     errors::output_error,
     frames::object,
@@ -394,9 +395,7 @@ impl Plan {
     }
 
     /// Planned anew where it is unpickled: the same input gives the same plan.
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let (py, own) = (slf.py(), slf.get());
         let path = own.options.path;
         let words = (

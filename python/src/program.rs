@@ -13,6 +13,7 @@ use numpy::PyArrayDyn;
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 
 use crate::{
+    Pickled,
     arrays::{JointsLike, Rows, array},
     errors::{exception, fault, output_error, program_error, read_text},
     frames::{json_of_program, object},
@@ -114,9 +115,6 @@ fn write(path: &Path, text: &str) -> PyResult<()> {
     };
     write().map_err(|error| output_error(&error))
 }
-
-/// What makes a program again: its text, and its robot.
-type Restorable<'py> = (Bound<'py, PyAny>, (String, Option<String>));
 
 #[pymethods]
 impl Program {
@@ -348,10 +346,10 @@ impl Program {
         hasher.finish()
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Restorable<'py>> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let own = slf.get();
-        let robot = own.robot.as_deref().map(restorable);
-        Ok((slf.get_type().getattr("_restore")?, (own.text.to_string(), robot)))
+        let parts = (&*own.text, own.robot.as_deref().map(restorable));
+        Ok((slf.get_type().getattr("_restore")?, parts.into_pyobject(slf.py())?))
     }
 
     #[staticmethod]

@@ -10,9 +10,10 @@ use std::{
 use iiwa_kin::Joints;
 use iiwa_log::{JointLog, JointLogError};
 use numpy::{AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLike1, PyArrayLike2};
-use pyo3::{exceptions::PyValueError, prelude::*, sync::PyOnceLock, types::PyTuple};
+use pyo3::{exceptions::PyValueError, prelude::*, sync::PyOnceLock};
 
 use crate::{
+    Pickled,
     arrays::{JointsLike, Rows, joint_array, shared},
     errors::{exception, os_error},
     program::Program,
@@ -187,9 +188,7 @@ impl Recording {
         self.log.losses.iter().map(ToString::to_string).collect()
     }
 
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let (py, own) = (slf.py(), slf.get());
         let mut rest = (*own.log).clone();
         (rest.t_s, rest.q_rad) = (Vec::new(), Vec::new());

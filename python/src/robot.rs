@@ -7,6 +7,7 @@ use numpy::PyArrayDyn;
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 
 use crate::{
+    Pickled,
     arrays::{JointsLike, Rows, array, room},
     errors::{profile_error, read_text},
     frames::{self, Workplace},
@@ -383,8 +384,9 @@ impl Robot {
         self.model.to_urdf()
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
-        Ok((slf.get_type().getattr("_restore")?, (restorable(&slf.get().model),)))
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
+        let parts = (restorable(&slf.get().model),);
+        Ok((slf.get_type().getattr("_restore")?, parts.into_pyobject(slf.py())?))
     }
 
     #[staticmethod]

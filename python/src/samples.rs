@@ -2,9 +2,10 @@
 
 use iiwa_kin::{Joints, Pose};
 use numpy::{PyArray1, PyArrayDyn};
-use pyo3::{prelude::*, sync::PyOnceLock, types::PyTuple};
+use pyo3::{prelude::*, sync::PyOnceLock};
 
 use crate::{
+    Pickled,
     arrays::{array, joint_array, room, shared},
     plan::Plan,
 };
@@ -182,10 +183,7 @@ impl Samples {
         Ok(made.bind(py).clone())
     }
 
-    fn __reduce__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
         let restore = py.import("iiwasim._figures")?.getattr("sampled")?;
         Ok((restore, (self.plan.clone_ref(py), self.rate_hz).into_pyobject(py)?))
     }

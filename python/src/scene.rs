@@ -7,10 +7,11 @@ use iiwa_scene::{ArmInScene, Clearance as Distance, PlannedClearance, Scene as O
 use pyo3::{
     exceptions::PyValueError,
     prelude::*,
-    types::{PyBytes, PyDict, PyTuple},
+    types::{PyBytes, PyDict},
 };
 
 use crate::{
+    Pickled,
     arrays::{JointsLike, Rows},
     errors::{read_text, scene_error},
     options::RobotArgument,
@@ -105,9 +106,7 @@ impl Scene {
         Ok(found.map(|found| Clearance::new(&arm, &found, None)))
     }
 
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let (py, own) = (slf.py(), slf.get());
         let meshes = PyDict::new(py);
         for (name, bytes) in &own.meshes {
@@ -164,9 +163,7 @@ impl Clearance {
 
 #[pymethods]
 impl Clearance {
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let (py, own) = (slf.py(), slf.get());
         let parts = (
             own.distance_m,

@@ -87,19 +87,18 @@ pub(crate) fn interruptible<T: Send + 'static>(
         match py
             .detach(|| receive.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(TICK))
         {
-            Ok(result) => break result,
+            Ok(result) => break Ok(result),
             Err(RecvTimeoutError::Disconnected) => return Err(ended()),
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(error) = py.check_signals().and_then(|()| tick(py)) {
                     stop.store(true, Ordering::Relaxed);
                     let _ =
                         py.detach(|| receive.lock().unwrap_or_else(PoisonError::into_inner).recv());
-                    Workers::keep(py, worker);
-                    return Err(error);
+                    break Err(error);
                 }
             }
         }
     };
     Workers::keep(py, worker);
-    result.or_else(|panic| resume_unwind(panic))
+    result?.or_else(|panic| resume_unwind(panic))
 }

@@ -20,7 +20,7 @@ pub(crate) struct Choices {
     pub(crate) timing: ChosenTiming,
     /// Samples per blend under limits of acceleration.
     pub(crate) samples: u32,
-    /// The limit of torques, in per cent of the robot's; the program's own if there is none.
+    /// The limit of torque, in percent of the robot's; `None` keeps the program's own.
     pub(crate) limit_torque_percent: Option<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! Planners that make different things of a load are told apart by their swings.
+//! Swings with and without a load show how a controller plans with it.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 

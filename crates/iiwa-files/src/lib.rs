@@ -1,8 +1,8 @@
 //! Files of programs that may be interrupted or killed.
 //!
 //! An [`Output`] appears whole or not at all, and replaces what was there before only when it is complete; so does a
-//! folder ([`write_folder`]). What a killed process leaves behind is told apart from what others use ([`leftovers`]), and
-//! removed. An interrupt of the process ends what writes ([`mod@interrupt`]). Files that other files name are beside them
+//! folder ([`write_folder`]). What a killed process leaves behind is removed, and what others use is not
+//! ([`leftovers`]). An interrupt of the process ends what writes ([`mod@interrupt`]). Files that other files name are beside them
 //! ([`beside()`]).
 
 mod beside;

@@ -160,7 +160,7 @@ impl Machine {
         }
     }
 
-    /// `this`; null where there is none.
+    /// `this`, or null outside of an object.
     fn this(&self) -> Value {
         let this = self.java.activation().and_then(|own| own.this.clone());
         this.map_or(Value::Null, Value::Object)

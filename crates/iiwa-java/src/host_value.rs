@@ -2,7 +2,7 @@
 
 use std::{any::Any, fmt::Debug};
 
-/// A value of a class that the host of an evaluation knows, and nobody else does. Copies are the same object, as in Java.
+/// An object of a class that only the host of an evaluation knows. Copies are the same object, as in Java.
 pub trait HostValue: Any + Debug {
     /// Whether it is the same object.
     fn is_same(&self, other: &dyn HostValue) -> bool;

@@ -34,7 +34,7 @@ pub struct Note {
 /// Whoever knows the classes that are neither of the project nor of Java's own library, and what it means to act: to do what an
 /// evaluation is for. Where something is not known, it answers nothing, and the value is unknown.
 pub trait Host {
-    /// Methods that act, whoever has them.
+    /// Names of the methods that act, of any class.
     fn acting(&self) -> &'static [&'static str];
 
     /// Those of them of which it has to be known what they are called on.

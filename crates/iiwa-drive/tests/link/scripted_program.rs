@@ -59,7 +59,7 @@ impl ScriptedProgram {
         assert_eq!(answer, [b"".as_slice(), br#"{"ok":true}"#]);
     }
 
-    /// Sends a state if somebody is connected, and does not wait for its acknowledgement.
+    /// Sends a state to the drive, if it is connected, without waiting for the acknowledgement.
     pub(crate) fn send_unacknowledged(&self, state: &[u8]) {
         let _ = self.state.send_multipart([b"".as_slice(), state], zmq::DONTWAIT);
     }

@@ -305,7 +305,7 @@ impl Walk<'_> {
             .is_none_or(|level| !level.is_bracket || self.tokens.text(level.open) == "{")
     }
 
-    /// Whether a `}` ends a statement or a member, rather than a part of an expression.
+    /// Whether a `}` ends a statement or a member; else it ends part of an expression.
     fn ends_statement(&self, index: usize) -> bool {
         let next = self.tokens.text(index + 1);
         let goes_on = match self.tokens.kind(index + 1) {

@@ -131,7 +131,7 @@ impl Reader<'_> {
             return Fault::syntax(at, format!("this is no Java: {message}"));
         };
         match expected {
-            // Where it is missing, rather than at what comes next, on another line perhaps.
+            // At its own place: what comes next may be on another line.
             ";" => Fault::syntax(self.tokens.end_before(index), "`;` is expected"),
             "identifier" => Fault::syntax(at, format!("a name is expected, {found}")),
             "expression" => Fault::syntax(at, format!("a value is expected, {found}")),

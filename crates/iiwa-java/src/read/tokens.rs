@@ -109,7 +109,7 @@ impl<'t> Tokens<'t> {
     }
 }
 
-/// Whether an expression, rather than an operator, comes after this word.
+/// Whether an expression follows this word; else an operator does.
 pub(super) fn begins_expression(word: &str) -> bool {
     matches!(word, "return" | "case" | "throw" | "assert" | "else" | "do" | "yield")
 }
