@@ -2,6 +2,7 @@
 
 mod addresses;
 mod answering;
+mod bridge;
 mod compare;
 mod experiment;
 mod export;
@@ -25,6 +26,7 @@ use crate::settings::{self, Settings};
 
 pub(crate) use addresses::{ClientKeys, DriveAddress, ServerKeys};
 pub(crate) use answering::Answering;
+pub(crate) use bridge::{Bridge, JointFormat, KafkaAccess, KafkaCompression, KafkaSasl, Mqtt};
 pub(crate) use compare::Compare;
 pub(crate) use experiment::{Experiment, ExperimentName};
 pub(crate) use export::Export;
@@ -116,6 +118,7 @@ pub(crate) enum Command {
     Experiment(Experiment),
     Twin(Twin),
     Record(Record),
+    Bridge(Bridge),
     Status(Status),
     Stop(Stop),
     Io(Io),

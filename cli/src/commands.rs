@@ -1,5 +1,6 @@
 //! One file a command.
 
+pub(crate) mod bridge;
 pub(crate) mod cabinet;
 pub(crate) mod compare;
 pub(crate) mod completions;

@@ -75,6 +75,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Cabinet(options) => commands::cabinet::run(&options),
         Command::Run(options) => commands::run::run(&options),
         Command::Record(options) => commands::record::run(&options),
+        Command::Bridge(options) => commands::bridge::run(&options),
         Command::Status(options) => commands::status::run(&options),
         Command::Twin(options) => commands::twin::run(&options),
         Command::Stop(options) => commands::stop::run(&options),

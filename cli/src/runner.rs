@@ -4,13 +4,13 @@ use iiwa_files::interrupt;
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     ClientError, MAX_POINTS, StartOffset, Stream, TimedJoints,
-    message::{Code, Conditions, DriveState, Refusal, Status},
+    message::{Code, Conditions, DriveState, Refusal, Request, Status},
     security::Endpoint,
 };
 use iiwa_log::{Config, JointLog, PlanOptions};
 use iiwa_program::{Motion, MotionList, Ptp};
 use iiwa_traj::Trajectory;
-use iiwa_twin::runs::{DriveConnection, ExecutedRun, RunEvent, Task, execute, position};
+use iiwa_twin::runs::{DriveConnection, ExecutedRun, RunEvent, execute, position};
 use iiwa_view::printable;
 
 use crate::{
@@ -40,15 +40,15 @@ pub(crate) fn hint(refusal: &Refusal) -> &'static str {
     }
 }
 
-/// Runs a task that is planned to take so long, in s, with a progress bar, and stops it on an interrupt.
+/// Runs what is planned to take so long, in s, with a progress bar, and stops it on an interrupt.
 pub(crate) fn execute_with_progress(
     drive: &mut DriveConnection,
-    task: Task,
+    request: &Request,
     planned_s: f64,
     mut progress: Progress,
 ) -> ExecutedRun {
     let mut stops = 0;
-    let run = execute(drive, task, interrupt::has_come, |event| match event {
+    let run = execute(drive, request, interrupt::has_come, |event| match event {
         RunEvent::Progress(t_s) => progress.show_time(t_s, planned_s),
         RunEvent::Stopped(stopped) => {
             progress.aside(|| match stopped {
@@ -120,8 +120,8 @@ pub(crate) fn go_to_start(
         let what = "the robot cannot move to the start in a straight line in joint space";
         Failure::run(what, &error)
     })?;
-    let task = Task::Motions(approach);
-    execute_with_progress(drive, task, plan.cycle_time_s(), Progress::of_approach())
+    let request = Request::motions(approach);
+    execute_with_progress(drive, &request, plan.cycle_time_s(), Progress::of_approach())
         .result
         .map(drop)
         .map_err(|error| connection::failed("the robot did not move to the start", &error))

@@ -162,4 +162,6 @@ pub(crate) enum Format {
     Profile,
     /// Scene: the obstacles around the arm
     Scene,
+    /// Messages of `iiwasim bridge`
+    Bridge,
 }

@@ -7,13 +7,16 @@ use std::{
 
 use iiwa_files::Output;
 use iiwa_kin::Robot;
-use iiwa_link::{ClientError, message::Run as Measured};
+use iiwa_link::{
+    ClientError,
+    message::{Request, Run as Measured},
+};
 use iiwa_log::{Config, PlanFigures, PlanOptions};
 use iiwa_path::warnings;
 use iiwa_program::Program;
 use iiwa_scene::ArmInScene;
 use iiwa_traj::Trajectory;
-use iiwa_twin::runs::{Task, began, since_start};
+use iiwa_twin::runs::{began, label, since_start};
 use iiwa_view::{PlanGates, RunReport, add_clearances, plan_table, printable, warning_lines};
 
 use crate::{
@@ -47,15 +50,17 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     }
     check_clearance(options, &figures)?;
     let output = target.as_deref().map(Output::new).transpose()?;
-    let task = if options.as_trajectory {
-        Task::Trajectory(sampled(&plan)?)
+    let request = if options.as_trajectory {
+        Request::trajectory(sampled(&plan)?)
     } else {
-        Task::Motions(program.into())
+        Request::motions(program)
     };
+    let request = request.labelled(label(&stem(options), &figures));
     go_to_start(&mut line, options.move_to_start, plan.path().start_rad(), &robot)?;
     output::check_interrupt()?;
 
-    let watched = execute_with_progress(&mut line, task, plan.cycle_time_s(), Progress::of_run());
+    let watched =
+        execute_with_progress(&mut line, &request, plan.cycle_time_s(), Progress::of_run());
     let (measured, failure) = match watched.result {
         Ok(measured) => (measured, None),
         Err(ClientError::Refused { mut refusal, run }) => {
@@ -113,13 +118,18 @@ fn target(options: &Run) -> Result<Option<PathBuf>, Failure> {
         output::keep_existing("recording", path, options.overwrite)?;
         return Ok(Some(path.clone()));
     }
-    let stem = match options.program.file_stem() {
-        Some(stem) if options.program != FilePath::new("-") => stem.to_string_lossy().into_owned(),
-        _ => "program".to_owned(),
-    };
+    let stem = stem(options);
     let later = (2..).map(|run: u32| format!("{stem}.measured-{run}.mcap"));
     let names = iter::once(format!("{stem}.measured.mcap")).chain(later);
     Ok(names.map(PathBuf::from).find(|path| !path.exists()))
+}
+
+/// The program's name, without folder and extension.
+fn stem(options: &Run) -> String {
+    match options.program.file_stem() {
+        Some(stem) if options.program != FilePath::new("-") => stem.to_string_lossy().into_owned(),
+        _ => "program".to_owned(),
+    }
 }
 
 /// Refuses a program that comes nearer to the scene of the options than it may.

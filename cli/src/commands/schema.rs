@@ -17,6 +17,7 @@ pub(crate) fn run(options: &Schema) -> Result<(), Failure> {
         Format::Frames => Workcell::schema(),
         Format::Profile => Robot::profile_schema(),
         Format::Scene => Scene::schema(),
+        Format::Bridge => iiwa_bridge::message::schema(),
     };
     output::print(&format!("{schema:#}\n"))
 }

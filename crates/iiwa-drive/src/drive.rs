@@ -134,7 +134,7 @@ impl Drive {
             udp,
             cabinet: config.fri_controller,
             limits: *config.robot.limits(),
-            stream: published,
+            stream: published.clone(),
             commands: commands_in,
             events: events_out,
             latency: Arc::clone(&latency),
@@ -142,7 +142,7 @@ impl Drive {
         };
         threads.spawn("drive FRI", move |shutdown| fri.run(shutdown))?;
         ready.wait();
-        // It ends with the FRI thread.
+        // It ends with the threads that publish.
         threads.spawn("drive publish", move |_| publish::publish(&to_publish, &stream))?;
         let (jobs, jobs_in) = mpsc::channel();
         let robot = config.robot;
@@ -167,6 +167,7 @@ impl Drive {
             inputs: inputs_in,
             events,
             commands,
+            stream: published,
             jobs,
             replies,
         };

@@ -171,7 +171,7 @@ impl Client {
         motions: impl Into<MotionList>,
         limit: Option<Duration>,
     ) -> Result<Run, ClientError> {
-        self.request(&Request::RunMotions { motions: motions.into() }, limit)
+        self.run(&Request::motions(motions), limit)
     }
 
     /// Runs a trajectory and returns when it has ended; without `limit`, there is no time-out.
@@ -184,7 +184,16 @@ impl Client {
         trajectory: TimedJoints,
         limit: Option<Duration>,
     ) -> Result<Run, ClientError> {
-        self.request(&Request::RunTrajectory { trajectory }, limit)
+        self.run(&Request::trajectory(trajectory), limit)
+    }
+
+    /// Sends a request for a run, with its label, and returns when the run has ended; without `limit`, there is no time-out.
+    ///
+    /// # Errors
+    ///
+    /// As [`run_motions`](Self::run_motions).
+    pub fn run(&mut self, request: &Request, limit: Option<Duration>) -> Result<Run, ClientError> {
+        self.request(request, limit)
     }
 
     /// The measurements of the last run.
@@ -261,6 +270,19 @@ impl Client {
         struct EmptyReply {}
         let EmptyReply {} = self.request(&Request::Stop, Some(REPLY_TIMEOUT))?;
         Ok(())
+    }
+
+    /// Sends any request and returns the drive's reply as JSON, as it is; without `limit`, there is no time-out.
+    ///
+    /// # Errors
+    ///
+    /// Any [`ClientError`] but [`ClientError::Refused`]: a refusal is a reply.
+    pub fn reply(
+        &mut self,
+        request: &Request,
+        limit: Option<Duration>,
+    ) -> Result<Bytes, ClientError> {
+        self.exchange(&request.to_json(), limit)
     }
 
     fn request<T: DeserializeOwned>(

@@ -5,6 +5,7 @@ pub(crate) mod io;
 pub(crate) mod refusal;
 pub(crate) mod reply;
 pub(crate) mod request;
+pub(crate) mod run_event;
 pub(crate) mod status_text;
 pub(crate) mod text;
 
@@ -15,6 +16,7 @@ pub use reply::{
     Body, DriveState, FriStatus, Presence, Reply, Run, Samples, Sensors, Status, TimedBy,
 };
 pub use request::{Id, Request, RequestHead};
+pub use run_event::{BindingLimit, MAX_LABEL_BYTES, RunEnd, RunEvent, RunLabel, RunPlan};
 pub use status_text::Degrees;
 pub use text::{Figures, bad_json, from_json, shortened, to_json};
 

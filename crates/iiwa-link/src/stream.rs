@@ -14,7 +14,7 @@ use tokio::{
 
 use crate::{
     error::LinkError,
-    message::{DriveState, from_json},
+    message::{DriveState, MAX_LABEL_BYTES, RunEvent, from_json},
     security::{ConnectionRefusal, Endpoint},
     socket::{MAX_CLOSED_HANDSHAKES, Remote, SHORT_MESSAGE_BYTES},
     transport::{self, Incoming, Wire, WireConfig, WireError},
@@ -60,7 +60,7 @@ impl std::fmt::Debug for Stream {
 }
 
 /// A published message.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 #[non_exhaustive]
 pub enum Published {
@@ -88,6 +88,8 @@ pub enum Published {
         /// The state.
         state: DriveState,
     },
+    /// The beginning or the end of a run; only for [those who ask](Stream::with_runs).
+    Run(Box<RunEvent>),
 }
 
 impl Published {
@@ -98,9 +100,13 @@ impl Published {
             Self::Joints { .. } => "joints",
             Self::Torques { .. } => "torques",
             Self::State { .. } => "state",
+            Self::Run(_) => "run",
         }
     }
 }
+
+/// Longest message about a run, in bytes: its label, and an error.
+const RUN_BYTES: usize = MAX_LABEL_BYTES + (16 << 10);
 
 /// Time between attempts to connect.
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
@@ -120,7 +126,7 @@ impl Stream {
     ///
     /// The address is invalid, or requires keys.
     pub fn new(remote: &Remote, at: &str) -> Result<Self, LinkError> {
-        Self::of(remote, at, &["joints", "state"])
+        Self::of(remote, at, &["joints", "state"], SHORT_MESSAGE_BYTES)
     }
 
     /// The same with the measured torques.
@@ -129,11 +135,25 @@ impl Stream {
     ///
     /// As [`new`](Self::new).
     pub fn with_torques(remote: &Remote, at: &str) -> Result<Self, LinkError> {
-        Self::of(remote, at, &["torques", "joints", "state"])
+        Self::of(remote, at, &["torques", "joints", "state"], SHORT_MESSAGE_BYTES)
     }
 
-    fn of(remote: &Remote, at: &str, topics: &'static [&'static str]) -> Result<Self, LinkError> {
-        let (at, config) = remote.wire(SocketType::Sub, at, SHORT_MESSAGE_BYTES)?;
+    /// The same with the beginnings and ends of runs.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn with_runs(remote: &Remote, at: &str) -> Result<Self, LinkError> {
+        Self::of(remote, at, &["torques", "joints", "state", "run"], RUN_BYTES)
+    }
+
+    fn of(
+        remote: &Remote,
+        at: &str,
+        topics: &'static [&'static str],
+        max_bytes: usize,
+    ) -> Result<Self, LinkError> {
+        let (at, config) = remote.wire(SocketType::Sub, at, max_bytes)?;
         let runtime = transport::runtime().map_err(|source| LinkError::Thread { source })?;
         let mut stream = Self { at, config, topics, connection: Connection::None, runtime };
         let Self { at, config, topics, connection, runtime } = &mut stream;
@@ -266,6 +286,7 @@ fn read(frames: &[Bytes]) -> Option<Published> {
         [topic, body] if topic == "state" => {
             from_json(body).map(|StateMessage { t_s, state }| Published::State { t_s, state })
         }
+        [topic, body] if topic == "run" => from_json(body).map(Box::new).map(Published::Run),
         _ => None,
     }
 }

@@ -15,7 +15,7 @@ fn messages_of_joint_motions_have_no_other_keys() {
         Motion::Ptp(Ptp::to([0.5; 7])),
     ];
     let list = r#""motions":[{"type":"wait","seconds":2.0},{"type":"ptp","joints_rad":[0.5,0.0,0.0,-1.0,0.0,0.25,0.0],"velocity_rel":0.5,"blend":{"cart_mm":50.0}},{"type":"ptp","joints_rad":[0.5,0.5,0.5,0.5,0.5,0.5,0.5]}]"#;
-    let request = Request::RunMotions { motions: motions.clone().into() };
+    let request = Request::motions(motions.clone());
     assert_eq!(request.to_json(), format!(r#"{{"type":"run_motions",{list}}}"#));
     let instruction = Instruction::RunMotions { run: 3, motions: motions.into() };
     let text = format!(r#"{{"seq":7,"type":"run_motions","run":3,{list}}}"#);
@@ -30,9 +30,9 @@ fn the_keys_of_programs_come_after_the_motions() {
         "bases":{"b":{}},"frames":{"p":{"base":"b","x_mm":1,"y_mm":2,"z_mm":3,"a_deg":0,"b_deg":0,"c_deg":0}},
         "tool":"t","base":"b","mode":"t1","mount":{"rpy_deg":[180,0,0]}}"#;
     let (_, request) = Request::from_json(text.as_bytes());
-    let Ok(Request::RunMotions { motions }) = request else { panic!("{request:?}") };
+    let Ok(Request::RunMotions { motions, .. }) = request else { panic!("{request:?}") };
     assert_eq!(motions.workcell.mode, OperatingMode::T1);
-    let written = Request::RunMotions { motions: motions.clone() }.to_json();
+    let written = Request::motions(motions.clone()).to_json();
     let places = ["motions", "tools", "bases", "frames", "tool", "base", "mode", "mount"]
         .map(|key| written.rfind(&format!("\"{key}\":")).unwrap());
     assert!(places.is_sorted(), "{written}");
@@ -178,11 +178,11 @@ proptest! {
     #[test]
     fn requests_and_instructions_read_back(request in request()) {
         let (_, read) = Request::from_json(request.to_string().as_bytes());
-        let Ok(Request::RunMotions { motions }) = read.clone() else {
+        let Ok(Request::RunMotions { motions, .. }) = read.clone() else {
             return Err(TestCaseError::fail(format!("{read:?}: {request}")));
         };
         let again = Request::from_json(read.unwrap().to_json().as_bytes()).1;
-        prop_assert_eq!(again, Ok(Request::RunMotions { motions: motions.clone() }));
+        prop_assert_eq!(again, Ok(Request::motions(motions.clone())));
         let instruction = Instruction::RunMotions { run: u64::MAX, motions: motions.clone() };
         let text = instruction.to_json(5);
         prop_assert_eq!(Instruction::from_json(text.as_bytes()), (Some(5), Ok(instruction)));

@@ -4,6 +4,7 @@ use std::{fs, path::PathBuf};
 
 use iiwa_files::Output;
 use iiwa_kin::Joints;
+use iiwa_link::message::RunLabel;
 use iiwa_log::{PlanConfig, PlanFigures, PlanOptions, PlanSize, write_plan};
 use iiwa_path::warnings;
 use iiwa_program::{MotionList, Program};
@@ -14,6 +15,7 @@ use serde::Serialize;
 use crate::{
     Setup, TwinError,
     message::{PageMessage, page_message},
+    runs::label,
     setup::file_stem,
 };
 
@@ -24,6 +26,7 @@ pub(crate) struct Planned {
     pub(crate) id: u64,
     /// What the robot is sent.
     pub(crate) motions: MotionList,
+    pub(crate) label: RunLabel,
     pub(crate) start_rad: Joints,
     pub(crate) text: String,
     /// Name of its files, without an extension.
@@ -66,7 +69,8 @@ impl Planned {
         let nearest = setup.nearest_of(&plan);
         let refused = setup.too_near(&nearest);
         let mut warnings = warnings(&program, plan.path());
-        warnings.extend(PlanFigures::of(&plan, &how).torque_warnings());
+        let figures = PlanFigures::of(&plan, &how);
+        warnings.extend(figures.torque_warnings());
 
         let [json, mcap] = setup.new_files(&file_stem(name), [".json", ".mcap"]).map_err(what)?;
         let stem = json.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -109,7 +113,8 @@ impl Planned {
                 sketch: page.sketch(),
             },
         );
-        Ok(Self { id, motions: program.into(), start_rad, text, stem, mcap, refused, message })
+        let (motions, label) = (program.into(), label(&stem, &figures));
+        Ok(Self { id, motions, label, start_rad, text, stem, mcap, refused, message })
     }
 }
 

@@ -14,7 +14,7 @@ use iiwa_files::Output;
 use iiwa_kin::Joints;
 use iiwa_link::{
     ClientError, StartOffset,
-    message::{DriveState, Run as Measured, Status},
+    message::{DriveState, Request, Run as Measured, Status},
 };
 use iiwa_log::{Config, JointLog};
 use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
@@ -25,7 +25,7 @@ use crate::{
     Setup, TwinError,
     message::{PageMessage, page_message},
     planned::Planned,
-    runs::{self, DriveConnection, ExecutedRun, Task},
+    runs::{self, DriveConnection, ExecutedRun},
 };
 
 /// Velocity of motions that are not a program's, relative to the limits.
@@ -107,7 +107,7 @@ impl ProgramRun {
         };
         if let Some(motion) = self.to_start.take() {
             publish(begun(Phase::ToStart));
-            let Some(run) = self.execute(Task::Motions(vec![motion].into())) else {
+            let Some(run) = self.execute(&Request::motions(vec![motion])) else {
                 return failed("stopped");
             };
             if let Err(error) = run.result {
@@ -115,8 +115,8 @@ impl ProgramRun {
             }
         }
         publish(begun(Phase::Running));
-        let task = Task::Motions(plan.motions.clone());
-        let Some(run) = self.execute(task) else { return failed("stopped") };
+        let request = Request::motions(plan.motions.clone()).labelled(plan.label.clone());
+        let Some(run) = self.execute(&request) else { return failed("stopped") };
         let ExecutedRun { result, streamed, torques } = run;
         let (measured, error) = match result {
             Ok(measured) => (measured, None),
@@ -135,9 +135,9 @@ impl ProgramRun {
     }
 
     /// Runs something on the robot; none if a stop was requested before.
-    fn execute(&mut self, task: Task) -> Option<ExecutedRun> {
+    fn execute(&mut self, request: &Request) -> Option<ExecutedRun> {
         let to_stop = || self.stopped.load(Ordering::Relaxed);
-        (!to_stop()).then(|| runs::execute(&mut self.connection, task, to_stop, |_| ()))
+        (!to_stop()).then(|| runs::execute(&mut self.connection, request, to_stop, |_| ()))
     }
 }
 

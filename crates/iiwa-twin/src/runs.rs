@@ -7,11 +7,13 @@ use std::{
 
 use iiwa_kin::Joints;
 use iiwa_link::{
-    Client, ClientError, LinkError, Published, Stream, TimedJoints, Torques,
-    message::{DriveState, FriStatus, Run as Measured, Samples, Status, TimedBy},
+    Client, ClientError, LinkError, Published, Stream, Torques,
+    message::{
+        BindingLimit, DriveState, FriStatus, Request, Run as Measured, RunLabel, RunPlan, Samples,
+        Status, TimedBy,
+    },
 };
-use iiwa_log::{CycleClock, DEFAULT_EPOCH, JointLog};
-use iiwa_program::MotionList;
+use iiwa_log::{CycleClock, DEFAULT_EPOCH, JointLog, PlanFigures};
 
 /// How long to wait for the stream before the run and the interrupt flag are checked.
 const POLL: Duration = Duration::from_millis(50);
@@ -40,13 +42,26 @@ impl DriveConnection {
     }
 }
 
-/// What the drive is asked to run.
-#[derive(Debug)]
-pub enum Task {
-    /// Motions, which the controller plans.
-    Motions(MotionList),
-    /// A trajectory, with its times.
-    Trajectory(TimedJoints),
+/// Most motions whose limits a label has.
+const LABELLED_MOTIONS: usize = 100;
+
+/// What those who follow the robot learn of a planned run: the program's name, its cycle time, and what limits its motions.
+#[must_use]
+pub fn label(program: &str, figures: &PlanFigures) -> RunLabel {
+    let limits = figures.motions.iter().filter_map(|motion| {
+        let longest = motion.limits.first()?;
+        Some(BindingLimit {
+            motion: motion.index,
+            joint: longest.limit.joint,
+            kind: longest.limit.kind.clone().into_owned(),
+            share: longest.share,
+        })
+    });
+    let plan = RunPlan {
+        cycle_time_s: figures.cycle_time_s,
+        limited_by: limits.take(LABELLED_MOTIONS).collect(),
+    };
+    RunLabel { program: Some(program.chars().take(200).collect()), plan: Some(plan) }
 }
 
 /// Result of a run.
@@ -71,19 +86,16 @@ pub enum RunEvent<'a> {
     StreamError(&'a LinkError),
 }
 
-/// Runs a task, and stops it once `to_stop` returns true.
+/// Runs what is requested, and stops it once `to_stop` returns true.
 pub fn execute(
     drive: &mut DriveConnection,
-    task: Task,
+    request: &Request,
     to_stop: impl Fn() -> bool,
     on_event: impl FnMut(RunEvent<'_>),
 ) -> ExecutedRun {
     let DriveConnection { client, stopper, stream } = drive;
     thread::scope(|scope| {
-        let running = scope.spawn(move || match task {
-            Task::Motions(motions) => client.run_motions(motions, None),
-            Task::Trajectory(trajectory) => client.run_trajectory(trajectory, None),
-        });
+        let running = scope.spawn(move || client.run(request, None));
         let (streamed, mut torques) =
             follow(stopper, stream, || running.is_finished(), to_stop, on_event);
         let result = running.join().unwrap_or_else(|_| {

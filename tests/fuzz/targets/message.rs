@@ -19,7 +19,7 @@ fuzz_target!(|bytes: &[u8]| {
     };
     let (_, again) = Request::from_json(request.to_json().as_bytes());
     assert_eq!(again.as_ref(), Ok(&request));
-    if let Request::RunTrajectory { trajectory } = &request {
+    if let Request::RunTrajectory { trajectory, .. } = &request {
         let start = trajectory.joints_rad.first().copied().unwrap_or_default();
         let checked = trajectory.check(Robot::default().limits(), &start);
         let end_s = trajectory.duration_s();

@@ -2,9 +2,12 @@
 
 use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
-use iiwa_link::{ClientError, message::Samples};
-use iiwa_log::{JointLog, PlanOptions};
-use iiwa_twin::runs::{DriveConnection, Task};
+use iiwa_link::{
+    ClientError,
+    message::{Request, Samples},
+};
+use iiwa_log::{JointLog, PlanFigures, PlanOptions};
+use iiwa_twin::runs::{DriveConnection, label};
 use iiwa_view::VirtualArm;
 
 use crate::{
@@ -47,10 +50,12 @@ fn run_real(
     let start_rad = start_rad.map_err(|fault| Failure::input(fault.to_string()))?;
     go_to_start(line, Some(to_start), &start_rad, model)?;
     output::check_interrupt()?;
-    let task = Task::Motions(trial.program.clone().into());
-    let plan = PlanOptions::default().plan(&trial.program, model);
+    let how = PlanOptions::default();
+    let plan = how.plan(&trial.program, model);
     let plan = plan.map_err(|error| Failure::run("cannot plan the program", &error))?;
-    let run = execute_with_progress(line, task, plan.cycle_time_s(), Progress::of_run());
+    let label = label(&trial.name, &PlanFigures::of(&plan, &how));
+    let request = Request::motions(trial.program.clone()).labelled(label);
+    let run = execute_with_progress(line, &request, plan.cycle_time_s(), Progress::of_run());
     let measured = run.result.map_err(|error| {
         let what = match error {
             ClientError::Refused { .. } => "was not run to its end",

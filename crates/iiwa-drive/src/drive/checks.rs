@@ -8,7 +8,7 @@ use iiwa_link::{
     TimedJoints,
     message::{
         Code, Id, MAX_MOTIONS, MAX_MOTIONS_BYTES, MAX_SHORT_REQUEST_BYTES, Refusal, Reply, Request,
-        RequestHead, to_json,
+        RequestHead, RunLabel, to_json,
     },
     robot_program::RunId,
     transport::Permit,
@@ -46,7 +46,7 @@ pub(super) enum CheckResult<C> {
 pub(super) struct CheckedRun {
     pub(super) run: RunId,
     pub(super) id: Option<Id>,
-    pub(super) task: Result<RunTask, Refusal>,
+    pub(super) task: Result<(RunTask, RunLabel), Refusal>,
 }
 
 /// The motions or trajectory of a run.
@@ -78,7 +78,11 @@ pub(super) fn carry_out<C>(robot: &Robot, job: CheckJob<C>) -> CheckResult<C> {
     }
 }
 
-fn read(body: &[u8], robot: &Robot, at_rad: &Joints) -> (Option<Id>, Result<RunTask, Refusal>) {
+fn read(
+    body: &[u8],
+    robot: &Robot,
+    at_rad: &Joints,
+) -> (Option<Id>, Result<(RunTask, RunLabel), Refusal>) {
     let (id, head) = Request::head(body);
     let is_trajectory = head.as_ref().is_ok_and(|head| head.name() == Some("run_trajectory"));
     if body.len() > MAX_MOTIONS_BYTES && !is_trajectory {
@@ -89,13 +93,13 @@ fn read(body: &[u8], robot: &Robot, at_rad: &Joints) -> (Option<Id>, Result<RunT
         return (id, Err(refusal));
     }
     let task = head.and_then(RequestHead::parse).and_then(|request| match request {
-        Request::RunMotions { motions } => {
+        Request::RunMotions { motions, label } => {
             check_motions(&motions, body, robot, at_rad)?;
-            Ok(RunTask::Motions(Box::new(motions)))
+            Ok((RunTask::Motions(Box::new(motions)), label))
         }
-        Request::RunTrajectory { trajectory } => {
+        Request::RunTrajectory { trajectory, label } => {
             trajectory.check(robot.limits(), at_rad)?;
-            Ok(RunTask::Trajectory(Box::new(trajectory)))
+            Ok((RunTask::Trajectory(Box::new(trajectory)), label))
         }
         _ => Err(Refusal::bad(format!(
             "the request is too long: only motions and trajectories may have more than \

@@ -4,13 +4,14 @@ use std::{
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
-        mpsc::{Receiver, RecvTimeoutError, Sender},
+        mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender},
     },
     time::{Duration, Instant},
 };
 
 use bytes::Bytes;
 use iiwa_link::{
+    Published,
     robot_program::{Acknowledgement, StateChange},
     transport::{Dialer, Event, Frames, Listener, PeerId, Received},
 };
@@ -77,6 +78,7 @@ pub(super) struct DispatcherThread {
     pub(super) inputs: Receiver<DispatcherInput>,
     pub(super) events: Receiver<FriEvent>,
     pub(super) commands: Sender<FriCommand>,
+    pub(super) stream: SyncSender<Published>,
     pub(super) jobs: Sender<CheckJob<ReplyRoute>>,
     pub(super) replies: Sender<RunReply<ReplyRoute>>,
 }
@@ -141,6 +143,8 @@ impl DispatcherThread {
                 Output::RunReply(reply) => drop(self.replies.send(reply)),
                 Output::Check(job) => drop(self.jobs.send(job)),
                 Output::Fri(command) => drop(self.commands.send(command)),
+                // Full only if nothing is published any more.
+                Output::Publish(published) => drop(self.stream.try_send(published)),
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use iiwa_link::{
-    message::{DriveState, MAX_SAMPLES, Refusal, Run, Samples, TimedBy},
+    message::{DriveState, MAX_SAMPLES, Refusal, Run, RunLabel, Samples, TimedBy},
     robot_program::{Instruction, Outcome, RunId},
 };
 
@@ -13,6 +13,8 @@ use super::{commanded_times::CommandedTimes, events::Observation, setpoints::Tra
 pub(super) struct Running<A> {
     pub(super) kind: DriveState,
     pub(super) run: RunId,
+    /// What its client states about it.
+    pub(super) label: RunLabel,
     pub(super) requester: A,
     pub(super) phase: Phase,
     /// The instruction that ends the run; it is repeated until the run has ended.
@@ -75,12 +77,14 @@ impl<A> Running<A> {
         kind: DriveState,
         phase: Phase,
         run: RunId,
+        label: RunLabel,
         requester: A,
         observation: Option<&Observation>,
     ) -> Self {
         let mut running = Self {
             kind,
             run,
+            label,
             requester,
             phase,
             end_instruction: None,

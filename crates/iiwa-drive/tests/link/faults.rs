@@ -175,7 +175,7 @@ fn a_client_that_is_killed_leaves_the_run_and_its_samples() {
     let socket = context.socket(zmq::REQ).unwrap();
     socket.set_linger(0).unwrap();
     socket.connect(&rig.drive_config.instructions).unwrap();
-    let request = iiwa_link::message::Request::RunMotions { motions: slowly_to(20.0).into() };
+    let request = iiwa_link::message::Request::motions(slowly_to(20.0));
     socket.send(&request.to_json(), 0).unwrap();
     // While motions are planned, the loss of their client would withdraw them.
     wait_for("motion", || rig.cabinet().position()[0].abs() > 0.01);

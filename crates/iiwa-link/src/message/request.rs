@@ -14,6 +14,7 @@ use crate::{
     message::{
         io::IoValue,
         refusal::Refusal,
+        run_event::RunLabel,
         text::{bad_json, shortened, to_json},
     },
     timed_joints::TimedJoints,
@@ -39,11 +40,15 @@ pub enum Request {
     RunMotions {
         /// The motions, and the tools, bases and frames that they use, as in a program.
         motions: MotionList,
+        /// What the client states about the run.
+        label: RunLabel,
     },
     /// Run a trajectory over FRI; replied to when it has ended.
     RunTrajectory {
         /// The trajectory.
         trajectory: TimedJoints,
+        /// What the client states about the run.
+        label: RunLabel,
     },
     /// Read the robot's sensors.
     ReadSensors,
@@ -86,6 +91,27 @@ impl Request {
         "stop",
     ];
 
+    /// A request to run motions, without a label.
+    #[must_use]
+    pub fn motions(motions: impl Into<MotionList>) -> Self {
+        Self::RunMotions { motions: motions.into(), label: RunLabel::default() }
+    }
+
+    /// A request to run a trajectory, without a label.
+    #[must_use]
+    pub fn trajectory(trajectory: TimedJoints) -> Self {
+        Self::RunTrajectory { trajectory, label: RunLabel::default() }
+    }
+
+    /// The request with this label, if it is for a run.
+    #[must_use]
+    pub fn labelled(mut self, with: RunLabel) -> Self {
+        if let Self::RunMotions { label, .. } | Self::RunTrajectory { label, .. } = &mut self {
+            *label = with;
+        }
+        self
+    }
+
     /// Parses a request and its id: [`head`](Self::head), then [`parse`](RequestHead::parse).
     ///
     /// # Errors
@@ -118,12 +144,12 @@ impl Request {
                 // The motions first: their errors contain the index of the motion.
                 let motions =
                     MotionList::from_json(text).map_err(|error| Refusal::bad(error.to_string()))?;
-                parse::<MotionsRequest>(text)?;
-                Ok(Self::RunMotions { motions })
+                let label = parse::<MotionsRequest>(text)?.label.check()?;
+                Ok(Self::RunMotions { motions, label })
             }
             Some("run_trajectory") => {
-                let trajectory = parse::<TrajectoryRequest>(text)?.trajectory.0;
-                Ok(Self::RunTrajectory { trajectory })
+                let TrajectoryRequest { trajectory, label, .. } = parse(text)?;
+                Ok(Self::RunTrajectory { trajectory: trajectory.0, label: label.check()? })
             }
             Some("get_io") => Ok(Self::GetIo { name: parse::<NameRequest>(text)?.name }),
             Some("set_io") => {
@@ -153,19 +179,35 @@ impl Request {
         #[derive(Serialize)]
         #[serde(tag = "type", rename_all = "snake_case")]
         enum RequestJson<'a> {
-            RunMotions(&'a MotionList),
-            RunTrajectory { trajectory: &'a TimedJoints },
+            RunMotions {
+                #[serde(flatten)]
+                motions: &'a MotionList,
+                #[serde(skip_serializing_if = "RunLabel::is_empty")]
+                label: &'a RunLabel,
+            },
+            RunTrajectory {
+                trajectory: &'a TimedJoints,
+                #[serde(skip_serializing_if = "RunLabel::is_empty")]
+                label: &'a RunLabel,
+            },
             ReadSensors,
             ListIo,
-            GetIo { name: &'a str },
-            SetIo { name: &'a str, value: IoValue },
+            GetIo {
+                name: &'a str,
+            },
+            SetIo {
+                name: &'a str,
+                value: IoValue,
+            },
             State,
             LastRun,
             Stop,
         }
         let out = match self {
-            Self::RunMotions { motions } => RequestJson::RunMotions(motions),
-            Self::RunTrajectory { trajectory } => RequestJson::RunTrajectory { trajectory },
+            Self::RunMotions { motions, label } => RequestJson::RunMotions { motions, label },
+            Self::RunTrajectory { trajectory, label } => {
+                RequestJson::RunTrajectory { trajectory, label }
+            }
             Self::ReadSensors => RequestJson::ReadSensors,
             Self::ListIo => RequestJson::ListIo,
             Self::GetIo { name } => RequestJson::GetIo { name },
@@ -259,9 +301,20 @@ macro_rules! request {
 request!(BareRequest {});
 request!(NameRequest { name: String });
 request!(ValueRequest { name: String, value: IoValue });
-request!(TrajectoryRequest { trajectory: Object<TimedJoints> });
 
-/// The keys that there may be; their values are read by [`MotionList`].
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TrajectoryRequest {
+    #[serde(rename = "type")]
+    _type: String,
+    #[serde(default, rename = "id")]
+    _id: Option<Id>,
+    trajectory: Object<TimedJoints>,
+    #[serde(default)]
+    label: RunLabel,
+}
+
+/// The keys that there may be; the values of most are read by [`MotionList`].
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MotionsRequest {
@@ -285,4 +338,6 @@ struct MotionsRequest {
     _mode: IgnoredAny,
     #[serde(default, rename = "mount")]
     _mount: IgnoredAny,
+    #[serde(default)]
+    label: RunLabel,
 }

@@ -3,7 +3,7 @@
 use std::{sync::Arc, time::Instant};
 
 use iiwa_link::{
-    message::{Body, Code, DriveState, Refusal},
+    message::{Body, Code, DriveState, Refusal, RunEnd},
     robot_program::{Acknowledgement, Instruction, RunId, StateChange},
 };
 
@@ -241,12 +241,14 @@ impl<C> Dispatcher<C> {
         if running.kind == DriveState::RunningTrajectory {
             self.outputs.push(Output::Fri(FriCommand::Release));
         }
-        let number = running.run;
+        let (number, kind) = (running.run, running.kind);
+        let label = running.label.clone();
         let FinishedRun { run, error, has_begun, requester } = running.finish();
         match &error {
             None => tracing::info!("run {number}: done"),
             Some(error) => tracing::warn!("run {number}: {error}"),
         }
+        self.publish_run(number, kind, &label, Some(RunEnd::new(&run, error.clone())));
         let record = Arc::new(RunRecord::new(run, error));
         if has_begun {
             self.last_run = Some(record.clone());

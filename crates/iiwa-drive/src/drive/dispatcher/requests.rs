@@ -4,7 +4,9 @@ use std::time::Instant;
 
 use iiwa_fri::{Quality, SessionState};
 use iiwa_link::{
-    message::{Body, Code, DriveState, MAX_SHORT_REQUEST_BYTES, Refusal, Request, RequestHead},
+    message::{
+        Body, Code, DriveState, MAX_SHORT_REQUEST_BYTES, Refusal, Request, RequestHead, RunLabel,
+    },
     robot_program::{Instruction, RunId},
 };
 use iiwa_program::{MotionList, Sources};
@@ -121,26 +123,35 @@ impl<C> Dispatcher<C> {
             }
         };
         // The robot may have become busy, or disconnected, meanwhile.
-        let ready = task.and_then(|task| {
+        let ready = task.and_then(|(task, label)| {
             self.check_idle(now)?;
             let observation = self.check_connected(now)?;
             if matches!(task, RunTask::Trajectory(_)) {
                 check_session(&observation)?;
             }
-            Ok(task)
+            Ok((task, label))
         });
         match ready {
-            Ok(task) => self.begin(run, requester, task, now),
+            Ok((task, label)) => self.begin(run, requester, task, label, now),
             Err(refusal) => self.reply(requester, Err(refusal)),
         }
     }
 
-    fn begin(&mut self, run: RunId, requester: Requester<C>, task: RunTask, now: Instant) {
+    fn begin(
+        &mut self,
+        run: RunId,
+        requester: Requester<C>,
+        task: RunTask,
+        label: RunLabel,
+        now: Instant,
+    ) {
         let (kind, phase) = match task {
             RunTask::Motions(_) => (DriveState::RunningMotion, Phase::Planning),
             RunTask::Trajectory(_) => (DriveState::RunningTrajectory, Phase::Beginning),
         };
-        let running = Running::new(kind, phase, run, requester, self.observation.as_ref());
+        self.publish_run(run, kind, &label, None);
+        let observation = self.observation.as_ref();
+        let running = Running::new(kind, phase, run, label, requester, observation);
         self.stage = RunStage::Running(Box::new(running));
         tracing::info!("run {run}: {kind}");
         self.outputs.push(Output::Fri(FriCommand::Publish(kind)));

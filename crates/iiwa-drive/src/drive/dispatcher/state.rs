@@ -8,7 +8,11 @@ use std::{
 use bytes::Bytes;
 use iiwa_fri::{Quality, Safety};
 use iiwa_link::{
-    message::{Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, Status},
+    Published,
+    message::{
+        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, RunEnd, RunEvent,
+        RunLabel, Status,
+    },
     robot_program::{Instruction, RunId, StateChange},
     transport::Permit,
 };
@@ -36,6 +40,8 @@ pub(in crate::drive) enum Output<C> {
     Reconnect,
     /// A command to the FRI thread.
     Fri(FriCommand),
+    /// A message of the stream.
+    Publish(Published),
 }
 
 /// A request as received.
@@ -245,6 +251,19 @@ impl<C> Dispatcher<C> {
         let reply = Reply { id: id.as_ref(), error: error.as_ref(), body: body.as_ref() };
         let text = reply.to_json();
         self.outputs.push(Output::Reply(client, text));
+    }
+
+    /// Publishes the beginning of a run, or its end.
+    pub(super) fn publish_run(
+        &mut self,
+        run: RunId,
+        kind: DriveState,
+        label: &RunLabel,
+        end: Option<RunEnd>,
+    ) {
+        let t_s = self.observation.map_or(0.0, |it| it.t_s);
+        let event = RunEvent { t_s, run, kind, label: label.clone(), end };
+        self.outputs.push(Output::Publish(Published::Run(Box::new(event))));
     }
 
     pub(super) fn reply_run(&mut self, requester: Requester<C>, record: Arc<RunRecord>) {

@@ -88,7 +88,7 @@ impl DispatcherScene {
 
     fn ask_for_motion(&mut self) {
         let motions = vec![Motion::Ptp(Ptp::to([0.1; 7]))].into();
-        self.request("runner", Request::RunMotions { motions }.to_json());
+        self.request("runner", Request::motions(motions).to_json());
     }
 
     /// Checks the runs to be checked.
@@ -110,7 +110,7 @@ impl DispatcherScene {
 
     fn begin_trajectory(&mut self) {
         let trajectory = TimedJoints { t_s: vec![0.0, 1.0], joints_rad: vec![[0.0; 7]; 2] };
-        self.request("runner", Request::RunTrajectory { trajectory }.to_json());
+        self.request("runner", Request::trajectory(trajectory).to_json());
         assert_eq!(self.check(), []);
     }
 
@@ -143,7 +143,7 @@ impl DispatcherScene {
                 Output::Instruct(text) => out.push(TestOutput::Instruct(json(&text))),
                 Output::Reconnect => out.push(TestOutput::Reconnect),
                 Output::Check(job) => self.jobs.push(job),
-                Output::Fri(_) => {}
+                Output::Fri(_) | Output::Publish(_) => {}
             }
         }
         out
@@ -339,7 +339,7 @@ fn a_stop_withdraws_a_run_being_received() {
     scene.ask("stopper", &stop());
     assert_eq!(scene.replies(), [("stopper", true)]);
     let motions = vec![Motion::Ptp(Ptp::to([0.1; 7]))].into();
-    let body = Request::RunMotions { motions }.to_json().into();
+    let body = Request::motions(motions).to_json().into();
     scene.dispatcher.request("runner", IncomingRequest { body, permit: None, began }, scene.now);
     assert_eq!(scene.check().len(), 1);
     scene.begin_motion();

@@ -1,0 +1,281 @@
+//! `iiwasim bridge`.
+
+use std::{path::PathBuf, str::FromStr};
+
+use clap::{Args, ValueEnum};
+use iiwa_link::security::Endpoint;
+
+use super::{
+    addresses::{DriveAddress, STREAM},
+    values::{at_least_0, whole},
+};
+
+/// Pass the robot's data to Kafka, MQTT and Sparkplug, and requests back if they are allowed.
+///
+/// It is a client of the drive: joints, states, runs with their planned and measured times, inputs and outputs, sensors and
+/// conditions become messages, the same JSON for all brokers (`iiwasim schema bridge` describes it). What a broker does not take
+/// waits in a spool on disk, and arrives in order, at least once. Nothing listens at a port.
+///
+/// Commands come by topics of the brokers, only with --allow-commands, and pass the checks of the drive as those of any client.
+/// Ctrl-C ends the bridge; what is still spooled is sent the next time.
+#[derive(Args, Debug)]
+pub(crate) struct Bridge {
+    /// Name of the robot, in topics and as key of messages
+    #[arg(long, value_name = "NAME", default_value = "iiwa")]
+    pub(crate) name: String,
+
+    /// Another robot: its name, the addresses of its drive and of its stream; may be given more than once
+    #[arg(long = "add", value_name = "NAME=HOST:PORT,HOST:PORT")]
+    pub(crate) others: Vec<OtherRobot>,
+
+    /// Carry out commands: run, stop, set outputs. Who may send to the topics of requests may move the robot
+    #[arg(long)]
+    pub(crate) allow_commands: bool,
+
+    /// Folder for what brokers have not taken yet [default: iiwasim/spool in the user's folder for states]
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) spool: Option<PathBuf>,
+
+    /// Room for each broker in the spool, in MB: an hour of joints at 1 kHz takes 1200. The oldest are dropped if it is full
+    #[arg(long, value_name = "MB", default_value_t = 1024, value_parser = whole::<u64, 64, 1_000_000>)]
+    pub(crate) spool_mb: u64,
+
+    /// Format of the joints' messages; all others are JSON
+    #[arg(long, value_name = "FORMAT", default_value = "json")]
+    pub(crate) joints: JointFormat,
+
+    #[command(flatten)]
+    pub(crate) kafka: Kafka,
+
+    #[command(flatten)]
+    pub(crate) mqtt: Mqtt,
+
+    /// Address at which the drive publishes
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
+    pub(crate) stream: Endpoint,
+
+    #[command(flatten)]
+    pub(crate) drive: DriveAddress,
+}
+
+/// Kafka.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Kafka")]
+pub(crate) struct Kafka {
+    /// Send to Kafka: one or more brokers to begin with
+    #[arg(long = "kafka", value_name = "HOST:PORT", value_delimiter = ',', value_parser = address)]
+    pub(crate) brokers: Vec<String>,
+
+    #[command(flatten)]
+    pub(crate) access: KafkaAccess,
+
+    /// How batches are compressed
+    #[arg(
+        long = "kafka-compression",
+        value_name = "NAME",
+        default_value = "snappy",
+        requires = "brokers"
+    )]
+    pub(crate) compression: KafkaCompression,
+}
+
+/// How Kafka is reached, for all commands that do.
+#[derive(Args, Debug)]
+pub(crate) struct KafkaAccess {
+    /// What the names of topics begin with
+    #[arg(
+        id = "kafka_prefix",
+        long = "kafka-prefix",
+        value_name = "TEXT",
+        default_value = "iiwasim"
+    )]
+    pub(crate) prefix: String,
+
+    /// Use TLS, with the authorities of the system
+    #[arg(id = "kafka_tls", long = "kafka-tls")]
+    pub(crate) tls: bool,
+
+    /// Use TLS, with these authorities
+    #[arg(id = "kafka_ca", long = "kafka-ca", value_name = "FILE.pem")]
+    pub(crate) authority: Option<PathBuf>,
+
+    /// Own certificate, for brokers that ask for one
+    #[arg(
+        id = "kafka_cert",
+        long = "kafka-cert",
+        value_name = "FILE.pem",
+        requires = "kafka_cert_key"
+    )]
+    pub(crate) certificate: Option<PathBuf>,
+
+    /// Key of the own certificate
+    #[arg(
+        id = "kafka_cert_key",
+        long = "kafka-cert-key",
+        value_name = "FILE.pem",
+        requires = "kafka_cert"
+    )]
+    pub(crate) certificate_key: Option<PathBuf>,
+
+    /// User
+    #[arg(
+        id = "kafka_user",
+        long = "kafka-user",
+        value_name = "NAME",
+        requires = "kafka_password_file"
+    )]
+    pub(crate) user: Option<String>,
+
+    /// File with the user's password
+    #[arg(
+        id = "kafka_password_file",
+        long = "kafka-password-file",
+        value_name = "FILE",
+        requires = "kafka_user"
+    )]
+    pub(crate) password_file: Option<PathBuf>,
+
+    /// How the user proves to know the password
+    #[arg(long = "kafka-sasl", value_name = "NAME", default_value = "scram-sha-512")]
+    pub(crate) sasl: KafkaSasl,
+}
+
+/// MQTT.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "MQTT")]
+pub(crate) struct Mqtt {
+    /// Send to an MQTT broker
+    #[arg(long = "mqtt", value_name = "HOST:PORT", value_parser = address)]
+    pub(crate) broker: Option<String>,
+
+    /// Version of the protocol: 3 (3.1.1) or 5
+    #[arg(long = "mqtt-version", value_name = "N", default_value_t = 5, value_parser = whole::<u8, 3, 5>)]
+    pub(crate) version: u8,
+
+    /// What topics begin with
+    #[arg(
+        id = "mqtt_prefix",
+        long = "mqtt-prefix",
+        value_name = "TEXT",
+        default_value = "iiwasim"
+    )]
+    pub(crate) prefix: String,
+
+    /// Most messages of joints per second and robot; 0 for all
+    #[arg(long = "mqtt-rate", value_name = "HZ", default_value_t = 10.0, value_parser = at_least_0)]
+    pub(crate) rate: f64,
+
+    /// What the names of connections begin with: two bridges at a broker need two
+    #[arg(long = "mqtt-client", value_name = "TEXT", default_value = "iiwasim")]
+    pub(crate) client: String,
+
+    /// Use TLS, with the authorities of the system
+    #[arg(id = "mqtt_tls", long = "mqtt-tls")]
+    pub(crate) tls: bool,
+
+    /// Use TLS, with these authorities
+    #[arg(id = "mqtt_ca", long = "mqtt-ca", value_name = "FILE.pem")]
+    pub(crate) authority: Option<PathBuf>,
+
+    /// Own certificate, for brokers that ask for one
+    #[arg(
+        id = "mqtt_cert",
+        long = "mqtt-cert",
+        value_name = "FILE.pem",
+        requires = "mqtt_cert_key"
+    )]
+    pub(crate) certificate: Option<PathBuf>,
+
+    /// Key of the own certificate
+    #[arg(
+        id = "mqtt_cert_key",
+        long = "mqtt-cert-key",
+        value_name = "FILE.pem",
+        requires = "mqtt_cert"
+    )]
+    pub(crate) certificate_key: Option<PathBuf>,
+
+    /// User
+    #[arg(
+        id = "mqtt_user",
+        long = "mqtt-user",
+        value_name = "NAME",
+        requires = "mqtt_password_file"
+    )]
+    pub(crate) user: Option<String>,
+
+    /// File with the user's password
+    #[arg(
+        id = "mqtt_password_file",
+        long = "mqtt-password-file",
+        value_name = "FILE",
+        requires = "mqtt_user"
+    )]
+    pub(crate) password_file: Option<PathBuf>,
+
+    /// Also be an edge node of Sparkplug B, with the robots as devices, in this group
+    #[arg(long, value_name = "GROUP", num_args = 0..=1, require_equals = true, default_missing_value = "iiwasim", requires = "broker")]
+    pub(crate) sparkplug: Option<String>,
+}
+
+/// Format of the joints' messages.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum JointFormat {
+    /// As all messages
+    Json,
+    /// `sensor_msgs/JointState`, as ROS 2 has it
+    Cdr,
+    /// `iiwasim.Joints`, see the guide
+    Protobuf,
+}
+
+/// Compression of batches.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum KafkaCompression {
+    /// Not at all
+    None,
+    /// Quickly
+    Snappy,
+    /// Small
+    Gzip,
+}
+
+/// SASL mechanism.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum KafkaSasl {
+    /// The password itself: with TLS only, or on this machine
+    Plain,
+    /// SCRAM with SHA-256
+    ScramSha256,
+    /// SCRAM with SHA-512
+    ScramSha512,
+}
+
+/// A robot beside that of `--drive`.
+#[derive(Clone, Debug)]
+pub(crate) struct OtherRobot {
+    pub(crate) name: String,
+    pub(crate) drive: Endpoint,
+    pub(crate) stream: Endpoint,
+}
+
+impl FromStr for OtherRobot {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = "the form is NAME=HOST:PORT,HOST:PORT, with the addresses of drive and stream";
+        let (name, addresses) = text.split_once('=').ok_or(form)?;
+        let (drive, stream) = addresses.split_once(',').ok_or(form)?;
+        let address = |text: &str| text.parse().map_err(|error| format!("`{text}`: {error}"));
+        Ok(Self { name: name.to_owned(), drive: address(drive)?, stream: address(stream)? })
+    }
+}
+
+/// A host and a port.
+fn address(text: &str) -> Result<String, String> {
+    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty()).map(|(_, port)| port);
+    match port.map(str::parse::<u16>) {
+        Some(Ok(port)) if port > 0 => Ok(text.to_owned()),
+        _ => Err("the form is HOST:PORT".to_owned()),
+    }
+}

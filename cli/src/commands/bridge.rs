@@ -1,0 +1,230 @@
+//! `iiwasim bridge`.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    thread,
+    time::Duration,
+};
+
+use iiwa_bridge::{
+    Bridge, BridgeError, BridgeOptions, BridgedRobot, Credentials, default_spool,
+    encoding::JointFormat,
+    kafka::{Compression, KafkaConnection, KafkaOptions, Sasl},
+    mqtt::{MqttConnection, MqttOptions, MqttVersion, SparkplugOptions},
+    tls::TlsFiles,
+};
+use iiwa_files::interrupt;
+use iiwa_view::with_causes;
+
+use crate::{
+    args, connection,
+    failure::{Failure, print_note},
+    log, output,
+};
+
+/// How often the end is checked for.
+const TURN: Duration = Duration::from_millis(50);
+
+/// Bridges until an interrupt.
+pub(crate) fn run(options: &args::Bridge) -> Result<(), Failure> {
+    let bridge = bridge_options(options)?;
+    output::catch_interrupts();
+    log::start();
+    let bridge = Bridge::start(&bridge, Vec::new()).map_err(|error| failure(&error))?;
+    print_note(&started(options));
+    while !interrupt::has_come() {
+        thread::sleep(TURN);
+    }
+    let commands = bridge.commands();
+    drop(bridge);
+    print_note(&format!(
+        "Commands: {} passed on, {} refused\n",
+        commands.accepted, commands.refused
+    ));
+    Ok(())
+}
+
+fn bridge_options(options: &args::Bridge) -> Result<BridgeOptions, Failure> {
+    if options.kafka.brokers.is_empty() && options.mqtt.broker.is_none() {
+        return Err(Failure::input(
+            "there is nothing to bridge to: give --kafka HOST:PORT, --mqtt HOST:PORT, or both"
+                .to_owned(),
+        ));
+    }
+    let remote = connection::remote(&options.drive.keys)?;
+    let robot = |name: &str, drive: String, stream: String| {
+        BridgedRobot::new(name, remote.clone(), drive, stream).map_err(|error| failure(&error))
+    };
+    let (drive, stream) = (options.drive.drive.to_string(), options.stream.to_string());
+    let mut robots = vec![robot(&options.name, drive, stream)?];
+    for other in &options.others {
+        robots.push(robot(&other.name, other.drive.to_string(), other.stream.to_string())?);
+    }
+    let spool = options.spool.clone().unwrap_or_else(default_spool);
+    Ok(BridgeOptions {
+        robots,
+        allow_commands: options.allow_commands,
+        kafka: kafka(options, &spool)?,
+        mqtt: mqtt(options, &spool)?,
+        sparkplug: sparkplug(&options.mqtt)?,
+    })
+}
+
+fn kafka(options: &args::Bridge, spool: &Path) -> Result<Option<KafkaOptions>, Failure> {
+    let kafka = &options.kafka;
+    if kafka.brokers.is_empty() {
+        return Ok(None);
+    }
+    Ok(Some(KafkaOptions {
+        connection: kafka_connection(&kafka.brokers, &kafka.access)?,
+        prefix: kafka.access.prefix.clone(),
+        compression: match kafka.compression {
+            args::KafkaCompression::None => Compression::None,
+            args::KafkaCompression::Snappy => Compression::Snappy,
+            args::KafkaCompression::Gzip => Compression::Gzip,
+        },
+        joints: joints(options.joints),
+        spool: spool.join("kafka"),
+        spool_bytes: options.spool_mb << 20,
+    }))
+}
+
+/// How Kafka is reached.
+pub(crate) fn kafka_connection(
+    brokers: &[String],
+    access: &args::KafkaAccess,
+) -> Result<KafkaConnection, Failure> {
+    let own = (&access.certificate, &access.certificate_key);
+    let sasl = match access.sasl {
+        args::KafkaSasl::Plain => Sasl::Plain,
+        args::KafkaSasl::ScramSha256 => Sasl::ScramSha256,
+        args::KafkaSasl::ScramSha512 => Sasl::ScramSha512,
+    };
+    let credentials = credentials(access.user.as_ref(), access.password_file.as_ref())?;
+    Ok(KafkaConnection {
+        brokers: brokers.to_vec(),
+        tls: tls(access.tls, access.authority.as_ref(), own),
+        sasl: credentials.map(|credentials| (sasl, credentials)),
+    })
+}
+
+fn mqtt(options: &args::Bridge, spool: &Path) -> Result<Option<MqttOptions>, Failure> {
+    let mqtt = &options.mqtt;
+    let Some(connection) = mqtt_connection(mqtt)? else { return Ok(None) };
+    if mqtt.prefix.is_empty() || mqtt.prefix.contains(['+', '#']) {
+        return Err(Failure::input("--mqtt-prefix is empty, or has + or #".to_owned()));
+    }
+    Ok(Some(MqttOptions {
+        connection,
+        prefix: mqtt.prefix.clone(),
+        rate_hz: rate(mqtt),
+        joints: joints(options.joints),
+        spool: spool.join("mqtt"),
+        spool_bytes: options.spool_mb << 20,
+    }))
+}
+
+fn sparkplug(mqtt: &args::Mqtt) -> Result<Option<SparkplugOptions>, Failure> {
+    let Some(group) = &mqtt.sparkplug else { return Ok(None) };
+    let Some(mut connection) = mqtt_connection(mqtt)? else { return Ok(None) };
+    connection.client_id = format!("{}-sparkplug", connection.client_id);
+    let (group, node) = (group.clone(), mqtt.client.clone());
+    Ok(Some(SparkplugOptions { connection, group, node, rate_hz: rate(mqtt) }))
+}
+
+fn mqtt_connection(mqtt: &args::Mqtt) -> Result<Option<MqttConnection>, Failure> {
+    let Some((host, port)) = mqtt.broker.as_ref().and_then(|broker| broker.rsplit_once(':')) else {
+        return Ok(None);
+    };
+    let version = match mqtt.version {
+        3 => MqttVersion::V3,
+        5 => MqttVersion::V5,
+        other => return Err(Failure::input(format!("--mqtt-version {other}: it is 3 or 5"))),
+    };
+    let own = (&mqtt.certificate, &mqtt.certificate_key);
+    Ok(Some(MqttConnection {
+        host: host.trim_start_matches('[').trim_end_matches(']').to_owned(),
+        port: port.parse().unwrap_or_default(),
+        version,
+        tls: tls(mqtt.tls, mqtt.authority.as_ref(), own),
+        credentials: credentials(mqtt.user.as_ref(), mqtt.password_file.as_ref())?,
+        client_id: mqtt.client.clone(),
+    }))
+}
+
+fn rate(mqtt: &args::Mqtt) -> Option<f64> {
+    Some(mqtt.rate).filter(|rate| *rate > 0.0)
+}
+
+fn joints(format: args::JointFormat) -> JointFormat {
+    match format {
+        args::JointFormat::Json => JointFormat::Json,
+        args::JointFormat::Cdr => JointFormat::Cdr,
+        args::JointFormat::Protobuf => JointFormat::Protobuf,
+    }
+}
+
+fn tls(
+    wanted: bool,
+    authority: Option<&PathBuf>,
+    own: (&Option<PathBuf>, &Option<PathBuf>),
+) -> Option<TlsFiles> {
+    let own = match own {
+        (Some(certificate), Some(key)) => Some((certificate.clone(), key.clone())),
+        _ => None,
+    };
+    let wanted = wanted || authority.is_some() || own.is_some();
+    wanted.then(|| TlsFiles { authority: authority.cloned(), own })
+}
+
+/// The user, with the password in the first line of a file.
+fn credentials(
+    user: Option<&String>,
+    file: Option<&PathBuf>,
+) -> Result<Option<Credentials>, Failure> {
+    let (Some(user), Some(file)) = (user, file) else { return Ok(None) };
+    let text = fs::read_to_string(file).map_err(|error| {
+        Failure::input(format!("cannot read the password in {}: {error}", file.display()))
+    })?;
+    let password = text.lines().next().unwrap_or_default().to_owned();
+    if password.is_empty() {
+        return Err(Failure::input(format!("the first line of {} is empty", file.display())));
+    }
+    Ok(Some(Credentials { user: user.clone(), password }))
+}
+
+/// A bridge that did not start: invalid input if the options are wrong.
+pub(crate) fn failure(error: &BridgeError) -> Failure {
+    match error {
+        BridgeError::Link(error) => connection::refused(error),
+        BridgeError::RobotName { .. }
+        | BridgeError::SameName { .. }
+        | BridgeError::Certificate { .. }
+        | BridgeError::Settings { .. } => Failure::input(with_causes(error)),
+        BridgeError::SpoolInUse { .. } => {
+            Failure::Run { what: format!("{error} (--spool)"), cause: None }
+        }
+        error => Failure::Run { what: with_causes(error), cause: None },
+    }
+}
+
+/// What is bridged, for people.
+fn started(options: &args::Bridge) -> String {
+    let names = options.others.iter().map(|other| other.name.as_str());
+    let robots: Vec<_> = [options.name.as_str()].into_iter().chain(names).collect();
+    let mut to = Vec::new();
+    if !options.kafka.brokers.is_empty() {
+        to.push(format!("Kafka at {}", options.kafka.brokers.join(", ")));
+    }
+    if let Some(broker) = &options.mqtt.broker {
+        let sparkplug = if options.mqtt.sparkplug.is_some() { ", with Sparkplug" } else { "" };
+        to.push(format!("MQTT at {broker}{sparkplug}"));
+    }
+    let commands = if options.allow_commands { "are carried out" } else { "are refused" };
+    format!(
+        "Bridge from {} to {}. Commands {commands}. Ctrl-C ends it.\n",
+        robots.join(", "),
+        to.join(" and ")
+    )
+}

@@ -1,0 +1,178 @@
+//! A bridge: robots, sinks, and what holds them together.
+
+use std::{
+    collections::{BTreeMap, HashSet},
+    path::PathBuf,
+    sync::{Arc, atomic::AtomicBool},
+    time::{Duration, SystemTime, UNIX_EPOCH},
+};
+
+use iiwa_link::threads::ThreadGroup;
+
+#[cfg(feature = "kafka")]
+use crate::kafka::{Kafka, KafkaOptions};
+#[cfg(feature = "mqtt")]
+use crate::mqtt::{Mqtt, MqttOptions, Sparkplug, SparkplugOptions};
+use crate::{
+    BridgeError, BridgedRobot, Sink,
+    commands::{CommandCounts, CommandGate},
+    feed::Feed,
+    message::BridgeStatus,
+    spool::Level,
+    trouble::pause,
+};
+
+/// How often a bridge says how it is.
+const STATUS_EVERY: Duration = Duration::from_secs(10);
+
+/// What a bridge connects.
+#[derive(Clone, Debug, Default)]
+pub struct BridgeOptions {
+    /// The robots.
+    pub robots: Vec<BridgedRobot>,
+    /// Whether commands are taken.
+    pub allow_commands: bool,
+    /// Kafka, if it is wanted.
+    #[cfg(feature = "kafka")]
+    pub kafka: Option<KafkaOptions>,
+    /// MQTT, if it is wanted.
+    #[cfg(feature = "mqtt")]
+    pub mqtt: Option<MqttOptions>,
+    /// Sparkplug, if it is wanted.
+    #[cfg(feature = "mqtt")]
+    pub sparkplug: Option<SparkplugOptions>,
+}
+
+/// A running bridge. When it is dropped, it sends what it still can for two seconds; the rest stays in the spools for the next
+/// time.
+pub struct Bridge {
+    // In this order they end: what feeds sinks before the sinks.
+    _status: ThreadGroup,
+    feeds: Arc<Vec<Feed>>,
+    gate: Arc<CommandGate>,
+    sinks: Arc<Sinks>,
+}
+
+impl std::fmt::Debug for Bridge {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Bridge").field("feeds", &self.feeds).finish_non_exhaustive()
+    }
+}
+
+/// The sinks that report how full their spools are, and all of them.
+#[derive(Default)]
+struct Sinks {
+    #[cfg(feature = "kafka")]
+    kafka: Option<Arc<Kafka>>,
+    #[cfg(feature = "mqtt")]
+    mqtt: Option<Arc<Mqtt>>,
+    all: Vec<Arc<dyn Sink>>,
+}
+
+impl Bridge {
+    /// Starts a bridge; further sinks may be given.
+    ///
+    /// # Errors
+    ///
+    /// Two robots have the same name, a file cannot be used, settings contradict each other, or a broker refuses the connection.
+    /// Drives and brokers that cannot be reached are waited for.
+    pub fn start(
+        options: &BridgeOptions,
+        further: Vec<Arc<dyn Sink>>,
+    ) -> Result<Self, BridgeError> {
+        let mut names = HashSet::new();
+        for robot in &options.robots {
+            if !names.insert(robot.name()) {
+                return Err(BridgeError::SameName { name: robot.name().to_owned() });
+            }
+        }
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let session = u64::try_from(since.as_millis()).unwrap_or_default();
+        let gate = Arc::new(CommandGate::new(&options.robots, options.allow_commands)?);
+        let sinks = Arc::new(Sinks::start(options, session, &gate, further)?);
+        let all: Arc<[Arc<dyn Sink>]> = sinks.all.clone().into();
+        let feeds =
+            options.robots.iter().map(|robot| Feed::start(robot, session, Arc::clone(&all)));
+        let feeds = Arc::new(feeds.collect::<Result<Vec<_>, _>>()?);
+        let mut status = ThreadGroup::default();
+        let (to, from, counted) = (Arc::clone(&feeds), Arc::clone(&sinks), Arc::clone(&gate));
+        status.spawn("bridge status", move |shutdown| {
+            say_status(&to, &from, &counted, shutdown);
+        })?;
+        Ok(Self { _status: status, feeds, gate, sinks })
+    }
+
+    /// Counts of commands so far.
+    #[must_use]
+    pub fn commands(&self) -> CommandCounts {
+        self.gate.counts()
+    }
+
+    /// How full the spool for each broker is.
+    #[must_use]
+    pub fn spools(&self) -> BTreeMap<String, Level> {
+        self.sinks.spools()
+    }
+}
+
+/// Where spools are, if nothing else is said: beside the user's other data.
+#[must_use]
+pub fn default_spool() -> PathBuf {
+    let data = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);
+    let home = || std::env::home_dir().map(|home| home.join(".local/state"));
+    data.or_else(home).unwrap_or_default().join("iiwasim/spool")
+}
+
+impl Sinks {
+    fn start(
+        options: &BridgeOptions,
+        session: u64,
+        gate: &Arc<CommandGate>,
+        further: Vec<Arc<dyn Sink>>,
+    ) -> Result<Self, BridgeError> {
+        let mut sinks = Self { all: further, ..Self::default() };
+        #[cfg(feature = "kafka")]
+        if let Some(kafka) = &options.kafka {
+            let kafka = Arc::new(Kafka::start(kafka, Arc::clone(gate))?);
+            sinks.all.push(kafka.clone());
+            sinks.kafka = Some(kafka);
+        }
+        #[cfg(feature = "mqtt")]
+        if let Some(mqtt) = &options.mqtt {
+            let mqtt = Arc::new(Mqtt::start(mqtt, &options.robots, session, gate)?);
+            sinks.all.push(mqtt.clone());
+            sinks.mqtt = Some(mqtt);
+        }
+        #[cfg(feature = "mqtt")]
+        if let Some(sparkplug) = &options.sparkplug {
+            sinks.all.push(Arc::new(Sparkplug::start(sparkplug, &options.robots)?));
+        }
+        Ok(sinks)
+    }
+
+    fn spools(&self) -> BTreeMap<String, Level> {
+        let mut spools = BTreeMap::new();
+        #[cfg(feature = "kafka")]
+        if let Some(kafka) = &self.kafka {
+            spools.insert("kafka".to_owned(), kafka.level());
+        }
+        #[cfg(feature = "mqtt")]
+        if let Some(mqtt) = &self.mqtt {
+            spools.insert("mqtt".to_owned(), mqtt.level());
+        }
+        spools
+    }
+}
+
+fn say_status(feeds: &[Feed], sinks: &Sinks, gate: &CommandGate, shutdown: &AtomicBool) {
+    let say = |online| {
+        for feed in feeds {
+            feed.send(BridgeStatus { online, commands: gate.counts(), spools: sinks.spools() });
+        }
+    };
+    while !shutdown.load(std::sync::atomic::Ordering::Relaxed) {
+        say(true);
+        pause(STATUS_EVERY, shutdown);
+    }
+    say(false);
+}

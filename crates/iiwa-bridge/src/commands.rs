@@ -1,0 +1,231 @@
+//! Requests that come by brokers: who may ask for what, and when it is too late.
+//!
+//! A command is a drive's request in an envelope, so that a broker that stores or repeats messages cannot move the robot:
+//!
+//! ```json
+//! { "version": 1, "robot": "cell-1", "id": "7f3c", "at": "2026-11-25T22:00:00Z", "request": { "type": "stop" } }
+//! ```
+//!
+//! It is refused if the bridge takes no commands, if it is malformed or too long, if `at` is not within
+//! [`MAX_AGE`] of the bridge's clock, or if its `id` has been seen before. What passes goes to the drive, with its checks. The
+//! reply names the `id`.
+
+mod envelope;
+mod replies;
+mod worker;
+
+use std::{
+    collections::{HashMap, VecDeque},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::{Duration, SystemTime},
+};
+
+use iiwa_link::message::{Code, Refusal, Request};
+
+use crate::{BridgeError, message::Timestamp, robot::BridgedRobot};
+
+use envelope::Envelope;
+pub use replies::CommandReply;
+use worker::Worker;
+
+/// Longest command, in bytes: as the longest list of motions of a drive.
+pub const MAX_COMMAND_BYTES: usize = iiwa_link::message::MAX_MOTIONS_BYTES;
+
+/// How far `at` of a command may be from the bridge's clock.
+pub const MAX_AGE: Duration = Duration::from_secs(10);
+
+/// Most ids that are remembered: more commands within twice [`MAX_AGE`] are refused.
+const MAX_IDS: usize = 10_000;
+
+/// Longest id, in bytes.
+const MAX_ID_BYTES: usize = 200;
+
+/// Counts of commands since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct CommandCounts {
+    /// Passed on to a drive.
+    pub accepted: u64,
+    /// Refused by the bridge.
+    pub refused: u64,
+}
+
+/// Checks commands and passes them on to drives.
+#[derive(Debug)]
+pub struct CommandGate {
+    allowed: bool,
+    workers: HashMap<String, Worker>,
+    seen: Mutex<SeenIds>,
+    accepted: AtomicU64,
+    refused: AtomicU64,
+}
+
+/// How a reply leaves.
+pub type Answer = Box<dyn FnOnce(CommandReply) + Send>;
+
+impl CommandGate {
+    /// A gate to these robots that lets commands pass only if they are `allowed`.
+    ///
+    /// # Errors
+    ///
+    /// An address is invalid or requires keys, or a thread cannot be started.
+    pub fn new(robots: &[BridgedRobot], allowed: bool) -> Result<Self, BridgeError> {
+        let worker = |robot: &BridgedRobot| Ok((robot.name().to_owned(), Worker::start(robot)?));
+        let workers = robots.iter().map(worker).collect::<Result<_, BridgeError>>()?;
+        Ok(Self {
+            allowed,
+            workers,
+            seen: Mutex::default(),
+            accepted: AtomicU64::new(0),
+            refused: AtomicU64::new(0),
+        })
+    }
+
+    /// Takes a command; `robot` is the one of the topic, if that names one. The reply may come from another thread, at the end
+    /// of a run.
+    pub fn command(&self, robot: Option<&str>, body: &[u8], answer: Answer) {
+        let (envelope, checked) = self.check(robot, body);
+        let robot = envelope.robot.as_deref().or(robot).map(str::to_owned);
+        let reply =
+            |refusal: &Refusal| CommandReply::refused(robot.clone(), envelope.id.clone(), refusal);
+        let refusal = match checked {
+            Err(refusal) => refusal,
+            Ok((worker, request)) => {
+                let id = envelope.id.clone().unwrap_or_default();
+                match worker.send(id, request, answer) {
+                    Ok(()) => {
+                        self.accepted.fetch_add(1, Ordering::Relaxed);
+                        return;
+                    }
+                    Err((refusal, answer)) => {
+                        self.refused.fetch_add(1, Ordering::Relaxed);
+                        answer(reply(&refusal));
+                        return;
+                    }
+                }
+            }
+        };
+        self.refused.fetch_add(1, Ordering::Relaxed);
+        tracing::warn!("a command was refused: {refusal}");
+        answer(reply(&refusal));
+    }
+
+    /// The counts so far.
+    #[must_use]
+    pub fn counts(&self) -> CommandCounts {
+        CommandCounts {
+            accepted: self.accepted.load(Ordering::Relaxed),
+            refused: self.refused.load(Ordering::Relaxed),
+        }
+    }
+
+    fn check(
+        &self,
+        robot: Option<&str>,
+        body: &[u8],
+    ) -> (Envelope, Result<(&Worker, Request), Refusal>) {
+        if body.len() > MAX_COMMAND_BYTES {
+            let found = body.len();
+            let why =
+                format!("the command has {found} bytes; at most {MAX_COMMAND_BYTES} are allowed");
+            return (Envelope::default(), Err(Refusal::bad(why)));
+        }
+        match Envelope::read(body) {
+            Err((envelope, refusal)) => (envelope, Err(refusal)),
+            Ok(envelope) => {
+                let checked = self.check_envelope(robot, &envelope);
+                (envelope, checked)
+            }
+        }
+    }
+
+    fn check_envelope(
+        &self,
+        topic: Option<&str>,
+        envelope: &Envelope,
+    ) -> Result<(&Worker, Request), Refusal> {
+        if !self.allowed {
+            let why = "this bridge takes no commands; `iiwasim bridge --allow-commands` does";
+            return Err(Refusal::new(Code::Unauthorized, why));
+        }
+        let robot = envelope.robot.as_deref().or(topic);
+        let worker = robot.and_then(|robot| self.workers.get(robot)).ok_or_else(|| {
+            let known: Vec<_> = self.workers.keys().map(String::as_str).collect();
+            Refusal::bad(format!("`robot` has to be one of: {}", known.join(", ")))
+        })?;
+        if topic.is_some_and(|topic| Some(topic) != robot) {
+            return Err(Refusal::bad("`robot` is another one than that of the topic"));
+        }
+        let request = envelope.request()?;
+        let (id, at) = envelope.identity()?;
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner).admit(id, at, Timestamp::now())?;
+        Ok((worker, request))
+    }
+}
+
+/// The ids of recent commands.
+#[derive(Debug, Default)]
+struct SeenIds {
+    /// In the order of their arrival.
+    ids: VecDeque<(Timestamp, String)>,
+}
+
+impl SeenIds {
+    /// Lets a command pass that is new.
+    fn admit(&mut self, id: &str, at: Timestamp, now: Timestamp) -> Result<(), Refusal> {
+        let age = SystemTime::from(now).duration_since(at.into());
+        let (apart, which) = match age {
+            Ok(age) => (age, "ago by the bridge's clock: it is too old"),
+            Err(ahead) => (ahead.duration(), "ahead of the bridge's clock: set the clocks"),
+        };
+        if apart > MAX_AGE {
+            let seconds = apart.as_secs_f64();
+            return Err(Refusal::new(
+                Code::Timeout,
+                format!("the command was sent {seconds:.1} s {which}"),
+            ));
+        }
+        // An older one is refused by its age.
+        let forgotten = now.micros().saturating_sub(2_000_000 * MAX_AGE.as_secs());
+        while self.ids.front().is_some_and(|(since, _)| since.micros() < forgotten) {
+            self.ids.pop_front();
+        }
+        if self.ids.iter().any(|(_, seen)| seen == id) {
+            return Err(Refusal::bad("a command with this `id` has been received before"));
+        }
+        if self.ids.len() >= MAX_IDS {
+            return Err(Refusal::robot("too many commands; wait some seconds"));
+        }
+        self.ids.push_back((now, id.to_owned()));
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_passes_once_and_only_in_time() {
+        let mut seen = SeenIds::default();
+        let s = |s: u64| Timestamp::from_micros(s * 1_000_000);
+        assert!(seen.admit("a", s(100), s(105)).is_ok());
+        assert!(seen.admit("a", s(105), s(105)).is_err());
+        assert!(seen.admit("b", s(116), s(105)).is_err());
+        assert!(seen.admit("c", s(94), s(105)).is_err());
+        assert!(seen.admit("c", s(115), s(105)).is_ok());
+        // As old as it can be and pass the check of its age, it is still remembered.
+        assert!(seen.admit("c", s(115), s(125)).is_err());
+        assert!(seen.admit("a", s(126), s(126)).is_ok());
+    }
+
+    #[test]
+    fn a_flood_of_ids_is_bounded() {
+        let mut seen = SeenIds::default();
+        let now = Timestamp::from_micros(1_000_000_000);
+        let admitted = (0..MAX_IDS + 5).filter(|i| seen.admit(&i.to_string(), now, now).is_ok());
+        assert_eq!(admitted.count(), MAX_IDS);
+    }
+}

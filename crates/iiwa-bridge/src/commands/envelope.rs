@@ -1,0 +1,86 @@
+//! The envelope of a command.
+
+use iiwa_json::Object;
+use iiwa_link::message::{Refusal, Request, bad_json};
+use serde::Deserialize;
+use serde_json::value::RawValue;
+
+use super::MAX_ID_BYTES;
+use crate::message::{Timestamp, VERSION};
+
+/// A command as received.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Envelope {
+    #[serde(default)]
+    version: Option<u32>,
+    /// The robot that it is for.
+    #[serde(default)]
+    pub(super) robot: Option<String>,
+    /// Different for each command.
+    #[serde(default)]
+    pub(super) id: Option<String>,
+    #[serde(default)]
+    at: Option<Timestamp>,
+    #[serde(default)]
+    request: Option<Box<RawValue>>,
+}
+
+impl Envelope {
+    /// Parses the envelope; of a malformed one, its id and robot if they can be read.
+    pub(super) fn read(body: &[u8]) -> Result<Self, (Self, Refusal)> {
+        let Ok(text) = str::from_utf8(body) else {
+            let why = "the command is not text in UTF-8";
+            return Err((Self::default(), Refusal::bad(why)));
+        };
+        let mut envelope = match serde_json::from_str::<Object<Self>>(text) {
+            Ok(Object(envelope)) => envelope,
+            Err(error) => return Err((Self::named(text), bad_json(text, &error))),
+        };
+        if envelope.id.as_ref().is_some_and(|id| id.is_empty() || id.len() > MAX_ID_BYTES) {
+            envelope.id = None;
+            let why = format!("`id` has to have 1 to {MAX_ID_BYTES} bytes");
+            return Err((envelope, Refusal::bad(why)));
+        }
+        let version = envelope.version;
+        if version != Some(VERSION) {
+            let why = format!("`version` has to be {VERSION}");
+            return Err((envelope, Refusal::bad(why)));
+        }
+        Ok(envelope)
+    }
+
+    /// What a malformed envelope is called.
+    fn named(text: &str) -> Self {
+        #[derive(Deserialize)]
+        struct Names {
+            robot: Option<String>,
+            id: Option<String>,
+        }
+        let names = serde_json::from_str::<Names>(text).ok();
+        let (robot, id) = names.map(|names| (names.robot, names.id)).unwrap_or_default();
+        let short = |name: &String| name.len() <= MAX_ID_BYTES;
+        Self { robot: robot.filter(short), id: id.filter(short), ..Self::default() }
+    }
+
+    /// Its id, and when it was sent.
+    pub(super) fn identity(&self) -> Result<(&str, Timestamp), Refusal> {
+        let lacks = |key| Refusal::bad(format!("the command has no `{key}`"));
+        let id = self.id.as_deref().ok_or_else(|| lacks("id"))?;
+        Ok((id, self.at.ok_or_else(|| lacks("at"))?))
+    }
+
+    /// The request to the drive.
+    pub(super) fn request(&self) -> Result<Request, Refusal> {
+        let lacks = || Refusal::bad("the command has no `request`");
+        let text = self.request.as_ref().ok_or_else(lacks)?.get();
+        let (id, request) = Request::from_json(text.as_bytes());
+        if id.is_some() {
+            return Err(Refusal::bad("`id` belongs to the command, not to its request"));
+        }
+        request.map_err(|mut refusal| {
+            refusal.message = format!("in `request`: {}", refusal.message);
+            refusal
+        })
+    }
+}

@@ -1,0 +1,102 @@
+//! Sends the commands for a robot to its drive: runs in one thread, all else in another, so that a stop passes a run.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+    mpsc::{Receiver, SyncSender, TrySendError, sync_channel},
+};
+use std::{thread, time::Duration};
+
+use iiwa_link::{
+    Client, LinkError,
+    message::{Code, Refusal, Request},
+    threads::ThreadGroup,
+};
+
+use super::{Answer, CommandReply};
+use crate::{BridgeError, robot::BridgedRobot};
+
+/// Commands other than runs that wait for the drive, at most.
+const BACKLOG: usize = 16;
+
+/// Time-out of replies to commands other than runs.
+const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// The threads that send the commands for a robot.
+#[derive(Debug)]
+pub(super) struct Worker {
+    runs: SyncSender<Job>,
+    /// A second run would wait for the end of the first, and then begin unexpectedly.
+    is_running: Arc<AtomicBool>,
+    others: SyncSender<Job>,
+    /// Not that of runs: it may wait for the end of one, which goes on without its client.
+    _threads: ThreadGroup,
+}
+
+struct Job {
+    id: String,
+    request: Request,
+    answer: Answer,
+}
+
+impl Worker {
+    pub(super) fn start(robot: &BridgedRobot) -> Result<Self, BridgeError> {
+        let mut threads = ThreadGroup::default();
+        let (runs, runs_in) = sync_channel(1);
+        let (others, others_in) = sync_channel(BACKLOG);
+        let is_running = Arc::new(AtomicBool::new(false));
+        let (name, client) = (robot.name().to_owned(), robot.client()?);
+        let running = Arc::clone(&is_running);
+        let done = move || running.store(false, Ordering::Release);
+        thread::Builder::new()
+            .name("bridge runs".to_owned())
+            .spawn(move || carry_out(&name, client, None, &runs_in, &done))
+            .map_err(|source| LinkError::Thread { source })?;
+        let (name, client) = (robot.name().to_owned(), robot.client()?);
+        threads.spawn("bridge commands", move |_| {
+            carry_out(&name, client, Some(REPLY_TIMEOUT), &others_in, &|| ());
+        })?;
+        Ok(Self { runs, is_running, others, _threads: threads })
+    }
+
+    /// Hands a request over; if there is no room, returns why, with the way of the reply.
+    pub(super) fn send(
+        &self,
+        id: String,
+        request: Request,
+        answer: Answer,
+    ) -> Result<(), (Refusal, Answer)> {
+        let is_run = matches!(request, Request::RunMotions { .. } | Request::RunTrajectory { .. });
+        let job = Job { id, request, answer };
+        if is_run && self.is_running.swap(true, Ordering::AcqRel) {
+            let why = "another run that was requested through the bridge is not over yet";
+            return Err((Refusal::new(Code::NotIdle, why), job.answer));
+        }
+        let to = if is_run { &self.runs } else { &self.others };
+        to.try_send(job).map_err(|error| {
+            let (TrySendError::Full(job) | TrySendError::Disconnected(job)) = error;
+            (Refusal::robot("too many commands wait for the drive"), job.answer)
+        })
+    }
+}
+
+/// Sends requests until there is nobody left who has any.
+fn carry_out(
+    robot: &str,
+    mut client: Client,
+    limit: Option<Duration>,
+    jobs: &Receiver<Job>,
+    done: &dyn Fn(),
+) {
+    for Job { id, request, answer } in jobs {
+        let reply = match client.reply(&request, limit) {
+            Ok(reply) => CommandReply::new(Some(robot.to_owned()), Some(id), &reply),
+            Err(error) => {
+                let refusal = Refusal::new(error.code(), error.to_string());
+                CommandReply::refused(Some(robot.to_owned()), Some(id), &refusal)
+            }
+        };
+        done();
+        answer(reply);
+    }
+}

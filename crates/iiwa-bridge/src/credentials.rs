@@ -1,0 +1,41 @@
+//! Names and passwords for brokers.
+
+use std::{fmt, net::IpAddr};
+
+/// A user of a broker.
+#[derive(Clone)]
+pub struct Credentials {
+    /// The name.
+    pub user: String,
+    /// The password.
+    pub password: String,
+}
+
+/// Without the password.
+impl fmt::Debug for Credentials {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Credentials").field("user", &self.user).finish_non_exhaustive()
+    }
+}
+
+/// Whether an address, `HOST:PORT`, is this machine for sure: nobody else reads what is sent there.
+pub(crate) fn is_this_machine(address: &str) -> bool {
+    let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
+    let host = host.trim_start_matches('[').trim_end_matches(']');
+    host == "localhost" || host.parse::<IpAddr>().is_ok_and(|ip| ip.is_loopback())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_this_machine;
+
+    #[test]
+    fn only_loopback_addresses_are_this_machine() {
+        for here in ["localhost:9092", "127.0.0.1:1", "127.9.9.9", "[::1]:9092"] {
+            assert!(is_this_machine(here), "{here}");
+        }
+        for elsewhere in ["192.0.2.1:9092", "broker:9092", "localhost.example.org:1", ""] {
+            assert!(!is_this_machine(elsewhere), "{elsewhere}");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Formats of messages: JSON, and for joints CDR or Protobuf on request.
+
+use prost::Message as _;
+use serde::Serialize;
+
+use crate::message::{Content, JointSample, Message};
+
+/// The format of `joints` messages; all others are JSON.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum JointFormat {
+    /// As all messages.
+    #[default]
+    Json,
+    /// `sensor_msgs/JointState` in CDR, little-endian, as ROS 2 has it; the frame is the robot's name.
+    Cdr,
+    /// [`JointsProto`].
+    Protobuf,
+}
+
+/// A `joints` message in Protobuf:
+///
+/// ```proto
+/// syntax = "proto3";
+/// package iiwasim;
+///
+/// message Joints {
+///   uint32 version = 1;
+///   string robot = 2;
+///   uint64 session = 3;
+///   uint64 seq = 4;
+///   uint64 at_us = 5;               // microseconds since 1970
+///   double t_s = 6;                 // the controller's clock
+///   repeated double joints_rad = 7; // A1 to A7
+///   repeated double measured_nm = 8;
+///   repeated double external_nm = 9;
+/// }
+/// ```
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct JointsProto {
+    /// The version of the schema.
+    #[prost(uint32, tag = "1")]
+    pub version: u32,
+    /// Name of the robot.
+    #[prost(string, tag = "2")]
+    pub robot: String,
+    /// As in JSON.
+    #[prost(uint64, tag = "3")]
+    pub session: u64,
+    /// As in JSON.
+    #[prost(uint64, tag = "4")]
+    pub seq: u64,
+    /// When the bridge received the data, in microseconds since 1970.
+    #[prost(uint64, tag = "5")]
+    pub at_us: u64,
+    /// Time stamp, in s.
+    #[prost(double, tag = "6")]
+    pub t_s: f64,
+    /// Positions, in rad.
+    #[prost(double, repeated, tag = "7")]
+    pub joints_rad: Vec<f64>,
+    /// Torques, in Nm.
+    #[prost(double, repeated, tag = "8")]
+    pub measured_nm: Vec<f64>,
+    /// External torques, in Nm.
+    #[prost(double, repeated, tag = "9")]
+    pub external_nm: Vec<f64>,
+}
+
+/// The first bytes of CDR, little-endian.
+const CDR_HEAD: [u8; 4] = [0, 1, 0, 0];
+
+impl JointFormat {
+    /// The bytes of a message.
+    #[must_use]
+    pub fn encode(self, message: &Message) -> Vec<u8> {
+        match (&message.content, self) {
+            (Content::Joints(sample), Self::Cdr) => cdr(message, sample),
+            (Content::Joints(sample), Self::Protobuf) => protobuf(message, sample),
+            _ => message.to_json().into_bytes(),
+        }
+    }
+
+    /// Whether bytes of [`encode`](Self::encode) are JSON.
+    #[must_use]
+    pub fn is_json(bytes: &[u8]) -> bool {
+        bytes.first() == Some(&b'{')
+    }
+}
+
+fn protobuf(message: &Message, sample: &JointSample) -> Vec<u8> {
+    let JointSample { t_s, joints_rad, measured_nm, external_nm } = sample;
+    JointsProto {
+        version: message.version,
+        robot: message.robot.clone(),
+        session: message.session,
+        seq: message.seq,
+        at_us: message.at.micros(),
+        t_s: *t_s,
+        joints_rad: joints_rad.to_vec(),
+        measured_nm: measured_nm.map(Vec::from).unwrap_or_default(),
+        external_nm: external_nm.map(Vec::from).unwrap_or_default(),
+    }
+    .encode_to_vec()
+}
+
+fn cdr(message: &Message, sample: &JointSample) -> Vec<u8> {
+    #[derive(Serialize)]
+    struct Time {
+        sec: i32,
+        nanosec: u32,
+    }
+    #[derive(Serialize)]
+    struct Header<'a> {
+        stamp: Time,
+        frame_id: &'a str,
+    }
+    #[derive(Serialize)]
+    struct JointState<'a> {
+        header: Header<'a>,
+        name: &'a [&'a str],
+        position: &'a [f64],
+        velocity: &'a [f64],
+        effort: &'a [f64],
+    }
+    let micros = message.at.micros();
+    let stamp = Time {
+        sec: i32::try_from(micros / 1_000_000).unwrap_or(i32::MAX),
+        nanosec: (micros % 1_000_000) as u32 * 1000,
+    };
+    let state = JointState {
+        header: Header { stamp, frame_id: &message.robot },
+        name: &["A1", "A2", "A3", "A4", "A5", "A6", "A7"],
+        position: &sample.joints_rad,
+        velocity: &[],
+        effort: sample.measured_nm.as_ref().map_or(&[], <[f64; 7]>::as_slice),
+    };
+    let mut bytes = CDR_HEAD.to_vec();
+    // Writing to memory does not fail.
+    let _ = cdr_encoding::to_writer::<_, byteorder::LittleEndian, _>(&mut bytes, &state);
+    bytes
+}

@@ -1,0 +1,70 @@
+//! Errors of setting up a bridge.
+
+use std::{io, path::PathBuf};
+
+use iiwa_link::LinkError;
+
+/// Why a bridge could not be set up.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BridgeError {
+    /// The name of a robot cannot be part of a topic.
+    #[error("`{name}` is no name for a robot: 1 to 64 letters, digits, `_`, `-` and `.` are")]
+    RobotName {
+        /// The name.
+        name: String,
+    },
+    /// Two robots have the same name.
+    #[error("two robots are called `{name}`")]
+    SameName {
+        /// The name.
+        name: String,
+    },
+    /// A connection to a drive cannot be set up.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The folder of a spool cannot be used.
+    #[error("cannot use the spool in {}", .folder.display())]
+    Spool {
+        /// The folder.
+        folder: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// Another bridge uses the spool.
+    #[error("another bridge uses the spool in {}; give each a folder of its own", .folder.display())]
+    SpoolInUse {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A certificate or key cannot be used.
+    #[error("cannot use {}: {what}", .file.display())]
+    Certificate {
+        /// Its file.
+        file: PathBuf,
+        /// The fault.
+        what: String,
+    },
+    /// The settings of a broker contradict each other.
+    #[error("{what}")]
+    Settings {
+        /// The fault, and what to do about it.
+        what: String,
+    },
+    /// A broker refuses the connection, or cannot be reached.
+    #[error("{broker} at {at}: {what}")]
+    Broker {
+        /// `Kafka` or `MQTT`.
+        broker: &'static str,
+        /// Its address.
+        at: String,
+        /// The fault.
+        what: String,
+    },
+    /// The runtime cannot be started.
+    #[error("cannot start the network's runtime")]
+    Runtime {
+        /// The system's error.
+        source: io::Error,
+    },
+}

@@ -1,0 +1,221 @@
+//! Follows a robot: its stream in one thread, what has to be asked for in another.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use iiwa_link::{
+    Client, Published, Stream,
+    message::{DriveState, Presence, Signal, Status},
+    threads::ThreadGroup,
+};
+
+use crate::{
+    BridgeError,
+    message::{
+        BridgeStatus, Content, JointSample, Kind, Message, RobotConditions, Timestamp, VERSION,
+    },
+    robot::BridgedRobot,
+    sink::Sink,
+    trouble::{Trouble, pause},
+};
+
+/// How long to wait for the stream before the end is checked for.
+const POLL: Duration = Duration::from_millis(100);
+
+/// How often the drive is asked for its state, and an idle robot for sensors, inputs and outputs.
+const ASK_EVERY: Duration = Duration::from_secs(1);
+
+/// What has not changed is repeated after so long.
+const REPEAT_AFTER: Duration = Duration::from_secs(10);
+
+/// Pause after a refused connection.
+const REFUSED_PAUSE: Duration = Duration::from_secs(5);
+
+/// The threads that follow a robot; they end when it is dropped.
+pub struct Feed {
+    numbered: Arc<Numbered>,
+    _threads: ThreadGroup,
+}
+
+impl std::fmt::Debug for Feed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Feed").field("robot", &self.numbered.robot).finish_non_exhaustive()
+    }
+}
+
+impl Feed {
+    /// Follows a robot, and gives what it does to the sinks.
+    ///
+    /// # Errors
+    ///
+    /// An address is invalid or requires keys, or a thread cannot be started.
+    pub fn start(
+        robot: &BridgedRobot,
+        session: u64,
+        sinks: Arc<[Arc<dyn Sink>]>,
+    ) -> Result<Self, BridgeError> {
+        let numbered = Arc::new(Numbered::new(robot.name(), session, sinks));
+        let (stream, client) = (robot.stream()?, robot.client()?);
+        let mut threads = ThreadGroup::default();
+        let to = Arc::clone(&numbered);
+        threads.spawn("bridge stream", move |shutdown| follow(stream, &to, shutdown))?;
+        let to = Arc::clone(&numbered);
+        threads.spawn("bridge poll", move |shutdown| ask(client, &to, shutdown))?;
+        Ok(Self { numbered, _threads: threads })
+    }
+
+    /// Gives the bridge's own status to the sinks, as a message of this robot.
+    pub(crate) fn send(&self, status: BridgeStatus) {
+        self.numbered.send(Content::Bridge(status));
+    }
+}
+
+/// Numbers the messages of a robot.
+struct Numbered {
+    robot: String,
+    session: u64,
+    next: [AtomicU64; Kind::ALL.len()],
+    sinks: Arc<[Arc<dyn Sink>]>,
+}
+
+impl Numbered {
+    fn new(robot: &str, session: u64, sinks: Arc<[Arc<dyn Sink>]>) -> Self {
+        Self { robot: robot.to_owned(), session, next: Default::default(), sinks }
+    }
+
+    /// Gives it to all sinks. Only one thread may send each kind: the numbers would be out of order otherwise.
+    fn send(&self, content: Content) {
+        let seq = self.next[content.kind().index()].fetch_add(1, Ordering::Relaxed);
+        let message = Message {
+            version: VERSION,
+            robot: self.robot.clone(),
+            session: self.session,
+            seq,
+            at: Timestamp::now(),
+            content,
+        };
+        for sink in self.sinks.iter() {
+            sink.take(&message);
+        }
+    }
+}
+
+/// Passes on the stream.
+fn follow(mut stream: Stream, to: &Numbered, shutdown: &AtomicBool) {
+    // Torques come before the positions of the same time.
+    let mut torques = None;
+    let mut refused = Trouble::default();
+    while !shutdown.load(Ordering::Relaxed) {
+        match stream.next(POLL) {
+            Ok(Some(Published::Torques { t_s, measured_nm, external_nm })) => {
+                torques = Some((t_s, measured_nm, external_nm));
+            }
+            Ok(Some(Published::Joints { t_s, joints_rad })) => {
+                let torques = torques.take().filter(|(at_s, ..)| *at_s == t_s);
+                to.send(Content::Joints(JointSample {
+                    t_s,
+                    joints_rad,
+                    measured_nm: torques.map(|(_, measured_nm, _)| measured_nm),
+                    external_nm: torques.map(|(.., external_nm)| external_nm),
+                }));
+            }
+            Ok(Some(Published::State { t_s, state })) => to.send(Content::State { t_s, state }),
+            Ok(Some(Published::Run(event))) => to.send(Content::Run((*event).into())),
+            Ok(_) => {}
+            Err(error) => {
+                refused.warn(format_args!("{}: {error}", to.robot));
+                pause(REFUSED_PAUSE, shutdown);
+            }
+        }
+    }
+}
+
+/// Asks for what the stream does not have.
+fn ask(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
+    let mut conditions = Repeated::default();
+    let mut io: Repeated<Vec<Signal>> = Repeated::default();
+    let mut trouble = Trouble::default();
+    while !shutdown.load(Ordering::Relaxed) {
+        let status = match client.state() {
+            Ok(status) => {
+                trouble.clear();
+                Some(status)
+            }
+            Err(error) => {
+                trouble.warn(format_args!("{}: {error}", to.robot));
+                None
+            }
+        };
+        let is_idle = status.as_ref().is_some_and(|status| {
+            status.state == DriveState::Idle && status.robot_program == Presence::Connected
+        });
+        if let Some(changed) = conditions.changed(conditions_of(status)) {
+            to.send(Content::Conditions(Box::new(changed)));
+        }
+        // A robot program does not tell them while the robot moves.
+        if is_idle {
+            if let Ok(sensors) = client.read_sensors() {
+                to.send(Content::Sensors(sensors));
+            }
+            if let Ok(signals) = client.list_io()
+                && let Some(io) = io.changed(signals)
+            {
+                to.send(Content::Io { io });
+            }
+        }
+        pause(ASK_EVERY, shutdown);
+    }
+}
+
+fn conditions_of(status: Option<Status>) -> RobotConditions {
+    match status {
+        None => RobotConditions {
+            drive: Presence::Silent,
+            state: None,
+            fri: None,
+            robot_program: Presence::Silent,
+            simulated: false,
+            hello: None,
+            conditions: None,
+        },
+        Some(status) => RobotConditions {
+            drive: Presence::Connected,
+            state: Some(status.state),
+            fri: Some(status.fri),
+            robot_program: status.robot_program,
+            simulated: status.simulated,
+            hello: status.hello,
+            conditions: status.conditions,
+        },
+    }
+}
+
+/// A value that is passed on when it has changed, or after a while.
+struct Repeated<T> {
+    last: Option<(T, Instant)>,
+}
+
+impl<T> Default for Repeated<T> {
+    fn default() -> Self {
+        Self { last: None }
+    }
+}
+
+impl<T: Clone + PartialEq> Repeated<T> {
+    fn changed(&mut self, value: T) -> Option<T> {
+        let is_known = self
+            .last
+            .as_ref()
+            .is_some_and(|(last, at)| *last == value && at.elapsed() < REPEAT_AFTER);
+        if is_known {
+            return None;
+        }
+        self.last = Some((value.clone(), Instant::now()));
+        Some(value)
+    }
+}

@@ -1,0 +1,133 @@
+//! Apache Kafka: a topic a kind of message, the robot as key.
+//!
+//! Records are spooled first, and sent in batches by one task, in order and at least once: after a lost acknowledgement the
+//! batch is sent again. Consumers tell repetitions by `session` and `seq`, which only grow. Samples have a spool of their own, so
+//! that they displace no events when the broker is away for long.
+
+mod connection;
+mod partition;
+mod producer;
+pub mod reader;
+mod requests;
+mod spooled;
+
+use std::{path::PathBuf, sync::Arc};
+
+pub use connection::{KafkaConnection, Sasl};
+use iiwa_link::threads::ThreadGroup;
+use producer::Producer;
+use spooled::SpooledRecord;
+
+use crate::{
+    BridgeError,
+    commands::CommandGate,
+    encoding::JointFormat,
+    message::{Kind, Message},
+    sink::Sink,
+    spool::Level,
+    spooling::SpoolTarget,
+};
+
+/// How records reach Kafka.
+#[derive(Clone, Debug)]
+pub struct KafkaOptions {
+    /// The brokers.
+    pub connection: KafkaConnection,
+    /// What names of topics begin with, before `.joints` and so on.
+    pub prefix: String,
+    /// How batches are compressed.
+    pub compression: Compression,
+    /// The format of joints.
+    pub joints: JointFormat,
+    /// Folder of the spools.
+    pub spool: PathBuf,
+    /// The most that they may hold together, in bytes.
+    pub spool_bytes: u64,
+}
+
+/// How batches are compressed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Compression {
+    /// Not at all.
+    None,
+    /// Quickly.
+    #[default]
+    Snappy,
+    /// Small.
+    Gzip,
+}
+
+/// The share of the spools that is for samples: events are few.
+const SAMPLES_SHARE: u64 = 15;
+const SHARES: u64 = 16;
+
+/// Sends messages to Kafka, and receives commands.
+#[derive(Debug)]
+pub struct Kafka {
+    samples: Arc<SpoolTarget>,
+    events: Arc<SpoolTarget>,
+    joints: JointFormat,
+    _threads: ThreadGroup,
+}
+
+impl Kafka {
+    /// Starts to send, once the brokers are found; `gate` takes the commands that come by the topic of requests.
+    ///
+    /// # Errors
+    ///
+    /// A file cannot be used, the settings contradict each other, or the broker refuses the user. A broker that cannot be
+    /// reached is waited for.
+    pub fn start(options: &KafkaOptions, gate: Arc<CommandGate>) -> Result<Self, BridgeError> {
+        let connector = Arc::new(options.connection.connector()?);
+        let runtime = crate::runtime()?;
+        runtime.block_on(connector.probe())?;
+        drop(runtime);
+        let open = |name: &str, share: u64| {
+            SpoolTarget::open(&options.spool.join(name), options.spool_bytes * share / SHARES)
+        };
+        let (samples, samples_out) = open("samples", SAMPLES_SHARE)?;
+        let (events, events_out) = open("events", SHARES - SAMPLES_SHARE)?;
+        let mut threads = ThreadGroup::default();
+        for (target, reader) in [(&samples, samples_out), (&events, events_out)] {
+            let producer = Producer {
+                connector: Arc::clone(&connector),
+                prefix: options.prefix.clone(),
+                compression: options.compression,
+                spool: Arc::clone(target),
+                reader,
+            };
+            let runtime = crate::runtime()?;
+            threads.spawn("bridge kafka", move |shutdown| {
+                runtime.block_on(producer.run(shutdown));
+            })?;
+        }
+        let runtime = crate::runtime()?;
+        let prefix = options.prefix.clone();
+        threads.spawn("bridge kafka requests", move |shutdown| {
+            runtime.block_on(requests::serve(&connector, &prefix, &gate, shutdown));
+        })?;
+        Ok(Self { samples, events, joints: options.joints, _threads: threads })
+    }
+
+    /// How full its spools are together.
+    #[must_use]
+    pub fn level(&self) -> Level {
+        let [samples, events] = [self.samples.level(), self.events.level()];
+        Level { bytes: samples.bytes + events.bytes, dropped: samples.dropped + events.dropped }
+    }
+}
+
+impl Sink for Kafka {
+    fn take(&self, message: &Message) {
+        let target = match message.kind() {
+            Kind::Joints => &self.samples,
+            _ => &self.events,
+        };
+        target.append(&SpooledRecord::of(message, self.joints).to_bytes());
+    }
+}
+
+/// The topic of a kind of message.
+fn topic(prefix: &str, name: &str) -> String {
+    format!("{prefix}.{name}")
+}

@@ -1,0 +1,174 @@
+//! Connections to Kafka's brokers.
+
+use std::{error::Error as _, sync::Arc, time::Duration};
+
+use rskafka::{
+    BackoffConfig,
+    client::{Client, ClientBuilder, Credentials as KafkaCredentials, SaslConfig, error::Error},
+};
+use tokio::time::timeout;
+
+use crate::{
+    BridgeError,
+    credentials::{Credentials, is_this_machine},
+    tls::TlsFiles,
+};
+
+/// How to reach the brokers.
+#[derive(Clone, Debug)]
+pub struct KafkaConnection {
+    /// Addresses to begin with, as `HOST:PORT`.
+    pub brokers: Vec<String>,
+    /// TLS, if the brokers have it.
+    pub tls: Option<TlsFiles>,
+    /// The user, if the brokers ask for one.
+    pub sasl: Option<(Sasl, Credentials)>,
+}
+
+/// How a user proves to be who he is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sasl {
+    /// The password itself.
+    Plain,
+    /// SCRAM with SHA-256.
+    ScramSha256,
+    /// SCRAM with SHA-512.
+    #[default]
+    ScramSha512,
+}
+
+/// How long the first connection is waited for: a refused user is an error then, a missing broker is not.
+const PROBE_TIMEOUT: Duration = Duration::from_secs(4);
+
+/// How long a request is repeated before the connection is made anew.
+const RETRY_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// How long a connection may take to be made.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
+
+impl KafkaConnection {
+    /// Reads certificates, and checks the settings.
+    pub(super) fn connector(&self) -> Result<Connector, BridgeError> {
+        let far = self.brokers.iter().find(|broker| !is_this_machine(broker));
+        let is_open = self.tls.is_none();
+        if let (Some((Sasl::Plain, _)), Some(broker), true) = (&self.sasl, far, is_open) {
+            let what = format!(
+                "{broker} is on another machine, and the password would be sent in the clear: use TLS, or SCRAM"
+            );
+            return Err(BridgeError::Settings { what });
+        }
+        let tls = self.tls.as_ref().map(TlsFiles::config).transpose()?;
+        let sasl = self.sasl.as_ref().map(|(how, Credentials { user, password })| {
+            let credentials = KafkaCredentials::new(user.clone(), password.clone());
+            match how {
+                Sasl::Plain => SaslConfig::Plain(credentials),
+                Sasl::ScramSha256 => SaslConfig::ScramSha256(credentials),
+                Sasl::ScramSha512 => SaslConfig::ScramSha512(credentials),
+            }
+        });
+        Ok(Connector { brokers: self.brokers.clone(), tls, sasl })
+    }
+}
+
+/// Connects to the brokers.
+#[derive(Debug)]
+pub(super) struct Connector {
+    brokers: Vec<String>,
+    tls: Option<Arc<rustls::ClientConfig>>,
+    sasl: Option<SaslConfig>,
+}
+
+impl Connector {
+    /// The addresses, for messages.
+    pub(super) fn at(&self) -> String {
+        self.brokers.join(", ")
+    }
+
+    /// A new connection.
+    pub(super) async fn connect(&self) -> Result<Client, Failure> {
+        self.connect_within(RETRY_TIMEOUT).await
+    }
+
+    async fn connect_within(&self, limit: Duration) -> Result<Client, Failure> {
+        let mut builder = ClientBuilder::new(self.brokers.clone())
+            .client_id("iiwasim")
+            .backoff_config(BackoffConfig {
+                init_backoff: Duration::from_millis(50),
+                max_backoff: Duration::from_secs(1),
+                base: 2.0,
+                deadline: Some(limit),
+            });
+        if let Some(tls) = &self.tls {
+            builder = builder.tls_config(Arc::clone(tls));
+        }
+        if let Some(sasl) = &self.sasl {
+            builder = builder.sasl_config(sasl.clone());
+        }
+        match timeout(CONNECT_TIMEOUT.max(limit), builder.build()).await {
+            Ok(Ok(client)) => Ok(client),
+            Ok(Err(error)) => Err(Failure::of(&error)),
+            Err(_) => Err(Failure::timeout()),
+        }
+    }
+
+    /// Finds out whether the brokers refuse us. One that cannot be reached may come back.
+    pub(super) async fn probe(&self) -> Result<(), BridgeError> {
+        match self.connect_within(PROBE_TIMEOUT).await {
+            Ok(_) => {
+                tracing::info!("Kafka at {}: connected", self.at());
+                Ok(())
+            }
+            Err(failure) if failure.is_refusal => Err(self.broken(failure)),
+            Err(failure) => {
+                tracing::warn!(
+                    "Kafka at {}: {}; messages are kept until it is back",
+                    self.at(),
+                    failure.what
+                );
+                Ok(())
+            }
+        }
+    }
+
+    /// A failure that ends a command.
+    pub(super) fn broken(&self, failure: Failure) -> BridgeError {
+        BridgeError::Broker { broker: "Kafka", at: self.at(), what: failure.what }
+    }
+}
+
+/// Why a request to Kafka failed.
+#[derive(Debug)]
+pub(super) struct Failure {
+    pub(super) what: String,
+    /// Whether the broker refuses us, or we the broker: repetition does not help.
+    pub(super) is_refusal: bool,
+}
+
+impl Failure {
+    pub(super) fn timeout() -> Self {
+        Self { what: "no answer in time".to_owned(), is_refusal: false }
+    }
+
+    pub(super) fn of(error: &Error) -> Self {
+        // The library gives the cause of repeated failures as text only.
+        let mut what = error.to_string();
+        let mut cause = error.source();
+        while let Some(inner) = cause {
+            let text = inner.to_string();
+            if !what.contains(&text) {
+                what = format!("{what}: {text}");
+            }
+            cause = inner.source();
+        }
+        let has = |words: &[&str]| words.iter().any(|word| what.contains(word));
+        if has(&["Sasl", "SaslAuthenticationFailed"]) {
+            let what = "the broker does not accept the user, the password or the mechanism (SASL)"
+                .to_owned();
+            return Self { what, is_refusal: true };
+        }
+        if has(&["certificate", "Certificate", "UnknownIssuer", "HandshakeFailure"]) {
+            return Self { what: format!("TLS: {what}"), is_refusal: true };
+        }
+        Self { what, is_refusal: false }
+    }
+}

@@ -1,0 +1,229 @@
+//! Sends what is in a spool.
+
+use std::{
+    collections::{BTreeMap, HashMap},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
+
+use chrono::DateTime;
+use rskafka::{
+    client::{
+        Client,
+        error::{Error, ProtocolError},
+        partition::{Compression as Codec, PartitionClient, UnknownTopicHandling},
+    },
+    record::Record,
+};
+use tokio::time::{Instant, sleep, timeout};
+
+use super::{
+    Compression,
+    connection::{Connector, Failure},
+    partition::partition_of,
+    spooled::SpooledRecord,
+    topic,
+};
+use crate::{
+    encoding::JointFormat, message::Kind, spool::SpoolReader, spooling::SpoolTarget,
+    trouble::Trouble,
+};
+
+/// Largest batch, in records and in bytes: brokers take 1 MB by default.
+const BATCH_RECORDS: usize = 2000;
+const BATCH_BYTES: usize = 512 << 10;
+
+/// Time from one batch to the next: records gather meanwhile, and latency is half of it.
+const LINGER: Duration = Duration::from_millis(20);
+
+/// How long a batch may take to be acknowledged.
+const PRODUCE_TIMEOUT: Duration = Duration::from_secs(20);
+
+/// Pause after a failure.
+const PAUSE: Duration = Duration::from_millis(500);
+
+/// How long the last records are sent for at the end.
+const LAST_BATCHES: Duration = Duration::from_secs(2);
+
+/// Partitions and copies of new topics: as the broker is set up.
+const BROKERS_DEFAULT: i8 = -1;
+
+/// How long the broker may take to create a topic.
+const CREATE_MS: i32 = 5000;
+
+/// The task that sends the records of a spool.
+pub(super) struct Producer {
+    pub(super) connector: Arc<Connector>,
+    pub(super) prefix: String,
+    pub(super) compression: Compression,
+    pub(super) spool: Arc<SpoolTarget>,
+    pub(super) reader: SpoolReader,
+}
+
+impl Producer {
+    /// Sends until the shutdown, and what there is then for a short while.
+    pub(super) async fn run(mut self, shutdown: &AtomicBool) {
+        let mut trouble = Trouble::default();
+        let mut topics = None;
+        let mut until = None;
+        loop {
+            if shutdown.load(Ordering::Relaxed) {
+                let until = *until.get_or_insert_with(|| Instant::now() + LAST_BATCHES);
+                let is_empty = self.is_empty();
+                if is_empty || Instant::now() >= until {
+                    break;
+                }
+            }
+            let began = Instant::now();
+            match self.send_batch(&mut topics).await {
+                Ok(0) => {
+                    // Woken up by the first record, or to check for the end.
+                    let _ = timeout(Duration::from_millis(100), self.spool.appended()).await;
+                }
+                Ok(_) => {
+                    if trouble.clear() {
+                        tracing::info!("Kafka at {}: messages arrive again", self.connector.at());
+                    }
+                    sleep(LINGER.saturating_sub(began.elapsed())).await;
+                }
+                Err(failure) => {
+                    topics = None;
+                    self.reader.rewind();
+                    trouble.warn(format_args!(
+                        "Kafka at {}: {}; messages are kept until it is back",
+                        self.connector.at(),
+                        failure.what
+                    ));
+                    sleep(PAUSE).await;
+                }
+            }
+        }
+        if let Err(error) = self.reader.save(self.spool.spool()) {
+            tracing::warn!("cannot save how far the spool was sent: {error}");
+        }
+    }
+
+    fn is_empty(&mut self) -> bool {
+        let batch = self.reader.batch(self.spool.spool(), 1, 1);
+        self.reader.rewind();
+        batch.is_ok_and(|batch| batch.is_empty())
+    }
+
+    /// Sends a batch; returns its size.
+    async fn send_batch(&mut self, topics: &mut Option<Topics>) -> Result<usize, Failure> {
+        let spool = self.spool.spool();
+        let wrong = |error: std::io::Error| Failure {
+            what: format!("cannot read the spool: {error}"),
+            is_refusal: false,
+        };
+        let batch = self.reader.batch(spool, BATCH_RECORDS, BATCH_BYTES).map_err(wrong)?;
+        if batch.is_empty() {
+            return Ok(0);
+        }
+        let connected = match topics {
+            Some(connected) => connected,
+            None => topics.insert(Topics::new(self.connector.connect().await?)),
+        };
+        let mut by_partition: BTreeMap<(usize, Vec<u8>), Vec<Record>> = BTreeMap::new();
+        for record in batch.iter().filter_map(|bytes| SpooledRecord::from_bytes(bytes)) {
+            let place = (record.kind.index(), record.key.clone());
+            by_partition.entry(place).or_default().push(kafka_record(record));
+        }
+        let codec = match self.compression {
+            Compression::None => Codec::NoCompression,
+            Compression::Snappy => Codec::Snappy,
+            Compression::Gzip => Codec::Gzip,
+        };
+        for ((kind, key), records) in by_partition {
+            let name = topic(&self.prefix, Kind::ALL[kind].name());
+            let partition = connected.partition(&name, &key).await?;
+            match timeout(PRODUCE_TIMEOUT, partition.produce(records, codec)).await {
+                Ok(Ok(_)) => {}
+                Ok(Err(error)) => return Err(Failure::of(&error)),
+                Err(_) => return Err(Failure::timeout()),
+            }
+        }
+        self.reader.commit(spool).map_err(wrong)?;
+        Ok(batch.len())
+    }
+}
+
+fn kafka_record(record: SpooledRecord) -> Record {
+    let SpooledRecord { at_micros, session, seq, key, value, .. } = record;
+    // What is not JSON says there which message it is.
+    let headers = if JointFormat::is_json(&value) {
+        BTreeMap::new()
+    } else {
+        let headers = [("session", session), ("seq", seq)];
+        headers.map(|(name, number)| (name.to_owned(), number.to_string().into_bytes())).into()
+    };
+    let micros = i64::try_from(at_micros).unwrap_or(i64::MAX);
+    let timestamp = DateTime::from_timestamp_micros(micros).unwrap_or_default();
+    Record { key: Some(key), value: Some(value), headers, timestamp }
+}
+
+/// A connection, and the partitions that are sent to.
+struct Topics {
+    client: Client,
+    partitions: HashMap<String, Vec<Arc<PartitionClient>>>,
+}
+
+impl Topics {
+    fn new(client: Client) -> Self {
+        Self { client, partitions: HashMap::new() }
+    }
+
+    /// The partition of a key; the topic is created if it is missing.
+    async fn partition(&mut self, name: &str, key: &[u8]) -> Result<Arc<PartitionClient>, Failure> {
+        if !self.partitions.contains_key(name) {
+            let partitions = timeout(PRODUCE_TIMEOUT, self.open(name));
+            let partitions = partitions.await.map_err(|_| Failure::timeout())?;
+            let partitions = partitions.map_err(|error| Failure::of(&error))?;
+            self.partitions.insert(name.to_owned(), partitions);
+        }
+        let partitions = &self.partitions[name];
+        Ok(Arc::clone(&partitions[partition_of(key, partitions.len())]))
+    }
+
+    async fn open(&self, name: &str) -> Result<Vec<Arc<PartitionClient>>, Error> {
+        let count = partitions_of(&self.client, name).await?;
+        let mut partitions = Vec::new();
+        for partition in 0..count {
+            let retry = UnknownTopicHandling::Retry;
+            let client = self.client.partition_client(name, partition, retry).await?;
+            partitions.push(Arc::new(client));
+        }
+        Ok(partitions)
+    }
+}
+
+/// The number of partitions of a topic, which is created if it is missing.
+pub(super) async fn partitions_of(client: &Client, name: &str) -> Result<i32, Error> {
+    let mut created = false;
+    loop {
+        let topics = client.list_topics().await?;
+        if let Some(found) = topics.iter().find(|topic| topic.name == name)
+            && !found.partitions.is_empty()
+        {
+            return Ok(i32::try_from(found.partitions.len()).unwrap_or(i32::MAX));
+        }
+        if !created {
+            let controller = client.controller_client()?;
+            let default = BROKERS_DEFAULT;
+            match controller.create_topic(name, default.into(), default.into(), CREATE_MS).await {
+                Ok(()) => tracing::info!("created the topic {name}"),
+                Err(Error::ServerError {
+                    protocol_error: ProtocolError::TopicAlreadyExists,
+                    ..
+                }) => {}
+                Err(error) => return Err(error),
+            }
+            created = true;
+        }
+        // Brokers learn of it one after the other.
+        sleep(Duration::from_millis(50)).await;
+    }
+}

@@ -1,0 +1,396 @@
+//! Connections to an MQTT broker, by either version of the protocol.
+
+use std::{sync::Arc, time::Duration};
+
+use bytes::Bytes;
+use rumqttc::{
+    AsyncClient, ConnectReturnCode, ConnectionError, Event, LastWill, MqttOptions, Packet, QoS,
+    TlsConfiguration, Transport, v5,
+};
+use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
+
+use super::KEEP_ALIVE;
+use crate::{
+    BridgeError,
+    credentials::{Credentials, is_this_machine},
+    tls::TlsFiles,
+};
+
+/// How to reach the broker.
+#[derive(Clone, Debug)]
+pub struct MqttConnection {
+    /// Host name or IP address.
+    pub host: String,
+    /// TCP port.
+    pub port: u16,
+    /// The version of the protocol.
+    pub version: MqttVersion,
+    /// TLS, if the broker has it.
+    pub tls: Option<TlsFiles>,
+    /// The user, if the broker asks for one.
+    pub credentials: Option<Credentials>,
+    /// What the names of connections begin with; brokers end a connection when another one has its name.
+    pub client_id: String,
+}
+
+/// The version of MQTT.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MqttVersion {
+    /// 3.1.1.
+    V3,
+    /// 5.
+    #[default]
+    V5,
+}
+
+/// How long a connection may take to be made.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Longest packets, in bytes. What is longer than a command is refused by the gate, with a reply; still longer packets would end
+/// the connection.
+const MAX_PACKET_BYTES: u32 = 64 << 20;
+
+/// Messages that wait to be sent.
+const OUTGOING: usize = 256;
+
+/// Messages that have arrived and wait to be read.
+const INCOMING: usize = 64;
+
+impl MqttConnection {
+    /// Reads certificates, and checks the settings.
+    pub(super) fn connector(&self) -> Result<Connector, BridgeError> {
+        let at = format!("{}:{}", self.host, self.port);
+        if self.credentials.is_some() && self.tls.is_none() && !is_this_machine(&at) {
+            let what = format!(
+                "{at} is on another machine, and the password would be sent in the clear: use TLS"
+            );
+            return Err(BridgeError::Settings { what });
+        }
+        let tls = self.tls.as_ref().map(TlsFiles::config).transpose()?;
+        Ok(Connector { settings: self.clone(), tls })
+    }
+}
+
+/// Connects to the broker.
+#[derive(Debug)]
+pub(super) struct Connector {
+    settings: MqttConnection,
+    tls: Option<Arc<rustls::ClientConfig>>,
+}
+
+/// A last will.
+pub(super) struct Will {
+    pub(super) topic: String,
+    pub(super) payload: Vec<u8>,
+    pub(super) retain: bool,
+}
+
+impl Connector {
+    /// The address, for messages.
+    pub(super) fn at(&self) -> String {
+        format!("{}:{}", self.settings.host, self.settings.port)
+    }
+
+    /// Begins a connection; [`Connection::next`] says when it is there.
+    pub(super) fn open(&self, name: &str, will: Option<Will>) -> Connection {
+        let MqttConnection { host, port, credentials, client_id, version, .. } = &self.settings;
+        let id = format!("{client_id}-{name}");
+        let tls = || self.tls.clone().map(|tls| Transport::Tls(TlsConfiguration::Rustls(tls)));
+        let (arrived, incoming) = mpsc::channel(INCOMING);
+        let (client, task) = match version {
+            MqttVersion::V3 => {
+                let mut options = MqttOptions::new(id, host, *port);
+                options.set_keep_alive(KEEP_ALIVE).set_clean_session(true);
+                let most = MAX_PACKET_BYTES as usize;
+                options.set_max_packet_size(most, most);
+                tls().map(|transport| options.set_transport(transport));
+                if let Some(Credentials { user, password }) = credentials {
+                    options.set_credentials(user, password);
+                }
+                if let Some(Will { topic, payload, retain }) = will {
+                    options.set_last_will(LastWill::new(topic, payload, QoS::AtLeastOnce, retain));
+                }
+                let (client, mut events) = AsyncClient::new(options, OUTGOING);
+                let task = tokio::spawn(async move {
+                    loop {
+                        let event = events.poll().await.map(of_v3).map_err(|e| Failure::of_v3(&e));
+                        let has_failed = event.is_err();
+                        if arrived.send(event).await.is_err() || has_failed {
+                            return;
+                        }
+                    }
+                });
+                (Client::V3(client), task)
+            }
+            MqttVersion::V5 => {
+                let mut options = v5::MqttOptions::new(id, host, *port);
+                options.set_keep_alive(KEEP_ALIVE).set_clean_start(true);
+                options.set_max_packet_size(Some(MAX_PACKET_BYTES));
+                tls().map(|transport| options.set_transport(transport));
+                if let Some(Credentials { user, password }) = credentials {
+                    options.set_credentials(user, password);
+                }
+                if let Some(Will { topic, payload, retain }) = will {
+                    let qos = v5::mqttbytes::QoS::AtLeastOnce;
+                    let will = v5::mqttbytes::v5::LastWill::new(topic, payload, qos, retain, None);
+                    options.set_last_will(will);
+                }
+                let (client, mut events) = v5::AsyncClient::new(options, OUTGOING);
+                let task = tokio::spawn(async move {
+                    loop {
+                        let event = events.poll().await.map(of_v5).map_err(|e| Failure::of_v5(&e));
+                        let has_failed = event.is_err();
+                        if arrived.send(event).await.is_err() || has_failed {
+                            return;
+                        }
+                    }
+                });
+                (Client::V5(client), task)
+            }
+        };
+        Connection { client, incoming, task }
+    }
+
+    /// Finds out whether the broker refuses us. One that cannot be reached may come back.
+    pub(super) async fn probe(&self) -> Result<(), BridgeError> {
+        let mut connection = self.open("probe", None);
+        match connection.connected().await {
+            Ok(()) => {
+                tracing::info!("MQTT at {}: connected", self.at());
+                connection.end().await;
+                Ok(())
+            }
+            Err(Failure { what, is_refusal: true }) => {
+                Err(BridgeError::Broker { broker: "MQTT", at: self.at(), what })
+            }
+            Err(Failure { what, .. }) => {
+                tracing::warn!("MQTT at {}: {what}; events are kept until it is back", self.at());
+                Ok(())
+            }
+        }
+    }
+}
+
+/// What has arrived.
+#[derive(Debug)]
+pub(super) enum Incoming {
+    /// The connection is there.
+    Connected,
+    /// The broker has a message, the first one that it had not acknowledged before.
+    Acknowledged,
+    /// A message of a subscription.
+    Message(Received),
+    /// Something else.
+    Other,
+}
+
+/// A message of a subscription.
+#[derive(Debug)]
+pub(super) struct Received {
+    pub(super) payload: Bytes,
+    /// Whether it is an old one, which the broker has kept.
+    pub(super) is_retained: bool,
+    /// Topic and correlation data of the reply, if the sender names them (MQTT 5).
+    pub(super) reply_to: Option<ReplyTo>,
+    pub(super) topic: String,
+}
+
+/// Where a reply goes.
+#[derive(Clone, Debug)]
+pub(super) struct ReplyTo {
+    pub(super) topic: String,
+    pub(super) correlation: Option<Bytes>,
+}
+
+fn of_v3(event: Event) -> Incoming {
+    match event {
+        Event::Incoming(Packet::ConnAck(_)) => Incoming::Connected,
+        Event::Incoming(Packet::PubAck(_)) => Incoming::Acknowledged,
+        Event::Incoming(Packet::Publish(publish)) => Incoming::Message(Received {
+            payload: publish.payload,
+            is_retained: publish.retain,
+            reply_to: None,
+            topic: publish.topic,
+        }),
+        _ => Incoming::Other,
+    }
+}
+
+fn of_v5(event: v5::Event) -> Incoming {
+    use v5::mqttbytes::v5::Packet;
+    match event {
+        v5::Event::Incoming(Packet::ConnAck(_)) => Incoming::Connected,
+        v5::Event::Incoming(Packet::PubAck(_)) => Incoming::Acknowledged,
+        v5::Event::Incoming(Packet::Publish(publish)) => {
+            let properties = publish.properties.unwrap_or_default();
+            let correlation = properties.correlation_data;
+            let reply_to = properties.response_topic.map(|topic| ReplyTo { topic, correlation });
+            Incoming::Message(Received {
+                payload: publish.payload,
+                is_retained: publish.retain,
+                reply_to,
+                topic: String::from_utf8_lossy(&publish.topic).into_owned(),
+            })
+        }
+        _ => Incoming::Other,
+    }
+}
+
+/// Why a connection failed.
+#[derive(Debug)]
+pub(super) struct Failure {
+    pub(super) what: String,
+    /// Whether the broker refuses us, or we the broker: repetition does not help.
+    pub(super) is_refusal: bool,
+}
+
+impl Failure {
+    fn of_v3(error: &ConnectionError) -> Self {
+        match error {
+            ConnectionError::ConnectionRefused(code) => Self::refused(
+                matches!(
+                    code,
+                    ConnectReturnCode::BadUserNamePassword | ConnectReturnCode::NotAuthorized
+                ),
+                &format!("{code:?}"),
+            ),
+            ConnectionError::Tls(error) => Self::tls(error),
+            other => Self { what: other.to_string(), is_refusal: false },
+        }
+    }
+
+    fn of_v5(error: &v5::ConnectionError) -> Self {
+        use v5::mqttbytes::v5::ConnectReturnCode;
+        match error {
+            v5::ConnectionError::ConnectionRefused(code) => Self::refused(
+                matches!(
+                    code,
+                    ConnectReturnCode::BadUserNamePassword | ConnectReturnCode::NotAuthorized
+                ),
+                &format!("{code:?}"),
+            ),
+            v5::ConnectionError::Tls(error) => Self::tls(error),
+            other => Self { what: other.to_string(), is_refusal: false },
+        }
+    }
+
+    fn refused(is_user: bool, code: &str) -> Self {
+        if is_user {
+            let what = "the broker does not accept the user or the password".to_owned();
+            Self { what, is_refusal: true }
+        } else {
+            Self { what: format!("the broker refuses the connection: {code}"), is_refusal: false }
+        }
+    }
+
+    fn tls(error: &rumqttc::TlsError) -> Self {
+        let text = error.to_string();
+        // A broker that has just ended a handshake may be restarting.
+        let is_refusal = text.contains("certificate") || text.contains("Certificate");
+        Self { what: format!("TLS: {text}"), is_refusal }
+    }
+
+    fn lost() -> Self {
+        Self { what: "the connection has ended".to_owned(), is_refusal: false }
+    }
+}
+
+/// A connection.
+pub(super) struct Connection {
+    client: Client,
+    incoming: mpsc::Receiver<Result<Incoming, Failure>>,
+    task: JoinHandle<()>,
+}
+
+enum Client {
+    V3(AsyncClient),
+    V5(v5::AsyncClient),
+}
+
+/// How a message is sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Delivery {
+    /// With `QoS` 0.
+    AtMostOnce,
+    /// With `QoS` 1.
+    AtLeastOnce,
+    /// With `QoS` 1, and kept for later subscribers.
+    Retained,
+}
+
+impl Connection {
+    /// Waits for the broker's acceptance.
+    pub(super) async fn connected(&mut self) -> Result<(), Failure> {
+        match timeout(CONNECT_TIMEOUT, self.next()).await {
+            Ok(Ok(_)) => Ok(()),
+            Ok(Err(failure)) => Err(failure),
+            Err(_) => Err(Failure { what: "no answer in time".to_owned(), is_refusal: false }),
+        }
+    }
+
+    /// What arrives next. Cancellation-safe.
+    pub(super) async fn next(&mut self) -> Result<Incoming, Failure> {
+        self.incoming.recv().await.unwrap_or_else(|| Err(Failure::lost()))
+    }
+
+    /// Sends a message, with the correlation data of a request.
+    pub(super) async fn publish(
+        &self,
+        topic: &str,
+        payload: Vec<u8>,
+        how: Delivery,
+        correlation: Option<Bytes>,
+    ) -> Result<(), Failure> {
+        let retain = how == Delivery::Retained;
+        let is_sent = match &self.client {
+            Client::V3(client) => {
+                let qos = match how {
+                    Delivery::AtMostOnce => QoS::AtMostOnce,
+                    _ => QoS::AtLeastOnce,
+                };
+                client.publish(topic, qos, retain, payload).await.is_ok()
+            }
+            Client::V5(client) => {
+                let qos = match how {
+                    Delivery::AtMostOnce => v5::mqttbytes::QoS::AtMostOnce,
+                    _ => v5::mqttbytes::QoS::AtLeastOnce,
+                };
+                let properties = v5::mqttbytes::v5::PublishProperties {
+                    correlation_data: correlation,
+                    ..Default::default()
+                };
+                let sent = client.publish_with_properties(topic, qos, retain, payload, properties);
+                sent.await.is_ok()
+            }
+        };
+        if is_sent { Ok(()) } else { Err(Failure::lost()) }
+    }
+
+    /// Subscribes with `QoS` 1.
+    pub(super) async fn subscribe(&self, topic: &str) -> Result<(), Failure> {
+        let is_sent = match &self.client {
+            Client::V3(client) => client.subscribe(topic, QoS::AtLeastOnce).await.is_ok(),
+            Client::V5(client) => {
+                client.subscribe(topic, v5::mqttbytes::QoS::AtLeastOnce).await.is_ok()
+            }
+        };
+        if is_sent { Ok(()) } else { Err(Failure::lost()) }
+    }
+
+    /// Ends the connection in order: the broker does not publish its will.
+    pub(super) async fn end(mut self) {
+        let _ = match &self.client {
+            Client::V3(client) => client.disconnect().await.is_ok(),
+            Client::V5(client) => client.disconnect().await.is_ok(),
+        };
+        // The task ends with an error once the broker has closed the connection.
+        let all_read = async { while self.next().await.is_ok() {} };
+        let _ = timeout(Duration::from_millis(500), all_read).await;
+    }
+}
+
+impl Drop for Connection {
+    fn drop(&mut self) {
+        self.task.abort();
+    }
+}

@@ -1,0 +1,229 @@
+//! The messages of a robot over a connection to the broker, and over the next one.
+
+use std::{
+    collections::VecDeque,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
+
+use tokio::{
+    sync::mpsc::{Receiver, UnboundedReceiver, UnboundedSender, unbounded_channel},
+    time::{Instant, interval, sleep},
+};
+
+use super::connection::{
+    Connection, Connector, Delivery, Failure, Incoming, Received, ReplyTo, Will,
+};
+use crate::{
+    commands::{CommandGate, CommandReply},
+    message::{BridgeStatus, Kind, Message},
+    spool::SpoolReader,
+    spooling::SpoolTarget,
+    trouble::Trouble,
+};
+
+/// Events that are sent and not acknowledged yet, at most: within what brokers take from a connection.
+const BATCH: usize = 20;
+const BATCH_BYTES: usize = 1 << 20;
+
+/// How often the end is checked for.
+const TURN: Duration = Duration::from_millis(100);
+
+/// Pause after a failure.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// How long the last events are sent for at the end.
+const LAST_EVENTS: Duration = Duration::from_secs(2);
+
+/// The robot's messages, on their way to the broker.
+pub(super) struct Session {
+    pub(super) connector: Arc<Connector>,
+    pub(super) robot: String,
+    /// What the robot's topics begin with.
+    pub(super) topic: String,
+    pub(super) started: u64,
+    pub(super) spool: Arc<SpoolTarget>,
+    pub(super) reader: SpoolReader,
+    pub(super) samples: Receiver<Vec<u8>>,
+    pub(super) gate: Arc<CommandGate>,
+}
+
+/// A reply on its way.
+type Reply = (CommandReply, Option<ReplyTo>);
+
+/// What was sent with `QoS` 1 and is not acknowledged. Brokers acknowledge in order.
+#[derive(Default)]
+struct InFlight {
+    /// Whether each is an event of the spool.
+    sent: VecDeque<bool>,
+    events: usize,
+}
+
+impl InFlight {
+    fn sent(&mut self, is_event: bool) {
+        self.sent.push_back(is_event);
+        self.events += usize::from(is_event);
+    }
+
+    /// Whether the last event of a batch is acknowledged now.
+    fn acknowledged(&mut self) -> bool {
+        let is_event = self.sent.pop_front() == Some(true);
+        self.events -= usize::from(is_event);
+        is_event && self.events == 0
+    }
+}
+
+impl Session {
+    /// Sends until the shutdown, over as many connections as it takes.
+    pub(super) async fn run(mut self, shutdown: &AtomicBool) {
+        let mut trouble = Trouble::default();
+        let (replies, mut replies_out) = unbounded_channel();
+        while !shutdown.load(Ordering::Relaxed) {
+            let will = Will {
+                topic: format!("{}/{}", self.topic, Kind::Bridge.name()),
+                payload: BridgeStatus::last_will(&self.robot, self.started).to_json().into(),
+                retain: true,
+            };
+            let mut connection = self.connector.open(&self.robot, Some(will));
+            let sent = async {
+                connection.connected().await?;
+                if trouble.clear() {
+                    tracing::info!("MQTT at {}: messages arrive again", self.connector.at());
+                }
+                self.send(&mut connection, (&replies, &mut replies_out), shutdown).await
+            };
+            match sent.await {
+                Ok(()) => connection.end().await,
+                Err(failure) => {
+                    self.reader.rewind();
+                    trouble.warn(format_args!(
+                        "MQTT at {}: {}; events are kept until it is back",
+                        self.connector.at(),
+                        failure.what
+                    ));
+                    sleep(PAUSE).await;
+                }
+            }
+        }
+        if let Err(error) = self.reader.save(self.spool.spool()) {
+            tracing::warn!("cannot save how far the spool was sent: {error}");
+        }
+    }
+
+    /// Sends over a connection until the shutdown.
+    async fn send(
+        &mut self,
+        connection: &mut Connection,
+        (replies, replies_out): (&UnboundedSender<Reply>, &mut UnboundedReceiver<Reply>),
+        shutdown: &AtomicBool,
+    ) -> Result<(), Failure> {
+        connection.subscribe(&format!("{}/request", self.topic)).await?;
+        let joints = format!("{}/{}", self.topic, Kind::Joints.name());
+        // Samples of before the connection are late.
+        while self.samples.try_recv().is_ok() {}
+        let mut in_flight = InFlight::default();
+        let mut turn = interval(TURN);
+        let mut until = None;
+        loop {
+            let spool = Arc::clone(&self.spool);
+            tokio::select! {
+                incoming = connection.next() => match incoming? {
+                    Incoming::Acknowledged => {
+                        if in_flight.acknowledged() {
+                            self.reader.commit(self.spool.spool()).map_err(|error| unreadable(&error))?;
+                        }
+                    }
+                    Incoming::Message(received) => self.command(received, replies),
+                    Incoming::Connected | Incoming::Other => {}
+                },
+                Some(sample) = self.samples.recv() => {
+                    connection.publish(&joints, sample, Delivery::AtMostOnce, None).await?;
+                }
+                Some((reply, to)) = replies_out.recv() => {
+                    let own = format!("{}/reply", self.topic);
+                    let (topic, correlation) =
+                        to.map_or((own, None), |to| (to.topic, to.correlation));
+                    let payload = reply.to_json().into_bytes();
+                    connection.publish(&topic, payload, Delivery::AtLeastOnce, correlation).await?;
+                    in_flight.sent(false);
+                }
+                () = spool.appended() => {}
+                _ = turn.tick() => {}
+            }
+            let mut is_empty = false;
+            if in_flight.events == 0 {
+                is_empty = !self.send_batch(connection, &mut in_flight).await?;
+            }
+            if shutdown.load(Ordering::Relaxed) {
+                let until = *until.get_or_insert_with(|| Instant::now() + LAST_EVENTS);
+                if is_empty && in_flight.sent.is_empty() || Instant::now() >= until {
+                    return Ok(());
+                }
+            }
+        }
+    }
+
+    /// Sends the next events of the spool; false if there are none.
+    async fn send_batch(
+        &mut self,
+        connection: &Connection,
+        in_flight: &mut InFlight,
+    ) -> Result<bool, Failure> {
+        let batch = self.reader.batch(self.spool.spool(), BATCH, BATCH_BYTES);
+        let batch = batch.map_err(|error| unreadable(&error))?;
+        for bytes in &batch {
+            // One of another version is left out.
+            let Some(SpooledEvent { kind, payload }) = SpooledEvent::from_bytes(bytes) else {
+                continue;
+            };
+            let topic = format!("{}/{}", self.topic, kind.name());
+            connection.publish(&topic, payload, Delivery::Retained, None).await?;
+            in_flight.sent(true);
+        }
+        if in_flight.events == 0 && !batch.is_empty() {
+            self.reader.commit(self.spool.spool()).map_err(|error| unreadable(&error))?;
+        }
+        Ok(!batch.is_empty())
+    }
+
+    fn command(&self, received: Received, replies: &UnboundedSender<Reply>) {
+        let Received { payload, is_retained, reply_to, .. } = received;
+        if is_retained {
+            tracing::warn!("a retained command was ignored: it may be old");
+            return;
+        }
+        let replies = replies.clone();
+        let answer = move |reply| drop(replies.send((reply, reply_to)));
+        self.gate.command(Some(&self.robot), &payload, Box::new(answer));
+    }
+}
+
+fn unreadable(error: &std::io::Error) -> Failure {
+    Failure { what: format!("cannot read the spool: {error}"), is_refusal: false }
+}
+
+/// An event in the spool: its kind, then its text.
+pub(super) struct SpooledEvent {
+    kind: Kind,
+    payload: Vec<u8>,
+}
+
+impl SpooledEvent {
+    pub(super) fn of(message: &Message) -> Self {
+        Self { kind: message.kind(), payload: message.to_json().into_bytes() }
+    }
+
+    pub(super) fn to_bytes(&self) -> Vec<u8> {
+        let kind = u8::try_from(self.kind.index()).unwrap_or(u8::MAX);
+        [&[kind][..], &self.payload].concat()
+    }
+
+    fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        let (kind, payload) = bytes.split_first()?;
+        let kind = *Kind::ALL.get(usize::from(*kind))?;
+        Some(Self { kind, payload: payload.to_owned() })
+    }
+}

@@ -1,0 +1,249 @@
+//! Sparkplug B 3.0: the bridge is an edge node, each robot a device.
+//!
+//! Births have all metrics with their types, data those that have changed. `Node Control/Rebirth` is the only command that is
+//! taken.
+
+mod metrics;
+mod payload;
+
+use std::{
+    collections::BTreeMap,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
+
+use iiwa_link::threads::ThreadGroup;
+use metrics::{Metrics, Value};
+use payload::{decode_rebirth, encode};
+use tokio::{
+    sync::mpsc::{Receiver, Sender, channel},
+    time::{interval, sleep},
+};
+
+use super::{
+    connection::{Connection, Connector, Delivery, Failure, Incoming, MqttConnection, Will},
+    payload::Pace,
+};
+use crate::{
+    BridgeError, BridgedRobot,
+    message::{Kind, Message},
+    sink::Sink,
+    trouble::Trouble,
+};
+
+/// How robots appear in Sparkplug.
+#[derive(Clone, Debug)]
+pub struct SparkplugOptions {
+    /// The broker.
+    pub connection: MqttConnection,
+    /// The group of the edge node.
+    pub group: String,
+    /// The name of the edge node.
+    pub node: String,
+    /// Most updates of joints per second and robot; `None` for all.
+    pub rate_hz: Option<f64>,
+}
+
+/// Changes that wait to be sent.
+const BACKLOG: usize = 1024;
+
+/// How often the end is checked for.
+const TURN: Duration = Duration::from_millis(100);
+
+/// Pause after a failure.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// Publishes robots as devices of an edge node.
+#[derive(Debug)]
+pub struct Sparkplug {
+    changes: Sender<(String, Metrics)>,
+    paces: BTreeMap<String, Pace>,
+    _threads: ThreadGroup,
+}
+
+impl Sparkplug {
+    /// Starts to send, once the broker is found.
+    ///
+    /// # Errors
+    ///
+    /// A name cannot be part of a topic, a file cannot be used, or the broker refuses the user.
+    pub fn start(options: &SparkplugOptions, robots: &[BridgedRobot]) -> Result<Self, BridgeError> {
+        for name in [&options.group, &options.node] {
+            if name.is_empty() || name.contains(['/', '+', '#']) {
+                let what =
+                    format!("`{name}` is no name for Sparkplug: it is empty, or has /, + or #");
+                return Err(BridgeError::Settings { what });
+            }
+        }
+        let connector = options.connection.connector()?;
+        let runtime = crate::runtime()?;
+        runtime.block_on(connector.probe())?;
+        let (changes, changes_out) = channel(BACKLOG);
+        let devices = robots.iter().map(|robot| (robot.name().to_owned(), Metrics::new()));
+        let node = Node {
+            connector: Arc::new(connector),
+            group: options.group.clone(),
+            name: options.node.clone(),
+            devices: devices.collect(),
+            births: 0,
+            seq: 0,
+        };
+        let mut threads = ThreadGroup::default();
+        threads.spawn("bridge sparkplug", move |shutdown| {
+            runtime.block_on(node.run(changes_out, shutdown));
+        })?;
+        let pace = |robot: &BridgedRobot| (robot.name().to_owned(), Pace::new(options.rate_hz));
+        Ok(Self { changes, paces: robots.iter().map(pace).collect(), _threads: threads })
+    }
+}
+
+impl Sink for Sparkplug {
+    fn take(&self, message: &Message) {
+        let is_due = |pace: &Pace| message.kind() != Kind::Joints || pace.is_due();
+        if self.paces.get(&message.robot).is_some_and(is_due) {
+            // What does not fit in while the broker is away is in the next birth, or out of date.
+            let _ = self.changes.try_send((message.robot.clone(), metrics::of(message)));
+        }
+    }
+}
+
+/// The edge node.
+struct Node {
+    connector: Arc<Connector>,
+    group: String,
+    name: String,
+    /// The latest values of each robot.
+    devices: BTreeMap<String, Metrics>,
+    /// The number of births, modulo 256 (`bdSeq`).
+    births: u8,
+    /// The number of the next message since the birth, modulo 256.
+    seq: u8,
+}
+
+impl Node {
+    async fn run(mut self, mut changes: Receiver<(String, Metrics)>, shutdown: &AtomicBool) {
+        let mut trouble = Trouble::default();
+        while !shutdown.load(Ordering::Relaxed) {
+            let death = encode(None, &[("bdSeq".to_owned(), Value::UInt64(self.births.into()))]);
+            let will = Will { topic: self.topic("NDEATH", None), payload: death, retain: false };
+            let mut connection = self.connector.open(&self.name, Some(will));
+            let sent = async {
+                connection.connected().await?;
+                trouble.clear();
+                self.send(&mut connection, &mut changes, shutdown).await
+            };
+            match sent.await {
+                Ok(()) => connection.end().await,
+                Err(Failure { what, .. }) => {
+                    trouble.warn(format_args!("Sparkplug at {}: {what}", self.connector.at()));
+                    sleep(PAUSE).await;
+                }
+            }
+            self.births = self.births.wrapping_add(1);
+        }
+    }
+
+    async fn send(
+        &mut self,
+        connection: &mut Connection,
+        changes: &mut Receiver<(String, Metrics)>,
+        shutdown: &AtomicBool,
+    ) -> Result<(), Failure> {
+        let commands = self.topic("NCMD", None);
+        connection.subscribe(&commands).await?;
+        self.be_born(connection).await?;
+        let mut turn = interval(TURN);
+        loop {
+            tokio::select! {
+                incoming = connection.next() => {
+                    if let Incoming::Message(received) = incoming?
+                        && received.topic == commands
+                        && decode_rebirth(&received.payload)
+                    {
+                        self.be_born(connection).await?;
+                    }
+                }
+                Some((robot, metrics)) = changes.recv() => {
+                    self.change(connection, &robot, metrics).await?;
+                }
+                _ = turn.tick() => {
+                    if shutdown.load(Ordering::Relaxed) {
+                        // As when the connection breaks off.
+                        let death = encode(None, &[("bdSeq".to_owned(), Value::UInt64(self.births.into()))]);
+                        let topic = self.topic("NDEATH", None);
+                        return connection.publish(&topic, death, Delivery::AtMostOnce, None).await;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The births of the node and of all devices.
+    async fn be_born(&mut self, connection: &Connection) -> Result<(), Failure> {
+        self.seq = 0;
+        let own = [
+            ("bdSeq".to_owned(), Value::UInt64(self.births.into())),
+            ("Node Control/Rebirth".to_owned(), Value::Boolean(false)),
+        ];
+        let birth = encode(Some(self.next_seq()), &own);
+        let topic = self.topic("NBIRTH", None);
+        connection.publish(&topic, birth, Delivery::AtMostOnce, None).await?;
+        for robot in self.devices.keys().cloned().collect::<Vec<_>>() {
+            self.device_birth(connection, &robot).await?;
+        }
+        Ok(())
+    }
+
+    async fn device_birth(&mut self, connection: &Connection, robot: &str) -> Result<(), Failure> {
+        let seq = self.next_seq();
+        let metrics: Vec<_> = self
+            .devices
+            .get(robot)
+            .into_iter()
+            .flatten()
+            .map(|(k, v)| (k.clone(), v.clone()))
+            .collect();
+        let topic = self.topic("DBIRTH", Some(robot));
+        let birth = encode(Some(seq), &metrics);
+        connection.publish(&topic, birth, Delivery::AtMostOnce, None).await
+    }
+
+    /// Sends what has changed; a birth if there are new metrics.
+    async fn change(
+        &mut self,
+        connection: &Connection,
+        robot: &str,
+        metrics: Metrics,
+    ) -> Result<(), Failure> {
+        let Some(device) = self.devices.get_mut(robot) else { return Ok(()) };
+        let is_new = metrics.keys().any(|name| !device.contains_key(name));
+        let changed: Vec<_> =
+            metrics.into_iter().filter(|(name, value)| device.get(name) != Some(value)).collect();
+        if changed.is_empty() {
+            return Ok(());
+        }
+        device.extend(changed.iter().cloned());
+        if is_new {
+            return self.device_birth(connection, robot).await;
+        }
+        let seq = self.next_seq();
+        let topic = self.topic("DDATA", Some(robot));
+        let data = encode(Some(seq), &changed);
+        connection.publish(&topic, data, Delivery::AtMostOnce, None).await
+    }
+
+    fn next_seq(&mut self) -> u8 {
+        let seq = self.seq;
+        self.seq = seq.wrapping_add(1);
+        seq
+    }
+
+    fn topic(&self, kind: &str, device: Option<&str>) -> String {
+        let Self { group, name, .. } = self;
+        let device = device.map(|device| format!("/{device}")).unwrap_or_default();
+        format!("spBv1.0/{group}/{kind}/{name}{device}")
+    }
+}

@@ -1,0 +1,175 @@
+//! The reader of a queue.
+
+use std::{
+    fs::{self, File},
+    io::{self, BufReader, Seek, SeekFrom},
+    path::Path,
+    time::{Duration, Instant},
+};
+
+use super::{
+    CURSOR, Spool, path_of,
+    segment::{HEAD_BYTES, MAGIC, read_record},
+};
+
+/// A record of a queue.
+pub type Record = Vec<u8>;
+
+/// How often the place of the last commit is saved.
+const SAVE_EVERY: Duration = Duration::from_secs(1);
+
+/// A place in a queue.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Cursor {
+    pub(super) segment: u64,
+    pub(super) offset: u64,
+}
+
+impl Cursor {
+    /// The saved place; the beginning if there is none.
+    pub(super) fn load(path: &Path) -> Self {
+        let text = fs::read_to_string(path).unwrap_or_default();
+        let mut numbers = text.split_whitespace().map(str::parse);
+        match (numbers.next(), numbers.next()) {
+            (Some(Ok(segment)), Some(Ok(offset))) => Self { segment, offset },
+            _ => Self::default(),
+        }
+    }
+
+    fn save(self, folder: &Path) -> io::Result<()> {
+        let Self { segment, offset } = self;
+        // Whole or not at all.
+        let written = folder.join("cursor.new");
+        fs::write(&written, format!("{segment} {offset}\n"))?;
+        fs::rename(written, folder.join(CURSOR))
+    }
+}
+
+/// Reads a queue, from the last commit on.
+#[derive(Debug)]
+pub struct SpoolReader {
+    committed: Cursor,
+    /// Behind the last batch.
+    next: Cursor,
+    /// The file of the segment of `next`, there.
+    file: Option<BufReader<File>>,
+    saved: (Cursor, Instant),
+}
+
+impl SpoolReader {
+    pub(super) fn new(cursor: Cursor) -> Self {
+        Self { committed: cursor, next: cursor, file: None, saved: (cursor, Instant::now()) }
+    }
+
+    /// The next records, up to a number and a size in bytes, at least one if there is any. They are read again after
+    /// [`rewind`](Self::rewind), until they are committed.
+    ///
+    /// # Errors
+    ///
+    /// The file system's.
+    pub fn batch(
+        &mut self,
+        spool: &Spool,
+        max_records: usize,
+        max_bytes: usize,
+    ) -> io::Result<Vec<Record>> {
+        let mut batch = Vec::new();
+        let mut bytes = 0;
+        while batch.len() < max_records && bytes < max_bytes {
+            match self.record(spool)? {
+                Some(record) => {
+                    bytes += record.len();
+                    batch.push(record);
+                }
+                None => break,
+            }
+        }
+        Ok(batch)
+    }
+
+    /// The batches since the last commit are read again.
+    pub fn rewind(&mut self) {
+        self.next = self.committed;
+        self.file = None;
+    }
+
+    /// The batches so far have arrived: their segments are removed.
+    ///
+    /// # Errors
+    ///
+    /// The file system's: the commit is only repeated after a restart.
+    pub fn commit(&mut self, spool: &Spool) -> io::Result<()> {
+        self.committed = self.next;
+        let (saved, at) = self.saved;
+        let has_moved = saved != self.committed;
+        if has_moved && (at.elapsed() >= SAVE_EVERY || saved.segment != self.committed.segment) {
+            self.save(spool)?;
+        }
+        let mut state = spool.lock();
+        while state.segments.len() > 1
+            && let Some(first) = state.segments.front()
+            && first.number < self.committed.segment
+        {
+            let path = path_of(&spool.folder, first.number);
+            state.segments.pop_front();
+            fs::remove_file(path)?;
+        }
+        Ok(())
+    }
+
+    /// Saves the place of the last commit, as before the end of the program.
+    ///
+    /// # Errors
+    ///
+    /// The file system's.
+    pub fn save(&mut self, spool: &Spool) -> io::Result<()> {
+        self.committed.save(&spool.folder)?;
+        self.saved = (self.committed, Instant::now());
+        Ok(())
+    }
+
+    fn record(&mut self, spool: &Spool) -> io::Result<Option<Record>> {
+        loop {
+            let Some(is_last) = self.seek(spool)? else { return Ok(None) };
+            let Some(file) = &mut self.file else { return Ok(None) };
+            if let Some(record) = read_record(file)? {
+                self.next.offset += HEAD_BYTES + record.len() as u64;
+                return Ok(Some(record));
+            }
+            if is_last {
+                // What is written later is read from the end of this record on.
+                self.file = None;
+                return Ok(None);
+            }
+            self.next = Cursor { segment: self.next.segment + 1, offset: 0 };
+            self.file = None;
+        }
+    }
+
+    /// Opens the segment of the next record, or the first one after it that there still is. Returns whether it is the last one;
+    /// `None` if all is read.
+    fn seek(&mut self, spool: &Spool) -> io::Result<Option<bool>> {
+        let mut state = spool.lock();
+        let here = state.segments.iter().position(|it| it.number >= self.next.segment);
+        let Some(place) = here else { return Ok(None) };
+        let segment = state.segments[place];
+        let is_last = place + 1 == state.segments.len();
+        if segment.number != self.next.segment {
+            self.next = Cursor { segment: segment.number, offset: 0 };
+            self.file = None;
+        }
+        self.next.offset = self.next.offset.max(MAGIC.len() as u64);
+        if is_last {
+            if self.next.offset >= segment.bytes {
+                return Ok(None);
+            }
+            state.tail.flush()?;
+        }
+        if self.file.is_none() {
+            let mut file = BufReader::new(File::open(path_of(&spool.folder, segment.number))?);
+            file.seek(SeekFrom::Start(self.next.offset))?;
+            self.file = Some(file);
+        }
+        Ok(Some(is_last))
+    }
+}

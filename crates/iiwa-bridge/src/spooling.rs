@@ -1,0 +1,83 @@
+//! A spool, with what wakes its reader and warns of its overflow.
+
+use std::{
+    io,
+    path::Path,
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
+};
+
+use tokio::sync::Notify;
+
+use crate::{
+    BridgeError,
+    spool::{Level, Spool, SpoolReader},
+    trouble::Trouble,
+};
+
+/// A spool that is written to by feeds and read by one task.
+#[derive(Debug)]
+pub(crate) struct SpoolTarget {
+    spool: Spool,
+    appended: Notify,
+    /// The number of dropped records at the last warning.
+    dropped: AtomicU64,
+    trouble: Mutex<Trouble>,
+}
+
+impl SpoolTarget {
+    /// Opens the spool in a folder, and its reader.
+    pub(crate) fn open(
+        folder: &Path,
+        max_bytes: u64,
+    ) -> Result<(Arc<Self>, SpoolReader), BridgeError> {
+        let (spool, reader) = Spool::open(folder, max_bytes).map_err(|source| {
+            let folder = folder.to_owned();
+            match source.kind() {
+                io::ErrorKind::WouldBlock => BridgeError::SpoolInUse { folder },
+                _ => BridgeError::Spool { folder, source },
+            }
+        })?;
+        let target = Self {
+            spool,
+            appended: Notify::new(),
+            dropped: AtomicU64::new(0),
+            trouble: Mutex::default(),
+        };
+        Ok((Arc::new(target), reader))
+    }
+
+    /// Appends a record; if that fails, it is said and counted.
+    pub(crate) fn append(&self, record: &[u8]) {
+        let appended = self.spool.append(record);
+        self.appended.notify_one();
+        let dropped = self.spool.level().dropped;
+        if dropped > self.dropped.swap(dropped, Ordering::Relaxed) {
+            let mut trouble = self.trouble.lock().unwrap_or_else(PoisonError::into_inner);
+            match appended {
+                Ok(()) => trouble.warn(format_args!(
+                    "the spool is full: {dropped} of the oldest messages were dropped so far; give it more room, or bring \
+                     the broker back"
+                )),
+                Err(error) => trouble.warn(format_args!(
+                    "cannot write to the spool: {error}; {dropped} messages were dropped so far"
+                )),
+            }
+        }
+    }
+
+    /// Waits for a record to be appended.
+    pub(crate) async fn appended(&self) {
+        self.appended.notified().await;
+    }
+
+    pub(crate) fn spool(&self) -> &Spool {
+        &self.spool
+    }
+
+    pub(crate) fn level(&self) -> Level {
+        self.spool.level()
+    }
+}

@@ -1,0 +1,75 @@
+//! TLS of connections to brokers.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use rustls::{
+    ClientConfig, RootCertStore,
+    pki_types::{CertificateDer, PrivateKeyDer, pem::PemObject},
+};
+
+use crate::BridgeError;
+
+/// Files of certificates, in PEM.
+#[derive(Clone, Debug, Default)]
+pub struct TlsFiles {
+    /// Certificates of the authorities that may have signed the broker's; those of the system if there is none.
+    pub authority: Option<PathBuf>,
+    /// The own certificate and its key, for brokers that ask for one.
+    pub own: Option<(PathBuf, PathBuf)>,
+}
+
+impl TlsFiles {
+    /// Reads the files.
+    ///
+    /// # Errors
+    ///
+    /// [`BridgeError::Certificate`] with the file that cannot be used.
+    pub fn config(&self) -> Result<Arc<ClientConfig>, BridgeError> {
+        let provider = Arc::new(rustls::crypto::ring::default_provider());
+        let versions = ClientConfig::builder_with_provider(provider)
+            .with_safe_default_protocol_versions()
+            .map_err(|error| BridgeError::Settings { what: format!("TLS: {error}") })?;
+        let builder = versions.with_root_certificates(self.roots()?);
+        let config = match &self.own {
+            None => builder.with_no_client_auth(),
+            Some((certificate, key)) => {
+                let parsed = PrivateKeyDer::from_pem_file(key);
+                let parsed = parsed.map_err(|error| unusable(key, &error))?;
+                builder
+                    .with_client_auth_cert(certificates(certificate)?, parsed)
+                    .map_err(|error| unusable(certificate, &error))?
+            }
+        };
+        Ok(Arc::new(config))
+    }
+
+    fn roots(&self) -> Result<RootCertStore, BridgeError> {
+        let mut roots = RootCertStore::empty();
+        let Some(file) = &self.authority else {
+            // Some of a system's certificates are always odd.
+            roots.add_parsable_certificates(rustls_native_certs::load_native_certs().certs);
+            return Ok(roots);
+        };
+        for certificate in certificates(file)? {
+            roots.add(certificate).map_err(|error| unusable(file, &error))?;
+        }
+        Ok(roots)
+    }
+}
+
+fn certificates(file: &Path) -> Result<Vec<CertificateDer<'static>>, BridgeError> {
+    let all = CertificateDer::pem_file_iter(file).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+    let all = all.map_err(|error| unusable(file, &error))?;
+    if all.is_empty() {
+        let what = "it contains no certificate in PEM".to_owned();
+        return Err(BridgeError::Certificate { file: file.to_owned(), what });
+    }
+    Ok(all)
+}
+
+fn unusable(file: &Path, error: &dyn std::fmt::Display) -> BridgeError {
+    BridgeError::Certificate { file: file.to_owned(), what: error.to_string() }
+}

@@ -1,0 +1,118 @@
+//! Beginnings and ends of runs, as the drive publishes them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    message::{
+        refusal::Refusal,
+        reply::{DriveState, TimedBy},
+        text::to_json,
+    },
+    robot_program::RunId,
+};
+
+/// Longest label, in bytes of JSON.
+pub const MAX_LABEL_BYTES: usize = 16 << 10;
+
+/// What a client states about a run that it requests, for those who follow the robot. The drive publishes it unread.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunLabel {
+    /// Name of the program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub program: Option<String>,
+    /// The client's plan of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan: Option<RunPlan>,
+}
+
+impl RunLabel {
+    /// Whether it states nothing.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Checks the length.
+    ///
+    /// # Errors
+    ///
+    /// [`Code::BadRequest`](crate::message::Code::BadRequest) if it is longer than [`MAX_LABEL_BYTES`].
+    pub(crate) fn check(self) -> Result<Self, Refusal> {
+        let bytes = to_json(&self).len();
+        if bytes > MAX_LABEL_BYTES {
+            return Err(Refusal::bad(format!(
+                "the label has {bytes} bytes; at most {MAX_LABEL_BYTES} are allowed"
+            )));
+        }
+        Ok(self)
+    }
+}
+
+/// A plan of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunPlan {
+    /// The planned cycle time, in s.
+    pub cycle_time_s: f64,
+    /// The limit that binds for the longest time of each motion, where one does.
+    #[serde(default)]
+    pub limited_by: Vec<BindingLimit>,
+}
+
+/// A limit that binds in a motion of a plan.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BindingLimit {
+    /// The motion, from 1.
+    pub motion: usize,
+    /// The joint, from 1; `None` for a limit of the TCP.
+    pub joint: Option<usize>,
+    /// The kind of limit, such as `velocity`.
+    pub kind: String,
+    /// The share of the motion's time for which it binds, 0 to 1.
+    pub share: f64,
+}
+
+/// The beginning or the end of a run, published under the topic `run`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunEvent {
+    /// Time stamp of the stream, in s.
+    pub t_s: f64,
+    /// The number of the run, different for each run of a drive and with each start of a drive.
+    pub run: RunId,
+    /// What runs: motions or a trajectory.
+    pub kind: DriveState,
+    /// The client's label.
+    #[serde(default, skip_serializing_if = "RunLabel::is_empty")]
+    pub label: RunLabel,
+    /// How it ended; `None` at its beginning.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end: Option<RunEnd>,
+}
+
+/// The end of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct RunEnd {
+    /// Time from the start to the end of the run, in s, if both are known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cycle_time_s: Option<f64>,
+    /// Start of the run, in s on the time scale of the stream, if it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_s: Option<f64>,
+    /// What start and end were taken from; `None` for the clock of the robot program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timed_by: Option<TimedBy>,
+    /// Why the run did not succeed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<Refusal>,
+}
+
+impl RunEnd {
+    /// The end of a run with these measurements, and with this error.
+    #[must_use]
+    pub fn new(run: &super::Run, error: Option<Refusal>) -> Self {
+        Self { cycle_time_s: run.cycle_time_s, start_s: run.start_s, timed_by: run.timed_by, error }
+    }
+}
