@@ -14,6 +14,7 @@ mod plan;
 mod report;
 pub(crate) mod ros;
 mod shell;
+mod stored;
 mod twin;
 mod urdf;
 mod values;
@@ -38,6 +39,7 @@ pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use ros::RosNaming;
 pub(crate) use shell::{Completions, Man};
+pub(crate) use stored::{History, Replay, Stored};
 pub(crate) use twin::Twin;
 pub(crate) use urdf::Urdf;
 
@@ -119,6 +121,8 @@ pub(crate) enum Command {
     Twin(Twin),
     Record(Record),
     Bridge(Bridge),
+    Replay(Replay),
+    History(History),
     Status(Status),
     Stop(Stop),
     Io(Io),

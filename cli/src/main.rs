@@ -76,6 +76,8 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Run(options) => commands::run::run(&options),
         Command::Record(options) => commands::record::run(&options),
         Command::Bridge(options) => commands::bridge::run(&options),
+        Command::Replay(options) => commands::replay::run(&options),
+        Command::History(options) => commands::history::run(&options),
         Command::Status(options) => commands::status::run(&options),
         Command::Twin(options) => commands::twin::run(&options),
         Command::Stop(options) => commands::stop::run(&options),

@@ -272,7 +272,7 @@ impl FromStr for OtherRobot {
 }
 
 /// A host and a port.
-fn address(text: &str) -> Result<String, String> {
+pub(super) fn address(text: &str) -> Result<String, String> {
     let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty()).map(|(_, port)| port);
     match port.map(str::parse::<u16>) {
         Some(Ok(port)) if port > 0 => Ok(text.to_owned()),

@@ -3,7 +3,9 @@
 use prost::Message as _;
 use serde::Serialize;
 
-use crate::message::{Content, JointSample, Message};
+use iiwa_kin::Joints;
+
+use crate::message::{Content, JointSample, Message, Timestamp, VERSION};
 
 /// The format of `joints` messages; all others are JSON.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,6 +80,26 @@ impl JointFormat {
             (Content::Joints(sample), Self::Protobuf) => protobuf(message, sample),
             _ => message.to_json().into_bytes(),
         }
+    }
+
+    /// A `joints` message in Protobuf; `None` for anything else.
+    #[must_use]
+    pub fn decode_protobuf(bytes: &[u8]) -> Option<Message> {
+        let joints = JointsProto::decode(bytes).ok()?;
+        let seven = |numbers: &[f64]| Joints::try_from(numbers).ok();
+        Some(Message {
+            version: Some(joints.version).filter(|version| *version == VERSION)?,
+            robot: joints.robot,
+            session: joints.session,
+            seq: joints.seq,
+            at: Timestamp::from_micros(joints.at_us),
+            content: Content::Joints(JointSample {
+                t_s: joints.t_s,
+                joints_rad: seven(&joints.joints_rad)?,
+                measured_nm: seven(&joints.measured_nm),
+                external_nm: seven(&joints.external_nm),
+            }),
+        })
     }
 
     /// Whether bytes of [`encode`](Self::encode) are JSON.

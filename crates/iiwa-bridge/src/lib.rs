@@ -21,11 +21,13 @@ mod credentials;
 pub mod encoding;
 mod error;
 pub mod feed;
+pub mod history;
 #[cfg(feature = "kafka")]
 pub mod kafka;
 pub mod message;
 #[cfg(feature = "mqtt")]
 pub mod mqtt;
+pub mod replay;
 pub mod robot;
 pub mod sink;
 pub mod spool;
@@ -37,7 +39,7 @@ mod trouble;
 pub use bridge::{Bridge, BridgeOptions, default_spool};
 pub use credentials::Credentials;
 pub use error::BridgeError;
-pub use message::{Content, Kind, Message};
+pub use message::{Content, Kind, Message, Timestamp};
 pub use robot::BridgedRobot;
 pub use sink::Sink;
 

@@ -54,6 +54,7 @@ pub fn table(head: &[&str]) -> Table {
             "renamed",
             "to",
             "why",
+            "trend",
         ];
         if let Some(column) = table.column_mut(index) {
             column.set_padding((0, u16::from(index + 1 < head.len())));

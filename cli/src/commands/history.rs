@@ -1,0 +1,123 @@
+//! `iiwasim history`.
+
+use std::ops::ControlFlow::Continue;
+
+use iiwa_bridge::{
+    Kind, Timestamp,
+    history::{History, ProgramHistory},
+    kafka::reader::{KafkaReader, Selection},
+};
+use iiwa_view::{printable, table};
+
+use crate::{
+    args,
+    commands::bridge::{failure, kafka_connection},
+    failure::{Failure, print_note},
+    output,
+};
+
+/// Prints the history, and judges it.
+pub(crate) fn run(options: &args::History) -> Result<(), Failure> {
+    let (reader, selection) = reader(&options.stored, options.name.clone())?;
+    let mut messages = Vec::new();
+    let left_out = reader
+        .read(Kind::Run, &selection, |message| {
+            messages.push(message);
+            Continue(())
+        })
+        .map_err(|error| failure(&error))?;
+    let mut history = History::of(messages, options.recent);
+    if let Some(program) = &options.program {
+        history.programs.retain(|history| history.program.as_ref() == Some(program));
+    }
+    if left_out.unreadable > 0 {
+        print_note(&format!("{} records could not be read\n", left_out.unreadable));
+    }
+    if options.json {
+        output::print_json(&history)?;
+    } else {
+        output::print(&text(&history))?;
+    }
+    judge(&history, options.max_drift)
+}
+
+/// A reader of what is stored.
+pub(crate) fn reader(
+    stored: &args::Stored,
+    robot: Option<String>,
+) -> Result<(KafkaReader, Selection), Failure> {
+    let connection = kafka_connection(&stored.brokers, &stored.access)?;
+    let reader = KafkaReader::new(&connection, &stored.access.prefix);
+    let reader = reader.map_err(|error| failure(&error))?;
+    let selection = Selection {
+        robot,
+        from: stored.from.map(Timestamp::from),
+        until: stored.until.map(Timestamp::from),
+    };
+    Ok((reader, selection))
+}
+
+fn judge(history: &History, max_drift: Option<f64>) -> Result<(), Failure> {
+    let Some(most) = max_drift else { return Ok(()) };
+    let slower = history.programs.iter().filter_map(|program| {
+        let percent = program.drift.map(|drift| drift.percent).filter(|percent| *percent > most)?;
+        Some(format!("{} on {} by {percent:.1} %", name(program), printable(&program.robot)))
+    });
+    let slower: Vec<_> = slower.collect();
+    if slower.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::Gate(format!("slower than before by more than {most} %: {}", slower.join(", "))))
+}
+
+fn name(program: &ProgramHistory) -> String {
+    program.program.as_deref().map_or_else(|| "(no name)".to_owned(), printable)
+}
+
+fn text(history: &History) -> String {
+    if history.programs.is_empty() {
+        return "No runs\n".to_owned();
+    }
+    let mut rows = table(&[
+        "program",
+        "robot",
+        "runs",
+        "failed",
+        "planned s",
+        "median s",
+        "last s",
+        "drift %",
+        "trend",
+    ]);
+    let seconds = |time: Option<f64>| time.map_or("-".to_owned(), |time| format!("{time:.3}"));
+    for program in &history.programs {
+        let last = program.runs.last();
+        rows.add_row([
+            name(program),
+            printable(&program.robot),
+            program.runs.len().to_string(),
+            program.failed().to_string(),
+            seconds(last.and_then(|run| run.planned_s)),
+            seconds(program.median_s),
+            seconds(last.and_then(|run| run.measured_s)),
+            program.drift.map_or("-".to_owned(), |drift| format!("{:+.1}", drift.percent)),
+            trend(program),
+        ]);
+    }
+    format!("{rows}\n")
+}
+
+/// The latest measured times as a line of bars, from the shortest to the longest.
+fn trend(program: &ProgramHistory) -> String {
+    const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
+    const SHOWN: usize = 12;
+    let times: Vec<f64> = program.runs.iter().filter_map(|run| run.measured_s).collect();
+    let times = &times[times.len().saturating_sub(SHOWN)..];
+    let low = times.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = times.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    // Noise of a few ms is no trend.
+    let range = (high - low).max(0.01 * high);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 7")]
+    let bar = |time: &f64| BARS[(((time - low) / range * 7.0).round() as usize).min(7)];
+    times.iter().map(bar).collect()
+}

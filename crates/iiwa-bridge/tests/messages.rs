@@ -1,0 +1,175 @@
+//! Messages against their JSON Schema, and in all formats.
+
+#![expect(clippy::unwrap_used, reason = "a failed test panics")]
+
+use std::net::{IpAddr, Ipv4Addr};
+
+use iiwa_bridge::{
+    Content, Kind, Message, Timestamp,
+    commands::CommandCounts,
+    encoding::JointFormat,
+    message::{
+        BridgeStatus, JointSample, RobotConditions, RunKind, RunMessage, RunPhase, VERSION, schema,
+    },
+    spool::Level,
+};
+use iiwa_link::message::{
+    BindingLimit, Conditions, Direction, DriveState, FriStatus, Hello, IoValue, OperationMode,
+    Presence, Refusal, RunEnd, RunLabel, RunPlan, Sensors, Signal,
+};
+
+fn message(content: Content) -> Message {
+    Message {
+        version: VERSION,
+        robot: "cell-1".to_owned(),
+        session: 1_764_108_000_123,
+        seq: 4711,
+        at: Timestamp::from_micros(1_764_108_000_123_456),
+        content,
+    }
+}
+
+fn run(result: Option<RunEnd>, label: RunLabel) -> Content {
+    let event = if result.is_some() { RunPhase::End } else { RunPhase::Begin };
+    Content::Run(RunMessage { t_s: 1.5, run: 7, event, what: RunKind::Motions, label, result })
+}
+
+fn conditions() -> RobotConditions {
+    let mut fri = FriStatus::new("commanding_active", "excellent");
+    fri.unexpected_source = Some(IpAddr::V4(Ipv4Addr::LOCALHOST));
+    fri.safety_stop = true;
+    let mut conditions = Conditions::default();
+    conditions.operation_mode = Some(OperationMode::Aut);
+    conditions.override_rel = Some(0.5);
+    conditions.safety_stop = Some(false);
+    conditions.tool = Some("gripper".to_owned());
+    RobotConditions {
+        drive: Presence::Connected,
+        state: Some(DriveState::Idle),
+        fri: Some(fri),
+        robot_program: Presence::Connected,
+        simulated: true,
+        hello: Some(Hello::new(1, "iiwasim 0.1.0")),
+        conditions: Some(conditions),
+    }
+}
+
+/// A message of each kind, with all keys and with as few as there may be.
+fn all() -> Vec<Message> {
+    let sample =
+        JointSample { t_s: 12.345, joints_rad: [0.1; 7], measured_nm: None, external_nm: None };
+    let full = JointSample { measured_nm: Some([1.0; 7]), external_nm: Some([0.5; 7]), ..sample };
+    let limit = BindingLimit { motion: 1, joint: None, kind: "cart_velocity".into(), share: 0.5 };
+    let plan = RunPlan { cycle_time_s: 2.0, limited_by: vec![limit] };
+    let label = RunLabel { program: Some("pick".to_owned()), plan: Some(plan) };
+    let mut done = RunEnd::default();
+    done.cycle_time_s = Some(2.01);
+    done.start_s = Some(1.0);
+    let mut failed = RunEnd::default();
+    failed.error = Some(Refusal::robot("the emergency stop is pressed"));
+    let signal =
+        |name: &str, value| Signal { name: name.to_owned(), direction: Direction::Output, value };
+    let io = vec![
+        signal("a", IoValue::Boolean(true)),
+        signal("b", IoValue::Digital(7)),
+        signal("c", IoValue::Analog(-0.5)),
+    ];
+    let silent = RobotConditions {
+        drive: Presence::Silent,
+        state: None,
+        fri: None,
+        robot_program: Presence::Silent,
+        simulated: false,
+        hello: None,
+        conditions: None,
+    };
+    let status = BridgeStatus {
+        online: true,
+        commands: CommandCounts { accepted: 3, refused: 1 },
+        spools: [("kafka".to_owned(), Level { bytes: 8, dropped: 0 })].into(),
+    };
+    [
+        Content::Joints(sample),
+        Content::Joints(full),
+        Content::State { t_s: 1.0, state: DriveState::RunningTrajectory },
+        run(None, RunLabel::default()),
+        run(Some(done), label),
+        run(Some(failed), RunLabel::default()),
+        Content::Io { io },
+        Content::Sensors(Sensors::new(None, [0.0; 7])),
+        Content::Sensors(Sensors::new(Some([30.0; 7]), [0.0; 7])),
+        Content::Conditions(Box::new(conditions())),
+        Content::Conditions(Box::new(silent)),
+        Content::Bridge(status),
+    ]
+    .into_iter()
+    .map(message)
+    .chain([BridgeStatus::last_will("cell-1", 5)])
+    .collect()
+}
+
+#[test]
+fn messages_are_as_the_schema_says_and_come_back_as_they_were() {
+    let schema = jsonschema::validator_for(&schema()).unwrap();
+    for message in all() {
+        let text = message.to_json();
+        let value = serde_json::from_str(&text).unwrap();
+        let errors: Vec<_> = schema.iter_errors(&value).map(|error| error.to_string()).collect();
+        assert!(errors.is_empty(), "{text}: {errors:?}");
+        assert_eq!(Message::from_json(text.as_bytes()).unwrap(), message, "{text}");
+    }
+    for kind in Kind::ALL {
+        assert!(all().iter().any(|message| message.kind() == kind), "{}", kind.name());
+        assert_eq!(Kind::ALL[kind.index()], kind);
+    }
+}
+
+#[test]
+fn the_schema_refuses_what_is_wrong() {
+    let schema = jsonschema::validator_for(&schema()).unwrap();
+    let good = serde_json::to_value(&all()[0]).unwrap();
+    for (key, wrong) in [
+        ("joints_rad", serde_json::json!([1, 2, 3])),
+        ("kind", "flight".into()),
+        ("version", 2.into()),
+        ("seq", (-1).into()),
+    ] {
+        let mut bad = good.clone();
+        bad[key] = wrong;
+        assert!(!schema.is_valid(&bad), "{bad}");
+    }
+}
+
+#[test]
+fn another_version_is_not_read() {
+    let text = all()[0].to_json().replace("\"version\":1", "\"version\":2");
+    let error = Message::from_json(text.as_bytes()).unwrap_err().to_string();
+    assert!(error.starts_with("the message has version 2 of the schema"), "{error}");
+}
+
+#[test]
+fn joints_in_protobuf_come_back_as_they_were() {
+    for message in all() {
+        let bytes = JointFormat::Protobuf.encode(&message);
+        if message.kind() == Kind::Joints {
+            assert!(!JointFormat::is_json(&bytes));
+            assert_eq!(JointFormat::decode_protobuf(&bytes).unwrap(), message);
+        } else {
+            assert_eq!(Message::from_json(&bytes).unwrap(), message);
+        }
+    }
+    assert!(JointFormat::decode_protobuf(b"\xff\xff nonsense").is_none());
+}
+
+#[test]
+fn joints_in_cdr_are_a_joint_state() {
+    let bytes = JointFormat::Cdr.encode(&all()[1]);
+    // Little-endian CDR, seconds, nanoseconds, the frame with its length and zero.
+    assert_eq!(bytes[..4], [0, 1, 0, 0]);
+    assert_eq!(bytes[4..8], 1_764_108_000_i32.to_le_bytes());
+    assert_eq!(bytes[8..12], 123_456_000_u32.to_le_bytes());
+    assert_eq!(bytes[12..16], 7_u32.to_le_bytes());
+    assert_eq!(&bytes[16..23], b"cell-1\0");
+    // Seven torques of 1 Nm at the end.
+    assert!(bytes.ends_with(&[1.0_f64.to_le_bytes(); 7].concat()));
+}

@@ -1,0 +1,213 @@
+//! The queue on disk: order, restarts, bounds, damage.
+
+#![expect(clippy::unwrap_used, reason = "a failed test panics")]
+
+use std::{fs, io, path::Path};
+
+use iiwa_bridge::spool::{Spool, SpoolReader};
+use proptest::prelude::*;
+
+const MB: u64 = 1 << 20;
+
+fn record(number: u64, length: usize) -> Vec<u8> {
+    let mut bytes = number.to_le_bytes().to_vec();
+    bytes.resize(length.max(8), 7);
+    bytes
+}
+
+fn number(record: &[u8]) -> u64 {
+    u64::from_le_bytes(*record.first_chunk().unwrap())
+}
+
+fn rest(spool: &Spool, reader: &mut SpoolReader) -> Vec<u64> {
+    let mut all = Vec::new();
+    loop {
+        let batch = reader.batch(spool, 64, 1 << 20).unwrap();
+        if batch.is_empty() {
+            return all;
+        }
+        all.extend(batch.iter().map(|record| number(record)));
+    }
+}
+
+fn segments(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut all: Vec<_> =
+        entries.filter(|path| path.extension().is_some_and(|it| it == "spool")).collect();
+    all.sort();
+    all
+}
+
+#[test]
+fn what_is_committed_is_not_read_again_after_a_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    {
+        let (spool, mut reader) = Spool::open(folder.path(), 64 * MB).unwrap();
+        for i in 0..1000 {
+            spool.append(&record(i, 300)).unwrap();
+        }
+        assert_eq!(reader.batch(&spool, 400, usize::MAX).unwrap().len(), 400);
+        reader.commit(&spool).unwrap();
+        reader.save(&spool).unwrap();
+        // Read, but not committed.
+        assert_eq!(reader.batch(&spool, 100, usize::MAX).unwrap().len(), 100);
+    }
+    let (spool, mut reader) = Spool::open(folder.path(), 64 * MB).unwrap();
+    spool.append(&record(5000, 8)).unwrap();
+    let expected: Vec<u64> = (400..500).chain(500..1000).chain([5000]).collect();
+    // All but the tail that was never handed to the system.
+    assert_eq!(rest(&spool, &mut reader), expected);
+}
+
+#[test]
+fn a_rewound_reader_begins_behind_the_last_commit() {
+    let folder = tempfile::tempdir().unwrap();
+    let (spool, mut reader) = Spool::open(folder.path(), 64 * MB).unwrap();
+    for i in 0..10 {
+        spool.append(&record(i, 8)).unwrap();
+    }
+    assert_eq!(reader.batch(&spool, 4, usize::MAX).unwrap().len(), 4);
+    reader.commit(&spool).unwrap();
+    assert_eq!(rest(&spool, &mut reader), [4, 5, 6, 7, 8, 9]);
+    reader.rewind();
+    assert_eq!(rest(&spool, &mut reader), [4, 5, 6, 7, 8, 9]);
+}
+
+#[test]
+fn a_full_spool_drops_the_oldest_and_says_how_many() {
+    let folder = tempfile::tempdir().unwrap();
+    let (spool, mut reader) = Spool::open(folder.path(), 16 * MB).unwrap();
+    let count = 40_000;
+    for i in 0..count {
+        spool.append(&record(i, 1000)).unwrap();
+    }
+    let level = spool.level();
+    assert!(level.bytes <= 16 * MB + 1000, "{level:?}");
+    assert!(level.dropped > 0);
+    let left = rest(&spool, &mut reader);
+    assert_eq!(left, (level.dropped..count).collect::<Vec<_>>());
+}
+
+#[test]
+fn committed_segments_are_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (spool, mut reader) = Spool::open(folder.path(), 1024 * MB).unwrap();
+    for i in 0..30_000 {
+        spool.append(&record(i, 1000)).unwrap();
+    }
+    assert!(segments(folder.path()).len() > 5);
+    assert_eq!(rest(&spool, &mut reader).len(), 30_000);
+    reader.commit(&spool).unwrap();
+    assert_eq!(segments(folder.path()).len(), 1);
+    assert_eq!(spool.level().dropped, 0);
+}
+
+#[test]
+fn damage_costs_a_segment_and_no_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let count = 12_000;
+    {
+        let (spool, _) = Spool::open(folder.path(), 1024 * MB).unwrap();
+        for i in 0..count {
+            spool.append(&record(i, 1000)).unwrap();
+        }
+        // All is handed to the system when the next segment begins.
+        let (_, records) = (spool.level(), count);
+        assert!(records > 0);
+    }
+    let damaged = &segments(folder.path())[1];
+    let mut bytes = fs::read(damaged).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(damaged, bytes).unwrap();
+    let (spool, mut reader) = Spool::open(folder.path(), 1024 * MB).unwrap();
+    let left = rest(&spool, &mut reader);
+    assert!(left.is_sorted_by(|a, b| a < b));
+    assert_eq!(left[0], 0);
+    // Half of a segment is gone, and what had not been handed to the system.
+    assert!(left.len() > 8000, "{}", left.len());
+    let gaps = left.windows(2).filter(|pair| pair[1] != pair[0] + 1).count();
+    assert_eq!(gaps, 1);
+}
+
+#[test]
+fn two_processes_do_not_share_a_spool() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_spool, _reader) = Spool::open(folder.path(), 64 * MB).unwrap();
+    let error = Spool::open(folder.path(), 64 * MB).unwrap_err();
+    assert_eq!(error.kind(), io::ErrorKind::WouldBlock);
+}
+
+#[test]
+fn files_that_are_no_segments_are_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("notes.txt"), "mine").unwrap();
+    fs::write(folder.path().join("000000000000.spool"), "nonsense").unwrap();
+    fs::write(folder.path().join("cursor"), "x y z").unwrap();
+    let (spool, mut reader) = Spool::open(folder.path(), 64 * MB).unwrap();
+    spool.append(&record(3, 8)).unwrap();
+    assert_eq!(rest(&spool, &mut reader), [3]);
+    assert_eq!(fs::read_to_string(folder.path().join("notes.txt")).unwrap(), "mine");
+}
+
+#[derive(Clone, Debug)]
+enum Step {
+    Append(usize),
+    Read(usize),
+    Commit,
+    Rewind,
+    Reopen,
+}
+
+fn steps() -> impl Strategy<Value = Vec<Step>> {
+    let step = prop_oneof![
+        4 => (8_usize..200_000).prop_map(Step::Append),
+        2 => (1_usize..20).prop_map(Step::Read),
+        2 => Just(Step::Commit),
+        1 => Just(Step::Rewind),
+        1 => Just(Step::Reopen),
+    ];
+    proptest::collection::vec(step, 1..120)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    /// As a list with a mark at the last commit: read in order, each once between commits.
+    #[test]
+    fn it_is_a_queue(steps in steps()) {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut spool, mut reader) = Spool::open(folder.path(), 1024 * MB).unwrap();
+        let (mut appended, mut committed, mut next) = (0_u64, 0_u64, 0_u64);
+        for step in steps {
+            match step {
+                Step::Append(length) => {
+                    spool.append(&record(appended, length)).unwrap();
+                    appended += 1;
+                }
+                Step::Read(most) => {
+                    let batch = reader.batch(&spool, most, usize::MAX).unwrap();
+                    let expected: Vec<u64> = (next..appended).take(most).collect();
+                    prop_assert_eq!(batch.iter().map(|it| number(it)).collect::<Vec<_>>(), expected);
+                    next += batch.len() as u64;
+                }
+                Step::Commit => {
+                    reader.commit(&spool).unwrap();
+                    committed = next;
+                }
+                Step::Rewind => {
+                    reader.rewind();
+                    next = committed;
+                }
+                Step::Reopen => {
+                    // As at the end of a bridge: all is read, so that nothing is only in memory.
+                    while !reader.batch(&spool, 1000, usize::MAX).unwrap().is_empty() {}
+                    reader.save(&spool).unwrap();
+                    drop(spool);
+                    (spool, reader) = Spool::open(folder.path(), 1024 * MB).unwrap();
+                    next = committed;
+                }
+            }
+        }
+    }
+}
