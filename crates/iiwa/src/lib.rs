@@ -33,12 +33,15 @@
 //! | `cabinet` | `cabinet` | a simulated controller for it |
 //! | `view` | `view` | pages, pictures and reports as text |
 //! | `viewers` | `viewers` | the robot live in Foxglove and Lichtblick |
+//! | `bridge` | `bridge` | robots to Kafka and MQTT, and requests back |
 //! | `full` | all | |
 //!
 //! Units are SI and radians unless a name ends in another one.
 
 #[cfg(feature = "sunrise")]
 pub use iiwa_application as application;
+#[cfg(feature = "bridge")]
+pub use iiwa_bridge as bridge;
 #[cfg(feature = "cabinet")]
 pub use iiwa_cabinet as cabinet;
 #[cfg(feature = "drive")]

@@ -7,7 +7,7 @@ use crate::sources::members;
 
 /// Each library and what it may depend on. Data flows one way; whoever draws an arrow here draws it in the
 /// README, too.
-const ALLOWED: [(&str, &[&str]); 23] = [
+const ALLOWED: [(&str, &[&str]); 24] = [
     ("iiwa-json", &[]),
     ("iiwa-kin", &["iiwa-json"]),
     ("iiwa-program", &["iiwa-json", "iiwa-kin"]),
@@ -71,6 +71,10 @@ const ALLOWED: [(&str, &[&str]); 23] = [
     ("iiwa-fri", &["iiwa-kin"]),
     ("iiwa-link", &["iiwa-json", "iiwa-kin", "iiwa-program"]),
     (
+        "iiwa-bridge",
+        &["iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-path", "iiwa-traj", "iiwa-link"],
+    ),
+    (
         "iiwa-drive",
         &[
             "iiwa-json",
@@ -115,6 +119,7 @@ const ALLOWED: [(&str, &[&str]); 23] = [
             "iiwa-look",
             "iiwa-view",
             "iiwa-viewers",
+            "iiwa-bridge",
             "iiwa-fri",
             "iiwa-link",
             "iiwa-drive",
