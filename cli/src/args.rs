@@ -3,6 +3,8 @@
 mod addresses;
 mod answering;
 mod bridge;
+#[cfg(feature = "ros2")]
+mod bridge_ros2;
 mod compare;
 mod experiment;
 mod export;
@@ -28,6 +30,8 @@ use crate::settings::{self, Settings};
 pub(crate) use addresses::{ClientKeys, DriveAddress, ServerKeys};
 pub(crate) use answering::Answering;
 pub(crate) use bridge::{Bridge, JointFormat, KafkaAccess, KafkaCompression, KafkaSasl, Mqtt};
+#[cfg(feature = "ros2")]
+pub(crate) use bridge_ros2::{RetimeGoals, Ros2};
 pub(crate) use compare::Compare;
 pub(crate) use experiment::{Experiment, ExperimentName};
 pub(crate) use export::Export;

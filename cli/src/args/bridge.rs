@@ -50,6 +50,10 @@ pub(crate) struct Bridge {
     #[command(flatten)]
     pub(crate) mqtt: Mqtt,
 
+    #[cfg(feature = "ros2")]
+    #[command(flatten)]
+    pub(crate) ros2: super::Ros2,
+
     /// Address at which the drive publishes
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
     pub(crate) stream: Endpoint,

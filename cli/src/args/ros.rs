@@ -21,6 +21,12 @@ impl RosNaming {
     pub(crate) fn names(&self) -> RosNames {
         RosNames::new(self.ros_names.into(), self.ros_prefix.clone())
     }
+
+    /// The same with another prefix: that of one of several robots.
+    #[cfg(feature = "ros2")]
+    pub(crate) fn names_with(&self, prefix: RosPrefix) -> RosNames {
+        RosNames::new(self.ros_names.into(), Some(prefix))
+    }
 }
 
 /// A ROS package for the robot.

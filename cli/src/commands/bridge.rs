@@ -3,12 +3,13 @@
 use std::{
     fs,
     path::{Path, PathBuf},
+    sync::Arc,
     thread,
     time::Duration,
 };
 
 use iiwa_bridge::{
-    Bridge, BridgeError, BridgeOptions, BridgedRobot, Credentials, default_spool,
+    Bridge, BridgeError, BridgeOptions, BridgedRobot, Credentials, Sink, default_spool,
     encoding::JointFormat,
     kafka::{Compression, KafkaConnection, KafkaOptions, Sasl},
     mqtt::{MqttConnection, MqttOptions, MqttVersion, SparkplugOptions},
@@ -31,7 +32,8 @@ pub(crate) fn run(options: &args::Bridge) -> Result<(), Failure> {
     let bridge = bridge_options(options)?;
     output::catch_interrupts();
     log::start();
-    let bridge = Bridge::start(&bridge, Vec::new()).map_err(|error| failure(&error))?;
+    let bridge =
+        Bridge::start(&bridge, further(options, &bridge)?).map_err(|error| failure(&error))?;
     print_note(&started(options));
     while !interrupt::has_come() {
         thread::sleep(TURN);
@@ -46,11 +48,11 @@ pub(crate) fn run(options: &args::Bridge) -> Result<(), Failure> {
 }
 
 fn bridge_options(options: &args::Bridge) -> Result<BridgeOptions, Failure> {
-    if options.kafka.brokers.is_empty() && options.mqtt.broker.is_none() {
-        return Err(Failure::input(
-            "there is nothing to bridge to: give --kafka HOST:PORT, --mqtt HOST:PORT, or both"
-                .to_owned(),
-        ));
+    if options.kafka.brokers.is_empty() && options.mqtt.broker.is_none() && !wants_ros2(options) {
+        let ros2 = if cfg!(feature = "ros2") { ", --ros2" } else { "" };
+        return Err(Failure::input(format!(
+            "there is nothing to bridge to: give --kafka HOST:PORT, --mqtt HOST:PORT{ros2}, or several"
+        )));
     }
     let remote = connection::remote(&options.drive.keys)?;
     let robot = |name: &str, drive: String, stream: String| {
@@ -69,6 +71,32 @@ fn bridge_options(options: &args::Bridge) -> Result<BridgeOptions, Failure> {
         mqtt: mqtt(options, &spool)?,
         sparkplug: sparkplug(&options.mqtt)?,
     })
+}
+
+/// What messages go to beside brokers.
+#[cfg(feature = "ros2")]
+fn further(options: &args::Bridge, bridge: &BridgeOptions) -> Result<Vec<Arc<dyn Sink>>, Failure> {
+    if !wants_ros2(options) {
+        return Ok(Vec::new());
+    }
+    let (robots, allow_commands) = (&bridge.robots, bridge.allow_commands);
+    Ok(vec![super::bridge_ros2::start(&options.ros2, robots, allow_commands)?])
+}
+
+#[cfg(not(feature = "ros2"))]
+#[expect(clippy::unnecessary_wraps, reason = "as with ROS 2")]
+fn further(_: &args::Bridge, _: &BridgeOptions) -> Result<Vec<Arc<dyn Sink>>, Failure> {
+    Ok(Vec::new())
+}
+
+#[cfg(feature = "ros2")]
+fn wants_ros2(options: &args::Bridge) -> bool {
+    options.ros2.wanted
+}
+
+#[cfg(not(feature = "ros2"))]
+fn wants_ros2(_: &args::Bridge) -> bool {
+    false
 }
 
 fn kafka(options: &args::Bridge, spool: &Path) -> Result<Option<KafkaOptions>, Failure> {
@@ -220,6 +248,9 @@ fn started(options: &args::Bridge) -> String {
     if let Some(broker) = &options.mqtt.broker {
         let sparkplug = if options.mqtt.sparkplug.is_some() { ", with Sparkplug" } else { "" };
         to.push(format!("MQTT at {broker}{sparkplug}"));
+    }
+    if wants_ros2(options) {
+        to.push("ROS 2 (UDP ports on all addresses)".to_owned());
     }
     let commands = if options.allow_commands { "are carried out" } else { "are refused" };
     format!(

@@ -1,6 +1,8 @@
 //! Names and passwords for brokers.
 
-use std::{fmt, net::IpAddr};
+use std::fmt;
+#[cfg(any(feature = "tls", test))]
+use std::net::IpAddr;
 
 /// A user of a broker.
 #[derive(Clone)]
@@ -18,6 +20,7 @@ impl fmt::Debug for Credentials {
     }
 }
 
+#[cfg(any(feature = "tls", test))]
 /// Whether an address, `HOST:PORT`, is this machine for sure: nobody else reads what is sent there.
 pub(crate) fn is_this_machine(address: &str) -> bool {
     let host = address.rsplit_once(':').map_or(address, |(host, _)| host);

@@ -31,6 +31,7 @@ pub mod replay;
 pub mod robot;
 pub mod sink;
 pub mod spool;
+#[cfg(feature = "tls")]
 mod spooling;
 #[cfg(feature = "tls")]
 pub mod tls;
@@ -44,6 +45,7 @@ pub use robot::BridgedRobot;
 pub use sink::Sink;
 
 /// The runtime of a thread that speaks with a broker.
+#[cfg(feature = "tls")]
 fn runtime() -> Result<tokio::runtime::Runtime, BridgeError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     runtime.map_err(|source| BridgeError::Runtime { source })

@@ -7,7 +7,7 @@ use crate::sources::members;
 
 /// Each library and what it may depend on. Data flows one way; whoever draws an arrow here draws it in the
 /// README, too.
-const ALLOWED: [(&str, &[&str]); 24] = [
+const ALLOWED: [(&str, &[&str]); 25] = [
     ("iiwa-json", &[]),
     ("iiwa-kin", &["iiwa-json"]),
     ("iiwa-program", &["iiwa-json", "iiwa-kin"]),
@@ -70,9 +70,19 @@ const ALLOWED: [(&str, &[&str]); 24] = [
     ),
     ("iiwa-fri", &["iiwa-kin"]),
     ("iiwa-link", &["iiwa-json", "iiwa-kin", "iiwa-program"]),
+    ("iiwa-bridge", &["iiwa-json", "iiwa-kin", "iiwa-link"]),
     (
-        "iiwa-bridge",
-        &["iiwa-json", "iiwa-kin", "iiwa-program", "iiwa-path", "iiwa-traj", "iiwa-link"],
+        "iiwa-ros2",
+        &[
+            "iiwa-json",
+            "iiwa-kin",
+            "iiwa-program",
+            "iiwa-path",
+            "iiwa-traj",
+            "iiwa-link",
+            "iiwa-log",
+            "iiwa-bridge",
+        ],
     ),
     (
         "iiwa-drive",

@@ -1,0 +1,52 @@
+//! ROS 2 of `iiwasim bridge`.
+
+use std::sync::Arc;
+
+use iiwa_bridge::{BridgedRobot, Sink};
+use iiwa_ros2::{RetimeGoals, Ros2, Ros2Error, Ros2Options, Ros2Robot, namespace_of};
+use iiwa_view::with_causes;
+
+use crate::{args, connection, failure::Failure, input::find_robot};
+
+/// The nodes of these robots.
+pub(crate) fn start(
+    options: &args::Ros2,
+    robots: &[BridgedRobot],
+    allow_commands: bool,
+) -> Result<Arc<dyn Sink>, Failure> {
+    let model = find_robot(&options.robot)?;
+    let mut own = Ros2Options { domain: options.domain, allow_commands, ..Ros2Options::default() };
+    if !options.networks.is_empty() {
+        own.networks.clone_from(&options.networks);
+    }
+    own.retime = match options.retime {
+        args::RetimeGoals::Needed => RetimeGoals::Needed,
+        args::RetimeGoals::Always => RetimeGoals::Always,
+        args::RetimeGoals::Never => RetimeGoals::Never,
+    };
+    for bridged in robots {
+        let (mut namespace, mut names) = (options.namespace.clone(), options.naming.names());
+        if robots.len() > 1 {
+            let name = namespace_of(bridged.name());
+            namespace = format!("{namespace}/{name}");
+            let prefix = name.parse().map_err(|error| {
+                Failure::input(format!("the name of robot `{}`: {error}", bridged.name()))
+            })?;
+            names = options.naming.names_with(prefix);
+        }
+        let (bridged, robot) = (bridged.clone(), model.clone());
+        own.robots.push(Ros2Robot { bridged, robot, names, namespace });
+    }
+    Ok(Arc::new(Ros2::start(&own).map_err(|error| failure(&error))?))
+}
+
+fn failure(error: &Ros2Error) -> Failure {
+    match error {
+        Ros2Error::Link(error) => connection::refused(error),
+        Ros2Error::Namespace { .. }
+        | Ros2Error::SameNamespace { .. }
+        | Ros2Error::SameFrames { .. }
+        | Ros2Error::Domain { .. } => Failure::input(with_causes(error)),
+        error => Failure::Run { what: with_causes(error), cause: None },
+    }
+}

@@ -1,0 +1,216 @@
+//! The server of `FollowJointTrajectory`.
+
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use byteorder::LittleEndian;
+use iiwa_link::TimedJoints;
+use ros2_client::{
+    ActionServer, Node, NodeLoggingHandle, RmwRequestId, ServiceMapping,
+    action::{
+        CancelGoalRequest, GoalId, GoalInfo, GoalStatusEnum, SendGoalRequest, SendGoalResponse,
+    },
+    builtin_interfaces,
+    ros2::LogLevel,
+    rosout,
+};
+use serde::Deserialize;
+use tokio::sync::mpsc::UnboundedReceiver;
+
+use super::{
+    Ros2Error,
+    execution::{Execution, Job, Progress},
+    goal::Goal,
+    goals::{End, Goals},
+    latest::Latest,
+    messages::{FollowFeedback, FollowGoal, FollowResult, Header, JointTrajectoryPoint, Time},
+    names::Names,
+    qos, received,
+    retiming::Retiming,
+};
+
+/// Time between two messages of feedback: the rate of `joint_trajectory_controller`.
+const FEEDBACK_EVERY: Duration = Duration::from_millis(50);
+
+type Server = ActionServer<FollowGoal, FollowResult, FollowFeedback>;
+
+/// The action of one robot.
+pub(super) struct FollowAction {
+    server: Server,
+    goals: Goals,
+    execution: Execution,
+    progress: UnboundedReceiver<Progress>,
+    latest: Arc<Latest>,
+    joints: [String; 7],
+    log: NodeLoggingHandle,
+    /// What runs, once it is sent to the drive.
+    motion: Option<Arc<TimedJoints>>,
+    feedback_at: Instant,
+}
+
+impl FollowAction {
+    /// Offers the action.
+    pub(super) fn new(
+        node: &mut Node,
+        names: &Names,
+        joints: [String; 7],
+        latest: Arc<Latest>,
+        (execution, progress): (Execution, UnboundedReceiver<Progress>),
+    ) -> Result<Self, Ros2Error> {
+        let server = node.create_action_server(
+            ServiceMapping::Enhanced,
+            &names.action()?,
+            &Names::action_type(),
+            qos::action(),
+        )?;
+        Ok(Self {
+            server,
+            goals: Goals::default(),
+            execution,
+            progress,
+            latest,
+            joints,
+            log: node.logging_handle(),
+            motion: None,
+            feedback_at: Instant::now(),
+        })
+    }
+
+    /// Does what there is to do. `retiming` is that of goals that come now.
+    pub(super) fn turn(&mut self, retiming: Retiming) {
+        // A malformed request gets no answer: there is no goal to answer for.
+        while let Some((request, goal)) = received(self.server.receive_goal()) {
+            self.answer_goal(request, &goal, retiming);
+        }
+        while let Some((request, asked)) = received(self.server.receive_cancel_request()) {
+            self.answer_cancel(request, &asked);
+        }
+        while let Some((request, asked)) = received(self.server.receive_result_request()) {
+            if let Some(response) = self.goals.result(asked.goal_id, request) {
+                sent(self.server.send_result(request, response));
+            }
+        }
+        while let Ok(progress) = self.progress.try_recv() {
+            match progress {
+                Progress::Begun(motion) => self.motion = Some(motion),
+                Progress::Ended { end, result } => self.end(end, result),
+            }
+        }
+        if self.feedback_at.elapsed() >= FEEDBACK_EVERY {
+            self.feedback_at = Instant::now();
+            self.send_feedback();
+        }
+    }
+
+    fn answer_goal(
+        &mut self,
+        request: RmwRequestId,
+        asked: &SendGoalRequest<FollowGoal>,
+        retiming: Retiming,
+    ) {
+        let stamp = builtin_interfaces::Time::now();
+        let accepted = match self.begin(asked.goal_id, &asked.goal, stamp, retiming) {
+            Ok(()) => true,
+            Err(fault) => {
+                // The answer has no room for the reason.
+                rosout!(self.log, LogLevel::Warn, "a goal was rejected: {fault}");
+                false
+            }
+        };
+        sent(self.server.send_goal_response(request, SendGoalResponse { accepted, stamp }));
+        if accepted {
+            self.send_statuses();
+        }
+    }
+
+    fn begin(
+        &mut self,
+        id: GoalId,
+        message: &FollowGoal,
+        stamp: builtin_interfaces::Time,
+        retiming: Retiming,
+    ) -> Result<(), String> {
+        if self.goals.knows(id) {
+            return Err("its id is that of another goal".to_owned());
+        }
+        if self.goals.active().is_some() {
+            return Err("another goal is running; cancel it, and wait for its result".to_owned());
+        }
+        let goal = Goal::read(message, &self.joints, Time::now().seconds())?;
+        let from = self.latest.get().0.map(|sample| sample.q);
+        if !self.execution.start_job(Job { goal, retiming, from }) {
+            return Err("the goal before has not ended".to_owned());
+        }
+        self.goals.begin(id, stamp);
+        Ok(())
+    }
+
+    fn answer_cancel(&mut self, request: RmwRequestId, asked: &CancelGoalRequest) {
+        let Some(asked) = goal_info(asked) else { return };
+        let response = self.goals.cancel(&asked);
+        if !response.goals_canceling.is_empty() {
+            self.execution.stop();
+            self.send_statuses();
+        }
+        sent(self.server.send_cancel_response(request, response));
+    }
+
+    fn end(&mut self, end: End, result: FollowResult) {
+        self.motion = None;
+        let Some((waiting, response)) = self.goals.end(end, result) else { return };
+        if response.status == GoalStatusEnum::Aborted {
+            rosout!(self.log, LogLevel::Warn, "a goal failed: {}", response.result.error_string);
+        }
+        for request in waiting {
+            sent(self.server.send_result(request, response.clone()));
+        }
+        self.send_statuses();
+    }
+
+    fn send_statuses(&self) {
+        drop(self.server.send_goal_statuses(self.goals.statuses()));
+    }
+
+    /// Tells where the arm is to be, and where it is.
+    fn send_feedback(&self) {
+        let Some((id, _)) = self.goals.active() else { return };
+        let (Some(motion), (Some(sample), Some(since_s))) = (&self.motion, self.latest.get())
+        else {
+            return;
+        };
+        let t_s = (sample.t_s - since_s).max(0.0);
+        let q = motion.at(t_s);
+        let time_from_start = super::messages::Duration::from_seconds(t_s);
+        let point =
+            |q| JointTrajectoryPoint { time_from_start, ..JointTrajectoryPoint::of_positions(q) };
+        let feedback = FollowFeedback {
+            header: Header { stamp: Time::now(), frame_id: String::new() },
+            joint_names: self.joints.to_vec(),
+            desired: point(&q),
+            actual: JointTrajectoryPoint { velocities: sample.dq.to_vec(), ..point(&sample.q) },
+            error: point(&std::array::from_fn(|j| q[j] - sample.q[j])),
+            ..FollowFeedback::default()
+        };
+        drop(self.server.send_feedback(id, feedback));
+    }
+}
+
+/// Which goals a request asks to cancel. `ros2-client` keeps the field to itself: its bytes tell.
+fn goal_info(request: &CancelGoalRequest) -> Option<GoalInfo> {
+    #[derive(Deserialize)]
+    struct Request {
+        goal_info: GoalInfo,
+    }
+    let bytes = cdr_encoding::to_vec::<_, LittleEndian>(request).ok()?;
+    let (request, _) = cdr_encoding::from_bytes::<Request, LittleEndian>(&bytes).ok()?;
+    Some(request.goal_info)
+}
+
+/// Tells of answers that do not leave.
+fn sent<E: std::fmt::Debug>(written: Result<(), E>) {
+    if let Err(error) = written {
+        tracing::warn!("an answer was not sent: {error:?}");
+    }
+}

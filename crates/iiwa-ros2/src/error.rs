@@ -1,0 +1,75 @@
+//! Errors of setting up the bridge to ROS.
+
+use iiwa_link::LinkError;
+use ros2_client::{CreateError, NodeCreateError, names::NameError};
+
+/// Why the bridge to ROS could not be set up.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Ros2Error {
+    /// ROS does not allow the namespace.
+    #[error(
+        "`{namespace}` is no namespace in ROS: names of letters, digits and `_`, with a letter first and no `__`, and `/` between \
+         them"
+    )]
+    Namespace {
+        /// The namespace.
+        namespace: String,
+    },
+    /// Two robots would have the same topics.
+    #[error(
+        "robots `{one}` and `{other}` would have the same topics, in `{namespace}`; give them other names"
+    )]
+    SameNamespace {
+        /// One of them.
+        one: String,
+        /// The other one.
+        other: String,
+        /// The namespace of both.
+        namespace: String,
+    },
+    /// Two robots would have the same frames in `/tf`.
+    #[error(
+        "robots `{one}` and `{other}` would have the same frames in /tf; give each a prefix of its own"
+    )]
+    SameFrames {
+        /// One of them.
+        one: String,
+        /// The other one.
+        other: String,
+    },
+    /// The domain has no ports.
+    #[error("domain {found}: ROS has domains from 0 to {most}; their ports follow from it")]
+    Domain {
+        /// What was given.
+        found: u16,
+        /// The last one.
+        most: u16,
+    },
+    /// DDS cannot be started.
+    #[error("DDS cannot be started in domain {domain}: {what}")]
+    Dds {
+        /// The domain.
+        domain: u16,
+        /// The fault.
+        what: String,
+    },
+    /// A name is not allowed.
+    #[error("a name that ROS does not allow: {0}")]
+    Name(#[from] NameError),
+    /// A node cannot be made.
+    #[error("cannot make a node: {0}")]
+    Node(#[from] NodeCreateError),
+    /// A topic, service or action cannot be made.
+    #[error("cannot make a topic or service: {0}")]
+    Create(#[from] CreateError),
+    /// A connection to the drive, or a thread, cannot be set up.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The runtime cannot be started.
+    #[error("cannot start the runtime of ROS")]
+    Runtime {
+        /// The system's error.
+        source: std::io::Error,
+    },
+}

@@ -1,0 +1,62 @@
+//! What is known last of a robot, for feedback and for starts.
+
+use std::sync::{Mutex, PoisonError};
+
+use iiwa_kin::Joints;
+use iiwa_link::message::DriveState;
+
+/// A sample of the stream.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sample {
+    /// Of the controller's clock.
+    pub(super) t_s: f64,
+    pub(super) q: Joints,
+    /// The mean since the sample before, in rad/s.
+    pub(super) dq: Joints,
+}
+
+/// The latest sample, and since when a trajectory runs, by the controller's clock.
+#[derive(Debug, Default)]
+pub(super) struct Latest(Mutex<(Option<Sample>, Option<f64>)>);
+
+/// Samples that are farther apart tell nothing of the speed between them.
+const SLOWEST_S: f64 = 0.2;
+
+impl Latest {
+    /// Takes the next positions.
+    pub(super) fn sample(&self, t_s: f64, q: Joints) -> Sample {
+        let (latest, _) = &mut *self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = latest.filter(|before| t_s > before.t_s && t_s - before.t_s < SLOWEST_S);
+        let dq = before.map_or([0.0; 7], |before| {
+            std::array::from_fn(|j| (q[j] - before.q[j]) / (t_s - before.t_s))
+        });
+        let sample = Sample { t_s, q, dq };
+        *latest = Some(sample);
+        sample
+    }
+
+    /// Takes the next state of the drive.
+    pub(super) fn state(&self, t_s: f64, state: DriveState) {
+        let (_, running_since) = &mut *self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        *running_since = (state == DriveState::RunningTrajectory).then_some(t_s);
+    }
+
+    pub(super) fn get(&self) -> (Option<Sample>, Option<f64>) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speeds_are_means_between_samples() {
+        let latest = Latest::default();
+        assert_eq!(latest.sample(1.0, [0.1; 7]).dq, [0.0; 7]);
+        assert!((latest.sample(1.01, [0.11; 7]).dq[0] - 1.0).abs() < 1e-9);
+        // A restarted controller, and a gap.
+        assert_eq!(latest.sample(0.0, [0.2; 7]).dq, [0.0; 7]);
+        assert_eq!(latest.sample(5.0, [0.3; 7]).dq, [0.0; 7]);
+    }
+}

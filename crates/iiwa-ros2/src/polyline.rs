@@ -1,0 +1,162 @@
+//! Joint positions with straight lines between them: their length, and where the arm has to stop on them.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use iiwa_kin::{
+    Joints,
+    vector::{self, distance},
+};
+
+/// Points that are closer to the one before are left out, in rad: their direction would be rounding.
+const SAME_RAD: f64 = 1e-7;
+
+/// The cosine of the sharpest corner that is rounded, as the angle between the directions before and after: 135 degrees.
+/// Of a sharper one nothing is left to round: the way goes back where it came from.
+const SHARPEST: f64 = -FRAC_1_SQRT_2;
+
+/// Points with straight lines between them, and the length of the way up to each, in rad.
+#[derive(Clone, Debug)]
+pub(super) struct Polyline {
+    points: Vec<Joints>,
+    ways: Vec<f64>,
+}
+
+impl Polyline {
+    /// Through `points`, without those that stand still. The first and the last one stay.
+    pub(super) fn new(points: &[Joints]) -> Self {
+        let mut kept: Vec<Joints> = Vec::with_capacity(points.len());
+        for point in points {
+            if kept.last().is_none_or(|last| distance(last, point) > SAME_RAD) {
+                kept.push(*point);
+            }
+        }
+        // The end is exact, whichever of two close points was left out.
+        if let (Some(kept), Some(last)) = (kept.last_mut(), points.last()) {
+            *kept = *last;
+        }
+        let mut way = 0.0;
+        let mut ways = vec![0.0; kept.len()];
+        for i in 1..kept.len() {
+            way += distance(&kept[i - 1], &kept[i]);
+            ways[i] = way;
+        }
+        Self { points: kept, ways }
+    }
+
+    pub(super) fn points(&self) -> &[Joints] {
+        &self.points
+    }
+
+    pub(super) fn ways(&self) -> &[f64] {
+        &self.ways
+    }
+
+    pub(super) fn length(&self) -> f64 {
+        self.ways.last().copied().unwrap_or_default()
+    }
+
+    /// The points at these ways, which rise.
+    pub(super) fn at(&self, ways: &[f64]) -> Vec<Joints> {
+        let mut i = 1;
+        ways.iter()
+            .map(|way| {
+                while i + 1 < self.ways.len() && self.ways[i] < *way {
+                    i += 1;
+                }
+                let [from, to] = [self.ways[i - 1], self.ways[i]];
+                let share = ((way - from) / (to - from)).clamp(0.0, 1.0);
+                let [a, b] = [&self.points[i - 1], &self.points[i]];
+                // Exact at both ends.
+                std::array::from_fn(|j| (1.0 - share) * a[j] + share * b[j])
+            })
+            .collect()
+    }
+
+    /// The parts between the points at which the way turns back, seen with this `tolerance`, in rad.
+    pub(super) fn parts(&self, tolerance: f64) -> Vec<Self> {
+        let corners = self.corners(tolerance);
+        let mut stops = vec![0];
+        for around in corners.windows(3) {
+            let [before, at, after] = [0, 1, 2].map(|k| &self.points[around[k]]);
+            let [into, out] = [vector::sub(at, before), vector::sub(after, at)];
+            let cosine = vector::dot(&into, &out) / (vector::norm(&into) * vector::norm(&out));
+            if cosine < SHARPEST {
+                stops.push(around[1]);
+            }
+        }
+        stops.push(self.points.len().saturating_sub(1));
+        stops.windows(2).map(|ends| Self::new(&self.points[ends[0]..=ends[1]])).collect()
+    }
+
+    /// Whether all points lie on the line from the first to the last, one after the other.
+    pub(super) fn is_straight(&self, tolerance: f64) -> bool {
+        self.corners(tolerance).len() <= 2
+    }
+
+    /// The points that are left when those are taken out that are within `tolerance` of the lines between the others
+    /// (Douglas and Peucker 1973), the first and the last among them.
+    fn corners(&self, tolerance: f64) -> Vec<usize> {
+        let last = self.points.len().saturating_sub(1);
+        let mut corners = vec![0];
+        let mut open = vec![(0, last)];
+        while let Some((from, to)) = open.pop() {
+            let worst = (from + 1..to)
+                .map(|i| (i, line_distance(&self.points[i], &self.points[from], &self.points[to])))
+                .max_by(|a, b| a.1.total_cmp(&b.1));
+            match worst {
+                Some((at, off)) if off > tolerance => open.extend([(at, to), (from, at)]),
+                _ => corners.push(to),
+            }
+        }
+        corners.dedup();
+        corners
+    }
+}
+
+/// The distance of a point from the line between two.
+fn line_distance(point: &Joints, from: &Joints, to: &Joints) -> f64 {
+    let [line, way] = [vector::sub(to, from), vector::sub(point, from)];
+    let length = vector::dot(&line, &line);
+    let share =
+        if length > 0.0 { (vector::dot(&way, &line) / length).clamp(0.0, 1.0) } else { 0.0 };
+    vector::norm(&vector::sub(&way, &vector::scale(share, &line)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plane(points: &[[f64; 2]]) -> Polyline {
+        let points: Vec<Joints> =
+            points.iter().map(|[a, b]| [*a, *b, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
+        Polyline::new(&points)
+    }
+
+    #[test]
+    fn points_that_stand_still_are_left_out() {
+        let line =
+            plane(&[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, 1.0 + 1e-9], [1.0, 1.0]]);
+        assert_eq!(line.points().len(), 3);
+        assert_eq!(line.points()[2][1], 1.0);
+        assert!((line.length() - 2.0).abs() < 1e-9);
+        assert_eq!(plane(&[[0.5, 0.5]; 3]).points().len(), 1);
+    }
+
+    #[test]
+    fn the_way_is_straight_with_points_in_between() {
+        assert!(plane(&[[0.0, 0.0], [0.3, 0.3], [1.0, 1.0]]).is_straight(1e-9));
+        assert!(!plane(&[[0.0, 0.0], [0.3, 0.31], [1.0, 1.0]]).is_straight(1e-9));
+        // Beyond its end and back.
+        assert!(!plane(&[[0.0, 0.0], [1.5, 1.5], [1.0, 1.0]]).is_straight(1e-9));
+    }
+
+    #[test]
+    fn the_arm_stops_where_the_way_turns_back() {
+        let there_and_back = plane(&[[0.0, 0.0], [1.0, 0.0], [0.2, 0.0]]);
+        assert_eq!(there_and_back.parts(0.001).len(), 2);
+        let hairpin = plane(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1e-4], [0.0, 1e-4]]);
+        assert_eq!(hairpin.parts(0.001).len(), 2);
+        let corner = plane(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+        assert_eq!(corner.parts(0.001).len(), 1);
+    }
+}

@@ -1,0 +1,129 @@
+//! What is published of a robot: `joint_states`, `/tf` and `robot_description`.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+        mpsc::{Receiver, RecvTimeoutError},
+    },
+    time::Duration,
+};
+
+use iiwa_kin::Joints;
+use iiwa_log::Arm;
+use ros2_client::{Node, Publisher};
+
+use super::{
+    Ros2Error,
+    latest::Sample,
+    messages::{Header, JointState, Text, TfMessage, Time, Transform, TransformStamped},
+    names::Names,
+    qos,
+};
+
+/// How long to wait for a sample before the end is checked for.
+const POLL: Duration = Duration::from_millis(100);
+
+/// A sample on its way to ROS.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Measured {
+    pub(super) stamp: Time,
+    pub(super) sample: Sample,
+    /// As the controller gives them, if it measures them.
+    pub(super) torques_nm: Option<Joints>,
+}
+
+/// The publishers of a robot.
+pub(super) struct RobotPublisher {
+    states: Publisher<JointState>,
+    tf: Publisher<TfMessage>,
+    /// Holds the description for those who come later.
+    _description: Publisher<Text>,
+    arm: Arc<Arm>,
+    joints: [String; 7],
+    /// Time between two messages on `/tf`, in s.
+    tf_every_s: f64,
+}
+
+impl RobotPublisher {
+    /// Publishes the description at once.
+    pub(super) fn new(
+        node: &mut Node,
+        names: &Names,
+        arm: Arc<Arm>,
+        joints: [String; 7],
+        tf_every_s: f64,
+    ) -> Result<Self, Ros2Error> {
+        let topic = node.create_topic(
+            &names.topic("joint_states")?,
+            Names::joint_state_type(),
+            &qos::states(),
+        )?;
+        let states = node.create_publisher(&topic, None)?;
+        // Global, as that of tf2's own broadcaster.
+        let topic = node.create_topic(
+            &ros2_client::Name::new("/", "tf")?,
+            Names::tf_type(),
+            &qos::transforms(),
+        )?;
+        let tf = node.create_publisher(&topic, None)?;
+        let topic = node.create_topic(
+            &names.topic("robot_description")?,
+            Names::text_type(),
+            &qos::latched(),
+        )?;
+        let description = node.create_publisher(&topic, None)?;
+        if description.publish(Text { data: arm.urdf().to_owned() }).is_err() {
+            tracing::warn!(
+                "the description of the robot in {} was not published",
+                names.namespace()
+            );
+        }
+        Ok(Self { states, tf, _description: description, arm, joints, tf_every_s })
+    }
+
+    /// Publishes what comes until the end.
+    pub(super) fn run(&self, samples: &Receiver<Measured>, shutdown: &AtomicBool) {
+        let mut tf_at_s: Option<f64> = None;
+        while !shutdown.load(Ordering::Relaxed) {
+            let measured = match samples.recv_timeout(POLL) {
+                Ok(measured) => measured,
+                Err(RecvTimeoutError::Timeout) => continue,
+                Err(RecvTimeoutError::Disconnected) => return,
+            };
+            // What does not get through is lost: the next sample is there soon.
+            drop(self.states.publish(self.joint_state(&measured)));
+            let t_s = measured.sample.t_s;
+            // Half a cycle of FRI early is not too early; a restarted clock is another one.
+            let is_due =
+                tf_at_s.is_none_or(|at_s| t_s < at_s || t_s - at_s > self.tf_every_s - 0.0005);
+            if is_due {
+                tf_at_s = Some(t_s);
+                drop(self.tf.publish(self.transforms(&measured)));
+            }
+        }
+    }
+
+    fn joint_state(&self, measured: &Measured) -> JointState {
+        let Measured { stamp, sample, torques_nm } = measured;
+        JointState {
+            header: Header { stamp: *stamp, frame_id: String::new() },
+            name: self.joints.to_vec(),
+            position: sample.q.to_vec(),
+            velocity: sample.dq.to_vec(),
+            effort: torques_nm.map_or_else(Vec::new, |torques_nm| torques_nm.to_vec()),
+        }
+    }
+
+    fn transforms(&self, measured: &Measured) -> TfMessage {
+        let stamped = |frame: iiwa_log::Frame<'_>| TransformStamped {
+            header: Header { stamp: measured.stamp, frame_id: frame.parent.to_owned() },
+            child_frame_id: frame.child.to_owned(),
+            transform: Transform {
+                translation: frame.translation_m,
+                rotation: frame.rotation_xyzw,
+            },
+        };
+        TfMessage { transforms: self.arm.links(&measured.sample.q).map(stamped).into() }
+    }
+}

@@ -1,0 +1,155 @@
+//! A robot as a node: its threads.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+        mpsc::{SyncSender, sync_channel},
+    },
+    thread,
+    time::{Duration, SystemTime},
+};
+
+use iiwa_link::{message::DriveState, threads::ThreadGroup};
+use iiwa_log::Arm;
+use ros2_client::{Context, Node, NodeOptions, ParameterValue};
+use tokio::sync::mpsc::unbounded_channel;
+
+use super::{
+    Ros2Error, Ros2Options, Ros2Robot,
+    action::FollowAction,
+    execution::Execution,
+    latest::Latest,
+    messages::Time,
+    names::Names,
+    publisher::{Measured, RobotPublisher},
+    retime::{DEFAULT_TOLERANCE_RAD, LEAST_TOLERANCE_RAD},
+    retiming::{RetimeGoals, Retiming},
+    timing_service::TimingService,
+};
+use iiwa_bridge::message::{JointSample, Timestamp};
+
+/// Samples that wait to be published; newer ones are left out.
+const SAMPLES: usize = 64;
+
+/// How often requests are looked for. `ros2-client` has no way to wait for several of an action's server at once.
+const TURN: Duration = Duration::from_millis(4);
+
+/// The node's parameters: when goals get new times, and how far the arm may pass their path.
+const RETIME: &str = "retime";
+const TOLERANCE: &str = "path_tolerance";
+
+/// A robot's node.
+pub(super) struct RobotNode {
+    samples: SyncSender<Measured>,
+    latest: Arc<Latest>,
+    _threads: ThreadGroup,
+}
+
+/// What answers requests. The node is the last to go.
+struct Servers {
+    action: Option<FollowAction>,
+    timing: TimingService,
+    node: Node,
+    retime: RetimeGoals,
+}
+
+impl RobotNode {
+    pub(super) fn start(
+        context: &Context,
+        robot: &Ros2Robot,
+        options: &Ros2Options,
+    ) -> Result<Self, Ros2Error> {
+        let names = Names::new(&robot.namespace)?;
+        let joints = robot.names.joints();
+        let parameters = NodeOptions::new()
+            .declare_parameter(RETIME, ParameterValue::String(options.retime.name().to_owned()))
+            .declare_parameter(TOLERANCE, ParameterValue::Double(DEFAULT_TOLERANCE_RAD))
+            .parameter_validator(Box::new(check_parameter));
+        let mut node = context.new_node(names.node()?, parameters)?;
+        let arm = Arc::new(Arm::with_names(&robot.robot, &robot.names));
+        let tf_every_s = 1.0 / options.tf_rate_hz;
+        let publisher = RobotPublisher::new(&mut node, &names, arm, joints.clone(), tf_every_s)?;
+        let latest = Arc::new(Latest::default());
+        let action = if options.allow_commands {
+            let (progress, progress_in) = unbounded_channel();
+            let [run, stop] = [robot.bridged.client()?, robot.bridged.client()?];
+            let execution =
+                Execution::start(robot.robot.clone(), joints.clone(), run, stop, progress)?;
+            let execution = (execution, progress_in);
+            let latest = Arc::clone(&latest);
+            Some(FollowAction::new(&mut node, &names, joints.clone(), latest, execution)?)
+        } else {
+            None
+        };
+        let timing = TimingService::new(&mut node, &names, robot.robot.clone(), joints)?;
+        let spinner = node.spinner()?;
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .build()
+            .map_err(|source| Ros2Error::Runtime { source })?;
+        let mut threads = ThreadGroup::default();
+        let (samples, samples_in) = sync_channel(SAMPLES);
+        threads.spawn("ros2 publish", move |shutdown| publisher.run(&samples_in, shutdown))?;
+        // It ends with the node.
+        threads.spawn("ros2 graph", move |_| {
+            if let Err(error) = runtime.block_on(spinner.spin()) {
+                tracing::warn!("the node's discovery ended: {error}");
+            }
+        })?;
+        let mut servers = Servers { action, timing, node, retime: options.retime };
+        threads.spawn("ros2 serve", move |shutdown| servers.run(shutdown))?;
+        Ok(Self { samples, latest, _threads: threads })
+    }
+
+    /// Takes a sample that was received `at` a time.
+    pub(super) fn sample(&self, at: Timestamp, sample: &JointSample) {
+        let stamp = Time::from(SystemTime::from(at));
+        let torques_nm = sample.measured_nm;
+        let sample = self.latest.sample(sample.t_s, sample.joints_rad);
+        // Nobody misses what is too late.
+        let _ = self.samples.try_send(Measured { stamp, sample, torques_nm });
+    }
+
+    pub(super) fn state(&self, t_s: f64, state: DriveState) {
+        self.latest.state(t_s, state);
+    }
+}
+
+impl Servers {
+    fn run(&mut self, shutdown: &AtomicBool) {
+        while !shutdown.load(Ordering::Relaxed) {
+            let retiming = self.retiming();
+            if let Some(action) = &mut self.action {
+                action.turn(retiming);
+            }
+            self.timing.turn();
+            thread::sleep(TURN);
+        }
+        self.node.stop_spinner();
+    }
+
+    /// As the node's parameters say.
+    fn retiming(&self) -> Retiming {
+        let when = match self.node.get_parameter(RETIME) {
+            Some(ParameterValue::String(when)) => when.parse().unwrap_or(self.retime),
+            _ => self.retime,
+        };
+        let tolerance_rad = match self.node.get_parameter(TOLERANCE) {
+            Some(ParameterValue::Double(tolerance_rad)) => tolerance_rad,
+            _ => DEFAULT_TOLERANCE_RAD,
+        };
+        Retiming { when, tolerance_rad }
+    }
+}
+
+fn check_parameter(name: &str, value: &ParameterValue) -> Result<(), String> {
+    match (name, value) {
+        (RETIME, ParameterValue::String(when)) if when.parse::<RetimeGoals>().is_err() => {
+            Err("`retime` is `needed`, `always` or `never`".to_owned())
+        }
+        (TOLERANCE, ParameterValue::Double(rad)) if !(LEAST_TOLERANCE_RAD..=1.0).contains(rad) => {
+            Err(format!("`path_tolerance` is from {LEAST_TOLERANCE_RAD} to 1 rad"))
+        }
+        _ => Ok(()),
+    }
+}

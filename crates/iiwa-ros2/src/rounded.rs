@@ -1,0 +1,273 @@
+//! A smooth curve along a polyline: a B-spline of degree 5 whose control points lie on it.
+//!
+//! The curve has four continuous derivatives, and stays within the hull of six control points next to each other: on
+//! straight parts it is the line itself, and at a corner it passes inside by half the distance of the control points.
+
+use std::sync::Arc;
+
+use iiwa_kin::{Joints, vector};
+use iiwa_path::{Derivatives, Segment};
+
+use super::{polyline::Polyline, spacing::Spacing};
+
+/// Control points that a point of the curve depends on.
+const ORDER: usize = 6;
+
+/// The polynomials of a uniform B-spline of degree 5, the lowest power first, over 120.
+const BASIS: [[f64; 6]; ORDER] = [
+    [1.0, -5.0, 10.0, -10.0, 5.0, -1.0],
+    [26.0, -50.0, 20.0, 20.0, -20.0, 5.0],
+    [66.0, 0.0, -60.0, 0.0, 30.0, -10.0],
+    [26.0, 50.0, 20.0, -20.0, -20.0, 10.0],
+    [1.0, 5.0, 10.0, 10.0, 5.0, -5.0],
+    [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+];
+
+/// Spans of a segment: as fine as the planner's cells in a blend are for one.
+const SPANS_A_SEGMENT: usize = 4;
+
+/// Least spans of a curve.
+const LEAST_SPANS: usize = 8;
+
+/// Distance of the control points at most, in rad, and as a share of the length.
+const MOST_RAD: f64 = 0.2;
+const MOST_SHARE: f64 = 0.1;
+
+/// Distance of the control points at least, as a share of the tolerance. The curve is closer to a corner than that.
+const LEAST_SHARE: f64 = 0.25;
+
+/// A curve along a polyline from its start to its end.
+#[derive(Clone, Debug)]
+pub(super) struct Rounded {
+    control: Arc<[Joints]>,
+    /// Mean distance of the control points, in rad.
+    unit_rad: f64,
+}
+
+impl Rounded {
+    /// The smoothest curve that passes all points within `tolerance`, in rad; the first and the last one are met. And the
+    /// greatest distance from a point.
+    pub(super) fn along(polyline: &Polyline, tolerance: f64) -> (Self, f64) {
+        let most = MOST_RAD.min(MOST_SHARE * polyline.length());
+        let least = LEAST_SHARE * tolerance;
+        let mut spacing = Spacing::even(polyline.ways(), most.max(least));
+        loop {
+            spacing.grade();
+            let places = spacing.samples(LEAST_SPANS);
+            let curve = Self::with_control(&polyline.at(&places), polyline.length());
+            let off = curve.distances(polyline, &places);
+            // Each halving brings a point nearer; the least distance ends it.
+            let mut changed = false;
+            for (i, off) in off.iter().enumerate() {
+                if *off > tolerance {
+                    changed |= spacing.halve(i, least);
+                }
+            }
+            if !changed {
+                return (curve, off.into_iter().fold(0.0, f64::max));
+            }
+        }
+    }
+
+    /// The curve of these control points. Two more at each end mirror their neighbours, so that the curve starts in the
+    /// first one and ends in the last.
+    fn with_control(points: &[Joints], length: f64) -> Self {
+        let count = points.len();
+        let mirror = |i: usize, at: usize| -> Joints {
+            std::array::from_fn(|j| 2.0 * points[at][j] - points[i][j])
+        };
+        let mut control = Vec::with_capacity(count + 4);
+        control.extend([mirror(2, 0), mirror(1, 0)]);
+        control.extend_from_slice(points);
+        control.extend([mirror(count - 2, count - 1), mirror(count - 3, count - 1)]);
+        Self { control: control.into(), unit_rad: length / (count - 1) as f64 }
+    }
+
+    fn spans(&self) -> usize {
+        self.control.len() - (ORDER - 1)
+    }
+
+    /// The curve in parts.
+    pub(super) fn segments(&self) -> Vec<Arc<dyn Segment>> {
+        let spans = self.spans();
+        let count = spans.div_ceil(SPANS_A_SEGMENT);
+        (0..count)
+            .map(|k| {
+                let [first, end] = [k, k + 1].map(|k| k * spans / count);
+                let (control, unit_rad) = (Arc::clone(&self.control), self.unit_rad);
+                Arc::new(Part { control, first, spans: end - first, unit_rad }) as Arc<dyn Segment>
+            })
+            .collect()
+    }
+
+    /// How far the curve passes the points of the polyline on which its control points lie at `places`, in rad.
+    fn distances(&self, polyline: &Polyline, places: &[f64]) -> Vec<f64> {
+        const STEPS_A_SPAN: usize = 8;
+        let spans = self.spans();
+        let mut span = 0;
+        std::iter::zip(polyline.points(), polyline.ways())
+            .map(|(point, way)| {
+                while span + 1 < spans && places[span + 1] <= *way {
+                    span += 1;
+                }
+                // The nearest place is next to the one with the same way.
+                let from = span.saturating_sub(1) * STEPS_A_SPAN;
+                let to = ((span + 2) * STEPS_A_SPAN).min(spans * STEPS_A_SPAN);
+                let at = |step: usize| self.at(step as f64 / STEPS_A_SPAN as f64);
+                let near = (from..=to)
+                    .map(at)
+                    .min_by(|a, b| {
+                        let off = |at: &Derivatives| vector::distance(&at.q, point);
+                        off(a).total_cmp(&off(b))
+                    })
+                    .unwrap_or_else(|| at(from));
+                // One step on along the tangent.
+                let off = vector::sub(point, &near.q);
+                let square = vector::dot(&near.dq, &near.dq).max(f64::MIN_POSITIVE);
+                let most = 1.0 / STEPS_A_SPAN as f64;
+                let step = (vector::dot(&off, &near.dq) / square).clamp(-most, most);
+                vector::norm(&vector::sub(&off, &vector::scale(step, &near.dq)))
+            })
+            .collect()
+    }
+
+    /// Position and derivatives after so many spans, by spans.
+    fn at(&self, u: f64) -> Derivatives {
+        evaluate(&self.control, self.spans(), u)
+    }
+}
+
+/// Position and derivatives after so many of all `spans`.
+fn evaluate(control: &[Joints], spans: usize, u: f64) -> Derivatives {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of spans, not below 0"
+    )]
+    let span = (u.max(0.0) as usize).min(spans - 1);
+    let t = u - span as f64;
+    let [mut q, mut dq, mut ddq, mut dddq] = [[0.0; 7]; 4];
+    for (weights, point) in BASIS.iter().zip(&control[span..span + ORDER]) {
+        // Horner's scheme on the value and, one step behind each, on the derivatives over their factorials.
+        let mut w = [0.0; 4];
+        for power in weights.iter().rev() {
+            w[3] = w[3] * t + w[2];
+            w[2] = w[2] * t + w[1];
+            w[1] = w[1] * t + w[0];
+            w[0] = w[0] * t + power;
+        }
+        let w = [w[0] / 120.0, w[1] / 120.0, w[2] / 60.0, w[3] / 20.0];
+        for j in 0..7 {
+            q[j] += w[0] * point[j];
+            dq[j] += w[1] * point[j];
+            ddq[j] += w[2] * point[j];
+            dddq[j] += w[3] * point[j];
+        }
+    }
+    Derivatives { q, dq, ddq, dddq }
+}
+
+/// Some spans of a curve. All parts have one sigma in common, the curve's parameter: all derivatives by it go on from part
+/// to part.
+#[derive(Debug)]
+struct Part {
+    control: Arc<[Joints]>,
+    first: usize,
+    spans: usize,
+    unit_rad: f64,
+}
+
+impl Segment for Part {
+    fn at(&self, s: f64) -> Derivatives {
+        let spans = self.spans as f64;
+        let all = self.control.len() - (ORDER - 1);
+        let Derivatives { q, dq, ddq, dddq } =
+            evaluate(&self.control, all, self.first as f64 + s * spans);
+        Derivatives {
+            q,
+            dq: vector::scale(spans, &dq),
+            ddq: vector::scale(spans * spans, &ddq),
+            dddq: vector::scale(spans * spans * spans, &dddq),
+        }
+    }
+
+    fn bend_bound_rad(&self) -> Joints {
+        // The second derivative is a spline, too; its control points are the second differences of these.
+        let mut bound = [0.0_f64; 7];
+        let control = &self.control[self.first..self.first + self.spans + ORDER - 1];
+        for three in control.windows(3) {
+            for j in 0..7 {
+                bound[j] = bound[j].max((three[0][j] - 2.0 * three[1][j] + three[2][j]).abs());
+            }
+        }
+        let spans = self.spans as f64;
+        vector::scale(spans * spans, &bound)
+    }
+
+    fn sigma(&self, s: f64) -> [f64; 4] {
+        let spans = self.spans as f64;
+        [s * spans, spans, 0.0, 0.0]
+    }
+
+    fn sigma_unit_rad(&self) -> f64 {
+        self.unit_rad
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plane(points: &[[f64; 2]]) -> Polyline {
+        let points: Vec<Joints> =
+            points.iter().map(|[a, b]| [*a, *b, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
+        Polyline::new(&points)
+    }
+
+    #[test]
+    fn a_corner_is_passed_within_the_tolerance() {
+        let corner = plane(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.5]]);
+        for tolerance in [0.1, 0.01, 0.001] {
+            let (curve, off) = Rounded::along(&corner, tolerance);
+            assert!(off <= tolerance && off > 0.2 * tolerance, "{off} of {tolerance}");
+            let ends = [0.0, curve.spans() as f64].map(|u| curve.at(u).q);
+            let met = |a: &Joints, b: &Joints| vector::distance(a, b) < 1e-12;
+            assert!(met(&ends[0], &corner.points()[0]) && met(&ends[1], &corner.points()[2]));
+        }
+    }
+
+    #[test]
+    fn parts_go_on_from_each_other() {
+        let zigzag = plane(&[[0.0, 0.0], [1.0, 0.2], [1.1, 0.8], [0.7, 1.0], [0.7, 1.01]]);
+        let (curve, _) = Rounded::along(&zigzag, 0.01);
+        let parts = curve.segments();
+        assert!(parts.len() > 5);
+        for two in parts.windows(2) {
+            let [end, start] = [two[0].at(1.0).q, two[1].at(0.0).q];
+            assert!(vector::distance(&end, &start) < 1e-12);
+            let [end, start] = [two[0].sigma_derivatives(1.0), two[1].sigma_derivatives(0.0)];
+            for (a, b) in end.iter().zip(&start) {
+                assert!(vector::distance(a, b) < 1e-9 * (1.0 + vector::norm(a)));
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_position() {
+        let zigzag = plane(&[[0.0, 0.0], [1.0, 0.2], [1.1, 0.8]]);
+        let (curve, _) = Rounded::along(&zigzag, 0.02);
+        let part = &curve.segments()[1];
+        let h = 1e-4;
+        for s in [0.1, 0.25, 0.6, 0.9] {
+            let [before, at, after] = [-h, 0.0, h].map(|d| part.at(s + d));
+            for j in 0..2 {
+                let rate =
+                    |of: fn(&Derivatives) -> &Joints| (of(&after)[j] - of(&before)[j]) / (2.0 * h);
+                assert!((rate(|at| &at.q) - at.dq[j]).abs() < 1e-5);
+                assert!((rate(|at| &at.dq) - at.ddq[j]).abs() < 1e-4);
+                assert!((rate(|at| &at.ddq) - at.dddq[j]).abs() < 1e-3);
+                assert!(at.ddq[j].abs() <= part.bend_bound_rad()[j] + 1e-12);
+            }
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! How densely a polyline is sampled along its length: as sparsely as its corners allow.
+
+/// How fast the spacing may change along the way: neighbouring steps differ by this share of what lies between.
+const GRADE: f64 = 0.25;
+
+/// Wanted distances between samples, at places along a way; linear in between.
+#[derive(Clone, Debug)]
+pub(super) struct Spacing {
+    /// From 0 to the way's length, rising.
+    places: Vec<f64>,
+    distances: Vec<f64>,
+    /// Where among the places the points are.
+    points: Vec<usize>,
+}
+
+/// Places between two points, and one: there the distance may be larger than at both.
+const BETWEEN: usize = 4;
+
+impl Spacing {
+    /// The same distance everywhere on a way with points after these ways.
+    pub(super) fn even(ways: &[f64], distance: f64) -> Self {
+        let mut places = Vec::with_capacity(BETWEEN * ways.len());
+        for two in ways.windows(2) {
+            let way = two[1] - two[0];
+            places.extend((0..BETWEEN).map(|k| two[0] + way * k as f64 / BETWEEN as f64));
+        }
+        places.extend(ways.last());
+        let points = (0..ways.len()).map(|i| i * BETWEEN).collect();
+        Self { distances: vec![distance; places.len()], places, points }
+    }
+
+    /// Halves the distance at a point, to not less than `least`. Returns whether it became smaller.
+    pub(super) fn halve(&mut self, point: usize, least: f64) -> bool {
+        let distance = &mut self.distances[self.points[point]];
+        let halved = (0.5 * *distance).max(least);
+        let smaller = halved < *distance;
+        *distance = halved;
+        smaller
+    }
+
+    /// Lowers distances until they change slowly.
+    pub(super) fn grade(&mut self) {
+        let count = self.places.len();
+        for i in 1..count {
+            let way = self.places[i] - self.places[i - 1];
+            self.distances[i] = self.distances[i].min(self.distances[i - 1] + GRADE * way);
+        }
+        for i in (1..count).rev() {
+            let way = self.places[i] - self.places[i - 1];
+            self.distances[i - 1] = self.distances[i - 1].min(self.distances[i] + GRADE * way);
+        }
+    }
+
+    /// Samples from the first place to the last, about as far apart as wanted; at least `least` steps.
+    pub(super) fn samples(&self, least: usize) -> Vec<f64> {
+        // Steps up to each place: the integral of 1 over the distance, which is linear in between.
+        let mut steps = vec![0.0];
+        for i in 1..self.places.len() {
+            let way = self.places[i] - self.places[i - 1];
+            let (a, b) = self.distances_between(i);
+            let ratio = b / a;
+            // The logarithm's limit where both are the same.
+            let mean = if (ratio - 1.0).abs() < 1e-6 { a } else { (b - a) / ratio.ln() };
+            steps.push(steps[i - 1] + way / mean);
+        }
+        let all = steps.last().copied().unwrap_or_default();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of samples"
+        )]
+        let count = (all.ceil() as usize).max(least);
+        let mut i = 1;
+        (0..=count)
+            .map(|k| {
+                let step = all * k as f64 / count as f64;
+                while i + 1 < steps.len() && steps[i] < step {
+                    i += 1;
+                }
+                self.place_at(i, step - steps[i - 1])
+            })
+            .collect()
+    }
+
+    fn distances_between(&self, i: usize) -> (f64, f64) {
+        (self.distances[i - 1], self.distances[i])
+    }
+
+    /// So many steps after place `i - 1`, and not beyond place `i`.
+    fn place_at(&self, i: usize, steps: f64) -> f64 {
+        let way = self.places[i] - self.places[i - 1];
+        let (a, b) = self.distances_between(i);
+        let slope = (b - a) / way;
+        let gone = if (slope * steps).abs() < 1e-9 {
+            a * steps
+        } else {
+            a * (slope * steps).exp_m1() / slope
+        };
+        self.places[i - 1] + gone.clamp(0.0, way)
+    }
+}
