@@ -1,0 +1,115 @@
+"""An MQTT broker on this machine: Debian's mosquitto."""
+
+from __future__ import annotations
+
+import shutil
+import signal
+import socket
+import subprocess
+from pathlib import Path
+
+from certificates import Certificates
+from processes import Program, until
+
+from ports import free_ports
+
+USER, PASSWORD = "robot", "let me in"
+# What clients show: nothing, a password, nothing over TLS, a password over TLS, a certificate. What the last two
+# listeners show is to be refused.
+LISTENERS = ("plain", "password", "tls", "tls_password", "mutual", "misnamed", "expired")
+
+
+def program(name: str) -> str:
+    """It is not on every user's path."""
+    found = shutil.which(name) or shutil.which(name, path="/usr/sbin:/usr/local/sbin")
+    assert found, f"{name} is missing: apt-get install mosquitto"
+    return found
+
+
+class Mosquitto:
+    """Keeps its ports from one start to the next and, with persistence, what it has for sessions that are away."""
+
+    def __init__(self, folder: Path, certificates: Certificates | None = None, *, persistent: bool = True) -> None:
+        """With certificates, it listens to all LISTENERS, else to those without."""
+        self.folder = folder
+        folder.mkdir(parents=True, exist_ok=True)
+        self.passwords = folder / "passwords"
+        # That it warns of owners and of root is as well.
+        command = [program("mosquitto_passwd"), "-b", "-c", str(self.passwords), USER, PASSWORD]
+        subprocess.run(command, check=True, capture_output=True, timeout=60)
+        names = LISTENERS if certificates else LISTENERS[:2]
+        self.ports = dict(zip(names, free_ports(len(names))))
+        self.configuration = folder / "mosquitto.conf"
+        lines = [
+            "per_listener_settings true",
+            # Started as root, it would change to a user who may not read our files.
+            "user root",
+            "log_dest stderr",
+            # Sessions that are away are given all that they have missed.
+            "max_queued_messages 0",
+            "max_inflight_messages 0",
+            "retain_available true",
+        ]
+        if persistent:
+            lines += ["persistence true", f"persistence_location {folder}/"]
+        for name, port in self.ports.items():
+            lines += ["", f"listener {port} 127.0.0.1", *self.listener(name, certificates)]
+        self.configuration.write_text("\n".join(lines) + "\n")
+        self.program: Program | None = None
+
+    def listener(self, name: str, certificates: Certificates | None) -> list[str]:
+        lines = ["allow_anonymous true"]
+        if "password" in name:
+            lines = ["allow_anonymous false", f"password_file {self.passwords}"]
+        if certificates and name not in LISTENERS[:2]:
+            shown = {"misnamed": certificates.misnamed, "expired": certificates.expired}.get(name, certificates.server)
+            lines += [f"cafile {certificates.authority}", f"certfile {shown.certificate}", f"keyfile {shown.key}"]
+        if name == "mutual":
+            lines += ["require_certificate true", "use_identity_as_username true"]
+        return lines
+
+    def port(self, listener: str = "plain") -> int:
+        return self.ports[listener]
+
+    def address(self, listener: str = "plain") -> str:
+        """Host and port."""
+        return f"localhost:{self.port(listener)}"
+
+    def start(self) -> None:
+        """Returns when it answers."""
+        assert self.program is None, "it runs"
+        command = [program("mosquitto"), "-c", str(self.configuration)]
+        self.program = Program(command, self.folder / "broker.log")
+        until(self.answers, f"mosquitto answers; see {self.folder}/broker.log")
+
+    def answers(self) -> bool:
+        assert self.program and self.program.runs(), self.program and self.program.said()[-3000:]
+        try:
+            socket.create_connection(("127.0.0.1", self.port()), 1).close()
+        except OSError:
+            return False
+        return True
+
+    def stop(self) -> None:
+        """As an operator does it: what it has for others is on the disk."""
+        if self.program:
+            self.program.end()
+            self.program = None
+
+    def kill(self) -> None:
+        if self.program:
+            self.program.kill()
+            self.program = None
+
+    def pause(self) -> None:
+        """It holds its connections, and answers nothing."""
+        assert self.program
+        self.program.send(signal.SIGSTOP)
+
+    def resume(self) -> None:
+        assert self.program
+        self.program.send(signal.SIGCONT)
+
+    def restart(self) -> None:
+        self.stop()
+        self.start()
