@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import signal
-from collections.abc import Iterator
+import uuid
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
+from bridges import Bridge, Schema
 from certificates import Certificates
 from kafka_broker import KafkaBroker, fetch_jars
 from mosquitto import Mosquitto
+from robots import Robot
 
 # A test that hangs is to end, on a slow machine as well.
 LONGEST_S = 400
@@ -63,3 +68,60 @@ def mosquitto(mosquitto_of_session: Mosquitto) -> Mosquitto:
     if mosquitto_of_session.program is None:
         mosquitto_of_session.start()
     return mosquitto_of_session
+
+
+@pytest.fixture(scope="session")
+def binary() -> Path:
+    """The program `iiwasim`; without it, the test is skipped."""
+    named = os.environ.get("IIWASIM_BINARY")
+    if named is None:
+        pytest.skip("IIWASIM_BINARY is not set: it has to be a built program `iiwasim`")
+    return Path(named).resolve()
+
+
+@pytest.fixture(scope="session")
+def schema(binary: Path) -> Schema:
+    return Schema(binary)
+
+
+@pytest.fixture(scope="session")
+def robot_of_session(tmp_path_factory: pytest.TempPathFactory, binary: Path) -> Iterator[Robot]:
+    with Robot(binary, tmp_path_factory.mktemp("robot")) as robot:
+        yield robot
+
+
+@pytest.fixture
+def simulated_robot(robot_of_session: Robot) -> Iterator[Robot]:
+    """The robot that tests share, at rest."""
+    robot_of_session.rest()
+    yield robot_of_session
+    robot_of_session.rest()
+
+
+@pytest.fixture
+def quick_robot(tmp_path: Path, binary: Path) -> Iterator[Robot]:
+    """A robot of its own that tells its joints each millisecond."""
+    with Robot(binary, tmp_path / "robot", "--period", "1") as robot:
+        yield robot
+
+
+@pytest.fixture
+def name() -> str:
+    """A name of the robot that no other test uses, so that topics are new."""
+    return f"robot-{uuid.uuid4().hex[:12]}"
+
+
+@pytest.fixture
+def bridge(binary: Path, tmp_path: Path) -> Iterator[Callable[..., Bridge]]:
+    """Starts bridges of a robot, which end with the test."""
+    started: list[Bridge] = []
+
+    def start(robot: Robot, *options: str) -> Bridge:
+        started.append(Bridge(binary, robot, tmp_path / f"bridge-{len(started)}.log", *options))
+        return started[-1]
+
+    yield start
+    for each in started:
+        each.end()
+        # Shown where the test fails.
+        print(each.said())
