@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import threading
 import uuid
 
@@ -9,7 +10,17 @@ import pytest
 from certificates import Certificates
 from kafka_broker import MECHANISMS, PASSWORD, USER, KafkaBroker
 from mosquitto import Mosquitto
-from readers import KafkaReader, KafkaWriter, MqttClient, kafka_errors, kafka_login, mqtt_refusal, once_and_in_order
+from readers import (
+    KafkaReader,
+    KafkaWriter,
+    MqttClient,
+    Received,
+    kafka_errors,
+    kafka_login,
+    mqtt_refusal,
+    once_and_in_order,
+)
+from sparkplug import Host, Payload
 
 
 def settings(listener: str, certificates: Certificates, mechanism: str = "PLAIN", password: str = PASSWORD) -> dict:
@@ -153,3 +164,36 @@ def test_mosquitto_loses_nothing(mosquitto: Mosquitto, version: int) -> None:
     with MqttClient(mosquitto.port(), topic, version=version, identity=away) as late:
         late.until(lambda: late.received and late.received[-1].payload == str(written - 1).encode(), "all are read")
         assert once_and_in_order([message.payload for message in late.received])[0] == keys
+
+
+def test_sparkplug_is_held_to_its_rules() -> None:
+    def message(kind: str, seq: int | None, *metrics: dict, device: str = "") -> Received:
+        payload = Payload(timestamp=1)
+        if seq is not None:
+            payload.seq = seq
+        for metric in metrics:
+            payload.metrics.add(**metric)
+        topic = "/".join(["spBv1.0", "group", kind, "node", *([device] if device else [])])
+        return Received(topic, payload.SerializeToString(), 0, False)
+
+    sequence = {"name": "bdSeq", "datatype": 8, "long_value": 4}
+    rebirth = {"name": "Node Control/Rebirth", "datatype": 11, "boolean_value": False}
+    host = Host()
+    host.take(message("NBIRTH", 0, sequence, rebirth))
+    angle = {"name": "A1", "alias": 7, "datatype": 10, "double_value": 0.5}
+    host.take(message("DBIRTH", 1, angle, device="robot"))
+    host.take(message("DDATA", 2, {"alias": 7, "double_value": 0.75}, device="robot"))
+    node = host.nodes["group/node"]
+    assert node.values["robot", "A1"] == 0.75 and node.devices == {"robot": True}
+    for broken in (
+        message("DDATA", 4, {"alias": 7, "double_value": 1}, device="robot"),
+        message("DDATA", 3, {"alias": 8, "double_value": 1}, device="robot"),
+        message("DDATA", 3, {"alias": 7, "double_value": 1}, device="other"),
+        message("NBIRTH", 1, sequence, rebirth),
+    ):
+        with pytest.raises(AssertionError):
+            copy.deepcopy(host).take(broken)
+    host.take(message("NDEATH", None, {"name": "bdSeq", "datatype": 8, "long_value": 3}))
+    assert node.is_online
+    host.take(message("NDEATH", None, sequence))
+    assert not node.is_online and node.devices == {"robot": False}
