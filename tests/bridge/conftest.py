@@ -14,6 +14,7 @@ from certificates import Certificates
 from kafka_broker import KafkaBroker, fetch_jars
 from mosquitto import Mosquitto
 from robots import Robot
+from ways import KafkaWay, MqttWay, Way
 
 # A test that hangs is to end, on a slow machine as well.
 LONGEST_S = 400
@@ -117,7 +118,8 @@ def bridge(binary: Path, tmp_path: Path) -> Iterator[Callable[..., Bridge]]:
     started: list[Bridge] = []
 
     def start(robot: Robot, *options: str) -> Bridge:
-        started.append(Bridge(binary, robot, tmp_path / f"bridge-{len(started)}.log", *options))
+        given = [] if "--spool" in options else ["--spool", str(tmp_path / f"spool-{len(started)}")]
+        started.append(Bridge(binary, robot, tmp_path / f"bridge-{len(started)}.log", *options, *given))
         return started[-1]
 
     yield start
@@ -125,3 +127,14 @@ def bridge(binary: Path, tmp_path: Path) -> Iterator[Callable[..., Bridge]]:
         each.end()
         # Shown where the test fails.
         print(each.said())
+
+
+@pytest.fixture(params=["kafka", "mqtt", "mqtt 3.1.1"])
+def way(request: pytest.FixtureRequest, name: str) -> Iterator[Way]:
+    """Each broker that the bridge speaks to, and its readers."""
+    if request.param == "kafka":
+        made = KafkaWay(request.getfixturevalue("kafka"), name)
+    else:
+        made = MqttWay(request.getfixturevalue("mosquitto"), name, 5 if request.param == "mqtt" else 4)
+    with made as way:
+        yield way

@@ -47,7 +47,6 @@ class Mosquitto:
             "log_dest stderr",
             # Sessions that are away are given all that they have missed.
             "max_queued_messages 0",
-            "max_inflight_messages 0",
             "retain_available true",
         ]
         if persistent:

@@ -48,16 +48,19 @@ TYPES = {
 }
 
 
-def compiled(name: str) -> type:
-    """The class of a message, by the table above."""
+def compiled(name: str, messages: dict[str, dict[str, tuple[int, str]]] = FIELDS) -> type:
+    """The class of a message, by a table as the one above; `*` is for repeated numbers."""
     pool = descriptor_pool.DescriptorPool()
     file = descriptor_pb2.FileDescriptorProto(name="sparkplug.proto", package="sparkplug", syntax="proto2")
     kinds = descriptor_pb2.FieldDescriptorProto
-    for message, fields in FIELDS.items():
+    for message, fields in messages.items():
         described = file.message_type.add(name=message)
         for field_name, (number, kind) in fields.items():
             one = described.field.add(name=field_name, number=number, label=kinds.LABEL_OPTIONAL)
-            if kind in FIELDS:
+            if kind.endswith("*"):
+                one.label, one.type = kinds.LABEL_REPEATED, getattr(kinds, f"TYPE_{kind[:-1].upper()}")
+                one.options.packed = True
+            elif kind in messages:
                 one.label, one.type, one.type_name = kinds.LABEL_REPEATED, kinds.TYPE_MESSAGE, f".sparkplug.{kind}"
             else:
                 one.type = getattr(kinds, f"TYPE_{kind.upper()}")
@@ -107,7 +110,7 @@ class Host:
     def take(self, message: Received) -> None:
         namespace, group, kind, node_name, *device_name = message.topic.split("/")
         assert namespace == NAMESPACE, message.topic
-        assert not message.retained, f"{kind} is retained"
+        assert (not message.retained and message.qos == 0) or kind == "NDEATH", f"{kind} has QoS {message.qos}"
         payload = Payload.FromString(message.payload)
         node = self.nodes.setdefault(f"{group}/{node_name}", Node())
         device = device_name[0] if device_name else ""
@@ -118,6 +121,7 @@ class Host:
         assert payload.seq == 0, f"an NBIRTH has the number 0, not {payload.seq}"
         node.names.clear()
         self.learn(node, "", payload)
+        self.check_sequence(payload)
         node.birth_seq = node.values["", "bdSeq"]
         assert node.values["", "Node Control/Rebirth"] is False
         node.next_seq, node.is_online, node.devices = 1, True, {}
@@ -125,11 +129,18 @@ class Host:
 
     def ndeath(self, node: Node, _: str, payload: Any) -> None:
         (metric,) = payload.metrics
-        assert metric.name == "bdSeq" and not payload.HasField("seq")
+        assert not payload.HasField("seq")
+        self.check_sequence(payload)
         # A death of an earlier birth comes late, and is none of this one.
         if metric.long_value == node.birth_seq:
             node.is_online, node.devices = False, dict.fromkeys(node.devices, False)
             node.deaths += 1
+
+    def check_sequence(self, payload: Any) -> None:
+        """A host tells by it which birth a death is of: Int64, 0 to 255."""
+        (metric,) = (metric for metric in payload.metrics if metric.name == "bdSeq")
+        assert metric.datatype == 4, f"bdSeq has the type {metric.datatype}"
+        assert 0 <= metric.long_value < 256
 
     def dbirth(self, node: Node, device: str, payload: Any) -> None:
         self.count(node, payload)
@@ -162,7 +173,7 @@ class Host:
     def learn(self, node: Node, device: str, payload: Any) -> None:
         assert payload.HasField("timestamp")
         for metric in payload.metrics:
-            assert metric.name and metric.HasField("datatype"), metric
+            assert metric.name and metric.HasField("datatype") and metric.HasField("timestamp"), metric
             if metric.HasField("alias"):
                 assert metric.alias not in node.names, f"the alias {metric.alias} is used twice"
                 node.names[metric.alias] = (device, metric.name, metric.datatype)
@@ -171,6 +182,7 @@ class Host:
     def update(self, node: Node, device: str, payload: Any) -> None:
         assert payload.metrics and payload.HasField("timestamp")
         for metric in payload.metrics:
+            assert metric.HasField("timestamp"), metric
             if metric.HasField("alias"):
                 assert metric.alias in node.names, f"the alias {metric.alias} was in no birth"
                 of, name, datatype = node.names[metric.alias]

@@ -172,11 +172,11 @@ def test_sparkplug_is_held_to_its_rules() -> None:
         if seq is not None:
             payload.seq = seq
         for metric in metrics:
-            payload.metrics.add(**metric)
+            payload.metrics.add(timestamp=1, **metric)
         topic = "/".join(["spBv1.0", "group", kind, "node", *([device] if device else [])])
         return Received(topic, payload.SerializeToString(), 0, False)
 
-    sequence = {"name": "bdSeq", "datatype": 8, "long_value": 4}
+    sequence = {"name": "bdSeq", "datatype": 4, "long_value": 4}
     rebirth = {"name": "Node Control/Rebirth", "datatype": 11, "boolean_value": False}
     host = Host()
     host.take(message("NBIRTH", 0, sequence, rebirth))
@@ -193,7 +193,7 @@ def test_sparkplug_is_held_to_its_rules() -> None:
     ):
         with pytest.raises(AssertionError):
             copy.deepcopy(host).take(broken)
-    host.take(message("NDEATH", None, {"name": "bdSeq", "datatype": 8, "long_value": 3}))
+    host.take(message("NDEATH", None, {"name": "bdSeq", "datatype": 4, "long_value": 3}))
     assert node.is_online
     host.take(message("NDEATH", None, sequence))
     assert not node.is_online and node.devices == {"robot": False}

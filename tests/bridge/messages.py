@@ -1,0 +1,107 @@
+"""What messages of the bridge have to be like, whichever broker passes them on; and the commands that it takes."""
+
+from __future__ import annotations
+
+import json
+import uuid
+from collections import defaultdict
+from collections.abc import Iterable
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+from readers import once_and_in_order
+
+KINDS = ("joints", "state", "run", "io", "sensors", "conditions", "bridge")
+
+
+def without_repetitions(messages: Iterable[dict[str, Any]]) -> tuple[list[dict[str, Any]], int]:
+    """Messages without those that have come before, in their order, and how many had: they arrive at least once."""
+    messages = list(messages)
+    by_key = {(message["kind"], message["session"], message["seq"]): message for message in messages}
+    keys, repeated = once_and_in_order([(message["kind"], message["session"], message["seq"]) for message in messages])
+    return [by_key[key] for key in keys], repeated
+
+
+def check_numbers(messages: Iterable[dict[str, Any]], *, may_lack: Iterable[str] = ()) -> int:
+    """Every number of each kind and session is there, from 0, in order; returns how many messages were repeated.
+
+    Of kinds that may lack some, numbers grow.
+    """
+    messages, repeated = without_repetitions(messages)
+    may_lack = set(may_lack)
+    found: dict[tuple[str, str, int], list[int]] = defaultdict(list)
+    for message in messages:
+        found[message["robot"], message["kind"], message["session"]].append(message["seq"])
+    for what, numbers in found.items():
+        lacks = what[1] in may_lack
+        gaps = [(a, b) for a, b in zip([-1, *numbers], numbers) if (b <= a if lacks else b != a + 1)]
+        assert not gaps, f"{what}: {len(gaps)} gaps, the first from {gaps[0][0]} to {gaps[0][1]}"
+    return repeated
+
+
+def check_times(samples: list[dict[str, Any]], step_s: float) -> int:
+    """Samples of the controller's clock are in order; returns how many of its cycles are missing."""
+    missing = 0
+    for a, b in zip(samples, samples[1:]):
+        cycles = (b["t_s"] - a["t_s"]) / step_s
+        assert cycles > 0.5, f"{b['t_s']} s follows {a['t_s']} s"
+        missing += round(cycles) - 1
+    return missing
+
+
+def command(
+    robot: str, type: str, *, age_s: float = 0.0, identity: str | None = None, **request: Any
+) -> dict[str, Any]:
+    """A command as the bridge takes it."""
+    at = datetime.now(UTC) - timedelta(seconds=age_s)
+    return {
+        "version": 1,
+        "robot": robot,
+        "id": identity or uuid.uuid4().hex,
+        "at": at.isoformat(timespec="microseconds").replace("+00:00", "Z"),
+        "request": {"type": type, **request},
+    }
+
+
+def motions(program: dict[str, Any]) -> list[dict[str, Any]]:
+    """What of a program a request to run motions has."""
+    return program["motions"]
+
+
+# What would turn the robot, was it obeyed; each is to be refused.
+def refused_commands(robot: str, program: dict[str, Any]) -> dict[str, bytes]:
+    """Bodies of commands by what is wrong with them."""
+
+    def changed(**change: Any) -> bytes:
+        whole = {**command(robot, "run_motions", motions=motions(program)), **change}
+        return json.dumps({key: value for key, value in whole.items() if value is not None}).encode()
+
+    whole = changed()
+    return {
+        "empty": b"",
+        "no JSON": b"\x00\xff\xfe run",
+        "cut off": whole[: len(whole) // 2],
+        "followed by more": whole + b"{}",
+        "an array": b"[" + whole + b"]",
+        "deeply nested": b"[" * 100_000,
+        "another version": changed(version=2),
+        "no version": changed(version=None),
+        "another robot": changed(robot="nobody"),
+        "a robot with a long name": changed(robot="x" * 700_000),
+        "no id": changed(id=None),
+        "an empty id": changed(id=""),
+        "a long id": changed(id="x" * 1000),
+        "an id that is a number": changed(id=7),
+        "no time": changed(at=None),
+        "a time without a zone": changed(at=datetime.now(UTC).isoformat()[:19]),
+        "too old": json.dumps(command(robot, "run_motions", age_s=60, motions=motions(program))).encode(),
+        "from the future": json.dumps(command(robot, "run_motions", age_s=-60, motions=motions(program))).encode(),
+        "no request": changed(request=None),
+        "an unknown request": changed(request={"type": "fly"}),
+        "an unknown key": changed(hurry=True),
+        "an id in its request": changed(request={"type": "run_motions", "id": 1, "motions": motions(program)}),
+        "a motion out of reach": changed(
+            request={"type": "run_motions", "motions": [{"type": "ptp", "joints_deg": [0, 0, 0, 500, 0, 0, 0]}]}
+        ),
+        "a motion that is not finite": whole.replace(b"0.6", b"1e999"),
+    }

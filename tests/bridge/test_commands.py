@@ -1,0 +1,209 @@
+"""Commands that come by brokers: none unless they are allowed, and none twice, late, or malformed."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from bridges import Bridge, Schema
+from messages import command, motions, refused_commands
+from processes import until
+from robots import LONG, SHORT, Robot
+from ways import Way, of, read_until
+
+Start = Callable[..., Bridge]
+
+
+def send(way: Way, type: str, **request: Any) -> str:
+    """Sends a command, and returns its id."""
+    body = command(way.robot, type, **request)
+    way.send(json.dumps(body).encode())
+    return body["id"]
+
+
+def reply_to(way: Way, identity: str) -> dict[str, Any]:
+    """The reply of the drive to a command."""
+    read_until(way, lambda: [it for it in way.replies if it.get("id") == identity], "the reply comes")
+    (reply,) = (it for it in way.replies if it.get("id") == identity)
+    assert reply["robot"] == way.robot
+    return reply["reply"]
+
+
+@pytest.fixture
+def allowed(way: Way, bridge: Start, simulated_robot: Robot, name: str) -> Bridge:
+    """A bridge that takes commands, and has begun to."""
+    started = bridge(simulated_robot, *way.options, "--allow-commands")
+    read_until(way, lambda: of(way, "joints"), "joints are passed on")
+    take_commands(way)
+    return started
+
+
+def take_commands(way: Way) -> None:
+    """Whoever follows a topic from its end misses what was there before: one command is sent until it is answered."""
+
+    def answered() -> bool:
+        sent = send(way, "state")
+        end = time.monotonic() + 1
+        while time.monotonic() < end:
+            way.take()
+            if any(it.get("id") == sent for it in way.replies):
+                return True
+        return False
+
+    until(answered, "commands are taken")
+
+
+def test_not_allowed(way: Way, bridge: Start, simulated_robot: Robot, name: str) -> None:
+    passing = bridge(simulated_robot, *way.options)
+    read_until(way, lambda: of(way, "joints"), "joints are passed on")
+    before = simulated_robot.joints()
+    for kind in ("run_motions", "stop", "set_io"):
+        request = {"motions": motions(LONG)} if kind == "run_motions" else {}
+        send(way, kind, **request)
+    time.sleep(3)
+    way.take()
+    assert simulated_robot.joints() == before
+    assert not [message for message in of(way, "run")]
+    assert not [reply for reply in way.replies if reply["reply"]["ok"]]
+    assert passing.runs()
+
+
+def test_run_and_stop(way: Way, allowed: Bridge, simulated_robot: Robot, schema: Schema) -> None:
+    robot = simulated_robot
+    assert reply_to(way, send(way, "state"))["state"] == "idle"
+    run = reply_to(way, send(way, "run_motions", motions=motions(SHORT)))
+    assert run["ok"], run
+    assert run["cycle_time_s"] > 0
+    assert "samples" not in run
+    identity = send(way, "run_motions", motions=motions(LONG))
+    until(lambda: not robot.is_idle(), "the robot moves")
+    # A second run is refused, and does not wait for the first.
+    second = reply_to(way, send(way, "run_motions", motions=motions(SHORT)))
+    assert second["error"]["code"] == "not_idle"
+    began = time.monotonic()
+    stop = reply_to(way, send(way, "stop"))
+    print(f"{way.label}: the robot stands {time.monotonic() - began:.2f} s after the command to stop")
+    assert stop["ok"], stop
+    assert robot.is_idle()
+    assert "stopped" in reply_to(way, identity)["error"]["message"]
+
+
+def test_inputs_and_outputs(way: Way, allowed: Bridge, simulated_robot: Robot) -> None:
+    lamp = "MediaFlange.LEDBlue"
+    for value in (True, False):
+        assert reply_to(way, send(way, "set_io", name=lamp, value=value))["value"] is value
+        assert reply_to(way, send(way, "get_io", name=lamp))["value"] is value
+        assert simulated_robot.ask("get_io", name=lamp)["value"] is value
+    names = {signal["name"] for signal in reply_to(way, send(way, "list_io"))["io"]}
+    assert lamp in names
+    unknown = reply_to(way, send(way, "get_io", name="Nothing"))
+    assert unknown["error"]["code"] == "bad_request"
+    assert len(reply_to(way, send(way, "read_sensors"))["sensors"]["external_torque_nm"]) == 7
+
+
+def test_what_is_wrong_is_refused(way: Way, allowed: Bridge, simulated_robot: Robot, name: str) -> None:
+    robot = simulated_robot
+    before = robot.joints()
+    for what, body in refused_commands(name, LONG).items():
+        way.take()
+        count = len(way.replies)
+        way.send(body)
+        read_until(way, lambda count=count: len(way.replies) > count, f"it is answered: {what}")
+        reply = way.replies[-1]["reply"]
+        assert not reply["ok"], what
+        print(f"{what}: {reply['error']}")
+        # What is refused does not come back in full.
+        assert len(json.dumps(way.replies[-1])) < 5000, what
+        assert robot.is_idle(), what
+    assert robot.joints() == before
+    assert reply_to(way, send(way, "state"))["ok"]
+
+
+def test_what_is_repeated_runs_once(way: Way, allowed: Bridge, simulated_robot: Robot, name: str) -> None:
+    body = command(name, "run_motions", motions=motions(SHORT))
+    text = json.dumps(body).encode()
+    for _ in range(5):
+        way.send(text)
+    read_until(way, lambda: len([it for it in way.replies if it.get("id") == body["id"]]) == 5, "all are answered")
+    replies = [it["reply"] for it in way.replies if it.get("id") == body["id"]]
+    assert sorted(reply["ok"] for reply in replies) == [False] * 4 + [True]
+    way.send(text)
+    read_until(way, lambda: len([it for it in way.replies if it.get("id") == body["id"]]) == 6, "it is answered")
+    until(simulated_robot.is_idle, "the run has ended")
+    read_until(way, lambda: [it for it in of(way, "run") if it["event"] == "end"], "the run is passed on")
+    assert len([it for it in of(way, "run") if it["event"] == "begin"]) == 1
+
+
+def test_what_is_too_long_is_refused(way: Way, allowed: Bridge, simulated_robot: Robot, name: str) -> None:
+    body = command(name, "run_motions", motions=motions(LONG))
+    for mb in (0.9, 5):
+        way.send(json.dumps(body | {"id": "x" * int(mb * 1e6)}).encode())
+        time.sleep(1)
+        assert simulated_robot.is_idle()
+    assert reply_to(way, send(way, "state"))["ok"]
+    assert allowed.memory_kb() < 300_000
+
+
+def test_restarted_bridge_repeats_no_command(
+    way: Way, allowed: Bridge, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
+    """A broker that keeps a command hands it out again: the next bridge knows nothing of the first one's."""
+    identity = send(way, "run_motions", motions=motions(SHORT))
+    assert reply_to(way, identity)["ok"]
+    allowed.kill()
+    bridge(simulated_robot, *way.options, "--allow-commands")
+    take_commands(way)
+    way.take()
+    runs = [it for it in of(way, "run") if it["event"] == "begin"]
+    assert len(runs) == 1
+    assert simulated_robot.is_idle()
+
+
+def test_command_for_a_bridge_that_is_away_moves_nothing(
+    way: Way, allowed: Bridge, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
+    allowed.end()
+    send(way, "run_motions", motions=motions(SHORT))
+    # As old as this, it is refused whoever has kept it.
+    time.sleep(11)
+    before = simulated_robot.joints()
+    bridge(simulated_robot, *way.options, "--allow-commands")
+    take_commands(way)
+    assert simulated_robot.joints() == before
+    assert not [it for it in of(way, "run")]
+
+
+def test_command_for_a_drive_that_is_away_moves_nothing_later(
+    way: Way, bridge: Start, binary: Path, tmp_path: Path, name: str
+) -> None:
+    with Robot(binary, tmp_path / "own") as robot:
+        bridge(robot, *way.options, "--allow-commands")
+        read_until(way, lambda: of(way, "joints"), "joints are passed on")
+        take_commands(way)
+        robot.drive.terminate()
+        robot.drive.wait(30)
+        identity = send(way, "run_motions", motions=motions(LONG))
+        assert not reply_to(way, identity)["ok"]
+        robot.start_drive()
+        robot.wait_until_ready()
+        before = robot.joints()
+        take_commands(way)
+        time.sleep(3)
+        assert robot.is_idle() and robot.joints() == before
+
+
+def test_stop_passes_a_flood(way: Way, allowed: Bridge, simulated_robot: Robot, name: str) -> None:
+    """Whoever asks for other things without pause does not keep the robot from being stopped."""
+    robot = simulated_robot
+    identity = send(way, "run_motions", motions=motions(LONG))
+    until(lambda: not robot.is_idle(), "the robot moves")
+    for _ in range(500):
+        way.send(json.dumps(command(name, "read_sensors")).encode())
+    began = time.monotonic()
+    assert reply_to(way, send(way, "stop"))["ok"]
+    print(f"{way.label}: in a flood, the robot stands {time.monotonic() - began:.2f} s after the command to stop")
+    assert "stopped" in reply_to(way, identity)["error"]["message"]

@@ -1,0 +1,202 @@
+"""What only MQTT has: retained messages, last wills, rates, and properties of replies."""
+
+from __future__ import annotations
+
+import json
+import signal
+import time
+import uuid
+from collections.abc import Callable, Iterator
+
+import pytest
+from bridges import Bridge, Schema
+from messages import command, motions
+from mosquitto import Mosquitto
+from processes import until
+from readers import MqttClient
+from robots import LONG, SHORT, Robot
+from ways import MqttWay, of, read_until
+
+Start = Callable[..., Bridge]
+
+
+@pytest.fixture(params=[4, 5], ids=["3.1.1", "5"])
+def way(request: pytest.FixtureRequest, mosquitto: Mosquitto, name: str) -> Iterator[MqttWay]:
+    with MqttWay(mosquitto, name, request.param) as way:
+        yield way
+
+
+def kept(way: MqttWay) -> dict[str, dict]:
+    """What a new subscriber gets at once, by kind."""
+    with MqttClient(way.broker.port(), way.topic("+"), f"end/{way.robot}") as late:
+        # Retained messages come before what is published after the subscription.
+        late.publish(f"end/{way.robot}", "end")
+        late.until(lambda: late.of(f"end/{way.robot}"), "all that was retained is read")
+        retained = [message for message in late.received if message.retained]
+        return {message.topic.removeprefix(way.topic("")): message.json() for message in retained}
+
+
+def status(way: MqttWay) -> dict:
+    return kept(way).get("bridge", {})
+
+
+def test_events_are_retained_and_samples_are_not(
+    way: MqttWay, bridge: Start, simulated_robot: Robot, schema: Schema
+) -> None:
+    bridge(simulated_robot, *way.options)
+    read_until(way, lambda: of(way, "joints"), "joints are passed on")
+    simulated_robot.run_motions(SHORT)
+    read_until(way, lambda: len(of(way, "run")) == 2 and of(way, "io") and of(way, "sensors"), "events are passed on")
+    found = kept(way)
+    assert set(found) == {"state", "run", "io", "sensors", "conditions", "bridge"}
+    for message in found.values():
+        schema.check(message)
+    assert found["state"]["state"] == "idle"
+    assert found["run"]["event"] == "end"
+    assert found["bridge"]["online"] is True
+    assert {message.qos for message in way.client.of(way.topic("run"))} == {1}
+    assert {message.qos for message in way.client.of(way.topic("joints"))} == {0}
+
+
+def test_state_is_there_before_anything_moves(way: MqttWay, bridge: Start, simulated_robot: Robot) -> None:
+    """Whoever comes first wants to know whether the robot is idle."""
+    bridge(simulated_robot, *way.options)
+    read_until(way, lambda: of(way, "state"), "the state is passed on", patience_s=20)
+
+
+def test_killed_bridge_is_offline(way: MqttWay, bridge: Start, simulated_robot: Robot, schema: Schema) -> None:
+    passing = bridge(simulated_robot, *way.options)
+    read_until(way, lambda: of(way, "bridge"), "the bridge is online")
+    until(lambda: status(way).get("online") is True, "the bridge is online")
+    passing.kill()
+    until(lambda: status(way).get("online") is False, "its last will is there")
+    schema.check(status(way))
+    bridge(simulated_robot, *way.options)
+    until(lambda: status(way).get("online") is True, "the next one is online")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "terminated"])
+def test_ended_bridge_is_offline(way: MqttWay, bridge: Start, simulated_robot: Robot, number: int) -> None:
+    passing = bridge(simulated_robot, *way.options)
+    until(lambda: status(way).get("online") is True, "the bridge is online")
+    passing.send(number)
+    passing.wait(30)
+    until(lambda: status(way).get("online") is False, "the bridge says that it is offline", patience_s=5)
+
+
+def test_bridge_is_online_again_after_the_broker_was_away(way: MqttWay, bridge: Start, simulated_robot: Robot) -> None:
+    bridge(simulated_robot, *way.options)
+    until(lambda: status(way).get("online") is True, "the bridge is online")
+    for again in (way.broker.stop, way.broker.kill):
+        again()
+        time.sleep(0.5)
+        way.broker.start()
+        began = time.monotonic()
+        before = len(of(way, "joints"))
+        read_until(way, lambda before=before: len(of(way, "joints")) > before, "joints are passed on")
+        until(lambda: status(way).get("online") is True, "the bridge is online")
+        print(f"online {time.monotonic() - began:.1f} s after the broker")
+
+
+def test_unresponsive_bridge_is_offline(way: MqttWay, bridge: Start, simulated_robot: Robot) -> None:
+    """A machine that hangs: the broker finds out by the missing keep-alive, and it comes back."""
+    passing = bridge(simulated_robot, *way.options)
+    until(lambda: status(way).get("online") is True, "the bridge is online")
+    passing.send(signal.SIGSTOP)
+    until(lambda: status(way).get("online") is False, "its last will is there")
+    passing.send(signal.SIGCONT)
+    until(lambda: status(way).get("online") is True, "the bridge is online")
+
+
+@pytest.mark.parametrize("rate", [5.0, 50.0])
+def test_rate(mosquitto: Mosquitto, bridge: Start, quick_robot: Robot, name: str, rate: float) -> None:
+    with MqttWay(mosquitto, name) as way:
+        options = way.options.copy()
+        options[options.index("--mqtt-rate") + 1] = str(rate)
+        bridge(quick_robot, *options)
+        read_until(way, lambda: len(of(way, "joints")) > 20, "joints are passed on")
+        samples = of(way, "joints")
+        measured = (len(samples) - 1) / (samples[-1]["t_s"] - samples[0]["t_s"])
+        print(f"asked for {rate} Hz, {measured:.1f} Hz are passed on")
+        # More would be against what was asked for, less may be the machine's.
+        assert measured < 1.2 * rate
+
+
+def test_reply_goes_where_it_is_asked_for(
+    mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
+    """MQTT 5: the topic and the correlation data that the request names."""
+    answers = f"answers/{uuid.uuid4().hex}"
+    with MqttWay(mosquitto, name) as way, MqttClient(mosquitto.port(), answers) as client:
+        bridge(simulated_robot, *way.options, "--allow-commands")
+
+        def ask() -> bool:
+            body = json.dumps(command(name, "state"))
+            client.publish(way.topic("request"), body, ResponseTopic=answers, CorrelationData=b"\x00\x01 any bytes")
+            time.sleep(0.3)
+            return bool(client.received)
+
+        until(ask, "there is a reply")
+        reply = client.received[0]
+        assert reply.json()["reply"]["ok"]
+        assert bytes.fromhex(reply.properties["CorrelationData"]) == b"\x00\x01 any bytes"
+        way.take()
+        assert not way.replies
+
+
+def test_retained_command_is_refused(mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str) -> None:
+    """The broker would hand it out to each bridge that comes."""
+    with MqttWay(mosquitto, name) as way:
+        body = json.dumps(command(name, "run_motions", motions=motions(LONG)))
+        way.client.publish(way.topic("request"), body, retain=True)
+        bridge(simulated_robot, *way.options, "--allow-commands")
+        read_until(way, lambda: len(of(way, "joints")) > 100, "joints are passed on")
+        assert simulated_robot.is_idle() and not of(way, "run")
+        way.client.publish(way.topic("request"), b"", retain=True)
+
+
+def test_topic_of_replies_cannot_be_used_for_commands(
+    mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
+    """A reply that goes to the topic of requests is no command, and starts no loop."""
+    with MqttWay(mosquitto, name) as way:
+        bridge(simulated_robot, *way.options, "--allow-commands")
+        read_until(way, lambda: of(way, "joints"), "joints are passed on")
+        requests = way.topic("request")
+        for where in (requests, "not/+/allowed/#", "$SYS/broker", ""):
+            with MqttClient(mosquitto.port(), requests) as listener:
+                properties = {"ResponseTopic": where} if where else {}
+                try:
+                    listener.publish(requests, json.dumps(command(name, "state")), **properties)
+                except ValueError:
+                    continue
+                time.sleep(2)
+                heard = len(listener.received)
+                print(f"a reply to {where!r}: {heard} messages in the topic of requests")
+                assert heard < 20, "each reply is answered by another one"
+        way.take()
+        count = len(of(way, "joints"))
+        read_until(way, lambda: len(of(way, "joints")) > count + 10, "joints are passed on")
+
+
+def test_two_bridges_of_one_name_take_turns_without_harm(way: MqttWay, bridge: Start, simulated_robot: Robot) -> None:
+    """The broker ends the connection of the first when the second comes: neither may run wild."""
+    passing = [bridge(simulated_robot, *way.options) for _ in range(2)]
+    time.sleep(5)
+    way.take()
+    assert all(each.runs() for each in passing)
+    said = max(len(each.said()) for each in passing)
+    assert said < 20_000, "it floods its log"
+
+
+def test_latency(way: MqttWay, bridge: Start, quick_robot: Robot) -> None:
+    """From the drive's publication to the reader: a figure and no bound."""
+    bridge(quick_robot, *way.options)
+    read_until(way, lambda: len(of(way, "joints")) > 3000, "joints are passed on")
+    received = way.client.of(way.topic("joints"))
+    offset = min(message.at_s - message.json()["t_s"] for message in received)
+    ages = sorted(message.at_s - message.json()["t_s"] - offset for message in received)
+    print(
+        f"MQTT: {len(ages)} samples, later than the quickest by {1000 * ages[len(ages) // 2]:.1f} ms,"
+        f" at most {1000 * ages[-1]:.0f}"
+    )
