@@ -15,6 +15,8 @@ from robots import Robot
 class Bridge(Program):
     """A bridge of a robot, to where its options say."""
 
+    lasts = True
+
     def __init__(self, binary: Path, robot: Robot, log: Path, *options: str) -> None:
         super().__init__([str(binary), "bridge", *robot.drive_at, *robot.stream_at, *options], log, folder=log.parent)
 

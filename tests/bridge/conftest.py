@@ -20,6 +20,11 @@ from ways import KafkaWay, MqttWay, Way
 LONGEST_S = 400
 
 
+def pytest_configure() -> None:
+    """Whoever is terminated ends what it has started, as after an interrupt."""
+    signal.signal(signal.SIGTERM, lambda *_: pytest.exit("terminated", 143))
+
+
 @pytest.fixture(autouse=True)
 def bounded() -> Iterator[None]:
     """A test that hangs fails, and what it has started ends."""

@@ -30,12 +30,17 @@ def until(condition: Callable[[], T], what: str, *, patience_s: float = PATIENCE
     while True:
         if found := condition():
             return found
+        for program in running:
+            assert program.runs() or not program.lasts, f"it has ended: {program.said()[-3000:]}"
         assert time.monotonic() < end, f"not within {patience_s:.0f} s: {what}"
         time.sleep(every_s)
 
 
 class Program:
     """A program that runs, whose output is a file."""
+
+    # Whether it is wrong that it ends before it is asked to.
+    lasts = False
 
     def __init__(self, command: list[str], log: Path, *, folder: Path | None = None) -> None:
         self.log = log
@@ -61,6 +66,7 @@ class Program:
 
     def wait(self, patience_s: float = PATIENCE_S) -> int:
         """Its exit code, once it has ended by itself."""
+        self.lasts = False
         code = self.process.wait(patience_s)
         if self in running:
             running.remove(self)

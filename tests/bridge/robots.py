@@ -31,6 +31,7 @@ def program(*targets_deg: list[float], velocity_rel: float = 0.6, **options: Any
 # Some seconds of motion: long enough for what is to happen during a run.
 AWAY_DEG = [60, 40, 0, -70, 0, 60, 0]
 LONG = program(*[AWAY_DEG, START_DEG] * 3, velocity_rel=0.4)
+VERY_LONG = program(*[AWAY_DEG, START_DEG] * 12, velocity_rel=0.2)
 SHORT = program([10, *START_DEG[1:]])
 
 

@@ -11,7 +11,7 @@ from typing import Any, Self
 from kafka_broker import KafkaBroker
 from messages import KINDS
 from mosquitto import Mosquitto
-from processes import until
+from processes import PATIENCE_S, until
 from readers import KafkaReader, KafkaWriter, MqttClient
 
 ROOT = "iiwasim"
@@ -56,8 +56,10 @@ class KafkaWay:
                 self.read.append(content)
                 self.by_kind[content["kind"]].append(content)
 
-    def send(self, body: bytes) -> None:
-        self.writer.write(self.topic("request"), body, self.robot.encode())
+    def send(self, *bodies: bytes) -> None:
+        """Returns when the broker has them."""
+        for body in bodies:
+            self.writer.write(self.topic("request"), body, self.robot.encode())
         self.writer.flush()
 
 
@@ -108,8 +110,11 @@ class MqttWay:
                     self.read.append(read)
                     self.by_kind[kind].append(read)
 
-    def send(self, body: bytes) -> None:
-        self.client.publish(self.topic("request"), body)
+    def send(self, *bodies: bytes) -> None:
+        """Returns when the broker has them."""
+        sent = [self.client.client.publish(self.topic("request"), body, qos=1) for body in bodies]
+        for each in sent:
+            each.wait_for_publish(PATIENCE_S)
 
 
 Way = KafkaWay | MqttWay
