@@ -63,17 +63,12 @@ def command(
     }
 
 
-def motions(program: dict[str, Any]) -> list[dict[str, Any]]:
-    """What of a program a request to run motions has."""
-    return program["motions"]
-
-
 # What would turn the robot, was it obeyed; each is to be refused.
 def refused_commands(robot: str, program: dict[str, Any]) -> dict[str, bytes]:
     """Bodies of commands by what is wrong with them."""
 
     def changed(**change: Any) -> bytes:
-        whole = {**command(robot, "run_motions", motions=motions(program)), **change}
+        whole = {**command(robot, "run_motions", motions=program["motions"]), **change}
         return json.dumps({key: value for key, value in whole.items() if value is not None}).encode()
 
     whole = changed()
@@ -94,12 +89,12 @@ def refused_commands(robot: str, program: dict[str, Any]) -> dict[str, bytes]:
         "an id that is a number": changed(id=7),
         "no time": changed(at=None),
         "a time without a zone": changed(at=datetime.now(UTC).isoformat()[:19]),
-        "too old": json.dumps(command(robot, "run_motions", age_s=60, motions=motions(program))).encode(),
-        "from the future": json.dumps(command(robot, "run_motions", age_s=-60, motions=motions(program))).encode(),
+        "too old": json.dumps(command(robot, "run_motions", age_s=60, motions=program["motions"])).encode(),
+        "from the future": json.dumps(command(robot, "run_motions", age_s=-60, motions=program["motions"])).encode(),
         "no request": changed(request=None),
         "an unknown request": changed(request={"type": "fly"}),
         "an unknown key": changed(hurry=True),
-        "an id in its request": changed(request={"type": "run_motions", "id": 1, "motions": motions(program)}),
+        "an id in its request": changed(request={"type": "run_motions", "id": 1, "motions": program["motions"]}),
         "a motion out of reach": changed(
             request={"type": "run_motions", "motions": [{"type": "ptp", "joints_deg": [0, 0, 0, 500, 0, 0, 0]}]}
         ),

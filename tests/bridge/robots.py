@@ -6,7 +6,7 @@ import json
 import subprocess
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +35,47 @@ VERY_LONG = program(*[AWAY_DEG, START_DEG] * 12, velocity_rel=0.2)
 SHORT = program([10, *START_DEG[1:]])
 
 
+def ask(address: str, type: str, **request: Any) -> dict[str, Any]:
+    """The reply of a drive."""
+    with zmq.Context() as context, context.socket(zmq.REQ) as socket:
+        socket.setsockopt(zmq.LINGER, 0)
+        socket.setsockopt(zmq.RCVTIMEO, int(PATIENCE_S * 1000))
+        socket.connect(f"tcp://{address}")
+        socket.send_json({"type": type, **request})
+        return socket.recv_json()
+
+
+@contextmanager
+def published(stream: str, topic: str = "joints") -> Iterator[list[dict[str, Any]]]:
+    """What a drive publishes meanwhile; joints are there already."""
+    read: list[dict[str, Any]] = []
+    ended, begun = threading.Event(), threading.Event()
+
+    def follow() -> None:
+        with zmq.Context() as context, context.socket(zmq.SUB) as socket:
+            socket.setsockopt(zmq.RCVHWM, 0)
+            socket.setsockopt(zmq.RCVTIMEO, 100)
+            socket.setsockopt(zmq.LINGER, 0)
+            socket.subscribe(topic)
+            socket.connect(f"tcp://{stream}")
+            while not ended.is_set():
+                try:
+                    _, message = socket.recv_multipart()
+                except zmq.Again:
+                    continue
+                read.append(json.loads(message))
+                begun.set()
+
+    thread = threading.Thread(target=follow, daemon=True)
+    thread.start()
+    assert topic != "joints" or begun.wait(PATIENCE_S), "the drive publishes nothing"
+    try:
+        yield read
+    finally:
+        ended.set()
+        thread.join(PATIENCE_S)
+
+
 class Robot(Rig):
     """What was started ends with the `with` block."""
 
@@ -46,12 +87,7 @@ class Robot(Rig):
 
     def ask(self, type: str, **request: Any) -> dict[str, Any]:
         """The drive's reply."""
-        with zmq.Context() as context, context.socket(zmq.REQ) as socket:
-            socket.setsockopt(zmq.LINGER, 0)
-            socket.setsockopt(zmq.RCVTIMEO, int(PATIENCE_S * 1000))
-            socket.connect(f"tcp://{self.address}")
-            socket.send_json({"type": type, **request})
-            return socket.recv_json()
+        return ask(self.address, type, **request)
 
     def state(self) -> dict[str, Any]:
         return self.ask("state")
@@ -94,32 +130,6 @@ class Robot(Rig):
         self.stop()
         until(self.is_idle, "the robot is idle")
 
-    @contextmanager
-    def samples(self, topic: str = "joints") -> Iterator[list[dict[str, Any]]]:
+    def samples(self, topic: str = "joints") -> AbstractContextManager[list[dict[str, Any]]]:
         """What the drive publishes meanwhile."""
-        read: list[dict[str, Any]] = []
-        ended, begun = threading.Event(), threading.Event()
-
-        def follow() -> None:
-            with zmq.Context() as context, context.socket(zmq.SUB) as socket:
-                socket.setsockopt(zmq.RCVHWM, 0)
-                socket.setsockopt(zmq.RCVTIMEO, 100)
-                socket.setsockopt(zmq.LINGER, 0)
-                socket.subscribe(topic)
-                socket.connect(f"tcp://{self.stream}")
-                while not ended.is_set():
-                    try:
-                        _, message = socket.recv_multipart()
-                    except zmq.Again:
-                        continue
-                    read.append(json.loads(message))
-                    begun.set()
-
-        thread = threading.Thread(target=follow, daemon=True)
-        thread.start()
-        assert topic != "joints" or begun.wait(PATIENCE_S), "the drive publishes nothing"
-        try:
-            yield read
-        finally:
-            ended.set()
-            thread.join(PATIENCE_S)
+        return published(self.stream, topic)

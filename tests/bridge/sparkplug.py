@@ -115,6 +115,9 @@ class Host:
         node = self.nodes.setdefault(f"{group}/{node_name}", Node())
         device = device_name[0] if device_name else ""
         assert bool(device) == kind.startswith("D"), message.topic
+        if not node.births and kind != "NBIRTH":
+            # A host that comes later asks for a birth.
+            return
         getattr(self, kind.lower())(node, device, payload)
 
     def nbirth(self, node: Node, _: str, payload: Any) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from bridges import Bridge, Schema
 from confluent_kafka.admin import AdminClient, NewTopic
-from messages import command, motions, refused_commands
+from messages import command, refused_commands
 from processes import until
 from readers import KafkaWriter
 from robots import LONG, SHORT, VERY_LONG, Robot
@@ -64,7 +64,7 @@ def test_not_allowed(way: Way, bridge: Start, simulated_robot: Robot, name: str)
     read_until(way, lambda: of(way, "joints"), "joints are passed on")
     before = simulated_robot.joints()
     for kind in ("run_motions", "stop", "set_io"):
-        request = {"motions": motions(LONG)} if kind == "run_motions" else {}
+        request = {"motions": LONG["motions"]} if kind == "run_motions" else {}
         send(way, kind, **request)
     time.sleep(3)
     way.take()
@@ -77,14 +77,14 @@ def test_not_allowed(way: Way, bridge: Start, simulated_robot: Robot, name: str)
 def test_run_and_stop(way: Way, allowed: Bridge, simulated_robot: Robot, schema: Schema) -> None:
     robot = simulated_robot
     assert reply_to(way, send(way, "state"))["state"] == "idle"
-    run = reply_to(way, send(way, "run_motions", motions=motions(SHORT)))
+    run = reply_to(way, send(way, "run_motions", motions=SHORT["motions"]))
     assert run["ok"], run
     assert run["cycle_time_s"] > 0
     assert "samples" not in run
-    identity = send(way, "run_motions", motions=motions(LONG))
+    identity = send(way, "run_motions", motions=LONG["motions"])
     until(lambda: not robot.is_idle(), "the robot moves")
     # A second run is refused, and does not wait for the first.
-    second = reply_to(way, send(way, "run_motions", motions=motions(SHORT)))
+    second = reply_to(way, send(way, "run_motions", motions=SHORT["motions"]))
     assert second["error"]["code"] == "not_idle"
     began = time.monotonic()
     stop = reply_to(way, send(way, "stop"))
@@ -126,7 +126,7 @@ def test_what_is_wrong_is_refused(way: Way, allowed: Bridge, simulated_robot: Ro
 
 
 def test_what_is_repeated_runs_once(way: Way, allowed: Bridge, simulated_robot: Robot, name: str) -> None:
-    body = command(name, "run_motions", motions=motions(SHORT))
+    body = command(name, "run_motions", motions=SHORT["motions"])
     text = json.dumps(body).encode()
     for _ in range(5):
         way.send(text)
@@ -145,13 +145,16 @@ def test_what_is_too_long_is_refused(way: Way, bridge: Start, simulated_robot: R
         # Topics may be set up to take more than the bridge does.
         settings = {"max.message.bytes": "20000000"}
         request = NewTopic(way.topic("request"), 1, 1, config=settings)
-        AdminClient({"bootstrap.servers": way.broker.address()}).create_topics([request])[request.topic].result(60)
+        admin = AdminClient({"bootstrap.servers": way.broker.address()})
+        admin.create_topics([request])[request.topic].result(60)
         way.writer = KafkaWriter(way.broker.address(), message_max_bytes="20000000")
     passing = bridge(simulated_robot, *way.options, "--allow-commands")
     take_commands(way)
     for mb in (0.9, 3, 5, 15):
         count = len(way.replies)
-        way.send(json.dumps(command(name, "run_motions", identity="x" * int(mb * 1e6), motions=motions(LONG))).encode())
+        way.send(
+            json.dumps(command(name, "run_motions", identity="x" * int(mb * 1e6), motions=LONG["motions"])).encode()
+        )
         read_until(way, lambda count=count: len(way.replies) > count, f"it is answered: {mb} MB")
         assert not way.replies[-1]["reply"]["ok"]
         assert simulated_robot.is_idle()
@@ -163,7 +166,7 @@ def test_restarted_bridge_repeats_no_command(
     way: Way, allowed: Bridge, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
     """A broker that keeps a command hands it out again: the next bridge knows nothing of the first one's."""
-    identity = send(way, "run_motions", motions=motions(SHORT))
+    identity = send(way, "run_motions", motions=SHORT["motions"])
     assert reply_to(way, identity)["ok"]
     allowed.kill()
     bridge(simulated_robot, *way.options, "--allow-commands")
@@ -178,7 +181,7 @@ def test_command_for_a_bridge_that_is_away_moves_nothing(
     way: Way, allowed: Bridge, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
     allowed.end()
-    send(way, "run_motions", motions=motions(SHORT))
+    send(way, "run_motions", motions=SHORT["motions"])
     # As old as this, it is refused whoever has kept it.
     time.sleep(11)
     before = simulated_robot.joints()
@@ -197,7 +200,7 @@ def test_command_for_a_drive_that_is_away_moves_nothing_later(
         take_commands(way)
         robot.drive.terminate()
         robot.drive.wait(30)
-        identity = send(way, "run_motions", motions=motions(LONG))
+        identity = send(way, "run_motions", motions=LONG["motions"])
         assert not reply_to(way, identity)["ok"]
         robot.start_drive()
         robot.wait_until_ready()
@@ -210,7 +213,7 @@ def test_command_for_a_drive_that_is_away_moves_nothing_later(
 def test_stop_passes_a_flood(way: Way, allowed: Bridge, simulated_robot: Robot, name: str) -> None:
     """Whoever asks for other things without pause does not keep the robot from being stopped."""
     robot = simulated_robot
-    identity = send(way, "run_motions", motions=motions(VERY_LONG))
+    identity = send(way, "run_motions", motions=VERY_LONG["motions"])
     until(lambda: not robot.is_idle(), "the robot moves")
     way.send(*(json.dumps(command(name, "read_sensors")).encode() for _ in range(12_000)))
     assert not robot.is_idle()

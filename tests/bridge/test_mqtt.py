@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 from bridges import Bridge, Schema
-from messages import command, motions
+from messages import command
 from mosquitto import Mosquitto
 from processes import until
 from readers import MqttClient
@@ -147,7 +147,7 @@ def test_reply_goes_where_it_is_asked_for(
 def test_retained_command_is_refused(mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str) -> None:
     """The broker would hand it out to each bridge that comes."""
     with MqttWay(mosquitto, name) as way:
-        body = json.dumps(command(name, "run_motions", motions=motions(LONG)))
+        body = json.dumps(command(name, "run_motions", motions=LONG["motions"]))
         way.client.publish(way.topic("request"), body, retain=True)
         bridge(simulated_robot, *way.options, "--allow-commands")
         read_until(way, lambda: len(of(way, "joints")) > 100, "joints are passed on")
