@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+
 from processes import PATIENCE_S, Program
 from robots import Robot
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+
 from bridges import Bridge, Schema
 from certificates import Certificates
 from kafka_broker import KafkaBroker, fetch_jars

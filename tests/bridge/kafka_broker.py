@@ -8,12 +8,12 @@ import signal
 import subprocess
 from pathlib import Path
 
-from certificates import Certificates
 from confluent_kafka import KafkaException
 from confluent_kafka.admin import AdminClient
-from processes import REPOSITORY, Program, until
 
+from certificates import Certificates
 from ports import free_ports
+from processes import REPOSITORY, Program, until
 
 CLUSTER = "iiwasim-tests-bridge00"
 USER, PASSWORD = "robot", "let me in"

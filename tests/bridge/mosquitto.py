@@ -9,9 +9,8 @@ import subprocess
 from pathlib import Path
 
 from certificates import Certificates
-from processes import Program, until
-
 from ports import free_ports
+from processes import Program, until
 
 USER, PASSWORD = "robot", "let me in"
 # What clients show: nothing, a password, nothing over TLS, a password over TLS, a certificate. What the last two

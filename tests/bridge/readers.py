@@ -17,6 +17,7 @@ from confluent_kafka.admin import AdminClient
 from paho.mqtt.enums import CallbackAPIVersion, MQTTProtocolVersion
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
+
 from processes import PATIENCE_S, until
 
 # Standard error is for what tests say: librdkafka tells of each attempt to connect.

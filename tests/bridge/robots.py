@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import zmq
-from processes import PATIENCE_S, REPOSITORY, Program, until
 
+from processes import PATIENCE_S, REPOSITORY, Program, until
 from rig import Rig
 
 FIXTURES = REPOSITORY / "fixtures"

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
 from bridges import Bridge, Schema
 from kafka_broker import KafkaBroker
 from messages import KINDS, check_numbers, check_times, without_repetitions

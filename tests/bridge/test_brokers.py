@@ -7,6 +7,7 @@ import threading
 import uuid
 
 import pytest
+
 from certificates import Certificates
 from kafka_broker import MECHANISMS, PASSWORD, USER, KafkaBroker
 from mosquitto import Mosquitto

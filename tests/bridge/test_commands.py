@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges import Bridge, Schema
 from confluent_kafka.admin import AdminClient, NewTopic
+
+from bridges import Bridge, Schema
 from messages import command, refused_commands
 from processes import until
 from readers import KafkaWriter

@@ -9,8 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from bridges import Bridge
 from confluent_kafka.admin import AdminClient, NewTopic
+
+from bridges import Bridge
 from kafka_broker import KafkaBroker, fetch_jars
 from messages import check_numbers, command, without_repetitions
 from processes import until

@@ -9,6 +9,7 @@ import uuid
 from collections.abc import Callable, Iterator
 
 import pytest
+
 from bridges import Bridge, Schema
 from messages import command
 from mosquitto import Mosquitto

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
 from bridges import Bridge
 from certificates import Certificates
 from kafka_broker import MECHANISMS, PASSWORD, USER, KafkaBroker

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Self
 
 import pytest
+
 from bridges import Bridge
 from mosquitto import Mosquitto
 from processes import until

@@ -11,16 +11,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges import Bridge, Schema
-from kafka_broker import KafkaBroker
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
+
+from bridges import Bridge, Schema
+from kafka_broker import KafkaBroker
+from ports import free_ports
 from processes import Program, until
 from readers import KafkaWriter
 from robots import SHORT, Robot, ask, published
 from ways import KafkaWay, of, read_until
-
-from ports import free_ports
 
 Start = Callable[..., Bridge]
 
