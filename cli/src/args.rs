@@ -3,6 +3,8 @@
 mod addresses;
 mod answering;
 mod bridge;
+#[cfg(feature = "opcua")]
+mod bridge_opcua;
 #[cfg(feature = "ros2")]
 mod bridge_ros2;
 mod compare;
@@ -30,6 +32,8 @@ use crate::settings::{self, Settings};
 pub(crate) use addresses::{ClientKeys, DriveAddress, ServerKeys};
 pub(crate) use answering::Answering;
 pub(crate) use bridge::{Bridge, JointFormat, KafkaAccess, KafkaCompression, KafkaSasl, Mqtt};
+#[cfg(feature = "opcua")]
+pub(crate) use bridge_opcua::OpcUa;
 #[cfg(feature = "ros2")]
 pub(crate) use bridge_ros2::{RetimeGoals, Ros2};
 pub(crate) use compare::Compare;

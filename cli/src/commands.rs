@@ -1,6 +1,8 @@
 //! One file a command.
 
 pub(crate) mod bridge;
+#[cfg(feature = "opcua")]
+mod bridge_opcua;
 #[cfg(feature = "ros2")]
 mod bridge_ros2;
 pub(crate) mod cabinet;

@@ -54,6 +54,15 @@ pub(crate) struct Bridge {
     #[command(flatten)]
     pub(crate) ros2: super::Ros2,
 
+    #[cfg(feature = "opcua")]
+    #[command(flatten)]
+    pub(crate) opcua: super::OpcUa,
+
+    /// Built-in model or robot profile of the robots, for their description and limits
+    #[cfg(any(feature = "ros2", feature = "opcua"))]
+    #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
+    pub(crate) robot: String,
+
     /// Address at which the drive publishes
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
     pub(crate) stream: Endpoint,

@@ -43,10 +43,6 @@ pub(crate) struct Ros2 {
     )]
     pub(crate) retime: RetimeGoals,
 
-    /// Built-in model or robot profile of the robots, for their description and limits
-    #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800", requires = "wanted")]
-    pub(crate) robot: String,
-
     #[command(flatten)]
     pub(crate) naming: RosNaming,
 }

@@ -48,10 +48,12 @@ pub(crate) fn run(options: &args::Bridge) -> Result<(), Failure> {
 }
 
 fn bridge_options(options: &args::Bridge) -> Result<BridgeOptions, Failure> {
-    if options.kafka.brokers.is_empty() && options.mqtt.broker.is_none() && !wants_ros2(options) {
+    let brokers = !options.kafka.brokers.is_empty() || options.mqtt.broker.is_some();
+    if !brokers && further_names(options).is_empty() {
         let ros2 = if cfg!(feature = "ros2") { ", --ros2" } else { "" };
+        let opcua = if cfg!(feature = "opcua") { ", --opcua IP:PORT" } else { "" };
         return Err(Failure::input(format!(
-            "there is nothing to bridge to: give --kafka HOST:PORT, --mqtt HOST:PORT{ros2}, or several"
+            "there is nothing to bridge to: give --kafka HOST:PORT, --mqtt HOST:PORT{ros2}{opcua}, or several"
         )));
     }
     let remote = connection::remote(&options.drive.keys)?;
@@ -74,29 +76,48 @@ fn bridge_options(options: &args::Bridge) -> Result<BridgeOptions, Failure> {
 }
 
 /// What messages go to beside brokers.
-#[cfg(feature = "ros2")]
+#[cfg_attr(
+    not(any(feature = "ros2", feature = "opcua")),
+    expect(
+        unused_variables,
+        unused_mut,
+        clippy::unnecessary_wraps,
+        reason = "nothing further is built in"
+    )
+)]
 fn further(options: &args::Bridge, bridge: &BridgeOptions) -> Result<Vec<Arc<dyn Sink>>, Failure> {
-    if !wants_ros2(options) {
-        return Ok(Vec::new());
+    let mut sinks: Vec<Arc<dyn Sink>> = Vec::new();
+    #[cfg(feature = "ros2")]
+    if options.ros2.wanted {
+        let (robots, allow_commands) = (&bridge.robots, bridge.allow_commands);
+        let model = &options.robot;
+        sinks.push(super::bridge_ros2::start(&options.ros2, model, robots, allow_commands)?);
     }
-    let (robots, allow_commands) = (&bridge.robots, bridge.allow_commands);
-    Ok(vec![super::bridge_ros2::start(&options.ros2, robots, allow_commands)?])
+    #[cfg(feature = "opcua")]
+    {
+        let (robots, allow_commands) = (&bridge.robots, bridge.allow_commands);
+        let model = &options.robot;
+        sinks.extend(super::bridge_opcua::start(&options.opcua, model, robots, allow_commands)?);
+    }
+    Ok(sinks)
 }
 
-#[cfg(not(feature = "ros2"))]
-#[expect(clippy::unnecessary_wraps, reason = "as with ROS 2")]
-fn further(_: &args::Bridge, _: &BridgeOptions) -> Result<Vec<Arc<dyn Sink>>, Failure> {
-    Ok(Vec::new())
-}
-
-#[cfg(feature = "ros2")]
-fn wants_ros2(options: &args::Bridge) -> bool {
-    options.ros2.wanted
-}
-
-#[cfg(not(feature = "ros2"))]
-fn wants_ros2(_: &args::Bridge) -> bool {
-    false
+/// Where robots appear beside brokers, for people.
+#[cfg_attr(
+    not(any(feature = "ros2", feature = "opcua")),
+    expect(unused_variables, unused_mut, reason = "nothing further is built in")
+)]
+fn further_names(options: &args::Bridge) -> Vec<String> {
+    let mut names = Vec::new();
+    #[cfg(feature = "ros2")]
+    if options.ros2.wanted {
+        names.push("ROS 2 (UDP ports on all addresses)".to_owned());
+    }
+    #[cfg(feature = "opcua")]
+    if let Some(listen) = options.opcua.listen {
+        names.push(format!("OPC UA at {listen}"));
+    }
+    names
 }
 
 fn kafka(options: &args::Bridge, spool: &Path) -> Result<Option<KafkaOptions>, Failure> {
@@ -207,7 +228,7 @@ fn tls(
 }
 
 /// The user, with the password in the first line of a file.
-fn credentials(
+pub(crate) fn credentials(
     user: Option<&String>,
     file: Option<&PathBuf>,
 ) -> Result<Option<Credentials>, Failure> {
@@ -249,9 +270,7 @@ fn started(options: &args::Bridge) -> String {
         let sparkplug = if options.mqtt.sparkplug.is_some() { ", with Sparkplug" } else { "" };
         to.push(format!("MQTT at {broker}{sparkplug}"));
     }
-    if wants_ros2(options) {
-        to.push("ROS 2 (UDP ports on all addresses)".to_owned());
-    }
+    to.extend(further_names(options));
     let commands = if options.allow_commands { "are carried out" } else { "are refused" };
     format!(
         "Bridge from {} to {}. Commands {commands}. Ctrl-C ends it.\n",

@@ -8,13 +8,14 @@ use iiwa_view::with_causes;
 
 use crate::{args, connection, failure::Failure, input::find_robot};
 
-/// The nodes of these robots.
+/// The nodes of these robots; `model` is that of all.
 pub(crate) fn start(
     options: &args::Ros2,
+    model: &str,
     robots: &[BridgedRobot],
     allow_commands: bool,
 ) -> Result<Arc<dyn Sink>, Failure> {
-    let model = find_robot(&options.robot)?;
+    let model = find_robot(model)?;
     let mut own = Ros2Options { domain: options.domain, allow_commands, ..Ros2Options::default() };
     if !options.networks.is_empty() {
         own.networks.clone_from(&options.networks);

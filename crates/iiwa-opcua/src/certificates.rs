@@ -1,0 +1,187 @@
+//! The server's certificate, and those of clients that it trusts.
+//!
+//! ```text
+//! own/cert.der          the server's certificate, for clients to trust
+//! private/private.pem   its key
+//! trusted/              certificates of clients
+//! rejected/             those of clients that came without being trusted
+//! ```
+
+use std::{
+    collections::HashSet,
+    fs, io,
+    path::{Path, PathBuf},
+    time::SystemTime,
+};
+
+use opcua::crypto::{CertificateStore, X509, X509Data};
+
+use crate::OpcUaError;
+
+/// Bits of the server's key.
+const KEY_BITS: u32 = 2048;
+/// How long a certificate is valid that the server makes for itself, in days. Clients trust it by name, and each new one
+/// has to be trusted again.
+const VALID_DAYS: u32 = 3650;
+/// Most rejected certificates that are kept: whoever reaches the port can add to them.
+const MOST_REJECTED: usize = 50;
+
+/// A folder of certificates.
+#[derive(Debug)]
+pub(crate) struct Certificates {
+    folder: PathBuf,
+    /// Those that were rejected, as far as it was told.
+    rejected: HashSet<PathBuf>,
+}
+
+impl Certificates {
+    /// Certificates in a folder, which is made if there is none; and with it, a certificate of the server, if there is
+    /// none, for an application and the hosts that clients may call it by.
+    pub(crate) fn open(
+        folder: &Path,
+        application_uri: &str,
+        hosts: &[String],
+    ) -> Result<Self, OpcUaError> {
+        let these = Self { folder: folder.to_owned(), rejected: HashSet::new() };
+        for part in ["own", "private", "trusted", "rejected"] {
+            let at = folder.join(part);
+            create_folder(&at, part == "private").map_err(|error| bad(&at, &error))?;
+        }
+        let (certificate, key) = (these.certificate(), these.key());
+        match (certificate.exists(), key.exists()) {
+            (true, true) => {}
+            (false, false) => {
+                let hosts = Some(hosts.to_vec());
+                let names = X509Data::alt_host_names(application_uri, hosts, false, false, false);
+                let data = X509Data {
+                    key_size: KEY_BITS,
+                    common_name: "iiwasim OPC UA".to_owned(),
+                    organization: "iiwasim".to_owned(),
+                    organizational_unit: String::new(),
+                    country: String::new(),
+                    state: String::new(),
+                    alt_host_names: names,
+                    certificate_duration_days: VALID_DAYS,
+                };
+                CertificateStore::create_certificate_and_key(&data, false, &certificate, &key)
+                    .map_err(|error| bad(folder, &error))?;
+                tracing::info!(
+                    "OPC UA: {} is new; clients have to trust it",
+                    certificate.display()
+                );
+            }
+            (has_certificate, _) => {
+                let (found, missing) =
+                    if has_certificate { (&certificate, &key) } else { (&key, &certificate) };
+                let what = format!("it is missing, but {} is there", found.display());
+                return Err(bad(missing, &what));
+            }
+        }
+        CertificateStore::read_cert(&certificate).map_err(|error| bad(&certificate, &error))?;
+        CertificateStore::read_pkey(&key).map_err(|error| bad(&key, &error))?;
+        Ok(these)
+    }
+
+    /// The folder.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    fn certificate(&self) -> PathBuf {
+        self.folder.join("own/cert.der")
+    }
+
+    fn key(&self) -> PathBuf {
+        self.folder.join("private/private.pem")
+    }
+
+    /// Trusts a client's certificate, a file in DER or PEM.
+    pub(crate) fn trust(&self, file: &Path) -> Result<(), OpcUaError> {
+        let certificate = CertificateStore::read_cert(file).map_err(|error| bad(file, &error))?;
+        self.store(&certificate).map_err(|error| bad(file, &error))
+    }
+
+    fn store(&self, certificate: &X509) -> io::Result<()> {
+        let name = CertificateStore::cert_file_name(certificate);
+        let der = certificate.to_der().map_err(io::Error::other)?;
+        fs::write(self.folder.join("trusted").join(&name), der)?;
+        // One that lies here, too, would be refused.
+        match fs::remove_file(self.folder.join("rejected").join(&name)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        }
+    }
+
+    /// Tells which certificates were rejected lately, and deletes the oldest if there are many.
+    pub(crate) fn look_at_rejected(&mut self) {
+        let Ok(entries) = fs::read_dir(self.folder.join("rejected")) else { return };
+        let dated = entries.filter_map(|entry| {
+            let path = entry.ok()?.path();
+            let time = path.metadata().ok()?.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+            Some((time, path))
+        });
+        let mut dated: Vec<_> = dated.collect();
+        dated.sort();
+        let kept = dated.split_off(dated.len().saturating_sub(MOST_REJECTED));
+        for (_, path) in &dated {
+            if let Err(error) = fs::remove_file(path) {
+                tracing::debug!("{}: {error}", path.display());
+            }
+        }
+        for (_, path) in &kept {
+            if !self.rejected.contains(path) {
+                let path = path.display();
+                tracing::warn!(
+                    "OPC UA: a client was rejected; to trust it, move {path} to trusted"
+                );
+            }
+        }
+        self.rejected = kept.into_iter().map(|(_, path)| path).collect();
+    }
+}
+
+fn bad(file: &Path, what: &impl ToString) -> OpcUaError {
+    OpcUaError::Certificate { file: file.to_owned(), what: what.to_string() }
+}
+
+/// A folder; if it is `private`, for its owner alone.
+fn create_folder(at: &Path, private: bool) -> io::Result<()> {
+    let mut builder = fs::DirBuilder::new();
+    builder.recursive(true);
+    #[cfg(unix)]
+    if private {
+        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    }
+    #[cfg(not(unix))]
+    let _ = private;
+    builder.create(at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_rejected_certificates_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let rejected = folder.path().join("rejected");
+        fs::create_dir(&rejected).unwrap();
+        for i in 0..MOST_REJECTED + 7 {
+            fs::write(rejected.join(format!("{i}.der")), "").unwrap();
+        }
+        let folder = folder.path().to_owned();
+        let mut certificates = Certificates { folder, rejected: HashSet::new() };
+        certificates.look_at_rejected();
+        assert_eq!(certificates.rejected.len(), MOST_REJECTED);
+        assert_eq!(fs::read_dir(&rejected).unwrap().count(), MOST_REJECTED);
+    }
+
+    #[test]
+    fn a_key_without_its_certificate_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("private")).unwrap();
+        fs::write(folder.path().join("private/private.pem"), "").unwrap();
+        let error = Certificates::open(folder.path(), "urn:x", &[]).unwrap_err().to_string();
+        assert!(error.contains("cert.der: it is missing, but"), "{error}");
+    }
+}

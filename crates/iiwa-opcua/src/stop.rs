@@ -1,0 +1,57 @@
+//! Stops robots.
+
+use iiwa_link::ClientError;
+
+use iiwa_bridge::BridgedRobot;
+
+/// Stops a robot on its path, and returns when it is at rest.
+pub trait Stop: Send + Sync + 'static {
+    /// Stops the robot. It may wait for some seconds.
+    ///
+    /// # Errors
+    ///
+    /// The robot has not been stopped.
+    fn stop(&self) -> Result<(), StopFailure>;
+}
+
+/// Why a robot has not been stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopFailure {
+    /// Nobody answers.
+    Unreachable,
+    /// The drive, or the robot, has refused it.
+    Refused,
+}
+
+/// By the robot's drive.
+impl Stop for BridgedRobot {
+    fn stop(&self) -> Result<(), StopFailure> {
+        // A client of its own: a stop does not wait for what others ask for.
+        let stopped = self.client().map_err(ClientError::from).and_then(|mut it| it.stop());
+        stopped.map_err(|error| {
+            tracing::warn!("{}: the stop of a client of OPC UA failed: {error}", self.name());
+            match error {
+                ClientError::Refused { .. } => StopFailure::Refused,
+                _ => StopFailure::Unreachable,
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use iiwa_link::Remote;
+
+    use super::*;
+
+    // A client has a runtime of its own, which may not be entered from tasks of another one.
+    #[test]
+    fn a_drive_that_is_not_there_is_said_to_be_unreachable() {
+        let [drive, stream] = ["tcp://127.0.0.1:9", "tcp://127.0.0.1:10"];
+        let robot = BridgedRobot::new("cell-1", Remote::open(), drive, stream).unwrap();
+        let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+        let stopped = runtime
+            .block_on(async { tokio::task::spawn_blocking(move || robot.stop()).await.unwrap() });
+        assert_eq!(stopped, Err(StopFailure::Unreachable));
+    }
+}

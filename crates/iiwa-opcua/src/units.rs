@@ -1,0 +1,58 @@
+//! Units as OPC UA names them: by their codes of UN/ECE Recommendation 20.
+
+use opcua::types::{EUInformation, UAString};
+
+/// A unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Unit {
+    /// The common code of UN/ECE Recommendation 20.
+    code: &'static str,
+    symbol: &'static str,
+    name: &'static str,
+}
+
+/// Of angles.
+pub(crate) const RADIAN: Unit = Unit { code: "C81", symbol: "rad", name: "radian" };
+/// Of speeds of joints.
+pub(crate) const RADIAN_PER_SECOND: Unit =
+    Unit { code: "2A", symbol: "rad/s", name: "radian per second" };
+/// Of accelerations of joints.
+pub(crate) const RADIAN_PER_SECOND_SQUARED: Unit =
+    Unit { code: "2B", symbol: "rad/s²", name: "radian per second squared" };
+/// Of masses.
+pub(crate) const KILOGRAM: Unit = Unit { code: "KGM", symbol: "kg", name: "kilogram" };
+/// Of lengths.
+pub(crate) const METRE: Unit = Unit { code: "MTR", symbol: "m", name: "metre" };
+/// Of temperatures.
+pub(crate) const DEGREE_CELSIUS: Unit = Unit { code: "CEL", symbol: "°C", name: "degree Celsius" };
+
+impl Unit {
+    /// As values have it.
+    pub(crate) fn information(self) -> EUInformation {
+        EUInformation {
+            namespace_uri: UAString::from("http://www.opcfoundation.org/UA/units/un/cefact"),
+            unit_id: self.id(),
+            display_name: self.symbol.into(),
+            description: self.name.into(),
+        }
+    }
+
+    /// The code's characters as a number, the first one highest (OPC 10000-8, 5.6.3).
+    fn id(self) -> i32 {
+        self.code.bytes().fold(0, |id, byte| (id << 8) | i32::from(byte))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // The list that the OPC Foundation publishes with its nodes, UNECE_to_OPCUA.csv.
+    #[test]
+    fn ids_are_those_of_the_opc_foundation() {
+        let ids =
+            [RADIAN, RADIAN_PER_SECOND, RADIAN_PER_SECOND_SQUARED, KILOGRAM, METRE, DEGREE_CELSIUS]
+                .map(Unit::id);
+        assert_eq!(ids, [4_405_297, 12_865, 12_866, 4_933_453, 5_067_858, 4_408_652]);
+    }
+}
