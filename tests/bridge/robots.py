@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 import threading
 from collections.abc import Iterator
@@ -126,9 +127,12 @@ class Robot(Rig):
         subprocess.run([self.program, "stop", *self.drive_at], check=True, capture_output=True, timeout=PATIENCE_S)
 
     def rest(self) -> None:
-        """Idle, whatever the test before has left."""
+        """Idle, whatever the test before has left, and where programs start: a run is one run then."""
         self.stop()
         until(self.is_idle, "the robot is idle")
+        if not self.is_at([math.radians(angle) for angle in START_DEG]):
+            self.run_motions(SHORT)
+            until(self.is_idle, "the robot is idle")
 
     def samples(self, topic: str = "joints") -> AbstractContextManager[list[dict[str, Any]]]:
         """What the drive publishes meanwhile."""

@@ -48,6 +48,7 @@ def test_events_are_retained_and_samples_are_not(
     read_until(way, lambda: of(way, "joints"), "joints are passed on")
     simulated_robot.run_motions(SHORT)
     read_until(way, lambda: len(of(way, "run")) == 2 and of(way, "io") and of(way, "sensors"), "events are passed on")
+    read_until(way, lambda: of(way, "state")[-1]["state"] == "idle", "the robot is idle")
     found = kept(way)
     assert set(found) == {"state", "run", "io", "sensors", "conditions", "bridge"}
     for message in found.values():
@@ -201,3 +202,13 @@ def test_latency(way: MqttWay, bridge: Start, quick_robot: Robot) -> None:
         f"MQTT: {len(ages)} samples, later than the quickest by {1000 * ages[len(ages) // 2]:.1f} ms,"
         f" at most {1000 * ages[-1]:.0f}"
     )
+
+
+def test_flood_of_commands_stalls_nothing(way: MqttWay, bridge: Start, quick_robot: Robot) -> None:
+    """Commands and replies by the thousand beside samples at 1 kHz: what comes in and what goes out wait for each other."""
+    bridge(quick_robot, *way.options, "--allow-commands")
+    read_until(way, lambda: of(way, "joints"), "joints are passed on")
+    for _ in range(4):
+        way.send(*(json.dumps(command(way.robot, "state")).encode() for _ in range(5000)))
+        last = quick_robot.state()["t_s"]
+        read_until(way, lambda last=last: of(way, "joints")[-1]["t_s"] > last, "joints are passed on")

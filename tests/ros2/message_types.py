@@ -9,6 +9,7 @@ compiler, and what requirements.txt names. Takes a minute.
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import sysconfig
@@ -24,14 +25,13 @@ PACKAGES = [
 
 
 def mend(prefix: Path) -> None:
-    """The wheels' CMake files name the headers of the Python that they were built with."""
-    theirs = f"/opt/python/cp{sys.version_info.major}{sys.version_info.minor}-cp"
+    """The wheels' CMake files name the folders of the Python that they were built with."""
+    theirs = re.compile(r'/opt/python/[^";]*')
     for file in (prefix / "share").rglob("*.cmake"):
         text = file.read_text()
-        start = text.find(theirs)
-        if start >= 0:
-            end = min(at for mark in '";' if (at := text.find(mark, start)) >= 0)
-            file.write_text(text.replace(text[start:end], sysconfig.get_path("include")))
+        mended = theirs.sub(sysconfig.get_path("include"), text)
+        if mended != text:
+            file.write_text(mended)
 
 
 def build(package: Path, prefix: Path) -> None:

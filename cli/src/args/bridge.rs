@@ -259,8 +259,10 @@ pub(crate) enum KafkaSasl {
     /// The password itself: with TLS only, or on this machine
     Plain,
     /// SCRAM with SHA-256
+    #[value(name = "scram-sha-256")]
     ScramSha256,
     /// SCRAM with SHA-512
+    #[value(name = "scram-sha-512")]
     ScramSha512,
 }
 

@@ -40,6 +40,9 @@ pub const MAX_AGE: Duration = Duration::from_secs(10);
 /// Most ids that are remembered: more commands within twice [`MAX_AGE`] are refused.
 const MAX_IDS: usize = 10_000;
 
+/// Further ids that stops have for themselves.
+const STOPS: usize = 1000;
+
 /// Longest id, in bytes.
 const MAX_ID_BYTES: usize = 200;
 
@@ -77,7 +80,7 @@ impl CommandGate {
         Ok(Self {
             allowed,
             workers,
-            seen: Mutex::default(),
+            seen: Mutex::new(SeenIds { since: Timestamp::now(), ids: VecDeque::new() }),
             accepted: AtomicU64::new(0),
             refused: AtomicU64::new(0),
         })
@@ -147,7 +150,7 @@ impl CommandGate {
         envelope: &Envelope,
     ) -> Result<(&Worker, Request), Refusal> {
         if !self.allowed {
-            let why = "this bridge takes no commands; `iiwasim bridge --allow-commands` does";
+            let why = "this bridge takes no commands: they are not allowed";
             return Err(Refusal::new(Code::Unauthorized, why));
         }
         let robot = envelope.robot.as_deref().or(topic);
@@ -160,21 +163,32 @@ impl CommandGate {
         }
         let request = envelope.request()?;
         let (id, at) = envelope.identity()?;
-        self.seen.lock().unwrap_or_else(PoisonError::into_inner).admit(id, at, Timestamp::now())?;
+        let most = if request == Request::Stop { MAX_IDS + STOPS } else { MAX_IDS };
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        seen.admit(id, at, Timestamp::now(), most)?;
+        drop(seen);
         Ok((worker, request))
     }
 }
 
 /// The ids of recent commands.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct SeenIds {
+    /// What was sent before may have been carried out by the bridge before this one.
+    since: Timestamp,
     /// In the order of their arrival.
     ids: VecDeque<(Timestamp, String)>,
 }
 
 impl SeenIds {
     /// Lets a command pass that is new.
-    fn admit(&mut self, id: &str, at: Timestamp, now: Timestamp) -> Result<(), Refusal> {
+    fn admit(
+        &mut self,
+        id: &str,
+        at: Timestamp,
+        now: Timestamp,
+        most: usize,
+    ) -> Result<(), Refusal> {
         let age = SystemTime::from(now).duration_since(at.into());
         let (apart, which) = match age {
             Ok(age) => (age, "ago by the bridge's clock: it is too old"),
@@ -187,6 +201,10 @@ impl SeenIds {
                 format!("the command was sent {seconds:.1} s {which}"),
             ));
         }
+        if at < self.since {
+            let why = "the command was sent before the bridge was started";
+            return Err(Refusal::new(Code::Timeout, why));
+        }
         // An older one is refused by its age.
         let forgotten = now.micros().saturating_sub(2_000_000 * MAX_AGE.as_secs());
         while self.ids.front().is_some_and(|(since, _)| since.micros() < forgotten) {
@@ -195,7 +213,7 @@ impl SeenIds {
         if self.ids.iter().any(|(_, seen)| seen == id) {
             return Err(Refusal::bad("a command with this `id` has been received before"));
         }
-        if self.ids.len() >= MAX_IDS {
+        if self.ids.len() >= most {
             return Err(Refusal::robot("too many commands; wait some seconds"));
         }
         self.ids.push_back((now, id.to_owned()));
@@ -209,23 +227,24 @@ mod tests {
 
     #[test]
     fn a_command_passes_once_and_only_in_time() {
-        let mut seen = SeenIds::default();
+        let mut seen = SeenIds { since: Timestamp::from_micros(0), ids: VecDeque::new() };
         let s = |s: u64| Timestamp::from_micros(s * 1_000_000);
-        assert!(seen.admit("a", s(100), s(105)).is_ok());
-        assert!(seen.admit("a", s(105), s(105)).is_err());
-        assert!(seen.admit("b", s(116), s(105)).is_err());
-        assert!(seen.admit("c", s(94), s(105)).is_err());
-        assert!(seen.admit("c", s(115), s(105)).is_ok());
+        assert!(seen.admit("a", s(100), s(105), MAX_IDS).is_ok());
+        assert!(seen.admit("a", s(105), s(105), MAX_IDS).is_err());
+        assert!(seen.admit("b", s(116), s(105), MAX_IDS).is_err());
+        assert!(seen.admit("c", s(94), s(105), MAX_IDS).is_err());
+        assert!(seen.admit("c", s(115), s(105), MAX_IDS).is_ok());
         // As old as it can be and pass the check of its age, it is still remembered.
-        assert!(seen.admit("c", s(115), s(125)).is_err());
-        assert!(seen.admit("a", s(126), s(126)).is_ok());
+        assert!(seen.admit("c", s(115), s(125), MAX_IDS).is_err());
+        assert!(seen.admit("a", s(126), s(126), MAX_IDS).is_ok());
     }
 
     #[test]
     fn a_flood_of_ids_is_bounded() {
-        let mut seen = SeenIds::default();
+        let mut seen = SeenIds { since: Timestamp::from_micros(0), ids: VecDeque::new() };
         let now = Timestamp::from_micros(1_000_000_000);
-        let admitted = (0..MAX_IDS + 5).filter(|i| seen.admit(&i.to_string(), now, now).is_ok());
+        let admitted =
+            (0..MAX_IDS + 5).filter(|i| seen.admit(&i.to_string(), now, now, MAX_IDS).is_ok());
         assert_eq!(admitted.count(), MAX_IDS);
     }
 }

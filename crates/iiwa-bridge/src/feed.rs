@@ -2,8 +2,8 @@
 
 use std::{
     sync::{
-        Arc,
-        atomic::{AtomicBool, AtomicU64, Ordering},
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
     },
     time::{Duration, Instant},
 };
@@ -79,7 +79,8 @@ impl Feed {
 struct Numbered {
     robot: String,
     session: u64,
-    next: [AtomicU64; Kind::ALL.len()],
+    /// The number of the next message of each kind, held while one is given to the sinks: their order is that of their numbers.
+    next: [Mutex<u64>; Kind::ALL.len()],
     sinks: Arc<[Arc<dyn Sink>]>,
 }
 
@@ -88,9 +89,12 @@ impl Numbered {
         Self { robot: robot.to_owned(), session, next: Default::default(), sinks }
     }
 
-    /// Gives it to all sinks. Only one thread may send each kind: the numbers would be out of order otherwise.
+    /// Gives it to all sinks.
     fn send(&self, content: Content) {
-        let seq = self.next[content.kind().index()].fetch_add(1, Ordering::Relaxed);
+        let mut next =
+            self.next[content.kind().index()].lock().unwrap_or_else(PoisonError::into_inner);
+        let seq = *next;
+        *next += 1;
         let message = Message {
             version: VERSION,
             robot: self.robot.clone(),
@@ -140,6 +144,7 @@ fn ask(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
     let mut conditions = Repeated::default();
     let mut io: Repeated<Vec<Signal>> = Repeated::default();
     let mut trouble = Trouble::default();
+    let mut is_known = false;
     while !shutdown.load(Ordering::Relaxed) {
         let status = match client.state() {
             Ok(status) => {
@@ -154,6 +159,15 @@ fn ask(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
         let is_idle = status.as_ref().is_some_and(|status| {
             status.state == DriveState::Idle && status.robot_program == Presence::Connected
         });
+        // The stream has changes only.
+        match &status {
+            Some(Status { state, t_s: Some(t_s), .. }) if !is_known => {
+                is_known = true;
+                to.send(Content::State { t_s: *t_s, state: *state });
+            }
+            None => is_known = false,
+            _ => {}
+        }
         if let Some(changed) = conditions.changed(conditions_of(status)) {
             to.send(Content::Conditions(Box::new(changed)));
         }

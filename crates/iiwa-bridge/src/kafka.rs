@@ -119,11 +119,11 @@ impl Kafka {
 
 impl Sink for Kafka {
     fn take(&self, message: &Message) {
-        let target = match message.kind() {
-            Kind::Joints => &self.samples,
-            _ => &self.events,
-        };
-        target.append(&SpooledRecord::of(message, self.joints).to_bytes());
+        let record = SpooledRecord::of(message, self.joints).to_bytes();
+        match message.kind() {
+            Kind::Joints => self.samples.append(&record),
+            _ => self.events.append_now(&record),
+        }
     }
 }
 

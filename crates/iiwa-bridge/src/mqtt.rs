@@ -9,7 +9,11 @@ mod payload;
 mod session;
 mod sparkplug;
 
-use std::{path::PathBuf, sync::Arc, time::Duration};
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex, PoisonError},
+    time::Duration,
+};
 
 use iiwa_link::threads::ThreadGroup;
 use tokio::sync::mpsc::{Sender, channel};
@@ -62,6 +66,8 @@ pub struct Mqtt {
 struct RobotTarget {
     name: String,
     events: Arc<SpoolTarget>,
+    /// What the bridge said last of itself.
+    status: Arc<Mutex<Vec<u8>>>,
     samples: Sender<Vec<u8>>,
     pace: Pace,
 }
@@ -88,6 +94,7 @@ impl Mqtt {
         for robot in robots {
             let folder = options.spool.join(robot.name());
             let (events, reader) = SpoolTarget::open(&folder, options.spool_bytes)?;
+            let status = Arc::default();
             let (samples, samples_out) = channel(SAMPLES);
             let to_broker = Session {
                 connector: Arc::clone(&connector),
@@ -95,6 +102,7 @@ impl Mqtt {
                 topic: format!("{}/{}", options.prefix, robot.name()),
                 started: session,
                 spool: Arc::clone(&events),
+                status: Arc::clone(&status),
                 reader,
                 samples: samples_out,
                 gate: Arc::clone(gate),
@@ -105,7 +113,7 @@ impl Mqtt {
             })?;
             let name = robot.name().to_owned();
             let pace = Pace::new(options.rate_hz);
-            targets.push(RobotTarget { name, events, samples, pace });
+            targets.push(RobotTarget { name, events, status, samples, pace });
         }
         Ok(Self { robots: targets, joints: options.joints, _threads: threads })
     }
@@ -126,8 +134,12 @@ impl Sink for Mqtt {
         let Some(robot) = self.robots.iter().find(|robot| robot.name == message.robot) else {
             return;
         };
+        if message.kind() == Kind::Bridge {
+            *robot.status.lock().unwrap_or_else(PoisonError::into_inner) =
+                message.to_json().into_bytes();
+        }
         if message.kind() != Kind::Joints {
-            robot.events.append(&SpooledEvent::of(message).to_bytes());
+            robot.events.append_now(&SpooledEvent::of(message).to_bytes());
         } else if robot.pace.is_due() {
             // While the broker is away, nobody reads them.
             let _ = robot.samples.try_send(self.joints.encode(message));

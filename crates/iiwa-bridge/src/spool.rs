@@ -4,7 +4,7 @@
 //! committed are removed, mostly before the system has written them out. If the queue is full, the oldest segment is removed
 //! uncommitted, and its records are counted as dropped.
 //!
-//! A process that is killed loses what was appended since the last read of the tail, some ms. After a restart the queue
+//! A process that is killed loses what was appended in the last 50 ms and not [flushed](Spool::flush). After a restart the queue
 //! continues where the last commit was saved, at most a second before the end: records may be sent twice, not left out.
 //!
 //! A segment is `iiwaspl1`, and then records of length, CRC-32 of the data, data; numbers are little-endian.
@@ -62,6 +62,8 @@ struct State {
     segments: VecDeque<Segment>,
     tail: Appender,
     dropped: u64,
+    /// The segment of the last commit, and how many of its records are committed.
+    committed: (u64, u64),
 }
 
 /// A segment.
@@ -109,7 +111,8 @@ impl Spool {
         let next = numbers.last().map_or(0, |last| last + 1).max(cursor.segment + 1);
         let tail = Appender::create(&path_of(folder, next))?;
         segments.push_back(Segment { number: next, bytes: tail.bytes(), records: 0 });
-        let state = Mutex::new(State { segments, tail, dropped: 0 });
+        let state =
+            Mutex::new(State { segments, tail, dropped: 0, committed: (cursor.segment, 0) });
         let spool = Self { folder: folder.to_owned(), max_bytes, state, _lock: lock };
         Ok((spool, SpoolReader::new(cursor)))
     }
@@ -139,6 +142,17 @@ impl Spool {
         Ok(())
     }
 
+    /// Hands all that was appended to the system, so that it is there after the process.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be written: what was not is dropped.
+    pub fn flush(&self) -> io::Result<()> {
+        let mut state = self.lock();
+        let buffered = state.tail.buffered();
+        state.tail.flush().inspect_err(|_| state.dropped += buffered)
+    }
+
     /// How full it is.
     #[must_use]
     pub fn level(&self) -> Level {
@@ -156,7 +170,9 @@ impl Spool {
         while bytes + SEGMENT_BYTES > self.max_bytes && state.segments.len() > 1 {
             let Some(oldest) = state.segments.pop_front() else { break };
             bytes -= oldest.bytes;
-            state.dropped += oldest.records;
+            let (segment, records) = state.committed;
+            let committed = if oldest.number == segment { records } else { 0 };
+            state.dropped += oldest.records.saturating_sub(committed);
             // If it stays, it is removed at the next start.
             let _ = fs::remove_file(path_of(&self.folder, oldest.number));
         }

@@ -49,9 +49,20 @@ impl SpoolTarget {
         Ok((Arc::new(target), reader))
     }
 
-    /// Appends a record; if that fails, it is said and counted.
+    /// Appends an event, which has to be there after the process.
+    pub(crate) fn append_now(&self, record: &[u8]) {
+        let appended = self.spool.append(record).and_then(|()| self.spool.flush());
+        self.say(appended);
+    }
+
+    /// Appends a record.
     pub(crate) fn append(&self, record: &[u8]) {
         let appended = self.spool.append(record);
+        self.say(appended);
+    }
+
+    /// Wakes the reader; failures are said and counted.
+    fn say(&self, appended: io::Result<()>) {
         self.appended.notify_one();
         let dropped = self.spool.level().dropped;
         if dropped > self.dropped.swap(dropped, Ordering::Relaxed) {

@@ -31,6 +31,14 @@ impl Trouble {
     }
 }
 
+/// Waits for a shutdown.
+#[cfg(feature = "tls")]
+pub(crate) async fn until_shutdown(shutdown: &AtomicBool) {
+    while !shutdown.load(Ordering::Relaxed) {
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+}
+
 /// Sleeps, or returns early at a shutdown.
 pub(crate) fn pause(duration: Duration, shutdown: &AtomicBool) {
     const STEP: Duration = Duration::from_millis(50);

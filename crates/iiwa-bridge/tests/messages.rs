@@ -1,7 +1,5 @@
 //! Messages against their JSON Schema, and in all formats.
 
-#![expect(clippy::unwrap_used, reason = "a failed test panics")]
-
 use std::net::{IpAddr, Ipv4Addr};
 
 use iiwa_bridge::{

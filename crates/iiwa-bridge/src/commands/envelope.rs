@@ -42,6 +42,10 @@ impl Envelope {
             let why = format!("`id` has to have 1 to {MAX_ID_BYTES} bytes");
             return Err((envelope, Refusal::bad(why)));
         }
+        if envelope.robot.as_ref().is_some_and(|robot| robot.len() > MAX_ID_BYTES) {
+            envelope.robot = None;
+            return Err((envelope, Refusal::bad("`robot` is longer than a name")));
+        }
         let version = envelope.version;
         if version != Some(VERSION) {
             let why = format!("`version` has to be {VERSION}");

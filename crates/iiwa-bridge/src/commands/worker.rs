@@ -1,4 +1,5 @@
-//! Sends the commands for a robot to its drive: runs in one thread, all else in another, so that a stop passes a run.
+//! Sends the commands for a robot to its drive: runs in one thread, stops in another, all else in a third, so that a stop
+//! passes them all.
 
 use std::sync::{
     Arc,
@@ -29,6 +30,8 @@ pub(super) struct Worker {
     /// A second run would wait for the end of the first, and then begin unexpectedly.
     is_running: Arc<AtomicBool>,
     others: SyncSender<Job>,
+    /// Stops pass all others.
+    stops: SyncSender<Job>,
     /// Not that of runs: it may wait for the end of one, which goes on without its client.
     _threads: ThreadGroup,
 }
@@ -56,7 +59,12 @@ impl Worker {
         threads.spawn("bridge commands", move |_| {
             carry_out(&name, client, Some(REPLY_TIMEOUT), &others_in, &|| ());
         })?;
-        Ok(Self { runs, is_running, others, _threads: threads })
+        let (stops, stops_in) = sync_channel(BACKLOG);
+        let (name, client) = (robot.name().to_owned(), robot.client()?);
+        threads.spawn("bridge stops", move |_| {
+            carry_out(&name, client, Some(REPLY_TIMEOUT), &stops_in, &|| ());
+        })?;
+        Ok(Self { runs, is_running, others, stops, _threads: threads })
     }
 
     /// Hands a request over; if there is no room, returns why, with the way of the reply.
@@ -72,7 +80,11 @@ impl Worker {
             let why = "another run that was requested through the bridge is not over yet";
             return Err((Refusal::new(Code::NotIdle, why), job.answer));
         }
-        let to = if is_run { &self.runs } else { &self.others };
+        let to = match job.request {
+            Request::RunMotions { .. } | Request::RunTrajectory { .. } => &self.runs,
+            Request::Stop => &self.stops,
+            _ => &self.others,
+        };
         to.try_send(job).map_err(|error| {
             let (TrySendError::Full(job) | TrySendError::Disconnected(job)) = error;
             (Refusal::robot("too many commands wait for the drive"), job.answer)

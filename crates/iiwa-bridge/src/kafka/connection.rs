@@ -4,9 +4,12 @@ use std::{error::Error as _, sync::Arc, time::Duration};
 
 use rskafka::{
     BackoffConfig,
-    client::{Client, ClientBuilder, Credentials as KafkaCredentials, SaslConfig, error::Error},
+    client::{
+        Client, ClientBuilder, Credentials as KafkaCredentials, SaslConfig,
+        error::{Error, ProtocolError},
+    },
 };
-use tokio::time::timeout;
+use tokio::time::{Instant, sleep, timeout};
 
 use crate::{
     BridgeError,
@@ -39,6 +42,9 @@ pub enum Sasl {
 
 /// How long the first connection is waited for: a refused user is an error then, a missing broker is not.
 const PROBE_TIMEOUT: Duration = Duration::from_secs(4);
+
+/// Time between two attempts of it.
+const PROBE_PAUSE: Duration = Duration::from_millis(200);
 
 /// How long a request is repeated before the connection is made anew.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -113,7 +119,17 @@ impl Connector {
 
     /// Finds out whether the brokers refuse us. One that cannot be reached may come back.
     pub(super) async fn probe(&self) -> Result<(), BridgeError> {
-        match self.connect_within(PROBE_TIMEOUT).await {
+        let since = Instant::now();
+        // Each attempt by itself: the library repeats refused ones, too.
+        let found = loop {
+            match self.connect_within(Duration::ZERO).await {
+                Err(failure) if !failure.is_refusal && since.elapsed() < PROBE_TIMEOUT => {
+                    sleep(PROBE_PAUSE).await;
+                }
+                found => break found,
+            }
+        };
+        match found {
             Ok(_) => {
                 tracing::info!("Kafka at {}: connected", self.at());
                 Ok(())
@@ -142,11 +158,18 @@ pub(super) struct Failure {
     pub(super) what: String,
     /// Whether the broker refuses us, or we the broker: repetition does not help.
     pub(super) is_refusal: bool,
+    /// Whether the broker takes smaller batches only.
+    pub(super) is_too_large: bool,
 }
 
 impl Failure {
+    /// A failure that may pass.
+    pub(super) fn passing(what: String) -> Self {
+        Self { what, is_refusal: false, is_too_large: false }
+    }
+
     pub(super) fn timeout() -> Self {
-        Self { what: "no answer in time".to_owned(), is_refusal: false }
+        Self::passing("no answer in time".to_owned())
     }
 
     pub(super) fn of(error: &Error) -> Self {
@@ -164,11 +187,25 @@ impl Failure {
         if has(&["Sasl", "SaslAuthenticationFailed"]) {
             let what = "the broker does not accept the user, the password or the mechanism (SASL)"
                 .to_owned();
-            return Self { what, is_refusal: true };
+            return Self { what, is_refusal: true, is_too_large: false };
         }
         if has(&["certificate", "Certificate", "UnknownIssuer", "HandshakeFailure"]) {
-            return Self { what: format!("TLS: {what}"), is_refusal: true };
+            return Self { what: format!("TLS: {what}"), is_refusal: true, is_too_large: false };
         }
-        Self { what, is_refusal: false }
+        if has(&["early eof", "handshake eof", "InvalidContentType"]) {
+            what.push_str("; does one side use TLS, and the other one not?");
+        }
+        let is_too_large = has_too_large(error);
+        Self { is_too_large, ..Self::passing(what) }
     }
+}
+
+fn has_too_large(error: &Error) -> bool {
+    matches!(
+        error,
+        Error::ServerError {
+            protocol_error: ProtocolError::MessageTooLarge | ProtocolError::RecordListTooLarge,
+            ..
+        }
+    )
 }

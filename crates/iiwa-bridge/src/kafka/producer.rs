@@ -28,8 +28,11 @@ use super::{
     topic,
 };
 use crate::{
-    encoding::JointFormat, message::Kind, spool::SpoolReader, spooling::SpoolTarget,
-    trouble::Trouble,
+    encoding::JointFormat,
+    message::Kind,
+    spool::SpoolReader,
+    spooling::SpoolTarget,
+    trouble::{Trouble, until_shutdown},
 };
 
 /// Largest batch, in records and in bytes: brokers take 1 MB by default.
@@ -40,7 +43,7 @@ const BATCH_BYTES: usize = 512 << 10;
 const LINGER: Duration = Duration::from_millis(20);
 
 /// How long a batch may take to be acknowledged.
-const PRODUCE_TIMEOUT: Duration = Duration::from_secs(20);
+const PRODUCE_TIMEOUT: Duration = Duration::from_secs(8);
 
 /// Pause after a failure.
 const PAUSE: Duration = Duration::from_millis(500);
@@ -69,6 +72,7 @@ impl Producer {
         let mut trouble = Trouble::default();
         let mut topics = None;
         let mut until = None;
+        let mut batch_bytes = BATCH_BYTES;
         loop {
             if shutdown.load(Ordering::Relaxed) {
                 let until = *until.get_or_insert_with(|| Instant::now() + LAST_BATCHES);
@@ -78,7 +82,15 @@ impl Producer {
                 }
             }
             let began = Instant::now();
-            match self.send_batch(&mut topics).await {
+            let last = async {
+                until_shutdown(shutdown).await;
+                sleep(LAST_BATCHES).await;
+            };
+            let sent = tokio::select! {
+                sent = self.send_batch(&mut topics, batch_bytes) => sent,
+                () = last => break,
+            };
+            match sent {
                 Ok(0) => {
                     // Woken up by the first record, or to check for the end.
                     let _ = timeout(Duration::from_millis(100), self.spool.appended()).await;
@@ -87,11 +99,17 @@ impl Producer {
                     if trouble.clear() {
                         tracing::info!("Kafka at {}: messages arrive again", self.connector.at());
                     }
+                    batch_bytes = (2 * batch_bytes).min(BATCH_BYTES);
                     sleep(LINGER.saturating_sub(began.elapsed())).await;
                 }
                 Err(failure) => {
-                    topics = None;
                     self.reader.rewind();
+                    if failure.is_too_large && batch_bytes > 1 {
+                        // A batch has one record at least.
+                        batch_bytes /= 2;
+                        continue;
+                    }
+                    topics = None;
                     trouble.warn(format_args!(
                         "Kafka at {}: {}; messages are kept until it is back",
                         self.connector.at(),
@@ -113,13 +131,18 @@ impl Producer {
     }
 
     /// Sends a batch; returns its size.
-    async fn send_batch(&mut self, topics: &mut Option<Topics>) -> Result<usize, Failure> {
+    async fn send_batch(
+        &mut self,
+        topics: &mut Option<Topics>,
+        batch_bytes: usize,
+    ) -> Result<usize, Failure> {
         let spool = self.spool.spool();
         let wrong = |error: std::io::Error| Failure {
             what: format!("cannot read the spool: {error}"),
             is_refusal: false,
+            is_too_large: false,
         };
-        let batch = self.reader.batch(spool, BATCH_RECORDS, BATCH_BYTES).map_err(wrong)?;
+        let batch = self.reader.batch(spool, BATCH_RECORDS, batch_bytes).map_err(wrong)?;
         if batch.is_empty() {
             return Ok(0);
         }

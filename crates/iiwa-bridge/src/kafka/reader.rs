@@ -159,7 +159,7 @@ impl KafkaReader {
         let Some(found) = topics.into_iter().find(|topic| topic.name == name) else {
             let what =
                 format!("there is no topic {name}; has a bridge written to it, with this prefix?");
-            return Err(Failure { what, is_refusal: true });
+            return Err(Failure::passing(what));
         };
         let mut partitions = Vec::new();
         for partition in found.partitions {

@@ -29,8 +29,8 @@ use super::{
     topic,
 };
 use crate::{
-    commands::{CommandGate, CommandReply, MAX_COMMAND_BYTES},
-    trouble::Trouble,
+    commands::{CommandGate, CommandReply},
+    trouble::{Trouble, until_shutdown},
 };
 
 /// How long the broker holds a request for records that are not there yet.
@@ -78,7 +78,11 @@ pub(super) async fn serve(
             }
             Ok::<_, Failed>(())
         };
-        if let Err(Failed(failure)) = session.await {
+        let ended = tokio::select! {
+            ended = session => ended,
+            () = until_shutdown(shutdown) => return,
+        };
+        if let Err(Failed(failure)) = ended {
             let at = connector.at();
             trouble.warn(format_args!("Kafka at {at}: no commands are received: {}", failure.what));
             sleep(PAUSE).await;
@@ -137,8 +141,7 @@ async fn answer(
 ) -> Result<(), Error> {
     while let Ok(Some(reply)) = timeout(TURN, replies.recv()).await {
         let key = reply.robot.clone().unwrap_or_default().into_bytes();
-        let mut value = reply.to_json().into_bytes();
-        value.truncate(MAX_COMMAND_BYTES);
+        let value = reply.to_json().into_bytes();
         let partition = &answers[partition_of(&key, answers.len())];
         let record = Record {
             key: Some(key),
@@ -146,7 +149,12 @@ async fn answer(
             headers: BTreeMap::new(),
             timestamp: SystemTime::now().into(),
         };
-        partition.produce(vec![record], Compression::NoCompression).await?;
+        match partition.produce(vec![record], Compression::NoCompression).await {
+            Err(Error::ServerError { protocol_error: ProtocolError::MessageTooLarge, .. }) => {
+                tracing::warn!("a reply was dropped: the broker takes no messages of its length");
+            }
+            sent => drop(sent?),
+        }
     }
     Ok(())
 }

@@ -1,6 +1,12 @@
 //! Connections to an MQTT broker, by either version of the protocol.
 
-use std::{sync::Arc, time::Duration};
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::Duration,
+};
 
 use bytes::Bytes;
 use rumqttc::{
@@ -53,7 +59,8 @@ const MAX_PACKET_BYTES: u32 = 64 << 20;
 /// Messages that wait to be sent.
 const OUTGOING: usize = 256;
 
-/// Messages that have arrived and wait to be read.
+/// Messages that have arrived and wait to be read; further ones are dropped. What reads the connection must not wait for those
+/// who wait for it to write.
 const INCOMING: usize = 64;
 
 impl MqttConnection {
@@ -96,7 +103,7 @@ impl Connector {
         let MqttConnection { host, port, credentials, client_id, version, .. } = &self.settings;
         let id = format!("{client_id}-{name}");
         let tls = || self.tls.clone().map(|tls| Transport::Tls(TlsConfiguration::Rustls(tls)));
-        let (arrived, incoming) = mpsc::channel(INCOMING);
+        let (arrived, incoming) = Arrivals::new();
         let (client, task) = match version {
             MqttVersion::V3 => {
                 let mut options = MqttOptions::new(id, host, *port);
@@ -114,8 +121,7 @@ impl Connector {
                 let task = tokio::spawn(async move {
                     loop {
                         let event = events.poll().await.map(of_v3).map_err(|e| Failure::of_v3(&e));
-                        let has_failed = event.is_err();
-                        if arrived.send(event).await.is_err() || has_failed {
+                        if !arrived.pass(event) {
                             return;
                         }
                     }
@@ -139,8 +145,7 @@ impl Connector {
                 let task = tokio::spawn(async move {
                     loop {
                         let event = events.poll().await.map(of_v5).map_err(|e| Failure::of_v5(&e));
-                        let has_failed = event.is_err();
-                        if arrived.send(event).await.is_err() || has_failed {
+                        if !arrived.pass(event) {
                             return;
                         }
                     }
@@ -182,6 +187,54 @@ pub(super) enum Incoming {
     Message(Received),
     /// Something else.
     Other,
+}
+
+/// What has arrived, on its way to its reader.
+struct Arrivals {
+    to: mpsc::UnboundedSender<Result<Incoming, Failure>>,
+    /// Messages that are not read yet.
+    waiting: Arc<AtomicUsize>,
+}
+
+impl Arrivals {
+    fn new() -> (Self, Arriving) {
+        let (to, from) = mpsc::unbounded_channel();
+        let waiting = Arc::new(AtomicUsize::new(0));
+        (Self { to, waiting: Arc::clone(&waiting) }, Arriving { from, waiting })
+    }
+
+    /// Passes it on without waiting; false at the end.
+    fn pass(&self, event: Result<Incoming, Failure>) -> bool {
+        match &event {
+            Ok(Incoming::Other) => return !self.to.is_closed(),
+            Ok(Incoming::Message(_)) if self.waiting.load(Ordering::Relaxed) >= INCOMING => {
+                tracing::warn!("a command was dropped: too many arrive at once");
+                return true;
+            }
+            Ok(Incoming::Message(_)) => {
+                self.waiting.fetch_add(1, Ordering::Relaxed);
+            }
+            _ => {}
+        }
+        let is_over = event.is_err();
+        self.to.send(event).is_ok() && !is_over
+    }
+}
+
+/// The reader's side.
+struct Arriving {
+    from: mpsc::UnboundedReceiver<Result<Incoming, Failure>>,
+    waiting: Arc<AtomicUsize>,
+}
+
+impl Arriving {
+    async fn next(&mut self) -> Result<Incoming, Failure> {
+        let event = self.from.recv().await.unwrap_or_else(|| Err(Failure::lost()));
+        if matches!(event, Ok(Incoming::Message(_))) {
+            self.waiting.fetch_sub(1, Ordering::Relaxed);
+        }
+        event
+    }
 }
 
 /// A message of a subscription.
@@ -298,7 +351,7 @@ impl Failure {
 /// A connection.
 pub(super) struct Connection {
     client: Client,
-    incoming: mpsc::Receiver<Result<Incoming, Failure>>,
+    incoming: Arriving,
     task: JoinHandle<()>,
 }
 
@@ -330,7 +383,7 @@ impl Connection {
 
     /// What arrives next. Cancellation-safe.
     pub(super) async fn next(&mut self) -> Result<Incoming, Failure> {
-        self.incoming.recv().await.unwrap_or_else(|| Err(Failure::lost()))
+        self.incoming.next().await
     }
 
     /// Sends a message, with the correlation data of a request.

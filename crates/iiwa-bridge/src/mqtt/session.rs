@@ -3,7 +3,7 @@
 use std::{
     collections::VecDeque,
     sync::{
-        Arc,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicBool, Ordering},
     },
     time::Duration,
@@ -22,7 +22,7 @@ use crate::{
     message::{BridgeStatus, Kind, Message},
     spool::SpoolReader,
     spooling::SpoolTarget,
-    trouble::Trouble,
+    trouble::{Trouble, until_shutdown},
 };
 
 /// Events that are sent and not acknowledged yet, at most: within what brokers take from a connection.
@@ -47,6 +47,8 @@ pub(super) struct Session {
     pub(super) started: u64,
     pub(super) spool: Arc<SpoolTarget>,
     pub(super) reader: SpoolReader,
+    /// What the bridge said last of itself.
+    pub(super) status: Arc<Mutex<Vec<u8>>>,
     pub(super) samples: Receiver<Vec<u8>>,
     pub(super) gate: Arc<CommandGate>,
 }
@@ -95,7 +97,15 @@ impl Session {
                 }
                 self.send(&mut connection, (&replies, &mut replies_out), shutdown).await
             };
-            match sent.await {
+            let last = async {
+                until_shutdown(shutdown).await;
+                sleep(2 * LAST_EVENTS).await;
+            };
+            let sent = tokio::select! {
+                sent = sent => sent,
+                () = last => break,
+            };
+            match sent {
                 Ok(()) => connection.end().await,
                 Err(failure) => {
                     self.reader.rewind();
@@ -125,6 +135,13 @@ impl Session {
         // Samples of before the connection are late.
         while self.samples.try_recv().is_ok() {}
         let mut in_flight = InFlight::default();
+        // The broker has published the last will of the connection before.
+        let status = self.status.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        if !status.is_empty() {
+            let topic = format!("{}/{}", self.topic, Kind::Bridge.name());
+            connection.publish(&topic, status, Delivery::Retained, None).await?;
+            in_flight.sent(false);
+        }
         let mut turn = interval(TURN);
         let mut until = None;
         loop {

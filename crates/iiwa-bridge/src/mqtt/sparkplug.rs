@@ -47,6 +47,9 @@ pub struct SparkplugOptions {
     pub rate_hz: Option<f64>,
 }
 
+/// The metric that says whether a robot is there: without it, its device is dead.
+const DRIVE_CONNECTED: &str = "Drive/Connected";
+
 /// Changes that wait to be sent.
 const BACKLOG: usize = 1024;
 
@@ -127,7 +130,7 @@ impl Node {
     async fn run(mut self, mut changes: Receiver<(String, Metrics)>, shutdown: &AtomicBool) {
         let mut trouble = Trouble::default();
         while !shutdown.load(Ordering::Relaxed) {
-            let death = encode(None, &[("bdSeq".to_owned(), Value::UInt64(self.births.into()))]);
+            let death = encode(None, &[("bdSeq".to_owned(), Value::Int64(self.births.into()))]);
             let will = Will { topic: self.topic("NDEATH", None), payload: death, retain: false };
             let mut connection = self.connector.open(&self.name, Some(will));
             let sent = async {
@@ -172,7 +175,7 @@ impl Node {
                 _ = turn.tick() => {
                     if shutdown.load(Ordering::Relaxed) {
                         // As when the connection breaks off.
-                        let death = encode(None, &[("bdSeq".to_owned(), Value::UInt64(self.births.into()))]);
+                        let death = encode(None, &[("bdSeq".to_owned(), Value::Int64(self.births.into()))]);
                         let topic = self.topic("NDEATH", None);
                         return connection.publish(&topic, death, Delivery::AtMostOnce, None).await;
                     }
@@ -185,13 +188,16 @@ impl Node {
     async fn be_born(&mut self, connection: &Connection) -> Result<(), Failure> {
         self.seq = 0;
         let own = [
-            ("bdSeq".to_owned(), Value::UInt64(self.births.into())),
+            ("bdSeq".to_owned(), Value::Int64(self.births.into())),
             ("Node Control/Rebirth".to_owned(), Value::Boolean(false)),
         ];
         let birth = encode(Some(self.next_seq()), &own);
         let topic = self.topic("NBIRTH", None);
         connection.publish(&topic, birth, Delivery::AtMostOnce, None).await?;
-        for robot in self.devices.keys().cloned().collect::<Vec<_>>() {
+        let is_alive = |device: &&String| {
+            self.devices[*device].get(DRIVE_CONNECTED) == Some(&Value::Boolean(true))
+        };
+        for robot in self.devices.keys().filter(is_alive).cloned().collect::<Vec<_>>() {
             self.device_birth(connection, &robot).await?;
         }
         Ok(())
@@ -219,7 +225,22 @@ impl Node {
         metrics: Metrics,
     ) -> Result<(), Failure> {
         let Some(device) = self.devices.get_mut(robot) else { return Ok(()) };
-        let is_new = metrics.keys().any(|name| !device.contains_key(name));
+        if metrics.get(DRIVE_CONNECTED) == Some(&Value::Boolean(false)) {
+            let was_alive = device.insert(DRIVE_CONNECTED.to_owned(), Value::Boolean(false));
+            if was_alive != Some(Value::Boolean(false)) {
+                let seq = self.next_seq();
+                let topic = self.topic("DDEATH", Some(robot));
+                let death = encode(Some(seq), &[]);
+                connection.publish(&topic, death, Delivery::AtMostOnce, None).await?;
+            }
+            return Ok(());
+        }
+        let was_dead = device.get(DRIVE_CONNECTED) == Some(&Value::Boolean(false));
+        if was_dead && !metrics.contains_key(DRIVE_CONNECTED) {
+            // What is left of before.
+            return Ok(());
+        }
+        let is_new = was_dead || metrics.keys().any(|name| !device.contains_key(name));
         let changed: Vec<_> =
             metrics.into_iter().filter(|(name, value)| device.get(name) != Some(value)).collect();
         if changed.is_empty() {

@@ -23,6 +23,8 @@ const SAVE_EVERY: Duration = Duration::from_secs(1);
 pub(super) struct Cursor {
     pub(super) segment: u64,
     pub(super) offset: u64,
+    /// Records of the segment before it; not known of a saved place.
+    pub(super) records: u64,
 }
 
 impl Cursor {
@@ -31,13 +33,13 @@ impl Cursor {
         let text = fs::read_to_string(path).unwrap_or_default();
         let mut numbers = text.split_whitespace().map(str::parse);
         match (numbers.next(), numbers.next()) {
-            (Some(Ok(segment)), Some(Ok(offset))) => Self { segment, offset },
+            (Some(Ok(segment)), Some(Ok(offset))) => Self { segment, offset, records: 0 },
             _ => Self::default(),
         }
     }
 
     fn save(self, folder: &Path) -> io::Result<()> {
-        let Self { segment, offset } = self;
+        let Self { segment, offset, .. } = self;
         // Whole or not at all.
         let written = folder.join("cursor.new");
         fs::write(&written, format!("{segment} {offset}\n"))?;
@@ -106,6 +108,7 @@ impl SpoolReader {
             self.save(spool)?;
         }
         let mut state = spool.lock();
+        state.committed = (self.committed.segment, self.committed.records);
         while state.segments.len() > 1
             && let Some(first) = state.segments.front()
             && first.number < self.committed.segment
@@ -134,6 +137,7 @@ impl SpoolReader {
             let Some(file) = &mut self.file else { return Ok(None) };
             if let Some(record) = read_record(file)? {
                 self.next.offset += HEAD_BYTES + record.len() as u64;
+                self.next.records += 1;
                 return Ok(Some(record));
             }
             if is_last {
@@ -141,7 +145,7 @@ impl SpoolReader {
                 self.file = None;
                 return Ok(None);
             }
-            self.next = Cursor { segment: self.next.segment + 1, offset: 0 };
+            self.next = Cursor { segment: self.next.segment + 1, ..Cursor::default() };
             self.file = None;
         }
     }
@@ -155,7 +159,7 @@ impl SpoolReader {
         let segment = state.segments[place];
         let is_last = place + 1 == state.segments.len();
         if segment.number != self.next.segment {
-            self.next = Cursor { segment: segment.number, offset: 0 };
+            self.next = Cursor { segment: segment.number, ..Cursor::default() };
             self.file = None;
         }
         self.next.offset = self.next.offset.max(MAGIC.len() as u64);

@@ -4,6 +4,7 @@ use std::{
     fs::File,
     io::{self, BufReader, Read, Write},
     path::Path,
+    time::{Duration, Instant},
 };
 
 /// The first bytes of a segment.
@@ -28,14 +29,25 @@ pub(super) struct Appender {
     buffer: Vec<u8>,
     /// Records in the buffer.
     buffered: u64,
+    /// When the first of them was appended.
+    since: Instant,
 }
+
+/// How long a record may be in the buffer: a process that is killed loses no more.
+const BUFFER_TIME: Duration = Duration::from_millis(50);
 
 impl Appender {
     pub(super) fn create(path: &Path) -> io::Result<Self> {
         let mut file = File::create(path)?;
         file.write_all(MAGIC)?;
         let written = MAGIC.len() as u64;
-        Ok(Self { file, written, buffer: Vec::with_capacity(BUFFER_BYTES), buffered: 0 })
+        Ok(Self {
+            file,
+            written,
+            buffer: Vec::with_capacity(BUFFER_BYTES),
+            buffered: 0,
+            since: Instant::now(),
+        })
     }
 
     /// The length of the segment, with what is not written out yet.
@@ -56,8 +68,11 @@ impl Appender {
         self.buffer.extend_from_slice(&length.to_le_bytes());
         self.buffer.extend_from_slice(&crc32fast::hash(record).to_le_bytes());
         self.buffer.extend_from_slice(record);
+        if self.buffered == 0 {
+            self.since = Instant::now();
+        }
         self.buffered += 1;
-        Ok(())
+        if self.since.elapsed() >= BUFFER_TIME { self.flush() } else { Ok(()) }
     }
 
     /// Records that are not written out.

@@ -15,6 +15,7 @@ pub(super) enum Value {
     Double(f64),
     Boolean(bool),
     UInt64(u64),
+    Int64(u64),
     Text(String),
     /// No text.
     NoText,

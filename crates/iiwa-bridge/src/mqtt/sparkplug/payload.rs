@@ -46,6 +46,7 @@ enum MetricValue {
 }
 
 /// Data types, section 6.4.16.
+const INT64: u32 = 4;
 const UINT64: u32 = 8;
 const DOUBLE: u32 = 10;
 const BOOLEAN: u32 = 11;
@@ -59,6 +60,7 @@ pub(super) fn encode(seq: Option<u8>, metrics: &[(String, Value)]) -> Vec<u8> {
         let (datatype, value) = match value {
             Value::Double(number) => (DOUBLE, Some(MetricValue::Double(*number))),
             Value::Boolean(flag) => (BOOLEAN, Some(MetricValue::Boolean(*flag))),
+            Value::Int64(number) => (INT64, Some(MetricValue::Long(*number))),
             Value::UInt64(number) => (UINT64, Some(MetricValue::Long(*number))),
             Value::Text(text) => (STRING, Some(MetricValue::Text(text.clone()))),
             Value::NoText => (STRING, None),
