@@ -31,7 +31,7 @@ use crate::settings::{self, Settings};
 
 pub(crate) use addresses::{ClientKeys, DriveAddress, ServerKeys};
 pub(crate) use answering::Answering;
-pub(crate) use bridge::{Bridge, JointFormat, KafkaAccess, KafkaCompression, KafkaSasl, Mqtt};
+pub(crate) use bridge::{Bridge, KafkaAccess, Mqtt};
 #[cfg(feature = "opcua")]
 pub(crate) use bridge_opcua::OpcUa;
 #[cfg(feature = "ros2")]

@@ -6,6 +6,7 @@
 
 mod args;
 mod arm_files;
+mod broker_access;
 mod commands;
 mod connection;
 mod failure;

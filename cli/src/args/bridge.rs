@@ -2,7 +2,7 @@
 
 use std::{path::PathBuf, str::FromStr};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use iiwa_link::security::Endpoint;
 
 use super::{
@@ -40,9 +40,9 @@ pub(crate) struct Bridge {
     #[arg(long, value_name = "MB", default_value_t = 1024, value_parser = whole::<u64, 64, 1_000_000>)]
     pub(crate) spool_mb: u64,
 
-    /// Format of the joints' messages; all others are JSON
-    #[arg(long, value_name = "FORMAT", default_value = "json")]
-    pub(crate) joints: JointFormat,
+    /// Format of the joints' messages; all others are JSON. `cdr` is `sensor_msgs/JointState`, as ROS 2 has it
+    #[arg(long, value_name = "FORMAT", default_value = "json", value_parser = ["json", "cdr", "protobuf"])]
+    pub(crate) joints: String,
 
     #[command(flatten)]
     pub(crate) kafka: Kafka,
@@ -86,10 +86,10 @@ pub(crate) struct Kafka {
     #[arg(
         long = "kafka-compression",
         value_name = "NAME",
-        default_value = "snappy",
+        default_value = "snappy", value_parser = ["none", "snappy", "gzip"],
         requires = "brokers"
     )]
-    pub(crate) compression: KafkaCompression,
+    pub(crate) compression: String,
 }
 
 /// How Kafka is reached, for all commands that do.
@@ -148,9 +148,9 @@ pub(crate) struct KafkaAccess {
     )]
     pub(crate) password_file: Option<PathBuf>,
 
-    /// How the user proves to know the password
-    #[arg(long = "kafka-sasl", value_name = "NAME", default_value = "scram-sha-512")]
-    pub(crate) sasl: KafkaSasl,
+    /// How the user proves to know the password; `plain` is the password itself, with TLS only, or on this machine
+    #[arg(long = "kafka-sasl", value_name = "NAME", default_value = "scram-sha-512", value_parser = ["plain", "scram-sha-256", "scram-sha-512"])]
+    pub(crate) sasl: String,
 }
 
 /// MQTT.
@@ -229,41 +229,6 @@ pub(crate) struct Mqtt {
     /// Also be an edge node of Sparkplug B, with the robots as devices, in this group
     #[arg(long, value_name = "GROUP", num_args = 0..=1, require_equals = true, default_missing_value = "iiwasim", requires = "broker")]
     pub(crate) sparkplug: Option<String>,
-}
-
-/// Format of the joints' messages.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum JointFormat {
-    /// As all messages
-    Json,
-    /// `sensor_msgs/JointState`, as ROS 2 has it
-    Cdr,
-    /// `iiwasim.Joints`, see the guide
-    Protobuf,
-}
-
-/// Compression of batches.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum KafkaCompression {
-    /// Not at all
-    None,
-    /// Quickly
-    Snappy,
-    /// Small
-    Gzip,
-}
-
-/// SASL mechanism.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum KafkaSasl {
-    /// The password itself: with TLS only, or on this machine
-    Plain,
-    /// SCRAM with SHA-256
-    #[value(name = "scram-sha-256")]
-    ScramSha256,
-    /// SCRAM with SHA-512
-    #[value(name = "scram-sha-512")]
-    ScramSha512,
 }
 
 /// A robot beside that of `--drive`.

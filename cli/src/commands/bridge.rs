@@ -1,25 +1,18 @@
 //! `iiwasim bridge`.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    sync::Arc,
-    thread,
-    time::Duration,
-};
+use std::{path::Path, sync::Arc, thread, time::Duration};
 
 use iiwa_bridge::{
-    Bridge, BridgeError, BridgeOptions, BridgedRobot, Credentials, Sink, default_spool,
-    encoding::JointFormat,
-    kafka::{Compression, KafkaConnection, KafkaOptions, Sasl},
-    mqtt::{MqttConnection, MqttOptions, MqttVersion, SparkplugOptions},
-    tls::TlsFiles,
+    Bridge, BridgeOptions, BridgedRobot, Sink, default_spool,
+    kafka::KafkaOptions,
+    mqtt::{MqttOptions, SparkplugOptions},
 };
 use iiwa_files::interrupt;
-use iiwa_view::with_causes;
 
 use crate::{
-    args, connection,
+    args,
+    broker_access::{failure, kafka_connection, mqtt_connection},
+    connection,
     failure::{Failure, print_note},
     log, output,
 };
@@ -128,34 +121,11 @@ fn kafka(options: &args::Bridge, spool: &Path) -> Result<Option<KafkaOptions>, F
     Ok(Some(KafkaOptions {
         connection: kafka_connection(&kafka.brokers, &kafka.access)?,
         prefix: kafka.access.prefix.clone(),
-        compression: match kafka.compression {
-            args::KafkaCompression::None => Compression::None,
-            args::KafkaCompression::Snappy => Compression::Snappy,
-            args::KafkaCompression::Gzip => Compression::Gzip,
-        },
-        joints: joints(options.joints),
+        compression: kafka.compression.parse().unwrap_or_default(),
+        joints: options.joints.parse().unwrap_or_default(),
         spool: spool.join("kafka"),
         spool_bytes: options.spool_mb << 20,
     }))
-}
-
-/// How Kafka is reached.
-pub(crate) fn kafka_connection(
-    brokers: &[String],
-    access: &args::KafkaAccess,
-) -> Result<KafkaConnection, Failure> {
-    let own = (&access.certificate, &access.certificate_key);
-    let sasl = match access.sasl {
-        args::KafkaSasl::Plain => Sasl::Plain,
-        args::KafkaSasl::ScramSha256 => Sasl::ScramSha256,
-        args::KafkaSasl::ScramSha512 => Sasl::ScramSha512,
-    };
-    let credentials = credentials(access.user.as_ref(), access.password_file.as_ref())?;
-    Ok(KafkaConnection {
-        brokers: brokers.to_vec(),
-        tls: tls(access.tls, access.authority.as_ref(), own),
-        sasl: credentials.map(|credentials| (sasl, credentials)),
-    })
 }
 
 fn mqtt(options: &args::Bridge, spool: &Path) -> Result<Option<MqttOptions>, Failure> {
@@ -168,7 +138,7 @@ fn mqtt(options: &args::Bridge, spool: &Path) -> Result<Option<MqttOptions>, Fai
         connection,
         prefix: mqtt.prefix.clone(),
         rate_hz: rate(mqtt),
-        joints: joints(options.joints),
+        joints: options.joints.parse().unwrap_or_default(),
         spool: spool.join("mqtt"),
         spool_bytes: options.spool_mb << 20,
     }))
@@ -182,80 +152,8 @@ fn sparkplug(mqtt: &args::Mqtt) -> Result<Option<SparkplugOptions>, Failure> {
     Ok(Some(SparkplugOptions { connection, group, node, rate_hz: rate(mqtt) }))
 }
 
-fn mqtt_connection(mqtt: &args::Mqtt) -> Result<Option<MqttConnection>, Failure> {
-    let Some((host, port)) = mqtt.broker.as_ref().and_then(|broker| broker.rsplit_once(':')) else {
-        return Ok(None);
-    };
-    let version = match mqtt.version {
-        3 => MqttVersion::V3,
-        5 => MqttVersion::V5,
-        other => return Err(Failure::input(format!("--mqtt-version {other}: it is 3 or 5"))),
-    };
-    let own = (&mqtt.certificate, &mqtt.certificate_key);
-    Ok(Some(MqttConnection {
-        host: host.trim_start_matches('[').trim_end_matches(']').to_owned(),
-        port: port.parse().unwrap_or_default(),
-        version,
-        tls: tls(mqtt.tls, mqtt.authority.as_ref(), own),
-        credentials: credentials(mqtt.user.as_ref(), mqtt.password_file.as_ref())?,
-        client_id: mqtt.client.clone(),
-    }))
-}
-
 fn rate(mqtt: &args::Mqtt) -> Option<f64> {
     Some(mqtt.rate).filter(|rate| *rate > 0.0)
-}
-
-fn joints(format: args::JointFormat) -> JointFormat {
-    match format {
-        args::JointFormat::Json => JointFormat::Json,
-        args::JointFormat::Cdr => JointFormat::Cdr,
-        args::JointFormat::Protobuf => JointFormat::Protobuf,
-    }
-}
-
-fn tls(
-    wanted: bool,
-    authority: Option<&PathBuf>,
-    own: (&Option<PathBuf>, &Option<PathBuf>),
-) -> Option<TlsFiles> {
-    let own = match own {
-        (Some(certificate), Some(key)) => Some((certificate.clone(), key.clone())),
-        _ => None,
-    };
-    let wanted = wanted || authority.is_some() || own.is_some();
-    wanted.then(|| TlsFiles { authority: authority.cloned(), own })
-}
-
-/// The user, with the password in the first line of a file.
-pub(crate) fn credentials(
-    user: Option<&String>,
-    file: Option<&PathBuf>,
-) -> Result<Option<Credentials>, Failure> {
-    let (Some(user), Some(file)) = (user, file) else { return Ok(None) };
-    let text = fs::read_to_string(file).map_err(|error| {
-        Failure::input(format!("cannot read the password in {}: {error}", file.display()))
-    })?;
-    let password = text.lines().next().unwrap_or_default().to_owned();
-    if password.is_empty() {
-        return Err(Failure::input(format!("the first line of {} is empty", file.display())));
-    }
-    Ok(Some(Credentials { user: user.clone(), password }))
-}
-
-/// A bridge that did not start: invalid input if the options are wrong.
-pub(crate) fn failure(error: &BridgeError) -> Failure {
-    match error {
-        BridgeError::Link(error) => connection::refused(error),
-        BridgeError::RobotName { .. }
-        | BridgeError::SameName { .. }
-        | BridgeError::Certificate { .. }
-        | BridgeError::Settings { .. } => Failure::input(with_causes(error)),
-        BridgeError::SpoolInUse { .. } => {
-            Failure::Run { what: format!("{error} (--spool)"), cause: None }
-        }
-        error => Failure::Run { what: with_causes(error), cause: None },
-    }
 }
 
 /// What is bridged, for people.

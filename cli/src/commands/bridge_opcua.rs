@@ -6,8 +6,7 @@ use iiwa_bridge::{BridgedRobot, Sink, default_spool};
 use iiwa_opcua::{BridgedArm, OpcUa, OpcUaError, OpcUaOptions};
 use iiwa_view::with_causes;
 
-use super::bridge::credentials;
-use crate::{args, connection, failure::Failure, input::find_robot};
+use crate::{args, broker_access::credentials, connection, failure::Failure, input::find_robot};
 
 /// The server of these robots, if there is to be one; `model` is that of all.
 pub(crate) fn start(

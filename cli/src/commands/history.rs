@@ -11,7 +11,7 @@ use iiwa_view::{printable, table};
 
 use crate::{
     args,
-    commands::bridge::{failure, kafka_connection},
+    broker_access::{failure, kafka_connection},
     failure::{Failure, print_note},
     output,
 };
@@ -101,23 +101,8 @@ fn text(history: &History) -> String {
             seconds(program.median_s),
             seconds(last.and_then(|run| run.measured_s)),
             program.drift.map_or("-".to_owned(), |drift| format!("{:+.1}", drift.percent)),
-            trend(program),
+            program.trend(),
         ]);
     }
     format!("{rows}\n")
-}
-
-/// The latest measured times as a line of bars, from the shortest to the longest.
-fn trend(program: &ProgramHistory) -> String {
-    const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
-    const SHOWN: usize = 12;
-    let times: Vec<f64> = program.runs.iter().filter_map(|run| run.measured_s).collect();
-    let times = &times[times.len().saturating_sub(SHOWN)..];
-    let low = times.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = times.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    // Noise of a few ms is no trend.
-    let range = (high - low).max(0.01 * high);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 7")]
-    let bar = |time: &f64| BARS[(((time - low) / range * 7.0).round() as usize).min(7)];
-    times.iter().map(bar).collect()
 }

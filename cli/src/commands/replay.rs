@@ -21,7 +21,8 @@ use iiwa_log::{Config, Recorder, RecorderConfig, WriteError};
 
 use crate::{
     args::Replay,
-    commands::{bridge::failure, history::reader},
+    broker_access::failure,
+    commands::history::reader,
     connection,
     failure::{Failure, print_note},
     input::find_robot,

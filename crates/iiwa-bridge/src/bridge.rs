@@ -15,9 +15,9 @@ use crate::kafka::{Kafka, KafkaOptions};
 use crate::mqtt::{Mqtt, MqttOptions, Sparkplug, SparkplugOptions};
 use crate::{
     BridgeError, BridgedRobot, Sink,
-    commands::{CommandCounts, CommandGate},
+    commands::CommandGate,
     feed::Feed,
-    message::BridgeStatus,
+    message::{BridgeStatus, CommandCounts},
     spool::Level,
     trouble::pause,
 };

@@ -25,10 +25,14 @@ use std::{
 
 use iiwa_link::message::{Code, Refusal, Request};
 
-use crate::{BridgeError, message::Timestamp, robot::BridgedRobot};
+use crate::{
+    BridgeError,
+    message::{CommandCounts, Timestamp},
+    robot::BridgedRobot,
+};
 
 use envelope::Envelope;
-pub use replies::CommandReply;
+pub use replies::{Answer, CommandReply};
 use worker::Worker;
 
 /// Longest command, in bytes: as the longest list of motions of a drive.
@@ -43,18 +47,6 @@ const MAX_IDS: usize = 10_000;
 /// Further ids that stops have for themselves.
 const STOPS: usize = 1000;
 
-/// Longest id, in bytes.
-const MAX_ID_BYTES: usize = 200;
-
-/// Counts of commands since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct CommandCounts {
-    /// Passed on to a drive.
-    pub accepted: u64,
-    /// Refused by the bridge.
-    pub refused: u64,
-}
-
 /// Checks commands and passes them on to drives.
 #[derive(Debug)]
 pub struct CommandGate {
@@ -64,9 +56,6 @@ pub struct CommandGate {
     accepted: AtomicU64,
     refused: AtomicU64,
 }
-
-/// How a reply leaves.
-pub type Answer = Box<dyn FnOnce(CommandReply) + Send>;
 
 impl CommandGate {
     /// A gate to these robots that lets commands pass only if they are `allowed`.

@@ -1,5 +1,7 @@
 //! Formats of messages: JSON, and for joints CDR or Protobuf on request.
 
+use std::str::FromStr;
+
 use prost::Message as _;
 use serde::Serialize;
 
@@ -17,6 +19,20 @@ pub enum JointFormat {
     Cdr,
     /// [`JointsProto`].
     Protobuf,
+}
+
+impl FromStr for JointFormat {
+    type Err = ();
+
+    /// By its name: `json`, `cdr` or `protobuf`.
+    fn from_str(name: &str) -> Result<Self, ()> {
+        match name {
+            "json" => Ok(Self::Json),
+            "cdr" => Ok(Self::Cdr),
+            "protobuf" => Ok(Self::Protobuf),
+            _ => Err(()),
+        }
+    }
 }
 
 /// A `joints` message in Protobuf:

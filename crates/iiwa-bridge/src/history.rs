@@ -92,6 +92,24 @@ impl ProgramHistory {
     }
 }
 
+impl ProgramHistory {
+    /// The latest measured times as a line of bars, from the shortest to the longest.
+    #[must_use]
+    pub fn trend(&self) -> String {
+        const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
+        const SHOWN: usize = 12;
+        let times: Vec<f64> = self.runs.iter().filter_map(|run| run.measured_s).collect();
+        let times = &times[times.len().saturating_sub(SHOWN)..];
+        let low = times.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = times.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // Noise of a few ms is no trend.
+        let range = (high - low).max(0.01 * high);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 7")]
+        let bar = |time: &f64| BARS[(((time - low) / range * 7.0).round() as usize).min(7)];
+        times.iter().map(bar).collect()
+    }
+}
+
 impl Drift {
     fn of(runs: &[PastRun], recent: usize) -> Option<Self> {
         let timed = || succeeded(runs).filter_map(|run| Some((run.measured_s?, run.planned_s)));
@@ -163,6 +181,7 @@ mod tests {
         assert!((drift.percent - 5.0).abs() < 1e-9);
         assert_eq!((drift.recent, drift.before, drift.of), (2, 8, "measured"));
         assert_eq!(history.programs[0].median_s, Some(2.0));
+        assert_eq!(history.programs[0].trend(), "▁▁▁▁▁▁▁▁██");
     }
 
     #[test]

@@ -5,16 +5,19 @@
 //! that they displace no events when the broker is away for long.
 
 mod connection;
+mod options;
 mod partition;
 mod producer;
 pub mod reader;
 mod requests;
 mod spooled;
+mod topics;
 
-use std::{path::PathBuf, sync::Arc};
+use std::sync::Arc;
 
 pub use connection::{KafkaConnection, Sasl};
 use iiwa_link::threads::ThreadGroup;
+pub use options::{Compression, KafkaOptions};
 use producer::Producer;
 use spooled::SpooledRecord;
 
@@ -27,35 +30,6 @@ use crate::{
     spool::Level,
     spooling::SpoolTarget,
 };
-
-/// How records reach Kafka.
-#[derive(Clone, Debug)]
-pub struct KafkaOptions {
-    /// The brokers.
-    pub connection: KafkaConnection,
-    /// What names of topics begin with, before `.joints` and so on.
-    pub prefix: String,
-    /// How batches are compressed.
-    pub compression: Compression,
-    /// The format of joints.
-    pub joints: JointFormat,
-    /// Folder of the spools.
-    pub spool: PathBuf,
-    /// The most that they may hold together, in bytes.
-    pub spool_bytes: u64,
-}
-
-/// How batches are compressed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Compression {
-    /// Not at all.
-    None,
-    /// Quickly.
-    #[default]
-    Snappy,
-    /// Small.
-    Gzip,
-}
 
 /// The share of the spools that is for samples: events are few.
 const SAMPLES_SHARE: u64 = 15;
@@ -125,9 +99,4 @@ impl Sink for Kafka {
             _ => self.events.append_now(&record),
         }
     }
-}
-
-/// The topic of a kind of message.
-fn topic(prefix: &str, name: &str) -> String {
-    format!("{prefix}.{name}")
 }

@@ -18,7 +18,7 @@ use iiwa_link::{
 };
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use crate::{commands::CommandCounts, spool::Level};
+use crate::spool::Level;
 
 /// The version of the schema.
 pub const VERSION: u32 = 1;
@@ -273,6 +273,15 @@ pub struct RobotConditions {
     /// Operation mode, override, safety stop, tool.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conditions: Option<Conditions>,
+}
+
+/// Counts of commands since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CommandCounts {
+    /// Passed on to a drive.
+    pub accepted: u64,
+    /// Refused by the bridge.
+    pub refused: u64,
 }
 
 /// What a bridge says of itself.

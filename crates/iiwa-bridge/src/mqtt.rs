@@ -12,7 +12,6 @@ mod sparkplug;
 use std::{
     path::PathBuf,
     sync::{Arc, Mutex, PoisonError},
-    time::Duration,
 };
 
 use iiwa_link::threads::ThreadGroup;
@@ -146,6 +145,3 @@ impl Sink for Mqtt {
         }
     }
 }
-
-/// The longest time between two messages with which a broker takes a connection for alive.
-const KEEP_ALIVE: Duration = Duration::from_secs(10);

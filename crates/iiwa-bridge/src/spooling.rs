@@ -13,7 +13,7 @@ use tokio::sync::Notify;
 
 use crate::{
     BridgeError,
-    spool::{Level, Spool, SpoolReader},
+    spool::{self, Level, Spool, SpoolReader},
     trouble::Trouble,
 };
 
@@ -33,7 +33,7 @@ impl SpoolTarget {
         folder: &Path,
         max_bytes: u64,
     ) -> Result<(Arc<Self>, SpoolReader), BridgeError> {
-        let (spool, reader) = Spool::open(folder, max_bytes).map_err(|source| {
+        let (spool, reader) = spool::open(folder, max_bytes).map_err(|source| {
             let folder = folder.to_owned();
             match source.kind() {
                 io::ErrorKind::WouldBlock => BridgeError::SpoolInUse { folder },

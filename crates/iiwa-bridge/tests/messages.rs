@@ -4,10 +4,10 @@ use std::net::{IpAddr, Ipv4Addr};
 
 use iiwa_bridge::{
     Content, Kind, Message, Timestamp,
-    commands::CommandCounts,
     encoding::JointFormat,
     message::{
-        BridgeStatus, JointSample, RobotConditions, RunKind, RunMessage, RunPhase, VERSION, schema,
+        BridgeStatus, CommandCounts, JointSample, RobotConditions, RunKind, RunMessage, RunPhase,
+        VERSION, schema,
     },
     spool::Level,
 };

@@ -4,7 +4,7 @@
 
 use std::{fs, io, path::Path};
 
-use iiwa_bridge::spool::{Spool, SpoolReader};
+use iiwa_bridge::spool::{self, Spool, SpoolReader};
 use proptest::prelude::*;
 
 const MB: u64 = 1 << 20;
@@ -42,7 +42,7 @@ fn segments(folder: &Path) -> Vec<std::path::PathBuf> {
 fn what_is_committed_is_not_read_again_after_a_restart() {
     let folder = tempfile::tempdir().unwrap();
     {
-        let (spool, mut reader) = Spool::open(folder.path(), 64 * MB).unwrap();
+        let (spool, mut reader) = spool::open(folder.path(), 64 * MB).unwrap();
         for i in 0..1000 {
             spool.append(&record(i, 300)).unwrap();
         }
@@ -52,7 +52,7 @@ fn what_is_committed_is_not_read_again_after_a_restart() {
         // Read, but not committed.
         assert_eq!(reader.batch(&spool, 100, usize::MAX).unwrap().len(), 100);
     }
-    let (spool, mut reader) = Spool::open(folder.path(), 64 * MB).unwrap();
+    let (spool, mut reader) = spool::open(folder.path(), 64 * MB).unwrap();
     spool.append(&record(5000, 8)).unwrap();
     let expected: Vec<u64> = (400..500).chain(500..1000).chain([5000]).collect();
     // All but the tail that was never handed to the system.
@@ -62,7 +62,7 @@ fn what_is_committed_is_not_read_again_after_a_restart() {
 #[test]
 fn a_rewound_reader_begins_behind_the_last_commit() {
     let folder = tempfile::tempdir().unwrap();
-    let (spool, mut reader) = Spool::open(folder.path(), 64 * MB).unwrap();
+    let (spool, mut reader) = spool::open(folder.path(), 64 * MB).unwrap();
     for i in 0..10 {
         spool.append(&record(i, 8)).unwrap();
     }
@@ -76,7 +76,7 @@ fn a_rewound_reader_begins_behind_the_last_commit() {
 #[test]
 fn a_full_spool_drops_the_oldest_and_says_how_many() {
     let folder = tempfile::tempdir().unwrap();
-    let (spool, mut reader) = Spool::open(folder.path(), 16 * MB).unwrap();
+    let (spool, mut reader) = spool::open(folder.path(), 16 * MB).unwrap();
     let count = 40_000;
     for i in 0..count {
         spool.append(&record(i, 1000)).unwrap();
@@ -91,7 +91,7 @@ fn a_full_spool_drops_the_oldest_and_says_how_many() {
 #[test]
 fn committed_segments_are_removed() {
     let folder = tempfile::tempdir().unwrap();
-    let (spool, mut reader) = Spool::open(folder.path(), 1024 * MB).unwrap();
+    let (spool, mut reader) = spool::open(folder.path(), 1024 * MB).unwrap();
     for i in 0..30_000 {
         spool.append(&record(i, 1000)).unwrap();
     }
@@ -107,7 +107,7 @@ fn damage_costs_a_segment_and_no_more() {
     let folder = tempfile::tempdir().unwrap();
     let count = 12_000;
     {
-        let (spool, _) = Spool::open(folder.path(), 1024 * MB).unwrap();
+        let (spool, _) = spool::open(folder.path(), 1024 * MB).unwrap();
         for i in 0..count {
             spool.append(&record(i, 1000)).unwrap();
         }
@@ -120,7 +120,7 @@ fn damage_costs_a_segment_and_no_more() {
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     fs::write(damaged, bytes).unwrap();
-    let (spool, mut reader) = Spool::open(folder.path(), 1024 * MB).unwrap();
+    let (spool, mut reader) = spool::open(folder.path(), 1024 * MB).unwrap();
     let left = rest(&spool, &mut reader);
     assert!(left.is_sorted_by(|a, b| a < b));
     assert_eq!(left[0], 0);
@@ -133,8 +133,8 @@ fn damage_costs_a_segment_and_no_more() {
 #[test]
 fn two_processes_do_not_share_a_spool() {
     let folder = tempfile::tempdir().unwrap();
-    let (_spool, _reader) = Spool::open(folder.path(), 64 * MB).unwrap();
-    let error = Spool::open(folder.path(), 64 * MB).unwrap_err();
+    let (_spool, _reader) = spool::open(folder.path(), 64 * MB).unwrap();
+    let error = spool::open(folder.path(), 64 * MB).unwrap_err();
     assert_eq!(error.kind(), io::ErrorKind::WouldBlock);
 }
 
@@ -144,7 +144,7 @@ fn files_that_are_no_segments_are_left_alone() {
     fs::write(folder.path().join("notes.txt"), "mine").unwrap();
     fs::write(folder.path().join("000000000000.spool"), "nonsense").unwrap();
     fs::write(folder.path().join("cursor"), "x y z").unwrap();
-    let (spool, mut reader) = Spool::open(folder.path(), 64 * MB).unwrap();
+    let (spool, mut reader) = spool::open(folder.path(), 64 * MB).unwrap();
     spool.append(&record(3, 8)).unwrap();
     assert_eq!(rest(&spool, &mut reader), [3]);
     assert_eq!(fs::read_to_string(folder.path().join("notes.txt")).unwrap(), "mine");
@@ -177,7 +177,7 @@ proptest! {
     #[test]
     fn it_is_a_queue(steps in steps()) {
         let folder = tempfile::tempdir().unwrap();
-        let (mut spool, mut reader) = Spool::open(folder.path(), 1024 * MB).unwrap();
+        let (mut spool, mut reader) = spool::open(folder.path(), 1024 * MB).unwrap();
         let (mut appended, mut committed, mut next) = (0_u64, 0_u64, 0_u64);
         for step in steps {
             match step {
@@ -204,7 +204,7 @@ proptest! {
                     while !reader.batch(&spool, 1000, usize::MAX).unwrap().is_empty() {}
                     reader.save(&spool).unwrap();
                     drop(spool);
-                    (spool, reader) = Spool::open(folder.path(), 1024 * MB).unwrap();
+                    (spool, reader) = spool::open(folder.path(), 1024 * MB).unwrap();
                     next = committed;
                 }
             }

@@ -6,6 +6,7 @@ pub(crate) mod refusal;
 pub(crate) mod reply;
 pub(crate) mod request;
 pub(crate) mod run_event;
+pub(crate) mod run_label;
 pub(crate) mod status_text;
 pub(crate) mod text;
 
@@ -16,7 +17,8 @@ pub use reply::{
     Body, DriveState, FriStatus, Presence, Reply, Run, Samples, Sensors, Status, TimedBy,
 };
 pub use request::{Id, Request, RequestHead};
-pub use run_event::{BindingLimit, MAX_LABEL_BYTES, RunEnd, RunEvent, RunLabel, RunPlan};
+pub use run_event::{RunEnd, RunEvent};
+pub use run_label::{BindingLimit, MAX_LABEL_BYTES, RunLabel, RunPlan};
 pub use status_text::Degrees;
 pub use text::{Figures, bad_json, from_json, shortened, to_json};
 

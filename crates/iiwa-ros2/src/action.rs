@@ -20,14 +20,15 @@ use serde::Deserialize;
 use tokio::sync::mpsc::UnboundedReceiver;
 
 use super::{
-    Ros2Error,
+    error::Ros2Error,
     execution::{Execution, Job, Progress},
     goal::Goal,
     goals::{End, Goals},
     latest::Latest,
     messages::{FollowFeedback, FollowGoal, FollowResult, Header, JointTrajectoryPoint, Time},
     names::Names,
-    qos, received,
+    qos,
+    received::received,
     retiming::Retiming,
 };
 

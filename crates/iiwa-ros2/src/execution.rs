@@ -19,7 +19,7 @@ use iiwa_link::{
 use tokio::sync::mpsc::UnboundedSender;
 
 use super::{
-    Ros2Error,
+    error::Ros2Error,
     goal::Goal,
     goals::End,
     messages::FollowResult,

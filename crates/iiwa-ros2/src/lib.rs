@@ -36,12 +36,16 @@ mod names;
 #[cfg(feature = "dds")]
 mod nodes;
 #[cfg(feature = "dds")]
+mod options;
+#[cfg(feature = "dds")]
 mod path_joints;
 mod polyline;
 #[cfg(feature = "dds")]
 mod publisher;
 #[cfg(feature = "dds")]
 mod qos;
+#[cfg(feature = "dds")]
+mod received;
 pub mod retime;
 #[cfg(feature = "dds")]
 mod retiming;
@@ -57,8 +61,8 @@ pub use error::Ros2Error;
 #[cfg(feature = "dds")]
 pub use names::namespace_of;
 #[cfg(feature = "dds")]
-use nodes::received;
+pub use nodes::Ros2;
 #[cfg(feature = "dds")]
-pub use nodes::{Ros2, Ros2Options, Ros2Robot};
+pub use options::{Ros2Options, Ros2Robot};
 #[cfg(feature = "dds")]
 pub use retiming::RetimeGoals;

@@ -2,7 +2,7 @@
 
 use ros2_client::{ActionTypeName, MessageTypeName, Name, NodeName, ServiceTypeName};
 
-use super::Ros2Error;
+use super::error::Ros2Error;
 
 /// The node of each robot, in its namespace.
 const NODE: &str = "iiwasim_bridge";

@@ -1,61 +1,18 @@
 //! Robots as nodes of ROS 2.
 
-use std::{
-    collections::HashMap,
-    net::{IpAddr, Ipv4Addr},
-};
+use std::collections::HashMap;
 
-use iiwa_bridge::{BridgedRobot, Content, Message, Sink};
-use iiwa_kin::{Robot, RosNames};
+use iiwa_bridge::{Content, Message, Sink};
 use ros2_client::{Context, dds::rustdds::DomainParticipantBuilder};
 
-use crate::{error::Ros2Error, retiming::RetimeGoals, robot::RobotNode};
+use crate::{
+    error::Ros2Error,
+    options::{Ros2Options, Ros2Robot},
+    robot::RobotNode,
+};
 
 /// The last domain whose ports exist on all systems: others are taken for outgoing connections.
 const LAST_DOMAIN: u16 = 101;
-
-/// How robots appear in ROS.
-#[derive(Clone, Debug)]
-pub struct Ros2Options {
-    /// The DDS domain, as `ROS_DOMAIN_ID`.
-    pub domain: u16,
-    /// The addresses of this machine that are announced, and used for multicast. Loopback alone by default.
-    pub networks: Vec<IpAddr>,
-    /// The robots.
-    pub robots: Vec<Ros2Robot>,
-    /// Whether goals are taken.
-    pub allow_commands: bool,
-    /// Most messages a second on `/tf`.
-    pub tf_rate_hz: f64,
-    /// When goals get new times on their path, unless the node's parameter `retime` says something else.
-    pub retime: RetimeGoals,
-}
-
-impl Default for Ros2Options {
-    fn default() -> Self {
-        Self {
-            domain: 0,
-            networks: vec![IpAddr::V4(Ipv4Addr::LOCALHOST)],
-            robots: Vec::new(),
-            allow_commands: false,
-            tf_rate_hz: 100.0,
-            retime: RetimeGoals::default(),
-        }
-    }
-}
-
-/// A robot of the bridge, as it appears in ROS.
-#[derive(Clone, Debug)]
-pub struct Ros2Robot {
-    /// Its drive.
-    pub bridged: BridgedRobot,
-    /// Its model.
-    pub robot: Robot,
-    /// Names of joints and links.
-    pub names: RosNames,
-    /// Of its topics; empty for none.
-    pub namespace: String,
-}
 
 /// Robots as nodes of ROS. They vanish from it when this is dropped.
 pub struct Ros2 {
@@ -96,14 +53,6 @@ impl Ros2 {
         }
         Ok(Self { nodes, _context: context })
     }
-}
-
-/// A request or a message, if one has come.
-pub(crate) fn received<T, E: std::fmt::Display>(read: Result<Option<T>, E>) -> Option<T> {
-    read.unwrap_or_else(|error| {
-        tracing::warn!("a message of ROS that cannot be read was passed over: {error}");
-        None
-    })
 }
 
 fn check_names(robots: &[Ros2Robot]) -> Result<(), Ros2Error> {

@@ -14,7 +14,7 @@ use iiwa_log::Arm;
 use ros2_client::{Node, Publisher};
 
 use super::{
-    Ros2Error,
+    error::Ros2Error,
     latest::Sample,
     messages::{Header, JointState, Text, TfMessage, Time, Transform, TransformStamped},
     names::Names,

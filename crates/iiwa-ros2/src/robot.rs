@@ -16,12 +16,13 @@ use ros2_client::{Context, Node, NodeOptions, ParameterValue};
 use tokio::sync::mpsc::unbounded_channel;
 
 use super::{
-    Ros2Error, Ros2Options, Ros2Robot,
     action::FollowAction,
+    error::Ros2Error,
     execution::Execution,
     latest::Latest,
     messages::Time,
     names::Names,
+    options::{Ros2Options, Ros2Robot},
     publisher::{Measured, RobotPublisher},
     retime::{DEFAULT_TOLERANCE_RAD, LEAST_TOLERANCE_RAD},
     retiming::{RetimeGoals, Retiming},

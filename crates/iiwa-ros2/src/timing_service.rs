@@ -20,11 +20,12 @@ use ros2_client::{
 };
 
 use super::{
-    Ros2Error,
+    error::Ros2Error,
     messages::{JointTrajectory, JointTrajectoryPoint, TimeRequest, TimeResponse},
     names::Names,
     path_joints::JointOrder,
-    qos, received,
+    qos,
+    received::received,
     retime::{Retimed, retime},
 };
 
@@ -49,13 +50,13 @@ type PathServer = Server<TimeRequest, TimeResponse>;
 pub(super) struct TimingService {
     server: Arc<PathServer>,
     paths: Subscription<JointTrajectory>,
-    jobs: SyncSender<Job>,
+    jobs: SyncSender<PathToTime>,
     log: NodeLoggingHandle,
     _threads: ThreadGroup,
 }
 
 /// A path that is to be timed, and whom to answer, if it came by the service.
-struct Job {
+struct PathToTime {
     client: Option<RmwRequestId>,
     request: TimeRequest,
 }
@@ -96,18 +97,18 @@ impl TimingService {
     /// Takes what has come.
     pub(super) fn turn(&self) {
         while let Some((client, request)) = received(self.server.receive_request()) {
-            if !self.start(Job { client: Some(client), request }) {
+            if !self.start(PathToTime { client: Some(client), request }) {
                 respond(&self.server, client, refused("too many paths wait to be timed"));
             }
         }
         while let Some((path, _)) = received(self.paths.take()) {
-            if !self.start(Job { client: None, request: TimeRequest::of_path(path) }) {
+            if !self.start(PathToTime { client: None, request: TimeRequest::of_path(path) }) {
                 rosout!(self.log, LogLevel::Warn, "too many paths wait to be timed");
             }
         }
     }
 
-    fn start(&self, job: Job) -> bool {
+    fn start(&self, job: PathToTime) -> bool {
         match self.jobs.try_send(job) {
             Ok(()) => true,
             Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => false,
@@ -125,9 +126,9 @@ struct Timer {
 }
 
 impl Timer {
-    fn run(&self, jobs: &Receiver<Job>, shutdown: &AtomicBool) {
+    fn run(&self, jobs: &Receiver<PathToTime>, shutdown: &AtomicBool) {
         while !shutdown.load(Ordering::Relaxed) {
-            let Job { client, request } = match jobs.recv_timeout(POLL) {
+            let PathToTime { client, request } = match jobs.recv_timeout(POLL) {
                 Ok(job) => job,
                 Err(RecvTimeoutError::Timeout) => continue,
                 Err(RecvTimeoutError::Disconnected) => return,

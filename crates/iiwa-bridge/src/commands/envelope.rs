@@ -5,8 +5,10 @@ use iiwa_link::message::{Refusal, Request, bad_json};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use super::MAX_ID_BYTES;
 use crate::message::{Timestamp, VERSION};
+
+/// Longest id, in bytes.
+const MAX_ID_BYTES: usize = 200;
 
 /// A command as received.
 #[derive(Debug, Default, Deserialize)]

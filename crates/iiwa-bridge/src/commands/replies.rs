@@ -6,6 +6,9 @@ use serde_json::{Map, Value};
 
 use crate::message::{Timestamp, VERSION};
 
+/// How a reply leaves.
+pub type Answer = Box<dyn FnOnce(CommandReply) + Send>;
+
 /// The reply to a command, as brokers get it.
 #[derive(Clone, Debug, Serialize)]
 pub struct CommandReply {

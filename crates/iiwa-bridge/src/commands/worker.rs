@@ -14,7 +14,7 @@ use iiwa_link::{
     threads::ThreadGroup,
 };
 
-use super::{Answer, CommandReply};
+use super::replies::{Answer, CommandReply};
 use crate::{BridgeError, robot::BridgedRobot};
 
 /// Commands other than runs that wait for the drive, at most.

@@ -1,6 +1,6 @@
 //! Connections to Kafka's brokers.
 
-use std::{error::Error as _, sync::Arc, time::Duration};
+use std::{error::Error as _, str::FromStr, sync::Arc, time::Duration};
 
 use rskafka::{
     BackoffConfig,
@@ -40,6 +40,20 @@ pub enum Sasl {
     ScramSha512,
 }
 
+impl FromStr for Sasl {
+    type Err = ();
+
+    /// By its name: `plain`, `scram-sha-256` or `scram-sha-512`.
+    fn from_str(name: &str) -> Result<Self, ()> {
+        match name {
+            "plain" => Ok(Self::Plain),
+            "scram-sha-256" => Ok(Self::ScramSha256),
+            "scram-sha-512" => Ok(Self::ScramSha512),
+            _ => Err(()),
+        }
+    }
+}
+
 /// How long the first connection is waited for: a refused user is an error then, a missing broker is not.
 const PROBE_TIMEOUT: Duration = Duration::from_secs(4);
 
@@ -54,7 +68,7 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
 
 impl KafkaConnection {
     /// Reads certificates, and checks the settings.
-    pub(super) fn connector(&self) -> Result<Connector, BridgeError> {
+    pub(super) fn connector(&self) -> Result<KafkaConnector, BridgeError> {
         let far = self.brokers.iter().find(|broker| !is_this_machine(broker));
         let is_open = self.tls.is_none();
         if let (Some((Sasl::Plain, _)), Some(broker), true) = (&self.sasl, far, is_open) {
@@ -72,30 +86,30 @@ impl KafkaConnection {
                 Sasl::ScramSha512 => SaslConfig::ScramSha512(credentials),
             }
         });
-        Ok(Connector { brokers: self.brokers.clone(), tls, sasl })
+        Ok(KafkaConnector { brokers: self.brokers.clone(), tls, sasl })
     }
 }
 
 /// Connects to the brokers.
 #[derive(Debug)]
-pub(super) struct Connector {
+pub(super) struct KafkaConnector {
     brokers: Vec<String>,
     tls: Option<Arc<rustls::ClientConfig>>,
     sasl: Option<SaslConfig>,
 }
 
-impl Connector {
+impl KafkaConnector {
     /// The addresses, for messages.
     pub(super) fn at(&self) -> String {
         self.brokers.join(", ")
     }
 
     /// A new connection.
-    pub(super) async fn connect(&self) -> Result<Client, Failure> {
+    pub(super) async fn connect(&self) -> Result<Client, KafkaFailure> {
         self.connect_within(RETRY_TIMEOUT).await
     }
 
-    async fn connect_within(&self, limit: Duration) -> Result<Client, Failure> {
+    async fn connect_within(&self, limit: Duration) -> Result<Client, KafkaFailure> {
         let mut builder = ClientBuilder::new(self.brokers.clone())
             .client_id("iiwasim")
             .backoff_config(BackoffConfig {
@@ -112,8 +126,8 @@ impl Connector {
         }
         match timeout(CONNECT_TIMEOUT.max(limit), builder.build()).await {
             Ok(Ok(client)) => Ok(client),
-            Ok(Err(error)) => Err(Failure::of(&error)),
-            Err(_) => Err(Failure::timeout()),
+            Ok(Err(error)) => Err(KafkaFailure::of(&error)),
+            Err(_) => Err(KafkaFailure::timeout()),
         }
     }
 
@@ -147,14 +161,14 @@ impl Connector {
     }
 
     /// A failure that ends a command.
-    pub(super) fn broken(&self, failure: Failure) -> BridgeError {
+    pub(super) fn broken(&self, failure: KafkaFailure) -> BridgeError {
         BridgeError::Broker { broker: "Kafka", at: self.at(), what: failure.what }
     }
 }
 
 /// Why a request to Kafka failed.
 #[derive(Debug)]
-pub(super) struct Failure {
+pub(super) struct KafkaFailure {
     pub(super) what: String,
     /// Whether the broker refuses us, or we the broker: repetition does not help.
     pub(super) is_refusal: bool,
@@ -162,7 +176,7 @@ pub(super) struct Failure {
     pub(super) is_too_large: bool,
 }
 
-impl Failure {
+impl KafkaFailure {
     /// A failure that may pass.
     pub(super) fn passing(what: String) -> Self {
         Self { what, is_refusal: false, is_too_large: false }

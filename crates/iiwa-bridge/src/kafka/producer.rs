@@ -21,11 +21,11 @@ use rskafka::{
 use tokio::time::{Instant, sleep, timeout};
 
 use super::{
-    Compression,
-    connection::{Connector, Failure},
+    connection::{KafkaConnector, KafkaFailure},
+    options::Compression,
     partition::partition_of,
     spooled::SpooledRecord,
-    topic,
+    topics::topic,
 };
 use crate::{
     encoding::JointFormat,
@@ -59,7 +59,7 @@ const CREATE_MS: i32 = 5000;
 
 /// The task that sends the records of a spool.
 pub(super) struct Producer {
-    pub(super) connector: Arc<Connector>,
+    pub(super) connector: Arc<KafkaConnector>,
     pub(super) prefix: String,
     pub(super) compression: Compression,
     pub(super) spool: Arc<SpoolTarget>,
@@ -135,9 +135,9 @@ impl Producer {
         &mut self,
         topics: &mut Option<Topics>,
         batch_bytes: usize,
-    ) -> Result<usize, Failure> {
+    ) -> Result<usize, KafkaFailure> {
         let spool = self.spool.spool();
-        let wrong = |error: std::io::Error| Failure {
+        let wrong = |error: std::io::Error| KafkaFailure {
             what: format!("cannot read the spool: {error}"),
             is_refusal: false,
             is_too_large: false,
@@ -165,8 +165,8 @@ impl Producer {
             let partition = connected.partition(&name, &key).await?;
             match timeout(PRODUCE_TIMEOUT, partition.produce(records, codec)).await {
                 Ok(Ok(_)) => {}
-                Ok(Err(error)) => return Err(Failure::of(&error)),
-                Err(_) => return Err(Failure::timeout()),
+                Ok(Err(error)) => return Err(KafkaFailure::of(&error)),
+                Err(_) => return Err(KafkaFailure::timeout()),
             }
         }
         self.reader.commit(spool).map_err(wrong)?;
@@ -200,11 +200,15 @@ impl Topics {
     }
 
     /// The partition of a key; the topic is created if it is missing.
-    async fn partition(&mut self, name: &str, key: &[u8]) -> Result<Arc<PartitionClient>, Failure> {
+    async fn partition(
+        &mut self,
+        name: &str,
+        key: &[u8],
+    ) -> Result<Arc<PartitionClient>, KafkaFailure> {
         if !self.partitions.contains_key(name) {
             let partitions = timeout(PRODUCE_TIMEOUT, self.open(name));
-            let partitions = partitions.await.map_err(|_| Failure::timeout())?;
-            let partitions = partitions.map_err(|error| Failure::of(&error))?;
+            let partitions = partitions.await.map_err(|_| KafkaFailure::timeout())?;
+            let partitions = partitions.map_err(|error| KafkaFailure::of(&error))?;
             self.partitions.insert(name.to_owned(), partitions);
         }
         let partitions = &self.partitions[name];

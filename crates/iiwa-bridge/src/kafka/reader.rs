@@ -18,9 +18,8 @@ use rskafka::{
 use tokio::time::timeout;
 
 use super::{
-    KafkaConnection,
-    connection::{Connector, Failure},
-    topic,
+    connection::{KafkaConnection, KafkaConnector, KafkaFailure},
+    topics::topic,
 };
 use crate::{
     BridgeError,
@@ -70,7 +69,7 @@ pub struct LeftOut {
 /// Reads topics of bridges from the beginning, or from a time on, to where they end now.
 #[derive(Debug)]
 pub struct KafkaReader {
-    connector: Connector,
+    connector: KafkaConnector,
     prefix: String,
 }
 
@@ -154,18 +153,18 @@ impl KafkaReader {
         &self,
         client: &Client,
         name: &str,
-    ) -> Result<Vec<Arc<PartitionClient>>, Failure> {
-        let topics = client.list_topics().await.map_err(|error| Failure::of(&error))?;
+    ) -> Result<Vec<Arc<PartitionClient>>, KafkaFailure> {
+        let topics = client.list_topics().await.map_err(|error| KafkaFailure::of(&error))?;
         let Some(found) = topics.into_iter().find(|topic| topic.name == name) else {
             let what =
                 format!("there is no topic {name}; has a bridge written to it, with this prefix?");
-            return Err(Failure::passing(what));
+            return Err(KafkaFailure::passing(what));
         };
         let mut partitions = Vec::new();
         for partition in found.partitions {
             let retry = UnknownTopicHandling::Retry;
             let opened = client.partition_client(name, partition, retry).await;
-            partitions.push(Arc::new(opened.map_err(|error| Failure::of(&error))?));
+            partitions.push(Arc::new(opened.map_err(|error| KafkaFailure::of(&error))?));
         }
         Ok(partitions)
     }
@@ -176,8 +175,9 @@ async fn read_partition(
     selection: &Selection,
     once: &mut Once,
     take: &mut impl FnMut(Message) -> ControlFlow<()>,
-) -> Result<ControlFlow<()>, Failure> {
-    let offset = async |at| partition.get_offset(at).await.map_err(|error| Failure::of(&error));
+) -> Result<ControlFlow<()>, KafkaFailure> {
+    let offset =
+        async |at| partition.get_offset(at).await.map_err(|error| KafkaFailure::of(&error));
     let end = offset(OffsetAt::Latest).await?;
     let mut next = match selection.from {
         None => offset(OffsetAt::Earliest).await?,
@@ -190,7 +190,7 @@ async fn read_partition(
     while next < end {
         let fetch = partition.fetch_records(next, 1..FETCH_BYTES, WAIT_MS);
         let records = match timeout(FETCH_TIMEOUT, fetch).await {
-            Err(_) => return Err(Failure::timeout()),
+            Err(_) => return Err(KafkaFailure::timeout()),
             Ok(Ok((records, _))) => records,
             // What was there has expired meanwhile.
             Ok(Err(Error::ServerError {
@@ -199,7 +199,7 @@ async fn read_partition(
                 next = offset(OffsetAt::Earliest).await?.max(next + 1);
                 continue;
             }
-            Ok(Err(error)) => return Err(Failure::of(&error)),
+            Ok(Err(error)) => return Err(KafkaFailure::of(&error)),
         };
         let Some(last) = records.last() else { break };
         next = last.offset + 1;

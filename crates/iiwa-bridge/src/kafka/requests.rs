@@ -23,10 +23,10 @@ use tokio::{
 };
 
 use super::{
-    connection::{Connector, Failure},
+    connection::{KafkaConnector, KafkaFailure},
     partition::partition_of,
     producer::partitions_of,
-    topic,
+    topics::topic,
 };
 use crate::{
     commands::{CommandGate, CommandReply},
@@ -47,7 +47,7 @@ const FETCH_BYTES: i32 = 8 << 20;
 
 /// Reads the topic of requests from its end on, and sends replies, until the shutdown.
 pub(super) async fn serve(
-    connector: &Connector,
+    connector: &KafkaConnector,
     prefix: &str,
     gate: &Arc<CommandGate>,
     shutdown: &AtomicBool,
@@ -91,16 +91,16 @@ pub(super) async fn serve(
 }
 
 /// A failure of either kind.
-struct Failed(Failure);
+struct Failed(KafkaFailure);
 
 impl From<Error> for Failed {
     fn from(error: Error) -> Self {
-        Self(Failure::of(&error))
+        Self(KafkaFailure::of(&error))
     }
 }
 
-impl From<Failure> for Failed {
-    fn from(failure: Failure) -> Self {
+impl From<KafkaFailure> for Failed {
+    fn from(failure: KafkaFailure) -> Self {
         Self(failure)
     }
 }

@@ -15,7 +15,6 @@ use rumqttc::{
 };
 use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
 
-use super::KEEP_ALIVE;
 use crate::{
     BridgeError,
     credentials::{Credentials, is_this_machine},
@@ -49,6 +48,9 @@ pub enum MqttVersion {
     V5,
 }
 
+/// The longest time between two messages with which a broker takes a connection for alive.
+const KEEP_ALIVE: Duration = Duration::from_secs(10);
+
 /// How long a connection may take to be made.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
@@ -65,7 +67,7 @@ const INCOMING: usize = 64;
 
 impl MqttConnection {
     /// Reads certificates, and checks the settings.
-    pub(super) fn connector(&self) -> Result<Connector, BridgeError> {
+    pub(super) fn connector(&self) -> Result<MqttConnector, BridgeError> {
         let at = format!("{}:{}", self.host, self.port);
         if self.credentials.is_some() && self.tls.is_none() && !is_this_machine(&at) {
             let what = format!(
@@ -74,13 +76,13 @@ impl MqttConnection {
             return Err(BridgeError::Settings { what });
         }
         let tls = self.tls.as_ref().map(TlsFiles::config).transpose()?;
-        Ok(Connector { settings: self.clone(), tls })
+        Ok(MqttConnector { settings: self.clone(), tls })
     }
 }
 
 /// Connects to the broker.
 #[derive(Debug)]
-pub(super) struct Connector {
+pub(super) struct MqttConnector {
     settings: MqttConnection,
     tls: Option<Arc<rustls::ClientConfig>>,
 }
@@ -92,7 +94,7 @@ pub(super) struct Will {
     pub(super) retain: bool,
 }
 
-impl Connector {
+impl MqttConnector {
     /// The address, for messages.
     pub(super) fn at(&self) -> String {
         format!("{}:{}", self.settings.host, self.settings.port)
@@ -120,7 +122,8 @@ impl Connector {
                 let (client, mut events) = AsyncClient::new(options, OUTGOING);
                 let task = tokio::spawn(async move {
                     loop {
-                        let event = events.poll().await.map(of_v3).map_err(|e| Failure::of_v3(&e));
+                        let event =
+                            events.poll().await.map(of_v3).map_err(|e| MqttFailure::of_v3(&e));
                         if !arrived.pass(event) {
                             return;
                         }
@@ -144,7 +147,8 @@ impl Connector {
                 let (client, mut events) = v5::AsyncClient::new(options, OUTGOING);
                 let task = tokio::spawn(async move {
                     loop {
-                        let event = events.poll().await.map(of_v5).map_err(|e| Failure::of_v5(&e));
+                        let event =
+                            events.poll().await.map(of_v5).map_err(|e| MqttFailure::of_v5(&e));
                         if !arrived.pass(event) {
                             return;
                         }
@@ -165,10 +169,10 @@ impl Connector {
                 connection.end().await;
                 Ok(())
             }
-            Err(Failure { what, is_refusal: true }) => {
+            Err(MqttFailure { what, is_refusal: true }) => {
                 Err(BridgeError::Broker { broker: "MQTT", at: self.at(), what })
             }
-            Err(Failure { what, .. }) => {
+            Err(MqttFailure { what, .. }) => {
                 tracing::warn!("MQTT at {}: {what}; events are kept until it is back", self.at());
                 Ok(())
             }
@@ -191,7 +195,7 @@ pub(super) enum Incoming {
 
 /// What has arrived, on its way to its reader.
 struct Arrivals {
-    to: mpsc::UnboundedSender<Result<Incoming, Failure>>,
+    to: mpsc::UnboundedSender<Result<Incoming, MqttFailure>>,
     /// Messages that are not read yet.
     waiting: Arc<AtomicUsize>,
 }
@@ -204,7 +208,7 @@ impl Arrivals {
     }
 
     /// Passes it on without waiting; false at the end.
-    fn pass(&self, event: Result<Incoming, Failure>) -> bool {
+    fn pass(&self, event: Result<Incoming, MqttFailure>) -> bool {
         match &event {
             Ok(Incoming::Other) => return !self.to.is_closed(),
             Ok(Incoming::Message(_)) if self.waiting.load(Ordering::Relaxed) >= INCOMING => {
@@ -223,13 +227,13 @@ impl Arrivals {
 
 /// The reader's side.
 struct Arriving {
-    from: mpsc::UnboundedReceiver<Result<Incoming, Failure>>,
+    from: mpsc::UnboundedReceiver<Result<Incoming, MqttFailure>>,
     waiting: Arc<AtomicUsize>,
 }
 
 impl Arriving {
-    async fn next(&mut self) -> Result<Incoming, Failure> {
-        let event = self.from.recv().await.unwrap_or_else(|| Err(Failure::lost()));
+    async fn next(&mut self) -> Result<Incoming, MqttFailure> {
+        let event = self.from.recv().await.unwrap_or_else(|| Err(MqttFailure::lost()));
         if matches!(event, Ok(Incoming::Message(_))) {
             self.waiting.fetch_sub(1, Ordering::Relaxed);
         }
@@ -291,13 +295,13 @@ fn of_v5(event: v5::Event) -> Incoming {
 
 /// Why a connection failed.
 #[derive(Debug)]
-pub(super) struct Failure {
+pub(super) struct MqttFailure {
     pub(super) what: String,
     /// Whether the broker refuses us, or we the broker: repetition does not help.
     pub(super) is_refusal: bool,
 }
 
-impl Failure {
+impl MqttFailure {
     fn of_v3(error: &ConnectionError) -> Self {
         match error {
             ConnectionError::ConnectionRefused(code) => Self::refused(
@@ -373,16 +377,16 @@ pub(super) enum Delivery {
 
 impl Connection {
     /// Waits for the broker's acceptance.
-    pub(super) async fn connected(&mut self) -> Result<(), Failure> {
+    pub(super) async fn connected(&mut self) -> Result<(), MqttFailure> {
         match timeout(CONNECT_TIMEOUT, self.next()).await {
             Ok(Ok(_)) => Ok(()),
             Ok(Err(failure)) => Err(failure),
-            Err(_) => Err(Failure { what: "no answer in time".to_owned(), is_refusal: false }),
+            Err(_) => Err(MqttFailure { what: "no answer in time".to_owned(), is_refusal: false }),
         }
     }
 
     /// What arrives next. Cancellation-safe.
-    pub(super) async fn next(&mut self) -> Result<Incoming, Failure> {
+    pub(super) async fn next(&mut self) -> Result<Incoming, MqttFailure> {
         self.incoming.next().await
     }
 
@@ -393,7 +397,7 @@ impl Connection {
         payload: Vec<u8>,
         how: Delivery,
         correlation: Option<Bytes>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), MqttFailure> {
         let retain = how == Delivery::Retained;
         let is_sent = match &self.client {
             Client::V3(client) => {
@@ -416,18 +420,18 @@ impl Connection {
                 sent.await.is_ok()
             }
         };
-        if is_sent { Ok(()) } else { Err(Failure::lost()) }
+        if is_sent { Ok(()) } else { Err(MqttFailure::lost()) }
     }
 
     /// Subscribes with `QoS` 1.
-    pub(super) async fn subscribe(&self, topic: &str) -> Result<(), Failure> {
+    pub(super) async fn subscribe(&self, topic: &str) -> Result<(), MqttFailure> {
         let is_sent = match &self.client {
             Client::V3(client) => client.subscribe(topic, QoS::AtLeastOnce).await.is_ok(),
             Client::V5(client) => {
                 client.subscribe(topic, v5::mqttbytes::QoS::AtLeastOnce).await.is_ok()
             }
         };
-        if is_sent { Ok(()) } else { Err(Failure::lost()) }
+        if is_sent { Ok(()) } else { Err(MqttFailure::lost()) }
     }
 
     /// Ends the connection in order: the broker does not publish its will.

@@ -15,7 +15,7 @@ use tokio::{
 };
 
 use super::connection::{
-    Connection, Connector, Delivery, Failure, Incoming, Received, ReplyTo, Will,
+    Connection, Delivery, Incoming, MqttConnector, MqttFailure, Received, ReplyTo, Will,
 };
 use crate::{
     commands::{CommandGate, CommandReply},
@@ -40,7 +40,7 @@ const LAST_EVENTS: Duration = Duration::from_secs(2);
 
 /// The robot's messages, on their way to the broker.
 pub(super) struct Session {
-    pub(super) connector: Arc<Connector>,
+    pub(super) connector: Arc<MqttConnector>,
     pub(super) robot: String,
     /// What the robot's topics begin with.
     pub(super) topic: String,
@@ -129,7 +129,7 @@ impl Session {
         connection: &mut Connection,
         (replies, replies_out): (&UnboundedSender<Reply>, &mut UnboundedReceiver<Reply>),
         shutdown: &AtomicBool,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), MqttFailure> {
         connection.subscribe(&format!("{}/request", self.topic)).await?;
         let joints = format!("{}/{}", self.topic, Kind::Joints.name());
         // Samples of before the connection are late.
@@ -188,7 +188,7 @@ impl Session {
         &mut self,
         connection: &Connection,
         in_flight: &mut InFlight,
-    ) -> Result<bool, Failure> {
+    ) -> Result<bool, MqttFailure> {
         let batch = self.reader.batch(self.spool.spool(), BATCH, BATCH_BYTES);
         let batch = batch.map_err(|error| unreadable(&error))?;
         for bytes in &batch {
@@ -218,8 +218,8 @@ impl Session {
     }
 }
 
-fn unreadable(error: &std::io::Error) -> Failure {
-    Failure { what: format!("cannot read the spool: {error}"), is_refusal: false }
+fn unreadable(error: &std::io::Error) -> MqttFailure {
+    MqttFailure { what: format!("cannot read the spool: {error}"), is_refusal: false }
 }
 
 /// An event in the spool: its kind, then its text.

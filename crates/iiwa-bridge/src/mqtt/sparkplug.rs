@@ -24,7 +24,9 @@ use tokio::{
 };
 
 use super::{
-    connection::{Connection, Connector, Delivery, Failure, Incoming, MqttConnection, Will},
+    connection::{
+        Connection, Delivery, Incoming, MqttConnection, MqttConnector, MqttFailure, Will,
+    },
     payload::Pace,
 };
 use crate::{
@@ -115,7 +117,7 @@ impl Sink for Sparkplug {
 
 /// The edge node.
 struct Node {
-    connector: Arc<Connector>,
+    connector: Arc<MqttConnector>,
     group: String,
     name: String,
     /// The latest values of each robot.
@@ -140,7 +142,7 @@ impl Node {
             };
             match sent.await {
                 Ok(()) => connection.end().await,
-                Err(Failure { what, .. }) => {
+                Err(MqttFailure { what, .. }) => {
                     trouble.warn(format_args!("Sparkplug at {}: {what}", self.connector.at()));
                     sleep(PAUSE).await;
                 }
@@ -154,7 +156,7 @@ impl Node {
         connection: &mut Connection,
         changes: &mut Receiver<(String, Metrics)>,
         shutdown: &AtomicBool,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), MqttFailure> {
         let commands = self.topic("NCMD", None);
         connection.subscribe(&commands).await?;
         self.be_born(connection).await?;
@@ -185,7 +187,7 @@ impl Node {
     }
 
     /// The births of the node and of all devices.
-    async fn be_born(&mut self, connection: &Connection) -> Result<(), Failure> {
+    async fn be_born(&mut self, connection: &Connection) -> Result<(), MqttFailure> {
         self.seq = 0;
         let own = [
             ("bdSeq".to_owned(), Value::Int64(self.births.into())),
@@ -203,7 +205,11 @@ impl Node {
         Ok(())
     }
 
-    async fn device_birth(&mut self, connection: &Connection, robot: &str) -> Result<(), Failure> {
+    async fn device_birth(
+        &mut self,
+        connection: &Connection,
+        robot: &str,
+    ) -> Result<(), MqttFailure> {
         let seq = self.next_seq();
         let metrics: Vec<_> = self
             .devices
@@ -223,7 +229,7 @@ impl Node {
         connection: &Connection,
         robot: &str,
         metrics: Metrics,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), MqttFailure> {
         let Some(device) = self.devices.get_mut(robot) else { return Ok(()) };
         if metrics.get(DRIVE_CONNECTED) == Some(&Value::Boolean(false)) {
             let was_alive = device.insert(DRIVE_CONNECTED.to_owned(), Value::Boolean(false));

@@ -3,12 +3,12 @@
 use std::{
     fs::{self, File},
     io::{self, BufReader, Seek, SeekFrom},
-    path::Path,
     time::{Duration, Instant},
 };
 
 use super::{
-    CURSOR, Spool, path_of,
+    cursor::Cursor,
+    queue::{Spool, path_of},
     segment::{HEAD_BYTES, MAGIC, read_record},
 };
 
@@ -17,35 +17,6 @@ pub type Record = Vec<u8>;
 
 /// How often the place of the last commit is saved.
 const SAVE_EVERY: Duration = Duration::from_secs(1);
-
-/// A place in a queue.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Cursor {
-    pub(super) segment: u64,
-    pub(super) offset: u64,
-    /// Records of the segment before it; not known of a saved place.
-    pub(super) records: u64,
-}
-
-impl Cursor {
-    /// The saved place; the beginning if there is none.
-    pub(super) fn load(path: &Path) -> Self {
-        let text = fs::read_to_string(path).unwrap_or_default();
-        let mut numbers = text.split_whitespace().map(str::parse);
-        match (numbers.next(), numbers.next()) {
-            (Some(Ok(segment)), Some(Ok(offset))) => Self { segment, offset, records: 0 },
-            _ => Self::default(),
-        }
-    }
-
-    fn save(self, folder: &Path) -> io::Result<()> {
-        let Self { segment, offset, .. } = self;
-        // Whole or not at all.
-        let written = folder.join("cursor.new");
-        fs::write(&written, format!("{segment} {offset}\n"))?;
-        fs::rename(written, folder.join(CURSOR))
-    }
-}
 
 /// Reads a queue, from the last commit on.
 #[derive(Debug)]

@@ -14,7 +14,7 @@ use crate::{
     message::{
         io::IoValue,
         refusal::Refusal,
-        run_event::RunLabel,
+        run_label::RunLabel,
         text::{bad_json, shortened, to_json},
     },
     timed_joints::TimedJoints,

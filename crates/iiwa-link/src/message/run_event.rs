@@ -5,74 +5,11 @@ use serde::{Deserialize, Serialize};
 use crate::{
     message::{
         refusal::Refusal,
-        reply::{DriveState, TimedBy},
-        text::to_json,
+        reply::{DriveState, Run, TimedBy},
+        run_label::RunLabel,
     },
     robot_program::RunId,
 };
-
-/// Longest label, in bytes of JSON.
-pub const MAX_LABEL_BYTES: usize = 16 << 10;
-
-/// What a client states about a run that it requests, for those who follow the robot. The drive publishes it unread.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RunLabel {
-    /// Name of the program.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub program: Option<String>,
-    /// The client's plan of the run.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub plan: Option<RunPlan>,
-}
-
-impl RunLabel {
-    /// Whether it states nothing.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
-    }
-
-    /// Checks the length.
-    ///
-    /// # Errors
-    ///
-    /// [`Code::BadRequest`](crate::message::Code::BadRequest) if it is longer than [`MAX_LABEL_BYTES`].
-    pub(crate) fn check(self) -> Result<Self, Refusal> {
-        let bytes = to_json(&self).len();
-        if bytes > MAX_LABEL_BYTES {
-            return Err(Refusal::bad(format!(
-                "the label has {bytes} bytes; at most {MAX_LABEL_BYTES} are allowed"
-            )));
-        }
-        Ok(self)
-    }
-}
-
-/// A plan of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RunPlan {
-    /// The planned cycle time, in s.
-    pub cycle_time_s: f64,
-    /// The limit that binds for the longest time of each motion, where one does.
-    #[serde(default)]
-    pub limited_by: Vec<BindingLimit>,
-}
-
-/// A limit that binds in a motion of a plan.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BindingLimit {
-    /// The motion, from 1.
-    pub motion: usize,
-    /// The joint, from 1; `None` for a limit of the TCP.
-    pub joint: Option<usize>,
-    /// The kind of limit, such as `velocity`.
-    pub kind: String,
-    /// The share of the motion's time for which it binds, 0 to 1.
-    pub share: f64,
-}
 
 /// The beginning or the end of a run, published under the topic `run`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -112,7 +49,7 @@ pub struct RunEnd {
 impl RunEnd {
     /// The end of a run with these measurements, and with this error.
     #[must_use]
-    pub fn new(run: &super::Run, error: Option<Refusal>) -> Self {
+    pub fn new(run: &Run, error: Option<Refusal>) -> Self {
         Self { cycle_time_s: run.cycle_time_s, start_s: run.start_s, timed_by: run.timed_by, error }
     }
 }

@@ -87,7 +87,7 @@ impl DispatcherScene {
     }
 
     fn ask_for_motion(&mut self) {
-        let motions = vec![Motion::Ptp(Ptp::to([0.1; 7]))].into();
+        let motions = vec![Motion::Ptp(Ptp::to([0.1; 7]))];
         self.request("runner", Request::motions(motions).to_json());
     }
 
@@ -338,7 +338,7 @@ fn a_stop_withdraws_a_run_being_received() {
     scene.wait(0.01);
     scene.ask("stopper", &stop());
     assert_eq!(scene.replies(), [("stopper", true)]);
-    let motions = vec![Motion::Ptp(Ptp::to([0.1; 7]))].into();
+    let motions = vec![Motion::Ptp(Ptp::to([0.1; 7]))];
     let body = Request::motions(motions).to_json().into();
     scene.dispatcher.request("runner", IncomingRequest { body, permit: None, began }, scene.now);
     assert_eq!(scene.check().len(), 1);

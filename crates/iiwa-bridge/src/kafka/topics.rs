@@ -1,0 +1,6 @@
+//! Names of topics.
+
+/// The topic of a kind of message.
+pub(super) fn topic(prefix: &str, name: &str) -> String {
+    format!("{prefix}.{name}")
+}

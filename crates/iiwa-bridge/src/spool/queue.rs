@@ -1,0 +1,163 @@
+//! The queue itself: what is appended, and what is dropped.
+
+use std::{
+    collections::VecDeque,
+    fs::{self, File},
+    io,
+    path::{Path, PathBuf},
+    sync::{Mutex, MutexGuard, PoisonError},
+};
+
+use super::{
+    cursor::Cursor,
+    segment::{Appender, scan},
+};
+
+/// Size at which a segment is complete, in bytes.
+const SEGMENT_BYTES: u64 = 4 << 20;
+
+/// The file that a process holds a lock on while it uses the queue.
+const LOCK: &str = "lock";
+
+/// A bounded queue on disk, with one reader.
+#[derive(Debug)]
+pub struct Spool {
+    pub(super) folder: PathBuf,
+    max_bytes: u64,
+    state: Mutex<State>,
+    _lock: File,
+}
+
+/// The segments.
+#[derive(Debug)]
+pub(super) struct State {
+    /// All but the last are complete.
+    pub(super) segments: VecDeque<Segment>,
+    pub(super) tail: Appender,
+    dropped: u64,
+    /// The segment of the last commit, and how many of its records are committed.
+    pub(super) committed: (u64, u64),
+}
+
+/// A segment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Segment {
+    pub(super) number: u64,
+    pub(super) bytes: u64,
+    records: u64,
+}
+
+/// How full a queue is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Level {
+    /// Bytes in segments, those included that are sent and not removed yet.
+    pub bytes: u64,
+    /// Records that were dropped since the start, because the queue was full.
+    pub dropped: u64,
+}
+
+impl Spool {
+    /// Opens the queue in a folder, which is created if it is missing. Returns where its last commit was, too.
+    pub(super) fn open(folder: &Path, max_bytes: u64) -> io::Result<(Self, Cursor)> {
+        fs::create_dir_all(folder)?;
+        let lock = File::create(folder.join(LOCK))?;
+        lock.try_lock().map_err(io::Error::from)?;
+        let mut numbers: Vec<u64> =
+            fs::read_dir(folder)?.filter_map(|entry| number_of(&entry.ok()?.path())).collect();
+        numbers.sort_unstable();
+        let cursor = Cursor::load(folder);
+        let mut segments = VecDeque::new();
+        for number in &numbers {
+            let path = path_of(folder, *number);
+            if *number < cursor.segment {
+                fs::remove_file(path)?;
+                continue;
+            }
+            let (bytes, records) = scan(&path)?;
+            segments.push_back(Segment { number: *number, bytes, records });
+        }
+        // A tail that was cut off by a crash is not appended to.
+        let next = numbers.last().map_or(0, |last| last + 1).max(cursor.segment + 1);
+        let tail = Appender::create(&path_of(folder, next))?;
+        segments.push_back(Segment { number: next, bytes: tail.bytes(), records: 0 });
+        let state =
+            Mutex::new(State { segments, tail, dropped: 0, committed: (cursor.segment, 0) });
+        let spool = Self { folder: folder.to_owned(), max_bytes, state, _lock: lock };
+        Ok((spool, cursor))
+    }
+
+    /// Appends a record. It is not waited for the disk.
+    ///
+    /// # Errors
+    ///
+    /// The record cannot be written, such as to a full disk: it is dropped, with those before it that were not written out.
+    pub fn append(&self, record: &[u8]) -> io::Result<()> {
+        let mut state = self.lock();
+        let buffered = state.tail.buffered();
+        let appended = if state.tail.bytes() >= SEGMENT_BYTES {
+            self.begin_segment(&mut state).and_then(|()| state.tail.append(record))
+        } else {
+            state.tail.append(record)
+        };
+        if appended.is_err() {
+            state.dropped += buffered + 1;
+            return appended;
+        }
+        let bytes = state.tail.bytes();
+        if let Some(last) = state.segments.back_mut() {
+            last.bytes = bytes;
+            last.records += 1;
+        }
+        Ok(())
+    }
+
+    /// Hands all that was appended to the system, so that it is there after the process.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be written: what was not is dropped.
+    pub fn flush(&self) -> io::Result<()> {
+        let mut state = self.lock();
+        let buffered = state.tail.buffered();
+        state.tail.flush().inspect_err(|_| state.dropped += buffered)
+    }
+
+    /// How full it is.
+    #[must_use]
+    pub fn level(&self) -> Level {
+        let state = self.lock();
+        Level { bytes: state.segments.iter().map(|it| it.bytes).sum(), dropped: state.dropped }
+    }
+
+    fn begin_segment(&self, state: &mut State) -> io::Result<()> {
+        state.tail.flush()?;
+        let number = state.segments.back().map_or(0, |last| last.number + 1);
+        state.tail = Appender::create(&path_of(&self.folder, number))?;
+        state.segments.push_back(Segment { number, bytes: state.tail.bytes(), records: 0 });
+        let mut bytes: u64 = state.segments.iter().map(|it| it.bytes).sum();
+        // The new one has room for as much as a segment holds.
+        while bytes + SEGMENT_BYTES > self.max_bytes && state.segments.len() > 1 {
+            let Some(oldest) = state.segments.pop_front() else { break };
+            bytes -= oldest.bytes;
+            let (segment, records) = state.committed;
+            let committed = if oldest.number == segment { records } else { 0 };
+            state.dropped += oldest.records.saturating_sub(committed);
+            // If it stays, it is removed at the next start.
+            let _ = fs::remove_file(path_of(&self.folder, oldest.number));
+        }
+        Ok(())
+    }
+
+    pub(super) fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+pub(super) fn path_of(folder: &Path, number: u64) -> PathBuf {
+    folder.join(format!("{number:012}.spool"))
+}
+
+fn number_of(path: &Path) -> Option<u64> {
+    let is_segment = path.extension().is_some_and(|extension| extension == "spool");
+    path.file_stem()?.to_str()?.parse().ok().filter(|_| is_segment)
+}
