@@ -17,14 +17,12 @@ use opcua::{
 use tokio::runtime::Runtime;
 
 use crate::{
-    OpcUaError,
-    opcua::{
-        certificates::Certificates,
-        nodesets,
-        options::OpcUaOptions,
-        robots::{RobotPlan, Robots, RobotsManager},
-        users::Users,
-    },
+    certificates::Certificates,
+    error::OpcUaError,
+    nodesets,
+    options::OpcUaOptions,
+    robots::{RobotPlan, Robots, RobotsManager},
+    users::Users,
 };
 
 /// How often subscriptions are looked after, in ms, and the shortest interval that clients can have them in.

@@ -6,10 +6,9 @@ use iiwa_kin::{Joints, Load};
 use iiwa_link::message::{DriveState, FriStatus, OperationMode, Presence};
 use opcua::types::{DataValue, DateTime, StatusCode, Variant};
 
-use crate::{
-    message::{Content, JointSample, Message, RobotConditions, RunPhase},
-    opcua::derivatives::{Derivatives, Window},
-};
+use iiwa_bridge::message::{Content, JointSample, Message, RobotConditions, RunPhase};
+
+use crate::derivatives::{Derivatives, Window};
 
 /// How old positions may be that are taken for the current ones. The slowest streams have one each 100 ms.
 const FRESH: Duration = Duration::from_secs(1);

@@ -83,6 +83,7 @@ impl Session {
     pub(super) async fn run(mut self, shutdown: &AtomicBool) {
         let mut trouble = Trouble::default();
         let (replies, mut replies_out) = unbounded_channel();
+        let mut was_connected = false;
         while !shutdown.load(Ordering::Relaxed) {
             let will = Will {
                 topic: format!("{}/{}", self.topic, Kind::Bridge.name()),
@@ -95,7 +96,9 @@ impl Session {
                 if trouble.clear() {
                     tracing::info!("MQTT at {}: messages arrive again", self.connector.at());
                 }
-                self.send(&mut connection, (&replies, &mut replies_out), shutdown).await
+                let is_again = std::mem::replace(&mut was_connected, true);
+                let replies = (&replies, &mut replies_out);
+                self.send(&mut connection, replies, (is_again, shutdown)).await
             };
             let last = async {
                 until_shutdown(shutdown).await;
@@ -128,7 +131,7 @@ impl Session {
         &mut self,
         connection: &mut Connection,
         (replies, replies_out): (&UnboundedSender<Reply>, &mut UnboundedReceiver<Reply>),
-        shutdown: &AtomicBool,
+        (is_again, shutdown): (bool, &AtomicBool),
     ) -> Result<(), MqttFailure> {
         connection.subscribe(&format!("{}/request", self.topic)).await?;
         let joints = format!("{}/{}", self.topic, Kind::Joints.name());
@@ -137,7 +140,7 @@ impl Session {
         let mut in_flight = InFlight::default();
         // The broker has published the last will of the connection before.
         let status = self.status.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        if !status.is_empty() {
+        if is_again && !status.is_empty() {
             let topic = format!("{}/{}", self.topic, Kind::Bridge.name());
             connection.publish(&topic, status, Delivery::Retained, None).await?;
             in_flight.sent(false);
