@@ -128,7 +128,7 @@ pub(crate) enum Command {
     Experiment(Experiment),
     Twin(Twin),
     Record(Record),
-    Bridge(Bridge),
+    Bridge(Box<Bridge>),
     Replay(Replay),
     History(History),
     Status(Status),

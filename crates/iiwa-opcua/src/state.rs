@@ -88,14 +88,13 @@ impl RobotState {
                 self.window.push(t_s, joints_rad);
             }
             Content::State { state, .. } => self.drive = Some(*state),
-            Content::Run(run) => {
-                if run.event == RunPhase::Begin {
-                    self.program = Some(run.label.program.clone().unwrap_or_default());
-                }
+            Content::Run(run) if run.event == RunPhase::Begin => {
+                self.program = Some(run.label.program.clone().unwrap_or_default());
             }
             Content::Sensors(sensors) => self.temperatures = sensors.joint_temperature_c,
             Content::Conditions(conditions) => self.take_conditions(conditions),
-            Content::Io { .. } | Content::Bridge(_) => {}
+            // Ends of runs, inputs and outputs, the bridge itself.
+            _ => {}
         }
     }
 

@@ -137,7 +137,7 @@ mod tests {
     use iiwa_kin::RosNames;
 
     use super::*;
-    use crate::ros2::{
+    use crate::{
         messages::{Duration, FollowGoal, JointTrajectoryPoint},
         retime::DEFAULT_TOLERANCE_RAD,
     };

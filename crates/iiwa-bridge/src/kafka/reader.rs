@@ -33,6 +33,9 @@ const FETCH_BYTES: i32 = 8 << 20;
 /// How long the broker may hold a fetch.
 const WAIT_MS: i32 = 500;
 
+/// Stamps of records are rounded to ms more than once.
+const STAMPS_ARE_WITHIN: Duration = Duration::from_millis(10);
+
 /// How long a fetch may take.
 const FETCH_TIMEOUT: Duration = Duration::from_secs(30);
 
@@ -181,11 +184,14 @@ async fn read_partition(
     let end = offset(OffsetAt::Latest).await?;
     let mut next = match selection.from {
         None => offset(OffsetAt::Earliest).await?,
-        // Negative if all records are older.
-        Some(from) => match offset(OffsetAt::Timestamp(SystemTime::from(from).into())).await? {
-            ..0 => return Ok(Continue(())),
-            first => first,
-        },
+        Some(from) => {
+            let from = SystemTime::from(from) - STAMPS_ARE_WITHIN;
+            match offset(OffsetAt::Timestamp(from.into())).await? {
+                // All records are older.
+                ..0 => return Ok(Continue(())),
+                first => first,
+            }
+        }
     };
     while next < end {
         let fetch = partition.fetch_records(next, 1..FETCH_BYTES, WAIT_MS);
