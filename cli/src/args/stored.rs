@@ -30,7 +30,7 @@ pub(crate) struct Stored {
     pub(crate) access: KafkaAccess,
 }
 
-/// Play a time range back from Kafka: into a recording, or live as a drive that nobody can move.
+/// Play a time range back from Kafka: into a recording, or live as a read-only drive.
 ///
 /// A recording (-o) is one as `iiwasim record` makes it: `iiwasim report` shows it, `iiwasim compare` and `identify` read it.
 /// With --serve, clients such as `iiwasim twin`, `status --watch` and `record` follow the replay as they follow a drive, at the
@@ -90,7 +90,7 @@ pub(crate) struct History {
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
 
-    /// Number of latest runs whose drift is told
+    /// Number of latest runs to compare with those before
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole::<usize, 1, 100_000>)]
     pub(crate) recent: usize,
 

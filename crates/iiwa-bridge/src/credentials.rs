@@ -21,7 +21,7 @@ impl fmt::Debug for Credentials {
 }
 
 #[cfg(any(feature = "tls", test))]
-/// Whether an address, `HOST:PORT`, is this machine for sure: nobody else reads what is sent there.
+/// Whether an address, `HOST:PORT`, is this machine for sure, so that what is sent there stays on it.
 pub(crate) fn is_this_machine(address: &str) -> bool {
     let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
     let host = host.trim_start_matches('[').trim_end_matches(']');

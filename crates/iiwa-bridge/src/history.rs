@@ -58,7 +58,7 @@ pub struct Drift {
 }
 
 impl History {
-    /// Of messages in order; `recent` is the number of latest runs whose drift is told.
+    /// From messages in order; `recent` is the number of latest runs that are compared with those before.
     #[must_use]
     pub fn of(messages: impl IntoIterator<Item = Message>, recent: usize) -> Self {
         let mut programs: BTreeMap<(String, Option<String>), Vec<PastRun>> = BTreeMap::new();

@@ -140,7 +140,7 @@ impl Sink for Mqtt {
         if message.kind() != Kind::Joints {
             robot.events.append_now(&SpooledEvent::of(message).to_bytes());
         } else if robot.pace.is_due() {
-            // While the broker is away, nobody reads them.
+            // While the broker is away, the queue is full, and samples are dropped.
             let _ = robot.samples.try_send(self.joints.encode(message));
         }
     }

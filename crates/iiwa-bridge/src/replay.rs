@@ -1,5 +1,5 @@
-//! Plays messages back as a drive: its stream, and its state. Clients, such as the twin, follow it as a robot that nobody can
-//! move.
+//! Plays messages back as a drive: its stream, and its state. Clients, such as the twin, follow it as a read-only
+//! robot.
 
 use std::{
     ops::ControlFlow::{self, Break, Continue},

@@ -15,7 +15,7 @@ use crate::BridgeError;
 /// Files of certificates, in PEM.
 #[derive(Clone, Debug, Default)]
 pub struct TlsFiles {
-    /// Certificates of the authorities that may have signed the broker's; those of the system if there is none.
+    /// Certificates of the authorities that may have signed the broker's; by default those of the system.
     pub authority: Option<PathBuf>,
     /// The own certificate and its key, for brokers that ask for one.
     pub own: Option<(PathBuf, PathBuf)>,

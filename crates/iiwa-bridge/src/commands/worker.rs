@@ -92,7 +92,7 @@ impl Worker {
     }
 }
 
-/// Sends requests until there is nobody left who has any.
+/// Sends requests until the queue is closed.
 fn carry_out(
     robot: &str,
     mut client: Client,

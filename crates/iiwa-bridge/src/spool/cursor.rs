@@ -15,7 +15,7 @@ pub(super) struct Cursor {
 }
 
 impl Cursor {
-    /// The saved place; the beginning if there is none.
+    /// The saved place, or the beginning.
     pub(super) fn load(folder: &Path) -> Self {
         let text = fs::read_to_string(folder.join(FILE)).unwrap_or_default();
         let mut numbers = text.split_whitespace().map(str::parse);
