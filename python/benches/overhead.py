@@ -106,6 +106,8 @@ def cores() -> None:
 
 
 def interrupted() -> None:
+    # Who starts it in the background may have had it ignore Ctrl-C.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     program = iw.Program.load(ROOT / "fixtures/ten-motions.json")
     waits = []
     for _ in range(TURNS):
