@@ -297,7 +297,7 @@ fn a_replay_is_followed_as_a_drive_and_moves_nothing() {
     assert_eq!(received, 201);
     let status = client.state().unwrap();
     assert_eq!((status.state, status.joints_rad), (DriveState::RunningMotion, Some([0.199; 7])));
-    // It ends when it is told to.
+    // It ends on request.
     let late = message(1_000_000, Content::State { t_s: 2.0, state: DriveState::Idle });
     assert!(player.play(late, || true).is_break());
 }

@@ -35,7 +35,7 @@ pub(crate) struct Certificates {
 }
 
 impl Certificates {
-    /// Certificates in a folder, which is made if there is none; and with it, a certificate of the server, if there is
+    /// Certificates in a folder, which is created if it is missing; and with it, a certificate of the server, if there is
     /// none, for an application and the hosts that clients may call it by.
     pub(crate) fn open(
         folder: &Path,

@@ -4,7 +4,7 @@
 //! load at the flange; a controller with its software and a task control; a safety state. Ids of nodes are paths, such
 //! as `ns=5;s=cell-1/MotionDevices/Arm/Axes/A1/ParameterSet/ActualPosition`.
 //!
-//! Unlike the other sinks, it listens: clients connect to it, with certificates and, unless it is told otherwise, names and
+//! Unlike the other sinks, it listens: clients connect to it, with certificates and, unless configured otherwise, names and
 //! passwords. They read; if it is allowed, users with names can stop robots.
 //!
 //! Without its feature `server`, the crate is empty: the server brings two hundred crates.

@@ -46,7 +46,7 @@ pub(crate) struct RobotState {
 pub(crate) struct Motion {
     joints_rad: Joints,
     at: DateTime,
-    /// When that was heard, by a clock that nobody sets.
+    /// When that was heard, by the monotonic clock.
     came: Instant,
 }
 
@@ -165,7 +165,7 @@ impl RobotState {
     }
 }
 
-/// Whether the safety controller demands a stop: it is told with the measurements, or by the robot program.
+/// Whether the safety controller demands a stop, as FRI or the robot program reports it.
 fn safety_stop(fri: Option<&FriStatus>, told: Option<bool>) -> Option<bool> {
     let heard = fri.filter(|fri| !fri.session.is_empty() && fri.session != FriStatus::SILENT);
     match (heard.map(|fri| fri.safety_stop), told) {

@@ -137,10 +137,8 @@ impl Producer {
         batch_bytes: usize,
     ) -> Result<usize, KafkaFailure> {
         let spool = self.spool.spool();
-        let wrong = |error: std::io::Error| KafkaFailure {
-            what: format!("cannot read the spool: {error}"),
-            is_refusal: false,
-            is_too_large: false,
+        let wrong = |error: std::io::Error| {
+            KafkaFailure::passing(format!("cannot read the spool: {error}"))
         };
         let batch = self.reader.batch(spool, BATCH_RECORDS, batch_bytes).map_err(wrong)?;
         if batch.is_empty() {
