@@ -28,14 +28,19 @@ def program(name: str) -> str:
 class Mosquitto:
     """Keeps its ports from one start to the next and, with persistence, what it has for sessions that are away."""
 
-    def __init__(self, folder: Path, certificates: Certificates | None = None, *, persistent: bool = True) -> None:
-        """With certificates, it listens to all LISTENERS, else to those without."""
+    def __init__(
+        self, folder: Path, certificates: Certificates | None = None, *, persistent: bool = True, forbidden: str = ""
+    ) -> None:
+        """With certificates, it listens to all LISTENERS, else to those without. To a forbidden topic, nobody may write who
+        shows nothing."""
         self.folder = folder
         folder.mkdir(parents=True, exist_ok=True)
         self.passwords = folder / "passwords"
         # That it warns of owners and of root is as well.
         command = [program("mosquitto_passwd"), "-b", "-c", str(self.passwords), USER, PASSWORD]
         subprocess.run(command, check=True, capture_output=True, timeout=60)
+        self.rules = folder / "rules"
+        self.rules.write_text(f"topic readwrite #\ntopic deny {forbidden}\n" if forbidden else "topic readwrite #\n")
         names = LISTENERS if certificates else LISTENERS[:2]
         self.ports = dict(zip(names, free_ports(len(names))))
         self.configuration = folder / "mosquitto.conf"
@@ -45,7 +50,7 @@ class Mosquitto:
             "user root",
             "log_dest stderr",
             # Sessions that are away are given all that they have missed.
-            "max_queued_messages 0",
+            "max_queued_messages 1000000",
             "retain_available true",
         ]
         if persistent:
@@ -57,6 +62,8 @@ class Mosquitto:
 
     def listener(self, name: str, certificates: Certificates | None) -> list[str]:
         lines = ["allow_anonymous true"]
+        if name == "plain":
+            lines.append(f"acl_file {self.rules}")
         if "password" in name:
             lines = ["allow_anonymous false", f"password_file {self.passwords}"]
         if certificates and name not in LISTENERS[:2]:

@@ -170,6 +170,27 @@ def test_broker_that_takes_less_at_a_time(bridge: Start, quick_robot: Robot, tmp
         broker.stop()
 
 
+def test_message_that_is_too_large_is_left_out(
+    kafka: KafkaBroker, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
+    """For its topic. It holds up nothing else, and the bridge tells how much is lost."""
+    admin = AdminClient({"bootstrap.servers": kafka.address()})
+    with KafkaWay(kafka, name) as way:
+        small = NewTopic(way.topic("run"), 1, 1, config={"max.message.bytes": "150"})
+        admin.create_topics([small])[small.topic].result(60)
+        passing = bridge(simulated_robot, *way.options)
+        read_until(way, lambda: of(way, "joints"), "joints are passed on")
+        simulated_robot.run_motions(SHORT)
+
+        def told() -> bool:
+            return any(each["spools"]["kafka"]["dropped"] == 2 for each in of(way, "bridge"))
+
+        read_until(way, told, "both events of the run are counted")
+        assert "running_motion" in [message["state"] for message in of(way, "state")]
+        assert not of(way, "run")
+        assert passing.said().count("one message was left out") == 2
+
+
 def test_full_spool_drops_the_oldest(
     kafka: KafkaBroker, bridge: Start, binary: Path, tmp_path: Path, name: str
 ) -> None:

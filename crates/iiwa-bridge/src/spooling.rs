@@ -24,6 +24,8 @@ pub(crate) struct SpoolTarget {
     appended: Notify,
     /// The number of dropped records at the last warning.
     dropped: AtomicU64,
+    /// The number of records that the broker has refused.
+    refused: AtomicU64,
     trouble: Mutex<Trouble>,
 }
 
@@ -44,6 +46,7 @@ impl SpoolTarget {
             spool,
             appended: Notify::new(),
             dropped: AtomicU64::new(0),
+            refused: AtomicU64::new(0),
             trouble: Mutex::default(),
         };
         Ok((Arc::new(target), reader))
@@ -88,7 +91,15 @@ impl SpoolTarget {
         &self.spool
     }
 
+    /// Counts a record that the broker has refused.
+    #[cfg(any(feature = "kafka", feature = "mqtt"))]
+    pub(crate) fn refused(&self) {
+        self.refused.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// How full it is, and how many records nobody will read.
     pub(crate) fn level(&self) -> Level {
-        self.spool.level()
+        let level = self.spool.level();
+        Level { dropped: level.dropped + self.refused.load(Ordering::Relaxed), ..level }
     }
 }

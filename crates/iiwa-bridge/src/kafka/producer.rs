@@ -102,13 +102,17 @@ impl Producer {
                     batch_bytes = (2 * batch_bytes).min(BATCH_BYTES);
                     sleep(LINGER.saturating_sub(began.elapsed())).await;
                 }
+                Err(failure) if failure.is_too_large && batch_bytes > 1 => {
+                    // A batch has one record at least.
+                    self.reader.rewind();
+                    batch_bytes /= 2;
+                }
+                Err(failure) if failure.is_too_large => {
+                    // It would hold up all that follow.
+                    self.leave_out(&failure);
+                }
                 Err(failure) => {
                     self.reader.rewind();
-                    if failure.is_too_large && batch_bytes > 1 {
-                        // A batch has one record at least.
-                        batch_bytes /= 2;
-                        continue;
-                    }
                     topics = None;
                     trouble.warn(format_args!(
                         "Kafka at {}: {}; messages are kept until it is back",
@@ -128,6 +132,16 @@ impl Producer {
         let batch = self.reader.batch(self.spool.spool(), 1, 1);
         self.reader.rewind();
         batch.is_ok_and(|batch| batch.is_empty())
+    }
+
+    /// Goes on behind the record that was read last.
+    fn leave_out(&mut self, failure: &KafkaFailure) {
+        let at = self.connector.at();
+        tracing::warn!("Kafka at {at}: {}; one message was left out", failure.what);
+        self.spool.refused();
+        if let Err(error) = self.reader.commit(self.spool.spool()) {
+            tracing::warn!("cannot save how far the spool was sent: {error}");
+        }
     }
 
     /// Sends a batch; returns its size.

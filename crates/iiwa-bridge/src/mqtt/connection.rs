@@ -185,8 +185,11 @@ impl MqttConnector {
 pub(super) enum Incoming {
     /// The connection is there.
     Connected,
-    /// The broker has a message, the first one that it had not acknowledged before.
-    Acknowledged,
+    /// The broker has answered to a message, the first one that it had not answered to before.
+    Acknowledged {
+        /// Why it does not take it (MQTT 5).
+        refusal: Option<String>,
+    },
     /// A message of a subscription.
     Message(Received),
     /// Something else.
@@ -262,7 +265,7 @@ pub(super) struct ReplyTo {
 fn of_v3(event: Event) -> Incoming {
     match event {
         Event::Incoming(Packet::ConnAck(_)) => Incoming::Connected,
-        Event::Incoming(Packet::PubAck(_)) => Incoming::Acknowledged,
+        Event::Incoming(Packet::PubAck(_)) => Incoming::Acknowledged { refusal: None },
         Event::Incoming(Packet::Publish(publish)) => Incoming::Message(Received {
             payload: publish.payload,
             is_retained: publish.retain,
@@ -274,10 +277,17 @@ fn of_v3(event: Event) -> Incoming {
 }
 
 fn of_v5(event: v5::Event) -> Incoming {
-    use v5::mqttbytes::v5::Packet;
+    use v5::mqttbytes::v5::{Packet, PubAckReason};
     match event {
         v5::Event::Incoming(Packet::ConnAck(_)) => Incoming::Connected,
-        v5::Event::Incoming(Packet::PubAck(_)) => Incoming::Acknowledged,
+        v5::Event::Incoming(Packet::PubAck(answer)) => {
+            // That nobody has subscribed to it is no refusal.
+            let is_taken = matches!(
+                answer.reason,
+                PubAckReason::Success | PubAckReason::NoMatchingSubscribers
+            );
+            Incoming::Acknowledged { refusal: (!is_taken).then(|| format!("{:?}", answer.reason)) }
+        }
         v5::Event::Incoming(Packet::Publish(publish)) => {
             let properties = publish.properties.unwrap_or_default();
             let correlation = properties.correlation_data;

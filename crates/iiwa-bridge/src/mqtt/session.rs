@@ -70,6 +70,11 @@ impl InFlight {
         self.events += usize::from(is_event);
     }
 
+    /// Whether what is acknowledged next is an event.
+    fn is_event_next(&self) -> bool {
+        self.sent.front() == Some(&true)
+    }
+
     /// Whether the last event of a batch is acknowledged now.
     fn acknowledged(&mut self) -> bool {
         let is_event = self.sent.pop_front() == Some(true);
@@ -138,6 +143,7 @@ impl Session {
         // Samples of before the connection are late.
         while self.samples.try_recv().is_ok() {}
         let mut in_flight = InFlight::default();
+        let mut refusals = Trouble::default();
         // The broker has published the last will of the connection before.
         let status = self.status.lock().unwrap_or_else(PoisonError::into_inner).clone();
         if is_again && !status.is_empty() {
@@ -151,7 +157,17 @@ impl Session {
             let spool = Arc::clone(&self.spool);
             tokio::select! {
                 incoming = connection.next() => match incoming? {
-                    Incoming::Acknowledged => {
+                    Incoming::Acknowledged { refusal } => {
+                        // By rules of its own, which would be the same at the next time.
+                        if let Some(why) = refusal {
+                            if in_flight.is_event_next() {
+                                self.spool.refused();
+                            }
+                            refusals.warn(format_args!(
+                                "MQTT at {}: the broker refuses messages: {why}; they are left out",
+                                self.connector.at()
+                            ));
+                        }
                         if in_flight.acknowledged() {
                             self.reader.commit(self.spool.spool()).map_err(|error| unreadable(&error))?;
                         }
