@@ -36,5 +36,5 @@ def watch(drive):  # the answer comes when the robot stands again; Ctrl-C stops 
 (stream := connect(zmq.SUB, options.stream)).subscribe("joints")
 here = ask({"type": "state"})["joints_rad"] or sys.exit("the drive does not hear the robot")
 motions = [{"type": "ptp", "joints_rad": [here[0] + by, *here[1:]], "velocity_rel": 0.2} for by in (0.2, 0)]
-run = ask({"type": "run_motions", "motions": motions}, watch)
+run = ask({"type": "run_motions", "motions": motions, "label": {"program": "swing"}}, watch)
 print(f"\nmeasured: {run.get('cycle_time_s', float('nan')):.3f} s, {len(run['samples']['t_s'])} samples")

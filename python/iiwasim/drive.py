@@ -179,6 +179,8 @@ class Drive:
         start_velocity_rel: float = 0.1,
         timeout_s: float | None = None,
         on_sample: Callable[[JointSample], object] | None = None,
+        name: str | None = None,
+        planned_s: float | None = None,
     ) -> Run:
         """Runs a program and returns what was measured once it has ended; the controller plans it.
 
@@ -193,13 +195,16 @@ class Drive:
         measured positions while the program runs, and should be quick; positions that it is too slow for are in the
         result.
 
+        `name` and `planned_s`, the planned cycle time, are published with the run for those who follow the robot, as
+        `iiwasim bridge`; `iiwasim history` sorts runs by them.
+
         Raises `DriveError`: with `.run`, what was measured up to then, if the run was stopped or broke off.
         """
         _check_callable(on_sample)
         keys = _program_keys(program)
         start = _start_of(program, keys) if start_rad is None else _seven(start_rad, "start_rad")
-        request = {"type": "run_motions", **{name: keys[name] for name in MOTION_KEYS if name in keys}}
-        text = _request_text(request)
+        request = {"type": "run_motions", **{key: keys[key] for key in MOTION_KEYS if key in keys}}
+        text = _request_text({**request, **_label(name, planned_s)})
         if start is not None:
             self._go_to_start(start, move_to_start, start_velocity_rel)
         elif move_to_start:
@@ -215,6 +220,8 @@ class Drive:
         start_velocity_rel: float = 0.1,
         timeout_s: float | None = None,
         on_sample: Callable[[JointSample], object] | None = None,
+        name: str | None = None,
+        planned_s: float | None = None,
     ) -> Run:
         """Runs joint positions `q`, in rad, (n, 7), at times `t`, in s, (n,), as set-points over FRI; all else is as in `run`.
 
@@ -238,7 +245,7 @@ class Drive:
         if not (np.isfinite(times).all() and np.isfinite(points).all()):
             raise ValueError("t and q have to be finite")
         trajectory = {"t_s": times.tolist(), "joints_rad": points.tolist()}
-        text = _request_text({"type": "run_trajectory", "trajectory": trajectory})
+        text = _request_text({"type": "run_trajectory", "trajectory": trajectory, **_label(name, planned_s)})
         self._go_to_start(points[0], move_to_start, start_velocity_rel)
         return self._execute(text, timeout_s, on_sample)
 
@@ -399,6 +406,16 @@ class Drive:
         why = failure or "the drive does not report the end of the run"
         warnings.warn(f"the robot may still be moving: {why}", RuntimeWarning, stacklevel=4)
         return None
+
+
+def _label(name: str | None, planned_s: float | None) -> dict[str, Any]:
+    """What a request states of its run."""
+    label: dict[str, Any] = {} if name is None else {"program": name}
+    if planned_s is not None:
+        if not 0.0 <= planned_s < math.inf:
+            raise ValueError(f"planned_s is {planned_s}; give a time in s")
+        label["plan"] = {"cycle_time_s": float(planned_s)}
+    return {"label": label} if label else {}
 
 
 def _follow(

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 import warnings
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -68,6 +69,26 @@ def test_a_run_takes_as_long_as_planned(drive: Drive, tmp_path: Path) -> None:
     assert repr(run) == f"<Run: cycle time {run.cycle_time_s:.3f} s, {len(run.t)} samples>"
     again = drive.last_run()
     assert again.start_s == run.start_s and np.array_equal(again.q, run.q)
+
+
+def test_runs_say_what_they_are(drive: Drive) -> None:
+    go(drive, HOME)
+    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
+        stream.connect(drive._stream_at)
+        stream.subscribe("run")
+        time.sleep(0.5)
+        drive.run(program(AWAY), name="away", planned_s=1.25)
+        drive.run_trajectory(*rise(0.05), move_to_start=True, name="rise")
+        drive.run(program(HOME))
+        events = []
+        while stream.poll(1000):
+            events.append(json.loads(stream.recv_multipart()[1]))
+        stream.close(linger=0)
+    begins = [event.get("label") for event in events if "end" not in event]
+    assert begins == [{"program": "away", "plan": {"cycle_time_s": 1.25}}, None, {"program": "rise"}, None]
+    for wrong in (-1.0, math.nan, math.inf):
+        with pytest.raises(ValueError, match="planned_s"):
+            drive.run(program(HOME), planned_s=wrong)
 
 
 def test_programs_come_as_objects_keys_and_text(drive: Drive) -> None:
