@@ -18,51 +18,11 @@
 //! packet asks for, up to 4 GB. It binds them to all addresses, whatever is announced (see `Ros2Options::networks`).
 
 #[cfg(feature = "dds")]
-mod action;
-#[cfg(feature = "dds")]
-mod error;
-#[cfg(feature = "dds")]
-mod execution;
-#[cfg(feature = "dds")]
-mod goal;
-#[cfg(feature = "dds")]
-mod goals;
-#[cfg(feature = "dds")]
-mod latest;
-#[cfg(feature = "dds")]
-mod messages;
-#[cfg(feature = "dds")]
-mod names;
-#[cfg(feature = "dds")]
-mod nodes;
-#[cfg(feature = "dds")]
-mod options;
-#[cfg(feature = "dds")]
-mod path_joints;
+mod dds;
 mod polyline;
-#[cfg(feature = "dds")]
-mod publisher;
-#[cfg(feature = "dds")]
-mod qos;
-#[cfg(feature = "dds")]
-mod received;
 pub mod retime;
-#[cfg(feature = "dds")]
-mod retiming;
-#[cfg(feature = "dds")]
-mod robot;
 mod rounded;
 mod spacing;
-#[cfg(feature = "dds")]
-mod timing_service;
 
 #[cfg(feature = "dds")]
-pub use error::Ros2Error;
-#[cfg(feature = "dds")]
-pub use names::namespace_of;
-#[cfg(feature = "dds")]
-pub use nodes::Ros2;
-#[cfg(feature = "dds")]
-pub use options::{Ros2Options, Ros2Robot};
-#[cfg(feature = "dds")]
-pub use retiming::RetimeGoals;
+pub use dds::{RetimeGoals, Ros2, Ros2Error, Ros2Options, Ros2Robot, namespace_of};

@@ -5,7 +5,7 @@ use std::net::{IpAddr, Ipv4Addr};
 use iiwa_bridge::BridgedRobot;
 use iiwa_kin::{Robot, RosNames};
 
-use crate::retiming::RetimeGoals;
+use super::retiming::RetimeGoals;
 
 /// How robots appear in ROS.
 #[derive(Clone, Debug)]

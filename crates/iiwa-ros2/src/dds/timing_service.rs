@@ -26,8 +26,8 @@ use super::{
     path_joints::JointOrder,
     qos,
     received::received,
-    retime::{Retimed, retime},
 };
+use crate::retime::{Retimed, retime};
 
 /// Paths that wait to be timed, at most.
 const BACKLOG: usize = 4;

@@ -7,7 +7,8 @@ use iiwa_link::{TimedJoints, message::Code};
 use iiwa_program::MotionLimits;
 use iiwa_traj::Trajectory;
 
-use super::{goal::Goal, retime::retime};
+use super::goal::Goal;
+use crate::retime::retime;
 
 /// Samples a second of a motion with new times: a drive asks for 40 at least.
 const RATE_HZ: f64 = 200.0;
@@ -138,7 +139,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        messages::{Duration, FollowGoal, JointTrajectoryPoint},
+        dds::messages::{Duration, FollowGoal, JointTrajectoryPoint},
         retime::DEFAULT_TOLERANCE_RAD,
     };
 

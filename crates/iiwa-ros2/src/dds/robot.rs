@@ -24,10 +24,10 @@ use super::{
     names::Names,
     options::{Ros2Options, Ros2Robot},
     publisher::{Measured, RobotPublisher},
-    retime::{DEFAULT_TOLERANCE_RAD, LEAST_TOLERANCE_RAD},
     retiming::{RetimeGoals, Retiming},
     timing_service::TimingService,
 };
+use crate::retime::{DEFAULT_TOLERANCE_RAD, LEAST_TOLERANCE_RAD};
 use iiwa_bridge::message::{JointSample, Timestamp};
 
 /// Samples that wait to be published; newer ones are left out.

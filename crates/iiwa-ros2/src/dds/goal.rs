@@ -203,7 +203,7 @@ mod tests {
     use iiwa_kin::RosNames;
 
     use super::*;
-    use crate::messages::{Duration, JointTrajectoryPoint, MultiDofPoint, Time};
+    use crate::dds::messages::{Duration, JointTrajectoryPoint, MultiDofPoint, Time};
 
     fn arm() -> [String; 7] {
         RosNames::default().joints()

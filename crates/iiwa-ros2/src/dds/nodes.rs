@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use iiwa_bridge::{Content, Message, Sink};
 use ros2_client::{Context, dds::rustdds::DomainParticipantBuilder};
 
-use crate::{
+use super::{
     error::Ros2Error,
     options::{Ros2Options, Ros2Robot},
     robot::RobotNode,
