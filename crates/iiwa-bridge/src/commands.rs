@@ -80,28 +80,22 @@ impl CommandGate {
     pub fn command(&self, robot: Option<&str>, body: &[u8], answer: Answer) {
         let (envelope, checked) = self.check(robot, body);
         let robot = envelope.robot.as_deref().or(robot).map(str::to_owned);
-        let reply =
-            |refusal: &Refusal| CommandReply::refused(robot.clone(), envelope.id.clone(), refusal);
-        let refusal = match checked {
-            Err(refusal) => refusal,
+        let passed = match checked {
             Ok((worker, request)) => {
-                let id = envelope.id.clone().unwrap_or_default();
-                match worker.send(id, request, answer) {
-                    Ok(()) => {
-                        self.accepted.fetch_add(1, Ordering::Relaxed);
-                        return;
-                    }
-                    Err((refusal, answer)) => {
-                        self.refused.fetch_add(1, Ordering::Relaxed);
-                        answer(reply(&refusal));
-                        return;
-                    }
-                }
+                worker.send(envelope.id.clone().unwrap_or_default(), request, answer)
             }
+            Err(refusal) => Err((refusal, answer)),
         };
-        self.refused.fetch_add(1, Ordering::Relaxed);
-        tracing::warn!("a command was refused: {refusal}");
-        answer(reply(&refusal));
+        match passed {
+            Ok(()) => {
+                self.accepted.fetch_add(1, Ordering::Relaxed);
+            }
+            Err((refusal, answer)) => {
+                self.refused.fetch_add(1, Ordering::Relaxed);
+                tracing::warn!("a command was refused: {refusal}");
+                answer(CommandReply::refused(robot, envelope.id, &refusal));
+            }
+        }
     }
 
     /// The counts so far.
