@@ -47,34 +47,26 @@ def certificates(tmp_path_factory: pytest.TempPathFactory) -> Certificates:
 
 @pytest.fixture(scope="session")
 def kafka_of_session(tmp_path_factory: pytest.TempPathFactory, certificates: Certificates) -> Iterator[KafkaBroker]:
-    broker = KafkaBroker(fetch_jars(), tmp_path_factory.mktemp("kafka"), certificates)
-    broker.start()
-    yield broker
-    broker.stop()
+    with KafkaBroker(fetch_jars(), tmp_path_factory.mktemp("kafka"), certificates) as broker:
+        yield broker
 
 
 @pytest.fixture
 def kafka(kafka_of_session: KafkaBroker) -> KafkaBroker:
     """The broker that tests share: each may stop it."""
-    if kafka_of_session.program is None:
-        kafka_of_session.start()
-    return kafka_of_session
+    return kafka_of_session.running()
 
 
 @pytest.fixture(scope="session")
 def mosquitto_of_session(tmp_path_factory: pytest.TempPathFactory, certificates: Certificates) -> Iterator[Mosquitto]:
-    broker = Mosquitto(tmp_path_factory.mktemp("mosquitto"), certificates)
-    broker.start()
-    yield broker
-    broker.stop()
+    with Mosquitto(tmp_path_factory.mktemp("mosquitto"), certificates) as broker:
+        yield broker
 
 
 @pytest.fixture
 def mosquitto(mosquitto_of_session: Mosquitto) -> Mosquitto:
     """The broker that tests share: each may stop it."""
-    if mosquitto_of_session.program is None:
-        mosquitto_of_session.start()
-    return mosquitto_of_session
+    return mosquitto_of_session.running()
 
 
 @pytest.fixture(scope="session")

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import os
 import shutil
-import signal
 import subprocess
 from pathlib import Path
 
 from confluent_kafka import KafkaException
 from confluent_kafka.admin import AdminClient
 
+from broker import Broker
 from certificates import Certificates
 from ports import free_ports
-from processes import REPOSITORY, Program, until
+from processes import REPOSITORY
 
 CLUSTER = "iiwasim-tests-bridge00"
 USER, PASSWORD = "robot", "let me in"
@@ -50,15 +50,16 @@ def fetch_jars(folder: Path | None = None) -> Path:
     return folder
 
 
-class KafkaBroker:
-    """Keeps its ports and its data from one start to the next."""
+class KafkaBroker(Broker):
+    """Broker and controller at once."""
+
+    label = "Kafka"
 
     def __init__(self, jars: Path, folder: Path, certificates: Certificates | None = None, **settings: str) -> None:
         """With certificates, it listens to all LISTENERS, else to those without. Settings are as in server.properties,
         with _ in place of dots."""
+        super().__init__(folder)
         self.jars = jars
-        self.folder = folder
-        folder.mkdir(parents=True, exist_ok=True)
         names = [name for name, protocol in LISTENERS.items() if certificates or "SSL" not in protocol]
         *ports, controller = free_ports(len(names) + 1)
         self.addresses = {name: f"localhost:{port}" for name, port in zip(names, ports)}
@@ -67,7 +68,6 @@ class KafkaBroker:
         if certificates:
             lines |= self.secured(certificates)
         self.properties.write_text("".join(f"{key}={value}\n" for key, value in lines.items()))
-        self.program: Program | None = None
         self.format()
 
     def settings(self, controller: int) -> dict[str, str]:
@@ -140,42 +140,15 @@ class KafkaBroker:
         return self.addresses[listener]
 
     def start(self) -> None:
-        """Returns when it answers."""
-        self.begin()
-        admin = AdminClient({"bootstrap.servers": self.address(), "log_level": 0})
-        until(lambda: self.answers(admin), f"Kafka answers; see {self.folder}/broker.log")
+        # A new one: after failures, a client takes its time to try again.
+        self.admin = AdminClient({"bootstrap.servers": self.address(), "log_level": 0})
+        super().start()
 
-    def begin(self) -> None:
-        assert self.program is None, "it runs"
-        self.program = Program([*self.java(), "kafka.Kafka", str(self.properties)], self.folder / "broker.log")
+    def command(self) -> list[str]:
+        return [*self.java(), "kafka.Kafka", str(self.properties)]
 
-    def answers(self, admin: AdminClient) -> bool:
-        assert self.program and self.program.runs(), self.program and self.program.said()[-3000:]
+    def answers(self) -> bool:
         try:
-            return bool(admin.list_topics(timeout=1).brokers)
+            return bool(self.admin.list_topics(timeout=1).brokers)
         except KafkaException:
             return False
-
-    def stop(self) -> None:
-        """As an operator does it: what it has acknowledged is on the disk."""
-        if self.program:
-            self.program.end()
-            self.program = None
-
-    def kill(self) -> None:
-        if self.program:
-            self.program.kill()
-            self.program = None
-
-    def pause(self) -> None:
-        """It holds its connections, and answers nothing."""
-        assert self.program
-        self.program.send(signal.SIGSTOP)
-
-    def resume(self) -> None:
-        assert self.program
-        self.program.send(signal.SIGCONT)
-
-    def restart(self) -> None:
-        self.stop()
-        self.start()

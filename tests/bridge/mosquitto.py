@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import shutil
-import signal
 import socket
 import subprocess
 from pathlib import Path
 
+from broker import Broker
 from certificates import Certificates
 from ports import free_ports
-from processes import Program, until
 
 USER, PASSWORD = "robot", "let me in"
 # What clients show: nothing, a password, nothing over TLS, a password over TLS, a certificate. What the last two
@@ -25,16 +24,17 @@ def program(name: str) -> str:
     return found
 
 
-class Mosquitto:
-    """Keeps its ports from one start to the next and, with persistence, what it has for sessions that are away."""
+class Mosquitto(Broker):
+    """With persistence, it keeps what it has for sessions that are away."""
+
+    label = "mosquitto"
 
     def __init__(
         self, folder: Path, certificates: Certificates | None = None, *, persistent: bool = True, forbidden: str = ""
     ) -> None:
         """With certificates, it listens to all LISTENERS, else to those without. To a forbidden topic, nobody may write who
         shows nothing."""
-        self.folder = folder
-        folder.mkdir(parents=True, exist_ok=True)
+        super().__init__(folder)
         self.passwords = folder / "passwords"
         # That it warns of owners and of root is as well.
         command = [program("mosquitto_passwd"), "-b", "-c", str(self.passwords), USER, PASSWORD]
@@ -58,7 +58,6 @@ class Mosquitto:
         for name, port in self.ports.items():
             lines += ["", f"listener {port} 127.0.0.1", *self.listener(name, certificates)]
         self.configuration.write_text("\n".join(lines) + "\n")
-        self.program: Program | None = None
 
     def listener(self, name: str, certificates: Certificates | None) -> list[str]:
         lines = ["allow_anonymous true"]
@@ -80,41 +79,12 @@ class Mosquitto:
         """Host and port."""
         return f"localhost:{self.port(listener)}"
 
-    def start(self) -> None:
-        """Returns when it answers."""
-        assert self.program is None, "it runs"
-        command = [program("mosquitto"), "-c", str(self.configuration)]
-        self.program = Program(command, self.folder / "broker.log")
-        until(self.answers, f"mosquitto answers; see {self.folder}/broker.log")
+    def command(self) -> list[str]:
+        return [program("mosquitto"), "-c", str(self.configuration)]
 
     def answers(self) -> bool:
-        assert self.program and self.program.runs(), self.program and self.program.said()[-3000:]
         try:
             socket.create_connection(("127.0.0.1", self.port()), 1).close()
         except OSError:
             return False
         return True
-
-    def stop(self) -> None:
-        """As an operator does it: what it has for others is on the disk."""
-        if self.program:
-            self.program.end()
-            self.program = None
-
-    def kill(self) -> None:
-        if self.program:
-            self.program.kill()
-            self.program = None
-
-    def pause(self) -> None:
-        """It holds its connections, and answers nothing."""
-        assert self.program
-        self.program.send(signal.SIGSTOP)
-
-    def resume(self) -> None:
-        assert self.program
-        self.program.send(signal.SIGCONT)
-
-    def restart(self) -> None:
-        self.stop()
-        self.start()

@@ -153,21 +153,17 @@ def from_cdr(payload: bytes) -> dict:
 
 def test_broker_that_takes_less_at_a_time(bridge: Start, quick_robot: Robot, tmp_path: Path, name: str) -> None:
     """Its limit is far below what the bridge gathers while it is away."""
-    broker = KafkaBroker(fetch_jars(), tmp_path / "small", message_max_bytes="60000")
-    broker.start()
-    try:
-        with KafkaWay(broker, name) as way:
-            bridge(quick_robot, *way.options, "--kafka-compression", "none")
-            read_until(way, lambda: of(way, "joints"), "joints are passed on")
-            broker.stop()
-            quick_robot.run_motions(SHORT)
-            before = quick_robot.state()["t_s"]
-            until(lambda: quick_robot.state()["t_s"] > before + 3, "the robot goes on")
-            broker.start()
-            read_until(way, lambda: of(way, "joints")[-1]["t_s"] > before + 3, "joints are passed on")
-            check_numbers(way.read)
-    finally:
+    small = KafkaBroker(fetch_jars(), tmp_path / "small", message_max_bytes="60000")
+    with small as broker, KafkaWay(broker, name) as way:
+        bridge(quick_robot, *way.options, "--kafka-compression", "none")
+        read_until(way, lambda: of(way, "joints"), "joints are passed on")
         broker.stop()
+        quick_robot.run_motions(SHORT)
+        before = quick_robot.state()["t_s"]
+        until(lambda: quick_robot.state()["t_s"] > before + 3, "the robot goes on")
+        broker.start()
+        read_until(way, lambda: of(way, "joints")[-1]["t_s"] > before + 3, "joints are passed on")
+        check_numbers(way.read)
 
 
 def test_message_that_is_too_large_is_left_out(

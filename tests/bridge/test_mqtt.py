@@ -113,24 +113,20 @@ def test_unresponsive_bridge_is_offline(way: MqttWay, bridge: Start, simulated_r
 
 def test_refused_message_is_left_out(tmp_path: Path, bridge: Start, simulated_robot: Robot, name: str) -> None:
     """By rules of the broker. What it takes arrives nevertheless, and the bridge tells how much is lost."""
-    way = MqttWay(Mosquitto(tmp_path / "strict", forbidden=f"iiwasim/{name}/run"), name)
-    way.broker.start()
-    try:
-        with way:
-            passing = bridge(simulated_robot, *way.options)
-            read_until(way, lambda: of(way, "joints"), "joints are passed on")
-            simulated_robot.run_motions(SHORT)
+    strict = Mosquitto(tmp_path / "strict", forbidden=f"iiwasim/{name}/run")
+    with strict as broker, MqttWay(broker, name) as way:
+        passing = bridge(simulated_robot, *way.options)
+        read_until(way, lambda: of(way, "joints"), "joints are passed on")
+        simulated_robot.run_motions(SHORT)
 
-            def told() -> bool:
-                return any(each["spools"]["mqtt"]["dropped"] == 2 for each in of(way, "bridge"))
+        def told() -> bool:
+            return any(each["spools"]["mqtt"]["dropped"] == 2 for each in of(way, "bridge"))
 
-            read_until(way, told, "both events of the run are counted")
-            states = [message["state"] for message in of(way, "state")]
-            assert states[-1] == "idle" and "running_motion" in states
-            assert not of(way, "run")
-            assert "the broker refuses messages: NotAuthorized" in passing.said()
-    finally:
-        way.broker.stop()
+        read_until(way, told, "both events of the run are counted")
+        states = [message["state"] for message in of(way, "state")]
+        assert states[-1] == "idle" and "running_motion" in states
+        assert not of(way, "run")
+        assert "the broker refuses messages: NotAuthorized" in passing.said()
 
 
 @pytest.mark.parametrize("rate", [5.0, 50.0])
