@@ -3,10 +3,10 @@
 //!
 //! What else runs on the machine takes from all cores and only rarely from one: efficiencies are
 //! meaningful on a quiet machine only.
-#![expect(clippy::print_stdout, reason = "a table is what it is for")]
 
-use std::{thread, time::Instant};
+use std::{process::ExitCode, thread, time::Instant};
 
+use super::no_arguments;
 use iiwa_kin::Robot;
 use iiwa_path::PathOptions;
 use iiwa_program::Program;
@@ -27,7 +27,8 @@ const ROUNDS: usize = 5;
 /// threads are awake.
 const ROUND_S: f64 = 0.5;
 
-fn main() -> Result<()> {
+pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
+    no_arguments(arguments)?;
     let programs = (0..PROGRAMS)
         .map(|seed| Ok(Program::from_json(&seeded(Kind::Blended, MOTIONS, seed))?))
         .collect::<Result<Vec<_>>>()?;
@@ -54,7 +55,7 @@ fn main() -> Result<()> {
             100.0 * all / one / cores as f64,
         );
     }
-    Ok(())
+    Ok(ExitCode::SUCCESS)
 }
 
 fn pool(threads: usize) -> Result<ThreadPool> {

@@ -2,7 +2,6 @@
 //! Markdown tables. With `--long`: longer programs, and more LINs.
 //!
 //! It fails where something cannot be planned, or where the arm's advantage is lost; times never count.
-#![expect(clippy::print_stdout, reason = "tables are what it is for")]
 
 mod clock;
 mod growth;
@@ -13,13 +12,12 @@ mod straight;
 mod trapezoid;
 mod versus;
 
-use std::{env, process::ExitCode};
+use std::process::ExitCode;
 
 use iiwasim_benches::{Result, machine};
 
-fn main() -> Result<ExitCode> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    let is_long = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
+    let is_long = match arguments {
         [] => false,
         ["--long"] => true,
         _ => return Err("it takes no arguments but --long".into()),

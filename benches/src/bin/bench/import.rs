@@ -1,9 +1,9 @@
 //! Prints how long the import of a large Sunrise project takes, and the most memory that it held: 100 files of 30 kB, all of
 //! which the application uses.
-#![expect(clippy::print_stdout, reason = "a figure is what it is for")]
 
-use std::{fmt::Write as _, fs, path::Path, time::Instant};
+use std::{fmt::Write as _, fs, path::Path, process::ExitCode, time::Instant};
 
+use super::no_arguments;
 use iiwa_application::{ImportOptions, import};
 use iiwa_sunrise::Project;
 use iiwasim_benches::{Result, machine};
@@ -13,7 +13,8 @@ const FILES: usize = 100;
 /// Of each file.
 const BYTES: usize = 30_000;
 
-fn main() -> Result<()> {
+pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
+    no_arguments(arguments)?;
     let folder = TempDir::new()?;
     write_project(folder.path())?;
     let before_mb = machine::peak_memory_mb()?;
@@ -30,7 +31,7 @@ fn main() -> Result<()> {
         1e3 * imported.as_secs_f64(),
         machine::peak_memory_mb()?,
     );
-    Ok(())
+    Ok(ExitCode::SUCCESS)
 }
 
 /// An application that moves by a method of each of the other classes.

@@ -2,10 +2,10 @@
 //! is kept busy and trajectories run, as a Markdown table with a list of what else was seen.
 //!
 //! ```text
-//! realtime                 10 s at 5 ms, 10 s at 1 ms
-//! realtime --full          10 minutes at 5 ms, 2 minutes at 1 ms, the same with ten subscribers, and
-//!                          2 minutes of each without real-time priority for the drive
-//! realtime --period 1 --seconds 60 [--subscribers] [--ordinary]
+//! bench realtime                 10 s at 5 ms, 10 s at 1 ms
+//! bench realtime --full          10 minutes at 5 ms, 2 minutes at 1 ms, the same with ten subscribers, and
+//!                                2 minutes of each without real-time priority for the drive
+//! bench realtime --period 1 --seconds 60 [--subscribers] [--ordinary]
 //! ```
 //!
 //! Cabinet, drive, subscribers and what keeps the core busy are processes of their own, as in use. Each
@@ -30,11 +30,11 @@ mod sockets;
 mod subscribers;
 mod witness;
 
-use std::{env, process::ExitCode};
+use std::process::ExitCode;
 
 use iiwasim_benches::Result;
 
-use crate::{
+use self::{
     busy::be_busy,
     cabinet_side::be_cabinet,
     case::{Case, case},
@@ -44,10 +44,8 @@ use crate::{
     witness::be_witness,
 };
 
-fn main() -> Result<ExitCode> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    match words.as_slice() {
+pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
+    match arguments {
         ["--part", "cabinet", period_ms, sockets] => {
             be_cabinet(period_ms.parse()?, &serde_json::from_str(sockets)?)?;
         }

@@ -1,10 +1,9 @@
 //! Records a long program at 1 kHz, and says how soon the recording is read, held against its plan, and
 //! used to identify the robot, and with how much memory.
 //!
-//! `recording [MINUTES]`, 5 by default. An hour takes 5 GB in the folder for temporary files.
+//! `bench recording [MINUTES]`, 5 by default. An hour takes 5 GB in the folder for temporary files.
 //!
 //! Each job has a process of its own, which reports the most memory that it ever held.
-#![expect(clippy::print_stdout, reason = "figures are what it is for")]
 
 use std::{
     collections::BTreeMap,
@@ -12,7 +11,7 @@ use std::{
     fs::{self, File},
     io::BufWriter,
     path::Path as FilePath,
-    process::{Command, Stdio},
+    process::{Command, ExitCode, Stdio},
     time::{Duration, Instant},
 };
 
@@ -43,15 +42,14 @@ const PLAN: &str = "plan.mcap";
 const MCAP: &str = "recording.mcap";
 const CSV: &str = "recording.csv";
 
-fn main() -> Result<()> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    if let [job, folder] = arguments.as_slice() {
+pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
+    if let [job, folder] = arguments {
         let begin = Instant::now();
-        let what = run(job, FilePath::new(folder))?;
+        let what = done(job, FilePath::new(folder))?;
         let spent_s = begin.elapsed().as_secs_f64();
         let memory_mb = machine::peak_memory_mb()?;
         println!("{what}: {spent_s:.2} s in all, with {memory_mb:.0} MB of memory");
-        return Ok(());
+        return Ok(ExitCode::SUCCESS);
     }
     let minutes: usize = arguments.first().map_or(Ok(5), |text| text.parse())?;
     println!("On {}, {}.", machine::processor(), machine::instruction_level());
@@ -59,7 +57,7 @@ fn main() -> Result<()> {
     write(minutes, folder.path())?;
     for job in ["--read", "--read-csv", "--compare", "--identify"] {
         let status = Command::new(env::current_exe()?)
-            .arg(job)
+            .args(["recording", job])
             .arg(folder.path())
             .stdin(Stdio::null())
             .status()?;
@@ -67,11 +65,11 @@ fn main() -> Result<()> {
             return Err(format!("{job} failed").into());
         }
     }
-    Ok(())
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Does one job, and says what it was.
-fn run(job: &str, folder: &FilePath) -> Result<String> {
+fn done(job: &str, folder: &FilePath) -> Result<String> {
     let read = |name: &str| -> Result<JointLog> {
         let log = JointLog::read(File::open(folder.join(name))?)?;
         match log.losses.first() {

@@ -1,9 +1,9 @@
 //! Prints how often a second `Replanner` plans programs anew in which one motion changes, and how far the cycle time is
 //! from that of a plan from nothing, as Markdown tables.
-#![expect(clippy::print_stdout, reason = "a table is what it is for")]
 
-use std::time::Instant;
+use std::{process::ExitCode, time::Instant};
 
+use super::no_arguments;
 use fastrand::Rng;
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, PathOptions};
@@ -61,7 +61,8 @@ struct Measured {
     off_s: Vec<f64>,
 }
 
-fn main() -> Result<()> {
+pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
+    no_arguments(arguments)?;
     println!("On {}, {}.\n", machine::processor(), machine::instruction_level());
     println!(
         "| change | motions | changes/s | off a plan from nothing: median | 90 % | slowest | fastest |"
@@ -93,7 +94,7 @@ fn main() -> Result<()> {
             );
         }
     }
-    Ok(())
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Changes a program again and again.

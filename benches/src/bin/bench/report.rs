@@ -3,13 +3,14 @@
 //!
 //! Times are those of the fastest of criterion's samples: of all that a sample tells, this depends
 //! least on what else the machine does.
-#![expect(clippy::print_stdout, reason = "tables are what it is for")]
 
 use std::{
     env, fs,
     path::{Path as FilePath, PathBuf},
+    process::ExitCode,
 };
 
+use super::no_arguments;
 use iiwa_kin::Robot;
 use iiwa_path::{BlendSearch, JointPath};
 use iiwa_program::Program;
@@ -116,7 +117,8 @@ impl Group {
     }
 }
 
-fn main() -> Result<()> {
+pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
+    no_arguments(arguments)?;
     let folder = criterion_folder()?;
     let read = |title, element, names: &[&str]| Group::read(&folder, title, element, names);
     let forward = read(
@@ -172,7 +174,8 @@ fn main() -> Result<()> {
     print_found_crossings()?;
     print_accuracy()?;
     durations.print();
-    print_jerk_accuracy()
+    print_jerk_accuracy()?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Times in motion of the ten motions under limits of jerk, in s.
@@ -382,7 +385,7 @@ fn time(ns: f64) -> String {
 fn criterion_folder() -> Result<PathBuf> {
     let folder = match env::var_os("CRITERION_HOME") {
         Some(home) => home.into(),
-        // target/release/report, beside it target/criterion.
+        // target/release/bench, beside it target/criterion.
         None => env::current_exe()?
             .ancestors()
             .nth(2)

@@ -2,12 +2,11 @@
 //! of jerk, and with them.
 //!
 //! Each case runs in a process of its own, which reports the most memory that it ever held.
-#![expect(clippy::print_stdout, reason = "tables are what it is for")]
 
 use std::{
     env, fs,
     path::Path as FilePath,
-    process::{Command, Output, Stdio},
+    process::{Command, ExitCode, Output, Stdio},
     thread,
     time::{Duration, Instant},
 };
@@ -41,27 +40,26 @@ struct Report {
     memory_mb: [f64; 2],
 }
 
-fn main() -> Result<()> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    match arguments.as_slice() {
+pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
+    match arguments {
         [] => {
             println!("On {}, {}.\n", machine::processor(), machine::instruction_level());
             print_table(Timing::Acceleration(SweepOptions::default()), &MOTIONS)?;
             println!("\nUnder limits of jerk:\n");
-            print_table(Timing::Jerk(JerkOptions::default()), &JERK_MOTIONS)
+            print_table(Timing::Jerk(JerkOptions::default()), &JERK_MOTIONS)?;
         }
-        [flag, timing, file] if flag == "--case" => {
+        ["--case", timing, file] => {
             let timings = [
                 Timing::Acceleration(SweepOptions::default()),
                 Timing::Jerk(JerkOptions::default()),
             ];
-            let timing = timings.into_iter().find(|known| known.name() == timing);
+            let timing = timings.into_iter().find(|known| known.name() == *timing);
             let report = measure(FilePath::new(file), timing.ok_or("no such timing")?)?;
             println!("{}", serde_json::to_string(&report)?);
-            Ok(())
         }
-        _ => Err("it takes no arguments".into()),
+        _ => return Err("it takes no arguments".into()),
     }
+    Ok(ExitCode::SUCCESS)
 }
 
 fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
@@ -75,7 +73,7 @@ fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
             let file = folder.path().join("program.json");
             fs::write(&file, text(kind, motions))?;
             let mut case = Command::new(env::current_exe()?);
-            case.args(["--case", timing.name()]).arg(&file);
+            case.args(["scale", "--case", timing.name()]).arg(&file);
             let Some(output) = within(MOST, &mut case)? else {
                 let most_s = MOST.as_secs();
                 println!("| {motions} | {} | | | | | more than {most_s} s | | |", kind.name());

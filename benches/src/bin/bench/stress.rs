@@ -3,29 +3,28 @@
 //! cannot be.
 //!
 //! ```text
-//! stress [PROGRAMS [SEED]] [--family NAME]       100 000 programs by default, of all families in turn
-//! stress [SEED] --family NAME --program NUMBER   one of them: a table of its pieces
-//! stress --file PROGRAM.json                     the same of any program
+//! bench stress [PROGRAMS [SEED]] [--family NAME]       100 000 programs by default, of all families in turn
+//! bench stress [SEED] --family NAME --program NUMBER   one of them: a table of its pieces
+//! bench stress --file PROGRAM.json                     the same of any program
 //! ```
 //!
 //! With `--json`, one program is printed and not planned.
 //! Exits with 1 if a plan is wrong. A program that is refused, with an error, is counted apart.
-#![expect(clippy::print_stdout, reason = "a report is what it is for")]
 
 mod arguments;
 
 mod table;
 mod tally;
 
-use std::{env, process::ExitCode, time::Instant};
+use std::{process::ExitCode, time::Instant};
 
 use iiwasim_benches::{Result, machine};
 use iiwasim_tests::{families::Family, verdict::Verdict};
 
-use crate::{arguments::Task, table::print_table, tally::Tally};
+use self::{arguments::Task, table::print_table, tally::Tally};
 
-fn main() -> Result<ExitCode> {
-    let passed = match Task::read(env::args().skip(1))? {
+pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
+    let passed = match Task::read(arguments)? {
         Task::Json(program) => {
             println!("{}", program.to_json());
             true
@@ -38,13 +37,13 @@ fn main() -> Result<ExitCode> {
             }
             failures.is_empty()
         }
-        Task::Run { family, seed, programs } => run(family, seed, programs),
+        Task::Run { family, seed, programs } => judge(family, seed, programs),
     };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Judges programs of one family, or of all in turn; true if nothing went wrong.
-fn run(family: Option<Family>, seed: u64, programs: u64) -> bool {
+fn judge(family: Option<Family>, seed: u64, programs: u64) -> bool {
     println!("On {}, {}.", machine::processor(), machine::instruction_level());
     let families = family.map_or_else(|| Family::ALL.to_vec(), |family| vec![family]);
     let mut tallies: Vec<Tally> = families.iter().copied().map(Tally::new).collect();

@@ -6,7 +6,7 @@ use iiwa_program::Program;
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 use iiwasim_benches::Result;
 
-use crate::clock::fastest_s;
+use super::clock::fastest_s;
 
 const PROGRAM: &str = include_str!("mixed.json");
 
@@ -18,7 +18,7 @@ pub(crate) fn print() -> Result<()> {
     let moves = path.steps().iter().filter(|step| step.moves()).count();
     println!("### ten mixed motions\n");
     println!(
-        "`benches/src/bin/cartesian/mixed.json`: {} motions to frames and joints, LIN, CIRC, spline; a tool, a base, \
+        "`benches/src/bin/bench/cartesian/mixed.json`: {} motions to frames and joints, LIN, CIRC, spline; a tool, a base, \
          {} blends, {moves} segments.\n",
         program.motions.len(),
         path.blends().count(),

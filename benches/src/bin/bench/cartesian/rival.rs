@@ -6,7 +6,7 @@
 use iiwa_kin::{Joints, Robot};
 use iiwasim_benches::Result;
 
-use crate::{straight::Straight, trapezoid::Trapezoid};
+use super::{straight::Straight, trapezoid::Trapezoid};
 
 /// Samples a second.
 const RATE_HZ: f64 = 1000.0;

@@ -5,7 +5,7 @@ use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 use iiwasim_benches::Result;
 use iiwasim_tests::cartesian_cases::{CartesianCase, cartesian_cases};
 
-use crate::clock::{fastest_s, quantile};
+use super::clock::{fastest_s, quantile};
 
 /// Prints the times of the reference paths.
 pub(crate) fn print() -> Result<()> {

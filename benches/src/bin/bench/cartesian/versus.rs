@@ -7,7 +7,7 @@ use iiwasim_benches::Result;
 use iiwasim_tests::tcp_programs::single_path;
 use rayon::prelude::*;
 
-use crate::{
+use super::{
     clock::quantile,
     rival::{PILZ_ACCELERATION_M_S2, PILZ_SPEED_M_S, PILZ_TURN_RAD_S, RIVALS, durations_s},
     straight::Straight,

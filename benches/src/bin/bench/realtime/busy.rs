@@ -4,7 +4,7 @@ use std::thread;
 
 use iiwasim_benches::Result;
 
-use crate::part::serve;
+use super::part::serve;
 
 /// Keeps a core busy at ordinary priority.
 pub(crate) fn be_busy() -> Result<()> {

@@ -7,7 +7,7 @@ use iiwa_link::Server;
 use iiwasim_benches::Result;
 use serde::{Deserialize, Serialize};
 
-use crate::{clock::SystemClock, part::serve, sockets::Sockets};
+use super::{clock::SystemClock, part::serve, sockets::Sockets};
 
 /// What the controller sees.
 #[derive(Deserialize, Serialize)]

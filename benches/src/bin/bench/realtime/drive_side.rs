@@ -7,7 +7,7 @@ use iiwa_link::{Remote, Server};
 use iiwasim_benches::{Result, machine};
 use serde::{Deserialize, Serialize};
 
-use crate::{part::serve, sockets::Sockets};
+use super::{part::serve, sockets::Sockets};
 
 /// What the drive measures.
 #[derive(Deserialize, Serialize)]

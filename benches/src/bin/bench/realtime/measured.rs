@@ -4,7 +4,7 @@ use std::{env, process::Command, time::Duration};
 
 use iiwasim_benches::Result;
 
-use crate::{
+use super::{
     cabinet_side::CabinetSide,
     case::Case,
     drive_side::DriveSide,
@@ -58,13 +58,13 @@ pub(crate) fn measure(case: &Case) -> Result<Option<Measured>> {
     let sockets = Sockets::free();
     let text = serde_json::to_string(&sockets)?;
     let this = env::current_exe()?;
-    let _busy = Part::start(Command::new(&this).args(["--part", "busy"]))?;
+    let _busy = Part::start(Command::new(&this).args(["realtime", "--part", "busy"]))?;
     let witnesses = witnesses(&this)?;
     let mut drive = if case.ordinary { Command::new("setpriv") } else { Command::new(&this) };
     if case.ordinary {
         drive.args(ORDINARY).arg(&this);
     }
-    let drive = Part::start(drive.args(["--part", "drive", &text]));
+    let drive = Part::start(drive.args(["realtime", "--part", "drive", &text]));
     let mut drive = match drive {
         Err(_) if case.ordinary => return Ok(None),
         drive => drive?,
@@ -72,11 +72,17 @@ pub(crate) fn measure(case: &Case) -> Result<Option<Measured>> {
     let mut subscribers = None;
     if case.subscribers {
         let mut command = Command::new(&this);
-        subscribers = Some(Part::start(command.args(["--part", "subscribers", &sockets.stream]))?);
+        subscribers = Some(Part::start(command.args([
+            "realtime",
+            "--part",
+            "subscribers",
+            &sockets.stream,
+        ]))?);
     }
     // The controller comes last: each of its messages counts, from the first one on.
     let period = case.period_ms.to_string();
-    let mut cabinet = Part::start(Command::new(&this).args(["--part", "cabinet", &period, &text]))?;
+    let mut cabinet =
+        Part::start(Command::new(&this).args(["realtime", "--part", "cabinet", &period, &text]))?;
     let runs = run_trajectories(&sockets, Duration::from_secs(case.seconds))?;
     let cabinet = cabinet.ask()?;
     let drive = drive.ask()?;

@@ -1,5 +1,4 @@
 //! Processes of this program, and how they report.
-#![expect(clippy::print_stdout, reason = "reports go to the parent process")]
 
 use std::{
     io::{self, BufRead, BufReader, Write},

@@ -1,11 +1,10 @@
 //! The table, its notes and the faults.
-#![expect(clippy::print_stdout, reason = "a table is what it is for")]
 
 use std::process::ExitCode;
 
 use iiwasim_benches::{Result, machine};
 
-use crate::{
+use super::{
     case::Case,
     measured::{Measured, measure},
     subscribers::Subscribers,

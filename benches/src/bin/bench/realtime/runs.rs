@@ -12,7 +12,7 @@ use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::Result;
 
-use crate::sockets::Sockets;
+use super::sockets::Sockets;
 
 /// Trajectories, set-point by set-point.
 #[derive(Default)]

@@ -10,7 +10,7 @@ use iiwa_link::{Published, Remote, Stream};
 use iiwasim_benches::Result;
 use serde::{Deserialize, Serialize};
 
-use crate::part::serve;
+use super::part::serve;
 
 /// What a subscriber got, and what it missed between the first message and the last.
 #[derive(Clone, Copy, Default, Deserialize, Serialize)]

@@ -10,7 +10,7 @@ use std::{
 
 use iiwasim_benches::Result;
 
-use crate::{
+use super::{
     clock::SystemClock,
     part::{Part, serve},
 };
@@ -39,7 +39,7 @@ pub(crate) fn witnesses(this: &Path) -> Result<Option<Vec<Part>>> {
     let on = |core: usize| {
         let mut command = Command::new("chrt");
         command.args(["--fifo", PRIORITY, "taskset", "--cpu-list", &core.to_string()]);
-        Part::start(command.arg(this).args(["--part", "witness"]).stderr(Stdio::null()))
+        Part::start(command.arg(this).args(["realtime", "--part", "witness"]).stderr(Stdio::null()))
     };
     Ok((0..cores).map(on).collect::<Result<Vec<_>>>().ok())
 }

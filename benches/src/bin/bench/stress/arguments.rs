@@ -18,16 +18,17 @@ pub(crate) enum Task {
 }
 
 impl Task {
-    pub(crate) fn read(mut words: impl Iterator<Item = String>) -> Result<Self> {
+    pub(crate) fn read(words: &[&str]) -> Result<Self> {
+        let mut words = words.iter().copied();
         let (mut family, mut number, mut file, mut as_json) = (None, None, None, false);
         let mut counts = Vec::new();
         while let Some(word) = words.next() {
             let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
-            match word.as_str() {
+            match word {
                 "--family" => {
                     let name = value()?;
                     let known = Family::ALL.map(Family::name).join(", ");
-                    let named = Family::named(&name);
+                    let named = Family::named(name);
                     family = Some(named.ok_or_else(|| format!("no family {name}; {known}"))?);
                 }
                 "--program" => number = Some(value()?.parse()?),

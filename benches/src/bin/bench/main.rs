@@ -1,0 +1,46 @@
+//! Figures that take whole runs, a bench each: `bench NAME`, with the arguments that its module names.
+//!
+//! They are one program since a program of its own would take half a minute each to optimise.
+#![expect(clippy::print_stdout, reason = "tables are what it is for")]
+
+mod batch;
+mod cartesian;
+mod import;
+mod realtime;
+mod recording;
+mod replan;
+mod report;
+mod scale;
+mod stress;
+
+use std::{env, process::ExitCode};
+
+use iiwasim_benches::Result;
+
+type Bench = fn(&[&str]) -> Result<ExitCode>;
+
+const BENCHES: [(&str, Bench); 9] = [
+    ("batch", batch::run),
+    ("cartesian", cartesian::run),
+    ("import", import::run),
+    ("realtime", realtime::run),
+    ("recording", recording::run),
+    ("replan", replan::run),
+    ("report", report::run),
+    ("scale", scale::run),
+    ("stress", stress::run),
+];
+
+fn main() -> Result<ExitCode> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let known = BENCHES.map(|(name, _)| name).join(", ");
+    let (name, rest) = words.split_first().ok_or_else(|| format!("name a bench: {known}"))?;
+    let bench = BENCHES.into_iter().find(|(bench, _)| bench == name);
+    let (_, run) = bench.ok_or_else(|| format!("there is no bench {name}, but {known}"))?;
+    run(rest)
+}
+
+fn no_arguments(arguments: &[&str]) -> Result<()> {
+    if arguments.is_empty() { Ok(()) } else { Err("it takes no arguments".into()) }
+}
