@@ -79,13 +79,13 @@ def test_runs_say_what_they_are(drive: Drive) -> None:
         time.sleep(0.5)
         drive.run(program(AWAY), name="away", planned_s=1.25)
         drive.run_trajectory(*rise(0.05), move_to_start=True, name="rise")
-        drive.run(program(HOME))
         events = []
         while stream.poll(1000):
             events.append(json.loads(stream.recv_multipart()[1]))
         stream.close(linger=0)
     begins = [event.get("label") for event in events if "end" not in event]
-    assert begins == [{"program": "away", "plan": {"cycle_time_s": 1.25}}, None, {"program": "rise"}, None]
+    # The move to the start has none.
+    assert begins == [{"program": "away", "plan": {"cycle_time_s": 1.25, "limited_by": []}}, None, {"program": "rise"}]
     for wrong in (-1.0, math.nan, math.inf):
         with pytest.raises(ValueError, match="planned_s"):
             drive.run(program(HOME), planned_s=wrong)
