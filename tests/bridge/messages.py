@@ -17,9 +17,10 @@ KINDS = ("joints", "state", "run", "io", "sensors", "conditions", "bridge")
 def without_repetitions(messages: Iterable[dict[str, Any]]) -> tuple[list[dict[str, Any]], int]:
     """Messages without those that have come before, in their order, and how many had: they arrive at least once."""
     messages = list(messages)
-    by_key = {(message["kind"], message["session"], message["seq"]): message for message in messages}
-    keys, repeated = once_and_in_order([(message["kind"], message["session"], message["seq"]) for message in messages])
-    return [by_key[key] for key in keys], repeated
+    keys = [tuple(message[name] for name in ("robot", "kind", "session", "seq")) for message in messages]
+    by_key = dict(zip(keys, messages))
+    once, repeated = once_and_in_order(keys)
+    return [by_key[key] for key in once], repeated
 
 
 def check_numbers(messages: Iterable[dict[str, Any]], *, may_lack: Iterable[str] = ()) -> int:
