@@ -71,11 +71,11 @@ impl Member {
             .map(|name| src.join(name))
             .filter(|path| path.exists())
             .collect();
-        roots.extend(
-            files(&src.join("bin"), &["rs"])
-                .into_iter()
-                .filter(|path| path.parent().is_some_and(|parent| parent.ends_with("bin"))),
-        );
+        roots.extend(files(&src.join("bin"), &["rs"]).into_iter().filter(|path| {
+            let is_in =
+                |folder: &Path| folder.parent().is_some_and(|parent| parent.ends_with("bin"));
+            is_in(path) || path.ends_with("main.rs") && path.parent().is_some_and(is_in)
+        }));
         roots
     }
 }

@@ -6,7 +6,7 @@
 
 use std::{process::ExitCode, thread, time::Instant};
 
-use super::no_arguments;
+use super::no_arguments::no_arguments;
 use iiwa_kin::Robot;
 use iiwa_path::PathOptions;
 use iiwa_program::Program;

@@ -3,7 +3,7 @@
 
 use std::{fmt::Write as _, fs, path::Path, process::ExitCode, time::Instant};
 
-use super::no_arguments;
+use super::no_arguments::no_arguments;
 use iiwa_application::{ImportOptions, import};
 use iiwa_sunrise::Project;
 use iiwasim_benches::{Result, machine};

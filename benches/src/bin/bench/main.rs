@@ -1,11 +1,12 @@
 //! Figures that take whole runs, a bench each: `bench NAME`, with the arguments that its module names.
 //!
-//! They are one program since a program of its own would take half a minute each to optimise.
+//! They are one program since programs of their own would take half a minute each to optimise.
 #![expect(clippy::print_stdout, reason = "tables are what it is for")]
 
 mod batch;
 mod cartesian;
 mod import;
+mod no_arguments;
 mod realtime;
 mod recording;
 mod replan;
@@ -39,8 +40,4 @@ fn main() -> Result<ExitCode> {
     let bench = BENCHES.into_iter().find(|(bench, _)| bench == name);
     let (_, run) = bench.ok_or_else(|| format!("there is no bench {name}, but {known}"))?;
     run(rest)
-}
-
-fn no_arguments(arguments: &[&str]) -> Result<()> {
-    if arguments.is_empty() { Ok(()) } else { Err("it takes no arguments".into()) }
 }

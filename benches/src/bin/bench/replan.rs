@@ -3,7 +3,7 @@
 
 use std::{process::ExitCode, time::Instant};
 
-use super::no_arguments;
+use super::no_arguments::no_arguments;
 use fastrand::Rng;
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, PathOptions};
@@ -54,7 +54,7 @@ impl Change {
 
 /// What was measured of one kind of change in programs of one size.
 #[derive(Default)]
-struct Measured {
+struct Changed {
     changes: u32,
     time_s: f64,
     /// Cycle times less those of plans from nothing, in s.
@@ -70,11 +70,11 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
     println!("|---|---:|---:|---:|---:|---:|---:|");
     for change in Change::ALL {
         for (&(motions, programs), &changes) in SIZES.iter().zip(&CHANGES) {
-            let mut measured = Measured::default();
+            let mut measured = Changed::default();
             for seed in 0..programs {
                 measure(change, motions, seed, changes, &mut measured)?;
             }
-            let Measured { changes, time_s, mut off_s } = measured;
+            let Changed { changes, time_s, mut off_s } = measured;
             off_s.sort_by(f64::total_cmp);
             let mut sizes: Vec<_> = off_s.iter().map(|off| off.abs()).collect();
             sizes.sort_by(f64::total_cmp);
@@ -103,7 +103,7 @@ fn measure(
     motions: usize,
     seed: u64,
     changes: usize,
-    measured: &mut Measured,
+    measured: &mut Changed,
 ) -> Result<()> {
     let robot = Robot::lbr_iiwa_7_r800();
     let program = Program::from_json(&seeded(Kind::Blended, motions, seed))?;

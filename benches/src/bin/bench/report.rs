@@ -10,7 +10,7 @@ use std::{
     process::ExitCode,
 };
 
-use super::no_arguments;
+use super::no_arguments::no_arguments;
 use iiwa_kin::Robot;
 use iiwa_path::{BlendSearch, JointPath};
 use iiwa_program::Program;
