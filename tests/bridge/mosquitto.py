@@ -32,8 +32,8 @@ class Mosquitto(Broker):
     def __init__(
         self, folder: Path, certificates: Certificates | None = None, *, persistent: bool = True, forbidden: str = ""
     ) -> None:
-        """With certificates, it listens to all LISTENERS, else to those without. To a forbidden topic, nobody may write who
-        shows nothing."""
+        """With certificates, it listens to all LISTENERS, else to those without. A forbidden topic is so for who shows
+        nothing."""
         super().__init__(folder)
         self.passwords = folder / "passwords"
         # That it warns of owners and of root is as well.

@@ -20,7 +20,7 @@ SECONDS = 10
 
 
 def load(passing: Bridge, way: KafkaWay) -> str:
-    """Over some seconds, in which all arrives."""
+    """Over some seconds, in which all that the bridge has received arrives."""
     way.take()
     used_s, began_s, before = passing.cpu_s(), time.monotonic(), len(of(way, "joints"))
     while time.monotonic() < began_s + SECONDS:

@@ -91,10 +91,9 @@ impl SpoolTarget {
         &self.spool
     }
 
-    /// Counts a record that the broker has refused.
-    #[cfg(any(feature = "kafka", feature = "mqtt"))]
-    pub(crate) fn refused(&self) {
-        self.refused.fetch_add(1, Ordering::Relaxed);
+    /// Counts records that the broker has refused.
+    pub(crate) fn refused(&self, count: u64) {
+        self.refused.fetch_add(count, Ordering::Relaxed);
     }
 
     /// How full it is, and how many records nobody will read.

@@ -99,8 +99,11 @@ impl Producer {
                     if trouble.clear() {
                         tracing::info!("Kafka at {}: messages arrive again", self.connector.at());
                     }
+                    // While batches are small, since a larger one was refused, the next one is there already.
+                    if batch_bytes == BATCH_BYTES {
+                        sleep(LINGER.saturating_sub(began.elapsed())).await;
+                    }
                     batch_bytes = (2 * batch_bytes).min(BATCH_BYTES);
-                    sleep(LINGER.saturating_sub(began.elapsed())).await;
                 }
                 Err(failure) if failure.is_too_large && batch_bytes > 1 => {
                     // A batch has one record at least.
@@ -138,7 +141,7 @@ impl Producer {
     fn leave_out(&mut self, failure: &KafkaFailure) {
         let at = self.connector.at();
         tracing::warn!("Kafka at {at}: {}; one message was left out", failure.what);
-        self.spool.refused();
+        self.spool.refused(1);
         if let Err(error) = self.reader.commit(self.spool.spool()) {
             tracing::warn!("cannot save how far the spool was sent: {error}");
         }

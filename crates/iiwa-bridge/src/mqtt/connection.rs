@@ -185,10 +185,13 @@ impl MqttConnector {
 pub(super) enum Incoming {
     /// The connection is there.
     Connected,
-    /// The broker has answered to a message, the first one that it had not answered to before.
-    Acknowledged {
-        /// Why it does not take it (MQTT 5).
-        refusal: Option<String>,
+    /// The broker has a message, the first one that it had not answered to before.
+    Acknowledged,
+    /// The broker does not take that message (MQTT 5).
+    Refused {
+        why: String,
+        /// Whether it would not take it the next time either.
+        lasts: bool,
     },
     /// A message of a subscription.
     Message(Received),
@@ -265,7 +268,7 @@ pub(super) struct ReplyTo {
 fn of_v3(event: Event) -> Incoming {
     match event {
         Event::Incoming(Packet::ConnAck(_)) => Incoming::Connected,
-        Event::Incoming(Packet::PubAck(_)) => Incoming::Acknowledged { refusal: None },
+        Event::Incoming(Packet::PubAck(_)) => Incoming::Acknowledged,
         Event::Incoming(Packet::Publish(publish)) => Incoming::Message(Received {
             payload: publish.payload,
             is_retained: publish.retain,
@@ -281,12 +284,16 @@ fn of_v5(event: v5::Event) -> Incoming {
     match event {
         v5::Event::Incoming(Packet::ConnAck(_)) => Incoming::Connected,
         v5::Event::Incoming(Packet::PubAck(answer)) => {
-            // That nobody has subscribed to it is no refusal.
-            let is_taken = matches!(
-                answer.reason,
-                PubAckReason::Success | PubAckReason::NoMatchingSubscribers
-            );
-            Incoming::Acknowledged { refusal: (!is_taken).then(|| format!("{:?}", answer.reason)) }
+            let why = format!("{:?}", answer.reason);
+            match answer.reason {
+                PubAckReason::Success | PubAckReason::NoMatchingSubscribers => {
+                    Incoming::Acknowledged
+                }
+                PubAckReason::NotAuthorized
+                | PubAckReason::TopicNameInvalid
+                | PubAckReason::PayloadFormatInvalid => Incoming::Refused { why, lasts: true },
+                _ => Incoming::Refused { why, lasts: false },
+            }
         }
         v5::Event::Incoming(Packet::Publish(publish)) => {
             let properties = publish.properties.unwrap_or_default();

@@ -62,6 +62,8 @@ struct InFlight {
     /// Whether each is an event of the spool.
     sent: VecDeque<bool>,
     events: usize,
+    /// Events of the batch that the broker has refused.
+    refused: u64,
 }
 
 impl InFlight {
@@ -70,16 +72,12 @@ impl InFlight {
         self.events += usize::from(is_event);
     }
 
-    /// Whether what is acknowledged next is an event.
-    fn is_event_next(&self) -> bool {
-        self.sent.front() == Some(&true)
-    }
-
-    /// Whether the last event of a batch is acknowledged now.
-    fn acknowledged(&mut self) -> bool {
+    /// The next one is answered to; at the last event of a batch, how many of it were refused.
+    fn answered(&mut self, is_refused: bool) -> Option<u64> {
         let is_event = self.sent.pop_front() == Some(true);
         self.events -= usize::from(is_event);
-        is_event && self.events == 0
+        self.refused += u64::from(is_event && is_refused);
+        (is_event && self.events == 0).then(|| std::mem::take(&mut self.refused))
     }
 }
 
@@ -157,20 +155,17 @@ impl Session {
             let spool = Arc::clone(&self.spool);
             tokio::select! {
                 incoming = connection.next() => match incoming? {
-                    Incoming::Acknowledged { refusal } => {
-                        // By rules of its own, which would be the same at the next time.
-                        if let Some(why) = refusal {
-                            if in_flight.is_event_next() {
-                                self.spool.refused();
-                            }
-                            refusals.warn(format_args!(
-                                "MQTT at {}: the broker refuses messages: {why}; they are left out",
-                                self.connector.at()
-                            ));
-                        }
-                        if in_flight.acknowledged() {
-                            self.reader.commit(self.spool.spool()).map_err(|error| unreadable(&error))?;
-                        }
+                    Incoming::Acknowledged => self.answered(&mut in_flight, false)?,
+                    Incoming::Refused { why, lasts: true } => {
+                        refusals.warn(format_args!(
+                            "MQTT at {}: the broker refuses messages: {why}; they are left out",
+                            self.connector.at()
+                        ));
+                        self.answered(&mut in_flight, true)?;
+                    }
+                    Incoming::Refused { why, lasts: false } => {
+                        let what = format!("the broker takes no messages: {why}");
+                        return Err(MqttFailure { what, is_refusal: false });
                     }
                     Incoming::Message(received) => self.command(received, replies),
                     Incoming::Connected | Incoming::Other => {}
@@ -223,6 +218,15 @@ impl Session {
             self.reader.commit(self.spool.spool()).map_err(|error| unreadable(&error))?;
         }
         Ok(!batch.is_empty())
+    }
+
+    /// Once a batch is answered to, it need not be sent again.
+    fn answered(&mut self, in_flight: &mut InFlight, is_refused: bool) -> Result<(), MqttFailure> {
+        if let Some(refused) = in_flight.answered(is_refused) {
+            self.spool.refused(refused);
+            self.reader.commit(self.spool.spool()).map_err(|error| unreadable(&error))?;
+        }
+        Ok(())
     }
 
     fn command(&self, received: Received, replies: &UnboundedSender<Reply>) {

@@ -52,7 +52,7 @@ pub(super) struct Segment {
 pub struct Level {
     /// Bytes in segments, those included that are sent and not removed yet.
     pub bytes: u64,
-    /// Records that were dropped since the start, because the queue was full.
+    /// Records that were lost since the start: the queue was full, or could not be written, or the broker refused them.
     pub dropped: u64,
 }
 
