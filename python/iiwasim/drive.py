@@ -195,7 +195,7 @@ class Drive:
         measured positions while the program runs, and should be quick; positions that it is too slow for are in the
         result.
 
-        `name` and `planned_s`, the planned cycle time, are published with the run for those who follow the robot, as
+        `name` and `planned_s`, the planned cycle time, are published with the run for those who follow the robot, such as
         `iiwasim bridge`; `iiwasim history` sorts runs by them.
 
         Raises `DriveError`: with `.run`, what was measured up to then, if the run was stopped or broke off.

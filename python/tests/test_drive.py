@@ -10,7 +10,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 import warnings
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -74,15 +73,17 @@ def test_a_run_takes_as_long_as_planned(drive: Drive, tmp_path: Path) -> None:
 def test_runs_say_what_they_are(drive: Drive) -> None:
     go(drive, HOME)
     with zmq.Context() as context, context.socket(zmq.SUB) as stream:
+        stream.set(zmq.RCVHWM, 0)
         stream.connect(drive._stream_at)
-        stream.subscribe("run")
-        time.sleep(0.5)
+        stream.subscribe("")
+        assert stream.poll(10_000), "the drive has read the subscription"
         drive.run(program(AWAY), name="away", planned_s=1.25)
         drive.run_trajectory(*rise(0.05), move_to_start=True, name="rise")
-        events = []
-        while stream.poll(1000):
-            events.append(json.loads(stream.recv_multipart()[1]))
-        stream.close(linger=0)
+        events: list[dict] = []
+        while len(events) < 6 and stream.poll(10_000):
+            topic, message = stream.recv_multipart()
+            if topic == b"run":
+                events.append(json.loads(message))
     begins = [event.get("label") for event in events if "end" not in event]
     # The move to the start has none.
     assert begins == [{"program": "away", "plan": {"cycle_time_s": 1.25, "limited_by": []}}, None, {"program": "rise"}]
