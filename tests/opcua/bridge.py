@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -49,7 +49,10 @@ def listening(process: subprocess.Popen) -> set[tuple[str, int]]:
     """Where a process waits for connections."""
     inodes = set()
     for file in Path(f"/proc/{process.pid}/fd").iterdir():
-        name = str(file.readlink())
+        name = ""
+        # It may have been closed since.
+        with suppress(FileNotFoundError):
+            name = str(file.readlink())
         if name.startswith("socket:"):
             inodes.add(name[8:-1])
     found = set()
@@ -193,7 +196,8 @@ async def check_loss(rig: Rig, system: System) -> None:
 async def check_all(program: Path, folder: Path) -> None:
     with Rig(program, folder) as rig:
         async with served(rig, "--allow-commands") as (system, bridge, port):
-            check("it listens at the given address only", listening(bridge) == {("127.0.0.1", port)}, listening(bridge))
+            ports = listening(bridge)
+            check("it listens at the given address only", ports == {("127.0.0.1", port)}, ports)
             took_s = await check_run(rig, system)
             await check_loss(rig, system)
         async with served(rig) as (system, _, _):
