@@ -196,7 +196,7 @@ class Drive:
         result.
 
         `name` and `planned_s`, the planned cycle time, are published with the run for those who follow the robot, such as
-        `iiwasim bridge`; `iiwasim history` sorts runs by them.
+        `iiwasim bridge`; `iiwasim history` groups runs by name.
 
         Raises `DriveError`: with `.run`, what was measured up to then, if the run was stopped or broke off.
         """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -28,11 +27,6 @@ class Bridge(Program):
             if line.startswith("VmRSS:"):
                 return int(line.split()[1])
         raise AssertionError("it has ended")
-
-    def cpu_s(self) -> float:
-        """The time that it has computed for so far."""
-        fields = Path(f"/proc/{self.pid}/stat").read_text().rsplit(")", 1)[1].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def threads_and_files(self) -> tuple[int, int]:
         """How many of each it has, which are to be the same after any number of lost connections."""

@@ -17,7 +17,7 @@ from messages import check_numbers, command, without_repetitions
 from processes import until
 from readers import KafkaReader, KafkaWriter
 from robots import LONG, SHORT, Robot
-from ways import KafkaWay, of, read_until
+from ways import KafkaWay, of, read_until, tells_losses
 
 Start = Callable[..., Bridge]
 
@@ -177,11 +177,7 @@ def test_message_that_is_too_large_is_left_out(
         passing = bridge(simulated_robot, *way.options)
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
         simulated_robot.run_motions(SHORT)
-
-        def told() -> bool:
-            return any(each["spools"]["kafka"]["dropped"] == 2 for each in of(way, "bridge"))
-
-        read_until(way, told, "both events of the run are counted")
+        read_until(way, lambda: tells_losses(way, 2), "both events of the run are counted")
         assert "running_motion" in [message["state"] for message in of(way, "state")]
         assert not of(way, "run")
         assert passing.said().count("one message was left out") == 2

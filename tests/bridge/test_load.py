@@ -11,6 +11,7 @@ from pathlib import Path
 from bridges import Bridge
 from kafka_broker import KafkaBroker
 from messages import check_numbers
+from rig import cpu_s
 from robots import LONG, Robot
 from ways import KafkaWay, of, read_until
 
@@ -22,12 +23,12 @@ SECONDS = 10
 def load(passing: Bridge, way: KafkaWay) -> str:
     """Over some seconds, in which all that the bridge has received arrives."""
     way.take()
-    used_s, began_s, before = passing.cpu_s(), time.monotonic(), len(of(way, "joints"))
+    used_s, began_s, before = cpu_s(passing.pid), time.monotonic(), len(of(way, "joints"))
     while time.monotonic() < began_s + SECONDS:
         way.take()
         time.sleep(0.1)
     took_s = time.monotonic() - began_s
-    share = 100 * (passing.cpu_s() - used_s) / took_s
+    share = 100 * (cpu_s(passing.pid) - used_s) / took_s
     rate = (len(of(way, "joints")) - before) / took_s
     check_numbers(way.read)
     return f"{share:.1f} % of a core for {rate:.0f} samples a second, {passing.memory_kb() / 1000:.0f} MB"

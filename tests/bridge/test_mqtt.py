@@ -17,7 +17,7 @@ from mosquitto import PASSWORD, USER, Mosquitto
 from processes import until
 from readers import MqttClient
 from robots import LONG, SHORT, Robot
-from ways import MqttWay, of, read_until
+from ways import MqttWay, of, read_until, tells_losses
 
 Start = Callable[..., Bridge]
 
@@ -122,11 +122,7 @@ def test_refused_message_is_left_out(tmp_path: Path, bridge: Start, simulated_ro
         passing = bridge(simulated_robot, *way.options)
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
         simulated_robot.run_motions(SHORT)
-
-        def told() -> bool:
-            return any(each["spools"]["mqtt"]["dropped"] == 2 for each in of(way, "bridge"))
-
-        read_until(way, told, "both events of the run are counted")
+        read_until(way, lambda: tells_losses(way, 2), "both events of the run are counted")
         states = [message["state"] for message in of(way, "state")]
         assert states[-1] == "idle" and "running_motion" in states
         assert unlimited.of(way.topic("state")) and not unlimited.of(way.topic("run"))

@@ -125,6 +125,11 @@ def of(way: Way, kind: str) -> list[dict[str, Any]]:
     return way.by_kind[kind]
 
 
+def tells_losses(way: Way, count: int) -> bool:
+    """Whether the bridge has told that so many messages are lost."""
+    return any(each["spools"][way.label]["dropped"] == count for each in of(way, "bridge"))
+
+
 def read_until(way: Way, condition: Callable[[], Any], what: str, **patience: float) -> None:
     """Reads until the condition is true."""
 

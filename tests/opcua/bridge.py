@@ -163,7 +163,7 @@ async def check_run(rig: Rig, system: System) -> float:
     for joint, end in enumerate(END):
         near(f"joint {joint + 1} on the path", now["joints_rad"][joint], share * end, 2e-3)
     code = await asyncio.to_thread(run.wait, 10)
-    check("the program's client is told", code != 0 and b"stop" in run.stdout.read(), code)
+    check("iiwasim run fails and reports the stop", code != 0 and b"stop" in run.stdout.read(), code)
     await wait_for("no program runs", STATE, system, given("Ready"))
     await asyncio.sleep(0.2)
     for joint, (shown, measured) in enumerate(zip(await axes(system), status(rig)["joints_rad"], strict=True)):
@@ -184,7 +184,9 @@ async def check_loss(rig: Rig, system: System) -> None:
     try:
         await machine.call_method(f"{system.types.robotics}:Stop", ua.Variant(0, ua.VariantType.Int64))
     except ua.UaStatusCodeError as error:
-        check("nobody hears a stop", error.code == ua.StatusCodes.BadNoCommunication, error)
+        check(
+            "a stop without a drive returns BadNoCommunication", error.code == ua.StatusCodes.BadNoCommunication, error
+        )
     else:
         check("a stop without a drive fails", False)
     rig.start_drive()

@@ -35,7 +35,7 @@ from control_msgs.action import FollowJointTrajectory
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 
-from rig import Rig
+from rig import Rig, cpu_s
 from robot import Robot, stamp_s
 
 ZERO = [0.0] * 7
@@ -223,12 +223,6 @@ def latencies_ms(robot: Robot) -> dict[str, float]:
     return {"median": round(median, 3), "p99": round(1e3 * late[int(0.99 * len(late))], 3)}
 
 
-def cpu_s(process: subprocess.Popen) -> float:
-    """User and system time of a process so far."""
-    fields = Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
 def bridge(rig: Rig, domain: int, *options: str) -> subprocess.Popen:
     return rig.start("bridge", "--ros2", "--ros2-domain", str(domain), *options, *rig.drive_at, *rig.stream_at)
 
@@ -276,9 +270,9 @@ def main() -> None:
         rclpy.init(domain_id=domain)
         robot = Robot(rclpy.create_node("check"))
         check_topics(robot)
-        used_s = cpu_s(process)
+        used_s = cpu_s(process.pid)
         figures = latencies_ms(robot)
-        figures["cpu_percent"] = round((cpu_s(process) - used_s) / 5 * 100, 1)
+        figures["cpu_percent"] = round((cpu_s(process.pid) - used_s) / 5 * 100, 1)
         check_goals(robot)
         check_cancel(robot)
         check_bad_goals(robot)

@@ -96,7 +96,7 @@ impl SpoolTarget {
         self.refused.fetch_add(count, Ordering::Relaxed);
     }
 
-    /// How full it is, and how many records nobody will read.
+    /// The bytes on disk, and the number of records that were lost.
     pub(crate) fn level(&self) -> Level {
         let level = self.spool.level();
         Level { dropped: level.dropped + self.refused.load(Ordering::Relaxed), ..level }
