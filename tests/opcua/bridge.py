@@ -165,7 +165,9 @@ async def check_run(rig: Rig, system: System) -> float:
     code = await asyncio.to_thread(run.wait, 10)
     check("iiwasim run fails and reports the stop", code != 0 and b"stop" in run.stdout.read(), code)
     await wait_for("no program runs", STATE, system, given("Ready"))
-    await asyncio.sleep(0.2)
+    # Values are those of the next update after the stop.
+    first, rest = AXIS.format(1, "ActualPosition"), status(rig)["joints_rad"][0]
+    await wait_for("the first axis rests", first, system, lambda it: abs(it.Value.Value - rest) < 1e-5)
     for joint, (shown, measured) in enumerate(zip(await axes(system), status(rig)["joints_rad"], strict=True)):
         near(f"joint {joint + 1} as the drive has it", shown, measured, 1e-5)
     return took_s
