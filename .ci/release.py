@@ -8,7 +8,7 @@
     .ci/release.py --wheel                      the Python package as a wheel, too (needs maturin)
     .ci/release.py --binary FILE                packs what is built already, with the library for C beside it
 
-All are in target/dist, with their checksums: the program, manual pages and completions, licences (those of the crates
+All are in target/archives, with their checksums: the program, manual pages and completions, licences (those of the crates
 in it as well), programs to begin with, the library for C, and the robot program for the cabinet. The same binary gives
 the same archive.
 """
@@ -28,7 +28,7 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-DIST = ROOT / "target/dist"
+DIST = ROOT / "target/archives"
 SHELLS = {"bash": "iiwasim.bash", "zsh": "_iiwasim", "fish": "iiwasim.fish"}
 DEBIAN_ARCHITECTURES = {"x86_64": "amd64", "aarch64": "arm64"}
 # The library for C that programs load; the second one of Windows is what they are linked with.
@@ -47,16 +47,16 @@ def output(*command):
 
 def build(target, glibc):
     """The program, and the library for C beside it."""
-    command = ["cargo", "zigbuild" if glibc else "build", "--release", "--locked", "-p", "iiwasim", "-p", "iiwa-c"]
-    command += ["--target", f"{target}.{glibc}" if glibc else target]
+    command = ["cargo", "zigbuild" if glibc else "build", "--profile", "dist", "--locked", "--features", "iiwasim/full"]
+    command += ["-p", "iiwasim", "-p", "iiwa-c", "--target", f"{target}.{glibc}" if glibc else target]
     subprocess.run(command, cwd=ROOT, check=True)
-    return ROOT / "target" / target / "release" / ("iiwasim.exe" if "windows" in target else "iiwasim")
+    return ROOT / "target" / target / "dist" / ("iiwasim.exe" if "windows" in target else "iiwasim")
 
 
 def build_wheel(target, glibc):
     """The Python package; one wheel serves each version from 3.9 on."""
     with tempfile.TemporaryDirectory() as scratch:
-        command = ["maturin", "build", "-q", "--release", "--locked", "-m", "python/Cargo.toml"]
+        command = ["maturin", "build", "-q", "--profile", "dist", "--locked", "-m", "python/Cargo.toml"]
         command += ["--target", target, "--out", scratch]
         if glibc:
             command += ["--zig", "--compatibility", f"manylinux_{glibc.replace('.', '_')}"]
@@ -70,7 +70,7 @@ def crates(target):
     metadata = json.loads(output("cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", target))
     packages = {package["id"]: package for package in metadata["packages"]}
     # One line a package: metadata alone has no features of one program.
-    tree = output("cargo", "tree", "-p", "iiwasim", "-e", "normal", "--target", target, "--prefix", "none", "-f", "{p}")
+    tree = output("cargo", "tree", "-p", "iiwasim", "--features", "full", "-e", "normal", "--target", target, "--prefix", "none", "-f", "{p}")
     wanted = {tuple(line.split()[:2]) for line in tree.splitlines() if line.strip()}
     found = [p for p in packages.values() if (p["name"], f"v{p['version']}") in wanted and p["source"]]
     return sorted(found, key=lambda package: (package["name"], package["version"]))

@@ -1,24 +1,34 @@
 //! The command line.
 
+#[cfg(feature = "live")]
 mod addresses;
 mod answering;
+#[cfg(feature = "bridge")]
 mod bridge;
 #[cfg(feature = "opcua")]
 mod bridge_opcua;
 #[cfg(feature = "ros2")]
 mod bridge_ros2;
 mod compare;
+#[cfg(feature = "live")]
 mod experiment;
+#[cfg(feature = "sunrise")]
 mod export;
 mod identify;
+#[cfg(feature = "sunrise")]
 mod import;
+#[cfg(feature = "live")]
 mod link;
 mod model;
 mod plan;
 mod report;
+#[cfg(feature = "live")]
+mod robot_values;
 pub(crate) mod ros;
 mod shell;
+#[cfg(feature = "bridge")]
 mod stored;
+#[cfg(feature = "live")]
 mod twin;
 mod urdf;
 mod values;
@@ -27,29 +37,38 @@ use std::ffi::OsString;
 
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::settings::{self, Settings};
+use crate::{
+    features,
+    settings::{self, Settings},
+};
 
-pub(crate) use addresses::{ClientKeys, DriveAddress, ServerKeys};
 pub(crate) use answering::Answering;
-pub(crate) use bridge::{Bridge, KafkaAccess, Mqtt};
 #[cfg(feature = "opcua")]
 pub(crate) use bridge_opcua::OpcUa;
 #[cfg(feature = "ros2")]
 pub(crate) use bridge_ros2::{RetimeGoals, Ros2};
 pub(crate) use compare::Compare;
-pub(crate) use experiment::{Experiment, ExperimentName};
-pub(crate) use export::Export;
 pub(crate) use identify::Identify;
-pub(crate) use import::Import;
-pub(crate) use link::{Cabinet, Drive, Io, IoAction, Keygen, Record, Run, Sensors, Status, Stop};
 pub(crate) use model::{Fk, Format, Ik, Place, Robot, Schema};
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use ros::RosNaming;
 pub(crate) use shell::{Completions, Man};
-pub(crate) use stored::{History, Replay, Stored};
-pub(crate) use twin::Twin;
 pub(crate) use urdf::Urdf;
+#[cfg(feature = "live")]
+pub(crate) use {
+    addresses::{ClientKeys, DriveAddress, ServerKeys},
+    experiment::{Experiment, ExperimentName},
+    link::{Cabinet, Drive, Io, IoAction, Keygen, Record, Run, Sensors, Status, Stop},
+    twin::Twin,
+};
+#[cfg(feature = "bridge")]
+pub(crate) use {
+    bridge::{Bridge, KafkaAccess, Mqtt},
+    stored::{History, Replay, Stored},
+};
+#[cfg(feature = "sunrise")]
+pub(crate) use {export::Export, import::Import};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -65,13 +84,16 @@ Files:
   on a robot, or may have been edited by hand, is not: recordings, robot
   profiles, frames; --overwrite replaces them. Keys never are.";
 
-/// Version, commit and abilities.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), env!("IIWASIM_BUILD"), ", with CURVE");
+/// Exit codes, files, settings, and commands that this build lacks.
+fn help() -> String {
+    let sections = [EXIT_CODES, FILES, settings::HELP].map(str::to_owned);
+    sections.into_iter().chain(features::missing_commands()).collect::<Vec<_>>().join("\n\n")
+}
 
 /// Motion simulator for the KUKA LBR iiwa: which path will the arm take through a motion program,
 /// and how long will it take?
 #[derive(Debug, Parser)]
-#[command(name = "iiwasim", version = VERSION, after_help = format!("{EXIT_CODES}\n\n{FILES}\n\n{}", settings::HELP))]
+#[command(name = "iiwasim", version = features::version(), after_help = help())]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -97,7 +119,10 @@ impl Arguments {
     /// help.
     pub(crate) fn read(settings: &Settings) -> Self {
         let command = Self::command_line().mut_subcommands(|command| settings.apply(command));
-        let matches = command.get_matches_from(with_optional_values(std::env::args_os()));
+        let arguments = with_optional_values(std::env::args_os());
+        let matches = command
+            .try_get_matches_from(arguments)
+            .unwrap_or_else(|error| features::explain(error).exit());
         Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
     }
 }
@@ -121,16 +146,33 @@ fn with_optional_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsStri
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Plan(Plan),
-    Run(Run),
     Compare(Compare),
     Report(Report),
     Identify(Identify),
+    #[cfg(feature = "live")]
+    #[command(flatten)]
+    Live(Live),
+    #[cfg(feature = "bridge")]
+    #[command(flatten)]
+    Brokers(Brokers),
+    #[cfg(feature = "sunrise")]
+    #[command(flatten)]
+    Sunrise(Sunrise),
+    Fk(Fk),
+    Ik(Ik),
+    Robot(Robot),
+    Schema(Schema),
+    Completions(Completions),
+    Man(Man),
+}
+
+#[cfg(feature = "live")]
+#[derive(Debug, Subcommand)]
+pub(crate) enum Live {
+    Run(Run),
     Experiment(Experiment),
     Twin(Twin),
     Record(Record),
-    Bridge(Box<Bridge>),
-    Replay(Replay),
-    History(History),
     Status(Status),
     Stop(Stop),
     Io(Io),
@@ -138,12 +180,19 @@ pub(crate) enum Command {
     Drive(Drive),
     Cabinet(Cabinet),
     Keygen(Keygen),
-    Fk(Fk),
-    Ik(Ik),
+}
+
+#[cfg(feature = "bridge")]
+#[derive(Debug, Subcommand)]
+pub(crate) enum Brokers {
+    Bridge(Box<Bridge>),
+    Replay(Replay),
+    History(History),
+}
+
+#[cfg(feature = "sunrise")]
+#[derive(Debug, Subcommand)]
+pub(crate) enum Sunrise {
     Import(Import),
     Export(Export),
-    Robot(Robot),
-    Schema(Schema),
-    Completions(Completions),
-    Man(Man),
 }

@@ -1,32 +1,18 @@
-//! One file a command.
+//! One file per command; commands of an optional feature share a folder.
 
-pub(crate) mod bridge;
-#[cfg(feature = "opcua")]
-mod bridge_opcua;
-#[cfg(feature = "ros2")]
-mod bridge_ros2;
-pub(crate) mod cabinet;
+#[cfg(feature = "bridge")]
+pub(crate) mod brokers;
 pub(crate) mod compare;
 pub(crate) mod completions;
-pub(crate) mod drive;
-pub(crate) mod experiment;
-pub(crate) mod export;
 pub(crate) mod fk;
-pub(crate) mod history;
 pub(crate) mod identify;
 pub(crate) mod ik;
-pub(crate) mod import;
-pub(crate) mod io;
-pub(crate) mod keygen;
+#[cfg(feature = "live")]
+pub(crate) mod live;
 pub(crate) mod man;
 pub(crate) mod plan;
-pub(crate) mod record;
-pub(crate) mod replay;
 pub(crate) mod report;
 pub(crate) mod robot;
-pub(crate) mod run;
 pub(crate) mod schema;
-pub(crate) mod sensors;
-pub(crate) mod status;
-pub(crate) mod stop;
-pub(crate) mod twin;
+#[cfg(feature = "sunrise")]
+pub(crate) mod sunrise;

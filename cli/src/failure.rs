@@ -201,20 +201,3 @@ impl Problem {
         Renderer::styled().render(&[report])
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn control_characters_do_not_reach_the_terminal() {
-        let error = std::io::Error::other("\u{1b}[2J\u{9b}31m gone\r\n");
-        let failures = [Failure::run("cannot ask", &error), Failure::input(error.to_string())];
-        // Colours are ours.
-        let plain = |text: String| anstream::adapter::strip_str(&text).to_string();
-        for text in failures.map(|failure| plain(failure.text())) {
-            assert!(!text.trim_end().contains(|c: char| c.is_control() && c != '\n'), "{text:?}");
-            assert!(text.contains("[2J"), "{text}");
-        }
-    }
-}

@@ -73,6 +73,7 @@ pub(crate) struct ProgramText {
 
 impl ProgramText {
     /// A program that is in no file.
+    #[cfg(feature = "sunrise")]
     pub(crate) fn made(name: String, text: String) -> Self {
         Self { name, text, merged: None }
     }

@@ -6,22 +6,30 @@
 
 mod args;
 mod arm_files;
+#[cfg(feature = "bridge")]
 mod broker_access;
 mod commands;
+#[cfg(feature = "live")]
 mod connection;
 mod failure;
+mod features;
 mod file_kind;
 mod frame;
 mod input;
 mod lines;
-mod log;
 mod output;
 mod picture;
 mod progress;
 mod replaceable;
+#[cfg(feature = "live")]
 mod runner;
+#[cfg(feature = "live")]
+mod service_log;
 mod settings;
+#[cfg(feature = "sunrise")]
 mod sunrise;
+mod trace;
+#[cfg(feature = "live")]
 mod twin_failure;
 
 use std::process::ExitCode;
@@ -61,29 +69,19 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Plan(options) => commands::plan::run(&options),
-        Command::Experiment(options) => commands::experiment::run(&options),
         Command::Compare(options) => commands::compare::run(&options),
         Command::Report(options) => commands::report::run(&options),
         Command::Identify(options) => commands::identify::run(&options),
+        #[cfg(feature = "live")]
+        Command::Live(command) => commands::live::run(command),
+        #[cfg(feature = "bridge")]
+        Command::Brokers(command) => commands::brokers::run(command),
+        #[cfg(feature = "sunrise")]
+        Command::Sunrise(command) => commands::sunrise::run(command),
         Command::Fk(options) => commands::fk::run(&options),
         Command::Ik(options) => commands::ik::run(&options),
-        Command::Import(options) => commands::import::run(&options),
-        Command::Export(options) => commands::export::run(&options),
         Command::Robot(options) => commands::robot::run(&options),
         Command::Schema(options) => commands::schema::run(&options),
-        Command::Keygen(options) => commands::keygen::run(&options),
-        Command::Drive(options) => commands::drive::run(&options),
-        Command::Cabinet(options) => commands::cabinet::run(&options),
-        Command::Run(options) => commands::run::run(&options),
-        Command::Record(options) => commands::record::run(&options),
-        Command::Bridge(options) => commands::bridge::run(&options),
-        Command::Replay(options) => commands::replay::run(&options),
-        Command::History(options) => commands::history::run(&options),
-        Command::Status(options) => commands::status::run(&options),
-        Command::Twin(options) => commands::twin::run(&options),
-        Command::Stop(options) => commands::stop::run(&options),
-        Command::Io(options) => commands::io::run(&options.action),
-        Command::Sensors(options) => commands::sensors::run(&options),
         Command::Completions(options) => commands::completions::run(&options),
         Command::Man(options) => commands::man::run(&options),
     }

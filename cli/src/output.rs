@@ -105,6 +105,7 @@ pub(crate) fn catch_interrupts() {
 }
 
 /// Repeats something until an interrupt.
+#[cfg(feature = "live")]
 pub(crate) fn wait_for_interrupt(mut meanwhile: impl FnMut()) {
     while !interrupt::has_come() {
         meanwhile();

@@ -6,13 +6,17 @@ use iiwa_view::PictureFormat;
 
 use iiwa_files::Output;
 
-use crate::{failure::Failure, output, replaceable::Replaceable};
+use crate::{failure::Failure, features, output, replaceable::Replaceable};
 
 /// How the file of a picture is written, by its ending.
 pub(crate) fn format(path: &Path) -> Result<PictureFormat, Failure> {
-    PictureFormat::of(path).ok_or_else(|| {
+    let format = PictureFormat::of(path).ok_or_else(|| {
         Failure::input(format!("{}: pictures are written as .svg, .png or .pdf", path.display()))
-    })
+    })?;
+    if format != PictureFormat::Svg {
+        features::PICTURES.require(&path.display().to_string())?;
+    }
+    Ok(format)
 }
 
 /// Starts the file of a picture, which may replace one of the same format.

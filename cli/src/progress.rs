@@ -28,26 +28,6 @@ impl Progress {
         Self::new(count as u64, "planning {wide_bar} {pos} of {len} programs, {eta} left")
     }
 
-    /// A run of the robot, in shares; see [`Self::show_time`].
-    pub(crate) fn of_run() -> Self {
-        Self::new(1000, "running {wide_bar} {percent} %, {msg} left")
-    }
-
-    /// A motion to the start of a program, in shares; see [`Self::show_time`].
-    pub(crate) fn of_approach() -> Self {
-        Self::new(1000, "moving to the start {wide_bar} {percent} %, {msg} left")
-    }
-
-    /// The programs of an experiment, in their number.
-    pub(crate) fn of_experiment(count: usize) -> Self {
-        Self::new(count as u64, "running {wide_bar} {pos} of {len} programs, {eta} left")
-    }
-
-    /// A recording, in its number of samples.
-    pub(crate) fn of_recording() -> Self {
-        Self::new(u64::MAX, "recording: {pos} samples in {elapsed}; Ctrl-C ends it")
-    }
-
     fn new(steps: u64, look: &'static str) -> Self {
         Self { since: Instant::now(), steps, done: 0, look, left: String::new(), bar: None }
     }
@@ -56,12 +36,6 @@ impl Progress {
     pub(crate) fn show_share(&mut self, share: f64) {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 1000")]
         self.show((share * self.steps as f64) as u64);
-    }
-
-    /// Shows how far a motion is of which the duration is known, both in s.
-    pub(crate) fn show_time(&mut self, t_s: f64, whole_s: f64) {
-        self.left = format!("{:.0} s", (whole_s - t_s).max(0.0).ceil());
-        self.show_share((t_s / whole_s).clamp(0.0, 1.0));
     }
 
     /// Shows that so many steps are done.
@@ -97,5 +71,34 @@ impl Progress {
         if let Some(bar) = self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(feature = "live")]
+impl Progress {
+    /// A run of the robot, in shares; see [`Self::show_time`].
+    pub(crate) fn of_run() -> Self {
+        Self::new(1000, "running {wide_bar} {percent} %, {msg} left")
+    }
+
+    /// A motion to the start of a program, in shares; see [`Self::show_time`].
+    pub(crate) fn of_approach() -> Self {
+        Self::new(1000, "moving to the start {wide_bar} {percent} %, {msg} left")
+    }
+
+    /// The programs of an experiment, in their number.
+    pub(crate) fn of_experiment(count: usize) -> Self {
+        Self::new(count as u64, "running {wide_bar} {pos} of {len} programs, {eta} left")
+    }
+
+    /// A recording, in its number of samples.
+    pub(crate) fn of_recording() -> Self {
+        Self::new(u64::MAX, "recording: {pos} samples in {elapsed}; Ctrl-C ends it")
+    }
+
+    /// Shows how far a motion is of which the duration is known, both in s.
+    pub(crate) fn show_time(&mut self, t_s: f64, whole_s: f64) {
+        self.left = format!("{:.0} s", (whole_s - t_s).max(0.0).ceil());
+        self.show_share((t_s / whole_s).clamp(0.0, 1.0));
     }
 }

@@ -138,27 +138,13 @@ pub(crate) fn recording(
         .map_err(|error| Failure::run("cannot write the recording", &error))
 }
 
-/// Time from one point of a trajectory to the next, in s.
-const STEP_S: f64 = 0.004;
-
-/// The trajectory as it is sent: samples at a fixed step, and its end.
+/// The trajectory as it is sent.
 pub(crate) fn sampled(plan: &Trajectory) -> Result<TimedJoints, Failure> {
-    let end_s = plan.cycle_time_s();
-    let steps = (end_s / STEP_S).ceil();
-    if steps >= MAX_POINTS as f64 {
-        return Err(Failure::input(format!(
-            "the program takes {end_s:.0} s, which is {steps:.0} points; a drive takes trajectories of \
-             {MAX_POINTS}. Without --as-trajectory, the controller plans the motions itself"
-        )));
-    }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
-    let steps = steps as u32;
-    let t_s: Vec<f64> = (0..steps)
-        .map(|i| f64::from(i) * STEP_S)
-        // No sample just before the end.
-        .filter(|t_s| end_s - t_s > 1e-3 * STEP_S)
-        .chain([end_s])
-        .collect();
-    let joints_rad = t_s.iter().map(|t_s| plan.at(*t_s).q).collect();
-    Ok(TimedJoints { t_s, joints_rad })
+    iiwa_twin::runs::sampled(plan).ok_or_else(|| {
+        Failure::input(format!(
+            "the program takes {:.0} s: a drive takes trajectories of at most {MAX_POINTS} points. \
+             Without --as-trajectory, the controller plans the motions itself",
+            plan.cycle_time_s()
+        ))
+    })
 }

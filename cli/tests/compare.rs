@@ -2,12 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[expect(dead_code, reason = "other tests use the rest")]
-#[path = "common/helpers.rs"]
-mod helpers;
-#[path = "common/run.rs"]
-mod run;
-
 use std::{fmt::Write as _, fs};
 
 use predicates::{
@@ -16,8 +10,8 @@ use predicates::{
 };
 use tempfile::{TempDir, tempdir};
 
-use helpers::fixture;
-use run::{files, iiwasim};
+use crate::helpers::fixture;
+use crate::run::{files, iiwasim};
 
 /// A folder with `plan.mcap`, and `real.mcap`: the same program without limits on jerk, and with other
 /// blends.

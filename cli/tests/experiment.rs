@@ -2,9 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[path = "common/run.rs"]
-mod run;
-
 use std::{fs, path::Path};
 
 use iiwa_kin::Robot;
@@ -13,7 +10,7 @@ use iiwa_program::Program;
 use predicates::{prelude::PredicateBooleanExt, str::contains};
 use tempfile::{TempDir, tempdir};
 
-use run::{files, iiwasim};
+use crate::run::{files, iiwasim};
 
 fn listed(folder: &TempDir, path: &str) -> Vec<String> {
     let names = fs::read_dir(folder.path().join(path)).unwrap();

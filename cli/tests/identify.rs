@@ -2,9 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[path = "common/run.rs"]
-mod run;
-
 use std::{fs, path::Path};
 
 use iiwa_eval::{
@@ -18,7 +15,7 @@ use predicates::{
 };
 use tempfile::{TempDir, tempdir};
 
-use run::{files, iiwasim};
+use crate::run::{files, iiwasim};
 
 /// Runs a trial on a robot that is slower than the model and settles for longer; leaves NAME.json and
 /// NAME.csv.

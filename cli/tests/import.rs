@@ -2,18 +2,15 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[path = "common/run.rs"]
-mod run;
-
 use std::{fs, path::Path};
 
+use crate::run::{files, iiwasim};
 use iiwa_kin::Robot;
 use iiwa_program::{Frame, Workcell};
 use predicates::{
     prelude::PredicateBooleanExt,
     str::{contains, is_empty},
 };
-use run::{files, iiwasim};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 

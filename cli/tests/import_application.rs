@@ -2,14 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[path = "common/run.rs"]
-mod run;
-
 use std::{fs, path::PathBuf};
 
+use crate::run::{files, iiwasim};
 use iiwa_program::Program;
 use predicates::{prelude::PredicateBooleanExt, str::contains};
-use run::{files, iiwasim};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 

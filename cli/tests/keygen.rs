@@ -2,9 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[path = "common/run.rs"]
-mod run;
-
 use std::fs;
 
 use iiwa_link::security::{KeyPair, PublicKey, SecurityError};
@@ -14,7 +11,7 @@ use predicates::{
 };
 use tempfile::tempdir;
 
-use run::{files, iiwasim};
+use crate::run::{files, iiwasim};
 
 #[test]
 fn writes_two_files_that_belong_together() {

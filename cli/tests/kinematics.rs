@@ -2,12 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[expect(dead_code, reason = "other tests use the rest")]
-#[path = "common/run.rs"]
-mod run;
-
+use crate::run::iiwasim;
 use predicates::{prelude::PredicateBooleanExt, str::contains};
-use run::iiwasim;
 use serde_json::Value;
 use tempfile::tempdir;
 

@@ -2,11 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[path = "common/helpers.rs"]
-mod helpers;
-#[path = "common/run.rs"]
-mod run;
-
 use std::{
     fs,
     path::Path,
@@ -22,8 +17,8 @@ use predicates::{
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-use helpers::{fixture, long_program, program};
-use run::{files, iiwasim};
+use crate::helpers::{fixture, long_program, program};
+use crate::run::{files, iiwasim};
 
 /// A program of one motion, the longer the larger `deg` is.
 fn turn(deg: f64) -> String {

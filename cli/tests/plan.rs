@@ -2,11 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[path = "common/helpers.rs"]
-mod helpers;
-#[path = "common/run.rs"]
-mod run;
-
 use std::{
     fs,
     path::Path,
@@ -22,8 +17,8 @@ use predicates::{
 };
 use tempfile::{TempDir, tempdir};
 
-use helpers::{START, fixture, long_program, program};
-use run::{files, iiwasim};
+use crate::helpers::{START, fixture, long_program, program};
+use crate::run::{files, iiwasim};
 
 fn plan(folder: &TempDir, program: &Path, arguments: &[&str]) -> Assert {
     cargo_bin_cmd!("iiwasim").current_dir(folder).arg("plan").arg(program).args(arguments).assert()
@@ -367,6 +362,19 @@ fn control_characters_are_spelled_out() {
     let assert = plan(&folder, Path::new("a.json"), &[]).code(2);
     let said = &assert.get_output().stderr;
     assert!(!said.contains(&0x1b) && !said.contains(&7), "{}", String::from_utf8_lossy(said));
+    // Failures while running, and the input's own name, are printed the same way.
+    let good = fixture("appendix-b.json");
+    let folder_name = "\u{1b}[2J\u{9b}31m gone";
+    let missing = Path::new(folder_name).join("a.json");
+    let failures = [
+        plan(&folder, &good, &["-o", &format!("{folder_name}/a.mcap")]).code(1),
+        plan(&folder, &missing, &[]).code(2),
+    ];
+    for failure in failures {
+        let text = String::from_utf8_lossy(&failure.get_output().stderr).into_owned();
+        let is_control = |c: char| c.is_control() && c != '\n';
+        assert!(text.contains("[2J") && !text.contains(is_control), "{text:?}");
+    }
 }
 
 #[test]

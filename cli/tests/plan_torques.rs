@@ -2,9 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[path = "common/run.rs"]
-mod run;
-
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -17,7 +14,7 @@ use predicates::{
 };
 use tempfile::{TempDir, tempdir};
 
-use run::{files, iiwasim};
+use crate::run::{files, iiwasim};
 
 fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)

@@ -3,13 +3,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[expect(dead_code, reason = "other tests use the rest")]
-#[path = "common/helpers.rs"]
-mod helpers;
-#[expect(dead_code, reason = "other tests use the rest")]
-#[path = "common/run.rs"]
-mod run;
-
 use std::{fs, iter};
 
 use iiwa_kin::Robot;
@@ -18,8 +11,8 @@ use predicates::str::contains;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-use helpers::program;
-use run::iiwasim;
+use crate::helpers::program;
+use crate::run::iiwasim;
 
 /// Joint 1 goes farther than that of the built-in robot (170 deg), at half of its speed (98 deg/s).
 const PROFILE: &str = r#"{ "version": 1,

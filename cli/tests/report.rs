@@ -2,12 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[expect(dead_code, reason = "other tests use the rest")]
-#[path = "common/helpers.rs"]
-mod helpers;
-#[path = "common/run.rs"]
-mod run;
-
 use std::{collections::BTreeMap, fmt::Write as _, fs, io::Cursor, time::Duration};
 
 use iiwa_kin::Robot;
@@ -19,8 +13,8 @@ use predicates::{
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-use helpers::fixture;
-use run::{files, iiwasim};
+use crate::helpers::fixture;
+use crate::run::{files, iiwasim};
 
 /// A folder with the plan of a fixture.
 fn plan(name: &str) -> TempDir {

@@ -2,12 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[expect(dead_code, reason = "other tests use the rest")]
-#[path = "common/helpers.rs"]
-mod helpers;
-#[path = "common/run.rs"]
-mod run;
-
 use std::fs;
 
 use assert_cmd::assert::Assert;
@@ -18,8 +12,8 @@ use predicates::{
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-use helpers::{fixture, program};
-use run::{files, iiwasim};
+use crate::helpers::{fixture, program};
+use crate::run::{files, iiwasim};
 
 /// A folder with the ten motions and the cage.
 fn cell() -> TempDir {

@@ -2,19 +2,13 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-#[expect(dead_code, reason = "other tests use the rest")]
-#[path = "common/helpers.rs"]
-mod helpers;
-#[path = "common/run.rs"]
-mod run;
-
 use std::fs;
 
+use crate::helpers::fixture;
+use crate::run::{files, iiwasim};
 use assert_cmd::cargo::cargo_bin_cmd;
-use helpers::fixture;
 use iiwa_log::JointLog;
 use predicates::{prelude::PredicateBooleanExt, str::contains};
-use run::{files, iiwasim};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -22,12 +16,11 @@ use tempfile::tempdir;
 fn tables_read_back_as_the_plan() {
     let folder = tempdir().unwrap();
     let program = fixture("pick-and-place.json").display().to_string();
-    let options = ["--csv", "a.csv", "--parquet", "a.parquet", "--rate", "200", "--json"];
+    let options = ["--csv", "a.csv", "--rate", "200", "--json"];
     let assert = iiwasim(&folder, &[&["plan", &program, "-o", "a.mcap"], &options[..]].concat());
     let figures: Value = serde_json::from_slice(&assert.success().get_output().stdout).unwrap();
     let read = |name: &str| JointLog::read(&*fs::read(folder.path().join(name)).unwrap()).unwrap();
-    let (mcap, csv, parquet) = (read("a.mcap"), read("a.csv"), read("a.parquet"));
-    assert_eq!((&csv.t_s, &csv.q_rad), (&parquet.t_s, &parquet.q_rad));
+    let (mcap, csv) = (read("a.mcap"), read("a.csv"));
     assert_eq!(csv.q_rad, mcap.q_rad);
     let end_s = figures["cycle_time_s"].as_f64().unwrap();
     assert!((csv.t_s.last().unwrap() - end_s).abs() < 1e-12);
@@ -77,14 +70,34 @@ fn tables_read_back_as_the_plan() {
     }
     // At rest.
     assert!(last[9..23].iter().all(|rate| rate.abs() < 1e-9));
-    iiwasim(&folder, &["compare", "a.mcap", "a.parquet"]).success().stdout(contains("0.00 %"));
+    iiwasim(&folder, &["compare", "a.mcap", "a.csv"]).success().stdout(contains("0.00 %"));
     iiwasim(
         &folder,
         &["plan", &program, "--csv", "b.csv", "--no-output", "--max-file-size", "1kB"],
     )
     .code(2)
     .stderr(contains("--max-file-size"));
+    assert_eq!(files(&folder), ["a.csv", "a.mcap"]);
+}
+
+#[test]
+#[cfg(feature = "parquet")]
+fn parquet_files_have_the_rows_of_the_csv_file() {
+    let folder = tempdir().unwrap();
+    let program = fixture("pick-and-place.json").display().to_string();
+    let options = ["-o", "a.mcap", "--csv", "a.csv", "--parquet", "a.parquet", "--rate", "200"];
+    iiwasim(&folder, &[&["plan", &program], &options[..]].concat()).success();
+    let read = |name: &str| JointLog::read(&*fs::read(folder.path().join(name)).unwrap()).unwrap();
+    let (csv, parquet) = (read("a.csv"), read("a.parquet"));
+    assert_eq!((&csv.t_s, &csv.q_rad), (&parquet.t_s, &parquet.q_rad));
+    iiwasim(&folder, &["compare", "a.mcap", "a.parquet"]).success().stdout(contains("0.00 %"));
     assert_eq!(files(&folder), ["a.csv", "a.mcap", "a.parquet"]);
+    // Files of another kind are kept, and those of a plan replaced.
+    fs::write(folder.path().join("hand.json"), "{}").unwrap();
+    iiwasim(&folder, &["plan", &program, "--no-output", "--parquet", "hand.json"])
+        .code(2)
+        .stderr(contains("exists and is not a").and(contains("it is kept")));
+    iiwasim(&folder, &["plan", &program, "--no-output", "--parquet", "a.parquet"]).success();
 }
 
 #[test]
@@ -94,6 +107,7 @@ fn pictures_are_what_their_endings_say() {
     let draw = |name: &str| iiwasim(&folder, &["plan", &program, "--no-output", "--picture", name]);
     draw("a.svg").success();
     assert!(fs::read(folder.path().join("a.svg")).unwrap().starts_with(b"<svg"));
+    #[cfg(feature = "pictures")]
     for (name, magic) in [("a.png", &b"\x89PNG"[..]), ("a.PDF", b"%PDF")] {
         let assert = draw(name);
         if assert.get_output().status.success() {
@@ -241,12 +255,10 @@ fn only_files_of_the_same_kind_are_replaced() {
     };
     fs::write(path("recorded.mcap"), &recorded).unwrap();
     let table = ["--no-output", "--csv", "hand.json"];
-    let parquet = ["--no-output", "--parquet", "hand.json"];
     for arguments in [
         &["-o", "hand.json"][..],
         &["-o", "recorded.mcap"],
         &table,
-        &parquet,
         &["--no-output", "--csv", "recorded.mcap"],
     ] {
         iiwasim(&folder, &[&["plan", &program], arguments].concat())
@@ -263,11 +275,12 @@ fn only_files_of_the_same_kind_are_replaced() {
     assert_eq!(fs::read_to_string(path("hand.json")).unwrap(), "{ \"version\": 1 }");
     // Its own, time and again.
     for _ in 0..2 {
-        let pictures = ["--picture", "a.svg", "--csv", "a.csv", "--parquet", "a.parquet"];
+        let pictures = ["--picture", "a.svg", "--csv", "a.csv"];
         iiwasim(&folder, &[&["plan", &program, "-o", "plan.mcap"], &pictures[..]].concat())
             .success();
         iiwasim(&folder, &["report", "plan.mcap"]).success();
     }
+    #[cfg(feature = "pictures")]
     for (picture, other) in [("a.svg", "a.png"), ("a.svg", "a.pdf")] {
         fs::copy(path(picture), path(other)).unwrap();
         iiwasim(&folder, &["plan", &program, "--no-output", "--picture", other])

@@ -1,5 +1,5 @@
 //! What the end-to-end tests share: the reference programs, random programs, an eye for limits, free
-//! ports, bare peers of ZMTP, the conformance suite of robot programs, that in Java as a process, and the attacks from outside.
+//! ports, sockets of ZeroMQ and bare peers of ZMTP, the conformance suite of robot programs, that in Java as a process, and the attacks from outside.
 
 #[cfg(unix)]
 pub mod attack;
@@ -19,12 +19,20 @@ pub mod ports;
 pub mod program_process;
 pub mod random;
 pub mod reference;
+pub mod socket;
 pub mod starts;
 pub mod tcp_limits;
 pub mod tcp_programs;
 pub mod torque_reference;
 pub mod verdict;
 pub mod zmtp;
+
+/// The end-to-end tests, in one executable with the unit tests of this crate.
+#[cfg(test)]
+#[path = "../tests/main.rs"]
+mod tests;
+#[cfg(test)]
+extern crate self as iiwasim_tests;
 
 use std::path::PathBuf;
 

@@ -127,7 +127,7 @@ fn rests_between_stretches(trajectory: &Trajectory) -> Result<(), TestCaseError>
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        cases: 2000,
+        cases: if std::env::var_os("IIWASIM_LONG").is_some() { 2000 } else { 150 },
         // The same programs each time: a failure is one of the change at hand.
         rng_seed: RngSeed::Fixed(2019),
         failure_persistence: None,

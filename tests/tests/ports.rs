@@ -31,7 +31,7 @@ fn taker() {
 
 fn start_taker() -> Child {
     Command::new(env::current_exe().unwrap())
-        .args(["taker", "--exact", "--ignored", "--nocapture"])
+        .args(["tests::ports::taker", "--exact", "--ignored", "--nocapture"])
         .env(TAKES, "1")
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -1,5 +1,5 @@
-//! Straight motions from rest to rest under limits of jerk: their durations are known, from a formula
-//! and from ruckig.
+//! Straight motions from rest to rest under limits of jerk: their durations are known from a formula. Those of ruckig are in
+//! `tests/peers`.
 
 // Helpers of tests may fail.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
@@ -10,15 +10,6 @@ use iiwa_program::{
     Blend, LimitKind, Motion, MotionLimits, Program, Ptp, Sources, Start, Workcell,
 };
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
-use proptest::{
-    prelude::*,
-    strategy::ValueTree,
-    test_runner::{RngSeed, TestRunner},
-};
-use rsruckig::prelude::{
-    DataArrayOrVec, InputParameter, Ruckig, Synchronization, ThrowErrorHandler,
-    Trajectory as RuckigTrajectory,
-};
 
 /// From rest to rest over `distance`, in s, under limits of speed, acceleration and jerk.
 fn duration_s(distance: f64, [v, a, j]: [f64; 3]) -> f64 {
@@ -192,79 +183,6 @@ fn straight_on_through_blends() {
     }
     println!("largest errors {largest:?}");
     assert!(largest[0] < 2e-3 && largest[1] < 1e-4, "{largest:?}");
-}
-
-/// Random motions, some short, some with shares of the limits.
-fn random_moves(count: usize) -> Vec<(Joints, Ptp)> {
-    let config = ProptestConfig { rng_seed: RngSeed::Fixed(2021), ..ProptestConfig::default() };
-    let share = || prop_oneof![2 => Just(1.0), 1 => 0.05..1.0_f64];
-    let joints = || prop::array::uniform7(-1.0..1.0_f64);
-    let size = prop_oneof![Just(1.5), Just(0.2), Just(0.01)];
-    let one = (joints(), joints(), size, share(), share(), share()).prop_map(
-        |(start, step, size, v, a, j)| {
-            let ptp = Ptp {
-                velocity_rel: [v; 7],
-                acceleration_rel: [a; 7],
-                jerk_rel: [j; 7],
-                ..Ptp::to(std::array::from_fn(|i| 0.5 * start[i] + size * step[i]))
-            };
-            (start.map(|q| 0.5 * q), ptp)
-        },
-    );
-    let all = prop::collection::vec(one, count);
-    all.new_tree(&mut TestRunner::new(config)).unwrap().current()
-}
-
-/// Duration of ruckig's phase-synchronised motion, and how far it strays from the line as a share of
-/// the way.
-fn ruckig(start: &Joints, ptp: &Ptp) -> (f64, f64) {
-    let robot = MotionLimits::full(&Robot::lbr_iiwa_7_r800());
-    let of = |kind| {
-        let (limit, share) = (robot.of(kind), ptp.share(kind));
-        DataArrayOrVec::Stack(std::array::from_fn(|i| limit[i] * share[i]))
-    };
-    let mut input = InputParameter::<7>::new(None);
-    input.synchronization = Synchronization::Phase;
-    input.current_position = DataArrayOrVec::Stack(*start);
-    input.target_position = DataArrayOrVec::Stack(ptp.target_rad);
-    input.max_velocity = of(LimitKind::Velocity);
-    input.max_acceleration = of(LimitKind::Acceleration);
-    input.max_jerk = of(LimitKind::Jerk);
-    let mut trajectory = RuckigTrajectory::new(None);
-    Ruckig::<7, ThrowErrorHandler>::new(None, 1e-3).calculate(&input, &mut trajectory).unwrap();
-    let duration_s = trajectory.get_duration();
-    let mut astray = 0.0_f64;
-    for i in 0..=200 {
-        let mut q = DataArrayOrVec::Stack([0.0; 7]);
-        let t_s = duration_s * f64::from(i) / 200.0;
-        trajectory.at_time(t_s, &mut Some(&mut q), &mut None, &mut None, &mut None, &mut None);
-        let shares = (0..7).map(|j| (q[j] - start[j]) / (ptp.target_rad[j] - start[j]));
-        let (least, most) = shares.fold((f64::MAX, f64::MIN), |(l, m), s| (l.min(s), m.max(s)));
-        astray = astray.max(most - least);
-    }
-    (duration_s, astray)
-}
-
-/// Where several joints decide, ruckig may leave the line without a word: these do not count.
-#[test]
-fn as_ruckig_does_where_it_stays_on_the_line() {
-    let moves = random_moves(200);
-    let (mut stays, mut largest) = (0, 0.0_f64);
-    for (start, ptp) in &moves {
-        let (expected, astray) = ruckig(start, ptp);
-        let found = found_s(*start, ptp, Timing::default());
-        if astray < 1e-6 {
-            stays += 1;
-            let error = (found / expected - 1.0).abs();
-            assert!(error < 1e-6, "{found} s, ruckig {expected} s: {start:?} {ptp:?}");
-            largest = largest.max(error);
-        } else {
-            // Off the line it is no slower than on it.
-            assert!(expected <= found * (1.0 + 1e-9), "{found} s, ruckig {expected} s");
-        }
-    }
-    println!("on the line: {stays} of {}, largest error {largest:e}", moves.len());
-    assert!(10 * stays >= 8 * moves.len());
 }
 
 /// A LIN that the limits of the TCP alone hold back takes the time of its seven phases, to the last digits; the solver, which

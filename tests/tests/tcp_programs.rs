@@ -80,7 +80,7 @@ fn faults(TcpProgram { robot, program, .. }: &TcpProgram) -> Vec<String> {
 
 #[test]
 fn all_limits_are_kept() {
-    let count = if std::env::var_os("IIWASIM_LONG").is_some() { 2000 } else { 200 };
+    let count = if std::env::var_os("IIWASIM_LONG").is_some() { 2000 } else { 60 };
     let mut refused = BTreeMap::<_, usize>::new();
     let mut wrong = 0;
     for index in 0..count {

@@ -89,7 +89,7 @@ fn durations_are_those_of_the_reference() {
 /// refused for a load that cannot be held, which is so.
 #[test]
 fn all_limits_are_kept() {
-    let count = if std::env::var_os("IIWASIM_LONG").is_some() { 1000 } else { 100 };
+    let count = if std::env::var_os("IIWASIM_LONG").is_some() { 1000 } else { 40 };
     let mut found: BTreeMap<&str, usize> = BTreeMap::new();
     let mut worst_of_all = [[0.0_f64; 4]; 2];
     let mut faults = Vec::new();

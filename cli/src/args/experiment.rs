@@ -9,7 +9,8 @@ use iiwa_link::security::Endpoint;
 
 use super::{
     addresses::{ClientKeys, STREAM},
-    values::{epoch, noise, percent_above_zero, sampling_rate, whole},
+    robot_values::{noise, percent_above_zero, sampling_rate},
+    values::{epoch, whole},
 };
 
 /// Repeat an experiment of the thesis (Larsen 2019), or do one of our own, on the robot or on a virtual one.

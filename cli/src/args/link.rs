@@ -13,10 +13,8 @@ use iiwa_link::{message::IoValue, security::Endpoint};
 use super::{
     RosNaming,
     addresses::{DRIVE, DriveAddress, STREAM, ServerKeys},
-    values::{
-        at_least_0, epoch, io_value, noise, percent, percent_above_zero, period, seven, speed,
-        whole,
-    },
+    robot_values::{io_value, noise, percent, percent_above_zero, period, speed},
+    values::{at_least_0, epoch, seven, whole},
 };
 
 /// Make keys for connections between machines: NAME.key, which is secret, and NAME.pub.

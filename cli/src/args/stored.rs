@@ -8,7 +8,8 @@ use iiwa_link::security::Endpoint;
 use super::{
     KafkaAccess, RosNaming,
     bridge::address,
-    values::{at_least_0, speed, whole},
+    robot_values::speed,
+    values::{at_least_0, whole},
 };
 
 /// What is read from Kafka.

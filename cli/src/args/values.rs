@@ -2,7 +2,6 @@
 
 use std::time::{Duration, UNIX_EPOCH};
 
-use iiwa_link::message::IoValue;
 use iiwa_program::{MAX_TORQUE_LIMIT, MIN_TORQUE_LIMIT};
 
 /// A number.
@@ -11,7 +10,7 @@ pub(super) fn number(text: &str) -> Result<f64, String> {
     if value.is_finite() { Ok(value) } else { Err(format!("`{text}` is not finite")) }
 }
 
-fn within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
+pub(super) fn within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     let value = number(text)?;
     let inside = (low..=high).contains(&value);
     if inside { Ok(value) } else { Err(format!("the range is {low} to {high}{unit}")) }
@@ -39,37 +38,9 @@ pub(super) fn rate(text: &str) -> Result<f64, String> {
     within(text, 0.1, 100_000.0, " Hz")
 }
 
-/// Of samples of a virtual robot, in Hz.
-pub(super) fn sampling_rate(text: &str) -> Result<f64, String> {
-    within(text, 50.0, 10_000.0, " Hz")
-}
-
-/// How many times as fast as real time.
-pub(super) fn speed(text: &str) -> Result<f64, String> {
-    within(text, 0.01, 100.0, "")
-}
-
-/// A standard deviation in rad.
-pub(super) fn noise(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 0.1, " rad")
-}
-
-pub(super) fn percent(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 100.0, " %")
-}
-
-pub(super) fn percent_above_zero(text: &str) -> Result<f64, String> {
-    within(text, 0.1, 100.0, " %")
-}
-
 /// A limit of torques.
 pub(super) fn torque_percent(text: &str) -> Result<f64, String> {
     within(text, 100.0 * MIN_TORQUE_LIMIT, 100.0 * MAX_TORQUE_LIMIT, " %")
-}
-
-/// A period in s.
-pub(super) fn period(text: &str) -> Result<f64, String> {
-    within(text, 0.1, 1e6, " s")
 }
 
 /// Seven numbers with commas in between.
@@ -88,9 +59,4 @@ pub(super) fn epoch(text: &str) -> Result<Duration, String> {
         .and_then(|instant| instant.duration_since(UNIX_EPOCH).ok())
         .filter(|epoch| *epoch <= last)
         .ok_or_else(|| "an instant from 1970 to 2037 is needed, as 2020-01-01T00:00:00Z".to_owned())
-}
-
-/// The value of an output.
-pub(super) fn io_value(text: &str) -> Result<IoValue, String> {
-    serde_json::from_str(text).map_err(|_| format!("`{text}` is not true, false or a number"))
 }

@@ -11,7 +11,7 @@ use crate::{
     args::Ik,
     failure::{Failure, print_note},
     frame::{ReachedFrame, Workplace},
-    lines::{Objects, quoted, rounded},
+    lines::{quoted, records, rounded},
     output,
 };
 
@@ -95,7 +95,7 @@ fn many(place: &Workplace, options: &Ik) -> Result<(), Failure> {
         output::print(&format!("{},error\n", names.join(",")))?;
     }
     let (mut frames, mut failed) = (0_usize, 0_usize);
-    for object in Objects::on_stdin() {
+    for object in records() {
         let (number, object) = object?;
         frames += 1;
         let found = object

@@ -17,7 +17,10 @@ pub(crate) fn run(options: &Schema) -> Result<(), Failure> {
         Format::Frames => Workcell::schema(),
         Format::Profile => Robot::profile_schema(),
         Format::Scene => Scene::schema(),
+        #[cfg(feature = "bridge")]
         Format::Bridge => iiwa_bridge::message::schema(),
+        #[cfg(not(feature = "bridge"))]
+        Format::Bridge => return Err(crate::features::BRIDGE.missing("`iiwasim schema bridge`")),
     };
     output::print(&format!("{schema:#}\n"))
 }

@@ -13,7 +13,7 @@ use predicates::{
     str::{contains, is_empty, is_match, starts_with},
 };
 
-use crate::rig::{LONG, Rig, wait_for};
+use crate::link::rig::{LONG, Rig, wait_for};
 
 #[test]
 fn the_robot_tells_of_itself() {

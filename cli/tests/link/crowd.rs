@@ -9,7 +9,7 @@ use std::{
 use iiwasim_tests::calm::in_real_time;
 use serde_json::json;
 
-use crate::{
+use crate::link::{
     page::Address,
     rig::{Process, Rig, wait_for},
 };
@@ -140,7 +140,7 @@ fn a_stop_waits_for_no_other_order() {
         assert!(more.unwrap_err().contains("under way"));
         let stop = pages[0].begin("stop", json!({}));
         assert!(pages[0].answer(stop).unwrap_err().contains("no drive answers"));
-        let answered: usize = pages.iter().map(crate::page::Page::answered).sum();
+        let answered: usize = pages.iter().map(crate::link::page::Page::answered).sum();
         assert!(answered < asked, "it came last");
         twin.interrupt_below(MEMORY_MB);
     });

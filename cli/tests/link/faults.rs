@@ -8,7 +8,7 @@ use std::{
 use iiwasim_tests::calm::in_real_time;
 use predicates::str::contains;
 
-use crate::rig::{Process, Rig, wait_for};
+use crate::link::rig::{Process, Rig, wait_for};
 
 /// The robot runs as if nothing had been.
 fn assert_works(rig: &Rig) {

@@ -4,7 +4,7 @@ use std::fs;
 
 use predicates::str::contains;
 
-use crate::rig::{Rig, wait_for};
+use crate::link::rig::{Rig, wait_for};
 
 /// Makes keys for everybody; `alice` may speak to the drive, and the drive to the cabinet.
 fn rig_with_keys() -> Rig {

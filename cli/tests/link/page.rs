@@ -16,7 +16,7 @@ use tungstenite::{
     http::{HeaderName, StatusCode},
 };
 
-use crate::rig::{LONG, Process, wait_for};
+use crate::link::rig::{LONG, Process, wait_for};
 
 /// Where a twin is: its host and port, and its token.
 #[derive(Clone)]

@@ -6,7 +6,7 @@ use iiwa_log::Recording;
 use iiwasim_tests::calm::in_real_time;
 use serde_json::{Value, json};
 
-use crate::{
+use crate::link::{
     page::Page,
     rig::Rig,
     twin::{TO_60, load, program, start},

@@ -17,7 +17,7 @@ use predicates::{
 };
 use serde_json::Value;
 
-use crate::rig::{LONG, Rig, wait_for};
+use crate::link::rig::{LONG, Rig, wait_for};
 
 /// A cabinet whose robot program knows no times and no temperatures.
 fn untimed_rig() -> Rig {

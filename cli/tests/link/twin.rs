@@ -11,7 +11,7 @@ use iiwa_log::Recording;
 use iiwasim_tests::calm::in_real_time;
 use serde_json::{Value, json};
 
-use crate::{
+use crate::link::{
     page::{Address, Page},
     rig::{Process, Rig, wait_for},
 };

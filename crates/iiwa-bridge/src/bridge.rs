@@ -123,6 +123,10 @@ pub fn default_spool() -> PathBuf {
     data.or_else(home).unwrap_or_default().join("iiwasim/spool")
 }
 
+#[cfg_attr(
+    not(all(feature = "kafka", feature = "mqtt")),
+    allow(unused_mut, unused_variables, reason = "a broker that is left out uses nothing")
+)]
 impl Sinks {
     fn start(
         options: &BridgeOptions,

@@ -19,6 +19,13 @@ mod source;
 mod state;
 mod strings;
 
+/// The functions as C calls them, from the same test executable.
+#[cfg(test)]
+#[path = "../tests/functions.rs"]
+mod functions;
+#[cfg(test)]
+extern crate self as iiwasim;
+
 pub use border::{IiwasimError, IiwasimStatus, iiwasim_last_error};
 pub use options::{IiwasimOptions, IiwasimTiming, iiwasim_options_default};
 pub use plan::{

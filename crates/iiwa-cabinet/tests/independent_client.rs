@@ -20,6 +20,7 @@ use std::{
 
 use iiwa_cabinet::{Cabinet, CabinetConfig};
 use iiwa_link::Server;
+use iiwasim_tests::socket::{Socket, SocketType};
 use serde_json::{Value, json};
 
 /// Time-out of all waits.
@@ -109,15 +110,12 @@ fn an_independent_client_moves_the_arm() {
     config.instructions = "tcp://127.0.0.1:*".into();
     config.state = "tcp://127.0.0.1:*".into();
     let cabinet = Cabinet::start(config, &Server::open()).unwrap();
-    let context = zmq::Context::new();
-    let program = context.socket(zmq::REQ).unwrap();
-    program.set_linger(0).unwrap();
-    program.set_rcvtimeo(20_000).unwrap();
-    program.connect(cabinet.instructions()).unwrap();
+    let program = Socket::connect(SocketType::Req, cabinet.instructions()).unwrap();
     let instruct = |seq: u64, name: &str| {
         let instruction = json!({ "seq": seq, "type": name, "run": 7 });
-        program.send(&instruction.to_string(), 0).unwrap();
-        let answer: Value = serde_json::from_slice(&program.recv_bytes(0).unwrap()).unwrap();
+        program.send(&[instruction.to_string()]).unwrap();
+        let [answer] = program.receive(LONG).unwrap().try_into().unwrap();
+        let answer: Value = serde_json::from_slice(&answer).unwrap();
         assert_eq!(answer, json!({ "seq": seq }));
     };
 

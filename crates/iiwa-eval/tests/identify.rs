@@ -105,11 +105,16 @@ fn errors(found: &Identified, truth: &Robot, errors: &mut [Errors; 5]) {
     }
 }
 
+/// `long` with `IIWASIM_LONG=1`, else `short`: a robot takes most of a second.
+fn robots(short: u64, long: u64) -> std::ops::Range<u64> {
+    0..if std::env::var_os("IIWASIM_LONG").is_some() { long } else { short }
+}
+
 #[test]
-fn fifty_random_robots() {
+fn random_robots_are_found() {
     let mut random = Rng::with_seed(1);
     let mut all: [Errors; 5] = Default::default();
-    for seed in 0..50 {
+    for seed in robots(8, 50) {
         let truth = any_robot(&mut random);
         let mut robot = VirtualRobot::new(truth.clone(), seed);
         robot.noise_rad = 1e-5;
@@ -147,7 +152,7 @@ fn noise_and_few_samples() {
     for (noise_rad, period_s) in [(1e-4, 1e-3), (1e-5, 5e-3)] {
         let mut random = Rng::with_seed(2);
         let mut all: [Errors; 5] = Default::default();
-        for seed in 0..10 {
+        for seed in robots(3, 10) {
             let truth = any_robot(&mut random);
             let mut robot = VirtualRobot::new(truth.clone(), seed);
             (robot.noise_rad, robot.period_s) = (noise_rad, period_s);
@@ -175,7 +180,7 @@ fn recordings_that_are_not_ideal() {
     for (name, distort) in kinds {
         let mut random = Rng::with_seed(4);
         let mut all: [Errors; 5] = Default::default();
-        for seed in 0..12 {
+        for seed in robots(3, 12) {
             let truth = any_robot(&mut random);
             let mut robot = VirtualRobot::new(truth.clone(), seed);
             robot.noise_rad = 1e-5;
@@ -204,10 +209,10 @@ const STEP_RAD: f64 = 1.745e-4;
 
 /// Cycle times and paths of programs that were not used to identify the robot.
 #[test]
-fn fifty_unseen_programs() {
+fn unseen_programs_take_the_predicted_time() {
     let mut random = Rng::with_seed(3);
     let (mut worst_time, mut worst_path) = (0.0_f64, 0.0_f64);
-    for seed in 0..10 {
+    for seed in robots(3, 10) {
         let truth = any_robot(&mut random);
         let mut robot = VirtualRobot::new(truth.clone(), seed);
         robot.noise_rad = 1e-5;

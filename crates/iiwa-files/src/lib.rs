@@ -10,7 +10,9 @@ pub mod interrupt;
 pub mod leftovers;
 mod output;
 mod output_folder;
+mod repetition;
 
 pub use beside::{NotBeside, beside, folder_of};
 pub use output::{Output, OutputError, Stream};
 pub use output_folder::write_folder;
+pub use repetition::Repetition;

@@ -8,14 +8,13 @@ use iiwa_link::security::{AllowList, KeyPair, KeyTextError, PublicKey, SecurityE
 use proptest::prelude::*;
 use tempfile::tempdir;
 
-/// Test vectors of the CURVE documentation (`zmq_curve`), cross-validated against libzmq's Z85 below.
+/// Test vectors of the CURVE documentation (`zmq_curve`), cross-validated against libzmq's Z85 in `tests/peers`.
 const PUBLIC: &str = "rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7";
 const SECRET: &str = "D:)Q[IlAW!ahhC2ac:9*A}h:p?([4%wOTJ%JR%cs";
 
 #[test]
-fn text_is_that_of_libzmq() {
+fn text_is_as_it_was_read() {
     let key: PublicKey = PUBLIC.parse().unwrap();
-    assert_eq!(key.bytes().to_vec(), zmq::z85_decode(PUBLIC).unwrap());
     assert_eq!(key.to_string(), PUBLIC);
     assert_eq!(format!("{key:?}"), format!("PublicKey({PUBLIC})"));
 }
@@ -25,7 +24,6 @@ proptest! {
     fn text_round_trip(bytes: [u8; 32]) {
         let key = PublicKey::from(bytes);
         let text = key.to_string();
-        prop_assert_eq!(&text, &zmq::z85_encode(&bytes).unwrap());
         prop_assert_eq!(text.parse::<PublicKey>().unwrap(), key);
     }
 

@@ -64,10 +64,20 @@ impl<W: Write + Send> PlanTable<W> {
     ///
     /// # Errors
     ///
-    /// That of the stream.
+    /// That of the stream; [`Unsupported`](io::ErrorKind::Unsupported) without the feature `parquet`.
     #[cfg(feature = "parquet")]
     pub fn parquet(stream: W, rate_hz: f64) -> io::Result<Self> {
         Ok(Self::new(Sheet::Parquet(Box::new(parquet::ParquetSheet::new(stream)?)), rate_hz))
+    }
+
+    /// Fails: this build lacks the feature `parquet`.
+    ///
+    /// # Errors
+    ///
+    /// [`Unsupported`](io::ErrorKind::Unsupported).
+    #[cfg(not(feature = "parquet"))]
+    pub fn parquet(_stream: W, _rate_hz: f64) -> io::Result<Self> {
+        Err(io::Error::new(io::ErrorKind::Unsupported, "this build lacks the feature `parquet`"))
     }
 
     /// Writes a section; they come in order.

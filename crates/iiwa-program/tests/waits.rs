@@ -67,7 +67,6 @@ fn waits_and_sources_are_written_as_they_were_read() {
     let json = program.to_json();
     assert_eq!(Program::from_json(&json).unwrap(), program);
     let written: serde_json::Value = serde_json::from_str(&json).unwrap();
-    assert!(jsonschema::is_valid(&Program::schema(), &written), "{json}");
     assert_eq!(written["motions"][2]["overlap_motions"], 2);
     assert_eq!(written["motions"][4]["overlap"], true);
     assert!(written["motions"][0].get("source").is_none(), "it has none");
@@ -78,11 +77,8 @@ fn waits_and_sources_are_written_as_they_were_read() {
 }
 
 #[test]
-fn the_schema_refuses_both_keys() {
+fn both_keys_are_refused() {
     let wait = r#"{ "type": "wait", "seconds": 1, "overlap": true, "overlap_motions": 2 }"#;
-    let both = text(&[FIRST, FIRST, wait, NEXT]);
-    let value: serde_json::Value = serde_json::from_str(&both).unwrap();
-    assert!(!jsonschema::is_valid(&Program::schema(), &value));
     let (what, line, at) = error(&[FIRST, FIRST, wait, NEXT]);
     assert_eq!(what, "motion 3: give either `overlap` or `overlap_motions`");
     assert_eq!((line, at.as_str()), (3, "2"));

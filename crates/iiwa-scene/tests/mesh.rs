@@ -12,6 +12,8 @@ use iiwa_scene::{ArmInScene, ConvexHull, Scene, ToolForm};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_tests::fixture;
 
+use crate::documents::{GOOD_MESH, WRONG_MESHES, with_tool};
+
 /// A box about the origin by its whole lengths: its corners and its sides, two triangles each.
 fn cuboid(size: [f32; 3]) -> ([[f32; 3]; 8], [[usize; 3]; 12]) {
     let corner = |i: usize| {
@@ -245,30 +247,17 @@ fn what_is_as_fine_as_a_scan_is_refused() {
 }
 
 #[test]
-fn the_schema_knows_meshes() {
-    let schema = jsonschema::validator_for(&Scene::schema()).unwrap();
-    let with = |shape: &str| {
-        let text = format!(r#"{{ "version": 1, "obstacles": [], "tool": [{shape}] }}"#);
-        let read = Scene::from_json_with(&text, |_| Ok(binary_stl()));
-        let is_valid = schema.is_valid(&serde_json::from_str(&text).unwrap());
-        assert_eq!(read.is_ok(), is_valid, "{shape}: {read:?}");
-        read.ok()
+fn meshes_are_read_from_scenes() {
+    let read = |shape: &str| {
+        let text = with_tool(shape).to_string();
+        Scene::from_json_with(&text, |_| Ok(binary_stl()))
     };
-    let good = with(r#"{ "type": "mesh", "file": "a.StL", "scale": 2.5, "rpy_deg": [0, 0, 90] }"#)
-        .unwrap();
+    let good = read(GOOD_MESH).unwrap();
     let ToolForm::Mesh { hull, origin_m, .. } = &good.tool()[0].form else { panic!() };
     assert_eq!(*origin_m, [0.0; 3]);
     assert_eq!((hull.corners_m().len(), hull.triangles().len()), (8, 12));
     assert!(hull.corners_m().contains(&[0.1, 0.0375, 0.055]));
-    for wrong in [
-        r#"{ "type": "mesh" }"#,
-        r#"{ "type": "mesh", "file": "a.step" }"#,
-        r#"{ "type": "mesh", "file": 1 }"#,
-        r#"{ "type": "mesh", "file": "a.stl", "scale": 0 }"#,
-        r#"{ "type": "mesh", "file": "a.stl", "scale": 1e7 }"#,
-        r#"{ "type": "mesh", "file": "a.stl", "origin_mm": [0, 0] }"#,
-        r#"{ "type": "mesh", "file": "a.stl", "center_mm": [0, 0, 0] }"#,
-    ] {
-        assert!(with(wrong).is_none());
+    for wrong in WRONG_MESHES {
+        assert!(read(wrong).is_err(), "{wrong}");
     }
 }

@@ -3,8 +3,6 @@
 // Helpers of tests may fail.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
 use iiwa_kin::Robot;
 use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions};
 use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
@@ -112,7 +110,7 @@ proptest! {
 
     #[test]
     fn no_sample_is_nearer(program in programs(4), seed in any::<u64>(), jerk in 0..4) {
-        let scene = common::scene(&mut fastrand::Rng::with_seed(seed), 4);
+        let scene = crate::common::scene(&mut fastrand::Rng::with_seed(seed), 4);
         let arm = ArmInScene::new(&Robot::default(), &scene);
         let timing = if jerk == 0 { Timing::default() } else { acceleration() };
         check(&arm, &plan(&program, PathOptions::default(), timing), 3000);
@@ -127,7 +125,7 @@ proptest! {
         };
         let options = PathOptions { blend_shape, ..PathOptions::default() };
         prop_assume!(JointPath::with_options(&program, &Robot::default(), options).is_ok());
-        let scene = common::scene(&mut fastrand::Rng::with_seed(seed), 3);
+        let scene = crate::common::scene(&mut fastrand::Rng::with_seed(seed), 3);
         let arm = ArmInScene::new(&Robot::default(), &scene);
         check(&arm, &plan(&program, options, acceleration()), 2000);
     }

@@ -3,8 +3,6 @@
 // Helpers of tests may fail.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
 use std::f64::consts::{PI, TAU};
 
 use iiwa_kin::{Along, Joints, Pose, Robot, Shape, Solid};
@@ -141,7 +139,7 @@ fn a_thousand_poses_are_as_near_as_their_points() {
     for round in 0..1000 {
         let robot =
             if round % 2 == 0 { Robot::lbr_iiwa_7_r800() } else { Robot::lbr_iiwa_14_r820() };
-        let scene = common::scene(&mut random, 3);
+        let scene = crate::common::scene(&mut random, 3);
         let limits = robot.limits().upper_rad;
         let mut q = limits.map(|limit| limit * (2.0 * random.f64() - 1.0));
         if round % 5 == 0 {

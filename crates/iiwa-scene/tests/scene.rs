@@ -1,16 +1,12 @@
-//! What a scene is, what is refused and where, and that the JSON Schema agrees.
+//! What a scene is, and what is refused and where. That the JSON Schema agrees is tested in `tests/peers`.
 
 // Helpers of tests may fail.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iiwa_scene::{Fault, Form, IgnoredPair, Obstacle, Scene, SceneError};
-use iiwasim_tests::fixture;
-use serde_json::{Value, json};
+use serde_json::json;
 
-const GOOD: &str = r#"{ "version": 1, "obstacles": [
-  { "name": "table", "type": "box", "center_mm": [600, 0, -50], "size_mm": [800, 1200, 100], "rpy_deg": [0, 0, 90] },
-  { "name": "floor", "type": "plane", "point_mm": [0, 0, -700], "normal": [0, 3, 4] }
-] }"#;
+use crate::documents::{GOOD, good_scenes, ignoring, wrong_scenes};
 
 #[test]
 fn reads_boxes_and_planes() {
@@ -143,11 +139,6 @@ fn says_what_is_wrong_and_where() {
     }
 }
 
-/// GOOD with pairs to ignore.
-fn ignoring(pairs: &str) -> String {
-    GOOD.replacen("\n] }", &format!("\n], \"ignore\": [{pairs}] }}"), 1)
-}
-
 #[test]
 fn pairs_are_ignored_by_name() {
     let text = ignoring(r#"["link 2", "table"], ["tool", "floor"]"#);
@@ -202,46 +193,15 @@ fn scenes_made_in_code_are_checked() {
 }
 
 #[test]
-fn the_schema_agrees() {
-    let schema = jsonschema::validator_for(&Scene::schema()).unwrap();
-    let good: Value = serde_json::from_str(GOOD).unwrap();
-    let cage = std::fs::read_to_string(fixture("cage.json")).unwrap();
-    let ignoring: Value = serde_json::from_str(&ignoring(r#"["link 2", "table"]"#)).unwrap();
-    for scene in [&good, &ignoring, &serde_json::from_str(&cage).unwrap()] {
-        if let Err(error) = schema.validate(scene) {
-            panic!("{error}");
-        }
+fn what_the_schema_takes_is_read() {
+    for scene in good_scenes() {
         Scene::from_json(&scene.to_string()).unwrap();
     }
-    let at = |pointer: &str, value: Value| {
-        let mut scene = good.clone();
-        *scene.pointer_mut(pointer).unwrap() = value;
-        scene
-    };
-    let wrong_pair = |pair: Value| {
-        let mut scene = ignoring.clone();
-        scene["ignore"][0] = pair;
-        scene
-    };
-    for wrong in [
-        wrong_pair(json!(["link 1", "table"])),
-        wrong_pair(json!(["link 2"])),
-        wrong_pair(json!(["link 2", "table", "table"])),
-        wrong_pair(json!("link 2")),
-        at("/version", json!(2)),
-        at("/obstacles", json!({})),
-        at("/obstacles/0/type", json!("plane")),
-        at("/obstacles/0/name", json!("")),
-        at("/obstacles/0/size_mm", json!([1, 1, 0])),
-        at("/obstacles/0/size_mm", json!([1, 1])),
-        at("/obstacles/0/center_mm", json!([1, 1, 2e6])),
-        at("/obstacles/0/rpy_deg", json!([0, 0, 361])),
-        at("/obstacles/0/rpy_deg", Value::Null),
-        at("/obstacles/1/normal", json!([0, 0, 0])),
-        at("/obstacles/1/point_mm", json!("here")),
-        at("/obstacles/1", json!({ "name": "a", "type": "plane", "point_mm": [0, 0, 0] })),
-    ] {
-        assert!(!schema.is_valid(&wrong), "{wrong}");
+}
+
+#[test]
+fn what_the_schema_refuses_is_refused() {
+    for wrong in wrong_scenes() {
         let error = Scene::from_json(&wrong.to_string()).unwrap_err();
         let is_version = matches!(error, SceneError::Version { .. });
         assert_eq!(is_version, wrong["version"] == 2, "{error}");

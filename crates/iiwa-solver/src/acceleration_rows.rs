@@ -12,29 +12,22 @@ use crate::{
     slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };
 
-/// The rows of `J` coordinates at one place of eight cells. With `J` = 1, the cells are on lines: all joints move in
-/// proportion, and the one that comes first at its limit stands for all.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct AccelerationRows<const J: usize> {
-    x: [Lanes; J],
-    v: [Lanes; J],
-    sides: [Sides; J],
+/// The row of one coordinate at one place of eight cells. Functions take the rows of all coordinates at the place. With `LINE`, the cells
+/// are on lines: all joints move in proportion, and the row is that of the first joint at its limit.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct AccelerationRow {
+    x: Lanes,
+    v: Lanes,
+    sides: Sides,
 }
 
-impl<const J: usize> Default for AccelerationRows<J> {
-    fn default() -> Self {
-        let rows = [Lanes::default(); J];
-        Self { x: rows, v: rows, sides: [Sides::default(); J] }
-    }
-}
-
-impl<const J: usize> AccelerationRows<J> {
-    /// How many sides limits have.
-    pub(crate) const SIDES: usize = Sides::COUNT * J;
+impl AccelerationRow {
+    /// Number of sides of the limit.
+    pub(crate) const SIDES: usize = Sides::COUNT;
 
     /// Sets the rows of a cell of this `length` for some `coordinates`, from one over the limits (s^2/rad).
     pub(crate) fn set(
-        &mut self,
+        rows: &mut [Self],
         lane: usize,
         coordinates: &[usize],
         [dq, ddq, _]: &SigmaDerivatives,
@@ -43,46 +36,51 @@ impl<const J: usize> AccelerationRows<J> {
     ) {
         // dx/dsigma = V / length.
         let half = 0.5 / length;
-        if J == 1 {
-            self.v[0].0[lane] = largest_share(dq, inverse) * half;
+        if let [line] = rows {
+            line.v.0[lane] = largest_share(dq, inverse) * half;
             return;
         }
-        for (row, &j) in coordinates.iter().enumerate() {
-            self.x[row].0[lane] = ddq[j] * inverse[j];
-            self.v[row].0[lane] = dq[j] * inverse[j] * half;
+        for (row, &j) in rows.iter_mut().zip(coordinates) {
+            row.x.0[lane] = ddq[j] * inverse[j];
+            row.v.0[lane] = dq[j] * inverse[j] * half;
         }
     }
 
     /// Lowers the limits of a cell by the factor `by`.
     pub(crate) fn scale(&mut self, lane: usize, by: f64) {
-        for row in self.x.iter_mut().chain(&mut self.v) {
-            row.0[lane] /= by;
+        for coefficient in [&mut self.x, &mut self.v] {
+            coefficient.0[lane] /= by;
         }
     }
 
     #[inline(always)]
-    fn value<S: Simd>(&self, j: usize, simd: S, r: usize, [x, v]: [Vector<S>; 2]) -> Vector<S> {
-        let along = self.v[j].load(simd, r) * v;
+    fn value<const LINE: bool, S: Simd>(
+        &self,
+        simd: S,
+        r: usize,
+        [x, v]: [Vector<S>; 2],
+    ) -> Vector<S> {
+        let along = self.v.load(simd, r) * v;
         // Lines do not bend.
-        if J == 1 { along } else { self.x[j].load(simd, r).mul_add(x, along) }
+        if LINE { along } else { self.x.load(simd, r).mul_add(x, along) }
     }
 
     #[inline(always)]
-    pub(crate) fn start<X: Functional, V: Functional, S: Simd>(
-        &mut self,
+    pub(crate) fn start<const LINE: bool, X: Functional, V: Functional, S: Simd>(
+        rows: &mut [Self],
         start: &InteriorStart<S>,
         y: &[Vector<S>; 4],
     ) {
         let place = [X::of(y), V::of(y)];
-        for j in 0..J {
-            let value = self.value(j, start.simd, start.register, place);
-            self.sides[j].start(start, value, bounds(start.simd), [start.least; 2]);
+        for row in rows {
+            let value = row.value::<LINE, S>(start.simd, start.register, place);
+            row.sides.start(start, value, bounds(start.simd), [start.least; 2]);
         }
     }
 
     #[inline(always)]
-    pub(crate) fn add<X: Functional, V: Functional, S: Simd>(
-        &mut self,
+    pub(crate) fn add<const LINE: bool, X: Functional, V: Functional, S: Simd>(
+        rows: &mut [Self],
         steps: &InteriorSteps<S>,
         y: &[Vector<S>; 4],
         sum: &mut Terms<S>,
@@ -92,16 +90,16 @@ impl<const J: usize> AccelerationRows<J> {
         let one = Vector::splat(simd, 1.0);
         let place = [X::of(y), V::of(y)];
         let [mut xx, mut xv, mut vv, mut gx, mut gv] = [zero; 5];
-        for j in 0..J {
-            let (px, pv) = (self.x[j].load(simd, r), self.v[j].load(simd, r));
-            let value = self.value(j, simd, r, place);
+        for row in rows {
+            let (px, pv) = (row.x.load(simd, r), row.v.load(simd, r));
+            let value = row.value::<LINE, S>(simd, r, place);
             let Contribution { weights: [a, b], slopes: [up, down], .. } =
-                self.sides[j].advance(steps, value, bounds(simd), one, sum);
+                row.sides.advance(steps, value, bounds(simd), one, sum);
             let (both, slope) = (a + b, up - down);
             let bv = both * pv;
             vv = bv.mul_add(pv, vv);
             gv = slope.mul_add(pv, gv);
-            if J > 1 {
+            if !LINE {
                 let bx = both * px;
                 xx = bx.mul_add(px, xx);
                 xv = bx.mul_add(pv, xv);
@@ -110,7 +108,7 @@ impl<const J: usize> AccelerationRows<J> {
         }
         sum.add_square::<V>(vv);
         sum.add_linear::<V>(gv);
-        if J > 1 {
+        if !LINE {
             sum.add_square::<X>(xx);
             sum.add_product::<X, V>(xv);
             sum.add_linear::<X>(gx);
@@ -119,17 +117,17 @@ impl<const J: usize> AccelerationRows<J> {
 
     /// `y` is the state after a full step.
     #[inline(always)]
-    pub(crate) fn find_steps<X: Functional, V: Functional, S: Simd>(
-        &mut self,
+    pub(crate) fn find_steps<const LINE: bool, X: Functional, V: Functional, S: Simd>(
+        rows: &mut [Self],
         r: usize,
         y: &[Vector<S>; 4],
         mu: Vector<S>,
         decreases: &mut Decreases<S>,
     ) {
         let place = [X::of(y), V::of(y)];
-        for j in 0..J {
-            let value = self.value(j, mu.simd(), r, place);
-            self.sides[j].find_steps(r, value, bounds(mu.simd()), mu, decreases);
+        for row in rows {
+            let value = row.value::<LINE, S>(mu.simd(), r, place);
+            row.sides.find_steps(r, value, bounds(mu.simd()), mu, decreases);
         }
     }
 }

@@ -18,14 +18,14 @@ use iiwa_program::LimitKind;
 use pulp::Simd;
 
 use crate::{
-    acceleration_rows::AccelerationRows,
+    acceleration_rows::AccelerationRow,
     cell::Cell,
     functionals::{
         CellState, ControlV, EndV, EndW, EndX, MiddleV, MiddleW, MiddleX, SecondControlX, StartV,
         StartW, StartX, ThirdControlX,
     },
     geometry::{Geometry, SigmaDerivatives},
-    jerk_rows::JerkRows,
+    jerk_rows::JerkRow,
     lanes::{LANES, Lanes, Vector, registers},
     limited_segment::LimitedSegment,
     limiting_joints::LimitingJoints,
@@ -64,8 +64,18 @@ pub(crate) struct CellBlock<const J: usize> {
     /// Half the length: the weight of `x^(-1/2)` at both ends in the duration.
     weight: Lanes,
     velocities: [VelocityRows; 3],
-    accelerations: [AccelerationRows<J>; 2],
-    jerks: [JerkRows<J>; 3],
+    accelerations: [[AccelerationRow; J]; 2],
+    jerks: [[JerkRow; J]; 3],
+}
+
+/// A block with any number of rows: its functions are compiled once for lines and once for curves, not once per number. Each of them
+/// is a function of its own for the registers of `S`.
+struct AnyBlock<'a> {
+    cells: &'a [usize; LANES],
+    weight: &'a mut Lanes,
+    velocities: &'a mut [VelocityRows; 3],
+    accelerations: [&'a mut [AccelerationRow]; 2],
+    jerks: [&'a mut [JerkRow]; 3],
 }
 
 /// The place of the tool among the coordinates.
@@ -159,22 +169,23 @@ impl<const J: usize> Default for CellBlock<J> {
             cells: [0; LANES],
             weight: Lanes::default(),
             velocities: [VelocityRows::default(); 3],
-            accelerations: [AccelerationRows::default(); 2],
-            jerks: [JerkRows::default(); 3],
+            accelerations: [[AccelerationRow::default(); J]; 2],
+            jerks: [[JerkRow::default(); J]; 3],
         }
     }
 }
 
 impl<const J: usize> CellBlock<J> {
     /// How many sides limits have in a block.
-    pub(crate) const SIDES: usize = LANES
-        * (3 * VelocityRows::SIDES + 2 * AccelerationRows::<J>::SIDES + 3 * JerkRows::<J>::SIDES);
+    pub(crate) const SIDES: usize =
+        LANES * (3 * VelocityRows::SIDES + J * (2 * AccelerationRow::SIDES + 3 * JerkRow::SIDES));
 
     /// Sets the rows of at most eight cells.
     pub(crate) fn set(&mut self, segments: &[LimitedSegment<'_>], mesh: &Mesh, cells: &[usize]) {
         self.cells = std::array::from_fn(|l| cells[l.min(cells.len() - 1)]);
-        for (lane, k) in self.cells.into_iter().enumerate() {
-            self.set_cell(lane, &LimitedCell::new(segments, mesh, k));
+        let mut block = self.any();
+        for (lane, k) in block.cells.iter().enumerate() {
+            block.set_cell(lane, &LimitedCell::new(segments, mesh, *k));
         }
     }
 
@@ -184,7 +195,71 @@ impl<const J: usize> CellBlock<J> {
         self.cells.iter().any(|cell| window.contains(cell))
     }
 
+    /// Lowers the limits in the cells from `first` on.
+    pub(crate) fn lower(&mut self, first: usize, by: &[Lowering]) {
+        self.any().lower(first, by);
+    }
+
+    fn any(&mut self) -> AnyBlock<'_> {
+        let Self { cells, weight, velocities, accelerations, jerks } = self;
+        AnyBlock {
+            cells,
+            weight,
+            velocities,
+            accelerations: accelerations.each_mut().map(<[_; J]>::as_mut_slice),
+            jerks: jerks.each_mut().map(<[_; J]>::as_mut_slice),
+        }
+    }
+
+    /// Sets the slacks to the distances from the limits, and the duals to match.
+    pub(crate) fn start<S: Simd>(&mut self, simd: S, states: &[CellState], start: Start) {
+        let block = self.any();
+        if J == 1 {
+            block.start::<true, S>(simd, states, start);
+        } else {
+            block.start::<false, S>(simd, states, start);
+        }
+    }
+
+    /// Applies the last step to slacks and duals, then writes the contributions of the cells' duration and limits
+    /// to the quadratic function that the next step minimises.
+    pub(crate) fn assemble<S: Simd>(
+        &mut self,
+        simd: S,
+        states: &[CellState],
+        steps: [InteriorStep; 2],
+        quadratics: &mut [Quadratic],
+        sums: &mut Sums,
+    ) {
+        let block = self.any();
+        if J == 1 {
+            block.assemble::<true, S>(simd, states, steps, quadratics, sums);
+        } else {
+            block.assemble::<false, S>(simd, states, steps, quadratics, sums);
+        }
+    }
+
+    /// Finds the steps of slacks that go with the steps `state_steps` of the states.
+    pub(crate) fn find_slack_steps<S: Simd>(
+        &mut self,
+        simd: S,
+        states: &[CellState],
+        state_steps: &[CellState],
+        mu: f64,
+        largest: &mut LargestDecreases,
+    ) {
+        let block = self.any();
+        if J == 1 {
+            block.find_slack_steps::<true, S>(simd, states, state_steps, mu, largest);
+        } else {
+            block.find_slack_steps::<false, S>(simd, states, state_steps, mu, largest);
+        }
+    }
+}
+
+impl AnyBlock<'_> {
     /// Sets the rows of one cell.
+    #[inline(never)]
     fn set_cell(&mut self, lane: usize, limited: &LimitedCell<'_, '_>) {
         let segment = limited.segment;
         let length = limited.cell.length;
@@ -197,33 +272,45 @@ impl<const J: usize> CellBlock<J> {
         let [start_limiting, acceleration_limiting, jerk_limiting] = &limited.limiting();
 
         self.weight.0[lane] = 0.5 * length;
-        let [first, second, third_control] = &mut self.velocities;
+        let [first, second, third_control] = self.velocities;
         first.set(lane, &both_start[0], start_velocity);
         second.set(lane, &third[0], velocity);
         third_control.set(lane, &two_thirds[0], velocity);
 
         let [at_start, in_middle] = &mut self.accelerations;
-        at_start.set(lane, start_limiting.get(), both_start, length, start_acceleration);
-        in_middle.set(lane, acceleration_limiting.get(), &middle, length, acceleration);
+        AccelerationRow::set(
+            at_start,
+            lane,
+            start_limiting.get(),
+            both_start,
+            length,
+            start_acceleration,
+        );
+        let along = acceleration_limiting.get();
+        AccelerationRow::set(in_middle, lane, along, &middle, length, acceleration);
 
-        let bound = if J > 1 { SETTINGS.mid_jerk } else { 1.0 };
+        let bound = if self.jerks[0].len() > 1 { SETTINGS.mid_jerk } else { 1.0 };
         let in_middle = jerk.map(|inverse| inverse / bound);
         for (rows, (place, inverse)) in
             self.jerks.iter_mut().zip([(&start, jerk), (&end, jerk), (&middle, &in_middle)])
         {
-            rows.set(lane, jerk_limiting.get(), place, length, inverse);
+            JerkRow::set(rows, lane, jerk_limiting.get(), place, length, inverse);
         }
     }
 
-    /// Lowers the limits in the cells from `first` on.
-    pub(crate) fn lower(&mut self, first: usize, by: &[Lowering]) {
-        for (lane, cell) in self.cells.into_iter().enumerate() {
+    #[inline(never)]
+    fn lower(&mut self, first: usize, by: &[Lowering]) {
+        for (lane, cell) in self.cells.iter().enumerate() {
             let by = cell.checked_sub(first).and_then(|k| by.get(k));
             let Some(by) = by else { continue };
             let [velocity, acceleration, jerk] = by.of.into_array();
             self.velocities.iter_mut().for_each(|rows| rows.scale(lane, velocity));
-            self.accelerations.iter_mut().for_each(|rows| rows.scale(lane, acceleration));
-            self.jerks.iter_mut().for_each(|rows| rows.scale(lane, jerk));
+            self.accelerations
+                .iter_mut()
+                .for_each(|rows| rows.iter_mut().for_each(|row| row.scale(lane, acceleration)));
+            self.jerks
+                .iter_mut()
+                .for_each(|rows| rows.iter_mut().for_each(|row| row.scale(lane, jerk)));
         }
     }
 
@@ -232,115 +319,153 @@ impl<const J: usize> CellBlock<J> {
         std::array::from_fn(|a| Lanes::from_fn(|l| states[self.cells[l]][a]))
     }
 
-    /// Sets slacks to what the limits leave, and duals to go with them.
-    #[inline(always)]
-    pub(crate) fn start<S: Simd>(&mut self, simd: S, states: &[CellState], start: Start) {
-        let lanes = self.gather(states);
-        for register in 0..registers::<S>() {
-            let y = &lanes.map(|lanes| lanes.load(simd, register));
-            let start = &InteriorStart::new(simd, register, start);
-            let [first, second, third] = &mut self.velocities;
-            first.start::<StartX, S>(start, y);
-            second.start::<SecondControlX, S>(start, y);
-            third.start::<ThirdControlX, S>(start, y);
-            let [at_start, in_middle] = &mut self.accelerations;
-            at_start.start::<StartX, StartV, S>(start, y);
-            if J == 1 {
-                in_middle.start::<MiddleX, ControlV, S>(start, y);
-            } else {
-                in_middle.start::<MiddleX, MiddleV, S>(start, y);
-            }
-            let [at_start, at_end, in_middle] = &mut self.jerks;
-            at_start.start::<StartX, StartV, StartW, S>(start, y);
-            at_end.start::<EndX, EndV, EndW, S>(start, y);
-            in_middle.start::<MiddleX, MiddleV, MiddleW, S>(start, y);
-        }
+    #[inline(never)]
+    fn start<const LINE: bool, S: Simd>(self, simd: S, states: &[CellState], start: Start) {
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                // By value, so that the closure itself is inlined, and not a shim of it called.
+                let mut block = self;
+                let lanes = block.gather(states);
+                for register in 0..registers::<S>() {
+                    let y = &lanes.map(|lanes| lanes.load(simd, register));
+                    let start = &InteriorStart::new(simd, register, start);
+                    let [first, second, third] = block.velocities;
+                    first.start::<StartX, S>(start, y);
+                    second.start::<SecondControlX, S>(start, y);
+                    third.start::<ThirdControlX, S>(start, y);
+                    let [at_start, in_middle] = &mut block.accelerations;
+                    AccelerationRow::start::<LINE, StartX, StartV, S>(at_start, start, y);
+                    if LINE {
+                        AccelerationRow::start::<LINE, MiddleX, ControlV, S>(in_middle, start, y);
+                    } else {
+                        AccelerationRow::start::<LINE, MiddleX, MiddleV, S>(in_middle, start, y);
+                    }
+                    let [at_start, at_end, in_middle] = &mut block.jerks;
+                    JerkRow::start::<LINE, StartX, StartV, StartW, S>(at_start, start, y);
+                    JerkRow::start::<LINE, EndX, EndV, EndW, S>(at_end, start, y);
+                    JerkRow::start::<LINE, MiddleX, MiddleV, MiddleW, S>(in_middle, start, y);
+                }
+            },
+        );
     }
 
-    /// Goes the last step of slacks and duals, then writes what the cells' duration and limits contribute
-    /// to the quadratic function that the next step minimises.
-    #[inline(always)]
-    pub(crate) fn assemble<S: Simd>(
-        &mut self,
+    #[inline(never)]
+    fn assemble<const LINE: bool, S: Simd>(
+        self,
         simd: S,
         states: &[CellState],
         [last, next]: [InteriorStep; 2],
         quadratics: &mut [Quadratic],
         sums: &mut Sums,
     ) {
-        let lanes = self.gather(states);
-        let mut h = [Lanes::default(); 10];
-        let mut g = [Lanes::default(); 4];
-        let mut gap = Lanes::default();
-        for r in 0..registers::<S>() {
-            let y = &lanes.map(|lanes| lanes.load(simd, r));
-            let sum = &mut Terms::new(simd);
-            let steps = &InteriorSteps::new(simd, r, last, next);
-            let weight = self.weight.load(simd, r);
-            let [first, second, third] = &mut self.velocities;
-            first.add::<StartX, S>(steps, y, sum);
-            second.add::<SecondControlX, S>(steps, y, sum);
-            third.add::<ThirdControlX, S>(steps, y, sum);
-            let [at_start, in_middle] = &mut self.accelerations;
-            at_start.add::<StartX, StartV, S>(steps, y, sum);
-            if J == 1 {
-                in_middle.add::<MiddleX, ControlV, S>(steps, y, sum);
-            } else {
-                in_middle.add::<MiddleX, MiddleV, S>(steps, y, sum);
-            }
-            // The duration is taken at both ends.
-            let [at_start, at_end, in_middle] = &mut self.jerks;
-            at_start.add::<StartX, StartV, StartW, S>(steps, y, weight, sum);
-            at_end.add::<EndX, EndV, EndW, S>(steps, y, weight, sum);
-            let zero = Vector::splat(simd, 0.0);
-            in_middle.add::<MiddleX, MiddleV, MiddleW, S>(steps, y, zero, sum);
-            std::iter::zip(&mut h, sum.h).for_each(|(lanes, h)| lanes.store(r, h));
-            std::iter::zip(&mut g, sum.g).for_each(|(lanes, g)| lanes.store(r, g));
-            gap.store(r, sum.gap);
-            sums.residual = sums.residual.max(sum.residual.largest());
-        }
-        sums.gap = gap.add_to(sums.gap);
-        for (lane, cell) in self.cells.into_iter().enumerate() {
-            quadratics[cell] =
-                Quadratic { h: h.map(|value| value.0[lane]), g: g.map(|value| value.0[lane]) };
-        }
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                // By value, so that the closure itself is inlined, and not a shim of it called.
+                let mut block = self;
+                let lanes = block.gather(states);
+                let mut h = [Lanes::default(); 10];
+                let mut g = [Lanes::default(); 4];
+                let mut gap = Lanes::default();
+                for r in 0..registers::<S>() {
+                    let y = &lanes.map(|lanes| lanes.load(simd, r));
+                    let sum = &mut Terms::new(simd);
+                    let steps = &InteriorSteps::new(simd, r, last, next);
+                    let weight = block.weight.load(simd, r);
+                    let [first, second, third] = block.velocities;
+                    first.add::<StartX, S>(steps, y, sum);
+                    second.add::<SecondControlX, S>(steps, y, sum);
+                    third.add::<ThirdControlX, S>(steps, y, sum);
+                    let [at_start, in_middle] = &mut block.accelerations;
+                    AccelerationRow::add::<LINE, StartX, StartV, S>(at_start, steps, y, sum);
+                    if LINE {
+                        AccelerationRow::add::<LINE, MiddleX, ControlV, S>(
+                            in_middle, steps, y, sum,
+                        );
+                    } else {
+                        AccelerationRow::add::<LINE, MiddleX, MiddleV, S>(in_middle, steps, y, sum);
+                    }
+                    // The duration is taken at both ends.
+                    let [at_start, at_end, in_middle] = &mut block.jerks;
+                    JerkRow::add::<LINE, StartX, StartV, StartW, S>(
+                        at_start, steps, y, weight, sum,
+                    );
+                    JerkRow::add::<LINE, EndX, EndV, EndW, S>(at_end, steps, y, weight, sum);
+                    let zero = Vector::splat(simd, 0.0);
+                    JerkRow::add::<LINE, MiddleX, MiddleV, MiddleW, S>(
+                        in_middle, steps, y, zero, sum,
+                    );
+                    std::iter::zip(&mut h, sum.h).for_each(|(lanes, h)| lanes.store(r, h));
+                    std::iter::zip(&mut g, sum.g).for_each(|(lanes, g)| lanes.store(r, g));
+                    gap.store(r, sum.gap);
+                    sums.residual = sums.residual.max(sum.residual.largest());
+                }
+                sums.gap = gap.add_to(sums.gap);
+                for (lane, cell) in block.cells.into_iter().enumerate() {
+                    quadratics[*cell] = Quadratic {
+                        h: h.map(|value| value.0[lane]),
+                        g: g.map(|value| value.0[lane]),
+                    };
+                }
+            },
+        );
     }
 
-    /// Finds the steps of slacks that go with the steps `state_steps` of the states.
-    #[inline(always)]
-    pub(crate) fn find_slack_steps<S: Simd>(
-        &mut self,
+    #[inline(never)]
+    fn find_slack_steps<const LINE: bool, S: Simd>(
+        self,
         simd: S,
         states: &[CellState],
         state_steps: &[CellState],
         mu: f64,
         largest: &mut LargestDecreases,
     ) {
-        let (lanes, lane_steps) = (self.gather(states), self.gather(state_steps));
-        let mu = Vector::splat(simd, mu);
-        for r in 0..registers::<S>() {
-            let before = &lanes.map(|lanes| lanes.load(simd, r));
-            let after: &[_; 4] = &std::array::from_fn(|a| before[a] + lane_steps[a].load(simd, r));
-            let decreases = &mut Decreases::new(simd);
-            let [first, second, third] = &mut self.velocities;
-            first.find_steps::<StartX, S>(r, after, mu, decreases);
-            second.find_steps::<SecondControlX, S>(r, after, mu, decreases);
-            third.find_steps::<ThirdControlX, S>(r, after, mu, decreases);
-            let [at_start, in_middle] = &mut self.accelerations;
-            at_start.find_steps::<StartX, StartV, S>(r, after, mu, decreases);
-            if J == 1 {
-                in_middle.find_steps::<MiddleX, ControlV, S>(r, after, mu, decreases);
-            } else {
-                in_middle.find_steps::<MiddleX, MiddleV, S>(r, after, mu, decreases);
-            }
-            let [at_start, at_end, in_middle] = &mut self.jerks;
-            let both = [before, after];
-            at_start.find_steps::<StartX, StartV, StartW, S>(r, both, mu, decreases);
-            at_end.find_steps::<EndX, EndV, EndW, S>(r, both, mu, decreases);
-            in_middle.find_steps::<MiddleX, MiddleV, MiddleW, S>(r, both, mu, decreases);
-            largest.slack = largest.slack.max(decreases.slack.largest());
-            largest.dual = largest.dual.max(decreases.dual.largest());
-            largest.x = largest.x.max(decreases.x.largest());
-        }
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                // By value, so that the closure itself is inlined, and not a shim of it called.
+                let mut block = self;
+                let (lanes, lane_steps) = (block.gather(states), block.gather(state_steps));
+                let mu = Vector::splat(simd, mu);
+                for r in 0..registers::<S>() {
+                    let before = &lanes.map(|lanes| lanes.load(simd, r));
+                    let after: &[_; 4] =
+                        &std::array::from_fn(|a| before[a] + lane_steps[a].load(simd, r));
+                    let decreases = &mut Decreases::new(simd);
+                    let [first, second, third] = block.velocities;
+                    first.find_steps::<StartX, S>(r, after, mu, decreases);
+                    second.find_steps::<SecondControlX, S>(r, after, mu, decreases);
+                    third.find_steps::<ThirdControlX, S>(r, after, mu, decreases);
+                    let [at_start, in_middle] = &mut block.accelerations;
+                    AccelerationRow::find_steps::<LINE, StartX, StartV, S>(
+                        at_start, r, after, mu, decreases,
+                    );
+                    if LINE {
+                        AccelerationRow::find_steps::<LINE, MiddleX, ControlV, S>(
+                            in_middle, r, after, mu, decreases,
+                        );
+                    } else {
+                        AccelerationRow::find_steps::<LINE, MiddleX, MiddleV, S>(
+                            in_middle, r, after, mu, decreases,
+                        );
+                    }
+                    let [at_start, at_end, in_middle] = &mut block.jerks;
+                    let both = [before, after];
+                    JerkRow::find_steps::<LINE, StartX, StartV, StartW, S>(
+                        at_start, r, both, mu, decreases,
+                    );
+                    JerkRow::find_steps::<LINE, EndX, EndV, EndW, S>(
+                        at_end, r, both, mu, decreases,
+                    );
+                    JerkRow::find_steps::<LINE, MiddleX, MiddleV, MiddleW, S>(
+                        in_middle, r, both, mu, decreases,
+                    );
+                    largest.slack = largest.slack.max(decreases.slack.largest());
+                    largest.dual = largest.dual.max(decreases.dual.largest());
+                    largest.x = largest.x.max(decreases.x.largest());
+                }
+            },
+        );
     }
 }

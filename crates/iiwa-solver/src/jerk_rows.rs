@@ -19,29 +19,23 @@ use crate::{
 
 const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
-/// The rows of `J` coordinates at one place of eight cells; on lines, `J` = 1 stands for all joints.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct JerkRows<const J: usize> {
-    x: [Lanes; J],
-    v: [Lanes; J],
-    w: [Lanes; J],
-    sides: [Sides; J],
+/// The row of one coordinate at one place of eight cells. Functions take the rows of all coordinates at the place; with `LINE` there
+/// is one, which stands for all joints.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct JerkRow {
+    x: Lanes,
+    v: Lanes,
+    w: Lanes,
+    sides: Sides,
 }
 
-impl<const J: usize> Default for JerkRows<J> {
-    fn default() -> Self {
-        let rows = [Lanes::default(); J];
-        Self { x: rows, v: rows, w: rows, sides: [Sides::default(); J] }
-    }
-}
-
-impl<const J: usize> JerkRows<J> {
-    /// How many sides limits have.
-    pub(crate) const SIDES: usize = Sides::COUNT * J;
+impl JerkRow {
+    /// Number of sides of the limit.
+    pub(crate) const SIDES: usize = Sides::COUNT;
 
     /// Sets the rows of a cell of this `length` for some `coordinates`, from one over the limits (s^3/rad).
     pub(crate) fn set(
-        &mut self,
+        rows: &mut [Self],
         lane: usize,
         coordinates: &[usize],
         [dq, ddq, dddq]: &SigmaDerivatives,
@@ -49,53 +43,58 @@ impl<const J: usize> JerkRows<J> {
         inverse: &Coordinates,
     ) {
         let (one, two) = (1.5 / length, 0.5 / (length * length));
-        if J == 1 {
-            self.w[0].0[lane] = largest_share(dq, inverse) * two;
+        if let [line] = rows {
+            line.w.0[lane] = largest_share(dq, inverse) * two;
             return;
         }
-        for (row, &j) in coordinates.iter().enumerate() {
-            self.x[row].0[lane] = dddq[j] * inverse[j];
-            self.v[row].0[lane] = ddq[j] * inverse[j] * one;
-            self.w[row].0[lane] = dq[j] * inverse[j] * two;
+        for (row, &j) in rows.iter_mut().zip(coordinates) {
+            row.x.0[lane] = dddq[j] * inverse[j];
+            row.v.0[lane] = ddq[j] * inverse[j] * one;
+            row.w.0[lane] = dq[j] * inverse[j] * two;
         }
     }
 
     /// Lowers the limits of a cell by the factor `by`.
     pub(crate) fn scale(&mut self, lane: usize, by: f64) {
-        for row in self.x.iter_mut().chain(&mut self.v).chain(&mut self.w) {
-            row.0[lane] /= by;
+        for coefficient in [&mut self.x, &mut self.v, &mut self.w] {
+            coefficient.0[lane] /= by;
         }
     }
 
     #[inline(always)]
-    fn value<S: Simd>(&self, j: usize, simd: S, r: usize, [x, v, w]: [Vector<S>; 3]) -> Vector<S> {
-        let along = self.w[j].load(simd, r) * w;
+    fn value<const LINE: bool, S: Simd>(
+        &self,
+        simd: S,
+        r: usize,
+        [x, v, w]: [Vector<S>; 3],
+    ) -> Vector<S> {
+        let along = self.w.load(simd, r) * w;
         // Lines do not bend.
-        if J == 1 {
+        if LINE {
             return along;
         }
-        self.x[j].load(simd, r).mul_add(x, self.v[j].load(simd, r).mul_add(v, along))
+        self.x.load(simd, r).mul_add(x, self.v.load(simd, r).mul_add(v, along))
     }
 
     #[inline(always)]
-    pub(crate) fn start<X: Functional, V: Functional, W: Functional, S: Simd>(
-        &mut self,
+    pub(crate) fn start<const LINE: bool, X: Functional, V: Functional, W: Functional, S: Simd>(
+        rows: &mut [Self],
         start: &InteriorStart<S>,
         y: &[Vector<S>; 4],
     ) {
         let place = [X::of(y), V::of(y), W::of(y)];
         let bound = place[0].sqrt().inverse();
-        for j in 0..J {
-            let value = self.value(j, start.simd, start.register, place);
+        for row in rows {
+            let value = row.value::<LINE, S>(start.simd, start.register, place);
             let least = [start.least * bound; 2];
-            self.sides[j].start(start, value, [-bound, bound], least);
+            row.sides.start(start, value, [-bound, bound], least);
         }
     }
 
     /// Adds the rows, and `weight x^(-1/2)` of the duration.
     #[inline(always)]
-    pub(crate) fn add<X: Functional, V: Functional, W: Functional, S: Simd>(
-        &mut self,
+    pub(crate) fn add<const LINE: bool, X: Functional, V: Functional, W: Functional, S: Simd>(
+        rows: &mut [Self],
         steps: &InteriorSteps<S>,
         y: &[Vector<S>; 4],
         weight: Vector<S>,
@@ -112,20 +111,19 @@ impl<const J: usize> JerkRows<J> {
         let [mut gx, mut gv, mut gw] = [zero; 3];
         // What goes with the bound's slope: sums and differences of the two sides.
         let [mut ex, mut ev, mut ew, mut weights, mut slopes, mut duals] = [zero; 6];
-        for j in 0..J {
-            let (jx, jv, jw) =
-                (self.x[j].load(simd, r), self.v[j].load(simd, r), self.w[j].load(simd, r));
-            let value = self.value(j, simd, r, place);
+        for row in rows {
+            let (jx, jv, jw) = (row.x.load(simd, r), row.v.load(simd, r), row.w.load(simd, r));
+            let value = row.value::<LINE, S>(simd, r, place);
             // In units of the limit, jerk is root times the row's value.
             let Contribution { weights: [a, b], slopes: [up, down], duals: own } =
-                self.sides[j].advance(steps, value, [-bound, bound], root, sum);
+                row.sides.advance(steps, value, [-bound, bound], root, sum);
             let (both, apart) = (a + b, a - b);
             let apart_slope = up - down;
             let bw = both * jw;
             ww = bw.mul_add(jw, ww);
             gw = apart_slope.mul_add(jw, gw);
             ew = apart.mul_add(jw, ew);
-            if J > 1 {
+            if !LINE {
                 let (bx, bv) = (both * jx, both * jv);
                 xx = bx.mul_add(jx, xx);
                 xv = bx.mul_add(jv, xv);
@@ -153,7 +151,7 @@ impl<const J: usize> JerkRows<J> {
         sum.add_square::<W>(ww);
         sum.add_linear::<X>(gx);
         sum.add_linear::<W>(gw);
-        if J > 1 {
+        if !LINE {
             sum.add_product::<X, V>(xv - bound_slope * ev);
             sum.add_square::<V>(vv);
             sum.add_product::<V, W>(vw);
@@ -163,8 +161,14 @@ impl<const J: usize> JerkRows<J> {
 
     /// `before` is the state, `after` the one after a full step.
     #[inline(always)]
-    pub(crate) fn find_steps<X: Functional, V: Functional, W: Functional, S: Simd>(
-        &mut self,
+    pub(crate) fn find_steps<
+        const LINE: bool,
+        X: Functional,
+        V: Functional,
+        W: Functional,
+        S: Simd,
+    >(
+        rows: &mut [Self],
         r: usize,
         [before, after]: [&[Vector<S>; 4]; 2],
         mu: Vector<S>,
@@ -178,9 +182,9 @@ impl<const J: usize> JerkRows<J> {
         // The bound, linear about x.
         let bound = x.sqrt() * inverse * (one - growth * 0.5);
         decreases.x = decreases.x.max(-growth);
-        for j in 0..J {
-            let value = self.value(j, mu.simd(), r, place);
-            self.sides[j].find_steps(r, value, [-bound, bound], mu, decreases);
+        for row in rows {
+            let value = row.value::<LINE, S>(mu.simd(), r, place);
+            row.sides.find_steps(r, value, [-bound, bound], mu, decreases);
         }
     }
 }

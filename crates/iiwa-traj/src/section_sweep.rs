@@ -59,6 +59,31 @@ struct CurveSamples<const R: usize> {
     bounds: Vec<Bounds<R>>,
 }
 
+impl<const R: usize> CurveSamples<R> {
+    /// Samples a segment at the nodes of a grid.
+    #[inline(never)]
+    fn fill<S: Simd>(&mut self, simd: S, segment: &SweepSegment<'_>, grid: &Grid, nodes: usize) {
+        self.dq.resize(nodes, [0.0; 8]);
+        self.ddq.resize(nodes, [0.0; 8]);
+        self.bounds.resize(nodes, Bounds::default());
+        self.grid.clear();
+        self.grid.extend_from_slice(&segment.shape.grid_nodes(grid));
+        segment.shape.grid_derivatives(grid, &segment.scale, &mut self.dq, &mut self.ddq);
+        segment.tool_derivatives(&self.grid, &mut self.dq, &mut self.ddq);
+        segment.torque_shares(&self.grid, &mut self.torques);
+        let Self { grid, dq, ddq, bounds, torques, .. } = self;
+        let nodes = Nodes { simd, dq, ddq, velocity: &segment.velocity, grid, torques };
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                // By value: the closure itself is then inlined into the function with these registers.
+                let (nodes, bounds) = (nodes, bounds);
+                sweep::bounds(nodes, bounds);
+            },
+        );
+    }
+}
+
 /// Intervals a blend of the acceleration-limited stamps from which jerk-limited ones are sought.
 pub(crate) const SAMPLES_BEFORE_JERK: usize = 32;
 
@@ -168,7 +193,7 @@ impl SweepSegment<'_> {
 }
 
 impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
-    #[inline(always)]
+    #[inline(never)]
     fn segment(&self, step: usize) -> Option<SweepSegment<'a>> {
         let path: &'a JointPath = self.path;
         let Step::Move { motion, segment, .. } = &path.steps()[step] else { return None };
@@ -353,18 +378,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         let curve = &mut curves[slot];
         if curve.step != Some(step) {
             curve.step = Some(step);
-            curve.dq.resize(nodes, [0.0; 8]);
-            curve.ddq.resize(nodes, [0.0; 8]);
-            curve.bounds.resize(nodes, Bounds::default());
-            let CurveSamples { dq, ddq, .. } = curve;
-            curve.grid.clear();
-            curve.grid.extend_from_slice(&segment.shape.grid_nodes(grid));
-            segment.shape.grid_derivatives(grid, &segment.scale, dq, ddq);
-            segment.tool_derivatives(&curve.grid, dq, ddq);
-            segment.torque_shares(&curve.grid, &mut curve.torques);
-            let CurveSamples { grid, dq, ddq, bounds, torques, .. } = curve;
-            let velocity = &segment.velocity;
-            sweep::bounds(Nodes { simd: self.simd, dq, ddq, velocity, grid, torques }, bounds);
+            curve.fill(self.simd, segment, grid, nodes);
         }
         let CurveSamples { grid, dq, ddq, bounds, torques, .. } = curve;
         let velocity = &segment.velocity;

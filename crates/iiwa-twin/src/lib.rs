@@ -14,6 +14,7 @@
 //! other clients of a drive as well.
 
 mod connections;
+pub mod diagnostics;
 mod dispatcher;
 mod error;
 mod follow;
@@ -27,6 +28,7 @@ mod positions;
 mod request;
 mod run;
 pub mod runs;
+mod sampled;
 mod server;
 mod setup;
 mod shared;

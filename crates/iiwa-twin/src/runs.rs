@@ -15,6 +15,8 @@ use iiwa_link::{
 };
 use iiwa_log::{CycleClock, DEFAULT_EPOCH, JointLog, PlanFigures};
 
+pub use crate::sampled::sampled;
+
 /// How long to wait for the stream before the run and the interrupt flag are checked.
 const POLL: Duration = Duration::from_millis(50);
 

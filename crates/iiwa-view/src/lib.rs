@@ -18,6 +18,7 @@ mod error;
 mod experiment;
 mod gates;
 mod identification_report;
+#[cfg(feature = "sunrise")]
 mod import_report;
 mod nearest;
 mod page;
@@ -43,12 +44,11 @@ pub use experiment::{
 };
 pub use gates::{PlanGates, UnmetGates};
 pub use identification_report::IdentificationReport;
+#[cfg(feature = "sunrise")]
 pub use import_report::ImportReport;
 pub use nearest::{Nearest, NearestPlaces};
 pub use page::ArmSource;
-#[cfg(feature = "png-pdf")]
-pub use picture::{PictureError, PictureFormat};
-pub use picture::{PlanPicture, draw_comparison};
+pub use picture::{PictureError, PictureFormat, PlanPicture, draw_comparison};
 pub use plan_clearance::add_clearances;
 pub use printable::printable;
 pub use report::{Extent, Page, PageOptions};

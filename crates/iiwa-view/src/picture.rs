@@ -1,10 +1,12 @@
 //! Pictures: what those of plans and of comparisons share.
 
 mod comparison;
-#[cfg(feature = "png-pdf")]
 mod format;
+mod picture_error;
 mod plan;
 pub(crate) mod plot;
+#[cfg(feature = "png-pdf")]
+mod rendered;
 
 use plotters::{
     chart::ChartContext,
@@ -18,8 +20,8 @@ use plotters::{
 use crate::ViewError;
 
 pub use comparison::draw as draw_comparison;
-#[cfg(feature = "png-pdf")]
-pub use format::{PictureError, PictureFormat};
+pub use format::PictureFormat;
+pub use picture_error::PictureError;
 pub use plan::PlanPicture;
 
 /// Colours that the colour-blind can tell apart (Okabe and Ito), one a joint.

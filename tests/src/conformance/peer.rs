@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use crate::socket::{Socket, SocketType, receive_any};
+
 /// A message from a robot program, with all its frames.
 #[derive(Clone, Debug)]
 pub enum Incoming {
@@ -23,10 +25,10 @@ pub trait DrivePeer {
     fn next(&mut self, timeout: Duration) -> Option<Incoming>;
 }
 
-/// The same by `libzmq`, without keys.
+/// The same by sockets of `ZeroMQ`, without keys.
 pub struct ZmqPeer {
-    instructions: zmq::Socket,
-    state: zmq::Socket,
+    instructions: Socket,
+    state: Socket,
 }
 
 impl ZmqPeer {
@@ -38,13 +40,8 @@ impl ZmqPeer {
     #[expect(clippy::expect_used, reason = "a test fails by it")]
     #[must_use]
     pub fn connect(instructions: &str, state: &str) -> Self {
-        let context = zmq::Context::new();
-        let [instructions, state] = [instructions, state].map(|at| {
-            let socket = context.socket(zmq::DEALER).expect("a socket");
-            socket.set_linger(0).expect("an option");
-            socket.connect(at).expect("an address");
-            socket
-        });
+        let [instructions, state] = [instructions, state]
+            .map(|at| Socket::connect(SocketType::Dealer, at).expect("an address"));
         Self { instructions, state }
     }
 }
@@ -52,23 +49,17 @@ impl ZmqPeer {
 #[expect(clippy::expect_used, reason = "a test fails by it")]
 impl DrivePeer for ZmqPeer {
     fn instruct(&mut self, frames: Vec<Vec<u8>>) {
-        self.instructions.send_multipart(frames, 0).expect("a connection");
+        self.instructions.send(&frames).expect("a connection");
     }
 
     fn acknowledge(&mut self, frames: Vec<Vec<u8>>) {
-        self.state.send_multipart(frames, 0).expect("a connection");
+        self.state.send(&frames).expect("a connection");
     }
 
     fn next(&mut self, timeout: Duration) -> Option<Incoming> {
-        let mut items =
-            [&self.instructions, &self.state].map(|socket| socket.as_poll_item(zmq::POLLIN));
-        // Rounded up, so that a short rest of a time-out is not a busy loop.
-        let timeout_ms = i64::try_from(timeout.as_micros().div_ceil(1000)).unwrap_or(i64::MAX);
-        zmq::poll(&mut items, timeout_ms).expect("a poll");
-        let [answer, state] = items.map(|item| item.is_readable());
-        if answer {
-            return Some(Incoming::Answer(self.instructions.recv_multipart(0).expect("a message")));
+        match receive_any(&[&self.instructions, &self.state], timeout)? {
+            (0, frames) => Some(Incoming::Answer(frames)),
+            (_, frames) => Some(Incoming::State(frames)),
         }
-        state.then(|| Incoming::State(self.state.recv_multipart(0).expect("a message")))
     }
 }

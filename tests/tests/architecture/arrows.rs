@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::offenders::forbid;
-use crate::sources::members;
+use crate::tests::architecture::offenders::forbid;
+use crate::tests::architecture::sources::members;
 
 /// Each library and what it may depend on. Data flows one way; whoever draws an arrow here draws it in the
 /// README, too.

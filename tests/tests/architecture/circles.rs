@@ -11,16 +11,16 @@ use syn::punctuated::Punctuated;
 use syn::visit::{self, Visit};
 use syn::{Expr, Macro, Token};
 
-use crate::module_tree::{ModuleTree, for_tests_only};
-use crate::offenders::forbid;
-use crate::sources::{members, shown};
+use crate::tests::architecture::module_tree::{ModuleTree, for_tests_only};
+use crate::tests::architecture::offenders::forbid;
+use crate::tests::architecture::sources::{members, shown};
 
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
 #[test]
 fn no_two_files_of_a_crate_import_each_other() {
     let mut wrong = BTreeMap::new();
-    for root in members().iter().flat_map(crate::sources::Member::roots) {
+    for root in members().iter().flat_map(crate::tests::architecture::sources::Member::roots) {
         let arrows = arrows(&ModuleTree::read(&root));
         let reach: BTreeMap<&String, BTreeSet<&String>> =
             arrows.keys().map(|file| (file, reachable(&arrows, file))).collect();

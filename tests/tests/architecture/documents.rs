@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use syn::{ImplItem, Item, TraitItem, Visibility};
 
-use crate::module_tree::{Module, ModuleTree};
-use crate::offenders::forbid;
-use crate::sources::{files, members, root, shown, text};
+use crate::tests::architecture::module_tree::{Module, ModuleTree};
+use crate::tests::architecture::offenders::forbid;
+use crate::tests::architecture::sources::{files, members, root, shown, text};
 
 fn documents() -> Vec<PathBuf> {
     let mut found: Vec<PathBuf> = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"]

@@ -7,9 +7,9 @@ use proc_macro2::{TokenStream, TokenTree};
 use syn::visit::{self, Visit};
 use syn::{Attribute, Lit, LitStr, Macro};
 
-use crate::module_tree::ModuleTree;
-use crate::offenders::forbid;
-use crate::sources::{members, shown};
+use crate::tests::architecture::module_tree::ModuleTree;
+use crate::tests::architecture::offenders::forbid;
+use crate::tests::architecture::sources::{members, shown};
 
 #[test]
 fn libraries_name_no_commands_and_no_flags() {
@@ -17,7 +17,7 @@ fn libraries_name_no_commands_and_no_flags() {
     for root in members()
         .iter()
         .filter(|member| member.is_library())
-        .flat_map(crate::sources::Member::roots)
+        .flat_map(crate::tests::architecture::sources::Member::roots)
     {
         for module in &ModuleTree::read(&root).modules {
             let mut literals = Literals { texts: Vec::new() };

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use syn::{Attribute, Item, UseTree, Visibility};
 
-use crate::sources::{shown, text};
+use crate::tests::architecture::sources::{shown, text};
 
 /// A name that a `use` brings in.
 pub(crate) struct Import {

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::module_tree::ModuleTree;
-use crate::offenders::forbid;
-use crate::sources::{members, shown};
+use crate::tests::architecture::module_tree::ModuleTree;
+use crate::tests::architecture::offenders::forbid;
+use crate::tests::architecture::sources::{members, shown};
 
 #[test]
 fn no_type_name_is_used_twice_within_a_crate() {

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::offenders::forbid;
-use crate::sources::{files, members, root, shown, text};
+use crate::tests::architecture::offenders::forbid;
+use crate::tests::architecture::sources::{files, members, root, shown, text};
 
 const FILE_LINES: usize = 600;
 const CRATE_LINES: usize = 8000;

@@ -6,15 +6,19 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use iiwa_kin::Robot;
 use iiwa_log::PlanFigures;
+use iiwa_program::Program;
 use iiwa_view::{plan_table, warning_lines};
 
 use crate::{
     args::{Plan, Timing},
     failure::{Failure, print_note},
-    input, log, output, picture,
+    features,
+    input::{self, ProgramText},
+    output, picture,
     progress::Progress,
-    sunrise,
+    trace,
 };
 
 use super::{
@@ -31,10 +35,10 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
                 "--trace shows iterations, which --timing acceleration has none of",
             ));
         }
-        log::trace();
+        trace::start();
     }
     let input = if options.answering.is_given() {
-        sunrise::program(program, &options.answering, options.robot.as_deref())?
+        application(options, program)?
     } else {
         input::program(program, options.robot.as_deref())?
     };
@@ -56,6 +60,17 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
     }
 }
 
+/// The program of a Sunrise application.
+#[cfg(feature = "sunrise")]
+fn application(options: &Plan, project: &Path) -> Result<(ProgramText, Program, Robot), Failure> {
+    crate::sunrise::program(project, &options.answering, options.robot.as_deref())
+}
+
+#[cfg(not(feature = "sunrise"))]
+fn application(_: &Plan, _: &Path) -> Result<(ProgramText, Program, Robot), Failure> {
+    Err(features::SUNRISE.missing("the application of a Sunrise project"))
+}
+
 /// Path of the MCAP file, if one is written.
 fn output_path(options: &Plan, program: &Path) -> Option<PathBuf> {
     if options.no_output {
@@ -73,6 +88,9 @@ fn distinct(options: &Plan, program: &Path, target: Option<&Path>) -> Result<(),
         iter::once(("program", program)).chain(robot).chain(scene).chain(urdf).collect();
     if let Some(target) = target {
         output::keep_inputs("trajectory", target, read.iter().copied(), "--output")?;
+    }
+    if options.parquet.is_some() {
+        features::PARQUET.require("--parquet")?;
     }
     for table in options.csv.iter().chain(&options.parquet) {
         output::keep_inputs("table", table, read.iter().copied(), "--csv or --parquet")?;

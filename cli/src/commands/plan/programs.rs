@@ -7,8 +7,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_sunrise::Project;
-
 use crate::{args::Plan, failure::Failure, file_kind::JsonKind};
 
 use super::target::{file_name, is_stdin};
@@ -63,7 +61,8 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
             names.push(name);
         }
     }
-    if names.is_empty() && Project::has_sources(folder) {
+    #[cfg(feature = "sunrise")]
+    if names.is_empty() && iiwa_sunrise::Project::has_sources(folder) {
         return Err(Failure::input(format!(
             "the folder {} has no programs, but Java: for an application of a Sunrise project, name it with --application",
             folder.display()

@@ -1,8 +1,9 @@
 //! Invalid instructions to the robot program: each gets an error and has no other effect.
 
+use iiwasim_tests::socket::{Socket, SocketType};
 use serde_json::json;
 
-use crate::{
+use crate::link::{
     corrupted::{Corrupted, good_requests, trajectory_to},
     instructions::{OTHER_WORDS, SEQ, corrupted_instructions, garbage},
     request_socket::{RequestSocket, assert_error},
@@ -46,14 +47,11 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
         );
     }
     assert!(socket.ask_bytes(b"\xff\xfe").contains("bad_request"));
-    socket.socket.send_multipart(["{}", "{}"], 0).unwrap();
-    assert!(socket.socket.recv_string(0).unwrap().unwrap().contains("one frame"));
+    assert!(socket.ask_frames(&[b"{}", b"{}"]).contains("one frame"));
     // Messages of peers that do not frame them like REQ get no reply and have no effect.
-    let dealer = zmq::Context::new().socket(zmq::DEALER).unwrap();
-    dealer.set_linger(0).unwrap();
-    dealer.connect(&rig.cabinet_config.instructions).unwrap();
+    let dealer = Socket::connect(SocketType::Dealer, &rig.cabinet_config.instructions).unwrap();
     for frames in [[b"x".as_slice(), b"y"].as_slice(), &[b""], &[b"", b""], &[b"{}"]] {
-        dealer.send_multipart(frames, 0).unwrap();
+        dealer.send(frames).unwrap();
     }
     let outside = json!({"seq": 8, "type": "run_motions", "run": 1, "motions":
         [{"type": "ptp", "joints_deg": [171, 0, 0, 0, 0, 0, 0]}]});

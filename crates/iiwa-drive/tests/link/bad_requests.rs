@@ -3,7 +3,7 @@
 use iiwa_link::message::Request;
 use serde_json::json;
 
-use crate::{
+use crate::link::{
     corrupted::{Corrupted, corrupted, fields_of, good_requests},
     invalid_requests::invalid_requests,
     request_socket::{RequestSocket, assert_error},

@@ -9,7 +9,7 @@ use iiwa_path::JointPath;
 use iiwasim_tests::conformance;
 use serde_json::{Value, json};
 
-use crate::{
+use crate::link::{
     corrupted::Corrupted,
     corrupted_motions::{corrupted_motions, with_doubled},
     instructions::{OTHER_WORDS, SEQ, corrupted_instructions, garbage},

@@ -13,7 +13,7 @@ use iiwa_link::{
 };
 use iiwasim_tests::zmtp::{COMMAND, MORE, Peer, frame_head, message, subscription};
 
-use crate::{
+use crate::link::{
     faults::slowly_to,
     rig::{LONG, Rig, wait_for},
 };

@@ -8,7 +8,7 @@ use iiwa_link::{
 use iiwa_program::{MotionList, OperatingMode};
 use serde_json::{Value, json};
 
-use crate::{
+use crate::link::{
     request_socket::{RequestSocket, assert_error},
     rig::{LONG, Rig, wait_for},
     runs::{assert_as_planned, planned_from},

@@ -3,7 +3,7 @@
 use iiwa_link::TimedJoints;
 use serde_json::{Value, json};
 
-use crate::runs::{planned, sampled};
+use crate::link::runs::{planned, sampled};
 
 /// Values that are wrong for nearly all fields.
 pub(crate) fn wrong_values() -> [Value; 8] {

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::corrupted::{
+use crate::link::corrupted::{
     Corrupted, Field, NUMBER,
     Requirement::{self, Optional, Required},
     corrupted,

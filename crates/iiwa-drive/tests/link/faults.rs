@@ -14,9 +14,12 @@ use iiwa_link::{
     message::{Code, DriveState, MAX_SHORT_REQUEST_BYTES, Presence, Refusal, Run},
 };
 use iiwa_program::{Motion, Ptp};
-use iiwasim_tests::calm::in_real_time;
+use iiwasim_tests::{
+    calm::in_real_time,
+    socket::{Socket, SocketType},
+};
 
-use crate::{
+use crate::link::{
     rig::{LONG, Rig, wait_for},
     runs::{planned, sampled},
 };
@@ -171,12 +174,9 @@ fn a_trajectory_stops_with_its_drive() {
 #[test]
 fn a_client_that_is_killed_leaves_the_run_and_its_samples() {
     let rig = Rig::new(5);
-    let context = zmq::Context::new();
-    let socket = context.socket(zmq::REQ).unwrap();
-    socket.set_linger(0).unwrap();
-    socket.connect(&rig.drive_config.instructions).unwrap();
+    let socket = Socket::connect(SocketType::Req, &rig.drive_config.instructions).unwrap();
     let request = iiwa_link::message::Request::motions(slowly_to(20.0));
-    socket.send(&request.to_json(), 0).unwrap();
+    socket.send(&[request.to_json()]).unwrap();
     // While motions are planned, the loss of their client would withdraw them.
     wait_for("motion", || rig.cabinet().position()[0].abs() > 0.01);
     drop(socket);
@@ -414,34 +414,30 @@ fn garbage_and_long_messages_have_no_effect() {
     for length in [0, 1, 64, 1400, 9000] {
         udp.send_to(&vec![0x5a; length], rig.drive_config.fri).unwrap();
     }
-    let context = zmq::Context::new();
     let ask = |kind, frames: &[&[u8]]| -> Option<String> {
-        let socket = context.socket(kind).unwrap();
-        socket.set_linger(0).unwrap();
-        socket.set_rcvtimeo(2000).unwrap();
-        socket.connect(&rig.drive_config.instructions).unwrap();
-        socket.send_multipart(frames, 0).unwrap();
-        let answer = socket.recv_multipart(0).ok()?;
+        let socket = Socket::connect(kind, &rig.drive_config.instructions).unwrap();
+        socket.send(frames).unwrap();
+        let answer = socket.receive(Duration::from_secs(2))?;
         answer.last().map(|body| String::from_utf8(body.clone()).unwrap())
     };
     let deep = vec![b'['; 100_000];
     let bodies: [&[u8]; 5] = [b"", b"\xff\xfe", b"[]", b"{\"type\": 3}", &deep];
     for body in bodies {
-        let answer = ask(zmq::REQ, &[body]).expect("an answer");
+        let answer = ask(SocketType::Req, &[body]).expect("an answer");
         // Long requests are not parsed during a run.
         let code = if body.len() > MAX_SHORT_REQUEST_BYTES { "not_idle" } else { "bad_request" };
         assert!(answer.contains(&format!("\"{code}\"")), "{answer}");
     }
     // More than one frame, and a dealer with and without the empty one.
-    assert!(ask(zmq::REQ, &[b"{}", b"{}"]).expect("an answer").contains("bad_request"));
+    assert!(ask(SocketType::Req, &[b"{}", b"{}"]).expect("an answer").contains("bad_request"));
     let state = br#"{"type": "state", "id": [1, "x"]}"#;
     for frames in [[b"".as_slice(), state].as_slice(), &[state]] {
-        let answer = ask(zmq::DEALER, frames).expect("an answer");
+        let answer = ask(SocketType::Dealer, frames).expect("an answer");
         assert!(answer.contains(r#""ok":true,"id":[1, "x"]"#), "{answer}");
     }
     // Too long: the connection is closed.
     let huge = vec![b' '; 100_000_000];
-    assert_eq!(ask(zmq::REQ, &[&huge]), None);
+    assert_eq!(ask(SocketType::Req, &[&huge]), None);
     running.join().unwrap().unwrap();
     let status = rig.client().state().unwrap();
     assert_eq!((status.state, status.fri.lost), (DriveState::Idle, 0));

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::corrupted::{Corrupted, Field, Requirement, corrupted, fields_of, good_requests};
+use crate::link::corrupted::{Corrupted, Field, Requirement, corrupted, fields_of, good_requests};
 
 /// The number of each instruction.
 pub(crate) const SEQ: u64 = 7;

@@ -3,7 +3,7 @@
 use iiwa_link::TimedJoints;
 use serde_json::{Value, json};
 
-use crate::corrupted::trajectory_to;
+use crate::link::corrupted::trajectory_to;
 
 /// Short invalid requests, with a text in the error message.
 pub(crate) const BAD_TEXTS: [(&str, &str); 36] = [

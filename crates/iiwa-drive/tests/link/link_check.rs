@@ -13,7 +13,7 @@ use iiwa_link::{
 };
 use iiwasim_tests::{calm::in_real_time, starts};
 
-use crate::{
+use crate::link::{
     rig::{Rig, wait_for},
     scripted_program::ScriptedProgram,
 };

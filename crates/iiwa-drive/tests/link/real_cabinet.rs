@@ -16,7 +16,7 @@ use iiwa_link::{
 use iiwa_program::{Motion, Ptp};
 use iiwasim_tests::zmtp::{HANDSHAKE_TIMEOUT, Peer};
 
-use crate::{
+use crate::link::{
     rig::{LONG, Rig, free_tcp, wait_for},
     runs::{motions, planned},
 };

@@ -1,26 +1,29 @@
 //! Raw requests.
 
+use iiwasim_tests::socket::{Socket, SocketType};
 use serde_json::Value;
 
-use crate::rig::LONG;
+use crate::link::rig::LONG;
 
 /// A REQ socket: one request at a time.
 pub(crate) struct RequestSocket {
-    pub(crate) socket: zmq::Socket,
+    socket: Socket,
 }
 
 impl RequestSocket {
     pub(crate) fn new(at: &str) -> Self {
-        let socket = zmq::Context::new().socket(zmq::REQ).unwrap();
-        socket.set_linger(0).unwrap();
-        socket.set_rcvtimeo(i32::try_from(LONG.as_millis()).unwrap()).unwrap();
-        socket.connect(at).unwrap();
-        Self { socket }
+        Self { socket: Socket::connect(SocketType::Req, at).unwrap() }
     }
 
     pub(crate) fn ask_bytes(&self, body: &[u8]) -> String {
-        self.socket.send(body, 0).unwrap();
-        self.socket.recv_string(0).expect("an answer in time").expect("text")
+        self.ask_frames(&[body])
+    }
+
+    /// The answer to a request of any number of frames.
+    pub(crate) fn ask_frames(&self, frames: &[&[u8]]) -> String {
+        self.socket.send(frames).unwrap();
+        let [answer] = self.socket.receive(LONG).expect("an answer in time").try_into().unwrap();
+        String::from_utf8(answer).expect("text")
     }
 
     pub(crate) fn ask(&self, body: &str) -> Value {

@@ -10,7 +10,7 @@ use iiwa_program::{Blend, Motion, MotionList, Ptp};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_tests::calm::in_real_time;
 
-use crate::rig::{LONG, Rig};
+use crate::link::rig::{LONG, Rig};
 
 pub(crate) fn motions() -> Vec<Motion> {
     let rad = |deg: Joints| deg.map(f64::to_radians);

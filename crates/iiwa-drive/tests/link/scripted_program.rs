@@ -9,17 +9,21 @@ use iiwa_link::{
     Client, ClientError,
     message::{Code, DriveState, IoValue, Presence, Run},
 };
+use iiwasim_tests::socket::{Socket, SocketType};
 use serde_json::{Value, json};
 
-use crate::{
+use crate::link::{
     corrupted::{Field, corrupted, trajectory_to},
     rig::{LONG, Rig, free_tcp, wait_for},
 };
 
+/// Time-out of messages of the drive.
+const ANSWER: Duration = Duration::from_secs(10);
+
 /// A robot program that sends scripted states and acknowledgements, beside a regular controller.
 pub(crate) struct ScriptedProgram {
-    instructions: zmq::Socket,
-    state: zmq::Socket,
+    instructions: Socket,
+    state: Socket,
 }
 
 /// The envelope and body of an instruction.
@@ -33,18 +37,10 @@ impl ScriptedProgram {
         rig.cabinet_config.instructions = free_tcp();
         rig.cabinet_config.state = free_tcp();
         rig.start_cabinet();
-        let context = zmq::Context::new();
-        let bound = |kind, at: &str| {
-            let socket = context.socket(kind).unwrap();
-            socket.set_linger(0).unwrap();
-            socket.set_rcvtimeo(10_000).unwrap();
-            socket.set_sndtimeo(10_000).unwrap();
-            socket.bind(at).unwrap();
-            socket
-        };
+        let bound = |kind, at: &str| Socket::bind(kind, at).unwrap();
         let program = Self {
-            instructions: bound(zmq::ROUTER, &rig.drive_config.cabinet_instructions),
-            state: bound(zmq::DEALER, &rig.drive_config.cabinet_state),
+            instructions: bound(SocketType::Router, &rig.drive_config.cabinet_instructions),
+            state: bound(SocketType::Dealer, &rig.drive_config.cabinet_state),
         };
         rig.start_drive();
         program.send_idle();
@@ -54,35 +50,41 @@ impl ScriptedProgram {
 
     /// Sends a state and waits for its acknowledgement.
     fn send(&self, state: &[u8]) {
-        self.state.send_multipart([b"".as_slice(), state], 0).unwrap();
-        let answer = self.state.recv_multipart(0).expect("an acknowledgement");
+        self.state.send(&[b"", state]).unwrap();
+        let answer = self.state.receive(ANSWER).expect("an acknowledgement");
         assert_eq!(answer, [b"".as_slice(), br#"{"ok":true}"#]);
     }
 
     /// Sends a state to the drive, if it is connected, without waiting for the acknowledgement.
     pub(crate) fn send_unacknowledged(&self, state: &[u8]) {
-        let _ = self.state.send_multipart([b"".as_slice(), state], zmq::DONTWAIT);
+        let _ = self.state.try_send(&[b"", state]);
     }
 
     fn send_idle(&self) {
         self.send(br#"{"boot": 1, "state": "idle"}"#);
     }
 
-    /// The next instruction, if it arrives within `timeout` milliseconds.
-    fn receive_within(&self, timeout: i64) -> Option<ReceivedInstruction> {
-        (self.instructions.poll(zmq::POLLIN, timeout).unwrap() > 0).then(|| self.receive())
+    /// The next instruction, if it arrives within `timeout`.
+    fn receive_within(&self, timeout: Duration) -> Option<ReceivedInstruction> {
+        let mut frames = self.instructions.receive(timeout)?;
+        let body = frames.pop().unwrap();
+        Some((frames, serde_json::from_slice(&body).unwrap()))
     }
 
     /// The next instruction.
     fn receive(&self) -> ReceivedInstruction {
-        let mut frames = self.instructions.recv_multipart(0).expect("an instruction");
-        let body = frames.pop().unwrap();
-        (frames, serde_json::from_slice(&body).unwrap())
+        self.receive_within(ANSWER).expect("an instruction")
+    }
+
+    /// Whether no instruction arrives for some time.
+    fn is_left_alone(&self, time: Duration) -> bool {
+        self.instructions.receive(time).is_none()
     }
 
     fn answer(&self, (route, _): &ReceivedInstruction, answer: &str) {
-        let frames = route.iter().map(Vec::as_slice).chain([answer.as_bytes()]);
-        self.instructions.send_multipart(frames, 0).unwrap();
+        let frames: Vec<&[u8]> =
+            route.iter().map(Vec::as_slice).chain([answer.as_bytes()]).collect();
+        self.instructions.send(&frames).unwrap();
     }
 
     /// Acknowledges an instruction, with more fields.
@@ -120,7 +122,7 @@ fn run(rig: &Rig) -> JoinHandle<Result<Run, ClientError>> {
 
 #[test]
 fn malformed_states_are_ignored() {
-    use crate::corrupted::Requirement::{Optional, Required};
+    use crate::link::corrupted::Requirement::{Optional, Required};
 
     let (rig, program) = ScriptedProgram::new();
     let good = json!({"boot": 1, "state": "idle", "run": 3, "outcome":
@@ -158,8 +160,8 @@ fn malformed_states_are_ignored() {
     for state in &garbage {
         program.send(state);
     }
-    program.state.send_multipart(["", "{}", "{}"], 0).unwrap();
-    program.state.recv_multipart(0).expect("an acknowledgement");
+    program.state.send(&["", "{}", "{}"]).unwrap();
+    program.state.receive(ANSWER).expect("an acknowledgement");
     // Well-formed outcomes of unknown runs, at impossible times.
     program.send(good.to_string().as_bytes());
     program.send(br#"{"boot": 1, "state": "idle", "outcome": {"run": 9, "start_s": 1e308, "end_s": -1e308}}"#);
@@ -245,8 +247,7 @@ fn missing_acknowledgements_are_reported_in_time() {
     }
     program.acknowledge(&instruction, r#", "value": 2"#);
     assert_eq!(client.join().unwrap().unwrap(), IoValue::Digital(2));
-    let nothing = program.instructions.poll(zmq::POLLIN, 300).unwrap();
-    assert_eq!(nothing, 0);
+    assert!(program.is_left_alone(Duration::from_millis(300)));
 }
 
 #[test]
@@ -267,7 +268,7 @@ fn a_run_that_is_not_acknowledged_is_ended_if_it_begins() {
         // A state may overtake the acknowledgement before it and is not new then.
         let instruction = (0..20).find_map(|_| {
             program.send(running.as_bytes());
-            program.receive_within(500)
+            program.receive_within(Duration::from_millis(500))
         });
         let instruction = instruction.expect("an instruction");
         assert_eq!(instruction.1["type"], "end_trajectory");
@@ -288,7 +289,7 @@ fn an_abandoned_run_in_the_backlog_does_not_begin() {
     assert_eq!(error.code(), Code::Robot, "{error}");
     assert_eq!(asked.join().unwrap().unwrap_err().code(), Code::Timeout);
     program.send_idle();
-    assert_eq!(program.instructions.poll(zmq::POLLIN, 500).unwrap(), 0);
+    assert!(program.is_left_alone(Duration::from_millis(500)));
 }
 
 /// The robot program acknowledges a run and then does not know it: the run ends with an error.
@@ -353,7 +354,7 @@ fn a_robot_program_with_another_protocol_is_not_instructed() {
         assert!(text.contains("version 2 of the protocol, this drive version 1"), "{text}");
         assert!(text.contains("replace iiwasim here"), "{text}");
     }
-    assert_eq!(program.instructions.poll(zmq::POLLIN, 300).unwrap(), 0);
+    assert!(program.is_left_alone(Duration::from_millis(300)));
     // Stops are carried out whatever the version.
     let stopped = ask(&rig, Client::stop);
     assert!(stopped.join().unwrap().is_ok());

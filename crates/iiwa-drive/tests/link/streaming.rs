@@ -7,10 +7,13 @@
 use std::time::{Duration, Instant};
 
 use iiwa_link::{Published, Stream};
-use iiwasim_tests::calm::in_real_time;
+use iiwasim_tests::{
+    calm::in_real_time,
+    socket::{Socket, SocketType},
+};
 use serde::Deserialize;
 
-use crate::rig::{LONG, Rig, wait_for};
+use crate::link::rig::{LONG, Rig, wait_for};
 
 /// Number of subscribers that read.
 const LIVE: usize = 9;
@@ -19,26 +22,19 @@ const PERIOD_S: f64 = 0.001;
 const ASLEEP: Duration = Duration::from_secs(6);
 
 /// A subscriber with a minimal buffer.
-fn sleeper(rig: &Rig) -> zmq::Socket {
-    let socket = zmq::Context::new().socket(zmq::SUB).unwrap();
-    socket.set_rcvhwm(1).unwrap();
-    socket.set_rcvbuf(4096).unwrap();
-    socket.set_subscribe(b"joints").unwrap();
-    socket.connect(&rig.drive_config.stream).unwrap();
+fn sleeper(rig: &Rig) -> Socket {
+    let socket = Socket::connect(SocketType::Sub, &rig.drive_config.stream).unwrap();
+    socket.subscribe(b"joints").unwrap();
     socket
 }
 
 /// The next message's stamp.
-fn take(sleeper: &zmq::Socket) -> Option<f64> {
+fn take(sleeper: &Socket) -> Option<f64> {
     #[derive(Deserialize)]
     struct Stamp {
         t_s: f64,
     }
-    let timeout_ms = i64::try_from(LONG.as_millis()).unwrap();
-    if sleeper.poll(zmq::POLLIN, timeout_ms).unwrap() == 0 {
-        return None;
-    }
-    let frames = sleeper.recv_multipart(zmq::DONTWAIT).unwrap();
+    let frames = sleeper.receive(LONG)?;
     Some(serde_json::from_slice::<Stamp>(&frames[1]).unwrap().t_s)
 }
 

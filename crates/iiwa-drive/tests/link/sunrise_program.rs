@@ -31,7 +31,7 @@ use iiwasim_tests::{
 };
 use tempfile::TempDir;
 
-use crate::{
+use crate::link::{
     rig::{LONG, Rig, free_tcp},
     runs::{planned_from, sampled},
 };
@@ -239,7 +239,7 @@ fn a_drive_with_the_right_keys_is_connected() {
         let rig = rig_with(keys.remote(), options);
         rig.wait_until_ready();
         rig.client().read_sensors().unwrap();
-        rig.client().run_motions(crate::faults::slowly_to(5.0), Some(LONG)).unwrap();
+        rig.client().run_motions(crate::link::faults::slowly_to(5.0), Some(LONG)).unwrap();
     }
 }
 
@@ -263,7 +263,7 @@ fn a_drive_with_other_keys_gets_nothing() {
         thread::sleep(Duration::from_secs(4));
         assert_eq!(rig.client().state().unwrap().robot_program, Presence::Silent);
         assert!(rig.client().read_sensors().is_err());
-        let error = rig.client().run_motions(crate::faults::slowly_to(5.0), Some(LONG));
+        let error = rig.client().run_motions(crate::link::faults::slowly_to(5.0), Some(LONG));
         assert!(error.is_err());
         assert_eq!(rig.cabinet().position(), [0.0; 7]);
     }

@@ -17,7 +17,7 @@ use iiwa_link::{ClientError, TimedJoints};
 use iiwa_program::{Blend, Motion, Ptp};
 use iiwasim_tests::{calm::in_real_time, ports::free_address};
 
-use crate::{
+use crate::link::{
     rig::{LONG, Rig},
     runs::{planned, sampled},
 };

@@ -5,7 +5,7 @@ use iiwa_link::TimedJoints;
 use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 use proptest::prelude::*;
 
-use crate::{
+use crate::timed_joints::{
     ramp::Ramp,
     sampled::{distance, even, planned, programs},
 };

@@ -5,7 +5,7 @@ use std::time::Instant;
 use iiwa_kin::Robot;
 use iiwa_link::TimedJoints;
 
-use crate::{
+use crate::timed_joints::{
     ramp::Ramp,
     sampled::{assert_refused, check, rounded},
 };

@@ -4,7 +4,9 @@ use iiwa_kin::Robot;
 use iiwa_link::TimedJoints;
 use proptest::prelude::*;
 
-use crate::sampled::{assert_refused, at_stamps, check, even, planned, programs, rounded};
+use crate::timed_joints::sampled::{
+    assert_refused, at_stamps, check, even, planned, programs, rounded,
+};
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]

@@ -3,7 +3,7 @@
 use iiwa_kin::Robot;
 use iiwa_link::{MAX_POINTS, START_TOLERANCE_RAD, TimedJoints, message::Code};
 
-use crate::{ramp::Ramp, sampled::check};
+use crate::timed_joints::{ramp::Ramp, sampled::check};
 
 #[test]
 fn long_steps_are_allowed_at_rest_only() {

@@ -30,6 +30,9 @@ pub enum JointLogError {
         /// What the file begins with.
         found: String,
     },
+    /// A Parquet file, and this build lacks the feature `parquet`.
+    #[error("Apache Parquet files are not supported by this build (feature `parquet`)")]
+    ParquetNotSupported,
     /// A column that a table needs.
     #[error("line {line}: no column for {what}, expected {expected}")]
     MissingColumn {

@@ -6,6 +6,9 @@ use super::table::HEAD_BYTES;
 use super::{JointLog, JointLogError, recording, table};
 use crate::reader::read as read_once;
 
+/// Start of an Apache Parquet file.
+pub(super) const PARQUET_MAGIC: &[u8] = b"PAR1";
+
 impl JointLog {
     /// Reads a recording in any of the [formats](Self#formats), in one pass. Buffering the stream
     /// is not needed.
@@ -32,8 +35,12 @@ impl JointLog {
             return recording::read(Cursor::new(head).chain(stream));
         }
         #[cfg(feature = "parquet")]
-        if head.starts_with(super::parquet::MAGIC) {
+        if head.starts_with(PARQUET_MAGIC) {
             return super::parquet::read(head, stream);
+        }
+        #[cfg(not(feature = "parquet"))]
+        if head.starts_with(PARQUET_MAGIC) {
+            return Err(JointLogError::ParquetNotSupported);
         }
         table::read(&head, stream)
     }

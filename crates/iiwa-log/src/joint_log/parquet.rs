@@ -11,9 +11,6 @@ use parquet::{
 
 use super::{JointLog, JointLogError, table};
 
-/// What such a file begins with.
-pub(super) const MAGIC: &[u8] = b"PAR1";
-
 /// Reads a file that begins with `head` and goes on in `stream`.
 pub(super) fn read<R: Read>(mut head: Vec<u8>, mut stream: R) -> Result<JointLog, JointLogError> {
     stream.read_to_end(&mut head)?;

@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use iiwa_log::{JointLog, JointLogError, Source};
 use proptest::prelude::*;
 
-use crate::{DATA_RECORDER, HEADER, millis, read, recording, swing, table};
+use crate::joint_log::{DATA_RECORDER, HEADER, millis, read, recording, swing, table};
 
 #[test]
 fn mcap() {

@@ -2,7 +2,7 @@
 
 use iiwa_log::{JointLog, JointLogError, Loss, Place};
 
-use crate::{HEADER, millis, read, recording, table};
+use crate::joint_log::{HEADER, millis, read, recording, table};
 
 #[test]
 fn gaps() {

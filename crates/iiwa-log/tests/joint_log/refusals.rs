@@ -8,7 +8,7 @@ use std::time::Duration;
 use iiwa_kin::{Joint, Robot};
 use iiwa_log::{JointLog, JointLogError, ReadError, Recorder, RecorderConfig};
 
-use crate::{DATA_RECORDER, HEADER, millis, read, recording, refused, table};
+use crate::joint_log::{DATA_RECORDER, HEADER, millis, read, recording, refused, table};
 
 #[test]
 fn files_of_another_kind() {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::sync::Arc;
 
-use crate::sample::sample;
+use crate::recording::sample::sample;
 use iiwa_log::{DEFAULT_EPOCH, ReadError, Recording, Topic};
 
 /// As most files have them.

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{Recorder, RecorderConfig};
 
-use crate::whole::both_ways;
+use crate::recording::whole::both_ways;
 
 /// Says where the recording goes and how long a period is, ms, and asks for a process to be killed.
 const FILE: &str = "IIWA_LOG_TEST_FILE";
@@ -48,7 +48,7 @@ fn victim() {
 fn kill(file: &Path, period_ms: u32, real_time: bool, after: Duration) {
     let mut command = Command::new(env::current_exe().unwrap());
     command
-        .args(["kill::victim", "--exact", "--ignored", "--nocapture"])
+        .args(["recording::kill::victim", "--exact", "--ignored", "--nocapture"])
         .env(FILE, file)
         .env(PERIOD_MS, period_ms.to_string())
         .stdout(Stdio::piped());

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::time::Duration;
 
-use crate::sample::{TICK, point, state};
+use crate::recording::sample::{TICK, point, state};
 use iiwa_kin::{Robot, RosNames, RosStack};
 use iiwa_log::{Config, Recorder, RecorderConfig, Recording, TrajectoryMessage, Writer};
 

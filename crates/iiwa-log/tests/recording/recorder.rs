@@ -11,7 +11,7 @@ use iiwa_log::{
 };
 use proptest::prelude::*;
 
-use crate::whole::{both_ways, by_index, joint_states};
+use crate::recording::whole::{both_ways, by_index, joint_states};
 
 const MS: Duration = Duration::from_millis(1);
 

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 use std::time::Duration;
 
-use crate::sample::{JOINT_SAMPLES, TICK, point, sample, state};
+use crate::recording::sample::{JOINT_SAMPLES, TICK, point, sample, state};
 use iiwa_log::{
     Config, DEFAULT_EPOCH, Entry, Motion, Reader, Recording, Topic, TrajectoryMessage, WriteError,
     Writer,

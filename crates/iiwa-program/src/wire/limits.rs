@@ -131,19 +131,3 @@ impl From<&SegmentLimits> for LimitValues {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn limits_are_written_as_they_are_read() {
-        for number in (1..20_000).map(|tenths| 0.1 * f64::from(tenths)) {
-            let values = |limits: &SegmentLimits| LimitValues::from(limits);
-            let all = [Some(number); 3];
-            let read =
-                SegmentLimits::from(LimitValues { shares: [None; 3], way_mm: all, turn_deg: all });
-            assert_eq!(SegmentLimits::from(values(&read)), read, "{number}");
-        }
-    }
-}

@@ -1,5 +1,7 @@
 //! Random scenes.
 
+#![expect(clippy::unwrap_used, reason = "a failed test panics")]
+
 use iiwa_scene::{Form, Obstacle, Scene};
 
 /// Up to `most` boxes and planes within reach of the arm; a third of the boxes stand straight.

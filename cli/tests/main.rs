@@ -1,0 +1,30 @@
+//! The command from outside: its options, output, files and exit codes.
+
+mod compare;
+#[cfg(feature = "live")]
+mod experiment;
+#[cfg(feature = "sunrise")]
+mod export;
+mod features;
+mod helpers;
+mod identify;
+#[cfg(feature = "sunrise")]
+mod import;
+#[cfg(feature = "sunrise")]
+mod import_application;
+mod include;
+#[cfg(feature = "live")]
+mod keygen;
+mod kinematics;
+#[cfg(feature = "live")]
+mod link;
+mod many;
+mod overlap;
+mod plan;
+mod plan_torques;
+mod profile;
+mod report;
+mod run;
+mod scene;
+mod settings;
+mod tables;

@@ -1,0 +1,6 @@
+//! The bridge from outside: messages, spool, and a robot that accepts commands.
+
+mod messages;
+mod robot;
+mod sample_messages;
+mod spool;

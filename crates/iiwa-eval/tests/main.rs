@@ -1,0 +1,8 @@
+//! Comparison and identification on virtual recordings.
+
+mod compare;
+mod compare_torques;
+mod identify;
+mod identify_load;
+mod identify_tcp;
+mod load_effect;

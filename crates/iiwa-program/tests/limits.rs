@@ -1,0 +1,33 @@
+//! Limits of the TCP in JSON.
+
+#![expect(clippy::unwrap_used, reason = "a failed test panics")]
+
+use std::fmt::Write as _;
+
+use iiwa_program::Program;
+
+/// Every limit is written with the digits that give the same limit when it is read.
+#[test]
+fn limits_are_written_as_they_are_read() {
+    let mut motions = String::new();
+    for number in (10..20_000).map(|tenths| 0.1 * f64::from(tenths)) {
+        let separator = if motions.is_empty() { "" } else { ",\n" };
+        write!(
+            motions,
+            r#"{separator}{{ "type": "lin_rel", "offset": {{ "z_mm": 1 }},
+            "cart_velocity_mm_s": {number}, "cart_acceleration_mm_s2": {number}, "cart_jerk_mm_s3": {number},
+            "orientation_velocity_deg_s": {number}, "orientation_acceleration_deg_s2": {number},
+            "orientation_jerk_deg_s3": {number} }}"#
+        )
+        .unwrap();
+    }
+    let text = format!(
+        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }}, "motions": [{motions}] }}"#
+    );
+    let program = Program::from_json(&text).unwrap();
+    let again = Program::from_json(&program.to_json()).unwrap();
+    assert_eq!(again.motions.len(), 19_990);
+    for (motion, again) in program.motions.iter().zip(&again.motions) {
+        assert_eq!(motion, again);
+    }
+}

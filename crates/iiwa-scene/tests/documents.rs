@@ -1,0 +1,81 @@
+//! Scenes that are taken, and ones that are refused: for the reader here, and for the JSON Schema in `tests/peers`.
+
+#![expect(clippy::unwrap_used, reason = "a failed test panics")]
+
+use iiwasim_tests::fixture;
+use serde_json::{Value, json};
+
+/// A box and a plane.
+pub(crate) const GOOD: &str = r#"{ "version": 1, "obstacles": [
+  { "name": "table", "type": "box", "center_mm": [600, 0, -50], "size_mm": [800, 1200, 100], "rpy_deg": [0, 0, 90] },
+  { "name": "floor", "type": "plane", "point_mm": [0, 0, -700], "normal": [0, 3, 4] }
+] }"#;
+
+/// GOOD with pairs to ignore.
+pub(crate) fn ignoring(pairs: &str) -> String {
+    GOOD.replacen("\n] }", &format!("\n], \"ignore\": [{pairs}] }}"), 1)
+}
+
+fn with_pair() -> Value {
+    serde_json::from_str(&ignoring(r#"["link 2", "table"]"#)).unwrap()
+}
+
+/// Scenes of boxes and planes.
+pub(crate) fn good_scenes() -> [Value; 3] {
+    let cage = std::fs::read_to_string(fixture("cage.json")).unwrap();
+    [serde_json::from_str(GOOD).unwrap(), with_pair(), serde_json::from_str(&cage).unwrap()]
+}
+
+/// Good ones with a change each.
+pub(crate) fn wrong_scenes() -> Vec<Value> {
+    let good: Value = serde_json::from_str(GOOD).unwrap();
+    let at = |pointer: &str, value: Value| {
+        let mut scene = good.clone();
+        *scene.pointer_mut(pointer).unwrap() = value;
+        scene
+    };
+    let wrong_pair = |pair: Value| {
+        let mut scene = with_pair();
+        scene["ignore"][0] = pair;
+        scene
+    };
+    vec![
+        wrong_pair(json!(["link 1", "table"])),
+        wrong_pair(json!(["link 2"])),
+        wrong_pair(json!(["link 2", "table", "table"])),
+        wrong_pair(json!("link 2")),
+        at("/version", json!(2)),
+        at("/obstacles", json!({})),
+        at("/obstacles/0/type", json!("plane")),
+        at("/obstacles/0/name", json!("")),
+        at("/obstacles/0/size_mm", json!([1, 1, 0])),
+        at("/obstacles/0/size_mm", json!([1, 1])),
+        at("/obstacles/0/center_mm", json!([1, 1, 2e6])),
+        at("/obstacles/0/rpy_deg", json!([0, 0, 361])),
+        at("/obstacles/0/rpy_deg", Value::Null),
+        at("/obstacles/1/normal", json!([0, 0, 0])),
+        at("/obstacles/1/point_mm", json!("here")),
+        at("/obstacles/1", json!({ "name": "a", "type": "plane", "point_mm": [0, 0, 0] })),
+    ]
+}
+
+/// A scene with a shape of the tool, as JSON.
+pub(crate) fn with_tool(shape: &str) -> Value {
+    let shape: Value = serde_json::from_str(shape).unwrap();
+    json!({ "version": 1, "obstacles": [], "tool": [shape] })
+}
+
+/// A shape of a tool that is a mesh.
+pub(crate) const GOOD_MESH: &str =
+    r#"{ "type": "mesh", "file": "a.StL", "scale": 2.5, "rpy_deg": [0, 0, 90] }"#;
+
+/// Meshes that are refused.
+pub(crate) const WRONG_MESHES: [&str; 7] = [
+    r#"{ "type": "mesh" }"#,
+    r#"{ "type": "mesh", "file": "a.step" }"#,
+    r#"{ "type": "mesh", "file": 1 }"#,
+    r#"{ "type": "mesh", "file": "a.stl", "scale": 0 }"#,
+    r#"{ "type": "mesh", "file": "a.stl", "scale": 1e7 }"#,
+    r#"{ "type": "mesh", "file": "a.stl", "origin_mm": [0, 0] }"#,
+    r#"{ "type": "mesh", "file": "a.stl", "center_mm": [0, 0, 0] }"#,
+];

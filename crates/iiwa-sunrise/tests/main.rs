@@ -1,0 +1,5 @@
+//! Sunrise projects: import, export, and source files.
+
+mod export;
+mod import;
+mod project;

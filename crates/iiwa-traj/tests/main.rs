@@ -1,0 +1,12 @@
+//! Time stamps: closed forms, sweep, jerk-limited timing, batches, playback.
+
+mod batch;
+mod cartesian_figures;
+mod interrupt;
+mod jerk;
+mod overlap;
+mod playback;
+mod segment;
+mod stamps;
+mod t1;
+mod tool_limits;

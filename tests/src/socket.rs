@@ -1,0 +1,113 @@
+//! Multipart `ZeroMQ` sockets without keys, for tests: blocking, and used by one thread at a time.
+//!
+//! By default they are bare peers ([`zmtp`](crate::zmtp)), with the feature `libzmq` those of that library. Both keep to
+//! the same rules:
+//!
+//! - a socket that connects does so in the background, again and again, and anew when the connection is lost
+//! - a socket that is bound accepts connections at any time
+//! - a message to a connection that is lost is lost
+//! - nothing is left when a socket is dropped: no thread, and no message that waits to be sent
+
+#[cfg(not(feature = "libzmq"))]
+mod bare;
+#[cfg(feature = "libzmq")]
+mod libzmq;
+
+use std::time::Duration;
+
+#[cfg(not(feature = "libzmq"))]
+pub use bare::{BareSocket as Socket, receive_any};
+#[cfg(feature = "libzmq")]
+pub use libzmq::{LibzmqSocket as Socket, receive_any};
+
+/// Longest wait for a connection to send on, and for the other side of one.
+const SEND_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// The type of a socket.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SocketType {
+    /// REQ: each message gets an empty frame in front, and loses it on arrival.
+    Req,
+    /// DEALER: messages are sent and received as they are.
+    Dealer,
+    /// ROUTER: the first frame is the route to a peer, which is added on arrival. Without that peer a message is dropped.
+    Router,
+    /// SUB: one message waits to be received. Further ones are left to the system, which keeps few.
+    Sub,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ports::free_address;
+
+    const LONG: Duration = Duration::from_secs(20);
+
+    fn address() -> String {
+        format!("tcp://{}", free_address())
+    }
+
+    fn texts(frames: &[Vec<u8>]) -> Vec<&str> {
+        frames.iter().map(|frame| std::str::from_utf8(frame).unwrap()).collect()
+    }
+
+    #[test]
+    fn requests_are_routed_and_answered() {
+        let at = address();
+        let clients = [(), ()].map(|()| Socket::connect(SocketType::Req, &at).unwrap());
+        let server = Socket::bind(SocketType::Router, &at).unwrap();
+        for client in &clients {
+            client.send(&["question", "more"]).unwrap();
+        }
+        let questions = [(), ()].map(|()| server.receive(LONG).unwrap());
+        assert_ne!(questions[0][0], questions[1][0]);
+        for question in questions {
+            assert_eq!(texts(&question[1..]), ["", "question", "more"]);
+            server.send(&[&question[0], b"".as_slice(), b"answer"]).unwrap();
+        }
+        for client in &clients {
+            assert_eq!(texts(&client.receive(LONG).unwrap()), ["answer"]);
+            assert_eq!(client.receive(Duration::ZERO), None);
+        }
+        server.send(&["nobody", "", "answer"]).unwrap();
+    }
+
+    #[test]
+    fn a_lost_connection_is_replaced() {
+        let at = address();
+        let server = Socket::bind(SocketType::Dealer, &at).unwrap();
+        assert!(!server.try_send(&["nobody is there"]));
+        let client = Socket::connect(SocketType::Dealer, &at).unwrap();
+        server.send(&["first"]).unwrap();
+        assert_eq!(texts(&client.receive(LONG).unwrap()), ["first"]);
+        drop(server);
+        let server = Socket::bind(SocketType::Dealer, &at).unwrap();
+        server.send(&["second", ""]).unwrap();
+        assert_eq!(texts(&client.receive(LONG).unwrap()), ["second", ""]);
+        // And the other side may be another one.
+        drop(client);
+        let client = Socket::connect(SocketType::Dealer, &at).unwrap();
+        client.send(&[vec![7; 300_000]]).unwrap();
+        assert_eq!(server.receive(LONG).unwrap(), [vec![7; 300_000]]);
+    }
+
+    #[test]
+    fn of_two_sockets_the_one_with_a_message_is_received_from() {
+        let [at, beside] = [address(), address()];
+        let servers = [&at, &beside].map(|at| Socket::bind(SocketType::Dealer, at).unwrap());
+        let clients = [&at, &beside].map(|at| Socket::connect(SocketType::Dealer, at).unwrap());
+        assert_eq!(receive_any(&[&clients[0], &clients[1]], Duration::from_millis(20)), None);
+        for place in [1, 0, 1] {
+            servers[place].send(&["it"]).unwrap();
+            let (from, frames) = receive_any(&[&clients[0], &clients[1]], LONG).unwrap();
+            assert_eq!((from, texts(&frames)), (place, vec!["it"]));
+        }
+    }
+
+    #[test]
+    fn an_address_in_use_cannot_be_bound() {
+        let at = address();
+        let _bound = Socket::bind(SocketType::Router, &at).unwrap();
+        assert!(Socket::bind(SocketType::Router, &at).is_err());
+    }
+}

@@ -1,0 +1,93 @@
+//! Sockets of `libzmq`.
+
+use std::{io, time::Duration};
+
+use zmq::{Context, DONTWAIT, POLLIN, PollItem, Socket};
+
+use super::{SEND_TIMEOUT, SocketType};
+
+/// A socket of `libzmq`.
+pub struct LibzmqSocket {
+    socket: Socket,
+}
+
+impl LibzmqSocket {
+    /// A socket that connects to an address such as `tcp://127.0.0.1:30001`, in the background.
+    ///
+    /// # Errors
+    ///
+    /// If the address is none, or there are no resources.
+    pub fn connect(kind: SocketType, at: &str) -> io::Result<Self> {
+        let socket = new(kind)?;
+        socket.connect(at)?;
+        Ok(Self { socket })
+    }
+
+    /// A socket that listens at such an address.
+    ///
+    /// # Errors
+    ///
+    /// If the address is none or in use, or there are no resources.
+    pub fn bind(kind: SocketType, at: &str) -> io::Result<Self> {
+        let socket = new(kind)?;
+        socket.bind(at)?;
+        Ok(Self { socket })
+    }
+
+    /// Subscribes to topics with a prefix.
+    ///
+    /// # Errors
+    ///
+    /// If the socket is of another type.
+    pub fn subscribe(&self, topic: &[u8]) -> io::Result<()> {
+        Ok(self.socket.set_subscribe(topic)?)
+    }
+
+    /// Sends a message, once there is room for it.
+    ///
+    /// # Errors
+    ///
+    /// If there is none within 10 s.
+    pub fn send(&self, frames: &[impl AsRef<[u8]>]) -> io::Result<()> {
+        Ok(self.socket.send_multipart(frames.iter().map(AsRef::as_ref), 0)?)
+    }
+
+    /// Sends a message if there is room for it; whether there is.
+    pub fn try_send(&self, frames: &[impl AsRef<[u8]>]) -> bool {
+        self.socket.send_multipart(frames.iter().map(AsRef::as_ref), DONTWAIT).is_ok()
+    }
+
+    /// The next message, if it arrives within `timeout`.
+    #[must_use]
+    pub fn receive(&self, timeout: Duration) -> Option<Vec<Vec<u8>>> {
+        receive_any(&[self], timeout).map(|(_, frames)| frames)
+    }
+}
+
+/// The next message of several sockets, and whose it is, if one arrives within `timeout`.
+#[must_use]
+pub fn receive_any(sockets: &[&LibzmqSocket], timeout: Duration) -> Option<(usize, Vec<Vec<u8>>)> {
+    let mut items: Vec<_> =
+        sockets.iter().map(|socket| socket.socket.as_poll_item(POLLIN)).collect();
+    // Rounded up, so that a short rest of a time-out is not a busy loop.
+    let timeout_ms = i64::try_from(timeout.as_micros().div_ceil(1000)).unwrap_or(i64::MAX);
+    zmq::poll(&mut items, timeout_ms).ok()?;
+    let place = items.iter().position(PollItem::is_readable)?;
+    Some((place, sockets[place].socket.recv_multipart(DONTWAIT).ok()?))
+}
+
+fn new(kind: SocketType) -> io::Result<Socket> {
+    let socket = Context::new().socket(match kind {
+        SocketType::Req => zmq::REQ,
+        SocketType::Dealer => zmq::DEALER,
+        SocketType::Router => zmq::ROUTER,
+        SocketType::Sub => zmq::SUB,
+    })?;
+    socket.set_linger(0)?;
+    socket.set_sndtimeo(i32::try_from(SEND_TIMEOUT.as_millis()).unwrap_or(i32::MAX))?;
+    if kind == SocketType::Sub {
+        socket.set_rcvhwm(1)?;
+        socket.set_rcvbuf(4096)?;
+    }
+    Ok(socket)
+}

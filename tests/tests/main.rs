@@ -1,0 +1,17 @@
+//! The workspace from outside: planned programs, random programs, and the architecture rules.
+
+mod architecture;
+mod cartesian;
+mod hard_geometry;
+mod hostile;
+mod limits;
+mod long_programs;
+mod metamorphic;
+mod ports;
+mod reference;
+mod replanning;
+mod straight_jerk;
+mod tcp_programs;
+mod tcp_reach;
+mod torque_limits;
+mod torques;
