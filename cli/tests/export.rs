@@ -1,7 +1,5 @@
 //! `iiwasim export` from outside.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::fs;
 
 use crate::run::{files, iiwasim};

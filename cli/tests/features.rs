@@ -1,7 +1,5 @@
 //! Optional features: what is listed, and how a missing one is reported.
 
-#![expect(clippy::unwrap_used, reason = "a failed test panics")]
-
 use predicates::{prelude::PredicateBooleanExt, str::contains};
 use tempfile::tempdir;
 

@@ -1,7 +1,5 @@
 //! `iiwasim keygen` from outside.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::fs;
 
 use iiwa_link::security::{KeyPair, PublicKey, SecurityError};

@@ -1,5 +1,7 @@
 //! The program run in a folder, and what it leaves there.
 
+#![expect(clippy::unwrap_used, reason = "a failed test panics")]
+
 use std::fs;
 
 use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};

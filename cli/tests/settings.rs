@@ -1,7 +1,5 @@
 //! Defaults of options from a file and the environment; what shells and manuals get.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::fs;
 
 use crate::helpers::{fixture, long_program, program};

@@ -1,7 +1,5 @@
 //! Plans as tables and pictures, and poses in lines.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::fs;
 
 use crate::helpers::fixture;

@@ -1,8 +1,6 @@
 //! Paths of the TCP against cases of 40-digit arithmetic and the durations of an independent solver, in
 //! `fixtures/reference/cartesian.json`.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use iiwa_path::{JointPath, Segment, Step};
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
 use iiwasim_tests::cartesian_cases::{CartesianCase, cartesian_cases};

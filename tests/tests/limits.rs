@@ -1,7 +1,5 @@
 //! Limits hold along random programs, at the samples and between them.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, Step};
 use iiwa_program::{LimitKind, Motion, Program};

@@ -1,7 +1,5 @@
 //! Sections that are too long to be solved as a whole.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
 use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};

@@ -1,7 +1,5 @@
 //! Ports are given once, whoever asks.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::{
     collections::HashSet,
     env,

@@ -1,11 +1,5 @@
 //! The reference programs, cross-validated against an independent solver's answers.
 
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by the one and tells its figures by the other"
-)]
-
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
 use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};

@@ -1,8 +1,6 @@
 //! Random paths of the TCP are planned, or refused for a cause that holds: against a course of the TCP that is found
 //! here by itself, with nalgebra, and the joints along it.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::collections::BTreeMap;
 
 use iiwa_kin::{Joints, Pose, Robot, Status, vector};

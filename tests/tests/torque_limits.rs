@@ -1,7 +1,5 @@
 //! Limits of torque: against an independent solver's plans, at every millisecond, and where they change nothing.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::collections::BTreeMap;
 
 use iiwa_kin::{Friction, Joint, Joints, Load, Mount, RigidBody, Robot};

@@ -1,7 +1,5 @@
 //! The functions, as C calls them, against the libraries that they stand for.
 
-#![expect(clippy::unwrap_used, reason = "a failed test is a panic")]
-
 use std::{
     ffi::{CStr, CString, c_char},
     mem::MaybeUninit,

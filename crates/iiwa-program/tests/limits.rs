@@ -1,7 +1,5 @@
 //! Limits of the TCP in JSON.
 
-#![expect(clippy::unwrap_used, reason = "a failed test panics")]
-
 use std::fmt::Write as _;
 
 use iiwa_program::Program;

@@ -402,7 +402,7 @@ impl AnyBlock<'_> {
                     sums.residual = sums.residual.max(sum.residual.largest());
                 }
                 sums.gap = gap.add_to(sums.gap);
-                for (lane, cell) in block.cells.into_iter().enumerate() {
+                for (lane, cell) in block.cells.iter().enumerate() {
                     quadratics[*cell] = Quadratic {
                         h: h.map(|value| value.0[lane]),
                         g: g.map(|value| value.0[lane]),
