@@ -70,7 +70,22 @@ def crates(target):
     metadata = json.loads(output("cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", target))
     packages = {package["id"]: package for package in metadata["packages"]}
     # One line a package: metadata alone has no features of one program.
-    tree = output("cargo", "tree", "-p", "iiwasim", "--features", "full", "-e", "normal", "--target", target, "--prefix", "none", "-f", "{p}")
+    tree = output(
+        "cargo",
+        "tree",
+        "-p",
+        "iiwasim",
+        "--features",
+        "full",
+        "-e",
+        "normal",
+        "--target",
+        target,
+        "--prefix",
+        "none",
+        "-f",
+        "{p}",
+    )
     wanted = {tuple(line.split()[:2]) for line in tree.splitlines() if line.strip()}
     found = [p for p in packages.values() if (p["name"], f"v{p['version']}") in wanted and p["source"]]
     return sorted(found, key=lambda package: (package["name"], package["version"]))
