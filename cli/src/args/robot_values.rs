@@ -9,7 +9,7 @@ pub(super) fn sampling_rate(text: &str) -> Result<f64, String> {
     within(text, 50.0, 10_000.0, " Hz")
 }
 
-/// How many times as fast as real time.
+/// Speed relative to real time.
 pub(super) fn speed(text: &str) -> Result<f64, String> {
     within(text, 0.01, 100.0, "")
 }

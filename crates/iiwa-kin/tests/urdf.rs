@@ -1,4 +1,4 @@
-//! URDF: what is written, and files held against a model. Independent readers are in `tests/peers`.
+//! URDF: written files, and files compared with a model. Independent readers are in `tests/peers`.
 
 // Texts are put together plainly; helpers of tests may fail.
 #![allow(

@@ -64,7 +64,7 @@ impl<W: Write + Send> PlanTable<W> {
     ///
     /// # Errors
     ///
-    /// That of the stream; [`Unsupported`](io::ErrorKind::Unsupported) without the feature `parquet`.
+    /// Errors of the stream.
     #[cfg(feature = "parquet")]
     pub fn parquet(stream: W, rate_hz: f64) -> io::Result<Self> {
         Ok(Self::new(Sheet::Parquet(Box::new(parquet::ParquetSheet::new(stream)?)), rate_hz))

@@ -1,4 +1,4 @@
-//! Limits of the TCP in JSON.
+//! TCP limits in JSON.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! What the reader takes, and what it refuses. That the JSON Schema says the same is tested in `tests/peers`.
+//! Accepted and rejected programs. `tests/peers` checks that the JSON Schema agrees.
 
 use iiwa_program::{Program, Workcell};
 

@@ -1,4 +1,4 @@
-//! What a scene is, and what is refused and where. That the JSON Schema agrees is tested in `tests/peers`.
+//! Accepted and rejected scenes, with the place of each fault. `tests/peers` checks that the JSON Schema agrees.
 
 // Helpers of tests may fail.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]

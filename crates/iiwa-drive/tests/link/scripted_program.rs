@@ -17,7 +17,7 @@ use crate::link::{
     rig::{LONG, Rig, free_tcp, wait_for},
 };
 
-/// Time-out of messages of the drive.
+/// Time-out of drive messages.
 const ANSWER: Duration = Duration::from_secs(10);
 
 /// A robot program that sends scripted states and acknowledgements, beside a regular controller.
@@ -76,7 +76,7 @@ impl ScriptedProgram {
         self.receive_within(ANSWER).expect("an instruction")
     }
 
-    /// Whether no instruction arrives for some time.
+    /// True if no instruction arrives within a time.
     fn is_left_alone(&self, time: Duration) -> bool {
         self.instructions.receive(time).is_none()
     }
