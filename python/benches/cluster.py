@@ -15,7 +15,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from contextlib import ExitStack
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from statistics import median
 
@@ -28,34 +28,36 @@ import iiwasim.dask
 import iiwasim.ray
 from iiwasim import batches
 
+CLUSTERS = {"ray": iiwasim.ray, "dask": iiwasim.dask}
 TURNS = 3
 COUNTING_S = 1.0
 
 
 def killed_on_the_way(on: str, source: Path, rows: int, folder: Path) -> tuple[float, int]:
     """Plans with two workers, and kills one when a third is done: seconds, and rows done then."""
-    killed: list[int] = []
-    with ExitStack() as stack:
-        if on == "ray":
-            stack.enter_context(clusters.ray_cluster())
-            plan, kill = iiwasim.ray.plan, clusters.kill_worker_of_ray
-        else:
-            client = stack.enter_context(clusters.dask_cluster())
-            plan, kill = iiwasim.dask.plan, lambda: clusters.kill_worker_of_dask(client)
+    module = CLUSTERS[on]
+    place = folder.with_suffix(".victim")
+    began: list[int] = []
 
-        def kill_once(done: int, _: int) -> None:
-            if not killed and done >= rows // 3:
-                kill()
-                killed.append(done)
+    def kill_once(done: int, _: int) -> None:
+        if not began and done >= rows // 3:
+            began.append(done)
+            place.mkdir()
 
+    with clusters.CLUSTERS[on](), ThreadPoolExecutor() as meanwhile:
+        usual, module.Planning = module.Planning, clusters.victim(place / "pid")
+        killed = meanwhile.submit(clusters.kill_victim, place / "pid")
         begin = time.perf_counter()
-        plan(source, folder, chunk=chunk(rows), progress=kill_once)
-        return time.perf_counter() - begin, killed[0]
+        module.plan(source, folder, chunk=chunk(rows), progress=kill_once)
+        took_s = time.perf_counter() - begin
+        module.Planning = usual
+        killed.result()
+        return took_s, began[0]
 
 
 def throughput(on: str, workers: int, programs: list[str]) -> float:
     """Programs a second from file to file, once the workers are up."""
-    cluster = {"ray": iiwasim.ray, "dask": iiwasim.dask}[on]
+    cluster = CLUSTERS[on]
     with clusters.CLUSTERS[on](workers), tempfile.TemporaryDirectory() as name:
         source = Path(name, "programs.jsonl")
         source.write_text("\n".join(programs))

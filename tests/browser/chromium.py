@@ -47,7 +47,7 @@ class Browser:
         self.requests: list[str] = []
         self.events: list[dict] = []
         port, path = self._address()
-        self.socket = websocket.create_connection(f"ws://127.0.0.1:{port}{path}", timeout=180)
+        self.socket = websocket.create_connection(f"ws://127.0.0.1:{port}{path}", timeout=600)
         self.session = None
         target = self.call("Target.getTargets")["targetInfos"]
         page = next(info["targetId"] for info in target if info["type"] == "page")
@@ -58,14 +58,14 @@ class Browser:
 
     def _address(self) -> tuple[str, str]:
         file = Path(self.folder, "DevToolsActivePort")
-        until = time.monotonic() + 60
+        until = time.monotonic() + 300
         while time.monotonic() < until:
             if file.exists() and len(lines := file.read_text().split("\n")) >= 2:
                 return lines[0], lines[1]
             if self.process.poll() is not None:
                 raise SystemExit(f"chromium ended with {self.process.returncode}")
             time.sleep(0.05)
-        raise SystemExit("chromium did not start within 60 s")
+        raise SystemExit("chromium did not start within 5 minutes")
 
     def close(self) -> None:
         """Ends the browser."""
@@ -136,7 +136,7 @@ class Browser:
         """Waits until what was asked for is on the screen."""
         self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
 
-    def until(self, script: str, seconds: float = 120) -> None:
+    def until(self, script: str, seconds: float = 300) -> None:
         """Waits until a script says yes."""
         until = time.monotonic() + seconds
         while not self.run(script):
@@ -187,7 +187,7 @@ class Browser:
             box = self.box(selector)
             self.press(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
             # A busy browser confirms the press before the page sees it: pressed again at once, a button would be pressed twice.
-            until = time.monotonic() + 5
+            until = time.monotonic() + 30
             while (met := self.run("window.met ?? 'another page'")) == "nothing yet" and time.monotonic() < until:
                 time.sleep(0.02)
             if met is True or met == "another page":

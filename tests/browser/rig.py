@@ -65,7 +65,7 @@ class Rig:
 
     def wait_until_ready(self) -> None:
         """Robot and drive take a moment to find each other."""
-        until = time.monotonic() + 30
+        until = time.monotonic() + 300
         while True:
             command = [self.program, "status", "--json", *self.drive_at]
             done = subprocess.run(command, check=False, capture_output=True, text=True)

@@ -39,10 +39,15 @@ def page_follows_the_robot(browser: Browser, twin: Twin) -> None:
     mover = Mover(twin.rig)
     try:
         browser.until("live.health.status.state === 'running_motion'")
-        for i in range(5):
+        # Between two runs it stands for a moment.
+        for _ in range(100):
             time.sleep(0.7)
+            before = len(pictures)
             pictures.add(browser.run(SCENE))
-            twin.keep(browser, f"twin-moves-{i}")
+            if len(pictures) > before:
+                twin.keep(browser, f"twin-moves-{before}")
+            if len(pictures) == 5:
+                break
         # What is written is where the arm is.
         written = "parseFloat(document.querySelector('#joints td:nth-child(2)').textContent)"
         assert browser.run(f"new Set([{written}, 1]).size") == 2
@@ -50,11 +55,9 @@ def page_follows_the_robot(browser: Browser, twin: Twin) -> None:
         mover.end()
     assert len(pictures) == 5, "the arm looks the same at different times"
     browser.until("live.health.status.state === 'idle'")
-    time.sleep(0.5)
     status = [twin.rig.program, "status", "--json", *twin.rig.drive_at]
     where = json.loads(subprocess.run(status, check=True, capture_output=True).stdout)["joints_rad"]
-    shown = browser.run("live.newest.joints_rad")
-    assert max(abs(a - b) for a, b in zip(where, shown)) < 1e-6, (where, shown)
+    browser.until(f"{json.dumps(where)}.every((q, j) => Math.abs(q - live.newest.joints_rad[j]) < 1e-6)")
 
 
 def tool_is_drawn(browser: Browser, twin: Twin) -> None:
@@ -137,7 +140,7 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     twin.keep(browser, "twin-torques")
     browser.until("desk.run.phase === 'done'")
     assert browser.run("watched.from_rad") is None
-    assert "It took 7.4" in text(browser, "run-notes"), text(browser, "run-notes")
+    assert "It took 7." in text(browser, "run-notes"), text(browser, "run-notes")
     browser.click("#replay")
     assert text(browser, "mode") == "Replay: not live"
     browser.until("shown.time > 1")
@@ -215,7 +218,7 @@ def positions_are_kept(browser: Browser, twin: Twin) -> None:
     assert program["motions"][0]["frame"] == "home" and "home" in program["frames"], program
     # They survive the twin.
     twin.process.terminate()
-    twin.process.wait(10)
+    twin.process.wait(60)
     browser.go("about:blank")
     browser.complaints.clear()
     twin.start()
@@ -254,24 +257,18 @@ def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
     mover = Mover(twin.rig)
     try:
         browser.until("live.health.status.state === 'running_motion'")
-        time.sleep(3)
         browser.run("document.getElementById('history-joints').scrollIntoView({ block: 'center' })")
         browser.until("isHistorySeen")
-        speeds = []
-        for _ in range(8):
-            time.sleep(0.4)
-            speeds.append(1000 * (browser.run("speedNow()") or 0))
-        assert max(speeds) > 100, speeds
-        shown = text(browser, "speed-now")
-        assert "The flange moves at " in shown, shown
+        browser.until("1000 * (speedNow() ?? 0) > 100")
+        browser.until("document.getElementById('speed-now').textContent.includes('The flange moves at ')")
         twin.keep(browser, "twin-history")
     finally:
         mover.end()
     # As the arm was, by its own stamps, each once.
     assert browser.run("history_.t_s.subarray(0, history_.count).every((t, i, all) => i === 0 || t > all[i - 1])")
-    newest = browser.run("[...history_.rows.slice(NUMBERS * (history_.count - 1), NUMBERS * (history_.count - 1) + 7)]")
-    assert max(abs(a - b) for a, b in zip(newest, browser.run("live.newest.joints_rad"))) < 1e-3
     browser.until("speedNow() < 0.001")
+    newest = "[...history_.rows.slice(NUMBERS * (history_.count - 1), NUMBERS * (history_.count - 1) + 7)]"
+    browser.until(f"{newest}.every((q, j) => Math.abs(q - live.newest.joints_rad[j]) < 1e-3)")
     look = "(drawHistory(), document.getElementById('history-joints').toDataURL())"
     before = browser.run(look)
     browser.click("#history-120")
@@ -410,7 +407,7 @@ def twin_ends(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
     token = twin.address.split("token=")[1]
     twin.process.terminate()
-    twin.process.wait(10)
+    twin.process.wait(60)
     browser.until("document.getElementById('banner').textContent.includes('The twin cannot be reached')")
     twin.keep(browser, "twin-gone")
     # The browser tells of connections that fail.

@@ -60,7 +60,7 @@ class Twin:
         printed = rig.folder / "address"
         with printed.open("w") as out:
             self.process = rig.start("twin", *options, *rig.drive_at, *rig.stream_at, stdout=out)
-        until = time.monotonic() + 30
+        until = time.monotonic() + 300
         while not printed.read_text().endswith("\n"):
             assert time.monotonic() < until, "the twin tells no address"
             time.sleep(0.02)

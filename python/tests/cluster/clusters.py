@@ -7,16 +7,21 @@ import signal
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from pathlib import Path
 
 import distributed
 import psutil
+import pyarrow as pa
+
+from iiwasim._chunks import Planning
 
 # Read when Ray is imported: no reports of usage, and the loopback interface alone, as on other systems than Linux.
 os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
 
 import ray
 
-WAIT_S = 30.0
+# An end of waiting for what is broken, not a measure of anything.
+LONG_S = 300.0
 STORE_BYTES = 200_000_000
 
 
@@ -36,7 +41,7 @@ def ray_cluster(workers: int = 2) -> Iterator[None]:
         yield
     finally:
         ray.shutdown()
-        _, left = psutil.wait_procs(started, WAIT_S)
+        _, left = psutil.wait_procs(started, LONG_S)
         assert not left, f"Ray left {left}"
 
 
@@ -55,40 +60,26 @@ def dask_cluster(workers: int = 2) -> Iterator[distributed.Client]:
 CLUSTERS = {"cores": nullcontext, "ray": ray_cluster, "dask": dask_cluster}
 
 
-def kill_worker_of_ray() -> None:
-    """One that is planning."""
+def victim(pid_file: Path) -> type[Planning]:
+    """Planning, of which one worker waits to be killed: the first one, as soon as the file's folder is there."""
 
-    def planning() -> list[psutil.Process]:
-        children = psutil.Process().children(recursive=True)
-        return [child for child in children if _title(child) in ("ray::_figures", "ray::MapBatches(Planning.figures)")]
+    class Victim(Planning):
+        def figures(self, chunk: pa.Table) -> pa.Table:
+            try:
+                with pid_file.open("x") as file:
+                    print(os.getpid(), file=file)
+            except (FileExistsError, FileNotFoundError):
+                return super().figures(chunk)
+            time.sleep(LONG_S)
+            raise TimeoutError("nobody has killed this worker")
 
-    _kill(_first(planning).pid)
-
-
-def kill_worker_of_dask(client: distributed.Client) -> None:
-    """One that is planning."""
-    pids = client.run(os.getpid)
-
-    def planning() -> list[int]:
-        return [pids[worker] for worker, tasks in client.processing().items() if tasks]
-
-    _kill(_first(planning))
+    return Victim
 
 
-def _title(process: psutil.Process) -> str:
-    try:
-        return process.cmdline()[0]
-    except (psutil.Error, IndexError):
-        return ""
-
-
-def _first(find):
-    until = time.monotonic() + WAIT_S
-    while not (found := find()):
-        assert time.monotonic() < until, "no worker is planning"
+def kill_victim(pid_file: Path) -> None:
+    """Kills the worker that waits for it."""
+    until = time.monotonic() + LONG_S
+    while not (pid_file.exists() and pid_file.read_text().endswith("\n")):
+        assert time.monotonic() < until, "no worker has begun"
         time.sleep(0.01)
-    return found[0]
-
-
-def _kill(pid: int) -> None:
-    os.kill(pid, signal.SIGKILL)
+    os.kill(int(pid_file.read_text()), signal.SIGKILL)

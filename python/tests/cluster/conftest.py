@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import NamedTuple
 
 import clusters
@@ -20,23 +21,23 @@ CHUNK = 50
 
 
 class Cluster(NamedTuple):
-    """Where programs are planned, and how one of its workers is killed."""
+    """Where programs are planned."""
 
+    module: ModuleType
     plan: Callable[..., batches.Planned]
     figures: Callable[..., pa.Table]
-    kill_worker: Callable[[], None]
 
 
 @pytest.fixture(scope="session")
 def of_ray() -> Iterator[Cluster]:
     with clusters.ray_cluster():
-        yield Cluster(iiwasim.ray.plan, iiwasim.ray.figures, clusters.kill_worker_of_ray)
+        yield Cluster(iiwasim.ray, iiwasim.ray.plan, iiwasim.ray.figures)
 
 
 @pytest.fixture(scope="session")
 def of_dask() -> Iterator[Cluster]:
-    with clusters.dask_cluster() as client:
-        yield Cluster(iiwasim.dask.plan, iiwasim.dask.figures, lambda: clusters.kill_worker_of_dask(client))
+    with clusters.dask_cluster():
+        yield Cluster(iiwasim.dask, iiwasim.dask.plan, iiwasim.dask.figures)
 
 
 @pytest.fixture(params=["of_ray", "of_dask"])

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
 
 import cloudpickle
+import clusters
 import dask.dataframe as dd
 import pandas as pd
 import pyarrow as pa
@@ -34,18 +38,22 @@ class Deadly(Planning):
         os._exit(1)
 
 
+@contextmanager
+def a_worker_is_killed(module: ModuleType, folder: Path) -> Iterator[None]:
+    """One that plans in here."""
+    pid_file = folder / "pid"
+    with pytest.MonkeyPatch.context() as patch, ThreadPoolExecutor() as meanwhile:
+        patch.setattr(module, "Planning", clusters.victim(pid_file))
+        killed = meanwhile.submit(clusters.kill_victim, pid_file)
+        yield
+        killed.result()
+
+
 def test_a_worker_is_killed(cluster: Cluster, source: Path, on_one_core: pa.Table, tmp_path: Path) -> None:
-    killed: list[int] = []
-
-    def kill_once(done: int, _: int) -> None:
-        if not killed:
-            cluster.kill_worker()
-            killed.append(done)
-
-    planned = cluster.plan(source, tmp_path, chunk=CHUNK, progress=kill_once)
-    assert len(killed) == 1 and killed[0] < COUNT
-    assert planned == (tmp_path, COUNT, COUNT)
-    assert batches.read(tmp_path).equals(on_one_core)
+    target = tmp_path / "figures"
+    with a_worker_is_killed(cluster.module, tmp_path):
+        assert cluster.plan(source, target, chunk=CHUNK) == (target, COUNT, COUNT)
+    assert batches.read(target).equals(on_one_core)
 
 
 def test_an_interrupted_run_is_taken_up_elsewhere(
@@ -103,18 +111,17 @@ def test_ray_data(of_ray: Cluster, programs: list[str], on_one_core: pa.Table, t
     names = [f"program {place}" for place in range(COUNT)]
     table = pa.table({"name": names, "program": programs})
     dataset = ray.data.from_arrow([table.slice(place, 70) for place in range(0, COUNT, 70)])
-    with ThreadPoolExecutor() as meanwhile:
-        killed = meanwhile.submit(of_ray.kill_worker)
+    with a_worker_is_killed(iiwasim.ray, tmp_path):
         rows = pa.Table.from_pylist(iiwasim.ray.mapped(dataset, chunk=CHUNK).take_all())
-        killed.result()
     assert rows["name"].to_pylist() == names
     for column in ("cycle_time_s", "limited_by", "error"):
         assert rows[column].to_pylist() == on_one_core[column].to_pylist()
-    iiwasim.ray.plan(dataset, tmp_path, chunk=CHUNK)
-    figures = batches.read(tmp_path)
+    target = tmp_path / "figures"
+    iiwasim.ray.plan(dataset, target, chunk=CHUNK)
+    figures = batches.read(target)
     assert figures["name"].to_pylist() == names
     assert figures.drop_columns(["name"]).equals(on_one_core)
-    assert iiwasim.ray.plan(dataset, tmp_path, chunk=CHUNK).rows_planned == 0
+    assert iiwasim.ray.plan(dataset, target, chunk=CHUNK).rows_planned == 0
     with pytest.raises(iw.IiwasimError, match="no column 'json'"):
         iiwasim.ray.mapped(dataset, column="json")
 
@@ -123,21 +130,20 @@ def test_data_frame_of_dask(of_dask: Cluster, programs: list[str], on_one_core: 
     names = [f"program {place}" for place in range(COUNT)]
     rows = pd.DataFrame({"name": names, "program": programs}, index=pd.RangeIndex(1000, 1000 + COUNT))
     frame = dd.from_pandas(rows, npartitions=7)
-    mapped = iiwasim.dask.mapped(frame)
-    with ThreadPoolExecutor() as meanwhile:
-        killed = meanwhile.submit(of_dask.kill_worker)
+    with a_worker_is_killed(iiwasim.dask, tmp_path):
+        mapped = iiwasim.dask.mapped(frame)
         computed = mapped.compute()
-        killed.result()
     assert computed["name"].tolist() == names
     assert computed.index.equals(rows.index)
     assert computed.dtypes.equals(mapped.dtypes)
     for column in ("cycle_time_s", "limited_by", "error"):
         values = pa.array(computed[column]).to_pylist()
         assert values == on_one_core[column].to_pylist()
-    iiwasim.dask.plan(frame, tmp_path, chunk=CHUNK)
-    figures = batches.read(tmp_path)
+    target = tmp_path / "figures"
+    iiwasim.dask.plan(frame, target, chunk=CHUNK)
+    figures = batches.read(target)
     assert figures["name"].to_pylist() == names
     assert figures.drop_columns(["name"]).equals(on_one_core)
-    assert iiwasim.dask.plan(frame, tmp_path, chunk=CHUNK).rows_planned == 0
+    assert iiwasim.dask.plan(frame, target, chunk=CHUNK).rows_planned == 0
     with pytest.raises(iw.IiwasimError, match="no column 'json'"):
         iiwasim.dask.mapped(frame, column="json")

@@ -29,7 +29,7 @@ def run(*command: str, cwd: Path | None = None) -> subprocess.CompletedProcess[s
     # Ray would report usage, and listen on all interfaces.
     env = {**os.environ, "RAY_USAGE_STATS_ENABLED": "0", "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
     return subprocess.run(
-        [sys.executable, *command], check=False, capture_output=True, text=True, timeout=120, cwd=cwd, env=env
+        [sys.executable, *command], check=False, capture_output=True, text=True, timeout=600, cwd=cwd, env=env
     )
 
 
