@@ -5,8 +5,11 @@ pub mod joints;
 pub mod long_program;
 pub mod machine;
 pub mod reference;
+#[cfg(feature = "peers")]
 pub mod topp3;
+#[cfg(feature = "peers")]
 pub mod topp_ra;
+#[cfg(feature = "peers")]
 pub mod urdf_chain;
 
 /// Anything that keeps a bench from running.

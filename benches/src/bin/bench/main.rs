@@ -7,9 +7,11 @@ mod batch;
 mod cartesian;
 mod import;
 mod no_arguments;
+#[cfg(feature = "peers")]
 mod realtime;
 mod recording;
 mod replan;
+#[cfg(feature = "peers")]
 mod report;
 mod scale;
 mod stress;
@@ -20,13 +22,15 @@ use iiwasim_benches::Result;
 
 type Bench = fn(&[&str]) -> Result<ExitCode>;
 
-const BENCHES: [(&str, Bench); 9] = [
+const BENCHES: &[(&str, Bench)] = &[
     ("batch", batch::run),
     ("cartesian", cartesian::run),
     ("import", import::run),
+    #[cfg(feature = "peers")]
     ("realtime", realtime::run),
     ("recording", recording::run),
     ("replan", replan::run),
+    #[cfg(feature = "peers")]
     ("report", report::run),
     ("scale", scale::run),
     ("stress", stress::run),
@@ -35,9 +39,13 @@ const BENCHES: [(&str, Bench); 9] = [
 fn main() -> Result<ExitCode> {
     let arguments: Vec<String> = env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let known = BENCHES.map(|(name, _)| name).join(", ");
+    let names: Vec<_> = BENCHES.iter().map(|(name, _)| *name).collect();
+    let mut known = names.join(", ");
+    if cfg!(not(feature = "peers")) {
+        known.push_str("; with the feature `peers` realtime and report, too");
+    }
     let (name, rest) = words.split_first().ok_or_else(|| format!("name a bench: {known}"))?;
-    let bench = BENCHES.into_iter().find(|(bench, _)| bench == name);
+    let bench = BENCHES.iter().find(|(bench, _)| bench == name);
     let (_, run) = bench.ok_or_else(|| format!("there is no bench {name}, but {known}"))?;
     run(rest)
 }
