@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What the package costs next to Rust alone.
 
-    python/benches/overhead.py target/release/native [WHEEL]
+    python/benches/overhead.py python/target/release/native [WHEEL]
 
 Rust and Python take turns, so that both see the same machine; medians are compared.
 """

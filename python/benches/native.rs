@@ -29,7 +29,7 @@ fn micros(rounds: usize, mut work: impl FnMut()) -> f64 {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let robot = Robot::default();
-    let program = Program::from_json(include_str!("../../../fixtures/ten-motions.json"))?;
+    let program = Program::from_json(include_str!("../../fixtures/ten-motions.json"))?;
     let options = PlanOptions::default();
     let trajectory = options.plan(&program, &robot)?;
     let plan_us = micros(41, || {
