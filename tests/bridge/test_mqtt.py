@@ -143,61 +143,130 @@ def test_rate(mosquitto: Mosquitto, bridge: Start, quick_robot: Robot, name: str
         assert measured < 1.2 * rate
 
 
+def refusal_of(way: MqttWay, identity: str) -> str:
+    """Why a command is refused."""
+    read_until(way, lambda: [it for it in way.replies if it.get("id") == identity], "the command is answered")
+    (reply,) = (it["reply"] for it in way.replies if it.get("id") == identity)
+    assert not reply["ok"], reply
+    return reply["error"]["message"]
+
+
 def test_reply_goes_where_it_is_asked_for(
     mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
     """MQTT 5: the topic and the correlation data that the request names."""
-    answers = f"answers/{uuid.uuid4().hex}"
-    with MqttWay(mosquitto, name) as way, MqttClient(mosquitto.port(), answers) as client:
+    with MqttWay(mosquitto, name) as way:
+        answers = way.topic(f"reply/{uuid.uuid4().hex}")
         bridge(simulated_robot, *way.options, "--allow-commands")
-
-        def ask() -> bool:
+        # The bridge subscribes before it sends joints.
+        read_until(way, lambda: of(way, "joints"), "joints are passed on")
+        with MqttClient(mosquitto.port(), answers) as client:
             body = json.dumps(command(name, "state"))
             client.publish(way.topic("request"), body, ResponseTopic=answers, CorrelationData=b"\x00\x01 any bytes")
-            time.sleep(0.3)
-            return bool(client.received)
-
-        until(ask, "there is a reply")
-        reply = client.received[0]
+            client.until(lambda: client.received, "there is a reply")
+            reply = client.received[0]
         assert reply.json()["reply"]["ok"]
         assert bytes.fromhex(reply.properties["CorrelationData"]) == b"\x00\x01 any bytes"
         way.take()
         assert not way.replies
 
 
-def test_retained_command_is_refused(mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str) -> None:
-    """The broker would hand it out to each bridge that comes."""
-    with MqttWay(mosquitto, name) as way:
-        body = json.dumps(command(name, "run_motions", motions=LONG["motions"]))
-        way.client.publish(way.topic("request"), body, retain=True)
-        bridge(simulated_robot, *way.options, "--allow-commands")
-        read_until(way, lambda: len(of(way, "joints")) > 100, "joints are passed on")
-        assert simulated_robot.is_idle() and not of(way, "run")
-        way.client.publish(way.topic("request"), b"", retain=True)
-
-
-def test_topic_of_replies_cannot_be_used_for_commands(
+def test_foreign_response_topic_is_refused(
     mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
-    """A reply that goes to the topic of requests is no command, and starts no loop."""
+    """The bridge may publish where the sender may not, such as to the requests of another robot."""
     with MqttWay(mosquitto, name) as way:
         bridge(simulated_robot, *way.options, "--allow-commands")
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
+        before = simulated_robot.joints()
         requests = way.topic("request")
-        for where in (requests, "not/+/allowed/#", "$SYS/broker", ""):
-            with MqttClient(mosquitto.port(), requests) as listener:
-                properties = {"ResponseTopic": where} if where else {}
-                try:
-                    listener.publish(requests, json.dumps(command(name, "state")), **properties)
-                except ValueError:
-                    continue
-                time.sleep(2)
-                heard = len(listener.received)
-                print(f"a reply to {where!r}: {heard} messages in the topic of requests")
-                assert heard < 20, "each reply is answered by another one"
-        way.take()
-        count = len(of(way, "joints"))
-        read_until(way, lambda: len(of(way, "joints")) > count + 10, "joints are passed on")
+        foreign = [
+            f"answers/{name}",
+            requests,
+            way.topic("state"),
+            way.topic("reply") + "s",
+            f"iiwasim/{name}-2/request",
+            f"iiwasim/{name}-2/reply/1",
+        ]
+        with MqttClient(mosquitto.port(), *foreign) as listener:
+            for where in foreign:
+                body = command(name, "run_motions", motions=LONG["motions"])
+                listener.publish(requests, json.dumps(body), ResponseTopic=where, CorrelationData=b"7f3c")
+                assert f"the response topic has to be `{way.topic('reply')}`" in refusal_of(way, body["id"])
+            # What the bridge had sent there would come before this.
+            listener.publish(foreign[0], "end")
+            listener.until(lambda: [it for it in listener.received if it.payload == b"end"], "all is read")
+            heard = [message for message in listener.received if b'"kind":"reply"' in message.payload]
+        assert not heard
+        replies = way.client.of(way.topic("reply"))
+        assert {reply.properties["CorrelationData"] for reply in replies} == {b"7f3c".hex()}
+        assert simulated_robot.is_idle() and simulated_robot.joints() == before
+        assert not of(way, "run")
+
+
+def test_retained_command_is_refused(way: MqttWay, bridge: Start, simulated_robot: Robot) -> None:
+    """The broker hands it out to each bridge that subscribes."""
+    body = command(way.robot, "run_motions", motions=LONG["motions"])
+    way.client.publish(way.topic("request"), json.dumps(body), retain=True)
+    before = simulated_robot.joints()
+    bridge(simulated_robot, *way.options, "--allow-commands")
+    assert "the command is retained" in refusal_of(way, body["id"])
+    assert simulated_robot.is_idle() and simulated_robot.joints() == before
+    assert not of(way, "run")
+    way.client.publish(way.topic("request"), b"", retain=True)
+
+
+def test_command_retained_while_the_bridge_is_subscribed_is_refused(
+    mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
+    """MQTT 5: the broker passes the flag on."""
+    with MqttWay(mosquitto, name) as way:
+        first = bridge(simulated_robot, *way.options, "--allow-commands")
+        read_until(way, lambda: of(way, "joints"), "joints are passed on")
+        before = simulated_robot.joints()
+        for kind, request in [("run_motions", {"motions": LONG["motions"]}), ("stop", {})]:
+            body = command(name, kind, **request)
+            way.client.publish(way.topic("request"), json.dumps(body), retain=True)
+            assert "the command is retained" in refusal_of(way, body["id"])
+        # A connection later, the last one is there again, and refused again.
+        first.end()
+        way.replies.clear()
+        bridge(simulated_robot, *way.options, "--allow-commands")
+        assert "the command is retained" in refusal_of(way, body["id"])
+        # It is removed without a reply, and the next command is an ordinary one.
+        way.replies.clear()
+        way.client.publish(way.topic("request"), b"", retain=True)
+        body = command(name, "state")
+        way.send(json.dumps(body).encode())
+        read_until(way, lambda: way.replies, "the command is answered")
+        assert [reply["id"] for reply in way.replies] == [body["id"]] and way.replies[0]["reply"]["ok"]
+        assert simulated_robot.is_idle() and simulated_robot.joints() == before
+        assert not of(way, "run")
+
+
+def test_retained_command_runs_once_by_3_1_1(
+    mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
+    """MQTT 3.1.1: the broker clears the flag for who is subscribed, as the guide says. Later deliveries are refused."""
+    with MqttWay(mosquitto, name, 4) as way:
+        first = bridge(simulated_robot, *way.options, "--allow-commands")
+        read_until(way, lambda: of(way, "joints"), "joints are passed on")
+        body = command(name, "run_motions", motions=SHORT["motions"])
+        way.client.publish(way.topic("request"), json.dumps(body), retain=True)
+        read_until(way, lambda: [it for it in way.replies if it["id"] == body["id"]], "the run has ended")
+        assert way.replies[0]["reply"]["ok"]
+        # To the same bridge, as a command that the broker repeats.
+        way.replies.clear()
+        way.send(json.dumps(body).encode())
+        assert "has been received before" in refusal_of(way, body["id"])
+        first.end()
+        way.replies.clear()
+        before = simulated_robot.joints()
+        bridge(simulated_robot, *way.options, "--allow-commands")
+        assert "the command is retained" in refusal_of(way, body["id"])
+        assert simulated_robot.is_idle() and simulated_robot.is_at(before)
+        assert len([it for it in of(way, "run") if it["event"] == "begin"]) == 1
+        way.client.publish(way.topic("request"), b"", retain=True)
 
 
 def test_two_bridges_of_one_name_take_turns_without_harm(way: MqttWay, bridge: Start, simulated_robot: Robot) -> None:

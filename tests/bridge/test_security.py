@@ -182,3 +182,31 @@ def test_spool_is_one_bridge_s(
     with KafkaWay(kafka, name) as way:
         passes(way, bridge(simulated_robot, *way.options, *spool))
         refuses(bridge(simulated_robot, *way.options, *spool), "another bridge uses the spool")
+
+
+@pytest.mark.parametrize("options", [["--name", ".."], ["--add", "..=127.0.0.1:1,127.0.0.1:1"]], ids=["name", "add"])
+def test_name_that_leads_out_of_the_spool_is_refused(
+    mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, tmp_path: Path, options: list[str]
+) -> None:
+    spool = tmp_path / "plant" / "spool"
+    passing = bridge(simulated_robot, "--mqtt", mosquitto.address(), "--spool", str(spool), *options)
+    refuses(passing, "invalid robot name `..`: use 1 to 64 letters, digits, `-` and `_`")
+    assert not spool.parent.exists()
+
+
+@pytest.mark.parametrize("file", ["lock", "cursor", "000000000001.spool"])
+def test_link_in_the_spool_is_refused(
+    mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, tmp_path: Path, name: str, file: str
+) -> None:
+    """Whoever may write to the folder of the spool cannot have the bridge empty or send another file."""
+    victim = tmp_path / "victim"
+    victim.write_text("precious")
+    with MqttWay(mosquitto, name) as way:
+        link = tmp_path / "spool" / "mqtt" / name / file
+        link.parent.mkdir(parents=True)
+        link.symlink_to(victim)
+        refuses(bridge(simulated_robot, *way.options, "--spool", str(tmp_path / "spool")), f"{link} is a symbolic link")
+        assert victim.read_text() == "precious"
+        link.unlink()
+        bridge(simulated_robot, *way.options, "--spool", str(tmp_path / "spool"))
+        read_until(way, lambda: of(way, "joints"), "joints are passed on")

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! It is refused if the bridge takes no commands, if it is malformed or too long, if `at` is not within
-//! [`MAX_AGE`] of the bridge's clock, or if its `id` has been seen before. What passes goes to the drive, with its checks. The
+//! [`MAX_AGE`] of the bridge's clock, or if its `id` has been seen before; brokers refuse further ones because of their delivery
+//! ([`CommandGate::refuse`]). What passes goes to the drive, with its checks. The
 //! reply names the `id`.
 
 mod envelope;
@@ -90,12 +91,26 @@ impl CommandGate {
             Ok(()) => {
                 self.accepted.fetch_add(1, Ordering::Relaxed);
             }
-            Err((refusal, answer)) => {
-                self.refused.fetch_add(1, Ordering::Relaxed);
-                tracing::warn!("a command was refused: {refusal}");
-                answer(CommandReply::refused(robot, envelope.id, &refusal));
-            }
+            Err((refusal, answer)) => self.reply(robot, envelope.id, &refusal, answer),
         }
+    }
+
+    /// Refuses a command because of the way in which it was delivered, and replies, whatever the command is.
+    pub fn refuse(&self, robot: Option<&str>, body: &[u8], refusal: &Refusal, answer: Answer) {
+        let named = if body.len() > MAX_COMMAND_BYTES {
+            Envelope::default()
+        } else {
+            Envelope::read(body).unwrap_or_else(|(named, _)| named)
+        };
+        let robot = named.robot.as_deref().or(robot).map(str::to_owned);
+        self.reply(robot, named.id, refusal, answer);
+    }
+
+    /// Counts and logs a refusal, and replies with it.
+    fn reply(&self, robot: Option<String>, id: Option<String>, refusal: &Refusal, answer: Answer) {
+        self.refused.fetch_add(1, Ordering::Relaxed);
+        tracing::warn!("a command was refused: {refusal}");
+        answer(CommandReply::refused(robot, id, refusal));
     }
 
     /// The counts so far.

@@ -8,8 +8,8 @@ use iiwa_link::LinkError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BridgeError {
-    /// The name of a robot cannot be part of a topic.
-    #[error("`{name}` is no name for a robot: 1 to 64 letters, digits, `_`, `-` and `.` are")]
+    /// The name of a robot cannot be part of topics and paths.
+    #[error("invalid robot name `{name}`: use 1 to 64 letters, digits, `-` and `_`")]
     RobotName {
         /// The name.
         name: String,

@@ -14,12 +14,12 @@ pub struct BridgedRobot {
 }
 
 impl BridgedRobot {
-    /// A robot with a name of letters, digits, `_`, `-` and `.`, and the addresses of its drive for requests and of its
+    /// A robot with a name of letters, digits, `-` and `_`, and the addresses of its drive for requests and of its
     /// stream, such as `tcp://127.0.0.1:5560` and `tcp://127.0.0.1:5561`.
     ///
     /// # Errors
     ///
-    /// The name contains other characters or is longer than 64: it is part of topics.
+    /// The name is empty, longer than 64 characters or has others than these: it is part of topics and the name of a folder.
     pub fn new(
         name: impl Into<String>,
         remote: Remote,
@@ -27,7 +27,8 @@ impl BridgedRobot {
         stream: impl Into<String>,
     ) -> Result<Self, BridgeError> {
         let name = name.into();
-        let fits = |letter: char| letter.is_ascii_alphanumeric() || "_-.".contains(letter);
+        // Without dots, no name is that of another folder, such as `..`.
+        let fits = |letter: char| letter.is_ascii_alphanumeric() || "_-".contains(letter);
         if name.is_empty() || name.len() > 64 || !name.chars().all(fits) {
             return Err(BridgeError::RobotName { name });
         }

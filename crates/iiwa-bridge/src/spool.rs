@@ -10,6 +10,7 @@
 //! A segment is `iiwaspl1`, and then records of length, CRC-32 of the data, data; numbers are little-endian.
 
 mod cursor;
+mod own_file;
 mod queue;
 mod reader;
 mod segment;
@@ -37,7 +38,8 @@ pub use reader::{Record, SpoolReader};
 ///
 /// # Errors
 ///
-/// The folder cannot be created or read, or another process uses it ([`io::ErrorKind::WouldBlock`]).
+/// The folder cannot be created or read, another process uses it ([`io::ErrorKind::WouldBlock`]), or a symbolic link or a folder
+/// has the name of one of its files.
 pub fn open(folder: &Path, max_bytes: u64) -> io::Result<(Spool, SpoolReader)> {
     let (spool, cursor) = Spool::open(folder, max_bytes)?;
     Ok((spool, SpoolReader::new(cursor)))

@@ -303,11 +303,18 @@ fn a_replay_is_followed_as_a_drive_and_moves_nothing() {
 }
 
 #[test]
-fn names_that_topics_cannot_have_are_refused() {
-    for name in ["", "a/b", "a b", "ä", "+", "#", &"x".repeat(65)] {
-        assert!(
-            BridgedRobot::new(name, Remote::open(), "tcp://127.0.0.1:1", "x").is_err(),
-            "{name}"
-        );
+fn names_that_topics_or_folders_cannot_have_are_refused() {
+    let named = |name: &str| BridgedRobot::new(name, Remote::open(), "tcp://127.0.0.1:1", "x");
+    let long = "x".repeat(65);
+    for name in [
+        "", ".", "..", "...", "cell.1", "../cell", "a/b", "a\\b", "a b", "a\0", "ä", "+", "#",
+        &long,
+    ] {
+        let error = named(name).unwrap_err().to_string();
+        let expected = "use 1 to 64 letters, digits, `-` and `_`";
+        assert_eq!(error, format!("invalid robot name `{name}`: {expected}"));
+    }
+    for name in ["iiwa", "cell-1", "Cell_2", "7", &"x".repeat(64)] {
+        assert_eq!(named(name).unwrap().name(), name);
     }
 }

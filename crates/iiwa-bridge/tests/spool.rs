@@ -147,6 +147,85 @@ fn files_that_are_no_segments_are_left_alone() {
     assert_eq!(fs::read_to_string(folder.path().join("notes.txt")).unwrap(), "mine");
 }
 
+/// A folder with a file outside of the spool, to which a link of the spool leads.
+#[cfg(unix)]
+struct Victim {
+    above: tempfile::TempDir,
+}
+
+#[cfg(unix)]
+impl Victim {
+    fn new() -> Self {
+        let above = tempfile::tempdir().unwrap();
+        fs::create_dir(above.path().join("spool")).unwrap();
+        fs::write(above.path().join("victim"), "iiwaspl1 precious").unwrap();
+        Self { above }
+    }
+
+    fn spool(&self) -> std::path::PathBuf {
+        self.above.path().join("spool")
+    }
+
+    /// Puts a link to the victim into the spool.
+    fn link(&self, name: &str) {
+        std::os::unix::fs::symlink(self.above.path().join("victim"), self.spool().join(name))
+            .unwrap();
+    }
+
+    /// The error names the link and what to do, and the victim is as it was.
+    fn check(&self, name: &str, error: &io::Error) {
+        let error = error.to_string();
+        let link = self.spool().join(name);
+        let expected = format!("{} is a symbolic link, which the bridge has not", link.display());
+        assert!(error.starts_with(&expected) && error.contains(": remove it"), "{error}");
+        assert!(link.is_symlink());
+        let content = fs::read_to_string(self.above.path().join("victim")).unwrap();
+        assert_eq!(content, "iiwaspl1 precious");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_spool_with_a_link_is_not_opened() {
+    for name in ["lock", "cursor", "000000000001.spool"] {
+        let victim = Victim::new();
+        victim.link(name);
+        victim.check(name, &spool::open(&victim.spool(), 64 * MB).unwrap_err());
+        // As the error says.
+        fs::remove_file(victim.spool().join(name)).unwrap();
+        spool::open(&victim.spool(), 64 * MB).unwrap();
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn links_that_appear_later_are_not_followed() {
+    let victim = Victim::new();
+    let (spool, mut reader) = spool::open(&victim.spool(), 64 * MB).unwrap();
+    victim.link("cursor.new");
+    victim.check("cursor.new", &reader.save(&spool).unwrap_err());
+    fs::remove_file(victim.spool().join("cursor.new")).unwrap();
+    // Left behind by a process that was killed.
+    fs::write(victim.spool().join("cursor.new"), "1").unwrap();
+    reader.save(&spool).unwrap();
+    assert!(!victim.spool().join("cursor.new").exists());
+
+    victim.link("000000000002.spool");
+    let failed = (0..6).find_map(|i| spool.append(&record(i, 1 << 20)).err()).unwrap();
+    victim.check("000000000002.spool", &failed);
+    fs::remove_file(victim.spool().join("000000000002.spool")).unwrap();
+    spool.append(&record(7, 8)).unwrap();
+    assert_eq!(rest(&spool, &mut reader).last(), Some(&7));
+}
+
+#[test]
+fn the_content_of_the_lock_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("lock"), "mine").unwrap();
+    let (_spool, _reader) = spool::open(folder.path(), 64 * MB).unwrap();
+    assert_eq!(fs::read_to_string(folder.path().join("lock")).unwrap(), "mine");
+}
+
 #[derive(Clone, Debug)]
 enum Step {
     Append(usize),

@@ -251,18 +251,14 @@ impl Arriving {
 #[derive(Debug)]
 pub(super) struct Received {
     pub(super) payload: Bytes,
-    /// Whether it is an old one, which the broker has kept.
+    /// Whether the broker keeps it for later subscribers. By MQTT 3.1.1, it says so only of what it had kept before the
+    /// subscription.
     pub(super) is_retained: bool,
-    /// Topic and correlation data of the reply, if the sender names them (MQTT 5).
-    pub(super) reply_to: Option<ReplyTo>,
-    pub(super) topic: String,
-}
-
-/// Where a reply goes.
-#[derive(Clone, Debug)]
-pub(super) struct ReplyTo {
-    pub(super) topic: String,
+    /// Where the sender asks for a reply (MQTT 5).
+    pub(super) response_topic: Option<String>,
+    /// What the sender asks to be part of the reply (MQTT 5).
     pub(super) correlation: Option<Bytes>,
+    pub(super) topic: String,
 }
 
 fn of_v3(event: Event) -> Incoming {
@@ -272,7 +268,8 @@ fn of_v3(event: Event) -> Incoming {
         Event::Incoming(Packet::Publish(publish)) => Incoming::Message(Received {
             payload: publish.payload,
             is_retained: publish.retain,
-            reply_to: None,
+            response_topic: None,
+            correlation: None,
             topic: publish.topic,
         }),
         _ => Incoming::Other,
@@ -297,12 +294,11 @@ fn of_v5(event: v5::Event) -> Incoming {
         }
         v5::Event::Incoming(Packet::Publish(publish)) => {
             let properties = publish.properties.unwrap_or_default();
-            let correlation = properties.correlation_data;
-            let reply_to = properties.response_topic.map(|topic| ReplyTo { topic, correlation });
             Incoming::Message(Received {
                 payload: publish.payload,
                 is_retained: publish.retain,
-                reply_to,
+                response_topic: properties.response_topic,
+                correlation: properties.correlation_data,
                 topic: String::from_utf8_lossy(&publish.topic).into_owned(),
             })
         }
@@ -440,12 +436,18 @@ impl Connection {
         if is_sent { Ok(()) } else { Err(MqttFailure::lost()) }
     }
 
-    /// Subscribes with `QoS` 1.
+    /// Subscribes with `QoS` 1. By MQTT 5, messages keep the flag that their sender has asked the broker to retain them, those
+    /// too that arrive later.
     pub(super) async fn subscribe(&self, topic: &str) -> Result<(), MqttFailure> {
         let is_sent = match &self.client {
             Client::V3(client) => client.subscribe(topic, QoS::AtLeastOnce).await.is_ok(),
             Client::V5(client) => {
-                client.subscribe(topic, v5::mqttbytes::QoS::AtLeastOnce).await.is_ok()
+                let mut filter =
+                    v5::mqttbytes::v5::Filter::new(topic, v5::mqttbytes::QoS::AtLeastOnce);
+                filter.preserve_retain = true;
+                // What is retained already arrives, too: a command is refused with a reply, and not silently.
+                filter.retain_forward_rule = v5::mqttbytes::v5::RetainForwardRule::OnEverySubscribe;
+                client.subscribe_many([filter]).await.is_ok()
             }
         };
         if is_sent { Ok(()) } else { Err(MqttFailure::lost()) }

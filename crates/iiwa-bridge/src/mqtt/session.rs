@@ -9,13 +9,15 @@ use std::{
     time::Duration,
 };
 
+use bytes::Bytes;
+use iiwa_link::message::Refusal;
 use tokio::{
     sync::mpsc::{Receiver, UnboundedReceiver, UnboundedSender, unbounded_channel},
     time::{Instant, interval, sleep},
 };
 
 use super::connection::{
-    Connection, Delivery, Incoming, MqttConnector, MqttFailure, Received, ReplyTo, Will,
+    Connection, Delivery, Incoming, MqttConnector, MqttFailure, Received, Will,
 };
 use crate::{
     commands::{CommandGate, CommandReply},
@@ -54,7 +56,11 @@ pub(super) struct Session {
 }
 
 /// A reply on its way.
-type Reply = (CommandReply, Option<ReplyTo>);
+struct AddressedReply {
+    reply: CommandReply,
+    topic: String,
+    correlation: Option<Bytes>,
+}
 
 /// What was sent with `QoS` 1 and is not acknowledged. Brokers acknowledge in order.
 #[derive(Default)]
@@ -133,7 +139,10 @@ impl Session {
     async fn send(
         &mut self,
         connection: &mut Connection,
-        (replies, replies_out): (&UnboundedSender<Reply>, &mut UnboundedReceiver<Reply>),
+        (replies, replies_out): (
+            &UnboundedSender<AddressedReply>,
+            &mut UnboundedReceiver<AddressedReply>,
+        ),
         (is_again, shutdown): (bool, &AtomicBool),
     ) -> Result<(), MqttFailure> {
         connection.subscribe(&format!("{}/request", self.topic)).await?;
@@ -173,10 +182,7 @@ impl Session {
                 Some(sample) = self.samples.recv() => {
                     connection.publish(&joints, sample, Delivery::AtMostOnce, None).await?;
                 }
-                Some((reply, to)) = replies_out.recv() => {
-                    let own = format!("{}/reply", self.topic);
-                    let (topic, correlation) =
-                        to.map_or((own, None), |to| (to.topic, to.correlation));
+                Some(AddressedReply { reply, topic, correlation }) = replies_out.recv() => {
                     let payload = reply.to_json().into_bytes();
                     connection.publish(&topic, payload, Delivery::AtLeastOnce, correlation).await?;
                     in_flight.sent(false);
@@ -229,16 +235,45 @@ impl Session {
         Ok(())
     }
 
-    fn command(&self, received: Received, replies: &UnboundedSender<Reply>) {
-        let Received { payload, is_retained, reply_to, .. } = received;
-        if is_retained {
-            tracing::warn!("a retained command was ignored: it may be old");
+    fn command(&self, received: Received, replies: &UnboundedSender<AddressedReply>) {
+        let Received { payload, is_retained, response_topic, correlation, .. } = received;
+        if is_retained && payload.is_empty() {
+            // It removes a retained command from the broker.
             return;
         }
+        let (topic, addressed) = reply_topic(&self.topic, response_topic);
+        let accepted = if is_retained { Err(retained()) } else { addressed };
         let replies = replies.clone();
-        let answer = move |reply| drop(replies.send((reply, reply_to)));
-        self.gate.command(Some(&self.robot), &payload, Box::new(answer));
+        let answer = move |reply| drop(replies.send(AddressedReply { reply, topic, correlation }));
+        match accepted {
+            Ok(()) => self.gate.command(Some(&self.robot), &payload, Box::new(answer)),
+            Err(refusal) => {
+                self.gate.refuse(Some(&self.robot), &payload, &refusal, Box::new(answer));
+            }
+        }
     }
+}
+
+/// The topic of the reply to a command, and whether the command is accepted with that response topic. The bridge may publish to
+/// topics to which the sender may not: it sends replies to the robot's own topic for replies, and below that.
+fn reply_topic(robot: &str, response_topic: Option<String>) -> (String, Result<(), Refusal>) {
+    let own = format!("{robot}/reply");
+    let Some(topic) = response_topic else { return (own, Ok(())) };
+    let below = topic.strip_prefix(&own).and_then(|rest| rest.strip_prefix('/'));
+    // No publication has such a topic: it would end the connection.
+    let is_topic = |rest: &str| !rest.contains(['+', '#']) && !rest.contains(char::is_control);
+    if topic == own || below.is_some_and(|rest| !rest.is_empty() && is_topic(rest)) {
+        return (topic, Ok(()));
+    }
+    let why = format!("the response topic has to be `{own}` or a topic below it");
+    (own, Err(Refusal::bad(why)))
+}
+
+fn retained() -> Refusal {
+    Refusal::bad(
+        "the command is retained, so that the broker would deliver it again and again: publish it without the retain flag; an \
+         empty retained message removes it from the broker",
+    )
 }
 
 fn unreadable(error: &std::io::Error) -> MqttFailure {
@@ -265,5 +300,42 @@ impl SpooledEvent {
         let (kind, payload) = bytes.split_first()?;
         let kind = *Kind::ALL.get(usize::from(*kind))?;
         Some(Self { kind, payload: payload.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn replies_stay_below_the_topic_for_replies() {
+        let own = "iiwasim/cell-1/reply";
+        let to = |topic: &str| reply_topic("iiwasim/cell-1", Some(topic.to_owned()));
+        assert_eq!(reply_topic("iiwasim/cell-1", None), (own.to_owned(), Ok(())));
+        for accepted in [own, "iiwasim/cell-1/reply/7f3c", "iiwasim/cell-1/reply/client/7f3c"] {
+            assert_eq!(to(accepted), (accepted.to_owned(), Ok(())));
+        }
+        for foreign in [
+            "",
+            "answers",
+            "iiwasim/cell-1",
+            "iiwasim/cell-1/",
+            "iiwasim/cell-1/request",
+            "iiwasim/cell-1/state",
+            "iiwasim/cell-1/replys",
+            "iiwasim/cell-1/reply/",
+            "iiwasim/cell-1/reply/+",
+            "iiwasim/cell-1/reply/#",
+            "iiwasim/cell-1/reply/a\u{7}",
+            "iiwasim/cell-2/reply/7f3c",
+            "iiwasim/cell-2/request",
+            "/iiwasim/cell-1/reply/7f3c",
+            "$SYS/broker",
+        ] {
+            let (topic, accepted) = to(foreign);
+            assert_eq!(topic, own, "{foreign}");
+            let why = accepted.unwrap_err().message;
+            assert!(why.contains("`iiwasim/cell-1/reply` or a topic below it"), "{foreign}: {why}");
+        }
     }
 }

@@ -10,6 +10,7 @@ use std::{
 
 use super::{
     cursor::Cursor,
+    own_file,
     segment::{Appender, scan},
 };
 
@@ -60,12 +61,12 @@ impl Spool {
     /// Opens the queue in a folder, which is created if it is missing. Returns where its last commit was, too.
     pub(super) fn open(folder: &Path, max_bytes: u64) -> io::Result<(Self, Cursor)> {
         fs::create_dir_all(folder)?;
-        let lock = File::create(folder.join(LOCK))?;
+        let lock = own_file::open_to_lock(&folder.join(LOCK))?;
         lock.try_lock().map_err(io::Error::from)?;
         let mut numbers: Vec<u64> =
             fs::read_dir(folder)?.filter_map(|entry| number_of(&entry.ok()?.path())).collect();
         numbers.sort_unstable();
-        let cursor = Cursor::load(folder);
+        let cursor = Cursor::load(folder)?;
         let mut segments = VecDeque::new();
         for number in &numbers {
             let path = path_of(folder, *number);

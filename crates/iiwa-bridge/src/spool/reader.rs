@@ -8,6 +8,7 @@ use std::{
 
 use super::{
     cursor::Cursor,
+    own_file,
     queue::{Spool, path_of},
     segment::{HEAD_BYTES, MAGIC, read_record},
 };
@@ -141,7 +142,7 @@ impl SpoolReader {
             state.tail.flush()?;
         }
         if self.file.is_none() {
-            let mut file = BufReader::new(File::open(path_of(&spool.folder, segment.number))?);
+            let mut file = BufReader::new(own_file::open(&path_of(&spool.folder, segment.number))?);
             file.seek(SeekFrom::Start(self.next.offset))?;
             self.file = Some(file);
         }
