@@ -26,14 +26,8 @@ pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
 /// Refuses to replace a file that cannot be made again, unless `overwrite` says so.
 pub(crate) fn keep_existing(what: &str, path: &Path, overwrite: bool) -> Result<(), Failure> {
     if !path.exists() {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        return match folder.filter(|folder| !folder.exists()) {
-            None => Ok(()),
-            Some(folder) => {
-                let cause = Some(format!("there is no folder {}", folder.display()));
-                Err(Failure::Run { what: format!("cannot write {}", path.display()), cause })
-            }
-        };
+        // What could not be written is refused before a robot moves, or a long computation begins.
+        return Ok(Output::new(path).map(drop)?);
     }
     if overwrite {
         return Ok(());

@@ -7,7 +7,7 @@ use iiwa_link::{
     message::{Code, Conditions, DriveState, Refusal, Request, Status},
     security::Endpoint,
 };
-use iiwa_log::{Config, JointLog, PlanOptions};
+use iiwa_log::{Config, JointLog, PlanOptions, WriteError};
 use iiwa_program::{Motion, MotionList, Ptp};
 use iiwa_traj::Trajectory;
 use iiwa_twin::runs::{DriveConnection, ExecutedRun, RunEvent, execute, position};
@@ -134,8 +134,15 @@ pub(crate) fn recording(
     robot: &Robot,
     program: &str,
 ) -> Result<Vec<u8>, Failure> {
-    log.to_mcap(file, robot, program)
-        .map_err(|error| Failure::run("cannot write the recording", &error))
+    log.to_mcap(file, robot, program).map_err(|error| {
+        let what = match error {
+            WriteError::EpochOutOfRange { .. } | WriteError::StampOutOfRange { .. } => {
+                "cannot write the recording; --epoch gives it another time"
+            }
+            _ => "cannot write the recording",
+        };
+        Failure::run(what, &error)
+    })
 }
 
 /// The trajectory as it is sent.

@@ -14,5 +14,6 @@ mod keys;
 mod page;
 mod positions;
 mod real_cabinet;
+mod recordings;
 mod rig;
 mod twin;

@@ -57,6 +57,7 @@ def checker() -> ModuleType:
     # Its dataclasses look for their module there.
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, spec.name, module)
+        patch.syspath_prepend(str(ROOT / "tests/guide"))
         spec.loader.exec_module(module)
     return module
 

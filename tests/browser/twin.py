@@ -25,7 +25,7 @@ from chromium import Browser
 from latency import frames_latency_and_memory
 from rig import Rig
 from scene import TOOL
-from twins import FIXTURES, ODD, Mover, Twin, load, send, text
+from twins import FIXTURES, ODD, TO_AND_FRO, Mover, Twin, load, send, text
 
 SCENE = "(drawArms(), document.getElementById('scene').toDataURL())"
 
@@ -173,6 +173,117 @@ def stop_stops(browser: Browser, twin: Twin) -> None:
     browser.click("#clear")
     browser.until("desk.plan === null")
     assert browser.run("document.getElementById('plan').hidden")
+
+
+# The screens of a phone, a laptop and a desk.
+SCREENS = [(390, 844), (1300, 900), (1920, 1080)]
+
+# Elements that an expression names and that the mouse does not meet at their centre.
+UNMET = """(elements => [...elements].filter(it => {
+    const { x, y, width, height } = it.getBoundingClientRect();
+    const met = document.elementFromPoint(x + width / 2, y + height / 2);
+    return !it.contains(met) && !it.closest('label')?.contains(met);
+}).map(it => it.outerHTML))"""
+
+# Buttons, fields and links that are drawn, but those in dialogs and the ones that open a file dialog.
+CONTROLS = """[...document.querySelectorAll('main :is(button, input:not([type=file]), a)')]
+    .filter(it => it.offsetWidth && !it.disabled)"""
+
+
+def stop_button_is_in_view(browser: Browser, twin: Twin) -> None:
+    twin.open(browser)
+    load(browser, FIXTURES / "ten-motions.json")
+    for width, height in SCREENS:
+        browser.size(width, height, phone=width < 500)
+        browser.frames()
+        for share in (0, 0.2, 0.4, 0.6, 0.8, 1):
+            browser.run(f"scrollTo(0, {share} * (document.documentElement.scrollHeight - innerHeight))")
+            browser.frames()
+            assert not (unmet := browser.run(f"{UNMET}([document.getElementById('stop')])")), (width, share, unmet)
+            assert share == 0 or browser.run("scrollY") > 0, f"{width} px: nothing to scroll"
+        # At the upper and the lower edge of the screen, no control is behind the header.
+        for edge in ("start", "end"):
+            script = f"{CONTROLS}.flatMap(it => (it.scrollIntoView({{ block: '{edge}' }}), {UNMET}([it])))"
+            assert not (unmet := browser.run(script)), (width, edge, unmet)
+        # In a dialog that is longer than the screen.
+        browser.run("confirmed('A question', Array(60).fill('A line'), 'Yes', 'Move'), 1")
+        for share in (0, 0.5, 1):
+            where = "document.getElementById('confirm')"
+            browser.run(f"{where}.scrollTop = {share} * ({where}.scrollHeight - {where}.clientHeight)")
+            browser.frames()
+            script = f"{UNMET}(document.querySelectorAll('#confirm .stop'))"
+            assert not (unmet := browser.run(script)), (width, share, unmet)
+            assert share == 0 or browser.run(f"{where}.scrollTop") > 0, f"{width} px: nothing to scroll"
+        for scheme in ("light", "dark"):
+            browser.scheme(scheme)
+            (twin.rig.folder / f"twin-stop-dialog-{width}-{scheme}.png").write_bytes(browser.picture())
+        browser.run("document.getElementById('confirm').close()")
+        for scheme in ("light", "dark"):
+            browser.scheme(scheme)
+            browser.run("document.getElementById('send').scrollIntoView({ block: 'center' })")
+            browser.frames()
+            (twin.rig.folder / f"twin-stop-{width}-{scheme}.png").write_bytes(browser.picture())
+        browser.scheme("light")
+        browser.run("askForName(1, 'a name'), 1")
+        assert not (unmet := browser.run(f"{UNMET}(document.querySelectorAll('#rename .stop'))")), (width, unmet)
+        browser.run("document.getElementById('rename').close()")
+    browser.size(1280, 1000)
+    browser.click("#look-full")
+    browser.until("!!document.fullscreenElement")
+    browser.frames()
+    assert not (unmet := browser.run(f"{UNMET}(document.querySelectorAll('.view .stop'))")), unmet
+    browser.click("#look-full")
+    browser.until("!document.fullscreenElement")
+    browser.click("#clear")
+
+
+def escape_and_dialogs_stop(browser: Browser, twin: Twin) -> None:
+    """Each way to stop stops a slow motion; Escape in a field or a dialog requests nothing."""
+    twin.open(browser)
+    program = twin.rig.folder / "slow.json"
+    turned = [60, 20, 0, -70, 0, 90, 0]
+    motion = {"type": "ptp", "joints_deg": turned, "velocity_rel": 0.01}
+    program.write_text(json.dumps(TO_AND_FRO | {"motions": [motion]}))
+    load(browser, program)
+
+    browser.run("document.getElementById('position-name').focus()")
+    orders = browser.run("link.count")
+    browser.key("Escape")
+    assert browser.run("document.activeElement === document.body"), "Escape does not leave the field"
+    browser.run("confirmed('A question', [], 'Yes'), 1")
+    browser.key("Escape")
+    browser.until("!document.getElementById('confirm').open")
+    assert browser.run("link.count") == orders, "Escape in a field or a dialog requests something"
+
+    def with_the_key() -> None:
+        browser.run("scrollTo(0, document.documentElement.scrollHeight)")
+        browser.key("Escape")
+
+    def in_the_dialog() -> None:
+        browser.run("window.sure = null, confirmed('A question', [], 'Yes').then(it => { window.sure = it }), 1")
+        browser.click("#confirm .stop")
+        browser.until("window.sure === false && !document.getElementById('confirm').open")
+
+    def on_the_full_screen() -> None:
+        browser.click("#look-full")
+        browser.until("!!document.fullscreenElement")
+        browser.click(".view .stop")
+
+    for stop in (with_the_key, in_the_dialog, on_the_full_screen):
+        send(browser)
+        browser.until("desk.run && desk.run.phase === 'running' && live.health.status.state === 'running_motion'")
+        stop()
+        browser.until("desk.run.phase === 'failed'")
+        assert "stopped on request" in text(browser, "run"), stop.__name__
+        assert text(browser, "stop-said") == ""
+    # A stop that fails is reported in view, and the header with it.
+    browser.run("link.open = false")
+    browser.click(".view .stop")
+    browser.until("!document.fullscreenElement")
+    browser.until("document.getElementById('stop-said').textContent.includes('cannot be reached')")
+    assert not browser.run(f"{UNMET}([document.getElementById('stop-said')])")
+    browser.run("link.open = true")
+    browser.click("#clear")
 
 
 def positions_are_kept(browser: Browser, twin: Twin) -> None:
@@ -428,6 +539,8 @@ CHECKS = [
     tool_is_drawn,
     program_is_simulated_sent_and_replayed,
     stop_stops,
+    stop_button_is_in_view,
+    escape_and_dialogs_stop,
     positions_are_kept,
     nothing_is_armed_after_a_broken_file,
     the_last_minutes_are_plotted,

@@ -9,7 +9,8 @@ of its own as well, so that drive and cabinet find their usual ports free. Fence
     ```sh      is run by bash, and has to succeed. `cargo run --release -p iiwasim --` is the given binary.
     ```text    after it is its standard output: a line `...` stands for any lines. Without an `sh` since the last
                heading it is prose.
-    ```json    is a program, a scene, frames, a profile or motions for a drive, and is planned with.
+    ```json    is a program, a scene, frames, a profile or motions for a drive, and is planned with. What the text before a
+               program says of heights is compared with the plan (geometry.py).
     ```yaml    is parsed, and those of its commands that begin with iiwasim are run.
     ```python  and the `text` after it are left to `python/tests/test_guide.py`.
 
@@ -34,6 +35,8 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from geometry import MARK, Runner, check_geometry
+
 ROOT = Path(__file__).resolve().parents[2]
 
 MARKS = {
@@ -45,6 +48,7 @@ MARKS = {
     "no output": re.compile(r"not its output"),
     "file": re.compile(r"file (?P<name>[\w.-]+)"),
     "part": re.compile(r"a part of a file"),
+    "geometry": MARK,
 }
 
 # Lines with figures that were measured, and by how much each of their numbers may differ: one bound for all, or one each.
@@ -84,6 +88,8 @@ class Fence:
     line: int
     text: str
     marks: dict = field(default_factory=dict)
+    # Text between it and the heading or the fence before it.
+    prose: str = ""
 
 
 @dataclass
@@ -102,15 +108,15 @@ class Page:
 def read_page(path):
     page = Page(path, [])
     lines = path.read_text(encoding="utf-8").split("\n")
-    marks, fence = {}, None
+    marks, fence, prose = {}, None, []
     for number, line in enumerate(lines, 1):
         if fence is not None:
             if line.strip() == "```":
                 fence.text = "\n".join(lines[fence.line : number - 1])
                 page.fences.append(fence)
-                fence = None
+                fence, prose = None, []
         elif match := re.match(r"```(\S*)", line):
-            fence, marks = Fence(match[1], number, "", marks), {}
+            fence, marks = Fence(match[1], number, "", marks, "\n".join(prose)), {}
         elif match := re.match(r"<!-- (.*) -->$", line):
             known = {name: found for name, mark in MARKS.items() if (found := mark.match(match[1]))}
             if not known:
@@ -118,9 +124,10 @@ def read_page(path):
             marks |= known
         elif line.startswith("#"):
             page.fences.append(Fence("#", number, line))
-            marks = {}
+            marks, prose = {}, []
         elif line.strip():
             marks = {}
+            prose.append(line)
     return page
 
 
@@ -305,6 +312,11 @@ def check_json(page, fence, folder):
     )
     if done.returncode != 0:
         page.wrong(fence, done.stderr)
+    elif "motions" in document:
+        planned = json.loads(arguments[0].read_text())
+        runner = Runner(folder.path, folder.environment)
+        for problem in check_geometry(planned, fence.prose, fence.marks.get("geometry"), runner):
+            page.wrong(fence, problem)
     file.unlink()
     program.unlink()
 

@@ -52,10 +52,10 @@ pub(super) fn seven(text: &str) -> Result<[f64; 7], String> {
 
 /// An instant, as the time since 1970.
 pub(super) fn epoch(text: &str) -> Result<Duration, String> {
-    // Messages count seconds in 31 bits; a year is left for what the program does.
+    // The end of 2037. Messages count seconds in 31 bits, to 19 January 2038.
     let last = Duration::from_secs(2_145_916_799);
-    let instant = humantime::parse_rfc3339(text).ok();
-    instant
+    humantime::parse_rfc3339(text)
+        .ok()
         .and_then(|instant| instant.duration_since(UNIX_EPOCH).ok())
         .filter(|epoch| *epoch <= last)
         .ok_or_else(|| "an instant from 1970 to 2037 is needed, as 2020-01-01T00:00:00Z".to_owned())

@@ -1,6 +1,9 @@
 //! Recording what the robot does, as it happens.
 
 use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Cursor;
+use std::path::Path;
 use std::time::Duration;
 
 use iiwa_kin::{Joints, Robot};
@@ -110,6 +113,26 @@ impl<S: Storage> std::fmt::Debug for Recorder<S> {
             .field("config", &self.config)
             .field("last", &self.last)
             .finish_non_exhaustive()
+    }
+}
+
+impl Recorder<File> {
+    /// Begins a recording of `robot` in a new file, or with `overwrite` in place of one that exists. A recording that
+    /// cannot begin leaves no file, and a file that exists as it was, unless the disk is full.
+    ///
+    /// # Errors
+    ///
+    /// Any [`WriteError`].
+    pub fn create(
+        path: &Path,
+        overwrite: bool,
+        robot: &Robot,
+        config: RecorderConfig,
+    ) -> Result<Self, WriteError> {
+        Recorder::new(Cursor::new(Vec::new()), robot, config.clone())?;
+        let file = if overwrite { File::create(path) } else { File::create_new(path) };
+        let file = file.map_err(mcap::McapError::from)?;
+        Self::new(file, robot, config).inspect_err(|_| drop(fs::remove_file(path)))
     }
 }
 

@@ -3,6 +3,7 @@
 //! Any program on this machine can connect to its ports, and any page in a browser can make the browser
 //! do so. The token keeps both out. The check of `Host` keeps out pages whose domain name was pointed at
 //! this machine after they were loaded (DNS rebinding); that of `Origin` those that have obtained the token.
+//! A request that repeats one of the three is rejected: a proxy or a browser may have checked another one than the first.
 
 use std::{net::SocketAddr, sync::Arc};
 
@@ -104,6 +105,8 @@ pub(crate) struct Admission {
 enum Forbidden {
     #[error("requests from other machines are not allowed")]
     Machine,
+    #[error("the request has more than one {0}")]
+    Repeated(&'static str),
     #[error("the host has to be 127.0.0.1 or localhost")]
     Host,
     #[error("the token is missing or wrong")]
@@ -123,24 +126,40 @@ fn check(
     if !peer.ip().is_loopback() {
         return Err(Forbidden::Machine);
     }
-    let host = headers.get(HOST).and_then(|host| host.to_str().ok());
-    let host: Option<Authority> = host.and_then(|host| host.parse().ok());
+    let host = only("Host", headers.get_all(HOST).iter())?;
+    let host: Option<Authority> = host.and_then(|host| host.to_str().ok()?.parse().ok());
     let Some(host) = host.filter(|host| is_this_machine(host.host())) else {
         return Err(Forbidden::Host);
     };
-    let mut parts = uri.query().unwrap_or_default().split('&');
-    if !parts.any(|part| part.strip_prefix("token=").is_some_and(|text| token.is(text))) {
+    if uri.authority().is_some_and(|named| *named != host) {
+        return Err(Forbidden::Repeated("Host"));
+    }
+    let parameters = uri.query().unwrap_or_default().split('&');
+    let tokens = parameters.filter_map(|part| {
+        let (name, value) = part.split_once('=').unwrap_or((part, ""));
+        (name == "token").then_some(value)
+    });
+    if !only("token", tokens)?.is_some_and(|text| token.is(text)) {
         return Err(Forbidden::Token);
     }
     let is_own = |origin: &HeaderValue| {
         let origin = origin.to_str().ok().and_then(|origin| origin.parse::<Uri>().ok());
         origin.is_some_and(|origin| origin.authority() == Some(&host))
     };
-    match headers.get(ORIGIN) {
+    match only("Origin", headers.get_all(ORIGIN).iter())? {
         Some(origin) if !is_own(origin) => Err(Forbidden::Origin),
         None if uri.path() == LIVE || method != Method::GET => Err(Forbidden::NotAPage),
         _ => Ok(()),
     }
+}
+
+/// The value, if there is one; not one of several.
+fn only<T>(
+    name: &'static str,
+    mut values: impl Iterator<Item = T>,
+) -> Result<Option<T>, Forbidden> {
+    let first = values.next();
+    if values.next().is_some() { Err(Forbidden::Repeated(name)) } else { Ok(first) }
 }
 
 fn is_this_machine(name: &str) -> bool {
@@ -160,9 +179,12 @@ mod tests {
         headers: &[(HeaderName, &str)],
     ) -> Result<(), Forbidden> {
         let token = Token("0123".into());
-        let headers = headers.iter().map(|(name, value)| (name.clone(), value.parse().unwrap()));
+        let mut all = HeaderMap::new();
+        for (name, value) in headers {
+            all.append(name, value.parse().unwrap());
+        }
         let (peer, uri) = (peer.parse().unwrap(), uri.parse().unwrap());
-        check(&token, peer, (method, &uri), &headers.collect())
+        check(&token, peer, (method, &uri), &all)
     }
 
     fn checked(uri: &str, peer: &str, headers: &[(HeaderName, &str)]) -> Result<(), Forbidden> {
@@ -200,6 +222,42 @@ mod tests {
         assert_eq!(post(&[host.clone(), own]), Ok(()));
         post(&[host.clone(), (ORIGIN, "http://evil.example")]).unwrap_err();
         post(&[host]).unwrap_err();
+    }
+
+    #[test]
+    fn repeated_hosts_origins_and_tokens_are_rejected() {
+        const ME: &str = "127.0.0.1:40000";
+        let (own, foreign) = ("127.0.0.1:5562", "evil.example");
+        let (page, other) = ("http://127.0.0.1:5562", "http://evil.example");
+        let host = |name| (HOST, name);
+        let origin = |name| (ORIGIN, name);
+        let repeated = |what| Err(Forbidden::Repeated(what));
+        for second in [own, foreign] {
+            for hosts in [[host(own), host(second)], [host(second), host(own)]] {
+                assert_eq!(checked("/?token=0123", ME, &hosts), repeated("Host"), "{hosts:?}");
+            }
+        }
+        // The target of a request may be a whole address.
+        let target = "http://127.0.0.1:5562/?token=0123";
+        assert_eq!(checked(target, ME, &[host(own)]), Ok(()));
+        assert_eq!(checked("http://evil.example/?token=0123", ME, &[host(own)]), repeated("Host"));
+        for second in [page, other] {
+            for origins in [[origin(page), origin(second)], [origin(second), origin(page)]] {
+                let headers = [&[host(own)], &origins[..]].concat();
+                let found = checked("/live?token=0123", ME, &headers);
+                assert_eq!(found, repeated("Origin"), "{headers:?}");
+            }
+        }
+        for query in [
+            "token=0123&token=0123",
+            "token=0123&a=b&token=0",
+            "token=&token=0123",
+            "token&token=0123",
+        ] {
+            let found = checked(&format!("/?{query}"), ME, &[host(own)]);
+            assert_eq!(found, repeated("token"), "{query}");
+        }
+        assert_eq!(Forbidden::Repeated("Host").to_string(), "the request has more than one Host");
     }
 
     #[test]

@@ -8,6 +8,7 @@ use std::{
         Arc,
         atomic::{AtomicBool, Ordering},
     },
+    time::Duration,
 };
 
 use iiwa_files::Output;
@@ -69,6 +70,7 @@ impl ProgramRun {
         if let Some(why) = &plan.refused {
             return Err(format!("the program is not sent: {why}"));
         }
+        check_recording(&plan, setup, runs::now())?;
         let mut connection = setup.connection().map_err(|error| setup.words(&error))?;
         let status = connection
             .client()
@@ -141,6 +143,23 @@ impl ProgramRun {
     }
 }
 
+/// Refuses a plan whose run, from `now` on, could not be recorded.
+fn check_recording(plan: &Planned, setup: &Setup, now: Duration) -> Result<(), String> {
+    let planned_s = plan.label.plan.as_ref().map_or(0.0, |plan| plan.cycle_time_s);
+    runs::longest_log(planned_s)
+        .to_mcap(file_config(now, setup), &setup.robot, &plan.text)
+        .map(drop)
+        .map_err(|error| {
+            let why = setup.words(&error.into());
+            format!("the program is not sent, because its run could not be recorded: {why}")
+        })
+}
+
+/// How a recording is written that begins at `epoch`.
+fn file_config(epoch: Duration, setup: &Setup) -> Config {
+    Config { epoch, names: setup.names.clone(), ..Config::default() }
+}
+
 /// The position of the robot, if it is idle.
 pub(crate) fn position_when_idle(status: &Status, setup: &Setup) -> Result<Joints, String> {
     if status.state != DriveState::Idle {
@@ -195,9 +214,8 @@ fn finish(plan: &Planned, log: &JointLog, error: Option<String>, setup: &Setup) 
             mcap: None,
         };
     }
-    let file = Config { epoch: runs::began(log), names: setup.names.clone(), ..Config::default() };
     let saved = log
-        .to_mcap(file, &setup.robot, &plan.text)
+        .to_mcap(file_config(runs::began(log), setup), &setup.robot, &plan.text)
         .map_err(TwinError::from)
         .and_then(|bytes| save(&bytes, plan, setup));
     let (mcap, unwritten) = match saved {
@@ -254,4 +272,25 @@ fn save(
         let why = format!("{}; the recording is in {}", setup.words(&error), mcap.display());
         Ok((mcap, Some(why)))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_could_not_be_recorded_is_not_sent() {
+        let folder = tempfile::tempdir().unwrap();
+        let setup = Setup::without_drive(folder.path());
+        let text = r#"{
+            "version": 1,
+            "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+            "motions": [{ "type": "ptp", "joints_deg": [10, 30, 0, -60, 0, 90, 0] }]
+        }"#;
+        let plan = Planned::new(1, "a.json", text.to_owned(), &setup).unwrap();
+        check_recording(&plan, &setup, Duration::from_secs(1_800_000_000)).unwrap();
+        let refusal = check_recording(&plan, &setup, Duration::from_secs(1 << 31)).unwrap_err();
+        assert!(refusal.starts_with("the program is not sent"), "{refusal}");
+        assert!(refusal.contains("past the year 2038"), "{refusal}");
+    }
 }

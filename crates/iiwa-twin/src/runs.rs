@@ -194,10 +194,52 @@ pub fn since_start(measured: &Measured, torques: &Torques) -> JointLog {
     log
 }
 
+/// How much longer than planned a recording may be: overrides, waits and pauses lengthen a run.
+const RESERVE_S: f64 = 24.0 * 3600.0;
+
+/// A log with the first and the last stamp that the recording of a run may have. If it can be written before the robot
+/// moves, the recording can be written afterwards.
+#[must_use]
+pub fn longest_log(planned_s: f64) -> JointLog {
+    JointLog::new(vec![0.0, planned_s + RESERVE_S], vec![Joints::default(); 2])
+}
+
+/// The time of day, since 1970.
+#[must_use]
+pub fn now() -> Duration {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH)
+}
+
 /// When the first sample of a log was taken whose last one has just arrived, since 1970.
 #[must_use]
 pub fn began(log: &JointLog) -> Duration {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH);
     let last_s = log.t_s.last().copied().unwrap_or_default();
-    now.saturating_sub(Duration::try_from_secs_f64(last_s).unwrap_or_default())
+    now().saturating_sub(Duration::try_from_secs_f64(last_s).unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use iiwa_kin::Robot;
+    use iiwa_log::{Config, WriteError};
+
+    use super::*;
+
+    #[test]
+    fn recordings_that_could_pass_2038_are_found_before_the_run() {
+        let write = |epoch, planned_s: f64| {
+            let file = Config { epoch, ..Config::default() };
+            longest_log(planned_s).to_mcap(file, &Robot::default(), "").map(drop)
+        };
+        let last = Duration::from_secs(i32::MAX as u64);
+        let day = Duration::from_secs(24 * 3600);
+        write(last - 2 * day, 60.0).unwrap();
+        for (epoch, planned_s) in [(last - day, 60.0), (last - 20 * day, 20.0 * 86_400.0)] {
+            let error = write(epoch, planned_s).unwrap_err();
+            assert!(matches!(error, WriteError::StampOutOfRange { .. }), "{error}");
+        }
+        for epoch in [last + Duration::from_secs(1), 2 * last] {
+            let error = write(epoch, 60.0).unwrap_err();
+            assert!(matches!(error, WriteError::EpochOutOfRange { .. }), "{error}");
+        }
+    }
 }

@@ -41,14 +41,7 @@ pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Resul
     let refuse = TwinError::Serve;
     listener.set_nonblocking(true).map_err(refuse)?;
     let admission = Admission { token: token.clone(), address: twin.setup.wording.address };
-    let router = Router::new()
-        .route("/", get(page))
-        .route(LIVE, get(connect))
-        .route("/program", post(program).layer(DefaultBodyLimit::max(MAX_PROGRAM_BYTES)))
-        .route("/report.html", get(report))
-        .route("/files/{name}", get(file))
-        .with_state(twin)
-        .layer(middleware::from_fn_with_state(admission, guard));
+    let router = routes(twin).layer(middleware::from_fn_with_state(admission, guard));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .enable_all()
@@ -65,6 +58,17 @@ pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Resul
     // Requests under way have a moment to finish.
     runtime.shutdown_timeout(Duration::from_secs(1));
     served.map_err(refuse)
+}
+
+/// What is served to requests that the guard has passed.
+fn routes(twin: Shared) -> Router {
+    Router::new()
+        .route("/", get(page))
+        .route(LIVE, get(connect))
+        .route("/program", post(program).layer(DefaultBodyLimit::max(MAX_PROGRAM_BYTES)))
+        .route("/report.html", get(report))
+        .route("/files/{name}", get(file))
+        .with_state(twin)
 }
 
 /// A page with scripts of its own only, in no other page's frame.
@@ -99,26 +103,18 @@ struct Named {
     name: String,
 }
 
-/// Plans an uploaded program. The upload waits for its turn: texts take much memory, and plans more.
+/// Plans an uploaded program, once it is read: a slow upload delays no other one.
 async fn program(
     State(twin): State<Shared>,
     Query(Named { name }): Query<Named>,
     request: Request,
 ) -> Response {
     let setup = twin.setup.clone();
-    let Ok(turn) = twin.heavy.acquire_owned().await else { return shutting_down() };
-    let text = match time::timeout(UPLOAD_TIMEOUT, String::from_request(request, &())).await {
-        Ok(Ok(text)) => text,
-        Ok(Err(refused)) if refused.status() == StatusCode::PAYLOAD_TOO_LARGE => {
-            let why = format!(
-                "the program is longer than {} MiB, the most that the twin accepts; iiwasim plan has no such limit",
-                MAX_PROGRAM_BYTES >> 20
-            );
-            return (StatusCode::PAYLOAD_TOO_LARGE, why).into_response();
-        }
-        Ok(Err(refused)) => return refused.into_response(),
-        Err(_) => return StatusCode::REQUEST_TIMEOUT.into_response(),
+    let text = match read_program(request).await {
+        Ok(text) => text,
+        Err(refusal) => return refusal,
     };
+    let Ok(turn) = twin.heavy.acquire_owned().await else { return shutting_down() };
     let planned = task::spawn_blocking(move || {
         // Released when the work is done, even if the page is closed before.
         let _turn = turn;
@@ -131,6 +127,28 @@ async fn program(
             ([(CONTENT_TYPE, "application/json")], answer.to_string()).into_response()
         }
         Err(error) => failed(&setup, &broken_down("planning failed", error)),
+    }
+}
+
+/// Text of an upload, with bounds on its length and its duration. The number of connections bounds how many texts are held.
+async fn read_program(request: Request) -> Result<String, Response> {
+    let read = time::timeout(UPLOAD_TIMEOUT, String::from_request(request, &())).await;
+    let refusal = |status, why| (status, why).into_response();
+    match read {
+        Ok(Ok(text)) => Ok(text),
+        Ok(Err(refused)) if refused.status() == StatusCode::PAYLOAD_TOO_LARGE => {
+            let why = format!(
+                "the program is longer than {} MiB, the most that the twin accepts; iiwasim plan has no such limit",
+                MAX_PROGRAM_BYTES >> 20
+            );
+            Err(refusal(StatusCode::PAYLOAD_TOO_LARGE, why))
+        }
+        Ok(Err(refused)) => Err(refused.into_response()),
+        Err(_) => {
+            let limit_s = UPLOAD_TIMEOUT.as_secs();
+            let why = format!("the program was not uploaded within {limit_s} s: load it again\n");
+            Err(refusal(StatusCode::REQUEST_TIMEOUT, why))
+        }
     }
 }
 
@@ -188,4 +206,60 @@ async fn connect(
             drop(connection);
         },
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{convert::Infallible, path::Path, pin::pin, sync::Arc};
+
+    use axum::body;
+    use futures_util::stream;
+    use hyper::service::Service as _;
+    use hyper_util::service::TowerToHyperService;
+    use time::Instant;
+
+    use super::*;
+    use crate::{dispatcher::Dispatcher, follow::LatestJoints, message::PageChannel};
+
+    /// A twin whose files are in this folder, without a drive.
+    fn twin(folder: &Path) -> Shared {
+        let setup = Arc::new(Setup::without_drive(folder));
+        let dispatcher = Dispatcher::new(setup.clone(), Arc::new(LatestJoints::default()));
+        let channels = [(), ()].map(|()| PageChannel::new("{}".into()).subscribe());
+        Shared::new(setup, channels, Arc::new(dispatcher.unwrap()))
+    }
+
+    /// Status and text of the answer to an upload.
+    async fn upload(router: Router, program: Body) -> (StatusCode, String) {
+        let request = Request::post("/program?name=a.json").body(program).unwrap();
+        let answer = TowerToHyperService::new(router).call(request).await.unwrap();
+        let status = answer.status();
+        let text = body::to_bytes(answer.into_body(), usize::MAX).await.unwrap();
+        (status, String::from_utf8(text.into()).unwrap())
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_slow_upload_delays_no_other_and_has_a_time_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let router = routes(twin(folder.path()));
+        let begin = Instant::now();
+        // One byte a second, for ever.
+        let trickle = Body::from_stream(stream::unfold((), async |()| {
+            time::sleep(Duration::from_secs(1)).await;
+            Some((Ok::<_, Infallible>(" "), ()))
+        }));
+        let mut slow = pin!(upload(router.clone(), trickle));
+        let (status, text) = tokio::select! {
+            biased;
+            (status, text) = &mut slow => panic!("it is answered first: {status}, {text}"),
+            answer = upload(router, Body::from("{")) => answer,
+        };
+        assert_eq!(status, StatusCode::OK);
+        assert!(text.contains("a.json, line 1") || text.contains("EOF"), "{text}");
+        assert_eq!(begin.elapsed(), Duration::ZERO);
+        let (status, text) = slow.await;
+        assert_eq!(status, StatusCode::REQUEST_TIMEOUT);
+        assert!(text.contains("within 20 s"), "{text}");
+        assert_eq!(begin.elapsed().as_secs(), UPLOAD_TIMEOUT.as_secs());
+    }
 }

@@ -248,6 +248,36 @@ impl Setup {
     }
 }
 
+#[cfg(test)]
+impl Setup {
+    /// A setup for tests: files in this folder, and no drive.
+    pub(crate) fn without_drive(folder: &Path) -> Self {
+        let robot = Robot::lbr_iiwa_7_r800();
+        let options = TwinOptions {
+            robot_name: robot.name().to_owned(),
+            robot,
+            names: RosNames::default(),
+            scene: None,
+            meshes: None,
+            min_clearance_mm: 0.0,
+            io: Vec::new(),
+            remote: Remote::open(),
+            drive: "127.0.0.1:1".to_owned(),
+            stream: "127.0.0.1:1".to_owned(),
+            positions: Some(folder.join("positions.json")),
+            folder: Some(folder.to_owned()),
+            wording: Wording {
+                error: |error| iiwa_view::with_causes(error),
+                request: |error| error.to_string(),
+                refusal: |_| "",
+                unknown_position: |_| String::new(),
+                address: "that the program has printed",
+            },
+        };
+        Self::new(options).unwrap()
+    }
+}
+
 /// Stem of a program's files: its name without folders, and without characters that file systems do not allow.
 pub(crate) fn file_stem(name: &str) -> String {
     /// In bytes: with a number and an extension it is short enough for any file system.

@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// Parts of this page alone.
-const PARTS: [Part; 9] = [
+const PARTS: [Part; 10] = [
     ("/*twin.css*/", include_str!("twin/twin.css")),
     ("/*plot.js*/", include_str!("page/plot.js")),
     ("/*link.js*/", include_str!("twin/link.js")),
@@ -20,6 +20,7 @@ const PARTS: [Part; 9] = [
     ("/*programs.js*/", include_str!("twin/programs.js")),
     ("/*torque.js*/", include_str!("twin/torque.js")),
     ("/*history.js*/", include_str!("twin/history.js")),
+    ("/*stop.js*/", include_str!("twin/stop.js")),
     ("/*main.js*/", include_str!("twin/main.js")),
 ];
 

@@ -99,11 +99,10 @@ impl Recording {
         sample: &JointSample,
     ) -> Result<Self, Failure> {
         let what = |error: &dyn Error| cannot_write(path, error);
-        let file = if options.overwrite { File::create(path) } else { File::create_new(path) };
         let epoch = Duration::from_micros(message.at.micros());
         let file_config = Config { epoch, names: options.ros.names(), ..Config::default() };
         let config = RecorderConfig { file: file_config, ..RecorderConfig::default() };
-        let mut recorder = Recorder::new(file.map_err(|error| what(&error))?, robot, config)
+        let mut recorder = Recorder::create(path, options.overwrite, robot, config)
             .map_err(|error| what(&error))?;
         let torques = sample.measured_nm.as_ref();
         recorder

@@ -38,10 +38,8 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         ExperimentName::Load => vec![ExperimentKind::Load],
         ExperimentName::All => ExperimentKind::ALL.to_vec(),
     };
-    let path = match &options.output {
-        Some(path) => path.clone(),
-        None => PathBuf::from(format!("experiment-{}", options.name.name())),
-    };
+    let own = || PathBuf::from(format!("experiment-{}", options.name.name()));
+    let path = options.output.clone().unwrap_or_else(own);
     let (report, link) = report_path(options, &path)?;
     let virtual_robot = match &options.virtual_robot {
         Some(name) => input::find_robot(name)?,
@@ -65,6 +63,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     let count = programs.iter().map(|(_, trials)| trials.len()).sum();
     let mut arm = match (&options.drive, options.move_to_start) {
         (Some(drive), Some(to_start)) => {
+            folder.check(&bench.model)?;
             let keys = options.keys.clone();
             let address = DriveAddress { drive: drive.clone(), keys };
             let line = Box::new(connect(&address, &options.stream)?);

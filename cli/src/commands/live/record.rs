@@ -2,14 +2,16 @@
 
 use std::{
     fs::File,
-    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
+    time::{Duration, Instant},
 };
 
 use iiwa_files::interrupt;
-use iiwa_kin::Robot;
 use iiwa_link::{Published, Stream};
-use iiwa_log::{Config, DEFAULT_EPOCH, Recorder, RecorderConfig, WriteError};
-use iiwa_twin::diagnostics::{self, SensorPoll};
+use iiwa_log::{Config, Recorder, RecorderConfig, WriteError};
+use iiwa_twin::{
+    diagnostics::{self, SensorPoll},
+    runs::now,
+};
 
 use crate::{
     args::Record,
@@ -93,7 +95,12 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
                 let torques_nm = of_now.as_ref().map(|(_, torques_nm)| torques_nm);
                 let recorder = match &mut recorder {
                     Some(recorder) => recorder,
-                    None => recorder.insert(begin(options, &robot)?),
+                    None => {
+                        // Another program may have made the file meanwhile.
+                        let begun =
+                            Recorder::create(path, options.overwrite, &robot, config(options));
+                        recorder.insert(begun.map_err(refuse)?)
+                    }
                 };
                 recorder.sample_with_torques(t, &joints_rad, torques_nm).map_err(refuse)?;
                 (last, fresh) = (t, true);
@@ -119,9 +126,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
         }
     }
     progress.clear();
-    let Some(recorder) = recorder else {
-        return Err(nothing_came(options));
-    };
+    let Some(recorder) = recorder else { return Err(nothing_came(options)) };
     let metadata = [("sample_count".to_owned(), samples.to_string())].into();
     recorder.finish(&metadata, &[]).map_err(refuse)?;
     let left_out = if left_out > 0 { format!(", {left_out} left out") } else { String::new() };
@@ -139,19 +144,8 @@ fn nothing_came(options: &Record) -> Failure {
     Failure::Run { what, cause: None }
 }
 
-/// Begins the file.
-fn begin(options: &Record, robot: &Robot) -> Result<Recorder<File>, Failure> {
-    let path = &options.output;
-    let what = || format!("cannot write {}", path.display());
-    // Another program may have made one meanwhile.
-    let file = if options.overwrite { File::create(path) } else { File::create_new(path) };
-    let file = file.map_err(|error| Failure::run(what(), &error))?;
-    Recorder::new(file, robot, config(options)).map_err(|error| Failure::run(what(), &error))
-}
-
 /// With the time of the start.
 fn config(options: &Record) -> RecorderConfig {
-    let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH);
     let epoch = options.epoch.unwrap_or_else(now);
     let file = Config { epoch, names: options.ros.names(), ..Config::default() };
     RecorderConfig { file, ..RecorderConfig::default() }

@@ -16,7 +16,7 @@ use iiwa_path::warnings;
 use iiwa_program::Program;
 use iiwa_scene::ArmInScene;
 use iiwa_traj::Trajectory;
-use iiwa_twin::runs::{began, label, since_start};
+use iiwa_twin::runs::{began, label, longest_log, now, since_start};
 use iiwa_view::{PlanGates, RunReport, add_clearances, plan_table, printable, warning_lines};
 
 use crate::{
@@ -44,12 +44,18 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     warnings.extend(figures.torque_warnings());
     print_note(&warning_lines(&warnings, None));
 
+    // What would lose the recording is refused before the arm moves.
+    let output = target.as_deref().map(Output::new).transpose()?;
+    let file = |epoch| Config { epoch, names: options.ros.names(), ..Config::default() };
+    if output.is_some() {
+        let file = file(options.epoch.unwrap_or_else(now));
+        recording(&longest_log(plan.cycle_time_s()), file, &robot, text.complete())?;
+    }
     let mut line = connect(&options.drive, &options.stream)?;
     if !options.json {
         output::print(&plan_table(&figures))?;
     }
     check_clearance(options, &figures)?;
-    let output = target.as_deref().map(Output::new).transpose()?;
     let request = if options.as_trajectory {
         Request::trajectory(sampled(&plan)?)
     } else {
@@ -65,15 +71,13 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
         Ok(measured) => (measured, None),
         Err(ClientError::Refused { mut refusal, run }) => {
             let run = run.map(|run| *run).unwrap_or_default();
-            let what = match run.samples.t_s.as_slice() {
-                [] => "the robot did not run the program",
-                _ => "the robot did not finish the program",
-            };
+            let verb = if run.samples.t_s.is_empty() { "run" } else { "finish" };
             if !options.as_trajectory {
                 refusal.message.push_str(hint(&refusal));
             }
             let failed = ClientError::Refused { refusal, run: None };
-            (run, Some(connection::failed(what, &failed)))
+            let what = format!("the robot did not {verb} the program");
+            (run, Some(connection::failed(&what, &failed)))
         }
         // The samples of the stream are all there is.
         Err(error) => {
@@ -87,20 +91,14 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
         print_note(&format!("No cycle time by the controller: {}\n", printable(why)));
     }
     let log = since_start(&measured, &watched.torques);
-    let written = output.filter(|_| !log.t_s.is_empty());
-    let file = match written {
-        Some(output) => {
-            let epoch = options.epoch.unwrap_or_else(|| began(&log));
-            let file = Config { epoch, names: options.ros.names(), ..Config::default() };
-            let recording = recording(&log, file, &robot, text.complete())?;
-            output.write(&recording)?;
-            output.complete_always()?;
-            target.as_deref()
-        }
-        None => None,
-    };
+    let written = target.as_deref().filter(|_| !log.t_s.is_empty());
+    if let (Some(output), Some(_)) = (output, written) {
+        let file = file(options.epoch.unwrap_or_else(|| began(&log)));
+        output.write(&recording(&log, file, &robot, text.complete())?)?;
+        output.complete_always()?;
+    }
     let plan = iiwa_eval::Plan::from_trajectory(&plan);
-    let figures = RunReport::new(&plan, &log, failure.is_none(), file);
+    let figures = RunReport::new(&plan, &log, failure.is_none(), written);
     if options.json {
         output::print_json(&figures)?;
     } else {

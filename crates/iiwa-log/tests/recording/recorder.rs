@@ -1,6 +1,7 @@
 //! A recording as it grows: what is in it, and that it is whole after every step.
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::time::Duration;
 
@@ -31,6 +32,33 @@ fn swing(t: Duration) -> (Joints, Joints) {
         std::array::from_fn(|joint| phase(joint).sin()),
         std::array::from_fn(|joint| (joint + 1) as f64 * phase(joint).cos()),
     )
+}
+
+#[test]
+fn a_recording_that_cannot_begin_leaves_files_as_they_were() {
+    let folder = tempfile::tempdir().unwrap();
+    let [new, old] = ["new.mcap", "old.mcap"].map(|name| folder.path().join(name));
+    fs::write(&old, "before").unwrap();
+    let robot = Robot::lbr_iiwa_7_r800();
+    let create = |path, overwrite, epoch_s| {
+        let file = Config { epoch: Duration::from_secs(epoch_s), ..Config::default() };
+        let config = RecorderConfig { file, ..RecorderConfig::default() };
+        Recorder::create(path, overwrite, &robot, config).map(drop)
+    };
+    let past_2038 = 1 << 31;
+    for (path, overwrite) in [(&new, false), (&new, true), (&old, true)] {
+        let error = create(path, overwrite, past_2038).unwrap_err();
+        assert!(matches!(error, WriteError::EpochOutOfRange { .. }), "{error}");
+    }
+    let error = create(&old, false, 0).unwrap_err();
+    assert!(matches!(error, WriteError::Mcap { .. }), "{error}");
+    assert!(!new.exists());
+    assert_eq!(fs::read_to_string(&old).unwrap(), "before");
+    create(&new, false, past_2038 - 1).unwrap();
+    create(&old, true, 0).unwrap();
+    for path in [new, old] {
+        Recording::from_bytes(&fs::read(path).unwrap()).unwrap();
+    }
 }
 
 #[test]

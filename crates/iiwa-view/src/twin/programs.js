@@ -172,4 +172,3 @@ document.addEventListener("drop", (event) => {
 });
 $("send").addEventListener("click", send);
 $("clear").addEventListener("click", () => ask("program-said", "clear_program"));
-$("stop").addEventListener("click", () => ask("program-said", "stop"));

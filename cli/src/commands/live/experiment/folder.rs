@@ -11,7 +11,7 @@ use bytesize::ByteSize;
 use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
 use iiwa_log::{Config, DEFAULT_EPOCH, JointLog};
-use iiwa_twin::runs::began;
+use iiwa_twin::runs::{began, longest_log, now};
 
 use crate::{args::Experiment, failure::Failure, output, runner};
 
@@ -45,6 +45,12 @@ impl Folder {
         }
         let (recordings, epoch) = (!options.no_recordings, options.epoch);
         Ok(Self { path: path.to_owned(), recordings, of_robot, epoch, bytes: Cell::new(0) })
+    }
+
+    /// Fails if recordings that begin now could not be written.
+    pub(crate) fn check(&self, robot: &Robot) -> Result<(), Failure> {
+        let file = Config { epoch: self.epoch.unwrap_or_else(now), ..Config::default() };
+        runner::recording(&longest_log(0.0), file, robot, "").map(drop)
     }
 
     /// Writes a program and its recording.
